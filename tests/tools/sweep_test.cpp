@@ -115,12 +115,16 @@ TEST_F(Sweep, GivesTheSameResultsWithAnyWorkersInAnyOrder) {
   for (const char* slice : {"3/3", "1/3", "2/3"}) done({"sweep", "work", "slices", "--slice", slice});
   rehearse({"sweep", "report", "slices"});
   EXPECT_EQ(results("one"), results("slices"));
-  for (const auto& file : {"one", "two", "slices"}) {
-    std::set<std::string> kept;
-    for (const auto& entry : fs::directory_iterator(folder() / file / "traces"))
-      kept.insert(entry.path().filename().string());
-    EXPECT_FALSE(kept.empty()) << file;
-  }
+  const auto kept = [&](const char* campaign) {
+    std::set<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder() / campaign / "traces"))
+      names.insert(entry.path().filename().string());
+    return names;
+  };
+  EXPECT_EQ(kept("one").size(), 3u);
+  EXPECT_THAT(*kept("one").begin(), ::testing::StartsWith("violated-"));
+  EXPECT_EQ(kept("one"), kept("two"));
+  EXPECT_EQ(kept("one"), kept("slices"));
 }
 
 TEST_F(Sweep, HasAColumnForEachWayToFail) {
@@ -224,6 +228,35 @@ TEST_F(Sweep, StopsOnAFullDiskAndGoesOn) {
   EXPECT_EQ(results("full"), results("whole"));
 }
 
+TEST_F(Sweep, EndsAfterSoManyFailures) {
+  box();
+  rehearse({"sweep", "box.yaml", "--cases", "100", "-o", "whole"});
+  const Outcome ended =
+      rehearse({"sweep", "box.yaml", "--cases", "100", "-o", "few", "--until-failures", "3", "-j", "1"});
+  EXPECT_EQ(ended.status, 1) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("go on: rehearse sweep resume few"));
+  const auto status = rehearse({"sweep", "status", "few", "--json"}).json();
+  EXPECT_EQ(status["verdicts"]["violated"], 3);
+  EXPECT_GT(status["missing"], 50);
+  EXPECT_EQ(rehearse({"sweep", "resume", "few", "--until-failures", "3", "--json"}).json()["missing"],
+            status["missing"]);
+  rehearse({"sweep", "resume", "few"});
+  EXPECT_EQ(results("few"), results("whole"));
+}
+
+TEST_F(Sweep, JudgesByTheGoldenToo) {
+  box("golden: Box.Falls\ntolerances:\n  - {channel: \"*\", atol: 0.05}\n");
+  fs::create_directory(folder() / "golden");
+  EXPECT_EQ(rehearse({"check", "box.yaml"}).status, 1) << "it waits";
+  done({"golden", "accept", "Box.Falls"});
+  const auto plain = rehearse({"sweep", "box.yaml", "--cases", "40", "-o", "plain", "--json"}).json();
+  const auto compared = rehearse({"sweep", "box.yaml", "--cases", "40", "-o", "compared", "--golden", "--json"}).json();
+  EXPECT_EQ(plain["verdicts"]["differs"], 0);
+  EXPECT_GT(compared["verdicts"]["differs"], 10);
+  EXPECT_EQ(compared["verdicts"]["violated"], plain["verdicts"]["violated"]) << "an expectation comes first";
+  EXPECT_GT(compared["verdicts"]["passed"], 0) << "within 5 cm";
+}
+
 TEST_F(Sweep, MakesACaseAgainBitForBit) {
   box();
   rehearse({"sweep", "box.yaml", "--cases", "20", "-o", "run"});
@@ -270,6 +303,10 @@ TEST_F(Sweep, ShrinksAFailingCaseToAScenario) {
   const Outcome checked = rehearse({"check", "small.yaml"});
   EXPECT_EQ(checked.status, 1);
   EXPECT_THAT(checked.out + checked.err, HasSubstr("expected Box/Box/position/z above 0.3 m"));
+  const auto cut = rehearse({"sweep", "shrink", number, "run", "-o", "cut.yaml", "--budget", "1", "--json"}).json();
+  EXPECT_EQ(cut["finished"], false);
+  EXPECT_EQ(cut["differs"].size(), 2u) << "the best so far is the case";
+  EXPECT_EQ(rehearse({"check", "cut.yaml"}).status, 1);
   const std::string passing = std::to_string([&] {
     for (int i = 0;; ++i)
       if (rehearse({"sweep", "case", std::to_string(i), "run", "-o", "x.mcap", "--json"}).json()["verdict"] == "passed")
@@ -325,6 +362,81 @@ TEST_F(Sweep, RefusesWhatItCantContinue) {
   std::string scenario = read_file(folder() / "box.yaml");
   write("box.yaml", scenario + "# changed\n");
   refused({"sweep", "resume", "run"}, "has changed since the campaign began");
+}
+
+TEST_F(Sweep, RefusesToGoOnWithAnotherController) {
+  fs::copy_file(MISBEHAVING, folder() / "controller.so");
+  const std::string text = read_file(deeds("none, throw 5"));
+  std::string own = text;
+  own.replace(own.find(MISBEHAVING), std::string(MISBEHAVING).size(), "./controller.so");
+  write("own.yaml", own);
+  rehearse({"sweep", "own.yaml", "-o", "run"});
+  EXPECT_EQ(rehearse({"sweep", "resume", "run"}).status, 1) << "a case fails";
+  fs::remove(folder() / "controller.so");
+  fs::copy_file(CORNERS, folder() / "controller.so");
+  const Outcome refused = rehearse({"sweep", "resume", "run"});
+  EXPECT_EQ(refused.status, bad_input);
+  EXPECT_THAT(refused.err, HasSubstr("the controller Pendulum/Swing has changed since the campaign began"));
+}
+
+TEST_F(Sweep, EndsWhenAControllerChangesMeanwhile) {
+  fs::copy_file(MISBEHAVING, folder() / "controller.so");
+  std::string all = "none";
+  for (int i = 1; i < 1000; ++i) all += ", none";
+  std::string own = read_file(deeds(all));
+  own.replace(own.find(MISBEHAVING), std::string(MISBEHAVING).size(), "./controller.so");
+  write("own.yaml", own);
+  Outcome ended;
+  std::thread sweeping([&] { ended = rehearse({"sweep", "own.yaml", "-o", "run", "-j", "1"}); });
+  for (int i = 0; i < 30000 && !exists("run/results.jsonl"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  fs::copy_file(CORNERS, folder() / "other.so");
+  fs::rename(folder() / "other.so", folder() / "controller.so");
+  sweeping.join();
+  EXPECT_EQ(ended.status, bad_input) << ended.out;
+  EXPECT_THAT(ended.err, HasSubstr("the controller Pendulum/Swing has changed since the campaign began"));
+  EXPECT_LT(counts("run").size(), 1000u);
+}
+
+TEST_F(Sweep, FindsARareFailureInRoundsTowardsIt) {
+  std::string text = read_file(box());
+  text.replace(text.find("above: 0.3"), 10, "above: 0.2495");  // one of two hundred heights
+  write("rare.yaml", text);
+  const std::vector<std::string> words{"sweep",     "rare.yaml",        "--cases", "40",
+                                       "--towards", "position/z above", "--json",  "-o"};
+  const auto searched = [&](const std::string& campaign, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> all = words;
+    all.push_back(campaign);
+    all.insert(all.end(), more.begin(), more.end());
+    return rehearse(all);
+  };
+  const Outcome found = searched("search");
+  EXPECT_EQ(found.status, 1) << found.err;
+  const auto rounds = found.json()["rounds"];
+  ASSERT_GE(rounds.size(), 2u) << "the first round alone would show nothing";
+  ASSERT_LE(rounds.size(), 5u);
+  EXPECT_EQ(rounds[0]["failed"], 0);
+  EXPECT_GT(rounds.back()["failed"], 0);
+  EXPECT_LT(rounds.back()["least_margin"], 0.0);
+  const std::string last = rounds.back()["folder"], number = std::to_string(rounds.back()["first_failure"].get<int>());
+  EXPECT_THAT(rehearse({"sweep", "case", number, last, "-o", "x.mcap"}).out,
+              HasSubstr("the same bits as in the campaign"));
+
+  // the same again: continued, in another folder, and with another parameter, which has no say
+  EXPECT_EQ(searched("search").out, found.out);
+  const auto cases = [&](const std::string& campaign) {
+    return results((fs::path(campaign) / fs::path(last).filename()).string());
+  };
+  searched("other", {"-j", "1"});
+  EXPECT_EQ(cases("search"), cases("other"));
+  EXPECT_EQ(searched("mass", {"--over", "mass", "--rounds", "2"}).json()["rounds"][1]["failed"], 0);
+
+  EXPECT_THAT(searched("wrong", {"--over", "heigth"}).err,
+              HasSubstr("no parameter 'heigth' can be steered (did you mean 'height'"));
+  EXPECT_THAT(rehearse({"sweep", "rare.yaml", "--cases", "40", "--towards", "speed", "-o", "speed"}).err,
+              HasSubstr("no expectation has 'speed'"));
+  EXPECT_THAT(rehearse({"sweep", "rare.yaml", "--cases", "41", "--towards", "above", "-o", "search"}).err,
+              HasSubstr("the round has another number of cases"));
 }
 
 TEST_F(Sweep, SaysWhichVariationIsWrong) {

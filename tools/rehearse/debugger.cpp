@@ -32,18 +32,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The path of the program that a shell would execute for that name; empty: none.
-fs::path find_program(const std::string& name) {
-  const char* path = std::getenv("PATH");
-  std::istringstream folders(path ? path : "/usr/local/bin:/usr/bin:/bin");
-  for (std::string folder; std::getline(folders, folder, ':');) {
-    const fs::path file = fs::path(folder.empty() ? "." : folder) / name;
-    std::error_code ignored;
-    if (fs::is_regular_file(file, ignored) && access(file.c_str(), X_OK) == 0) return file;
-  }
-  return {};
-}
-
 Diagnostic no_gdb() { return error("--gdb needs gdb, and there is none on the PATH", "apt-get install gdb"); }
 
 /// The folder of Rehearse's gdb commands, in the build folder and installed: share/ is beside bin/ and libexec/.

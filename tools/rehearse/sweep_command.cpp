@@ -22,27 +22,13 @@
 #include "progress.h"
 #include "scenario_text.h"
 #include "side_by_side.h"
+#include "slurm.h"
+#include "sweep.h"
 
 namespace rehearse::tool {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct SweepSettings {
-  std::string scenario, folder;
-  CampaignOptions campaign;
-  SweepOptions sweep;
-  std::string slice;  // "i/n"; empty: none
-  bool golden = false, json = false;
-  bool plan = false;      // no case is run
-  std::int64_t jobs = 0;  // 0: one for each processor
-  std::string against;    // another campaign; empty: none
-  std::int64_t number = 0;
-  std::string output;  // of case and shrink; empty: in the campaign's folder
-  ShrinkOptions shrink;
-};
-
-Simulation simulation() { return {record, run_plant, describe_plant, record_from}; }
 
 std::string resume_advice(const std::string& folder) { return fmt::format("rehearse sweep resume {}", folder); }
 
@@ -58,19 +44,6 @@ Result<Slice> slice_of(const std::string& text) {
   if (slice.index > slice.count)
     return error(fmt::format("--slice: there is no slice {} of {}", slice.index, slice.count));
   return slice;
-}
-
-Json json_of(const Campaign& campaign, const CaseResult& result) {
-  Json margins = Json::array();
-  for (std::size_t i = 0; i < std::min(result.margins.size(), campaign.expectations().size()); ++i)
-    margins.push_back({{"expectation", campaign.expectations()[i]},
-                       {"margin", result.margins[i] ? tool::json_of(*result.margins[i]) : Json(nullptr)}});
-  return {{"verdict", std::string(to_string(result.verdict))},
-          {"sentence", result.sentence},
-          {"tick", result.tick ? Json(*result.tick) : Json(nullptr)},
-          {"ticks", result.ticks},
-          {"hash", result.hash},
-          {"margins", margins}};
 }
 
 Exit exit_of(const CampaignSummary& summary) {
@@ -108,6 +81,7 @@ Exit finish(const Campaign& campaign, const SweepSettings& settings, const Campa
     fmt::print("{}\n", verdict(*summary));
     if (campaign.nominal().verdict != CaseVerdict::passed)
       fmt::print("the nominal scenario fails: {}\n", plain_text(campaign.nominal().sentence));
+    if (summary->missing > 0) fmt::print("go on: {}\n", resume_advice(settings.folder));
     fmt::print("report: {}\n", page.string());
   }
   std::fflush(stdout);
@@ -130,6 +104,13 @@ Exit work_on(Campaign& campaign, SweepSettings& settings) {
   if (interruption() == 0) return Exit::done;
   fmt::print(stderr, "interrupted; the results so far are kept ({})\n", resume_advice(settings.folder));
   return static_cast<Exit>(128 + interruption());
+}
+
+Exit submit(const Campaign& campaign, const SweepSettings& settings) {
+  const auto submitted = submit_to_slurm(campaign, settings.slurm);
+  if (!submitted) return refuse(submitted.errors());
+  fmt::print("{}\nits state: rehearse sweep status {}\n", *submitted, settings.folder);
+  return Exit::done;
 }
 
 Exit work_and_finish(Campaign& campaign, SweepSettings& settings) {
@@ -156,10 +137,20 @@ void make_libraries_absolute(HostOptions& host) {
     if (library.find('/') != std::string::npos) library = fs::absolute(library, ignored).string();
 }
 
+/// The options that only --slurm has.
+Result<void> check_slurm_options(const SweepSettings& settings) {
+  if (settings.in_slurm) return {};
+  if (!settings.slurm.sbatch.empty())
+    return error(fmt::format("'{}' is no option of sweep", settings.slurm.sbatch.front()),
+                 "options after -- are those of sbatch, with --slurm");
+  return settings.slurm.tasks > 0 ? Result<void>(error("--tasks needs --slurm")) : Result<void>();
+}
+
 Exit run_new(SweepSettings& settings) {
   if (settings.scenario.empty())
     return refuse(error("rehearse sweep: SCENARIO is required", "or resume, work, status, report, case, shrink"));
   if (settings.folder.empty()) return refuse(error("-o is required", "expected -o DIR, a new folder"));
+  if (const auto allowed = check_slurm_options(settings); !allowed) return refuse(allowed.errors());
   end_runs_on_signals();
   make_libraries_absolute(settings.campaign.host);
   if (settings.golden) {
@@ -167,9 +158,11 @@ Exit run_new(SweepSettings& settings) {
     if (!golden) return refuse(golden.errors());
     settings.campaign.golden = *std::move(golden);
   }
+  if (!settings.search.expectation.empty()) return run_search(settings);
   auto campaign = Campaign::create(settings.scenario, settings.folder, settings.campaign, simulation());
   if (!campaign) return refuse(campaign.errors());
   tell_warnings(campaign->scenario());
+  if (settings.in_slurm) return submit(*campaign, settings);
   if (!settings.plan) return work_and_finish(*campaign, settings);
   fmt::print("{}: {}\n", campaign->folder().string(), count_text(campaign->options().cases, "case"));
   return Exit::done;
@@ -177,8 +170,12 @@ Exit run_new(SweepSettings& settings) {
 
 Exit run_resume(SweepSettings& settings) {
   end_runs_on_signals();
+  if (const auto allowed = check_slurm_options(settings); !allowed) return refuse(allowed.errors());
   auto campaign = Campaign::open(settings.folder);
-  return campaign ? work_and_finish(*campaign, settings) : refuse(campaign.errors());
+  if (!campaign) return refuse(campaign.errors());
+  if (settings.in_slurm) return submit(*campaign, settings);
+  if (const auto free = check_slurm_queue(*campaign); !free) return refuse(free.errors());
+  return work_and_finish(*campaign, settings);
 }
 
 Exit run_work(SweepSettings& settings) {
@@ -196,12 +193,19 @@ Exit run_status(SweepSettings& settings) {
   if (!campaign) return refuse(campaign.errors());
   const auto summary = summary_of(*campaign);
   if (!summary) return refuse(summary.errors());
+  const auto queue = is_in_slurm(*campaign) ? slurm_queue(*campaign) : Result<SlurmQueue>(SlurmQueue{});
+  if (!queue) fmt::print(stderr, "warning: {}\n", to_string(queue.errors()));
   if (settings.json) {
-    print(Json::parse(to_json(*summary)));
+    Json object = Json::parse(to_json(*summary));
+    if (is_in_slurm(*campaign) && queue) object["slurm"] = {{"running", queue->running}, {"waiting", queue->waiting}};
+    print(object);
   } else {
     tell_verdicts(*summary);
     fmt::print("{}\n", verdict(*summary));
-    if (summary->missing > 0) fmt::print("go on: {}\n", resume_advice(settings.folder));
+    if (is_in_slurm(*campaign) && queue) fmt::print("{}\n", to_string(*queue));
+    const bool is_at_work = queue && queue->running + queue->waiting > 0;
+    if (summary->missing > 0 && !is_at_work)
+      fmt::print("go on: {}{}\n", resume_advice(settings.folder), is_in_slurm(*campaign) ? " --slurm" : "");
   }
   std::fflush(stdout);
   tell_unrepeated(*summary);
@@ -214,121 +218,6 @@ Exit run_report(SweepSettings& settings) {
   if (settings.against.empty()) return finish(*campaign, settings, nullptr);
   const auto against = Campaign::open(settings.against);
   return against ? finish(*campaign, settings, &*against) : refuse(against.errors());
-}
-
-/// The first result of a case; none: it has none.
-Result<std::optional<CaseResult>> kept_result(const Campaign& campaign, std::int64_t number) {
-  std::optional<CaseResult> found;
-  auto read = campaign.read_results([&](const CaseResult& result) {
-    if (result.number == number && !result.again && !found) found = result;
-  });
-  if (!read) return read.errors();
-  return found;
-}
-
-void tell_values(const Campaign& campaign, const std::vector<std::string>& values) {
-  const std::vector<Variation>& variations = campaign.scenario().variations;
-  std::vector<TableRow> rows{{"parameter", "value", "nominal"}};
-  for (std::size_t i = 0; i < values.size(); ++i)
-    rows.push_back({variations[i].name, plain_text(values[i].empty() ? variations[i].nominal : values[i]),
-                    plain_text(variations[i].nominal)});
-  print_table(rows);
-}
-
-Json json_of_values(const Campaign& campaign, const std::vector<std::string>& values) {
-  Json object = Json::object();
-  for (std::size_t i = 0; i < values.size(); ++i) object[campaign.scenario().variations[i].name] = values[i];
-  return object;
-}
-
-/// "the same bits as in the campaign", or what differs.
-std::string agreement(const std::optional<CaseResult>& kept, const CaseResult& now) {
-  if (!kept) return "the campaign has no result of it yet";
-  if (kept->repeats(now)) return "the same bits as in the campaign";
-  return fmt::format("other bits than in the campaign ({})",
-                     kept->hash.empty() ? std::string(to_string(kept->verdict)) : kept->hash);
-}
-
-Exit run_case_again(SweepSettings& settings) {
-  end_runs_on_signals();
-  const auto campaign = Campaign::open(settings.folder);
-  if (!campaign) return refuse(campaign.errors());
-  if (const auto there = campaign->check_number(settings.number); !there) return refuse(there.errors());
-  const auto kept = kept_result(*campaign, settings.number);
-  if (!kept) return refuse(kept.errors());
-  const auto text = campaign->text_of(settings.number);
-  if (!text) return refuse(text.errors());
-  const fs::path trace = settings.output.empty()
-                             ? campaign->folder() / "traces" / fmt::format("case-{}.mcap", settings.number)
-                             : fs::path(settings.output);
-  const auto result = campaign->run_text(*text, trace, simulation());
-  if (!result) return refuse(result.errors());
-  const std::string same = agreement(*kept, *result);
-  if (settings.json) {
-    Json object = json_of(*campaign, *result);
-    object["case"] = settings.number;
-    object["values"] = json_of_values(*campaign, campaign->values_of(settings.number));
-    object["trace"] = trace.string();
-    object["same"] = *kept ? Json((*kept)->repeats(*result)) : Json(nullptr);
-    print(object);
-  } else {
-    tell_values(*campaign, campaign->values_of(settings.number));
-    fmt::print("case {}: {}{}\n{}\n{}\n", settings.number, to_string(result->verdict),
-               result->sentence.empty() ? "" : ": " + plain_text(result->sentence), same, trace.string());
-  }
-  return *kept && !(*kept)->repeats(*result) ? Exit::differs : Exit::done;
-}
-
-void tell_shrunk(const Campaign& campaign, const Shrunk& shrunk, const fs::path& file) {
-  std::vector<TableRow> rows{{"parameter", "value", "nominal"}};
-  for (const std::size_t i : shrunk.differs)
-    rows.push_back({campaign.scenario().variations[i].name, plain_text(shrunk.values[i]),
-                    plain_text(campaign.scenario().variations[i].nominal)});
-  print_table(rows);
-  fmt::print("{} of {} parameters differ, {:g} s of simulation, after {} runs{}\n", shrunk.differs.size(),
-             campaign.scenario().variations.size(), shrunk.duration, shrunk.runs,
-             shrunk.finished ? "" : "; the search isn't finished");
-  fmt::print("{}: {}\n", to_string(shrunk.result.verdict), plain_text(shrunk.result.sentence));
-  fmt::print("{}\n{}\n", file.string(), fs::path(file).replace_extension(".mcap").string());
-}
-
-Exit run_shrink(SweepSettings& settings) {
-  end_runs_on_signals();
-  const auto campaign = Campaign::open(settings.folder);
-  if (!campaign) return refuse(campaign.errors());
-  const auto shrunk = [&] {
-    Progress progress("shrinking");
-    settings.shrink.progress = [&](int runs, std::size_t differing) {
-      progress.set_text(fmt::format("shrinking: {} runs, {} differ", runs, count_text(differing, "parameter")));
-      progress.show(runs, settings.shrink.budget);
-      return true;
-    };
-    return shrink(*campaign, settings.number, settings.shrink, simulation());
-  }();
-  if (!shrunk) return refuse(shrunk.errors());
-  const fs::path file = settings.output.empty() ? campaign->folder() / fmt::format("shrunk-{}.yaml", settings.number)
-                                                : fs::path(settings.output);
-  if (interruption() == 0) {
-    if (const auto written = write_shrunk(*campaign, *shrunk, file, simulation()); !written)
-      return refuse(written.errors());
-  } else if (const auto written = write_shrunk(*campaign, *shrunk, file, {}); !written) {
-    return refuse(written.errors());
-  }
-  if (settings.json) {
-    Json object = json_of(*campaign, shrunk->result);
-    object["case"] = settings.number;
-    Json values = Json::object();
-    for (const std::size_t i : shrunk->differs) values[campaign->scenario().variations[i].name] = shrunk->values[i];
-    object["differs"] = values;
-    object["duration"] = shrunk->duration;
-    object["runs"] = shrunk->runs;
-    object["finished"] = shrunk->finished;
-    object["scenario"] = file.string();
-    print(object);
-  } else {
-    tell_shrunk(*campaign, *shrunk, file);
-  }
-  return Exit::done;
 }
 
 using Settings = std::shared_ptr<SweepSettings>;
@@ -355,6 +244,31 @@ CLI::App& declare_sub(CLI::App& options, const Settings& settings, const char* n
   return sub;
 }
 
+void add_slurm(CLI::App& options, const Settings& settings) {
+  options.add_flag("--slurm", settings->in_slurm, "run the cases as array jobs of Slurm; after --: options of sbatch");
+  add_integer(options, "--tasks", "tasks of Slurm (each has 30 s of work, at most 1000)", 1, 1'000'000,
+              [settings](std::int64_t tasks) { settings->slurm.tasks = tasks; });
+  options.add_option("SBATCH", settings->slurm.sbatch, "options of sbatch, after --")->type_name("")->expected(1, 100);
+}
+
+/// The end of the work before its last case.
+void add_until_failures(CLI::App& options, const Settings& settings) {
+  add_integer(options, "--until-failures", "end when so many cases have failed (run all)", 1, 1'000'000'000,
+              [settings](std::int64_t failures) { settings->sweep.most_failures = failures; });
+}
+
+void add_search(CLI::App& options, const Settings& settings) {
+  options
+      .add_option("--towards", settings->search.expectation,
+                  "steer the parameters in rounds of --cases towards the failure of an expectation")
+      ->type_name("TEXT");
+  options.add_option("--over", settings->search.over, "of --towards: the parameters to steer (all with a range)")
+      ->type_name("NAME")
+      ->delimiter(',');
+  add_integer(options, "--rounds", "of --towards: at most (6)", 1, 1000,
+              [settings](std::int64_t rounds) { settings->search.rounds = static_cast<int>(rounds); });
+}
+
 void declare_new(CLI::App& options, const Settings& settings) {
   options.add_option("SCENARIO", settings->scenario, "a YAML file with vary:")->type_name("");
   options.add_option("-o,--output", settings->folder, "the folder of the campaign, a new one")->type_name("DIR");
@@ -370,6 +284,9 @@ void declare_new(CLI::App& options, const Settings& settings) {
              [settings](double limit) { settings->campaign.case_limit = limit; });
   add_host_options(options, settings->campaign.host);
   add_jobs(options, settings);
+  add_until_failures(options, settings);
+  add_search(options, settings);
+  add_slurm(options, settings);
   add_json_flag(options, settings->json);
 }
 
@@ -383,7 +300,10 @@ std::function<Exit()> declare_sweep(CLI::App& options) {
     subs.emplace_back(&sub, run);
     return sub;
   };
-  add_jobs(declare("resume", "run the cases that have no result", run_resume), settings);
+  CLI::App& resume = declare("resume", "run the cases that have no result", run_resume);
+  add_jobs(resume, settings);
+  add_until_failures(resume, settings);
+  add_slurm(resume, settings);
   CLI::App& work = declare("work", "run a slice of the cases, as a task of a cluster does", run_work);
   work.add_option("--slice", settings->slice, "the Ith of N slices")->required()->type_name("I/N");
   add_jobs(work, settings);
@@ -407,6 +327,8 @@ std::function<Exit()> declare_sweep(CLI::App& options) {
 }
 
 }  // namespace
+
+Simulation simulation() { return {record, run_plant, describe_plant, record_from}; }
 
 const Verb sweep_verb{"sweep",
                       "  rehearse sweep fixtures/campaigns/push.yaml --cases 200 -o pushed\n"

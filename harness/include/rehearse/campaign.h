@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -59,12 +60,20 @@ struct CaseResult {
   bool repeats(const CaseResult& other) const;
 };
 
+/// The normal distribution that replaces the one of a parameter, within its bounds. Of a parameter with log_uniform it
+/// is that of the logarithm, from which a uniform one with the same deviation is made.
+struct SteeredParameter {
+  std::string name;
+  double mean = 0.0, stddev = 1.0;
+};
+
 struct CampaignOptions {
   std::int64_t cases = 0;  // 0: all combinations of the grids, or all rows of the files
   std::uint64_t seed = 0;
-  std::filesystem::path golden;  // every case is compared with it; empty: with none
-  int keep = 3;                  // number of traces kept of each kind of failure, of the lowest cases
-  double case_limit = 600.0;     // wall time of a case; a longer case counts as hung [s]
+  std::filesystem::path golden;           // every case is compared with it; empty: with none
+  int keep = 3;                           // number of traces kept of each kind of failure, of the lowest cases
+  double case_limit = 600.0;              // wall time of a case; a longer case counts as hung [s]
+  std::vector<SteeredParameter> steered;  // by a search; empty: all distributions are those of the scenario
   HostOptions host;
 };
 
@@ -75,15 +84,21 @@ struct SweepProgress {
   std::int64_t here = 0;  // cases since then
 };
 
-/// One of `count` equal parts of a campaign, by the numbers of the cases: index, index + count, ...
+/// One of `count` equal parts of a campaign: the cases whose number divided by `count` leaves index - 1. The second
+/// runs of cases are those of the slice before, so that another process makes them, perhaps on another machine.
 struct Slice {
   std::int64_t index = 1, count = 1;  // index from 1 on
+
+  std::int64_t first_case() const { return index - 1; }
+  std::int64_t first_second_run() const { return (index + count - 2) % count; }
 };
 
 struct SweepOptions {
   std::size_t jobs = 1;        // worker processes
   std::optional<Slice> slice;  // none: the whole campaign
   bool backwards = false;      // cases in the opposite order; results don't depend on it
+  std::int64_t most_failures =
+      std::numeric_limits<std::int64_t>::max();  // the work ends when so many cases have failed
   /// Called after each case; null: not. False ends the work, which can be resumed.
   std::function<bool(const SweepProgress&)> progress;
 };
@@ -121,6 +136,9 @@ class Campaign {
   /// Calls `take` for each result line; lines that were cut by a kill are left out.
   Result<void> read_results(const std::function<void(const CaseResult&)>& take) const;
 
+  /// The indices, from 1 on, of those of `count` slices in which a case or a second run has no result.
+  Result<std::vector<std::int64_t>> unfinished_slices(std::int64_t count) const;
+
   /// Runs a scenario with this text in a process of its own, and judges it. `trace`: the recording is kept there;
   /// empty: not. Fails if a signal interrupts it.
   Result<CaseResult> run_text(const std::string& text, const std::filesystem::path& trace,
@@ -133,6 +151,8 @@ class Campaign {
   friend class CampaignFiles;
   Campaign() = default;
   Result<void> check_nominal(const Simulation& simulation) const;
+  /// Fails if one of these libraries of controllers isn't that with which the campaign began.
+  Result<void> check_libraries(const std::map<std::string, std::string>& now) const;
 
   std::filesystem::path folder_;
   Scenario scenario_;
@@ -194,6 +214,32 @@ std::string to_json(const CampaignSummary& summary);
 /// Writes report.html, report.md, report.json and results.csv into the campaign's folder. `against`: a campaign with
 /// the same plan, before a change; null: none. Fails if the plans differ, or a file can't be written.
 Result<CampaignSummary> write_campaign_report(const Campaign& campaign, const Campaign* against = nullptr);
+
+// Searching for rare failures.
+
+struct SearchOptions {
+  std::string expectation;         // its text, or a part that no other has
+  std::vector<std::string> over;   // parameters that are steered; empty: all with uniform, log_uniform or normal
+  int rounds = 6;                  // at most
+  std::int64_t most_failures = 1;  // the search ends after the round in which so many cases have failed, of all rounds
+};
+
+/// A campaign of a search.
+struct SearchRound {
+  std::filesystem::path folder;
+  CampaignSummary summary;
+  std::optional<double> least_margin;         // of the expectation; none: no case has one
+  std::optional<std::int64_t> first_failure;  // the lowest case that fails
+};
+
+/// Runs rounds, each a campaign in `folder`/round-1 and so on. After a round parameters are steered towards the tenth
+/// of its cases with the smallest margins: their new mean and deviation are those of these cases, by 0.9, and of the
+/// round, by 0.1 (the cross-entropy method: R. Rubinstein, The Cross-Entropy Method for Combinatorial and Continuous
+/// Optimization, Methodology and Computing in Applied Probability 1 (1999)). The round is a part of the seed. Called
+/// again with the same arguments it continues. Shares of failures are those of the steered distributions.
+Result<std::vector<SearchRound>> search(const std::filesystem::path& scenario, const std::filesystem::path& folder,
+                                        const CampaignOptions& options, const SearchOptions& search,
+                                        const SweepOptions& sweep, const Simulation& simulation);
 
 // Shrinking.
 

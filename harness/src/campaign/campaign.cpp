@@ -28,6 +28,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double share_of_twice = 0.02;
 constexpr const char* trace_name = "run.mcap";
+constexpr const char* new_campaign =
+    "begin another campaign in a new folder, and compare: rehearse sweep report NEW --against OLD";
+const std::string refusal = "refused: ";  // begins an answer of a worker that isn't a result
 
 Diagnostic interrupted() { return error("interrupted: nothing was judged"); }
 
@@ -35,58 +38,46 @@ std::string late_sentence(const CampaignOptions& options) {
   return fmt::format("the case took longer than {} s", options.case_limit);
 }
 
-/// Keeps the traces of the lowest cases of each kind of failure.
-class KeptTraces {
- public:
-  explicit KeptTraces(const Campaign& campaign) : campaign_(campaign) {
-    std::error_code ignored;
-    fs::create_directories(trace_file(campaign.folder(), 0).parent_path(), ignored);
+/// Keeps the trace of a failure if its case is among the lowest of its verdict. The names of the kept files are all
+/// that is known of the others, because other processes may keep traces there, too.
+void keep_trace(const Campaign& campaign, const CaseResult& result, const fs::path& trace) {
+  std::error_code ignored;
+  if (result.passed() || !fs::exists(trace, ignored)) return;
+  const fs::path kept = kept_trace_file(campaign.folder(), result);
+  std::map<std::int64_t, fs::path> by_case{{result.number, kept}};
+  for (fs::directory_iterator entry(kept.parent_path(), ignored), end; !ignored && entry != end;
+       entry.increment(ignored))
+    if (const auto number = case_of_kept_trace(entry->path(), result.verdict)) by_case[*number] = entry->path();
+  const auto most = static_cast<std::size_t>(campaign.options().keep);
+  if (std::distance(by_case.begin(), by_case.find(result.number)) < campaign.options().keep)
+    fs::rename(trace, kept, ignored);
+  for (; by_case.size() > most; by_case.erase(std::prev(by_case.end())))
+    fs::remove(std::prev(by_case.end())->second, ignored);
+}
+
+/// The first runs of cases and their second ones that have results.
+struct Done {
+  explicit Done(const Campaign& campaign)
+      : first(static_cast<std::size_t>(campaign.options().cases)), again(first.size()) {}
+  void take(const CaseResult& result) {
+    (result.again ? again : first)[static_cast<std::size_t>(result.number)] = true;
   }
 
-  /// Of an earlier process.
-  void remember(const CaseResult& result) {
-    std::error_code ignored;
-    if (!result.passed() && fs::exists(trace_file(campaign_.folder(), result.number), ignored))
-      kept_[result.verdict].insert(result.number);
-  }
-
-  void take(const CaseResult& result, const fs::path& trace) {
-    std::error_code ignored;
-    if (result.passed() || !fs::exists(trace, ignored)) return;
-    std::set<std::int64_t>& kept = kept_[result.verdict];
-    kept.insert(result.number);
-    const bool is_too_many = kept.size() > static_cast<std::size_t>(campaign_.options().keep);
-    const std::int64_t last = *kept.rbegin();
-    if (!is_too_many || last != result.number)
-      fs::rename(trace, trace_file(campaign_.folder(), result.number), ignored);
-    if (!is_too_many) return;
-    fs::remove(trace_file(campaign_.folder(), last), ignored);
-    kept.erase(last);
-  }
-
- private:
-  const Campaign& campaign_;
-  std::map<CaseVerdict, std::set<std::int64_t>> kept_;
+  std::vector<bool> first, again;  // by case
 };
 
 /// The cases of one process.
 class Work {
  public:
   Work(const Campaign& campaign, const SweepOptions& options, ResultFile& file, WorkerPool& pool)
-      : campaign_(campaign),
-        options_(options),
-        file_(file),
-        pool_(pool),
-        traces_(campaign),
-        done_(static_cast<std::size_t>(campaign.options().cases)),
-        done_again_(done_.size()) {}
+      : campaign_(campaign), options_(options), file_(file), pool_(pool), done_(campaign) {}
 
   Result<void> run();
 
  private:
   enum class Phase { first, again };
   Result<void> read_results();
-  void make_queue(Phase phase);
+  std::deque<std::int64_t> queue_of(Phase phase);
   Result<void> run_queue(Phase phase);
   Result<void> take(const WorkerPool::Answer& answer, Phase phase);
   CaseResult result_of(const WorkerPool::Answer& answer) const;
@@ -96,8 +87,7 @@ class Work {
   const SweepOptions& options_;
   ResultFile& file_;
   WorkerPool& pool_;
-  KeptTraces traces_;
-  std::vector<bool> done_, done_again_;  // by case
+  Done done_;
   std::deque<std::int64_t> queue_;
   std::set<std::int64_t> lost_;  // cases whose worker ended once
   SweepProgress progress_;
@@ -106,28 +96,30 @@ class Work {
 
 Result<void> Work::read_results() {
   return campaign_.read_results([&](const CaseResult& result) {
-    std::vector<bool>& done = result.again ? done_again_ : done_;
-    const auto index = static_cast<std::size_t>(result.number);
-    if (!result.again) traces_.remember(result);
-    if (!done[index] && !result.again && !result.passed()) ++progress_.failed;
-    done[index] = true;
+    if (!result.again && !result.passed() && !done_.first[static_cast<std::size_t>(result.number)]) ++progress_.failed;
+    done_.take(result);
   });
 }
 
-/// In slices of the numbers, so that the results of two processes never name the same case.
-void Work::make_queue(Phase phase) {
+std::deque<std::int64_t> Work::queue_of(Phase phase) {
+  const bool again = phase == Phase::again;
   const Slice slice = options_.slice.value_or(Slice{});
-  for (std::int64_t number = slice.index - 1; number < campaign_.options().cases; number += slice.count) {
-    if (phase == Phase::again && !campaign_.runs_twice(number)) continue;
+  std::deque<std::int64_t> queue;
+  for (std::int64_t number = again ? slice.first_second_run() : slice.first_case(); number < campaign_.options().cases;
+       number += slice.count) {
+    if (again && !campaign_.runs_twice(number)) continue;
     ++progress_.all;
-    if ((phase == Phase::again ? done_again_ : done_)[static_cast<std::size_t>(number)]) continue;
-    options_.backwards ? queue_.push_front(number) : queue_.push_back(number);
+    const bool is_done = (again ? done_.again : done_.first)[static_cast<std::size_t>(number)];
+    progress_.done += is_done ? 1 : 0;
+    if (!is_done) options_.backwards ? queue.push_front(number) : queue.push_back(number);
   }
+  return queue;
 }
 
 bool Work::goes_on() {
   progress_.seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
-  return interruption() == 0 && (!options_.progress || options_.progress(progress_));
+  return interruption() == 0 && progress_.failed < options_.most_failures &&
+         (!options_.progress || options_.progress(progress_));
 }
 
 CaseResult Work::result_of(const WorkerPool::Answer& answer) const {
@@ -146,9 +138,11 @@ Result<void> Work::take(const WorkerPool::Answer& answer, Phase phase) {
     queue_.push_front(answer.job);
     return {};
   }
+  if (answer.text && answer.text->starts_with(refusal))
+    return error_in(campaign_.folder().string(), answer.text->substr(refusal.size()), new_campaign);
   CaseResult result = result_of(answer);
   result.again = phase == Phase::again;
-  if (phase == Phase::first && answer.text) traces_.take(result, answer.folder / trace_name);
+  if (phase == Phase::first && answer.text) keep_trace(campaign_, result, answer.folder / trace_name);
   if (auto written = file_.append(result); !written) return written;
   ++progress_.done;
   ++progress_.here;
@@ -180,14 +174,8 @@ Result<void> Work::run_queue(Phase phase) {
 
 Result<void> Work::run() {
   if (auto read = read_results(); !read) return read;
-  const Slice slice = options_.slice.value_or(Slice{});
-  for (std::int64_t number = slice.index - 1; number < campaign_.options().cases; number += slice.count) {
-    const auto index = static_cast<std::size_t>(number);
-    progress_.done += (done_[index] ? 1 : 0) + (done_again_[index] ? 1 : 0);
-  }
-  make_queue(Phase::again);
-  const std::deque<std::int64_t> again = std::exchange(queue_, {});
-  make_queue(Phase::first);
+  const std::deque<std::int64_t> again = queue_of(Phase::again);
+  queue_ = queue_of(Phase::first);
   if (auto run = run_queue(Phase::first); !run) return run;
   if (!goes_on() || !pool_.is_idle()) return {};
   pool_.renew_all();  // in processes that haven't run them
@@ -240,6 +228,22 @@ Result<void> Campaign::read_results(const std::function<void(const CaseResult&)>
   return {};
 }
 
+Result<std::vector<std::int64_t>> Campaign::unfinished_slices(std::int64_t count) const {
+  Done done(*this);
+  if (auto read = read_results([&](const CaseResult& result) { done.take(result); }); !read) return read.errors();
+  std::vector<std::int64_t> unfinished;
+  for (Slice slice{1, count}; slice.index <= count; ++slice.index) {
+    const auto lacks = [&](std::int64_t number, const std::vector<bool>& results, bool again) {
+      for (; number < options_.cases; number += count)
+        if (!results[static_cast<std::size_t>(number)] && (!again || runs_twice(number))) return true;
+      return false;
+    };
+    if (lacks(slice.first_case(), done.first, false) || lacks(slice.first_second_run(), done.again, true))
+      unfinished.push_back(slice.index);
+  }
+  return unfinished;
+}
+
 Result<CaseRun> run_alone(const Campaign& campaign, const std::string& text, const fs::path& file,
                           const fs::path& trace, const Simulation& simulation) {
   const auto scratch = RunFolder::make(campaign.folder() / "running");
@@ -285,17 +289,19 @@ Result<CaseResult> Campaign::run_text(const std::string& text, const fs::path& t
   return run->result;
 }
 
+Result<void> Campaign::check_libraries(const std::map<std::string, std::string>& now) const {
+  for (const auto& [controller, library] : libraries_)
+    if (const auto found = now.find(controller); found == now.end() || found->second != library)
+      return error_in(folder_.string(),
+                      fmt::format("the controller {} has changed since the campaign began", controller), new_campaign);
+  return {};
+}
+
 /// Results of different controllers, models or programs must not be counted together.
 Result<void> Campaign::check_nominal(const Simulation& simulation) const {
   const auto now = run_alone(*this, scenario_.text, scenario_.file, {}, simulation);
   if (!now) return now.errors();
-  for (const auto& [controller, library] : libraries_) {
-    const auto found = now->libraries.find(controller);
-    if (found == now->libraries.end() || found->second != library)
-      return error_in(folder_.string(),
-                      fmt::format("the controller {} has changed since the campaign began", controller),
-                      "begin another campaign in a new folder, and compare: rehearse sweep report NEW --against OLD");
-  }
+  if (auto same = check_libraries(now->libraries); !same) return same;
   if (now->result.repeats(nominal_)) return {};
   return error_in(
       folder_.string(), "the nominal run isn't the one with which the campaign began",
@@ -313,16 +319,22 @@ Result<void> Campaign::work(const SweepOptions& options, const Simulation& simul
   is_new_ = false;
   const auto scratch = RunFolder::make(folder_ / "running");
   if (!scratch) return scratch.errors();
+  std::error_code ignored;
+  fs::create_directories(trace_folder(folder_), ignored);
+  const auto& variations = scenario_.variations;
+  const bool varies_libraries = std::any_of(variations.begin(), variations.end(), [](const Variation& variation) {
+    return variation.path.ends_with(".library");
+  });
   WorkerPool pool(std::max<std::size_t>(options.jobs, 1), options_.case_limit, scratch->path(),
                   [&](std::int64_t number, const fs::path& folder) {
-                    const Clock::time_point begin = Clock::now();
                     const auto text = text_of(number);
                     if (!text) return line_of(ended_case(number, CaseVerdict::invalid, text.errors().front().message));
-                    CaseResult result =
-                        run_case(scenario_.file, *text, options_, folder / trace_name, simulation).result;
-                    result.number = number;
-                    result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-                    return line_of(result);
+                    CaseRun run = run_case(scenario_.file, *text, options_, folder / trace_name, simulation);
+                    if (!run.libraries.empty() && !varies_libraries)
+                      if (const auto same = check_libraries(run.libraries); !same)
+                        return refusal + same.errors().front().message;
+                    run.result.number = number;
+                    return line_of(run.result);
                   });
   return Work(*this, options, *file, pool).run();
 }

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -58,13 +59,17 @@ Json sources_of_campaign(const Scenario& scenario) {
 }
 
 Json json_of_options(const CampaignOptions& options) {
+  Json steered = Json::object();
+  for (const SteeredParameter& parameter : options.steered)
+    steered[parameter.name] = {{"mean", parameter.mean}, {"stddev", parameter.stddev}};
   return {{"cases", options.cases},
           {"seed", options.seed},
           {"golden", options.golden.string()},
           {"keep", options.keep},
           {"case_limit", options.case_limit},
           {"call_limit", options.host.call_limit},
-          {"controllers", options.host.libraries}};
+          {"controllers", options.host.libraries},
+          {"steered", steered}};
 }
 
 CampaignOptions options_of(const Json& facts) {
@@ -76,6 +81,8 @@ CampaignOptions options_of(const Json& facts) {
   options.case_limit = facts.at("case_limit").get<double>();
   options.host.call_limit = facts.at("call_limit").get<double>();
   options.host.libraries = facts.at("controllers").get<std::map<std::string, std::string>>();
+  for (const auto& [name, normal] : facts.at("steered").items())
+    options.steered.push_back({name, normal.at("mean").get<double>(), normal.at("stddev").get<double>()});
   return options;
 }
 
@@ -101,8 +108,19 @@ fs::path result_file(const fs::path& folder, const std::optional<Slice>& slice) 
   return folder / (slice ? fmt::format("results-{}-of-{}.jsonl", slice->index, slice->count) : "results.jsonl");
 }
 
-fs::path trace_file(const fs::path& folder, std::int64_t number) {
-  return folder / "traces" / (number < 0 ? "nominal.mcap" : fmt::format("case-{}.mcap", number));
+fs::path trace_folder(const fs::path& folder) { return folder / "traces"; }
+
+fs::path kept_trace_file(const fs::path& folder, const CaseResult& result) {
+  return trace_folder(folder) / fmt::format("{}-{}.mcap", to_string(result.verdict), result.number);
+}
+
+std::optional<std::int64_t> case_of_kept_trace(const fs::path& file, CaseVerdict verdict) {
+  const std::string name = file.stem().string(), prefix = fmt::format("{}-", to_string(verdict));
+  if (!name.starts_with(prefix) || file.extension() != ".mcap") return std::nullopt;
+  std::int64_t number = 0;
+  const char* const end = name.data() + name.size();
+  const auto [at, status] = std::from_chars(name.data() + prefix.size(), end, number);
+  return status == std::errc() && at == end ? std::optional(number) : std::nullopt;
 }
 
 Result<CampaignLock> CampaignLock::take(const fs::path& folder, bool shared) {
@@ -130,6 +148,9 @@ class CampaignFiles {
     campaign.options_ = options;
     if (campaign.scenario_.variations.empty())
       return error_in(campaign.scenario_.file, "the scenario varies nothing", "expected vary: with some parameters");
+    for (const SteeredParameter& steered : options.steered)
+      for (Variation& variation : campaign.scenario_.variations)
+        if (variation.name == steered.name) steer(variation, steered);
     auto values = CaseValues::make(campaign.scenario_, options.seed);
     if (!values) return values.errors();
     campaign.values_ = *std::move(values);

@@ -14,7 +14,11 @@ std::filesystem::path plan_file(const std::filesystem::path& folder);
 std::filesystem::path facts_file(const std::filesystem::path& folder);
 /// The file of a slice's results; none: of the whole campaign.
 std::filesystem::path result_file(const std::filesystem::path& folder, const std::optional<Slice>& slice);
-std::filesystem::path trace_file(const std::filesystem::path& folder, std::int64_t number);
+std::filesystem::path trace_folder(const std::filesystem::path& folder);
+/// The file of a failure's recording, as violated-17.mcap.
+std::filesystem::path kept_trace_file(const std::filesystem::path& folder, const CaseResult& result);
+/// The number of the case whose kept recording has this name; none: it is no recording of a case with this verdict.
+std::optional<std::int64_t> case_of_kept_trace(const std::filesystem::path& file, CaseVerdict verdict);
 
 /// Locks out other processes until it is destroyed: shared with those that work on slices, or alone.
 class CampaignLock {

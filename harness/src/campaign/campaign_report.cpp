@@ -67,12 +67,13 @@ Json failures_of(const CaseTable& table) {
     if (table.has(i) && !table.passed(i)) cases[table.reasons[i]].push_back(static_cast<std::int64_t>(i));
   std::vector<std::size_t> order(cases.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return cases[a].size() > cases[b].size(); });
+  std::erase_if(order, [&](std::size_t reason) { return cases[reason].empty(); });
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return cases[a].size() != cases[b].size() ? cases[a].size() > cases[b].size() : cases[a][0] < cases[b][0];
+  });
   Json failures = Json::array();
   for (const std::size_t reason : order) {
     const std::vector<std::int64_t>& these = cases[reason];
-    if (these.empty()) continue;
     const auto listed = these.begin() + static_cast<std::ptrdiff_t>(std::min(these.size(), listed_cases));
     failures.push_back({{"reason", table.reason_texts[reason]},
                         {"verdict", std::string(to_string(*table.verdicts[static_cast<std::size_t>(these[0])]))},
@@ -282,6 +283,7 @@ Result<CaseTable> CaseTable::of(const Campaign& campaign) {
   table.reasons.resize(size);
   table.margins.assign(campaign.expectations().size(), std::vector<double>(size, none));
   std::map<std::string, std::size_t> places;
+  std::vector<std::int64_t> lowest;  // case by reason
   std::vector<CaseResult> second_runs;
   auto read = campaign.read_results([&](const CaseResult& result) {
     const auto i = static_cast<std::size_t>(result.number);
@@ -294,7 +296,12 @@ Result<CaseTable> CaseTable::of(const Campaign& campaign) {
     table.reasons[i] = place->second;
     if (is_new) {
       table.reason_texts.push_back(result.reason);
-      table.reason_examples.push_back(result.sentence);
+      table.reason_examples.emplace_back();
+      lowest.push_back(result.number + 1);
+    }
+    if (result.number < lowest[place->second]) {
+      table.reason_examples[place->second] = result.sentence;
+      lowest[place->second] = result.number;
     }
     for (std::size_t e = 0; e < std::min(table.margins.size(), result.margins.size()); ++e)
       table.margins[e][i] = result.margins[e].value_or(none);
@@ -303,6 +310,7 @@ Result<CaseTable> CaseTable::of(const Campaign& campaign) {
   std::set<std::int64_t> twice, different;
   for (const CaseResult& second : second_runs) {
     const auto i = static_cast<std::size_t>(second.number);
+    if (!table.verdicts[i]) continue;  // another process hasn't made the first run yet
     twice.insert(second.number);
     const bool is_same = table.verdicts[i] == second.verdict && table.hashes[i] == hash_of_text(second.hash) &&
                          table.failing_ticks[i] == second.tick.value_or(-1) && table.ticks[i] == second.ticks;

@@ -5,6 +5,7 @@
 #include <rehearse/mcap.h>
 
 #include <cctype>
+#include <chrono>
 
 #include "trace/hashing.h"
 #include "trace/run_facts.h"
@@ -55,6 +56,43 @@ Result<void> compare_with_golden(const Scenario& scenario, const CampaignOptions
   return {};
 }
 
+CaseRun judged_run(const std::filesystem::path& file, const std::string& text, const CampaignOptions& options,
+                   const std::filesystem::path& trace, const Simulation& simulation) {
+  CaseRun made;
+  CaseResult& result = made.result;
+  const auto invalid = [&](const Diagnostics& problems) {
+    result.verdict = CaseVerdict::invalid;
+    result.sentence = problems.front().message;
+    result.reason = without_numbers(result.sentence);
+    return made;
+  };
+  std::error_code ignored;
+  std::filesystem::remove(trace, ignored);  // of the case before
+  const auto scenario = Scenario::load_text(text, file);
+  if (!scenario) return invalid(scenario.errors());
+  RecordOptions recording;
+  static_cast<HostOptions&>(recording) = options.host;
+  if (options.golden.empty()) recording.checkpoint_period = 0.0;  // goldens have checkpoints
+  const auto run = simulation.record(*scenario, trace, recording);
+  if (!run) return invalid(run.errors());
+  result.ticks = run->ticks;
+  result.verdict = verdict_of(run->end);
+  if (!result.passed()) {
+    result.sentence = run->failure->message;
+    result.reason = without_numbers(result.sentence);
+    result.tick = run->ticks;
+  }
+  const auto judged = judge_recording(scenario->expectations, trace);
+  if (!judged) return invalid(judged.errors());
+  result.hash = hash_text(judged->content);
+  for (const ExpectationResult& expectation : judged->expectations) made.expectations.push_back(expectation.text);
+  take_violation(*judged, result);
+  if (const auto compared = compare_with_golden(*scenario, options, trace, result); !compared)
+    return invalid(compared.errors());
+  if (const auto reader = mcap::Reader::open(trace)) made.libraries = RunFacts::of(**reader).controllers;
+  return made;
+}
+
 }  // namespace
 
 std::string without_numbers(std::string_view sentence) {
@@ -82,38 +120,9 @@ CaseResult ended_case(std::int64_t number, CaseVerdict verdict, std::string sent
 
 CaseRun run_case(const std::filesystem::path& file, const std::string& text, const CampaignOptions& options,
                  const std::filesystem::path& trace, const Simulation& simulation) {
-  CaseRun made;
-  CaseResult& result = made.result;
-  const auto invalid = [&](const Diagnostics& problems) {
-    result.verdict = CaseVerdict::invalid;
-    result.sentence = problems.front().message;
-    result.reason = without_numbers(result.sentence);
-    return made;
-  };
-  std::error_code ignored;
-  std::filesystem::remove(trace, ignored);  // of the case before
-  const auto scenario = Scenario::load_text(text, file);
-  if (!scenario) return invalid(scenario.errors());
-  RecordOptions recording;
-  static_cast<HostOptions&>(recording) = options.host;
-  recording.checkpoint_period = 0.0;
-  const auto run = simulation.record(*scenario, trace, recording);
-  if (!run) return invalid(run.errors());
-  result.ticks = run->ticks;
-  result.verdict = verdict_of(run->end);
-  if (!result.passed()) {
-    result.sentence = run->failure->message;
-    result.reason = without_numbers(result.sentence);
-    result.tick = run->ticks;
-  }
-  const auto judged = judge_recording(scenario->expectations, trace);
-  if (!judged) return invalid(judged.errors());
-  result.hash = hash_text(judged->content);
-  for (const ExpectationResult& expectation : judged->expectations) made.expectations.push_back(expectation.text);
-  take_violation(*judged, result);
-  if (const auto compared = compare_with_golden(*scenario, options, trace, result); !compared)
-    return invalid(compared.errors());
-  if (const auto reader = mcap::Reader::open(trace)) made.libraries = RunFacts::of(**reader).controllers;
+  const auto begin = std::chrono::steady_clock::now();
+  CaseRun made = judged_run(file, text, options, trace, simulation);
+  made.result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return made;
 }
 

@@ -262,6 +262,18 @@ double quantile_of(const Variation& variation, double probability) {
   return std::clamp(value, low, high);
 }
 
+void steer(Variation& variation, const SteeredParameter& steered) {
+  if (variation.distribution == Distribution::log_uniform) {
+    const double half = std::numbers::sqrt3 * steered.stddev;
+    variation.low = std::max(variation.low, std::exp(steered.mean - half));
+    variation.high = std::min(variation.high, std::exp(steered.mean + half));
+    return;
+  }
+  variation.distribution = Distribution::normal;
+  variation.mean = steered.mean;
+  variation.stddev = steered.stddev;
+}
+
 Result<std::shared_ptr<const CaseValues>> CaseValues::make(const Scenario& scenario, std::uint64_t seed) {
   auto values = std::make_shared<DrawnValues>(scenario, seed);
   if (auto prepared = values->prepare(); !prepared) return prepared.errors();

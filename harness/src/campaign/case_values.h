@@ -1,6 +1,7 @@
 // The values of a campaign's cases. Internal.
 #pragma once
 
+#include <rehearse/campaign.h>
 #include <rehearse/scenario.h>
 
 #include <cstdint>
@@ -17,6 +18,9 @@ double uniform_number(std::uint64_t seed, std::int64_t number, std::string_view 
 
 /// The quantile of a varied number's distribution: uniform, log_uniform or normal. Always within its bounds.
 double quantile_of(const Variation& variation, double probability);
+
+/// Replaces the distribution of a number within its bounds.
+void steer(Variation& variation, const SteeredParameter& steered);
 
 class CaseValues {
  public:

@@ -1,0 +1,68 @@
+// sweep --towards: rounds of campaigns, steered towards the failure of an expectation.
+#include <fmt/format.h>
+
+#include <limits>
+#include <utility>
+
+#include "host/interruption.h"
+#include "output.h"
+#include "progress.h"
+#include "side_by_side.h"
+#include "sweep.h"
+
+namespace rehearse::tool {
+namespace {
+
+/// Prints the rounds, and the way to the first failure.
+Exit tell(const std::vector<SearchRound>& rounds, bool json) {
+  std::vector<TableRow> rows{{"round", "cases", "failed", "least margin"}};
+  Json list = Json::array();
+  const SearchRound* failing = nullptr;
+  for (const SearchRound& round : rounds) {
+    rows.push_back({round.folder.filename().string(), fmt::format("{}", round.summary.judged()),
+                    fmt::format("{}", round.summary.failed()),
+                    fmt::format("{:.4g}", round.least_margin.value_or(0.0))});
+    list.push_back({{"folder", round.folder.string()},
+                    {"cases", round.summary.judged()},
+                    {"failed", round.summary.failed()},
+                    {"least_margin", round.least_margin ? json_of(*round.least_margin) : Json(nullptr)},
+                    {"first_failure", round.first_failure ? Json(*round.first_failure) : Json(nullptr)}});
+    if (!failing && round.first_failure) failing = &round;
+  }
+  if (json) {
+    print({{"rounds", std::move(list)}});
+  } else {
+    print_table(rows);
+    if (failing)
+      fmt::print("case {} fails: rehearse sweep shrink {} {}\n", *failing->first_failure, *failing->first_failure,
+                 failing->folder.string());
+    else
+      fmt::print("no case fails\n");
+  }
+  return failing ? Exit::differs : Exit::done;
+}
+
+}  // namespace
+
+Exit run_search(SweepSettings& settings) {
+  settings.sweep.jobs = settings.jobs > 0 ? static_cast<std::size_t>(settings.jobs) : processors();
+  constexpr std::int64_t all = std::numeric_limits<std::int64_t>::max();
+  if (settings.sweep.most_failures != all)  // of all rounds; a round is always finished
+    settings.search.most_failures = std::exchange(settings.sweep.most_failures, all);
+  const auto rounds = [&] {
+    Progress progress("searching");
+    settings.sweep.progress = [&](const SweepProgress& now) {
+      progress.set_text(fmt::format("searching: {} of {} cases of a round, {} failed", now.done, now.all, now.failed));
+      progress.show(now.done, now.all);
+      return true;
+    };
+    return search(settings.scenario, settings.folder, settings.campaign, settings.search, settings.sweep, simulation());
+  }();
+  if (!rounds && interruption() != 0) {
+    fmt::print(stderr, "interrupted; the same command continues\n");
+    return static_cast<Exit>(128 + interruption());
+  }
+  return rounds ? tell(*rounds, settings.json) : refuse(rounds.errors());
+}
+
+}  // namespace rehearse::tool
