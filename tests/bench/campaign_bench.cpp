@@ -13,8 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::int64_t cases = 24;
-
 /// One second of SR1 without pictures. The parameter that varies changes its arm so little that all cases cost the
 /// same.
 fs::path varied_scenario() {
@@ -40,12 +38,12 @@ Simulation simulation() { return {record, run_plant, describe_plant, record_from
 /// Runs all cases of a new campaign, of which `prepare` made the folder.
 class Sweeps {
  public:
-  explicit Sweeps(const char* name) : folder_(Sr1Run::instance().folder() / name) {}
+  Sweeps(const char* name, std::int64_t cases) : folder_(Sr1Run::instance().folder() / name), cases_(cases) {}
   Campaign prepare() {
     std::error_code ignored;
     fs::remove_all(folder_, ignored);
     CampaignOptions options;
-    options.cases = cases;
+    options.cases = cases_;
     return must(Campaign::create(varied_scenario(), folder_, options, simulation()));
   }
   static void run(Campaign& campaign, std::size_t jobs) {
@@ -61,13 +59,15 @@ class Sweeps {
     std::exit(1);
   }
   fs::path folder_;
+  std::int64_t cases_;
 };
 
 /// Work: the cases of a campaign, by one worker. Base: as many recordings of the same scenario. A case is recorded,
 /// judged and forgotten.
 void case_over_record(benchmark::State& state) {
   const Scenario scenario = must(Scenario::load(varied_scenario()));
-  Sweeps sweeps("one_worker");
+  constexpr std::int64_t cases = 6;
+  Sweeps sweeps("one_worker", cases);
   Pairs pairs(CLOCK_MONOTONIC);
   for (auto _ : state) {
     Campaign campaign = sweeps.prepare();
@@ -84,7 +84,8 @@ BENCHMARK(case_over_record)->UseManualTime()->Unit(benchmark::kMillisecond);
 
 /// Work: a campaign with two workers. Base: with one.
 void two_workers_over_one(benchmark::State& state) {
-  Sweeps two("two_workers"), one("one_worker");
+  constexpr std::int64_t cases = 24;  // the second runs come after all first ones
+  Sweeps two("two_workers", cases), one("one_worker", cases);
   Pairs pairs(CLOCK_MONOTONIC);
   for (auto _ : state) {
     Campaign by_two = two.prepare(), by_one = one.prepare();

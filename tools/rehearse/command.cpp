@@ -81,8 +81,8 @@ class WrappedHelp : public CLI::Formatter {
 
   static std::string entry(const std::string& names, const std::string& text) {
     std::string lines = "  " + names;
-    lines += lines.size() < text_column ? std::string(text_column - lines.size(), ' ')
-                                        : '\n' + std::string(text_column, ' ');
+    lines += lines.size() + 1 < text_column ? std::string(text_column - lines.size(), ' ')
+                                            : '\n' + std::string(text_column, ' ');
     return lines + wrapped(text, last_column, text_column) + '\n';
   }
 };

@@ -17,6 +17,7 @@
 #include <iterator>
 #include <sstream>
 
+#include "find_program.h"
 #include "host/child_process.h"
 #include "host/controller_library.h"
 #include "mcap/whole_input.h"

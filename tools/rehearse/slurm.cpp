@@ -8,14 +8,14 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <fstream>
 #include <sstream>
 
-#include "golden/golden_files.h"
+#include "find_program.h"
 #include "host/child_process.h"
 #include "host/interruption.h"
 #include "output.h"
 #include "scratch_folder.h"
-#include "trace/hashing.h"
 
 namespace rehearse::tool {
 namespace {
@@ -44,11 +44,22 @@ struct Submission {
 fs::path slurm_folder(const Campaign& campaign) { return campaign.folder() / "slurm"; }
 fs::path submission_file(const Campaign& campaign) { return slurm_folder(campaign) / "submission.json"; }
 
+std::string text_of(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+Result<void> write(const fs::path& file, const std::string& text) {
+  std::ofstream stream(file, std::ios::binary);
+  stream << text;
+  stream.close();
+  return stream ? Result<void>() : error_in(file.string(), "the file can't be written", "is the disk full?");
+}
+
 Result<Submission> submission_of(const Campaign& campaign) {
   const fs::path file = submission_file(campaign);
-  const auto text = read_text(file);
-  if (!text) return text.errors();
-  const Json object = Json::parse(*text, nullptr, false);
+  const Json object = Json::parse(text_of(file), nullptr, false);
   Submission submission;
   if (object.is_object()) submission = {object.value("name", ""), object.value("tasks", std::int64_t{0})};
   if (submission.name.empty() || submission.tasks < 1) return error_in(file.string(), "the file is damaged");
@@ -67,11 +78,10 @@ Result<Submission> make_submission(const Campaign& campaign, const SlurmOptions&
   std::error_code failed;
   const fs::path folder = fs::absolute(campaign.folder(), failed).lexically_normal();
   fs::create_directories(slurm_folder(campaign), failed);
-  const std::string place = folder.string();
-  const Submission made{"rehearse-" + hash_text(hash_bytes(place.data(), place.size())), tasks_for(campaign, options)};
-  if (auto written = replace_text(slurm_folder(campaign) / "task.sh", task_script); !written) return written.errors();
+  const Submission made{fmt::format("rehearse-{:016x}", fs::hash_value(folder)), tasks_for(campaign, options)};
+  if (auto written = write(slurm_folder(campaign) / "task.sh", task_script); !written) return written.errors();
   const Json object{{"name", made.name}, {"tasks", made.tasks}};
-  if (auto written = replace_text(submission_file(campaign), object.dump() + '\n'); !written) return written.errors();
+  if (auto written = write(submission_file(campaign), object.dump() + '\n'); !written) return written.errors();
   return made;
 }
 
@@ -88,11 +98,12 @@ Result<std::string> output_of(std::vector<std::string> words) {
   process.output = scratch.path() / "output";
   const auto until = Clock::now() + patience;
   const auto ended = run_to_end(process, [&] { return Clock::now() > until || interruption() != 0; });
-  const auto printed = read_text(process.output);
-  std::string text = printed ? *printed : "";
+  std::string text = text_of(process.output);
   while (!text.empty() && text.back() == '\n') text.pop_back();
   if (!ended) return error(fmt::format("{} doesn't answer{}{}", name, text.empty() ? "" : ": ", text));
-  if (*ended != 0) return error(text.empty() ? fmt::format("{} fails with status {}", name, *ended) : text);
+  if (*ended != 0)
+    return error(text.empty() ? fmt::format("{} fails with status {}", name, *ended) : text,
+                 "the plan is kept: rehearse sweep resume DIR, with --slurm or without");
   return text;
 }
 

@@ -248,7 +248,7 @@ void add_slurm(CLI::App& options, const Settings& settings) {
   options.add_flag("--slurm", settings->in_slurm, "run the cases as array jobs of Slurm; after --: options of sbatch");
   add_integer(options, "--tasks", "tasks of Slurm (each has 30 s of work, at most 1000)", 1, 1'000'000,
               [settings](std::int64_t tasks) { settings->slurm.tasks = tasks; });
-  options.add_option("SBATCH", settings->slurm.sbatch, "options of sbatch, after --")->type_name("")->expected(1, 100);
+  options.add_option("SBATCH", settings->slurm.sbatch, "options of sbatch, after --")->type_name("");
 }
 
 /// The end of the work before its last case.

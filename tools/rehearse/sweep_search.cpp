@@ -15,17 +15,17 @@ namespace {
 
 /// Prints the rounds, and the way to the first failure.
 Exit tell(const std::vector<SearchRound>& rounds, bool json) {
-  std::vector<TableRow> rows{{"round", "cases", "failed", "least margin"}};
+  std::vector<TableRow> rows{{"round", "cases", "violations", "least margin"}};
   Json list = Json::array();
   const SearchRound* failing = nullptr;
   for (const SearchRound& round : rounds) {
     rows.push_back({round.folder.filename().string(), fmt::format("{}", round.summary.judged()),
-                    fmt::format("{}", round.summary.failed()),
-                    fmt::format("{:.4g}", round.least_margin.value_or(0.0))});
+                    fmt::format("{}", round.violations), fmt::format("{:.4g}", round.least_margin)});
     list.push_back({{"folder", round.folder.string()},
                     {"cases", round.summary.judged()},
                     {"failed", round.summary.failed()},
-                    {"least_margin", round.least_margin ? json_of(*round.least_margin) : Json(nullptr)},
+                    {"violations", round.violations},
+                    {"least_margin", round.least_margin},
                     {"first_failure", round.first_failure ? Json(*round.first_failure) : Json(nullptr)}});
     if (!failing && round.first_failure) failing = &round;
   }
@@ -34,10 +34,10 @@ Exit tell(const std::vector<SearchRound>& rounds, bool json) {
   } else {
     print_table(rows);
     if (failing)
-      fmt::print("case {} fails: rehearse sweep shrink {} {}\n", *failing->first_failure, *failing->first_failure,
+      fmt::print("case {} violates it: rehearse sweep shrink {} {}\n", *failing->first_failure, *failing->first_failure,
                  failing->folder.string());
     else
-      fmt::print("no case fails\n");
+      fmt::print("no case violates it\n");
   }
   return failing ? Exit::differs : Exit::done;
 }

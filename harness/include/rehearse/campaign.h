@@ -221,15 +221,16 @@ struct SearchOptions {
   std::string expectation;         // its text, or a part that no other has
   std::vector<std::string> over;   // parameters that are steered; empty: all with uniform, log_uniform or normal
   int rounds = 6;                  // at most
-  std::int64_t most_failures = 1;  // the search ends after the round in which so many cases have failed, of all rounds
+  std::int64_t most_failures = 1;  // the search ends after the round in which so many cases of all rounds violate it
 };
 
 /// A campaign of a search.
 struct SearchRound {
   std::filesystem::path folder;
   CampaignSummary summary;
-  std::optional<double> least_margin;         // of the expectation; none: no case has one
-  std::optional<std::int64_t> first_failure;  // the lowest case that fails
+  double least_margin = 0.0;                  // of the expectation
+  std::int64_t violations = 0;                // cases that violate it
+  std::optional<std::int64_t> first_failure;  // the lowest of them
 };
 
 /// Runs rounds, each a campaign in `folder`/round-1 and so on. After a round parameters are steered towards the tenth

@@ -38,6 +38,14 @@ std::string late_sentence(const CampaignOptions& options) {
   return fmt::format("the case took longer than {} s", options.case_limit);
 }
 
+CaseRun timed_case(const fs::path& file, const std::string& text, const CampaignOptions& options, const fs::path& trace,
+                   const Simulation& simulation) {
+  const Clock::time_point begin = Clock::now();
+  CaseRun run = run_case(file, text, options, trace, simulation);
+  run.result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  return run;
+}
+
 /// Keeps the trace of a failure if its case is among the lowest of its verdict. The names of the kept files are all
 /// that is known of the others, because other processes may keep traces there, too.
 void keep_trace(const Campaign& campaign, const CaseResult& result, const fs::path& trace) {
@@ -249,7 +257,7 @@ Result<CaseRun> run_alone(const Campaign& campaign, const std::string& text, con
   const auto scratch = RunFolder::make(campaign.folder() / "running");
   if (!scratch) return scratch.errors();
   WorkerPool pool(1, campaign.options().case_limit, scratch->path(), [&](std::int64_t, const fs::path& folder) {
-    const CaseRun run = run_case(file, text, campaign.options(), folder / trace_name, simulation);
+    const CaseRun run = timed_case(file, text, campaign.options(), folder / trace_name, simulation);
     const Json answer{
         {"result", json_of_result(run.result)}, {"expectations", run.expectations}, {"libraries", run.libraries}};
     return answer.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -329,7 +337,7 @@ Result<void> Campaign::work(const SweepOptions& options, const Simulation& simul
                   [&](std::int64_t number, const fs::path& folder) {
                     const auto text = text_of(number);
                     if (!text) return line_of(ended_case(number, CaseVerdict::invalid, text.errors().front().message));
-                    CaseRun run = run_case(scenario_.file, *text, options_, folder / trace_name, simulation);
+                    CaseRun run = timed_case(scenario_.file, *text, options_, folder / trace_name, simulation);
                     if (!run.libraries.empty() && !varies_libraries)
                       if (const auto same = check_libraries(run.libraries); !same)
                         return refusal + same.errors().front().message;

@@ -68,7 +68,7 @@ Json failures_of(const CaseTable& table) {
   std::vector<std::size_t> order(cases.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::erase_if(order, [&](std::size_t reason) { return cases[reason].empty(); });
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return cases[a].size() != cases[b].size() ? cases[a].size() > cases[b].size() : cases[a][0] < cases[b][0];
   });
   Json failures = Json::array();

@@ -5,7 +5,6 @@
 #include <rehearse/mcap.h>
 
 #include <cctype>
-#include <chrono>
 
 #include "trace/hashing.h"
 #include "trace/run_facts.h"
@@ -56,8 +55,33 @@ Result<void> compare_with_golden(const Scenario& scenario, const CampaignOptions
   return {};
 }
 
-CaseRun judged_run(const std::filesystem::path& file, const std::string& text, const CampaignOptions& options,
-                   const std::filesystem::path& trace, const Simulation& simulation) {
+}  // namespace
+
+std::string without_numbers(std::string_view sentence) {
+  std::string text;
+  for (std::size_t i = 0; i < sentence.size(); ++i) {
+    const char c = sentence[i];
+    const bool in_word =
+        i > 0 && (std::isalpha(static_cast<unsigned char>(sentence[i - 1])) != 0 || sentence[i - 1] == '_');
+    const bool in_number = text.ends_with('#') && (std::isdigit(static_cast<unsigned char>(c)) != 0 || c == '.' ||
+                                                   c == 'e' || c == '-' || c == '+');
+    if (in_number && !(c == '.' && (i + 1 == sentence.size() || sentence[i + 1] == ' '))) continue;
+    text += std::isdigit(static_cast<unsigned char>(c)) != 0 && !in_word ? '#' : c;
+  }
+  return text;
+}
+
+CaseResult ended_case(std::int64_t number, CaseVerdict verdict, std::string sentence) {
+  CaseResult result;
+  result.number = number;
+  result.verdict = verdict;
+  result.reason = without_numbers(sentence);
+  result.sentence = std::move(sentence);
+  return result;
+}
+
+CaseRun run_case(const std::filesystem::path& file, const std::string& text, const CampaignOptions& options,
+                 const std::filesystem::path& trace, const Simulation& simulation) {
   CaseRun made;
   CaseResult& result = made.result;
   const auto invalid = [&](const Diagnostics& problems) {
@@ -90,39 +114,6 @@ CaseRun judged_run(const std::filesystem::path& file, const std::string& text, c
   if (const auto compared = compare_with_golden(*scenario, options, trace, result); !compared)
     return invalid(compared.errors());
   if (const auto reader = mcap::Reader::open(trace)) made.libraries = RunFacts::of(**reader).controllers;
-  return made;
-}
-
-}  // namespace
-
-std::string without_numbers(std::string_view sentence) {
-  std::string text;
-  for (std::size_t i = 0; i < sentence.size(); ++i) {
-    const char c = sentence[i];
-    const bool in_word =
-        i > 0 && (std::isalpha(static_cast<unsigned char>(sentence[i - 1])) != 0 || sentence[i - 1] == '_');
-    const bool in_number = text.ends_with('#') && (std::isdigit(static_cast<unsigned char>(c)) != 0 || c == '.' ||
-                                                   c == 'e' || c == '-' || c == '+');
-    if (in_number && !(c == '.' && (i + 1 == sentence.size() || sentence[i + 1] == ' '))) continue;
-    text += std::isdigit(static_cast<unsigned char>(c)) != 0 && !in_word ? '#' : c;
-  }
-  return text;
-}
-
-CaseResult ended_case(std::int64_t number, CaseVerdict verdict, std::string sentence) {
-  CaseResult result;
-  result.number = number;
-  result.verdict = verdict;
-  result.reason = without_numbers(sentence);
-  result.sentence = std::move(sentence);
-  return result;
-}
-
-CaseRun run_case(const std::filesystem::path& file, const std::string& text, const CampaignOptions& options,
-                 const std::filesystem::path& trace, const Simulation& simulation) {
-  const auto begin = std::chrono::steady_clock::now();
-  CaseRun made = judged_run(file, text, options, trace, simulation);
-  made.result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return made;
 }
 

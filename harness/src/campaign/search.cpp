@@ -133,9 +133,12 @@ Result<void> Search::steer_by(const Campaign& campaign, std::size_t expectation,
                               const std::vector<std::size_t>& indices, SearchRound& round) {
   const auto table = CaseTable::of(campaign);
   if (!table) return table.errors();
-  for (std::size_t i = table->size(); i-- > 0;)
-    if (table->has(i) && !table->passed(i)) round.first_failure = static_cast<std::int64_t>(i);
   const std::vector<double>& margins = table->margins[expectation];
+  for (std::size_t i = table->size(); i-- > 0;) {
+    if (!(margins[i] < 0.0)) continue;
+    ++round.violations;
+    round.first_failure = static_cast<std::int64_t>(i);
+  }
   const std::vector<std::size_t> elite = elite_of(margins);
   if (elite.size() < least_elite)
     return error_in(round.folder.string(),
@@ -165,7 +168,7 @@ Result<SearchRound> Search::run_round(const fs::path& folder) {
   if (interruption() != 0) return error("interrupted; the same command continues");
   auto summary = write_campaign_report(*campaign);
   if (!summary) return summary.errors();
-  SearchRound round{folder, *std::move(summary), {}, {}};
+  SearchRound round{folder, *std::move(summary), 0.0, 0, {}};
   if (auto steered = steer_by(*campaign, *expectation, *indices, round); !steered) return steered.errors();
   return round;
 }
@@ -181,7 +184,7 @@ Result<std::vector<SearchRound>> search(const fs::path& scenario, const fs::path
   while (made.size() < static_cast<std::size_t>(search.rounds) && failures < search.most_failures) {
     auto round = rounds.run_round(folder / fmt::format("round-{}", made.size() + 1));
     if (!round) return round.errors();
-    failures += round->summary.failed();
+    failures += round->violations;
     made.push_back(*std::move(round));
   }
   return made;

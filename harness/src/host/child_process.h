@@ -40,9 +40,6 @@ Result<pid_t> start(const ChildProcess& process);
 /// started, or if `should_stop` (may be null) returned true and the program was killed.
 Result<int> run_to_end(const ChildProcess& process, const std::function<bool()>& should_stop = nullptr);
 
-/// The path of the program that a shell would execute for that name; empty: none.
-std::filesystem::path find_program(const std::string& name);
-
 /// True if a process can be started at addresses that aren't random.
 bool can_fix_addresses();
 
