@@ -1,11 +1,13 @@
 // Campaigns as array jobs of a real Slurm: two nodes on this machine, of which one is killed. Skipped if Slurm isn't
 // installed.
 #include "command.h"
+#include "falling_box.h"
 
 #include <gmock/gmock.h>
 
 #include <chrono>
 #include <functional>
+#include <map>
 #include <thread>
 
 namespace rehearse::test {
@@ -48,28 +50,23 @@ class SlurmSweep : public Command {
     const auto queue = status()["slurm"];
     return queue["running"] == 0 && queue["waiting"] == 0;
   }
+  /// How many result lines each run of a case has; second runs are runs of their own.
+  std::map<std::string, int> runs() const {
+    std::map<std::string, int> runs;
+    for (const auto& entry : fs::directory_iterator(folder() / "run")) {
+      if (entry.path().extension() != ".jsonl") continue;
+      std::istringstream lines(read_file(entry.path()));
+      for (std::string line; std::getline(lines, line);) {
+        const auto result = nlohmann::json::parse(line);
+        ++runs[std::to_string(result["case"].get<int>()) + (result.value("again", false) ? " again" : "")];
+      }
+    }
+    return runs;
+  }
   std::string results(const std::string& campaign) const { return read_file(folder() / campaign / "results.csv"); }
 
   /// A box that falls 0.4 s; the lower ones reach the floor.
-  fs::path box() const {
-    return write("box.yaml", R"(rehearse: 1
-duration: 0.4
-bodies:
-  - name: Floor
-    box: {size: [2, 2, 0.2]}
-    fixed: true
-    position: [0, 0, -0.1]
-  - name: Box
-    box: {size: [0.2, 0.2, 0.2]}
-    mass: 2    # [kg]
-    position: [0, 0, 0.5]
-expect:
-  - {channel: Box/Box/position/z, above: 0.12, at: end}
-vary:
-  height: {path: "bodies.Box.position[2]", uniform: [0.25, 1.2]}
-  mass: {path: bodies.Box.mass, log_uniform: [0.5, 8]}
-)");
-  }
+  fs::path box() const { return write("box.yaml", falling_box("0.4", "above: 0.12, at: end", "1.2")); }
 
   fs::path place_;
 };
@@ -98,6 +95,7 @@ TEST_F(SlurmSweep, LosesAndDoublesNothingWhenANodeIsKilled) {
   EXPECT_EQ(status()["missing"], 0);
   EXPECT_EQ(sweep({"report", "run"}).status, 1);
   EXPECT_EQ(results("run"), results("local"));
+  for (const auto& [run, count] : runs()) EXPECT_EQ(count, 1) << run;
   EXPECT_EQ(status()["repeated"], sweep({"report", "local", "--json"}).json()["repeated"]);
 }
 
@@ -133,7 +131,7 @@ TEST_F(SlurmSweep, KeepsThePlanIfSlurmRefuses) {
   EXPECT_THAT(sweep({"resume", "run", "--partition=test"}).err, HasSubstr("--partition"));
   EXPECT_THAT(sweep({"resume", "run", "--", "--partition=test"}).err,
               HasSubstr("options after -- are those of sbatch"));
-  EXPECT_THAT(sweep({"resume", "run", "--tasks", "3"}).err, HasSubstr("--tasks needs --slurm"));
+  EXPECT_THAT(sweep({"resume", "run", "--tasks", "3"}).err, HasSubstr("--tasks requires --slurm"));
   EXPECT_EQ(sweep({"resume", "run", "--slurm", "--", "--partition=test"}).status, 0);
   EXPECT_TRUE(waits_until([&] { return is_queue_empty(); }));
   EXPECT_EQ(status()["missing"], 0);

@@ -1,5 +1,6 @@
 // rehearse sweep: campaigns from the command line, killed and resumed, and the mistakes that users make.
 #include "command.h"
+#include "falling_box.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -26,23 +27,7 @@ class Sweep : public Command {
  protected:
   /// A box that falls 20 ms; the lower ones reach the floor.
   fs::path box(const std::string& more = "", const std::string& name = "box.yaml") const {
-    return write(name, R"(rehearse: 1
-duration: 0.02
-bodies:
-  - name: Floor
-    box: {size: [2, 2, 0.2]}
-    fixed: true
-    position: [0, 0, -0.1]
-  - name: Box
-    box: {size: [0.2, 0.2, 0.2]}
-    mass: 2    # [kg]
-    position: [0, 0, 0.5]
-expect:
-  - {channel: Box/Box/position/z, above: 0.3}
-vary:
-  height: {path: "bodies.Box.position[2]", uniform: [0.25, 0.6]}
-  mass: {path: bodies.Box.mass, log_uniform: [0.5, 8]}
-)" + more);
+    return write(name, falling_box("0.02", "above: 0.3", "0.6") + more);
   }
   /// The pendulum under a controller that misbehaves by `deeds`.
   fs::path deeds(const std::string& deeds) const {
@@ -125,6 +110,10 @@ TEST_F(Sweep, GivesTheSameResultsWithAnyWorkersInAnyOrder) {
   EXPECT_THAT(*kept("one").begin(), ::testing::StartsWith("violated-"));
   EXPECT_EQ(kept("one"), kept("two"));
   EXPECT_EQ(kept("one"), kept("slices"));
+  const auto failures = [&](const char* campaign) {
+    return nlohmann::json::parse(read_file(folder() / campaign / "report.json"))["failures"];
+  };
+  EXPECT_EQ(failures("one"), failures("slices")) << "the example is that of the lowest case";
 }
 
 TEST_F(Sweep, HasAColumnForEachWayToFail) {
@@ -436,7 +425,14 @@ TEST_F(Sweep, FindsARareFailureInRoundsTowardsIt) {
   EXPECT_THAT(rehearse({"sweep", "rare.yaml", "--cases", "40", "--towards", "speed", "-o", "speed"}).err,
               HasSubstr("no expectation has 'speed'"));
   EXPECT_THAT(rehearse({"sweep", "rare.yaml", "--cases", "41", "--towards", "above", "-o", "search"}).err,
-              HasSubstr("the round has another number of cases"));
+              HasSubstr("the round was begun with other options"));
+  EXPECT_THAT(searched("search", {"--over", "mass"}).err,
+              HasSubstr("search/round-2: error: the round was begun with other options"));
+  EXPECT_THAT(searched("search/round-1").err, HasSubstr("there is a campaign in this folder"));
+  for (const char* other : {"--slurm", "--plan"}) EXPECT_THAT(searched("new", {other}).err, HasSubstr("excludes"));
+  EXPECT_THAT(rehearse({"sweep", "rare.yaml", "--cases", "40", "--over", "mass", "-o", "new"}).err,
+              HasSubstr("--over requires --towards"));
+  EXPECT_FALSE(exists("new"));
 }
 
 TEST_F(Sweep, SaysWhichVariationIsWrong) {

@@ -1,11 +1,16 @@
-# Debian packages, made by CPack: `rehearse`, `rehearse-dev`, and separate debug symbols. tools/package calls it.
+# Debian packages, made by CPack: `rehearse`, `rehearse-dev`, separate debug symbols, and `rehearse-doc` if tools/docs
+# has built the site. tools/package calls it.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME rehearse)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGE_CONTACT "The Rehearse authors <rehearse@users.noreply.github.com>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_PACKAGE_DIRECTORY ${CMAKE_BINARY_DIR}/packages)
-set(CPACK_COMPONENTS_ALL runtime development)
+set(components runtime development)
+if(EXISTS ${CMAKE_BINARY_DIR}/docs/index.html)
+  list(APPEND components site)
+endif()
+set(CPACK_COMPONENTS_ALL ${components})
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
@@ -20,6 +25,7 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME rehearse)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "gdb, valgrind, ffmpeg")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "rehearse-doc")
 set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "record, replay and judge robot controllers
  Rehearse runs a robot controller, written for Choreonoid's SimpleController
  API, in a deterministic simulation, records what it reads and commands,
@@ -35,6 +41,15 @@ set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "build and test robot controllers with 
  Headers of Choreonoid's SimpleController API, GoogleTest assertions on
  recorded runs, and what CMake needs to find both.")
 
+set(CPACK_DEBIAN_SITE_PACKAGE_NAME rehearse-doc)
+set(CPACK_DEBIAN_SITE_PACKAGE_SECTION doc)
+set(CPACK_DEBIAN_SITE_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_SITE_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_SITE_DEBUGINFO_PACKAGE OFF)
+set(CPACK_DEBIAN_SITE_DESCRIPTION "documentation of Rehearse, as a site
+ Tutorials, one page a task, concepts and the reference, with reports to click
+ through. The command rehearse doc opens it.")
+
 # Debian's own documents; its changelog refers to the project's.
 set(documents ${CMAKE_BINARY_DIR}/doc)
 string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)
@@ -46,7 +61,7 @@ file(WRITE ${documents}/triggers "activate-noawait ldconfig\n")
 configure_file(CHANGELOG.md ${documents}/changelog COPYONLY)
 execute_process(COMMAND gzip --no-name --best --force ${documents}/changelog ${documents}/changelog.Debian
   COMMAND_ERROR_IS_FATAL ANY)
-foreach(component runtime development)
+foreach(component IN LISTS components)
   string(TOUPPER ${component} upper)
   set(destination ${CMAKE_INSTALL_DATADIR}/doc/${CPACK_DEBIAN_${upper}_PACKAGE_NAME})
   install(FILES LICENSE RENAME copyright DESTINATION ${destination} COMPONENT ${component})

@@ -4,7 +4,6 @@
 #include <rehearse/scenario.h>
 
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <memory>
@@ -30,14 +29,6 @@ struct ImportSettings {
   bool json = false;
 };
 
-Result<void> write(const fs::path& file, const std::string& text) {
-  std::ofstream stream(file, std::ios::binary);
-  stream << text;
-  stream.close();
-  if (!stream) return error_in(file.string(), "it can't be written", "is there room on the disk?");
-  return {};
-}
-
 /// Writes the files; those that are there may have been changed by hand.
 Result<void> write_all(const fs::path& folder, const ImportedProject& imported) {
   std::map<std::string, std::string> files = imported.files;
@@ -50,7 +41,7 @@ Result<void> write_all(const fs::path& folder, const ImportedProject& imported) 
   fs::create_directories(folder, problem);
   if (problem) return error_in(folder.string(), "the folder can't be made: " + problem.message());
   for (const auto& [name, text] : files)
-    if (auto done = write(folder / name, text); !done) return done;
+    if (auto done = write_text(folder / name, text); !done) return done;
   return {};
 }
 

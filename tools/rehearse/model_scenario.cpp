@@ -7,9 +7,9 @@
 #include <cctype>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 
 #include "model/shape_bounds.h"
+#include "output.h"
 
 namespace rehearse::tool {
 namespace {
@@ -177,11 +177,7 @@ Result<void> save_scenario(const ModelScenario& settings, const std::string& fil
   for (std::string& library : saved.controllers) library = seen_from_there(library);
   const auto text = scenario_text(saved, seen_from_there(settings.model));
   if (!text) return text.errors();
-  std::ofstream stream(file, std::ios::binary);
-  stream << *text;
-  stream.close();
-  if (!stream) return error(fmt::format("can't write {}", file), "is there such a folder, and room in it?");
-  return {};
+  return write_text(file, *text);
 }
 
 }  // namespace rehearse::tool

@@ -2,13 +2,13 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <string_view>
 
 #include "command.h"
 #include "new_project.h"
+#include "output.h"
 
 namespace rehearse::tool {
 namespace {
@@ -53,11 +53,7 @@ Result<void> prepare(const fs::path& folder) {
 Result<void> write(const fs::path& file, const std::string& text) {
   std::error_code ignored;
   fs::create_directories(file.parent_path(), ignored);
-  std::ofstream stream(file, std::ios::binary);
-  stream << text;
-  stream.close();
-  if (!stream) return error(fmt::format("can't write {}", file.string()));
-  return {};
+  return write_text(file, text);
 }
 
 /// The installation prefix for CMake's search; empty if CMake searches there anyway, or if the command isn't installed.

@@ -82,6 +82,14 @@ Json json_of(const Diagnostics& diagnostics) {
   return list;
 }
 
+Result<void> write_text(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream stream(file, std::ios::binary);
+  stream << text;
+  stream.close();
+  return stream ? Result<void>()
+                : error_in(file.string(), "the file can't be written", "is there such a folder, and room in it?");
+}
+
 void print(const Json& object) {
   Json numbered{{"schema", json_schema}};
   numbered.update(object);

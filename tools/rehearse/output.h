@@ -26,6 +26,9 @@ Json json_of(const Diagnostics& diagnostics);
 /// The version of the JSON objects' form: it increases if a member is removed or changes its meaning.
 inline constexpr int json_schema = 1;
 
+/// Writes a file. Fails if there is no room, or no folder.
+Result<void> write_text(const std::filesystem::path& file, const std::string& text);
+
 /// Prints the object on stdout, with `schema` first, and a newline. In text that isn't UTF-8, bad bytes are replaced.
 void print(const Json& object);
 

@@ -30,9 +30,7 @@ constexpr auto patience = std::chrono::seconds(60);  // sbatch sleeps while Slur
 
 constexpr const char* task_script =
     "#!/bin/sh\n"
-    "# A task of a campaign. Arguments: the program, the campaign's folder, the number of slices, the number of "
-    "slices\n"
-    "# before the first of this array.\n"
+    "# A task of a campaign: PROGRAM FOLDER SLICES, and the number of slices before the first of this array.\n"
     "exec \"$1\" sweep work \"$2\" --slice \"$((SLURM_ARRAY_TASK_ID + 1 + $4))/$3\"\n";
 
 /// What is kept of a submission, in the campaign's folder.
@@ -48,13 +46,6 @@ std::string text_of(const fs::path& file) {
   std::ostringstream text;
   text << std::ifstream(file, std::ios::binary).rdbuf();
   return text.str();
-}
-
-Result<void> write(const fs::path& file, const std::string& text) {
-  std::ofstream stream(file, std::ios::binary);
-  stream << text;
-  stream.close();
-  return stream ? Result<void>() : error_in(file.string(), "the file can't be written", "is the disk full?");
 }
 
 Result<Submission> submission_of(const Campaign& campaign) {
@@ -79,9 +70,9 @@ Result<Submission> make_submission(const Campaign& campaign, const SlurmOptions&
   const fs::path folder = fs::absolute(campaign.folder(), failed).lexically_normal();
   fs::create_directories(slurm_folder(campaign), failed);
   const Submission made{fmt::format("rehearse-{:016x}", fs::hash_value(folder)), tasks_for(campaign, options)};
-  if (auto written = write(slurm_folder(campaign) / "task.sh", task_script); !written) return written.errors();
+  if (auto written = write_text(slurm_folder(campaign) / "task.sh", task_script); !written) return written.errors();
   const Json object{{"name", made.name}, {"tasks", made.tasks}};
-  if (auto written = write(submission_file(campaign), object.dump() + '\n'); !written) return written.errors();
+  if (auto written = write_text(submission_file(campaign), object.dump() + '\n'); !written) return written.errors();
   return made;
 }
 
@@ -91,8 +82,9 @@ Result<std::string> output_of(std::vector<std::string> words) {
   const fs::path program = find_program(words[0]);
   if (program.empty())
     return error(fmt::format("there is no {} on the PATH", words[0]),
-                 "run this where Slurm's commands are; with another launcher each task runs rehearse sweep work");
+                 "run this where Slurm's commands are; without Slurm remove DIR/slurm, and resume");
   const ScratchFolder scratch = ScratchFolder::temporary();
+  if (scratch.path().empty()) return error("there is no room for temporary files");
   const std::string name = std::exchange(words[0], program.string());
   ChildProcess process{std::move(words), environment_with({})};
   process.output = scratch.path() / "output";

@@ -137,13 +137,11 @@ void make_libraries_absolute(HostOptions& host) {
     if (library.find('/') != std::string::npos) library = fs::absolute(library, ignored).string();
 }
 
-/// The options that only --slurm has.
+/// Words after -- without --slurm are mistakes.
 Result<void> check_slurm_options(const SweepSettings& settings) {
-  if (settings.in_slurm) return {};
-  if (!settings.slurm.sbatch.empty())
-    return error(fmt::format("'{}' is no option of sweep", settings.slurm.sbatch.front()),
-                 "options after -- are those of sbatch, with --slurm");
-  return settings.slurm.tasks > 0 ? Result<void>(error("--tasks needs --slurm")) : Result<void>();
+  if (settings.in_slurm || settings.slurm.sbatch.empty()) return {};
+  return error(fmt::format("'{}' is no option of sweep", settings.slurm.sbatch.front()),
+               "options after -- are those of sbatch, with --slurm");
 }
 
 Exit run_new(SweepSettings& settings) {
@@ -248,6 +246,8 @@ void add_slurm(CLI::App& options, const Settings& settings) {
   options.add_flag("--slurm", settings->in_slurm, "run the cases as array jobs of Slurm; after --: options of sbatch");
   add_integer(options, "--tasks", "tasks of Slurm (each has 30 s of work, at most 1000)", 1, 1'000'000,
               [settings](std::int64_t tasks) { settings->slurm.tasks = tasks; });
+  options.get_option("--tasks")->needs("--slurm");
+  for (const char* option : {"--jobs", "--until-failures"}) options.get_option("--slurm")->excludes(option);
   options.add_option("SBATCH", settings->slurm.sbatch, "options of sbatch, after --")->type_name("");
 }
 
@@ -267,6 +267,7 @@ void add_search(CLI::App& options, const Settings& settings) {
       ->delimiter(',');
   add_integer(options, "--rounds", "of --towards: at most (6)", 1, 1000,
               [settings](std::int64_t rounds) { settings->search.rounds = static_cast<int>(rounds); });
+  for (const char* option : {"--over", "--rounds"}) options.get_option(option)->needs("--towards");
 }
 
 void declare_new(CLI::App& options, const Settings& settings) {
@@ -287,6 +288,8 @@ void declare_new(CLI::App& options, const Settings& settings) {
   add_until_failures(options, settings);
   add_search(options, settings);
   add_slurm(options, settings);
+  options.get_option("--plan")->excludes("--slurm")->excludes("--towards");
+  options.get_option("--towards")->excludes("--slurm");
   add_json_flag(options, settings->json);
 }
 

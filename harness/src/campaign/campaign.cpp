@@ -56,9 +56,8 @@ void keep_trace(const Campaign& campaign, const CaseResult& result, const fs::pa
   for (fs::directory_iterator entry(kept.parent_path(), ignored), end; !ignored && entry != end;
        entry.increment(ignored))
     if (const auto number = case_of_kept_trace(entry->path(), result.verdict)) by_case[*number] = entry->path();
+  fs::rename(trace, kept, ignored);
   const auto most = static_cast<std::size_t>(campaign.options().keep);
-  if (std::distance(by_case.begin(), by_case.find(result.number)) < campaign.options().keep)
-    fs::rename(trace, kept, ignored);
   for (; by_case.size() > most; by_case.erase(std::prev(by_case.end())))
     fs::remove(std::prev(by_case.end())->second, ignored);
 }

@@ -101,6 +101,8 @@ Result<void> check_folder(const fs::path& folder) {
 
 }  // namespace
 
+bool are_same(const CampaignOptions& a, const CampaignOptions& b) { return json_of_options(a) == json_of_options(b); }
+
 fs::path plan_file(const fs::path& folder) { return folder / "plan.csv"; }
 fs::path facts_file(const fs::path& folder) { return folder / "campaign.json"; }
 

@@ -20,6 +20,9 @@ std::filesystem::path kept_trace_file(const std::filesystem::path& folder, const
 /// The number of the case whose kept recording has this name; none: it is no recording of a case with this verdict.
 std::optional<std::int64_t> case_of_kept_trace(const std::filesystem::path& file, CaseVerdict verdict);
 
+/// True if the options have the same effect on a campaign.
+bool are_same(const CampaignOptions& a, const CampaignOptions& b);
+
 /// Locks out other processes until it is destroyed: shared with those that work on slices, or alone.
 class CampaignLock {
  public:

@@ -124,9 +124,9 @@ Result<Campaign> Search::begin(const fs::path& folder) const {
   if (!fs::exists(facts_file(folder), ignored)) return Campaign::create(scenario_, folder, options_, simulation_);
   auto campaign = Campaign::open(folder);
   if (!campaign) return campaign;
-  if (campaign->options().cases == options_.cases && campaign->options().seed == options_.seed) return campaign;
-  return error_in(folder.string(), "the round has another number of cases, or another seed",
-                  "name the same ones, or a new folder");
+  if (are_same(campaign->options(), options_)) return campaign;
+  return error_in(folder.string(), "the round was begun with other options",
+                  "name those with which the search began, or a new folder");
 }
 
 Result<void> Search::steer_by(const Campaign& campaign, std::size_t expectation,
@@ -178,6 +178,9 @@ Result<SearchRound> Search::run_round(const fs::path& folder) {
 Result<std::vector<SearchRound>> search(const fs::path& scenario, const fs::path& folder,
                                         const CampaignOptions& options, const SearchOptions& search,
                                         const SweepOptions& sweep, const Simulation& simulation) {
+  std::error_code ignored;
+  if (fs::exists(facts_file(folder), ignored))
+    return error_in(folder.string(), "there is a campaign in this folder", "name a new folder for the search");
   Search rounds(scenario, options, search, sweep, simulation);
   std::vector<SearchRound> made;
   std::int64_t failures = 0;

@@ -229,9 +229,8 @@ void BodyReader::read_model_file(const Keys& keys, const YamlNode& node, Scenari
   for (const char* key : {"friction", "mu2", "fdir1", "restitution"})
     if (const YamlNode* found = keys.find(key))
       findings_.error(*found, fmt::format("{} is given for a body with a model file", key),
-                      "the surfaces of a model are in its file: <gazebo reference=\"LINK\"> or <contact>; links: "
-                      "{LINK: {friction: ...}} "
-                      "replaces one");
+                      "the surfaces of a model are in its file: <gazebo reference=\"LINK\"> or <contact>; "
+                      "links: {LINK: {friction: ...}} replaces one");
 }
 
 std::shared_ptr<const Model> BodyReader::load_model(const YamlNode& node, const std::string& file,
