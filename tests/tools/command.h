@@ -82,8 +82,9 @@ class Command : public ::testing::Test {
         std::system((line + " > " + quoted(out.string()) + " 2> " + quoted(err.string()) + " < /dev/null").c_str());
     return {WIFEXITED(ended) ? WEXITSTATUS(ended) : -1, read_file(out), read_file(err)};
   }
+  /// Without call stacks in reports, for which gdb is started, unless `environment` states otherwise.
   Outcome rehearse(const std::vector<std::string>& arguments, const std::string& environment = "") const {
-    return run(command, arguments, environment);
+    return run(command, arguments, "REHEARSE_CALL_STACK=never " + environment);
   }
 
   /// Runs a command that must succeed.

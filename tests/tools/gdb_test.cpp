@@ -304,6 +304,23 @@ TEST_F(Gdb, ShowsTheLineOfTheFirstDifferingCommandInAReport) {
                                     ",\"begin\":[0-9]+,\"source\":\\[\".*// commands\""));
 }
 
+TEST_F(Gdb, ShowsTheLineInTheReportOfAFailedCheck) {
+  if (!gdb_knows_types) GTEST_SKIP() << "built with line numbers alone, as builds with sanitizers are";
+  const std::string scenario = pendulum(LOOKED_AT).string();
+  done({"record", scenario, "-o", "golden.mcap"});
+  const fs::path page = write("page.html", "<!doctype html><html><!-- REHEARSE DATA --></html>");
+  const std::vector<std::string> words{"check",       scenario,       "--golden",
+                                       "golden.mcap", "--controller", std::string("Swing=") + STIFFER};
+  const std::string with_page = std::string(environment) + " REHEARSE_REPORT_PAGE=" + page.string();
+  const fs::path report = folder() / "rehearse-pending/pendulum.html";
+  EXPECT_EQ(rehearse(words, with_page).status, 1);
+  EXPECT_THAT(read_file(report), HasSubstr("\"call_stack\":null"));
+  EXPECT_EQ(rehearse(words, with_page + " REHEARSE_CALL_STACK=").status, 1);
+  EXPECT_THAT(read_file(report),
+              AllOf(HasSubstr("\"call_stack\":{\"controller\":\"Pendulum/Swing\",\"command\":\"hinge/u\",\"tick\":9,"),
+                    ContainsRegex("looked_at.cpp\",\"line\":" + line_of("commands").substr(14) + ",")));
+}
+
 TEST_F(Gdb, StopsAtTheLineThatChangesACommand) {
   if (!gdb_knows_types) GTEST_SKIP() << "built with line numbers alone, as builds with sanitizers are";
   record();

@@ -31,9 +31,9 @@ target_compile_options(rehearse_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wnon-virtual-dtor -Woverloaded-virtual -Wimplicit-fallthrough
   $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>  # it takes the sources of a unity build for headers
   $<$<BOOL:${REHEARSE_WERROR}>:-Werror>
-  # Line numbers are enough to debug our own code; types take a third of the compiler's time. gdb shows controllers by
-  # the types of controllers, and of the targets with the property REHEARSE_TYPES_FOR_GDB.
-  $<$<AND:$<CONFIG:RelWithDebInfo>,$<NOT:$<STREQUAL:$<TARGET_PROPERTY:TYPE>,MODULE_LIBRARY>>,$<NOT:$<BOOL:$<TARGET_PROPERTY:REHEARSE_TYPES_FOR_GDB>>>>:-g1>)
+  # Line numbers are enough to debug our own code; types take a third of the compiler's time, and seconds of gdb's. gdb
+  # shows controllers by the types of controllers, and of the sources given to rehearse_types_for_gdb().
+  $<$<AND:$<CONFIG:RelWithDebInfo>,$<NOT:$<STREQUAL:$<TARGET_PROPERTY:TYPE>,MODULE_LIBRARY>>>:-g1>)
 if(REHEARSE_SANITIZE)
   add_compile_options(-fsanitize=${REHEARSE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${REHEARSE_SANITIZE})
@@ -42,6 +42,12 @@ endif()
 find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 add_library(rehearse_xxhash INTERFACE)
 target_include_directories(rehearse_xxhash INTERFACE ${XXHASH_INCLUDE_DIR})
+
+# rehearse_types_for_gdb(SOURCES...): these sources are compiled separately, with all the types that they use.
+function(rehearse_types_for_gdb)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON COMPILE_OPTIONS
+    "$<$<CONFIG:RelWithDebInfo>:-g;$<IF:$<CXX_COMPILER_ID:GNU>,-femit-class-debug-always,-fstandalone-debug>>")
+endfunction()
 
 # For tests, which may include headers of all rooms, and for programs, which may include those after DOOR.
 add_library(rehearse_private_headers INTERFACE)

@@ -26,6 +26,7 @@
 #include "options.h"
 #include "output.h"
 #include "progress.h"
+#include "report/call_stack.h"
 #include "report/report_index.h"
 #include "scenario/project.h"
 #include "scenario/trace_scenario.h"
@@ -205,7 +206,10 @@ void add_page(const CheckSettings& settings, const Scenario& scenario, const fs:
   }
   const auto allowed =
       check_replaceable(pending_folder() / actual.filename().replace_extension(".html"), report_magic, "report");
-  auto written = allowed ? write_failure_report(checked.report, scenario, golden_of(settings, scenario), actual)
+  const fs::path golden = golden_of(settings, scenario);
+  ReportOptions options;
+  if (checked.report.controller == LevelState::differs) options.call_stack = call_stack_of(golden, settings.check.run);
+  auto written = allowed ? write_failure_report(checked.report, scenario, golden, actual, std::move(options))
                          : Result<std::optional<FailureReport>>(allowed.errors());
   if (written) {
     checked.page = *std::move(written);

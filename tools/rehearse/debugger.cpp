@@ -9,22 +9,15 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
-#include <functional>
-#include <iterator>
-#include <sstream>
 
-#include "find_program.h"
 #include "host/child_process.h"
 #include "host/controller_library.h"
 #include "mcap/whole_input.h"
 #include "model/clock.h"
 #include "output.h"
 #include "scenario/trace_scenario.h"
-#include "scratch_folder.h"
 #include "trace/channel_name.h"
 #include "trace/run_facts.h"
 
@@ -73,18 +66,6 @@ std::vector<char*> pointers_to(std::vector<std::string>& words) {
   return pointers;
 }
 
-/// The stdout of this program when it is started with these words; empty if it can't be started, or was stopped.
-std::string output_of(std::vector<std::string> words, const std::function<bool()>& should_stop = nullptr) {
-  const ScratchFolder scratch = ScratchFolder::temporary();
-  const fs::path output = scratch.path() / "output";
-  words.insert(words.begin(), own_program().string());
-  const auto ended =
-      run_to_end({std::move(words), environment_with({}), output, ChildProcess::Errors::discarded}, should_stop);
-  if (!ended) return {};
-  std::ifstream stream(output);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 /// The tick and the controller at which gdb should stop.
 struct Interesting {
   std::int64_t tick = 0;
@@ -93,8 +74,10 @@ struct Interesting {
 
 /// Replays in a separate process, which may crash, and returns its result.
 Interesting find_interesting(const Scenario& scenario, std::vector<std::string> words) {
+  words.insert(words.begin(), own_program().string());
   words.push_back("--json");
-  const Json report = Json::parse(output_of(std::move(words)), nullptr, false);
+  const auto output = output_of({std::move(words), environment_with({}), {}, ChildProcess::Errors::discarded});
+  const Json report = Json::parse(output ? output->text : "", nullptr, false);
   if (!report.is_object()) return {};  // the run in gdb will report the error
   if (const auto failure = report.find("failure"); failure != report.end() && failure->is_string()) {
     fmt::print("{}: stopping at the beginning of that tick\n", failure->get<std::string>());
@@ -251,42 +234,6 @@ Exit replay_log_in_gdb(const DebuggerOptions& debugger, const std::vector<std::s
                        std::optional<std::int64_t> tick) {
   if (find_program("gdb").empty()) return refuse(no_gdb());
   return become_gdb(debugger, words, tick.value_or(0));
-}
-
-namespace {
-
-std::vector<StackFrame> frames_of(const Json& read) {
-  std::vector<StackFrame> frames;
-  for (const Json& frame : read.value("frames", Json::array()))
-    frames.push_back({frame.value("function", ""), frame.value("file", ""), frame.value("line", 0),
-                      frame.value("begin", 0), frame.value("source", std::vector<std::string>())});
-  return frames;
-}
-
-}  // namespace
-
-Result<CallStack> call_stack_at(const fs::path& trace, const std::string& controller, const std::string& command,
-                                std::int64_t tick, const HostOptions& host) {
-  constexpr std::chrono::seconds limit(60);
-  if (find_program("gdb").empty()) return error("there is no gdb on the PATH", "apt-get install gdb");
-  std::vector<std::string> words{"replay", trace.string(), "--gdb=" + controller, fmt::format("--tick={}", tick)};
-  for (const auto& [name, library] : host.libraries) words.push_back(fmt::format("--controller={}={}", name, library));
-  for (const std::string& word : {std::string("-batch"), std::string("-ex"), "rehearse-stack " + command})
-    words.push_back("--gdb-arg=" + word);
-  const auto end = std::chrono::steady_clock::now() + limit;
-  std::istringstream lines(output_of(std::move(words), [&] { return std::chrono::steady_clock::now() > end; }));
-  for (std::string line; std::getline(lines, line);) {
-    if (!line.starts_with("{")) continue;
-    const Json read = Json::parse(line, nullptr, false);
-    if (!read.is_object()) continue;
-    CallStack stack{controller, command, tick, frames_of(read)};
-    if (stack.frames.empty() || stack.frames[0].file.empty())
-      return error(controller + " has no debug information", "build it with -g");
-    if (stack.frames[0].source.empty())
-      return error(fmt::format("the source file {} can't be read", stack.frames[0].file));
-    return stack;
-  }
-  return error(fmt::format("gdb found no call of {} at tick {} within {} s", controller, tick, limit.count()));
 }
 
 }  // namespace rehearse::tool

@@ -6,7 +6,6 @@
 
 #include <rehearse/diagnostic.h>
 #include <rehearse/host_options.h>
-#include <rehearse/report.h>
 #include <rehearse/scenario.h>
 
 #include <CLI/App.hpp>
@@ -57,12 +56,5 @@ Exit replay_in_gdb(DebuggerOptions debugger, const std::filesystem::path& trace,
 /// The same for the log of a robot; without a tick it stops at tick 0.
 Exit replay_log_in_gdb(const DebuggerOptions& debugger, const std::vector<std::string>& words,
                        std::optional<std::int64_t> tick);
-
-/// The call stack of a controller (BODY/NAME) in control() at that tick, where it changes that command last (empty: at
-/// the beginning of control()), from a replay in gdb. Takes a minute at most.
-/// Fails if gdb is not installed, the replay doesn't reach the tick, or the controller has no debug information
-/// or no source file.
-Result<CallStack> call_stack_at(const std::filesystem::path& trace, const std::string& controller,
-                                const std::string& command, std::int64_t tick, const HostOptions& host);
 
 }  // namespace rehearse::tool

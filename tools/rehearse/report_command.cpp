@@ -8,11 +8,11 @@
 #include <string>
 
 #include "command.h"
-#include "debugger.h"
 #include "options.h"
 #include "output.h"
 #include "output_file.h"
 #include "progress.h"
+#include "report/call_stack.h"
 
 namespace rehearse::tool {
 namespace {

@@ -6,27 +6,22 @@
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <sstream>
 
-#include "find_program.h"
 #include "host/child_process.h"
-#include "host/interruption.h"
 #include "output.h"
-#include "scratch_folder.h"
 
 namespace rehearse::tool {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 using Numbers = std::vector<std::int64_t>;
 
-constexpr double task_seconds = 30.0;                // of work, so that Slurm's time between tasks doesn't matter
-constexpr std::int64_t most_tasks = 1000;            // unless more are asked for
-constexpr auto patience = std::chrono::seconds(60);  // sbatch sleeps while Slurm has too many jobs
+constexpr double task_seconds = 30.0;      // of work, so that Slurm's time between tasks doesn't matter
+constexpr std::int64_t most_tasks = 1000;  // unless more are asked for
+constexpr double patience = 60.0;          // [s]; sbatch sleeps while Slurm has too many jobs
 
 constexpr const char* task_script =
     "#!/bin/sh\n"
@@ -78,23 +73,19 @@ Result<Submission> make_submission(const Campaign& campaign, const SlurmOptions&
 
 /// What a program of Slurm prints, with its errors. Fails if there is no such program, if it takes too long, or with
 /// what it prints if its status isn't 0.
-Result<std::string> output_of(std::vector<std::string> words) {
+Result<std::string> answer_of(std::vector<std::string> words) {
   const fs::path program = find_program(words[0]);
   if (program.empty())
     return error(fmt::format("there is no {} on the PATH", words[0]),
                  "run this where Slurm's commands are; without Slurm remove DIR/slurm, and resume");
-  const ScratchFolder scratch = ScratchFolder::temporary();
-  if (scratch.path().empty()) return error("there is no room for temporary files");
   const std::string name = std::exchange(words[0], program.string());
-  ChildProcess process{std::move(words), environment_with({})};
-  process.output = scratch.path() / "output";
-  const auto until = Clock::now() + patience;
-  const auto ended = run_to_end(process, [&] { return Clock::now() > until || interruption() != 0; });
-  std::string text = text_of(process.output);
+  auto output = output_of({std::move(words), environment_with({})}, patience);
+  if (!output) return output.errors();
+  std::string text = std::move(output->text);
   while (!text.empty() && text.back() == '\n') text.pop_back();
-  if (!ended) return error(fmt::format("{} doesn't answer{}{}", name, text.empty() ? "" : ": ", text));
-  if (*ended != 0)
-    return error(text.empty() ? fmt::format("{} fails with status {}", name, *ended) : text,
+  if (!output->status) return error(fmt::format("{} doesn't answer{}{}", name, text.empty() ? "" : ": ", text));
+  if (*output->status != 0)
+    return error(text.empty() ? fmt::format("{} fails with status {}", name, *output->status) : text,
                  "the plan is kept: rehearse sweep resume DIR, with --slurm or without");
   return text;
 }
@@ -107,7 +98,7 @@ std::optional<std::int64_t> integer_in(std::string_view text) {
 
 /// An array has indices from 0 to this number - 1.
 Result<std::int64_t> largest_array() {
-  const auto settings = output_of({"scontrol", "show", "config"});
+  const auto settings = answer_of({"scontrol", "show", "config"});
   if (!settings) return settings.errors();
   std::istringstream lines(*settings);
   for (std::string line; std::getline(lines, line);) {
@@ -153,7 +144,7 @@ Result<std::int64_t> submit_array(const Campaign& campaign, const Submission& su
   for (const std::string& word : {(folder / "slurm/task.sh").string(), own_program().string(), folder.string(),
                                   fmt::format("{}", submission.tasks), fmt::format("{}", offset)})
     words.push_back(word);
-  const auto answer = output_of(std::move(words));
+  const auto answer = answer_of(std::move(words));
   if (!answer) return answer.errors();
   std::istringstream lines(*answer);  // a warning may precede the number
   for (std::string line; std::getline(lines, line);)
@@ -171,7 +162,7 @@ bool is_in_slurm(const Campaign& campaign) {
 Result<SlurmQueue> slurm_queue(const Campaign& campaign) {
   const auto submission = submission_of(campaign);
   if (!submission) return submission.errors();
-  const auto states = output_of({"squeue", "--noheader", "--array", "--format=%T", "--name=" + submission->name});
+  const auto states = answer_of({"squeue", "--noheader", "--array", "--format=%T", "--name=" + submission->name});
   if (!states) return states.errors();
   SlurmQueue queue;
   std::istringstream lines(*states);

@@ -11,8 +11,14 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <sstream>
 #include <string_view>
 #include <thread>
+
+#include "interruption.h"
 
 namespace rehearse {
 namespace {
@@ -43,6 +49,17 @@ class FixedAddresses {
 };
 
 }  // namespace
+
+std::filesystem::path find_program(const std::string& name) {
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path ? path : "/usr/local/bin:/usr/bin:/bin");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    const auto file = std::filesystem::path(folder.empty() ? "." : folder) / name;
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(file, ignored) && access(file.c_str(), X_OK) == 0) return file;
+  }
+  return {};
+}
 
 std::vector<std::string> environment_with(const EnvironmentChanges& changes) {
   std::vector<std::string> variables;
@@ -89,6 +106,26 @@ Result<int> run_to_end(const ChildProcess& process, const std::function<bool()>&
     return error(fmt::format("{} was stopped", process.words[0]));
   }
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+Result<ProgramOutput> output_of(ChildProcess process, double limit) {
+  using Clock = std::chrono::steady_clock;
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), std::fclose);
+  if (!file) return error(fmt::format("there is no room for temporary files: {}", strerror(errno)));
+  process.output = fmt::format("/proc/self/fd/{}", fileno(file.get()));  // the child's own copy of it
+  const auto begin = Clock::now();
+  bool was_stopped = false;
+  const auto ended = run_to_end(process, [&] {
+    const std::chrono::duration<double> passed = Clock::now() - begin;
+    return was_stopped = passed.count() > limit || interruption() != 0;
+  });
+  if (!ended && !was_stopped) return ended.errors();
+  ProgramOutput output;
+  if (ended) output.status = *ended;
+  std::rewind(file.get());
+  char piece[4096];
+  for (std::size_t size; (size = std::fread(piece, 1, sizeof piece, file.get())) > 0;) output.text.append(piece, size);
+  return output;
 }
 
 bool can_fix_addresses() {

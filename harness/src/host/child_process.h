@@ -6,12 +6,16 @@
 
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace rehearse {
+
+/// The path of the program that a shell would execute for that name; empty: none.
+std::filesystem::path find_program(const std::string& name);
 
 /// Variables with their new values; none: removed.
 using EnvironmentChanges = std::map<std::string, std::optional<std::string>>;
@@ -39,6 +43,15 @@ Result<pid_t> start(const ChildProcess& process);
 /// Starts a program and waits for its end. Returns its exit status, 128 + n if signal n ended it. Fails if it can't be
 /// started, or if `should_stop` (may be null) returned true and the program was killed.
 Result<int> run_to_end(const ChildProcess& process, const std::function<bool()>& should_stop = nullptr);
+
+struct ProgramOutput {
+  std::optional<int> status;  // as of run_to_end; none: it was stopped
+  std::string text;           // its stdout, and its stderr if the process asks for it there
+};
+
+/// As run_to_end, with the output; the member `output` is not used. The program is stopped when its time is over, and
+/// when this process is interrupted. Fails if it can't be started. `limit`: of wall time [s].
+Result<ProgramOutput> output_of(ChildProcess process, double limit = std::numeric_limits<double>::infinity());
 
 /// True if a process can be started at addresses that aren't random.
 bool can_fix_addresses();

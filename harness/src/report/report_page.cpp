@@ -39,17 +39,22 @@ std::string_view without_doctype(std::string_view head) {
 
 }  // namespace
 
+fs::path beside_library(std::initializer_list<const char*> files) {
+  Dl_info info{};
+  if (dladdr(reinterpret_cast<const void*>(&beside_library), &info) == 0 || !info.dli_fname) return {};
+  std::error_code ignored;
+  const fs::path library = fs::canonical(info.dli_fname, ignored);
+  for (const char* file : files) {
+    const fs::path found = (library.parent_path() / file).lexically_normal();
+    if (fs::is_regular_file(found, ignored)) return found;
+  }
+  return {};
+}
+
 Result<fs::path> report_page() {
   if (const char* stated = std::getenv("REHEARSE_REPORT_PAGE"); stated && *stated) return fs::path(stated);
-  Dl_info info{};
-  if (dladdr(reinterpret_cast<const void*>(&report_page), &info) != 0 && info.dli_fname) {
-    std::error_code ignored;
-    const fs::path library = fs::canonical(info.dli_fname, ignored);
-    for (const char* from_library : {REHEARSE_PAGE_IN_BUILD, REHEARSE_PAGE_INSTALLED}) {
-      const fs::path page = (library.parent_path() / from_library).lexically_normal();
-      if (fs::is_regular_file(page, ignored)) return page;
-    }
-  }
+  if (const fs::path page = beside_library({REHEARSE_PAGE_IN_BUILD, REHEARSE_PAGE_INSTALLED}); !page.empty())
+    return page;
   return error(
       "the page of reports was not built: Node.js, npm, or what npm fetches for it, was missing when Rehearse was "
       "configured",

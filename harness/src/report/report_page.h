@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>
@@ -13,6 +14,9 @@
 #include "report_blobs.h"
 
 namespace rehearse {
+
+/// The first of these files that exists; their paths are relative to the folder of this library. Empty: none.
+std::filesystem::path beside_library(std::initializer_list<const char*> files);
 
 /// Writes a report from its head to its end, under a temporary name until it is complete.
 class ReportFile {

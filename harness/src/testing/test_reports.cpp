@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "golden/run_folder.h"
+#include "report/call_stack.h"
 #include "scenario/trace_scenario.h"
 #include "simulation/recorded_view.h"
 #include "test_recordings.h"
@@ -30,10 +31,12 @@ ReportOptions options_of(const TestVerdict& verdict, const ComparedTest& compare
   options.tolerances = compared.tolerances;
   options.horizon = compared.horizon;
   options.scenario = compared.scenario;
-  if (compared.checked)
+  if (compared.checked) {
     options.verdict = report_verdict(*compared.checked);
-  else if (!verdict.passed)
+    if (compared.checked->controller == LevelState::differs) options.call_stack = call_stack_of(compared.golden, {});
+  } else if (!verdict.passed) {
     options.verdict = ReportVerdict{first_line(verdict.message), "beyond"};
+  }
   return options;
 }
 
