@@ -252,11 +252,15 @@ void ControllerHost::refuse(HostedController& hosted, const char* function) {
     return event(Severity::warning, hosted.label,
                  fmt::format("{}() returned false: the run goes on without this controller", function));
   std::string text = fmt::format("controller '{}' refuses to take part: {}() returned false", hosted.label, function);
+  std::string hint = "a run goes on without a controller that is `optional: true`";
   for (const auto& [file, content] : hosted.files)
-    if (content == missing_file) text += fmt::format("; {} wasn't there", file);
+    if (content == missing_file) {
+      text += fmt::format("; {} wasn't there", file);
+      hint = "if it belongs to shareDirPath(): REHEARSE_CHOREONOID_SHARE names that folder";
+    }
   text += last_words(hosted);
   event(Severity::error, hosted.label, text);
-  if (!failure_) failure_ = error(std::move(text), "a run goes on without a controller that is `optional: true`");
+  if (!failure_) failure_ = error(std::move(text), std::move(hint));
   refused_ = true;
 }
 

@@ -81,9 +81,10 @@ void ProjectReader::read_body(const ProjectItem& item) {
     if (child->type != "SimpleControllerItem") continue;
     body.controllers.push_back(read_controller(*child, names));
   }
-  const std::size_t links = body.model.links.size();
-  taken(item, fmt::format("body {}: {}, {} link{}, {} joints", body.name, fs::path(body.model_file).filename().string(),
-                          links, links == 1 ? "" : "s", body.model.joints.size()));
+  const std::size_t links = body.model.links.size(), joints = body.model.joints.size();
+  taken(item,
+        fmt::format("body {}: {}, {} link{}, {} joint{}", body.name, fs::path(body.model_file).filename().string(),
+                    links, links == 1 ? "" : "s", joints, joints == 1 ? "" : "s"));
   bodies_.push_back(std::move(body));
 }
 

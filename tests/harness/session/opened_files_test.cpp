@@ -63,6 +63,7 @@ TEST_F(OpenedFiles, ThatAreMissingAreNamedByTheRefusal) {
   ASSERT_TRUE(summary_.failure);
   EXPECT_EQ(summary_.failure->message,
             "controller 'Rig/C' refuses to take part: initialize() returned false; gain.txt wasn't there");
+  EXPECT_EQ(summary_.failure->hint, "if it belongs to shareDirPath(): REHEARSE_CHOREONOID_SHARE names that folder");
 }
 
 /// What is below shareDirPath() is in the recording, so a replay elsewhere finds it.
