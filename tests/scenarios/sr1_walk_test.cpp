@@ -74,7 +74,7 @@ TEST(SR1Walk, TurnsItsAnklesAgainstTheWaist) {
   const double pitch = bench.joint("LLEG_ANKLE_P").dq_target;  // [rad/s]
   const double roll = bench.joint("RLEG_ANKLE_R").dq_target;
   bench.device("WaistGyro").values = {0.2, 0.4, 0.0};  // [rad/s]: to the right, and forwards
-  bench.tick();  // the pattern itself hardly moves yet
+  bench.tick();                                        // the pattern itself hardly moves yet
   EXPECT_NEAR(bench.joint("LLEG_ANKLE_P").dq_target - pitch, 50.0 * 0.05 * 0.4, 1e-3) << "toes down";
   EXPECT_NEAR(bench.joint("RLEG_ANKLE_R").dq_target - roll, 50.0 * 0.05 * 0.2, 1e-3);
 }
