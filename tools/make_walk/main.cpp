@@ -7,6 +7,7 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <cstdio>
+#include <exception>
 #include <fstream>
 #include <string>
 
@@ -32,9 +33,7 @@ void add_options(CLI::App& options, WalkParameters& parameters) {
   add("--frame-rate", parameters.frame_rate, "[1/s]");
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   CLI::App options("Computes a walking pattern for SR1, and writes it as a motion file (.seq).", "make_walk");
   std::string model_file, output;
   WalkParameters parameters;
@@ -56,4 +55,16 @@ int main(int argc, char** argv) {
   if (!file.flush()) return fail({rehearse::error_in(output, "can't be written")});
   fmt::print("{}: {} frames, {} s, {} m; the zero moment point is at most {:.4f} m from the wanted one\n", output,
              pattern->frames.size(), pattern->duration, pattern->distance, pattern->zmp_error);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& problem) {  // no memory
+    std::fprintf(stderr, "error: %s\n", problem.what());
+    return 2;
+  }
 }
