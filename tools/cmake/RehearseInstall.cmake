@@ -23,7 +23,7 @@ install(DIRECTORY engine/include/rehearse harness/include/rehearse DESTINATION $
   COMPONENT development)
 install(TARGETS ${REHEARSE_SAMPLES}
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/rehearse/controllers COMPONENT samples OPTIONAL)
-install(FILES fixtures/motions/pick_up.seq fixtures/motions/sr1_squat.seq
+install(FILES fixtures/motions/pick_up.seq fixtures/motions/sr1_squat.seq fixtures/motions/sr1_walk.seq
   DESTINATION ${CMAKE_INSTALL_DATADIR}/choreonoid/motion COMPONENT samples)
 
 # The build tree is a package as well: -D CMAKE_PREFIX_PATH=build finds it at the same relative places as installed.
