@@ -53,3 +53,12 @@ target_compile_definitions(HingePdChanged PRIVATE CHANGED_FROM_TICK=70)
 add_test_controller(LoadsBadly controllers/LoadsBadly.cpp)
 add_test_controller(FastMath controllers/FastMath.cpp)
 target_link_libraries(FastMath PRIVATE $<1:-ffast-math>)  # on purpose: not to be warned of
+
+# Robots of other projects, dropped and held: cmake -DREHEARSE_EXAMPLE_ROBOTS=DIR, a checkout of example-robot-data.
+find_package(fmt REQUIRED)
+set(REHEARSE_EXAMPLE_ROBOTS "" CACHE PATH "A checkout of example-robot-data, whose robots are to be simulated")
+rehearse_add_test(robots_checkout_test LABEL compat TIMEOUT 300 SOURCES robots_checkout_test.cpp
+                  LIBRARIES Rehearse::simulation Rehearse::world fmt::fmt)
+target_compile_definitions(robots_checkout_test PRIVATE EXAMPLE_ROBOTS="${REHEARSE_EXAMPLE_ROBOTS}"
+                           TEST_CONTROLLERS="${test_controllers}")
+add_dependencies(robots_checkout_test Behaviours)

@@ -91,15 +91,18 @@ Eigen::Matrix3d nearest_with_moments_from(double least, const Eigen::Matrix3d& i
   return (nearest + nearest.transpose()) / 2.0;  // symmetric to the last bit
 }
 
-/// Repairs the inertia of a link with mass that has none, or one that isn't positive definite. Moments of a body
-/// smaller than any real one are rounding errors of the program that wrote the file, and count as none.
+/// True if the inertia is that of a body smaller than any real one: rounding errors of the program that wrote the file.
+bool is_rounding(const Inertial& inertial) {
+  constexpr double smallest_gyration = 1e-6;  // [m]
+  return principal_moments(inertial.inertia).z() < inertial.mass * smallest_gyration * smallest_gyration;
+}
+
+/// Repairs the inertia of a link with mass that has none, or one that isn't positive definite. Rounding errors count as
+/// none.
 void repair_inertia(Link& link, Findings& findings) {
   constexpr double least_share = 1e-3;  // of the largest moment, as of a rod 1 m long and 26 mm thick
   Eigen::Matrix3d& inertia = link.inertial.inertia;
-  if (is_positive_definite(inertia)) return;
-  constexpr double smallest_gyration = 1e-6;  // [m]
-  const double largest = principal_moments(inertia).z();
-  if (largest <= link.inertial.mass * smallest_gyration * smallest_gyration) {
+  if (is_rounding(link.inertial)) {
     const Spread spread = spread_over_shapes(link);
     const char* what = inertia.isZero(0.0) ? "has mass but no inertia" : "has an inertia of rounding errors only";
     inertia = spread.inertial.inertia;
@@ -107,9 +110,9 @@ void repair_inertia(Link& link, Findings& findings) {
                     fmt::format("moving link {} {}; it gets the inertia of {:.6g} kg spread over {}",
                                 in_quotes(link.name), what, link.inertial.mass, spread.form),
                     "a solid box of a x b x c has ixx = m (b² + c²) / 12, and so on");
-  } else {
+  } else if (!is_positive_definite(inertia)) {
     const Eigen::Vector3d before = principal_moments(inertia);
-    inertia = nearest_with_moments_from(least_share * largest, inertia);
+    inertia = nearest_with_moments_from(least_share * before.z(), inertia);
     const Eigen::Vector3d after = principal_moments(inertia);
     findings.repair(
         link.line,
@@ -151,7 +154,8 @@ void repair_inertias(Model& model, const UrdfOptions& options, Findings& finding
     const auto group = static_cast<std::size_t>(groups.links[i].group);
     const Link& first = model.links[static_cast<std::size_t>(groups.first_links[group])];
     const bool is_fixed = first.joint.type == JointType::fixed || (group == 0 && options.fixed_root);
-    const bool is_sound = is_positive_definite(groups.inertials[group].inertia);
+    const Inertial& whole = groups.inertials[group];
+    const bool is_sound = is_positive_definite(whole.inertia) && !is_rounding(whole);
     if (!is_fixed && !is_sound && model.links[i].inertial.mass > 0.0) repair_inertia(model.links[i], findings);
   }
 }

@@ -18,24 +18,37 @@ bool overlap(const Bounds& a, const Bounds& b) {
   return true;
 }
 
-/// The bounds of each shape of a body, and of all of them.
-struct BodyBounds {
-  std::vector<Bounds> shapes;
-  Bounds all{{dInfinity, -dInfinity, dInfinity, -dInfinity, dInfinity, -dInfinity}};
-};
+/// The bounds of each shape, and of all shapes of each body.
+class AllBounds {
+ public:
+  explicit AllBounds(const std::vector<std::unique_ptr<SimulatedBody>>& bodies) {
+    bodies_.reserve(bodies.size());
+    for (const auto& body : bodies) add(*body);
+  }
+  const Bounds& of(std::size_t body) const { return bodies_[body].all; }
+  const Bounds& of(std::size_t body, std::size_t shape) const { return shapes_[bodies_[body].first + shape]; }
 
-BodyBounds bounds_of(const SimulatedBody& body) {
-  BodyBounds bounds;
-  bounds.shapes.resize(body.shapes().size());
-  for (std::size_t i = 0; i < bounds.shapes.size(); ++i) {
-    dGeomGetAABB(body.shapes()[i].geom, bounds.shapes[i].box);
-    for (int axis = 0; axis < 6; axis += 2) {
-      bounds.all.box[axis] = std::min(bounds.all.box[axis], bounds.shapes[i].box[axis]);
-      bounds.all.box[axis + 1] = std::max(bounds.all.box[axis + 1], bounds.shapes[i].box[axis + 1]);
+ private:
+  struct BodyBounds {
+    std::size_t first;  // index of the body's first shape
+    Bounds all{{dInfinity, -dInfinity, dInfinity, -dInfinity, dInfinity, -dInfinity}};
+  };
+
+  void add(const SimulatedBody& body) {
+    BodyBounds& bounds = bodies_.emplace_back(BodyBounds{shapes_.size()});
+    for (const BodyShape& shape : body.shapes()) {
+      dReal* box = shapes_.emplace_back().box;
+      dGeomGetAABB(shape.geom, box);
+      for (int axis = 0; axis < 6; axis += 2) {
+        bounds.all.box[axis] = std::min(bounds.all.box[axis], box[axis]);
+        bounds.all.box[axis + 1] = std::max(bounds.all.box[axis + 1], box[axis + 1]);
+      }
     }
   }
-  return bounds;
-}
+
+  std::vector<Bounds> shapes_;
+  std::vector<BodyBounds> bodies_;
+};
 
 using Contact = Touches::Contact;
 
@@ -87,16 +100,16 @@ double mass_between(const Contact& contact) {
   return 1.0 / inverse;
 }
 
-/// Finds the contacts of two shapes; true if they touch. Two shapes that no force moves don't touch.
-bool collide(const LinkPair& pair, const Touches::Party& a, const Touches::Party& b, std::vector<dContactGeom>& found,
+/// Finds the contacts of two shapes. Two shapes that no force moves don't touch.
+void collide(const LinkPair& pair, const Touches::Party& a, const Touches::Party& b, std::vector<dContactGeom>& found,
              Touches& touches, Friction& friction) {
   const auto yields = [](const Touches::Party& party) {
     const dBodyID body = dGeomGetBody(party.shape.geom);
     return body && !dBodyIsKinematic(body);
   };
-  if (!yields(a) && !yields(b)) return false;
+  if (!yields(a) && !yields(b)) return;
   const int count = collide_shapes(a.shape, b.shape, found);
-  if (count == 0) return false;
+  if (count == 0) return;
   FrictionPatch& patch = *friction.patch_of(pair);
   for (int i = 0; i < count; ++i) {
     Contact& contact = touches.add(found[i], a, b);
@@ -104,58 +117,68 @@ bool collide(const LinkPair& pair, const Touches::Party& a, const Touches::Party
       patch.spin = contact.spin();
       patch.mass = mass_between(contact);
     }
-    const Eigen::Vector3d position = vector(found[i].pos);
-    Friction::add(position, patch);
-    contact.friction = {&patch, position, vector(found[i].normal), contact.velocity()};
+    contact.patch = &patch;
+    Friction::add(vector(found[i].pos), patch);
   }
-  return true;
 }
 
-void add_joint(dWorldID world, dJointGroupID group, const ContactLaw& law, const Friction& friction, Contact& touch) {
-  dContact contact{};
+/// `contact`: room for ODE's description of the contact.
+void add_joint(dWorldID world, dJointGroupID group, const ContactLaw& law, const ContactTerms& terms,
+               const Friction& friction, Contact& touch, dContact& contact) {
   contact.geom = touch.geom;
-  law.apply(surface_of(touch.a), surface_of(touch.b), contact);
+  terms.apply(contact);
   if ((touch.a.has_belt() || touch.b.has_belt()) && law.drives(touch.geom.depth)) run_belts(touch, contact);
-  if (!(contact.surface.mode & dContactFDir1)) friction.direct(touch.friction, contact);
+  if (!(contact.surface.mode & dContactFDir1)) friction.direct(touch.point(), touch.velocity(), contact);
   const dJointID joint = dJointCreateContact(world, group, &contact);
   dJointAttach(joint, touch.a.ode, touch.b.ode);
   dJointSetFeedback(joint, &touch.feedback);
 }
 
+/// The contacts of two shapes follow each other.
+void add_joints(dWorldID world, dJointGroupID group, const ContactLaw& law, const Friction& friction,
+                std::vector<Contact>& contacts) {
+  ContactTerms terms;
+  dContact room{};
+  const Contact* last = nullptr;
+  for (Contact& contact : contacts) {
+    if (!last || last->a.shape != contact.a.shape || last->b.shape != contact.b.shape)
+      terms = law.between(surface_of(contact.a), surface_of(contact.b));
+    last = &contact;
+    add_joint(world, group, law, terms, friction, contact, room);
+  }
+}
+
 }  // namespace
 
 void add_contacts(dWorldID world, dJointGroupID group, const std::vector<std::unique_ptr<SimulatedBody>>& bodies,
-                  const Connections& connections, const ContactLaw& law, int max_contacts, Touches& touches,
-                  Friction& friction, std::vector<LinkPair>& pairs) {
+                  const Connections& connections, const ContactLaw& law, std::vector<dContactGeom>& found,
+                  Touches& touches, Friction& friction, std::vector<LinkPair>& pairs) {
   touches.clear();
   friction.begin();
   pairs.clear();
-  std::vector<BodyBounds> bounds;
-  bounds.reserve(bodies.size());
-  for (const auto& body : bodies) bounds.push_back(bounds_of(*body));
-  std::vector<dContactGeom> found(max_contacts);
+  const AllBounds bounds(bodies);
   const auto meet = [&](std::size_t i, std::size_t shape, std::size_t j, std::size_t other) {
     const BodyShape &a = bodies[i]->shapes()[shape], &b = bodies[j]->shapes()[other];
     if (!connections.empty() && connections.connect(static_cast<int>(i), a.link, static_cast<int>(j), b.link)) return;
     const LinkPair pair = LinkPair::of(static_cast<int>(i), a.link, static_cast<int>(j), b.link);
-    if (collide(pair, {*bodies[i], a}, {*bodies[j], b}, found, touches, friction)) pairs.push_back(pair);
+    collide(pair, {*bodies[i], a}, {*bodies[j], b}, found, touches, friction);
   };
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     for (const auto& [a, b] : bodies[i]->own_pairs())
-      if (overlap(bounds[i].shapes[a], bounds[i].shapes[b])) meet(i, a, i, b);
+      if (overlap(bounds.of(i, a), bounds.of(i, b))) meet(i, a, i, b);
     for (std::size_t j = i + 1; j < bodies.size(); ++j) {
-      if (!overlap(bounds[i].all, bounds[j].all)) continue;
-      for (std::size_t a = 0; a < bounds[i].shapes.size(); ++a) {
-        if (!overlap(bounds[i].shapes[a], bounds[j].all)) continue;
-        for (std::size_t b = 0; b < bounds[j].shapes.size(); ++b)
-          if (overlap(bounds[i].shapes[a], bounds[j].shapes[b])) meet(i, a, j, b);
+      if (!overlap(bounds.of(i), bounds.of(j))) continue;
+      for (std::size_t a = 0; a < bodies[i]->shapes().size(); ++a) {
+        if (!overlap(bounds.of(i, a), bounds.of(j))) continue;
+        for (std::size_t b = 0; b < bodies[j]->shapes().size(); ++b)
+          if (overlap(bounds.of(i, a), bounds.of(j, b))) meet(i, a, j, b);
       }
     }
   }
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  for (const Contact& contact : touches.contacts()) Friction::add_spread(contact.friction);
-  for (Contact& contact : touches.contacts()) add_joint(world, group, law, friction, contact);
+  for (const auto& [pair, patch] : friction.patches())
+    if (patch.points > 0) pairs.push_back(pair);
+  for (const Contact& contact : touches.contacts()) Friction::add_spread(contact.point());
+  add_joints(world, group, law, friction, touches.contacts());
 }
 
 }  // namespace rehearse

@@ -13,14 +13,14 @@
 
 namespace rehearse {
 
-/// Finds the contacts of the bodies at their current poses and adds a contact joint for each to `group`, at most
-/// `max_contacts` per pair of shapes. Pairs are visited body by body and shape by shape in the order of their creation;
-/// for each body, pairs within the body come first. ODE's spaces would visit them in the order in which shapes last
-/// moved, and the solver's result depends on the order of its rows. `touches` receives the contacts,
-/// and `friction` their points. Links that a connection connects don't touch each other. `pairs` becomes the list of
-/// links that touch, ascending, each pair once.
+/// Finds the contacts of the bodies at their current poses and adds a contact joint for each to `group`. `found` is
+/// room for the contacts of two shapes: they have at most its size. Pairs are visited body by body and shape by shape
+/// in the order of their creation; for each body, pairs within the body come first. ODE's spaces would visit them in
+/// the order in which shapes last moved, and the solver's result depends on the order of its rows. `touches` receives
+/// the contacts, and `friction` their points. Links that a connection connects don't touch each other. `pairs` becomes
+/// the list of links that touch, ascending, each pair once.
 void add_contacts(dWorldID world, dJointGroupID group, const std::vector<std::unique_ptr<SimulatedBody>>& bodies,
-                  const Connections& connections, const ContactLaw& law, int max_contacts, Touches& touches,
-                  Friction& friction, std::vector<LinkPair>& pairs);
+                  const Connections& connections, const ContactLaw& law, std::vector<dContactGeom>& found,
+                  Touches& touches, Friction& friction, std::vector<LinkPair>& pairs);
 
 }  // namespace rehearse

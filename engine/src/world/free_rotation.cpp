@@ -9,7 +9,7 @@ namespace {
 using Eigen::Vector3d;
 
 /// Turns v by atan(|t|) about t.
-Vector3d turn(const Vector3d& t, const Vector3d& v) {
+inline Vector3d turn(const Vector3d& t, const Vector3d& v) {
   const double cosine = 1.0 / std::sqrt(1.0 + t.squaredNorm());
   return cosine * (v + t.cross(v)) + cosine * cosine / (1.0 + cosine) * t.dot(v) * t;
 }

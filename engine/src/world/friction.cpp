@@ -11,7 +11,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-Vector3d tangential(const Vector3d& v, const Vector3d& normal) { return v - v.dot(normal) * normal; }
+inline Vector3d tangential(const Vector3d& v, const Vector3d& normal) { return v - v.dot(normal) * normal; }
 
 /// A patch as bytes of the state.
 struct SavedPatch {
@@ -30,29 +30,28 @@ void Friction::begin() {
     patch.center.setZero();
     patch.spread = 0.0;
   }
+  place_ = patches_.begin();
 }
 
-void Friction::add(const Vector3d& position, FrictionPatch& patch) {
-  ++patch.points;
-  patch.center += (position - patch.center) / patch.points;
-}
-
-void Friction::add_spread(const FrictionPoint& point) {
-  point.patch->spread += (point.position - point.patch->center).squaredNorm();
+/// The pairs come nearly in their order, and most of them touched in the last step, too: the place is the next one.
+FrictionPatch* Friction::patch_of(const LinkPair& pair) {
+  if (place_ != patches_.end() && place_->first < pair) ++place_;
+  if (place_ == patches_.end() || place_->first != pair) place_ = patches_.try_emplace(pair).first;
+  return &place_->second;
 }
 
 // Coulomb's law makes the friction force of a slipping point F = -mu N v / |v|. Along v its magnitude is fixed. Across
 // v it changes by -mu N / |v| per velocity, which is ODE's force-dependent slip |v| / (mu N). While friction can stop
 // the point within the step there is no slip across: the force along the direction is then all that is needed.
-void Friction::direct(const FrictionPoint& point, dContact& contact) const {
+void Friction::direct(const FrictionPoint& point, const Vector3d& velocity, dContact& contact) const {
   const FrictionPatch& patch = *point.patch;
   const double available = contact.surface.mu * patch.load / patch.points;  // friction at this point [N]
   const double impulse_mass = patch.mass / patch.points;
-  const Vector3d slip = tangential(point.velocity, point.normal);
+  const Vector3d slip = tangential(velocity, point.normal);
   Vector3d friction = patch.force / patch.points;
   if (patch.spread > 0.0) friction += patch.torque.cross(point.position - patch.center) / patch.spread;
   // the load of a new contact is at least what stops its approach and holds its weight
-  const double approach = std::max(0.0, -point.velocity.dot(point.normal)) + time_step_ * gravity_;
+  const double approach = std::max(0.0, -velocity.dot(point.normal)) + time_step_ * gravity_;
   const double limit = patch.load > 0.0 ? time_step_ * available : contact.surface.mu * impulse_mass * approach;
   // the impulse that would stop the point within the step
   const Vector3d needed = impulse_mass * slip - time_step_ * tangential(friction, point.normal);

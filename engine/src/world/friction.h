@@ -33,7 +33,6 @@ struct FrictionPoint {
   FrictionPatch* patch;
   Eigen::Vector3d position;  // [m]
   Eigen::Vector3d normal;    // unit
-  Eigen::Vector3d velocity;  // of the pair's first link relative to the other before the step [m/s]
 };
 
 /// ODE limits friction along two directions separately, each to mu times the normal force: between them friction
@@ -47,11 +46,17 @@ class Friction {
   /// Before ODE's step: the contact points, and the centre and spread of those of each pair of links. The patches are
   /// valid until end().
   void begin();
-  FrictionPatch* patch_of(const LinkPair& pair) { return &patches_[pair]; }
-  static void add(const Eigen::Vector3d& position, FrictionPatch& patch);
-  static void add_spread(const FrictionPoint& point);
-  /// Sets the friction of a contact whose friction is equal in all directions.
-  void direct(const FrictionPoint& point, dContact& contact) const;
+  FrictionPatch* patch_of(const LinkPair& pair);
+  static void add(const Eigen::Vector3d& position, FrictionPatch& patch) {
+    ++patch.points;
+    patch.center += (position - patch.center) / patch.points;
+  }
+  static void add_spread(const FrictionPoint& point) {
+    point.patch->spread += (point.position - point.patch->center).squaredNorm();
+  }
+  /// Sets the friction of a contact whose friction is equal in all directions. `velocity`: of the pair's first link
+  /// relative to the other before the step [m/s].
+  void direct(const FrictionPoint& point, const Eigen::Vector3d& velocity, dContact& contact) const;
 
   /// After ODE's step: forgets the last step's forces, and then adds the force of each point [N].
   void end();
@@ -69,6 +74,7 @@ class Friction {
   double time_step_;
   double gravity_;  // [m/s²]
   std::map<LinkPair, FrictionPatch> patches_;
+  std::map<LinkPair, FrictionPatch>::iterator place_;  // of the last pair, between begin() and end()
 };
 
 }  // namespace rehearse

@@ -84,16 +84,18 @@ void OdeJoint::set_resistance(int parameter, double value) {
 // (v - v1), which is ODE's motor with the velocity v and CFM 1 / c.
 void OdeJoint::resist(double inertia, double time_step) {
   const double rotor = joint_.armature / time_step + 0.25 * time_step * joint_.spring_stiffness;
-  const double spring = joint_.spring_stiffness * (displacement() - joint_.spring_reference);
+  spring_effort_ = -joint_.spring_stiffness * (displacement() - joint_.spring_reference);
   const double share = share_of_end(joint_.damping * time_step / (inertia + joint_.armature));
   resistance_gain_ = share * joint_.damping + rotor;
-  resistance_velocity_ = ((rotor - (1.0 - share) * joint_.damping) * rate() - spring) / resistance_gain_;
+  resistance_velocity_ = ((rotor - (1.0 - share) * joint_.damping) * rate() + spring_effort_) / resistance_gain_;
   set_resistance(dParamCFM, 1.0 / resistance_gain_);
 }
 
 /// Two motors of different velocities work against each other, and the quick solver balances them slowly. So the
-/// resistance rests while a drive without limit moves the joint, and has the velocity of a drive that can overcome it;
-/// the difference is applied as an effort.
+/// resistance rests while a drive without limit moves the joint, and has the velocity of a drive that can overcome it.
+/// The spring's effort is then applied as such, and that of damping and rotor is taken from the drive's limit: in a
+/// hand both are a thousand times what moves a finger, and the solver's small errors of them would shake it. A drive
+/// that brakes at its limit so brakes less than it could with the damping's help.
 void OdeJoint::apply_resistance() {
   if (!resistance_) return;
   const bool overcome = motor_on_ && std::isinf(motor_limit_);
@@ -103,7 +105,11 @@ void OdeJoint::apply_resistance() {
   const double effort = motor_on_ ? resistance_gain_ * (resistance_velocity_ - motor_velocity_) : 0.0;
   const bool drive_is_stronger = motor_on_ && std::abs(effort) < motor_limit_;
   set_resistance(dParamVel, drive_is_stronger ? motor_velocity_ : resistance_velocity_);
-  if (drive_is_stronger) applied_ += effort;
+  if (!drive_is_stronger) return;
+  const double of_motion = effort - spring_effort_;  // damping and rotor
+  const bool from_limit = motor_drives_ && std::abs(of_motion) < motor_limit_;
+  if (from_limit) set(dParamFMax, motor_limit_ - std::abs(of_motion));
+  applied_ += from_limit ? spring_effort_ : effort;
 }
 
 void OdeJoint::set(int parameter, double value) {

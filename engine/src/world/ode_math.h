@@ -7,7 +7,7 @@
 
 namespace rehearse {
 
-inline Eigen::Vector3d vector(const dReal* v) { return {v[0], v[1], v[2]}; }
+inline Eigen::Vector3d vector(const dReal* v) { return Eigen::Map<const Eigen::Vector3d>(v); }
 inline Eigen::Quaterniond quaternion(const dReal* q) { return {q[0], q[1], q[2], q[3]}; }
 inline Eigen::Matrix3d rotation(const dReal* r) {
   Eigen::Matrix3d matrix;

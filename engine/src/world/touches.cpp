@@ -6,33 +6,9 @@ namespace rehearse {
 
 using Eigen::Vector3d;
 
-namespace {
-
-Touches::Contact::Side side_of(const Touches::Party& party, const Vector3d& point, const Vector3d& outward) {
-  Touches::Contact::Side side{&party.body, &party.shape, dGeomGetBody(party.shape.geom), Vector3d::Zero(),
-                              Vector3d::Zero()};
-  if (side.ode) side.arm = point - vector(dBodyGetPosition(side.ode));
-  if (side.has_belt()) {
-    const Belt belt = party.body.belt(party.shape.belt);
-    side.belt = belt.speed * belt.along(outward);
-  }
-  return side;
-}
-
-}  // namespace
-
-Touches::Contact::Contact(const dContactGeom& of, const Party& first, const Party& second)
-    : geom(of),
-      a(side_of(first, vector(of.pos), -vector(of.normal))),
-      b(side_of(second, vector(of.pos), vector(of.normal))) {}
-
-Vector3d Touches::Contact::Side::velocity() const {
-  if (!ode) return belt;
-  return vector(dBodyGetLinearVel(ode)) + angular_velocity().cross(arm) + belt;
-}
-
-Vector3d Touches::Contact::Side::angular_velocity() const {
-  return ode ? vector(dBodyGetAngularVel(ode)) : Vector3d(Vector3d::Zero());
+void Touches::Contact::Side::run_belt(const Vector3d& outward) {
+  const Belt running = body->belt(shape->belt);
+  belt = running.speed * running.along(outward);
 }
 
 Vector3d Touches::Contact::force() const {

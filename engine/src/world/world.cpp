@@ -65,6 +65,7 @@ struct World::Impl {
   dJointGroupID contacts = nullptr;
   std::vector<std::unique_ptr<SimulatedBody>> bodies;
   std::unique_ptr<Connections> connections;  // refers to the bodies
+  std::vector<dContactGeom> found;           // room for the contacts of two shapes
   Touches touches;                           // refers to the bodies
   Friction friction;
   std::vector<LinkPair> touching;
@@ -82,6 +83,7 @@ struct World::Impl {
   Impl(const WorldSettings& of, const std::vector<WorldBody>& with)
       : settings(of),
         law(of, with),
+        found(static_cast<std::size_t>(of.solver.max_contacts)),
         friction(of.time_step, of.gravity.norm()),
         random(of.seed),
         iterations(of.solver.iterations) {}
@@ -278,7 +280,7 @@ void World::Impl::step_until_converged() {
     if (residual.share <= converged_share || iterations >= SolverSettings::most_iterations) break;
     before.restore();
   }
-  constexpr double ample = 0.02; // share of the allowed residual below which half the iterations will do
+  constexpr double ample = 0.02;  // share of the allowed residual below which half the iterations will do
   if (residual.share < ample * converged_share)
     iterations = std::max<double>(0.5 * iterations, settings.solver.iterations);
 }
@@ -310,8 +312,8 @@ bool World::step() {
   for (auto& body : impl.bodies) body->before_step();
   impl.apply_command();
   impl.connections->update(time());
-  add_contacts(impl.world, impl.contacts, impl.bodies, *impl.connections, impl.law, impl.settings.solver.max_contacts,
-               impl.touches, impl.friction, impl.touching);
+  add_contacts(impl.world, impl.contacts, impl.bodies, *impl.connections, impl.law, impl.found, impl.touches,
+               impl.friction, impl.touching);
   impl.connections->update_holders(impl.touching);
   impl.step_bodies();
   ++impl.tick;
@@ -319,8 +321,7 @@ bool World::step() {
   if (impl.exploded) return false;
   dJointGroupEmpty(impl.contacts);
   impl.friction.end();
-  for (const Touches::Contact& contact : impl.touches.contacts())
-    Friction::add_force(contact.friction, contact.force());
+  for (const Touches::Contact& contact : impl.touches.contacts()) Friction::add_force(contact.point(), contact.force());
   for (auto& body : impl.bodies)
     if (body->feels()) body->take_touches(impl.touches.of(*body));
   for (auto& body : impl.bodies) body->after_step();

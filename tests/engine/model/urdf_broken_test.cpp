@@ -238,7 +238,7 @@ const std::vector<Mistake> warnings = {
     {"spring_of_no_joint", 7, "a spring of 'world', which isn't a joint that moves"},
     {"inertia_in_grams", 9, "link 'arm' has the inertia of a body many metres wide: its radius of gyration is 50 m"},
     {"inertia_of_no_body", 9, "no body has the inertia of link 'arm'"},
-    {"inertia_tiny", 9, "the inertia of moving link 'arm' is that of 1 kg within 1e-06 m"},
+    {"inertia_tiny", 9, "the inertia of moving link 'arm' is that of 1 kg within 1e-05 m"},
     {"joint_far_away", 10, "joint 'mount' is 150 m away from the origin of its parent link"},
     {"limit_excludes_zero", 7, "joint 'hinge' can't be at 0: its range is 0.5 to 1"},
     {"limit_in_degrees", 7, "joint 'hinge' has limits of -90 and 90 rad, which look like degrees"},

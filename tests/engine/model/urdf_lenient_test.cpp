@@ -118,9 +118,11 @@ TEST(LenientUrdf, RepairsAnInertiaToTheNearestThatIsPositiveDefinite) {
 }
 
 TEST(LenientUrdf, TakesRoundingErrorsForNoInertia) {
-  const Model model = arm_with(two_kilograms + "<inertia ixx='0' ixy='2e-35' ixz='0' iyy='0' iyz='0' izz='0'/>",
-                               "<visual><geometry><box size='1 1 1'/></geometry></visual>");
-  EXPECT_TRUE(moments_of(model).isApprox(Eigen::Vector3d::Constant(1.0 / 3.0), 1e-12)) << moments_of(model);
+  for (const char* inertia : {"<inertia ixx='0' ixy='2e-35' ixz='0' iyy='0' iyz='0' izz='0'/>",
+                              "<inertia ixx='3e-20' ixy='0' ixz='0' iyy='5e-20' iyz='0' izz='1e-20'/>"}) {
+    const Model model = arm_with(two_kilograms + inertia, "<visual><geometry><box size='1 1 1'/></geometry></visual>");
+    EXPECT_TRUE(moments_of(model).isApprox(Eigen::Vector3d::Constant(1.0 / 3.0), 1e-12)) << moments_of(model);
+  }
 }
 
 TEST(LenientUrdf, LeavesTheInertiaOfAPointThatIsFixedToABody) {

@@ -76,6 +76,22 @@ class Driver : public cnoid::SimpleController {
 };
 const Add<Driver> driver("drive");
 
+/// posture: holds every joint at its initial displacement, whatever robot it is.
+class PostureKeeper : public cnoid::SimpleController {
+ public:
+  explicit PostureKeeper(const Words&) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    for (Link* joint : io->body()->joints()) {
+      joint->setActuationMode(Link::JointDisplacement);
+      io->enableIO(joint);
+      joint->q_target() = joint->q();
+    }
+    return true;
+  }
+  bool control() override { return true; }
+};
+const Add<PostureKeeper> posture("posture");
+
 /// chance SIZE: commands SHOULDER a random effort between 0 and SIZE [N·m].
 class Chance : public Pusher {
  public:
