@@ -59,6 +59,7 @@ class ContactLaw {
   /// True if a belt drives a contact of that depth [m].
   bool drives(double depth) const { return depth <= solver_.belt_depth; }
 
+  /// The parameters of the contacts of the two surfaces in this step.
   ContactTerms between(const TouchedSurface& a, const TouchedSurface& b) const;
 
  private:

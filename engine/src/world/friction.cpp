@@ -33,7 +33,8 @@ void Friction::begin() {
   place_ = patches_.begin();
 }
 
-/// The pairs come nearly in their order, and most of them touched in the last step, too: the place is the next one.
+/// Searches from the place of the last pair: pairs come nearly in ascending order, and most touched in the last step,
+/// too.
 FrictionPatch* Friction::patch_of(const LinkPair& pair) {
   if (place_ != patches_.end() && place_->first < pair) ++place_;
   if (place_ == patches_.end() || place_->first != pair) place_ = patches_.try_emplace(pair).first;

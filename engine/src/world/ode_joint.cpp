@@ -93,9 +93,10 @@ void OdeJoint::resist(double inertia, double time_step) {
 
 /// Two motors of different velocities work against each other, and the quick solver balances them slowly. So the
 /// resistance rests while a drive without limit moves the joint, and has the velocity of a drive that can overcome it.
-/// The spring's effort is then applied as such, and that of damping and rotor is taken from the drive's limit: in a
-/// hand both are a thousand times what moves a finger, and the solver's small errors of them would shake it. A drive
-/// that brakes at its limit so brakes less than it could with the damping's help.
+/// The effort of damping and rotor at that velocity then changes the drive's limit: it adds to a drive that pushes in
+/// its direction, and takes from one that pushes against it. As an effort of its own it would shake the light fingers
+/// of a hand: there it is a thousand times the effort that moves a finger, and the solver has small errors of it. The
+/// spring's effort is applied.
 void OdeJoint::apply_resistance() {
   if (!resistance_) return;
   const bool overcome = motor_on_ && std::isinf(motor_limit_);
@@ -107,9 +108,10 @@ void OdeJoint::apply_resistance() {
   set_resistance(dParamVel, drive_is_stronger ? motor_velocity_ : resistance_velocity_);
   if (!drive_is_stronger) return;
   const double of_motion = effort - spring_effort_;  // damping and rotor
-  const bool from_limit = motor_drives_ && std::abs(of_motion) < motor_limit_;
-  if (from_limit) set(dParamFMax, motor_limit_ - std::abs(of_motion));
-  applied_ += from_limit ? spring_effort_ : effort;
+  const bool in_limit = motor_drives_ && std::abs(of_motion) < motor_limit_;
+  const bool helps = of_motion * (motor_velocity_ - rate()) > 0.0;
+  if (in_limit) set(dParamFMax, motor_limit_ + (helps ? std::abs(of_motion) : -std::abs(of_motion)));
+  applied_ += in_limit ? spring_effort_ : effort;
 }
 
 void OdeJoint::set(int parameter, double value) {

@@ -96,6 +96,28 @@ TEST_P(PassiveJoints, DampingWorksAgainstADriveAtItsLimit) {
   }
 }
 
+// On paper I dv/dt = -(limit + d v): damping helps a drive that brakes.
+TEST_P(PassiveJoints, DampingHelpsADriveThatBrakesAtItsLimit) {
+  for (const double ratio : {0.01, 0.1, 1.0}) {  // of the damping times the time step over inertia
+    const double rate = ratio / step, limit = 0.5 * rate;  // [1/s], [rad/s²] or [m/s²]
+    for (const OneJoint& robot : one_joint_robots([&](Joint& joint, double inertia) {
+           joint.damping = rate * inertia;
+           joint.effort = limit * inertia;
+         })) {
+      SCOPED_TRACE(std::string(robot.name) + ", " + std::to_string(ratio));
+      WorldBody body = body_of(robot.model);
+      body.joint_velocities = {1.0};
+      const auto world = make_world(settings(), {body});
+      for (int ticks = 1;; ++ticks) {
+        const double expected = (1.0 + limit / rate) * std::exp(-ratio * ticks) - limit / rate;
+        if (expected < 0.05) break;
+        run(*world, 1, velocity(0.0));
+        ASSERT_NEAR(joint_of(*world).dq, expected, 0.02) << "after " << ticks << " ticks";
+      }
+    }
+  }
+}
+
 /// Four fingers of four light links on a palm, as hands have them.
 std::shared_ptr<const Model> hand(double damping) {
   RobotBuilder robot(JointType::free, inertial(0.4, {5e-4, 4e-4, 3e-4}));
