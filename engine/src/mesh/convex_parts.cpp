@@ -237,7 +237,7 @@ std::vector<ConvexHull> parts_of(const TriangleSoup& solid, const std::string& o
   return hulls;
 }
 
-/// Adds the convex parts of an object, and a note. False: it has no more than one.
+/// Adds the convex parts of an object, and a note. False: it has no more than one, or they fill no less than its hull.
 bool add_parts(const TriangleSoup& solid, const std::string& object, const Judgement& judgement, const HullStore& store,
                ConvexHulls& result) {
   auto hulls = store.find(solid);
@@ -245,9 +245,9 @@ bool add_parts(const TriangleSoup& solid, const std::string& object, const Judge
     hulls = parts_of(solid, object, judgement);
     store.keep(solid, *hulls);
   }
-  if (hulls->size() < 2) return false;
   double filled = 0.0;
   for (const ConvexHull& hull : *hulls) filled += volume(hull);
+  if (hulls->size() < 2 || filled >= judgement.hull) return false;
   result.remarks.push_back(
       note(excess_text(object, judgement) + ": " + parts_text(judgement, hulls->size(), filled), simpler));
   std::move(hulls->begin(), hulls->end(), std::back_inserter(result.hulls));

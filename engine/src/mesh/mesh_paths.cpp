@@ -109,10 +109,11 @@ Result<MeshPlace> MeshPaths::find(const std::string& written) {
     if (!written.starts_with(scheme)) continue;
     const std::string path = written.substr(scheme.size());
     const std::size_t slash = path.find('/');
-    if (slash == 0 || slash == std::string::npos || path.find_first_not_of('/', slash) == std::string::npos) {
+    if (slash == std::string::npos || path.find_first_not_of('/', slash) == std::string::npos) {
       return error(fmt::format("{} is not followed by a name and a path", scheme), ways);
     }
-    return find_in_package(path.substr(0, slash), path.substr(path.find_first_not_of('/', slash)));
+    const std::string rest = path.substr(path.find_first_not_of('/', slash));
+    return slash == 0 ? find_without_package(rest) : find_in_package(path.substr(0, slash), rest);
   }
   if (written.starts_with("file://")) {
     const std::string path = written.substr(std::string_view("file://").size());
@@ -133,6 +134,14 @@ Result<MeshPlace> MeshPaths::find_relative(const std::string& written) {
   Diagnostic missing = no_such_file((directory / written).lexically_normal());
   if (written.find('\\') != std::string::npos) missing.hint = "write / instead of \\";
   return missing;
+}
+
+Result<MeshPlace> MeshPaths::find_without_package(const std::string& path) {
+  Result<MeshPlace> relative = find_relative(path);
+  const std::size_t slash = path.find('/');
+  if (relative || slash == std::string::npos) return relative;
+  Result<MeshPlace> packaged = find_in_package(path.substr(0, slash), path.substr(slash + 1));
+  return packaged ? packaged : relative;
 }
 
 std::optional<MeshPlace> MeshPaths::find_above(const std::string& rest) const {

@@ -44,6 +44,8 @@ class MeshPaths {
 
  private:
   Result<MeshPlace> find_in_package(const std::string& name, const std::string& rest);
+  /// `path`: of package:///PATH, as some exporters write it: relative, or beginning with a package's name.
+  Result<MeshPlace> find_without_package(const std::string& path);
   Result<MeshPlace> find_relative(const std::string& written);
   std::optional<MeshPlace> find_above(const std::string& rest) const;
 

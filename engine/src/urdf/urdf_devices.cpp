@@ -233,16 +233,43 @@ void read_description(const XMLElement& element, std::vector<DeviceDraft>& devic
   }
 }
 
-/// Adds the devices of an element, or a warning and none if it can't be understood.
-void read_device(const XMLElement& element, std::vector<DeviceDraft>& devices, Findings& findings) {
+/// A description that can't be understood.
+struct Unread {
+  const XMLElement& element;
+  std::string what;
+  Findings findings;
+};
+
+/// Adds the devices of an element, or the element itself to those that can't be understood.
+void read_device(const XMLElement& element, std::vector<DeviceDraft>& devices, std::vector<Unread>& unread,
+                 Findings& findings) {
   const char* name = element.Attribute("name");
   const std::string what = name == nullptr || *name == '\0' ? fmt::format("a {}", element.Name())
                                                             : fmt::format("{} {}", element.Name(), in_quotes(name));
   std::vector<DeviceDraft> described;
   Findings of_element = findings.of_part();
   read_description(element, described, of_element);
-  if (!findings.take(of_element, what))
-    devices.insert(devices.end(), std::make_move_iterator(described.begin()), std::make_move_iterator(described.end()));
+  if (of_element.has_error()) return unread.push_back({element, what, std::move(of_element)});
+  findings.take(of_element, what);
+  devices.insert(devices.end(), std::make_move_iterator(described.begin()), std::make_move_iterator(described.end()));
+}
+
+void ignore_second_description(int line, Findings& findings) {
+  findings.ignored(line, "a sensor's second description, in <robot> or <gazebo>,");
+}
+
+/// Warns of the descriptions that can't be understood, unless the other reader's description of the sensor can be.
+void report_unread(const std::vector<Unread>& unread, const std::vector<DeviceDraft>& devices, Findings& findings) {
+  for (const Unread& part : unread) {
+    const char* name = part.element.Attribute("name");
+    const bool is_known = std::any_of(devices.begin(), devices.end(), [&](const DeviceDraft& draft) {
+      return name != nullptr && draft.device.name == name && draft.is_of_robot != is_of_robot(part.element);
+    });
+    if (is_known)
+      ignore_second_description(part.element.GetLineNum(), findings);
+    else
+      findings.take(part.findings, part.what);
+  }
 }
 
 /// The kinds within which ids are unique: a RangeCamera is a Camera, a SpotLight a PointLight.
@@ -282,7 +309,7 @@ void settle_names(std::vector<DeviceDraft>& devices, Findings& findings) {
     const DeviceDraft* first = is_new ? nullptr : &kept[place->second];
     const Device& device = draft.device;
     if (first != nullptr && are_for_two_readers(*first, draft)) {
-      findings.ignored(device.line, "a sensor's second description, in <robot> or <gazebo>,");
+      ignore_second_description(device.line, findings);
       continue;
     }
     const bool is_repeated =
@@ -384,19 +411,21 @@ Eigen::Matrix3d device_axes_of_optical() { return Eigen::Vector3d(1, -1, -1).asD
 
 std::vector<DeviceDraft> read_devices(const XMLElement& robot, Findings& findings) {
   std::vector<DeviceDraft> devices;
+  std::vector<Unread> unread;
   for (const auto* part = robot.FirstChildElement(); part != nullptr; part = part->NextSiblingElement()) {
     const std::string_view kind = part->Name();
-    if (kind == "sensor") read_device(*part, devices, findings);
+    if (kind == "sensor") read_device(*part, devices, unread, findings);
     if (kind != "gazebo") continue;
     for (const auto* child = part->FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
       const std::string_view what = child->Name();
-      if (is_one_of(what, {"sensor", "light", "rotor", "holder"})) read_device(*child, devices, findings);
+      if (is_one_of(what, {"sensor", "light", "rotor", "holder"})) read_device(*child, devices, unread, findings);
       if (!what.starts_with("sensor:")) continue;
       findings.warning(child->GetLineNum(),
                        fmt::format("{} is a sensor as Gazebo had them before 2012; it is passed over", tag(what)),
                        "write <sensor name=\"...\" type=\"...\">");
     }
   }
+  report_unread(unread, devices, findings);
   settle_names(devices, findings);
   settle_ids(devices, findings);
   return devices;

@@ -94,24 +94,29 @@ void warn_of_degrees(const XMLElement& limit, double lower, double upper, const 
       fmt::format("in radians: {:.5g} and {:.5g}", lower * std::numbers::pi / 180.0, upper * std::numbers::pi / 180.0));
 }
 
-void read_range(const XMLElement& limit, Joint& joint, Findings& findings) {
+void read_range(XMLElement& limit, Joint& joint, Findings& findings) {
   const bool has_lower = limit.Attribute("lower") != nullptr;
   const bool has_upper = limit.Attribute("upper") != nullptr;
-  const auto lower = read_number_or(limit, "lower", 0.0, findings);
-  const auto upper = read_number_or(limit, "upper", 0.0, findings);
+  auto lower = read_number_or(limit, "lower", 0.0, findings);
+  auto upper = read_number_or(limit, "upper", 0.0, findings);
   if (!lower || !upper) return;
   if (joint.type == JointType::continuous) {
     if (has_lower || has_upper) findings.ignored(limit.GetLineNum(), "the range of a continuous joint");
     return;
   }
   if (*lower > *upper) {
-    findings.error(limit.GetLineNum(), fmt::format("joint {} has a lower limit of {} above its upper limit of {}",
-                                                   in_quotes(joint.name), *lower, *upper));
-    return;
+    findings.repair(limit.GetLineNum(),
+                    fmt::format("joint {} has a lower limit of {} above its upper limit of {}; they are exchanged",
+                                in_quotes(joint.name), *lower, *upper));
+    std::swap(lower, upper);
+    limit.SetAttribute("lower", fmt::format("{}", *lower).c_str());
+    limit.SetAttribute("upper", fmt::format("{}", *upper).c_str());
   }
   if (*lower == *upper) {
-    findings.warning(limit.GetLineNum(), fmt::format("joint {} can't move: its lower and upper limits are both {}",
-                                                     in_quotes(joint.name), *lower));
+    findings.warning(
+        limit.GetLineNum(),
+        fmt::format("joint {} can't move: its lower and upper limits are both {}", in_quotes(joint.name), *lower),
+        has_lower || has_upper ? "" : "it states neither; a joint without limits is continuous");
   }
   if (*lower != *upper && (*lower > 0.0 || *upper < 0.0)) {
     findings.warning(

@@ -48,9 +48,31 @@ std::optional<Geometry> read_shape(XMLElement& element, Meshes& meshes, Meshes::
     return capsule;
   }
   if (kind == "mesh") return meshes.read(element, use);
+  if (kind == "plane") {
+    findings.warning(element.GetLineNum(), "a <plane> is left out", "a scenario has a ground, or a large <box>");
+    return std::nullopt;
+  }
   findings.error(element.GetLineNum(), fmt::format("unknown geometry {}", tag(kind)),
                  fmt::format("a {}", known_shapes));
   return std::nullopt;
+}
+
+/// Removes the elements of a <geometry> that aren't shapes, with a warning, if there is a shape beside them.
+void keep_shapes(XMLElement& geometry, Findings& findings) {
+  const auto is_shape = [](const XMLElement& element) {
+    return is_one_of(element.Name(), {"box", "sphere", "cylinder", "capsule", "mesh"});
+  };
+  const XMLElement* shape = geometry.FirstChildElement();
+  while (shape != nullptr && !is_shape(*shape)) shape = shape->NextSiblingElement();
+  if (shape == nullptr) return;
+  XMLElement* next = geometry.FirstChildElement();
+  while (next != nullptr) {
+    XMLElement* element = std::exchange(next, next->NextSiblingElement());
+    if (is_shape(*element)) continue;
+    findings.warning(element->GetLineNum(),
+                     fmt::format("{} in a <geometry> isn't a shape; it is left out", tag(element->Name())));
+    geometry.DeleteChild(element);
+  }
 }
 
 /// The smallest dimension of a shape [m].
@@ -131,10 +153,13 @@ void read_element(XMLElement& element, const Materials* materials, Meshes& meshe
   Shape common;
   common.pose = read_origin(element, findings);
   XMLElement* geometry = element.FirstChildElement("geometry");
+  if (geometry != nullptr) keep_shapes(*geometry, findings);
   XMLElement* next = geometry == nullptr ? nullptr : geometry->FirstChildElement();
   if (next == nullptr) {
-    findings.error((geometry == nullptr ? element : *geometry).GetLineNum(),
-                   fmt::format("<{}> has no shape", element.Name()), fmt::format("<geometry> with a {}", known_shapes));
+    findings.warning((geometry == nullptr ? element : *geometry).GetLineNum(),
+                     fmt::format("<{}> has no shape; it is left out", element.Name()),
+                     fmt::format("<geometry> with a {}", known_shapes));
+    element.Parent()->DeleteChild(&element);
     return;
   }
   if (const XMLElement* second = next->NextSiblingElement()) {
@@ -184,12 +209,24 @@ std::optional<Eigen::Matrix3d> read_tensor(const XMLElement& element, Findings& 
   return (Eigen::Matrix3d() << xx, xy, xz, xy, yy, yz, xz, yz, zz).finished();
 }
 
-/// The <inertia>; where there is none, one of zeros is added to the document, which urdfdom requires.
-const XMLElement& require_inertia(XMLElement& inertial) {
-  if (const XMLElement* inertia = inertial.FirstChildElement("inertia")) return *inertia;
-  XMLElement* added = inertial.InsertNewChildElement("inertia");
-  for (const char* name : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}) added->SetAttribute(name, "0");
-  return *added;
+/// The <inertia>, complete for urdfdom: where there is none, one of zeros is added to the document, and products of
+/// inertia that it doesn't state are 0.
+const XMLElement& complete_inertia(XMLElement& inertial, const std::string& link, Findings& findings) {
+  XMLElement* inertia = inertial.FirstChildElement("inertia");
+  if (inertia == nullptr) {
+    inertia = inertial.InsertNewChildElement("inertia");
+    for (const char* name : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}) inertia->SetAttribute(name, "0");
+  }
+  bool lacks_product = false;
+  for (const char* name : {"ixy", "ixz", "iyz"}) {
+    if (inertia->Attribute(name) != nullptr) continue;
+    lacks_product = true;
+    inertia->SetAttribute(name, "0");
+  }
+  if (lacks_product)
+    findings.repair(inertia->GetLineNum(),
+                    fmt::format("the inertia of link {} lacks products; they are taken for 0", in_quotes(link)));
+  return *inertia;
 }
 
 /// Returns false if the <inertial> can't be read.
@@ -202,7 +239,7 @@ bool read_inertial(XMLElement& element, LinkDraft& draft, Findings& findings) {
   }
   const Eigen::Isometry3d frame = read_origin(element, findings);
   const auto kilograms = read_number(*mass, "value", findings);
-  const auto tensor = read_tensor(require_inertia(element), findings);
+  const auto tensor = read_tensor(complete_inertia(element, draft.link.name, findings), findings);
   if (!kilograms || !tensor) return false;
   if (*kilograms < 0.0) {
     findings.error(mass->GetLineNum(), fmt::format("link {} has negative mass", in_quotes(draft.link.name)));

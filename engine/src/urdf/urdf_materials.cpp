@@ -39,7 +39,11 @@ std::vector<const XMLElement*> all_materials(const XMLElement& robot) {
 std::optional<Color> read_color(const XMLElement& material, Findings& findings) {
   const XMLElement* element = material.FirstChildElement("color");
   if (element == nullptr) return std::nullopt;
-  const auto rgba = read_vector4(*element, "rgba", findings);
+  const char* text = element->Attribute("rgba");
+  const auto rgb = parse_numbers(text == nullptr ? "" : text, 3);
+  if (rgb) findings.repair(element->GetLineNum(), fmt::format("rgba {} gets an alpha of 1", in_quotes(text)));
+  const auto rgba =
+      rgb ? Eigen::Vector4d((*rgb)[0], (*rgb)[1], (*rgb)[2], 1.0) : read_vector4(*element, "rgba", findings);
   if (!rgba) return std::nullopt;
   const Eigen::Vector4d clamped = rgba->cwiseMax(0.0).cwiseMin(1.0);
   if (clamped != *rgba) {

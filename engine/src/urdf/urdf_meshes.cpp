@@ -41,13 +41,13 @@ std::optional<Mesh> Meshes::read(XMLElement& element, Use use) {
 
 std::optional<Eigen::Vector3d> Meshes::read_scale(XMLElement& element) {
   const char* text = element.Attribute("scale");
-  const std::optional<double> one = parse_number(text == nullptr ? "" : text);
-  if (one) {
-    const std::string word = text;
-    const std::string three = fmt::format("{0} {0} {0}", *one);
+  const std::string word = text == nullptr ? "" : text;
+  std::string three;
+  if (const auto one = parse_number(word)) three = fmt::format("{0} {0} {0}", *one);
+  if (const auto four = parse_numbers(word, 4)) three = fmt::format("{} {} {}", (*four)[0], (*four)[1], (*four)[2]);
+  if (!three.empty()) {
     findings_.repair(element.FindAttribute("scale")->GetLineNum(),
-                     fmt::format("the scale of a <mesh> is {}; it is taken for all three axes", in_quotes(word)),
-                     fmt::format("write scale=\"{}\"", three));
+                     fmt::format("the scale of a <mesh> is {}; it is taken for {}", in_quotes(word), three));
     element.SetAttribute("scale", three.c_str());
   }
   const auto scale = read_vector_or(element, "scale", Eigen::Vector3d::Ones(), findings_);

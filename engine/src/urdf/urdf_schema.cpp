@@ -7,6 +7,8 @@
 #include <set>
 #include <vector>
 
+#include "urdf_values.h"
+
 namespace rehearse::urdf {
 namespace {
 
@@ -110,13 +112,15 @@ void prune(XMLElement& element, const Rule& rule, Findings& findings) {
       continue;
     }
     const bool is_second = is_single && !seen.insert(name).second;
-    if (is_second && name == "material") {
+    // without one of two of these the robot would be another one
+    const bool is_ambiguous = is_second && is_one_of(name, {"inertial", "geometry", "parent", "child"});
+    if (is_second && !is_ambiguous) {
       findings.repair(inner->GetLineNum(),
-                      fmt::format("a second <material> in one <{}>; the first counts", rule.element));
+                      fmt::format("a second <{}> in one <{}>; the first counts", name, rule.element));
       element.DeleteChild(child);
       continue;
     }
-    if (is_second) {
+    if (is_ambiguous) {
       findings.error(inner->GetLineNum(), fmt::format("a second <{}> in one <{}>", name, rule.element));
     }
     if (const Rule* inner_rule = find_rule(name)) prune(*inner, *inner_rule, findings);

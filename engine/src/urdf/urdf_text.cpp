@@ -126,13 +126,25 @@ std::string describe(tinyxml2::XMLError error) {
   }
 }
 
-/// True if the loader needs nothing of the element and its children: definitions of xacro, elements that describe no
-/// link and no joint, and those in which a mistake costs no more than a sensor.
+bool can_do_without(const XMLElement& element);
+
+/// True of definitions, of a condition for elements without which the loader can do, and of the colour of a shape.
+bool can_do_without_xacro(const XMLElement& element, std::string_view parent) {
+  const std::string_view name = element.Name();
+  if (is_one_of(name, {"xacro:property", "xacro:arg", "xacro:macro"}) || parent == "visual") return true;
+  const auto* child = element.FirstChildElement();
+  if (child == nullptr || !is_one_of(name, {"xacro:if", "xacro:unless"})) return false;
+  while (child != nullptr && can_do_without(*child)) child = child->NextSiblingElement();
+  return child == nullptr;
+}
+
+/// True if the loader needs nothing of the element and its children: elements that describe no link and no joint, and
+/// those in which a mistake costs no more than a sensor or a colour.
 bool can_do_without(const XMLElement& element) {
   const std::string_view name = element.Name();
-  if (name.starts_with("xacro:")) return is_one_of(name, {"xacro:property", "xacro:arg", "xacro:macro"});
-  const XMLNode* parent = element.Parent();
-  const bool is_shape = parent->ToElement() != nullptr && std::string_view(parent->Value()) == "geometry";
+  const std::string_view parent = element.Parent()->ToElement() == nullptr ? "" : element.Parent()->Value();
+  if (name.starts_with("xacro:")) return can_do_without_xacro(element, parent);
+  const bool is_shape = parent == "geometry";
   return is_one_of(name, {"gazebo", "sensor", "transmission"}) || (!is_shape && name != "geometry" && !is_read(name));
 }
 

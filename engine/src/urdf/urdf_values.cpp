@@ -21,20 +21,6 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(blanks) + 1 - first);
 }
 
-/// The numbers in a text; nullopt unless there are exactly `count` of them.
-std::optional<std::vector<double>> parse_numbers(std::string_view text, std::size_t count) {
-  std::vector<double> numbers;
-  for (text = trimmed(text); !text.empty() && numbers.size() <= count; text = trimmed(text)) {
-    const std::size_t end = std::min(text.find_first_of(blanks), text.size());
-    const std::optional<double> number = parse_number(text.substr(0, end));
-    if (!number) return std::nullopt;
-    numbers.push_back(*number);
-    text.remove_prefix(end);
-  }
-  if (numbers.size() != count) return std::nullopt;
-  return numbers;
-}
-
 const char* count_text(std::size_t count) {
   constexpr const char* texts[] = {"", "a number", "two numbers", "three numbers", "four numbers"};
   return texts[count];
@@ -78,6 +64,19 @@ Eigen::Matrix3d read_quaternion(const XMLElement& origin, Findings& findings) {
 
 bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
   return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+std::optional<std::vector<double>> parse_numbers(std::string_view text, std::size_t count) {
+  std::vector<double> numbers;
+  for (text = trimmed(text); !text.empty() && numbers.size() <= count; text = trimmed(text)) {
+    const std::size_t end = std::min(text.find_first_of(blanks), text.size());
+    const std::optional<double> number = parse_number(text.substr(0, end));
+    if (!number) return std::nullopt;
+    numbers.push_back(*number);
+    text.remove_prefix(end);
+  }
+  if (numbers.size() != count) return std::nullopt;
+  return numbers;
 }
 
 std::string_view text_of(const XMLElement& element) {

@@ -23,6 +23,9 @@ bool is_one_of(std::string_view word, std::initializer_list<std::string_view> wo
 /// A finite decimal number, with nothing but blanks around it; independent of the locale.
 std::optional<double> parse_number(std::string_view text);
 
+/// The numbers in a text; nullopt unless there are exactly `count` of them.
+std::optional<std::vector<double>> parse_numbers(std::string_view text, std::size_t count);
+
 /// The attribute's number. Missing or malformed: an error, and nothing.
 std::optional<double> read_number(const tinyxml2::XMLElement& element, const char* attribute, Findings& findings);
 

@@ -164,6 +164,21 @@ TEST(ConvexParts, OfAnOpenMeshEmptyItsHull) {
   EXPECT_THAT(parts.remarks[0].message, HasSubstr("it isn't closed, so that its volume is unknown"));
 }
 
+/// Two open angles in nearly the same place: the hulls of their legs fill more than the hull of all.
+TEST(ConvexParts, ThatFillNoLessThanTheHullAreTheHull) {
+  MeshData twice = angle();
+  MeshPart& part = twice.parts[0];
+  part.triangles.pop_back();
+  const auto vertices = part.vertices;
+  const Triangles triangles = part.triangles;
+  const auto count = static_cast<std::uint32_t>(vertices.size());
+  for (const Eigen::Vector3f& vertex : vertices) part.vertices.push_back(vertex + Eigen::Vector3f::Constant(1e-3f));
+  for (const auto& [a, b, c] : triangles) part.triangles.push_back({a + count, b + count, c + count});
+  const ConvexHulls parts = parts_of(twice);
+  EXPECT_EQ(parts.hulls.size(), 1u);
+  EXPECT_TRUE(parts.remarks.empty()) << to_string(parts.remarks);
+}
+
 void expect_same(const ConvexHulls& one, const ConvexHulls& two) {
   ASSERT_EQ(one.hulls.size(), two.hulls.size());
   for (std::size_t i = 0; i < one.hulls.size(); ++i) {

@@ -63,6 +63,14 @@ TEST_F(MeshPathsTest, APackageIsADirectoryOfThatNameAboveTheModel) {
   }
 }
 
+TEST_F(MeshPathsTest, APackageWithoutANameIsTheModelsFolder) {
+  make("ws/robot/urdf/a.stl");
+  make("ws/shapes/meshes/b.stl");
+  EXPECT_EQ(find("package:///a.stl"), "ws/robot/urdf/a.stl");
+  EXPECT_EQ(find("package:///shapes/meshes/b.stl"), "ws/shapes/meshes/b.stl");
+  EXPECT_THAT(find("package:///shapes/c.stl"), HasSubstr("there is no 'shapes' in "));
+}
+
 TEST_F(MeshPathsTest, APackageMayLieBesideAnAncestor) {
   make("ws/shapes/meshes/a.stl");
   EXPECT_EQ(find("package://shapes/meshes/a.stl"), "ws/shapes/meshes/a.stl");
@@ -125,7 +133,7 @@ TEST_F(MeshPathsTest, TellsACaseThatDiffers) {
 TEST_F(MeshPathsTest, TellsWhatIsNoPath) {
   EXPECT_THAT(find(""), HasSubstr("empty"));
   EXPECT_THAT(find("package://a"), HasSubstr("package:// is not followed by a name and a path"));
-  EXPECT_THAT(find("package:///a.stl"), HasSubstr("package:// is not followed"));
+  EXPECT_THAT(find("package:///"), HasSubstr("package:// is not followed by a name and a path"));
   EXPECT_THAT(find("file://a.stl"), HasSubstr("file:// is not followed by an absolute path"));
   EXPECT_THAT(find("http://x/a.stl"), HasSubstr("nothing is read from http://"));
   EXPECT_THAT(find("meshes\\a.stl"), HasSubstr("write / instead of \\"));

@@ -74,6 +74,20 @@ TEST(LenientUrdf, TakesASensorForTwoReadersOnceWhereverTheyPutIt) {
   EXPECT_THAT(to_string(model.report), HasSubstr("note: a sensor's second description"));
 }
 
+TEST(LenientUrdf, PassesOverASecondDescriptionThatItCannotRead) {
+  const std::string camera =
+      "<sensor name='eye' type='camera'><camera><vertical_fov>0.7</vertical_fov></camera></sensor>";
+  const std::string unread = "<sensor name='eye' type='camera'><parent link='base'/></sensor>";
+  const Model model = load(robot(two_feet + block("base", camera) + unread));
+  EXPECT_THAT(device_names(model), testing::ElementsAre("eye"));
+  EXPECT_THAT(to_string(model.report), testing::Not(HasSubstr("left out")));
+  EXPECT_THAT(to_string(model.report), HasSubstr("note: a sensor's second description"));
+
+  const Model other =
+      load(robot(two_feet + block("base", camera) + "<sensor name='ear' type='camera'><parent link='base'/></sensor>"));
+  EXPECT_THAT(to_string(other.report), HasSubstr("warning: sensor 'ear' is left out"));
+}
+
 /// An arm on a hinge with that <inertial> and shapes.
 Model arm_with(const std::string& inertial, const std::string& shapes, const UrdfOptions& options = {}) {
   return load(robot(link("world", "") + link("arm", "<inertial>" + inertial + "</inertial>" + shapes) +
@@ -165,9 +179,21 @@ TEST(LenientUrdf, PassesOverXacroThatMakesNoPartOfTheRobot) {
   EXPECT_THAT(to_string(model.report), HasSubstr("note: <robot><xacro:property> is ignored"));
 }
 
+TEST(LenientUrdf, PassesOverXacroForSensorsAndColours) {
+  const Model model =
+      load(robot(two_feet + "<xacro:if value='${x == 1}'>" + block("base", "<plugin/>") + "</xacro:if>" +
+                 link("nose", "<visual><geometry><sphere radius='1'/></geometry><xacro:grey/></visual>") +
+                 joint("face", "fixed", "base", "nose")));
+  EXPECT_EQ(model.links.size(), 4u);
+  const std::string report = to_string(model.report);
+  EXPECT_THAT(report, HasSubstr("note: <robot><xacro:if> is ignored"));
+  EXPECT_THAT(report, HasSubstr("note: <visual><xacro:grey> is ignored"));
+}
+
 TEST(LenientUrdf, RefusesXacroThatMakesAPartOfTheRobot) {
-  for (const std::string part : {"<xacro:leg prefix='left'/>", "<xacro:include filename='leg.xacro'/>",
-                                 "<xacro:if value='1'/>", "<link name='${prefix}_leg'/>"}) {
+  for (const std::string part :
+       {"<xacro:leg prefix='left'/>", "<xacro:if value='1'><link name='leg'/></xacro:if>",
+        "<xacro:include filename='leg.xacro'/>", "<xacro:if value='1'/>", "<link name='${prefix}_leg'/>"}) {
     EXPECT_THAT(refusal(robot(two_feet + part)), HasSubstr("hasn't been expanded")) << part;
   }
   EXPECT_THAT(refusal(still("<visual><geometry><mesh filename='$(find arm)/arm.stl'/></geometry></visual>")),

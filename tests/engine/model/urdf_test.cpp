@@ -374,7 +374,8 @@ TEST(UrdfReport, KnowsTheLinesOfLinksJointsAndDevices) {
 
 TEST(UrdfErrors, AreAllToldAtOnceInDocumentOrder) {
   const Result<Model> result =
-      parse_urdf(robot("\n" + joint("j", "bolted", "world", "arm") + "\n<link name='world'>\n<collision/></link>\n" +
+      parse_urdf(robot("\n" + joint("j", "bolted", "world", "arm") +
+                       "\n<link name='world'>\n<collision><geometry><cone/></geometry></collision></link>\n" +
                        link("arm", "<inertial><mass value='x'/></inertial>")),
                  "test.urdf");
   ASSERT_FALSE(result);
