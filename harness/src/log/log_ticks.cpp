@@ -136,8 +136,13 @@ std::int64_t LogTicks::grid_time(std::int64_t origin, std::int64_t ticks) const 
   return origin + static_cast<std::int64_t>(nanoseconds_of(ticks, step_));
 }
 
+/// Few ticks have no message, so that a message's place in the list is hardly before its tick's number.
 std::vector<LogTicks::Message>::const_iterator LogTicks::message_from(std::int64_t tick) const {
-  return std::lower_bound(messages_.begin(), messages_.end(), tick,
+  const auto last = static_cast<std::int64_t>(messages_.size()) - 1;
+  auto to = messages_.begin() + std::clamp<std::int64_t>(tick - messages_.front().tick, 0, last);
+  std::ptrdiff_t step = 1;
+  for (; to - messages_.begin() >= step && (to - step)->tick >= tick; step *= 2) to -= step;
+  return std::lower_bound(to - std::min(step, to - messages_.begin()), to, tick,
                           [](const Message& message, std::int64_t wanted) { return message.tick < wanted; });
 }
 
