@@ -49,7 +49,8 @@ std::optional<Geometry> read_shape(XMLElement& element, Meshes& meshes, Meshes::
   }
   if (kind == "mesh") return meshes.read(element, use);
   if (kind == "plane") {
-    findings.warning(element.GetLineNum(), "a <plane> is left out", "a scenario has a ground, or a large <box>");
+    findings.warning(element.GetLineNum(), "a <plane> is left out",
+                     "take a large <box>, or a fixed body of the scenario");
     return std::nullopt;
   }
   findings.error(element.GetLineNum(), fmt::format("unknown geometry {}", tag(kind)),

@@ -112,7 +112,7 @@ void prune(XMLElement& element, const Rule& rule, Findings& findings) {
       continue;
     }
     const bool is_second = is_single && !seen.insert(name).second;
-    // without one of two of these the robot would be another one
+    // the choice between two of these would change the robot's tree, masses or shapes
     const bool is_ambiguous = is_second && is_one_of(name, {"inertial", "geometry", "parent", "child"});
     if (is_second && !is_ambiguous) {
       findings.repair(inner->GetLineNum(),
