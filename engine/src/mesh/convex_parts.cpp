@@ -217,10 +217,12 @@ std::string excess_text(const std::string& object, const Judgement& judgement) {
 }
 
 std::string parts_text(const Judgement& judgement, std::size_t count, double hulls) {
-  const std::string filled =
-      judgement.volume ? fmt::format("{:.3g} % more than its volume", 100.0 * (hulls / *judgement.volume - 1.0))
-                       : fmt::format("{:.3g} % less than its convex hull", 100.0 * (1.0 - hulls / judgement.hull));
-  return fmt::format("contact takes {} convex parts, which fill {}", count, filled);
+  std::string filled = "overlap each other";
+  if (judgement.volume)
+    filled = fmt::format("fill {:.3g} % more than its volume", 100.0 * (hulls / *judgement.volume - 1.0));
+  else if (hulls < judgement.hull)
+    filled = fmt::format("fill {:.3g} % less than its convex hull", 100.0 * (1.0 - hulls / judgement.hull));
+  return fmt::format("contact takes {} convex parts, which {}", count, filled);
 }
 
 /// The hulls of the convex parts of an object; none if one of them has no hull.
@@ -237,7 +239,7 @@ std::vector<ConvexHull> parts_of(const TriangleSoup& solid, const std::string& o
   return hulls;
 }
 
-/// Adds the convex parts of an object, and a note. False: it has no more than one, or they fill no less than its hull.
+/// Adds the convex parts of an object, and a note. False: it has no more than one.
 bool add_parts(const TriangleSoup& solid, const std::string& object, const Judgement& judgement, const HullStore& store,
                ConvexHulls& result) {
   auto hulls = store.find(solid);
@@ -245,9 +247,9 @@ bool add_parts(const TriangleSoup& solid, const std::string& object, const Judge
     hulls = parts_of(solid, object, judgement);
     store.keep(solid, *hulls);
   }
+  if (hulls->size() < 2) return false;
   double filled = 0.0;
   for (const ConvexHull& hull : *hulls) filled += volume(hull);
-  if (hulls->size() < 2 || filled >= judgement.hull) return false;
   result.remarks.push_back(
       note(excess_text(object, judgement) + ": " + parts_text(judgement, hulls->size(), filled), simpler));
   std::move(hulls->begin(), hulls->end(), std::back_inserter(result.hulls));

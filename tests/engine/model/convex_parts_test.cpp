@@ -164,19 +164,24 @@ TEST(ConvexParts, OfAnOpenMeshEmptyItsHull) {
   EXPECT_THAT(parts.remarks[0].message, HasSubstr("it isn't closed, so that its volume is unknown"));
 }
 
-/// Two open angles in nearly the same place: the hulls of their legs fill more than the hull of all.
-TEST(ConvexParts, ThatFillNoLessThanTheHullAreTheHull) {
-  MeshData twice = angle();
-  MeshPart& part = twice.parts[0];
-  part.triangles.pop_back();
-  const auto vertices = part.vertices;
-  const Triangles triangles = part.triangles;
-  const auto count = static_cast<std::uint32_t>(vertices.size());
-  for (const Eigen::Vector3f& vertex : vertices) part.vertices.push_back(vertex + Eigen::Vector3f::Constant(1e-3f));
-  for (const auto& [a, b, c] : triangles) part.triangles.push_back({a + count, b + count, c + count});
-  const ConvexHulls parts = parts_of(twice);
-  EXPECT_EQ(parts.hulls.size(), 1u);
-  EXPECT_TRUE(parts.remarks.empty()) << to_string(parts.remarks);
+/// Four open rings in nearly the same place: their parts together fill more than the hull of all.
+TEST(ConvexParts, OfOpenMeshesInEachOtherLeaveTheirHoleOpen) {
+  const MeshPart ring = torus(0.5, 0.1, 48, 16).parts[0];
+  std::vector<Vector3d> vertices;
+  Triangles triangles;
+  for (int copy = 0; copy < 4; ++copy) {
+    const auto first = static_cast<std::uint32_t>(vertices.size());
+    for (const Eigen::Vector3f& vertex : ring.vertices)
+      vertices.push_back(vertex.cast<double>() + Vector3d::Constant(0.01 * copy));
+    for (const auto& [a, b, c] : ring.triangles) triangles.push_back({a + first, b + first, c + first});
+    triangles.pop_back();
+  }
+  const MeshData rings = mesh_of({part_of(vertices, std::move(triangles))});
+  const ConvexHulls parts = parts_of(rings);
+  EXPECT_GT(volume_of(parts), volume_of(*convex_hulls(rings)));
+  EXPECT_GT(outside(parts, Vector3d::Zero()), 0.1) << "the hull of all contains it";
+  ASSERT_EQ(parts.remarks.size(), 1u);
+  EXPECT_THAT(parts.remarks[0].message, testing::EndsWith("convex parts, which overlap each other"));
 }
 
 void expect_same(const ConvexHulls& one, const ConvexHulls& two) {
