@@ -14,6 +14,11 @@ void sort_by_line(Diagnostics& diagnostics) {
                    [](const Diagnostic& a, const Diagnostic& b) { return a.line < b.line; });
 }
 
+/// The hint of a repair that is an error.
+std::string strict_hint(const std::string& hint) {
+  return (hint.empty() ? "" : hint + "; ") + "strict loading repairs nothing";
+}
+
 }  // namespace
 
 void Findings::error(int line, std::string message, std::string hint) {
@@ -21,7 +26,8 @@ void Findings::error(int line, std::string message, std::string hint) {
 }
 
 void Findings::repair(int line, std::string message, std::string hint) {
-  add(strict_ ? Severity::error : Severity::repair, line, std::move(message), std::move(hint));
+  if (strict_) return error(line, std::move(message), strict_hint(hint));
+  add(Severity::repair, line, std::move(message), std::move(hint));
 }
 
 void Findings::warning(int line, std::string message, std::string hint) {
@@ -46,8 +52,10 @@ bool Findings::take(const Findings& part, const std::string& what) {
     return true;
   }
   for (const Diagnostic& found : part.found_) {
-    const bool is_refused = strict_ && found.severity == Severity::repair;
-    add(is_refused ? Severity::error : found.severity, found.line, found.message, found.hint);
+    if (found.severity == Severity::repair)
+      repair(found.line, found.message, found.hint);
+    else
+      add(found.severity, found.line, found.message, found.hint);
   }
   for (const auto& [sentence, passed] : part.counted_) {
     const auto [known, is_new] = counted_.emplace(sentence, passed);

@@ -311,6 +311,7 @@ TEST(BrokenUrdf, IsNotRepairedWhenStrict) {
     const Result<Model> result = load_urdf(path_of(mistake), {.strict = true});
     ASSERT_FALSE(result) << path_of(mistake);
     expect_only(result.errors(), mistake);
+    EXPECT_THAT(result.errors()[0].hint, testing::EndsWith("strict loading repairs nothing"));
   }
 }
 
