@@ -77,11 +77,11 @@ TEST(UrdfSurfaces, OfABlockWithoutALinkAreNoted) {
 }
 
 TEST(UrdfSurfaces, AreThoseOfPyBulletToo) {
-  const Model model = load(
-      robot(link("base", std::string(some_inertial) +
-                             "<contact><lateral_friction value='0.5'/><stiffness value='3e4'/><damping value='1e3'/>"
-                             "<restitution value='0.25'/><spinning_friction value='0.1'/><rolling_friction value='0.01'/>"
-                             "<friction_anchor/></contact>")));
+  const Model model = load(robot(
+      link("base", std::string(some_inertial) +
+                       "<contact><lateral_friction value='0.5'/><stiffness value='3e4'/><damping value='1e3'/>"
+                       "<restitution value='0.25'/><spinning_friction value='0.1'/><rolling_friction value='0.01'/>"
+                       "<friction_anchor/></contact>")));
   const Surface& base = model.links[0].surface;
   EXPECT_EQ(base.friction, 0.5);
   EXPECT_EQ(base.stiffness, 3e4);
