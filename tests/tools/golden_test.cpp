@@ -272,6 +272,26 @@ TEST_F(GoldenVerbs, TwoScenariosThatNameOneGoldenAreToldByListAndCheck) {
   EXPECT_THAT(outcome.err, StartsWith(scenario_ + ": error: the golden 'Box.Falls' isn't this scenario's alone: 2 "));
 }
 
+TEST_F(GoldenVerbs, ScenariosOfPackagesOfNpmOwnNoGolden) {
+  write("tools/node_modules/robots/box.yaml", read_file(folder() / scenario_));
+  done({"check", scenario_});
+}
+
+TEST_F(GoldenVerbs, ChecksThatAreProvedStillFailOfAnEditedDigest) {
+  const std::string digest = read_file(folder() / digest_file);
+  const std::vector<std::string> proved{"check", scenario_, "--json"};
+  done(proved);
+  EXPECT_EQ(done(proved).json()["levels"]["closed"], "proved");
+  write(digest_file, digest + "  one more line\n");
+  for (int time = 0; time < 2; ++time) {  // a failure certifies nothing
+    const Outcome outcome = rehearse(proved);
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_THAT(outcome.err, StartsWith(digest_file + ": error: the digest doesn't describe " + golden_file));
+  }
+  write(digest_file, digest);
+  done(proved);
+}
+
 TEST_F(GoldenVerbs, ListSaysHowOldAGoldenIs) {
   const Outcome outcome = done({"golden", "list"});
   EXPECT_THAT(outcome.out,

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -99,30 +100,36 @@ Result<std::vector<Scenario>> load(const CheckSettings& settings) {
   return scenarios;
 }
 
-/// An error if a different scenario names the same golden, anywhere in the golden's repository: each check would
-/// compare with the other scenario's run.
-Result<void> check_owner(const Scenario& scenario) {
-  const auto folder = find_golden_folder(scenario.file);
-  if (scenario.golden.empty() || !folder) return {};  // check_golden reports that the scenario names no golden
-  std::error_code ignored;
-  const fs::path repository = fs::absolute(*folder / "..", ignored).lexically_normal();
-  const fs::path inside = fs::absolute(scenario.file, ignored).lexically_normal().lexically_relative(repository);
-  if (inside.empty() || *inside.begin() == "..") return {};  // the goldens are outside: REHEARSE_GOLDEN_DIR
-  const auto owners = find_golden_owners(*folder, {*folder / ".."});
-  const auto known = owners.find(scenario.golden);
-  if (known == owners.end() || known->second.scenarios.size() < 2) return {};
-  Diagnostic finding =
-      error(fmt::format("the golden '{}' isn't this scenario's alone: {}", scenario.golden, known->second.conflict()),
-            "give each a golden of its own");
-  finding.file = scenario.file;
-  return finding;
-}
-
 /// The trace that the user named: --golden, or the log's recording from which the scenario was read; empty: none.
 fs::path named_golden(const CheckSettings& settings, const Scenario& scenario) {
   if (!settings.golden.empty()) return settings.golden;
   const fs::path within = fs::path(scenario.file).parent_path();  // scenario_of() names it RECORDING/scenario.yaml
   return within.extension() == ".mcap" ? within : fs::path();
+}
+
+/// An error if a different scenario names the same golden, anywhere in the golden's repository: each check would
+/// compare with the other scenario's run. A repository is searched once for all scenarios.
+Result<void> check_owners(const CheckSettings& settings, const std::vector<Scenario>& scenarios) {
+  std::map<fs::path, std::map<std::string, GoldenOwners>> searched;  // by folder of goldens
+  std::error_code ignored;
+  for (const Scenario& scenario : scenarios) {
+    if (scenario.golden.empty() || !named_golden(settings, scenario).empty()) continue;
+    const auto folder = find_golden_folder(scenario.file);
+    if (!folder) continue;  // check_golden reports it
+    const fs::path repository = fs::absolute(*folder / "..", ignored).lexically_normal();
+    const fs::path inside = fs::absolute(scenario.file, ignored).lexically_normal().lexically_relative(repository);
+    if (inside.empty() || *inside.begin() == "..") continue;  // the goldens are outside: REHEARSE_GOLDEN_DIR
+    const auto [owners, is_new] = searched.try_emplace(repository);
+    if (is_new) owners->second = find_golden_owners(*folder, {*folder / ".."});
+    const auto known = owners->second.find(scenario.golden);
+    if (known == owners->second.end() || known->second.scenarios.size() < 2) continue;
+    Diagnostic finding =
+        error(fmt::format("the golden '{}' isn't this scenario's alone: {}", scenario.golden, known->second.conflict()),
+              "give each a golden of its own");
+    finding.file = scenario.file;
+    return finding;
+  }
+  return {};
 }
 
 /// The trace with which the scenario will be compared; empty: none, or not known yet.
@@ -183,7 +190,6 @@ Result<CheckReport> check(const CheckSettings& settings, const Scenario& scenari
     return check_scenario(scenario, golden, folder / (scenario.name + ".mcap"), options, simulation);
   const auto mode = golden_mode();
   if (!mode) return mode.errors();
-  if (auto alone = check_owner(scenario); !alone) return alone.errors();
   // check_golden reports a scenario that names no golden
   const auto goldens = scenario.golden.empty() ? Result<fs::path>(fs::path()) : find_golden_folder(scenario.file);
   if (!goldens) return goldens.errors();
@@ -294,6 +300,7 @@ Exit run_check(const CheckSettings& settings, const CLI::App& options) {
   if (settings.debugger.is_wanted()) return run_in_gdb(settings, *scenarios, options);
   if (!settings.golden.empty() && scenarios->size() != 1)
     return refuse(error("--golden compares one scenario", "name that scenario"));
+  if (const auto alone = check_owners(settings, *scenarios); !alone) return refuse(alone.errors());
   if (const auto ready = virtualise_like_goldens(settings, *scenarios); !ready) return refuse(ready.errors());
   std::vector<Json> all;
   if (const Exit ended = check_all(settings, *scenarios, all); ended != Exit::done || interruption() != 0) return ended;

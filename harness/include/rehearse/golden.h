@@ -259,8 +259,8 @@ struct GoldenOwners {
 };
 
 /// The scenarios that name the goldens in a folder, by golden. They are searched in `sources`, folders or files: a
-/// scenario is a *.yaml. The search leaves out hidden folders and folders whose name begins with "build". It also
-/// leaves out files that have a different folder `golden` nearer to them: they belong to a different project.
+/// scenario is a *.yaml. The search leaves out hidden folders, node_modules and builds (build*). It also leaves out
+/// files that have a different folder `golden` nearer to them: they belong to a different project.
 std::map<std::string, GoldenOwners> find_golden_owners(const std::filesystem::path& folder,
                                                        const std::vector<std::filesystem::path>& sources);
 

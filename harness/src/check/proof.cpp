@@ -2,18 +2,14 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <set>
 #include <utility>
 #include <vector>
 
-#include "replay/plant_level.h"
 #include "scenario/plant_text.h"
 #include "trace/hashing.h"
 #include "trace/run_facts.h"
@@ -21,19 +17,10 @@
 namespace rehearse {
 namespace {
 
-namespace fs = std::filesystem;
-
 std::string text_of(const mcap::StringMap& plant) {
   std::string text;
   for (const auto& [name, value] : plant) text += fmt::format("{}: {}\n", name, value);
   return text;
-}
-
-std::string hash_of(const std::string& text) { return hash_text(hash_bytes(text.data(), text.size())); }
-
-std::string certificate_in(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 std::set<std::string> lines_of(const std::string& text) {
@@ -69,7 +56,6 @@ std::string objection_to_golden(const Trace& golden) {
 Proof::Proof(const Scenario& scenario, const Trace& golden, const CheckOptions& options, const Simulation& simulation) {
   const bool is_wanted = options.certificates && simulation.describe_plant && !options.run.nudge;
   if (!is_wanted || (!options.plant && !options.closed)) return;
-  folder_ = *options.certificates;
   objection_ = objection_to(scenario, golden, options, simulation);
   holds_ = objection_.empty();
 }
@@ -83,19 +69,17 @@ std::string Proof::objection_to(const Scenario& scenario, const Trace& golden, c
   if (!plant) return plant.errors()[0].message;
   const auto hash = hash_of_file(golden_file_ = golden.file());
   if (!hash) return hash.errors()[0].message;
-  golden_ = hash_text(*hash);
+  golden_ = *hash;
+  certificates_.emplace(*options.certificates, hash_text(golden_));
   plant_ = text_of(*plant);
-  if (certificate_in(folder_ / (golden_ + "-" + hash_of(plant_))) == plant_) return "";
-  return changes();
+  return certificates_->has(plant_) ? "" : changes();
 }
 
 /// The certified plant with the fewest changes is the one that was changed.
 std::string Proof::changes() const {
   std::optional<std::vector<std::string>> fewest;
-  std::error_code failed;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, failed)) {
-    if (!entry.path().filename().string().starts_with(golden_ + "-")) continue;
-    std::vector<std::string> names = changed_facts(certificate_in(entry.path()), plant_);
+  for (const std::string& certified : certificates_->all()) {
+    std::vector<std::string> names = changed_facts(certified, plant_);
     if (!fewest || names.size() < fewest->size() || (names.size() == fewest->size() && names < *fewest))
       fewest = std::move(names);
   }
@@ -110,17 +94,8 @@ std::string Proof::changes() const {
 Result<void> Proof::certify() const {
   if (plant_.empty() || holds_) return {};
   const auto hash = hash_of_file(golden_file_);
-  if (!hash || hash_text(*hash) != golden_) return {};  // accepted anew during the simulation
-  const fs::path file = folder_ / (golden_ + "-" + hash_of(plant_));
-  if (auto made = make_folder_of(file); !made) return made;
-  const fs::path whole = fs::path(file).concat(fmt::format(".{}", getpid()));
-  std::ofstream stream(whole, std::ios::binary);
-  stream << plant_;
-  stream.close();
-  std::error_code failed;
-  fs::rename(whole, file, failed);
-  if (stream && !failed) return {};
-  return error(fmt::format("{} can't be written", file.string()));
+  if (!hash || *hash != golden_) return {};  // accepted anew during the simulation
+  return certificates_->add(plant_);
 }
 
 Result<ProofMode> proof_mode() {

@@ -9,8 +9,12 @@
 
 #include <rehearse/check.h>
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
+
+#include "certificates.h"
 
 namespace rehearse {
 
@@ -32,10 +36,10 @@ class Proof {
                            const Simulation& simulation);
   std::string changes() const;
 
-  std::filesystem::path folder_;  // of certificates
+  std::optional<Certificates> certificates_;
   std::filesystem::path golden_file_;
-  std::string golden_;  // hash of its bytes
-  std::string plant_;   // facts, a line each; empty: they aren't known
+  std::uint64_t golden_ = 0;  // hash of its bytes
+  std::string plant_;         // facts, a line each; empty: they aren't known
   bool holds_ = false;
   std::string objection_;
 };

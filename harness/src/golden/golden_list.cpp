@@ -44,25 +44,32 @@ void find_in_scenario(std::string_view text, const std::string& file, Owners& ow
   }
 }
 
+bool may_be_scenario(const fs::path& file) {
+  const std::string_view name = file.native();
+  return name.ends_with(".yaml") || name.ends_with(".yml");
+}
+
 void find_in_file(const fs::path& file, Owners& owners) {
-  const std::string ending = file.extension().string();
-  if (ending != ".yaml" && ending != ".yml") return;
   std::error_code ignored;
   if (fs::file_size(file, ignored) > largest_scenario) return;  // such a file is data, no scenario
   if (const auto text = read_text(file)) find_in_scenario(*text, file.string(), owners);
 }
 
-std::set<fs::path> files_in(const std::vector<fs::path>& sources) {
+/// Hidden folders, folders of builds, and folders of npm contain no scenarios of the project.
+bool is_left_out(const std::string& folder) {
+  return folder.starts_with('.') || folder.starts_with("build") || folder == "node_modules";
+}
+
+std::set<fs::path> scenario_files_in(const std::vector<fs::path>& sources) {
   std::set<fs::path> files;  // sorted, independent of the folder's order
   std::error_code ignored;
   for (const fs::path& source : sources) {
-    if (fs::is_regular_file(source, ignored)) files.insert(source);
+    if (may_be_scenario(source) && fs::is_regular_file(source, ignored)) files.insert(source);
     auto entry = fs::recursive_directory_iterator(source, fs::directory_options::skip_permission_denied, ignored);
     for (; entry != fs::recursive_directory_iterator(); entry.increment(ignored)) {
-      const std::string name = entry->path().filename().string();
       if (entry->is_directory(ignored)) {
-        if (name.starts_with('.') || name.starts_with("build")) entry.disable_recursion_pending();
-      } else {
+        if (is_left_out(entry->path().filename().string())) entry.disable_recursion_pending();
+      } else if (may_be_scenario(entry->path())) {
         files.insert(entry->path().lexically_normal());
       }
     }
@@ -135,7 +142,7 @@ std::string GoldenOwners::conflict() const {
 std::map<std::string, GoldenOwners> find_golden_owners(const fs::path& folder, const std::vector<fs::path>& sources) {
   std::map<fs::path, bool> of_folder;  // by the folder of a file: true if it belongs to these goldens
   Owners owners;
-  for (const fs::path& file : files_in(sources)) {
+  for (const fs::path& file : scenario_files_in(sources)) {
     const auto [known, is_new] = of_folder.try_emplace(file.parent_path(), true);
     std::error_code ignored;
     if (is_new)
