@@ -95,11 +95,13 @@ struct IndexedImage {
         continue;
       }
       offset.push_back(distinct.size());
+      distinct.resize(distinct.size() + row_size / 3);
+      std::uint8_t* place = &distinct[offset.back()];
       int number = -1;
       for (const std::uint8_t* pixel = row; pixel != row + row_size; pixel += 3) {
         if (pixel == row || std::memcmp(pixel, pixel - 3, 3) != 0) number = palette.number_of(pixel);
         if (number < 0) return false;
-        distinct.push_back(static_cast<std::uint8_t>(number));
+        *place++ = static_cast<std::uint8_t>(number);
       }
     }
     return true;
@@ -125,6 +127,10 @@ struct IndexedImage {
         continue;
       }
       rows[at] = unfiltered;
+      if (bits == 8) {
+        std::memcpy(&rows[at + 1], &distinct[offset[y]], width);
+        continue;
+      }
       for (std::size_t x = 0; x < width; ++x) {
         const std::size_t bit = x * bits;
         rows[at + 1 + bit / 8] |= static_cast<std::uint8_t>(distinct[offset[y] + x] << (8 - bits - bit % 8));
@@ -200,10 +206,16 @@ Result<Image> decode_png(std::span<const std::uint8_t> bytes) {
     return error(fmt::format("can't decode PNG: it is {} x {} pixels", head.width, head.height),
                  fmt::format("at most {0} x {0} are read", max_decoded_size));
   }
+  Image image{static_cast<int>(head.width), static_cast<int>(head.height), {}};
+  if (!(head.format & PNG_FORMAT_FLAG_ALPHA)) {
+    reader.image.format = PNG_FORMAT_RGB;
+    image.pixels.resize(PNG_IMAGE_SIZE(reader.image));
+    if (!png_image_finish_read(&reader.image, nullptr, image.pixels.data(), 0, nullptr)) return not_a_picture(reader);
+    return image;
+  }
   reader.image.format = PNG_FORMAT_RGBA;  // for RGB, libpng would blend with a background
   Bytes rgba(PNG_IMAGE_SIZE(reader.image));
   if (!png_image_finish_read(&reader.image, nullptr, rgba.data(), 0, nullptr)) return not_a_picture(reader);
-  Image image{static_cast<int>(head.width), static_cast<int>(head.height), {}};
   image.pixels.reserve(rgba.size() / 4 * 3);
   for (auto pixel = rgba.begin(); pixel != rgba.end(); pixel += 4) {
     image.pixels.insert(image.pixels.end(), pixel, pixel + 3);

@@ -86,12 +86,16 @@ bool read_jpeg(jpeg_decompress_struct& jpeg, JpegErrors& errors, std::span<const
   return true;
 }
 
+/// The numbers of a row in the order of bytes of this machine.
 template <class Number>
-Number number_at(const std::uint8_t* place, bool swap) {
-  std::array<std::uint8_t, sizeof(Number)> bytes;
-  std::memcpy(bytes.data(), place, sizeof(Number));
-  if (swap) std::reverse(bytes.begin(), bytes.end());
-  return std::bit_cast<Number>(bytes);
+void read_row(const std::uint8_t* bytes, bool swap, std::vector<Number>& row) {
+  std::memcpy(row.data(), bytes, row.size() * sizeof(Number));
+  if (!swap) return;
+  for (Number& number : row) {
+    auto places = std::bit_cast<std::array<std::uint8_t, sizeof(Number)>>(number);
+    std::reverse(places.begin(), places.end());
+    number = std::bit_cast<Number>(places);
+  }
 }
 
 template <class Number>
@@ -99,13 +103,15 @@ Result<DepthImage> distances(const msg::Image& message, float meters) {
   if (auto fits = check_size(message, sizeof(Number)); !fits) return fits.errors();
   const bool swap = (message.is_bigendian != 0) != (std::endian::native == std::endian::big);
   DepthImage depth{static_cast<int>(message.width), static_cast<int>(message.height), {}};
-  depth.meters.reserve(std::size_t{message.width} * message.height);
+  depth.meters.resize(std::size_t{message.width} * message.height);
+  std::vector<Number> row(message.width);
+  float* pixel = depth.meters.data();
   for (std::size_t y = 0; y < message.height; ++y) {
-    for (std::size_t x = 0; x < message.width; ++x) {
-      const Number raw = number_at<Number>(&message.data[y * message.step + x * sizeof(Number)], swap);
+    read_row(&message.data[y * message.step], swap, row);
+    for (const Number raw : row) {
       const float distance = static_cast<float>(raw) * meters;
       const bool is_none = std::isfinite(distance) && distance <= 0.0f;  // NaN and ±inf stay
-      depth.meters.push_back(is_none ? std::numeric_limits<float>::infinity() : distance);
+      *pixel++ = is_none ? std::numeric_limits<float>::infinity() : distance;
     }
   }
   return depth;
@@ -131,11 +137,12 @@ Result<Image> color_of(const msg::Image& message) {
     if (message.encoding != layout.encoding) continue;
     if (auto fits = check_size(message, layout.bytes); !fits) return fits.errors();
     Image image{static_cast<int>(message.width), static_cast<int>(message.height), {}};
-    image.pixels.reserve(std::size_t{message.width} * message.height * 3);
+    image.pixels.resize(std::size_t{message.width} * message.height * 3);
+    std::uint8_t* color = image.pixels.data();
     for (std::size_t y = 0; y < message.height; ++y) {
       const std::uint8_t* pixel = &message.data[y * message.step];
       for (std::size_t x = 0; x < message.width; ++x, pixel += layout.bytes)
-        for (const std::size_t at : layout.rgb) image.pixels.push_back(pixel[at]);
+        for (const std::size_t at : layout.rgb) *color++ = pixel[at];
     }
     return image;
   }
