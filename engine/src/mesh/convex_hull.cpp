@@ -12,6 +12,8 @@
 #include <optional>
 #include <set>
 
+#include "triangle_soup.h"
+
 namespace rehearse {
 namespace {
 
@@ -19,10 +21,6 @@ using Eigen::Vector3d;
 using Points = std::vector<Vector3d>;
 using Triangle = std::array<int, 3>;
 using Edge = std::pair<int, int>;  // directed: from a vertex to a vertex
-
-bool before(const Vector3d& a, const Vector3d& b) {
-  return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
-}
 
 /// For each object the vertices that its triangles use.
 std::map<int, Points> points_of(const MeshData& mesh) {

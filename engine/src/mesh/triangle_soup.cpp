@@ -11,10 +11,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-bool before(const Vector3d& a, const Vector3d& b) {
-  return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
-}
-
 bool has_three_corners(const std::array<int, 3>& t) { return t[0] != t[1] && t[1] != t[2] && t[2] != t[0]; }
 
 /// Connected vertices: of each the lowest number that is connected to it.

@@ -3,6 +3,7 @@
 
 #include <rehearse/model.h>
 
+#include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
@@ -20,6 +21,11 @@ struct TriangleSoup {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<std::array<int, 3>> triangles;
 };
+
+/// The order of points: by x, then by y, then by z.
+inline bool before(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+}
 
 /// The triangles of an object of a mesh; vertices of one position become one.
 TriangleSoup object_of(const MeshData& mesh, int object);

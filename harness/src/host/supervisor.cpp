@@ -27,9 +27,9 @@
 namespace rehearse {
 namespace {
 
-constexpr int controller_failed = 3;     // the exit status
-constexpr double patience = 5.0;         // time for a child to report a call that took too long [s]
-constexpr timespec look_interval{1, 0};  // interval of checks of a silent child
+constexpr int controller_failed = 3;  // the exit status
+constexpr double patience = 5.0;      // time for a child to report a call that took too long [s]
+constexpr timespec silence{1, 0};     // after which a silent child is checked
 
 /// Memory that parent and child share. The child writes, and may be killed at any time.
 struct Notes {
@@ -87,7 +87,7 @@ void Parent::run() {
   sigemptyset(&received_);
   while (!has_ended()) {
     siginfo_t signal{};
-    const int number = sigtimedwait(&all, &signal, &look_interval);
+    const int number = sigtimedwait(&all, &signal, &silence);
     if (number > 0 && number != SIGCHLD) pass_on(signal);
     if (number < 0 && errno == EAGAIN) look_for_hang();
   }

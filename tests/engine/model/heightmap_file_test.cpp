@@ -27,7 +27,7 @@ std::string png_of(int width, int height, const std::vector<Sample>& samples, pn
   return bytes;
 }
 
-std::string refusal(const std::string& bytes, const std::string& name) {
+std::string refusal_of_file(const std::string& bytes, const std::string& name) {
   const auto mesh = read_heightmap(bytes, name, {{1, 1}});
   return mesh ? "" : to_string(mesh.errors());
 }
@@ -72,20 +72,20 @@ TEST(HeightmapFile, FacesUpwards) {
 }
 
 TEST(HeightmapFile, RefusesWhatIsNoHeightmapAtItsPlace) {
-  EXPECT_THAT(refusal("not a picture", "a.png"), HasSubstr("a.png: error: the heightmap isn't a PNG"));
-  EXPECT_THAT(refusal("", "a.png"), HasSubstr("the heightmap isn't a PNG: it ends too early"));
-  EXPECT_THAT(refusal("0 0\n0 nan\n", "a.txt"), HasSubstr("a.txt:2:3: error: 'nan' is no height"));
-  EXPECT_THAT(refusal("0 0\n0 1e999\n", "a.txt"), HasSubstr("a.txt:2:3: error: '1e999' is no height"));
-  EXPECT_THAT(refusal("0 0\n\n1 hill\n", "a.txt"), HasSubstr("a.txt:3:3: error: 'hill' is no height"));
-  EXPECT_THAT(refusal("0 0 0\n0 0\n", "a.txt"),
+  EXPECT_THAT(refusal_of_file("not a picture", "a.png"), HasSubstr("a.png: error: the heightmap isn't a PNG"));
+  EXPECT_THAT(refusal_of_file("", "a.png"), HasSubstr("the heightmap isn't a PNG: it ends too early"));
+  EXPECT_THAT(refusal_of_file("0 0\n0 nan\n", "a.txt"), HasSubstr("a.txt:2:3: error: 'nan' is no height"));
+  EXPECT_THAT(refusal_of_file("0 0\n0 1e999\n", "a.txt"), HasSubstr("a.txt:2:3: error: '1e999' is no height"));
+  EXPECT_THAT(refusal_of_file("0 0\n\n1 hill\n", "a.txt"), HasSubstr("a.txt:3:3: error: 'hill' is no height"));
+  EXPECT_THAT(refusal_of_file("0 0 0\n0 0\n", "a.txt"),
               HasSubstr("a.txt:2: error: the line has 2 heights, and the first has 3"));
-  EXPECT_THAT(refusal("", "a.txt"), HasSubstr("the heightmap has 0 x 0 points"));
-  EXPECT_THAT(refusal("1 2 3\n", "a.txt"), HasSubstr("the heightmap has 3 x 1 points"));
+  EXPECT_THAT(refusal_of_file("", "a.txt"), HasSubstr("the heightmap has 0 x 0 points"));
+  EXPECT_THAT(refusal_of_file("1 2 3\n", "a.txt"), HasSubstr("the heightmap has 3 x 1 points"));
   const std::vector<std::uint8_t> colors{255, 0, 0, 0, 255, 0, 0, 0, 255, 9, 9, 9};
-  EXPECT_THAT(refusal(png_of(2, 2, colors, PNG_FORMAT_RGB), "a.png"), HasSubstr("a picture in colour"));
+  EXPECT_THAT(refusal_of_file(png_of(2, 2, colors, PNG_FORMAT_RGB), "a.png"), HasSubstr("a picture in colour"));
   const std::string whole = png_of(2, 2, std::vector<std::uint8_t>{1, 2, 3, 4}, PNG_FORMAT_GRAY);
   for (std::size_t size = 8; size + 12 < whole.size(); ++size)
-    EXPECT_NE(refusal(whole.substr(0, size), "a.png"), "") << size;
+    EXPECT_NE(refusal_of_file(whole.substr(0, size), "a.png"), "") << size;
 }
 
 }  // namespace

@@ -43,13 +43,6 @@ WorldBody sled_body(const Sled& sled) {
   return body_of(robot.build(), {0, 0, 0.025 - 1e-4});
 }
 
-WorldBody with_surface(WorldBody body, const Surface& surface) {
-  Model model = *body.model;
-  for (Link& link : model.links) link.surface = surface;
-  body.model = std::make_shared<const Model>(std::move(model));
-  return body;
-}
-
 /// Grounds whose top is at z = 0.
 WorldBody hull_floor() {
   return fixed(body_with("Floor", box_mesh({10, 10, 0.2}), Box{{10, 10, 0.2}}, 0.0, {0, 0, -0.1}));

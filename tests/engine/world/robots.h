@@ -94,6 +94,14 @@ inline WorldBody free_box(const std::string& name, const Eigen::Vector3d& size, 
   return body_of(std::make_shared<const Model>(single_shape_model(name, Box{size}, mass, {})), position);
 }
 
+/// The body, all its links with that surface.
+inline WorldBody with_surface(WorldBody body, const Surface& surface) {
+  Model model = *body.model;
+  for (Link& link : model.links) link.surface = surface;
+  body.model = std::make_shared<const Model>(std::move(model));
+  return body;
+}
+
 /// A floor whose top is at z = 0.
 inline WorldBody floor_body() {
   WorldBody floor = free_box("Floor", {10.0, 10.0, 0.2}, 0.0, {0.0, 0.0, -0.1});

@@ -16,13 +16,6 @@ using ::testing::HasSubstr;
 class Surfaces : public EachSolver {};
 INSTANTIATE_TEST_SUITE_P(Solver, Surfaces, both_solvers, solver_name);
 
-WorldBody with_surface(WorldBody body, const Surface& surface) {
-  Model model = *body.model;
-  for (Link& link : model.links) link.surface = surface;
-  body.model = std::make_shared<const Model>(std::move(model));
-  return body;
-}
-
 WorldBody slab(const Vector3d& position = {0, 0, 0.05}) { return free_box("Slab", {0.4, 0.4, 0.1}, 2.0, position); }
 
 Surface friction(double coefficient) {
