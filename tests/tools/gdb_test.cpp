@@ -321,6 +321,22 @@ TEST_F(Gdb, ShowsTheLineInTheReportOfAFailedCheck) {
                     ContainsRegex("looked_at.cpp\",\"line\":" + line_of("commands").substr(14) + ",")));
 }
 
+TEST_F(Gdb, IsAskedForALineWhenTheVerdictIsPrinted) {
+  const std::string scenario = pendulum(LOOKED_AT).string();
+  done({"record", scenario, "-o", "golden.mcap"});
+  const fs::path page = write("page.html", "<!doctype html><html><!-- REHEARSE DATA --></html>");
+  fs::create_directory(folder() / "bin");
+  write("bin/gdb", "#!/bin/sh\ncp " + quoted(folder().string() + ".stdout") + " printed\n");
+  fs::permissions(folder() / "bin/gdb", fs::perms::owner_all);
+  const Outcome outcome = rehearse(
+      {"check", scenario, "--golden", "golden.mcap", "--controller", std::string("Swing=") + STIFFER},
+      "REHEARSE_CALL_STACK= PATH=" + quoted(folder() / "bin") + ":$PATH REHEARSE_REPORT_PAGE=" + page.string());
+  const std::string printed = read_file(folder() / "printed");
+  EXPECT_THAT(printed, AllOf(StartsWith("pendulum: "), HasSubstr("controller on recorded inputs: differs")));
+  EXPECT_THAT(printed, Not(HasSubstr("in a browser")));
+  EXPECT_THAT(outcome.out, AllOf(StartsWith(printed), HasSubstr("in a browser: ")));
+}
+
 TEST_F(Gdb, StopsAtTheLineThatChangesACommand) {
   if (!gdb_knows_types) GTEST_SKIP() << "built with line numbers alone, as builds with sanitizers are";
   record();

@@ -228,9 +228,10 @@ void add_page(const CheckSettings& settings, const Scenario& scenario, const fs:
 }
 
 /// A run writes into a separate folder and is moved to the pending runs when it is complete; so other processes in this
-/// folder never read a partial run.
+/// folder never read a partial run. Prints the verdict before the report is written, which may wait seconds for gdb.
 Result<Checked> check_beside_others(const CheckSettings& settings, const Scenario& scenario) {
   const std::string name = name_of(settings, scenario);
+  const Stopwatch stopwatch;
   auto waiting = WaitingRun::begin(pending_folder(), name);
   if (!waiting) return waiting.errors();
   auto report = check(settings, scenario, waiting->folder());
@@ -242,6 +243,8 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
   checked.file = scenario.file;
   checked.report = *std::move(report);
   if (!compared_anything(checked.report)) checked.report.verdict = "nothing was compared: " + checked.report.verdict;
+  checked.seconds = stopwatch.seconds();
+  if (!settings.json) tell_verdict(checked);
   add_page(settings, scenario, waiting->folder() / (name + ".mcap"), checked);
   const auto told = waiting->publish(checked.report.message);
   if (!told) return told.errors();
@@ -253,11 +256,9 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
 /// Checks one scenario and prints the result. Returns its outcome_of(), as text.
 Result<std::string> check_one(const CheckSettings& settings, const Scenario& scenario) {
   tell_warnings(scenario);
-  const Stopwatch stopwatch;
-  auto checked = check_beside_others(settings, scenario);
+  const auto checked = check_beside_others(settings, scenario);
   if (!checked) return checked.errors();
-  checked->seconds = stopwatch.seconds();
-  if (!settings.json) tell(*checked);
+  if (!settings.json) tell_files(*checked);
   return outcome_of(scenario, *checked).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -72,7 +72,7 @@ Exit exit_of(const CheckReport& report) {
   return report.within() ? Exit::done : Exit::differs;
 }
 
-void tell(const Checked& checked) {
+void tell_verdict(const Checked& checked) {
   const CheckReport& report = checked.report;
   const std::string sentence = fmt::format("{}: {}", checked.scenario, report.verdict);
   const std::string shown = terminal_width() > 0 ? wrapped(sentence, terminal_width(), 0) : sentence;
@@ -88,6 +88,11 @@ void tell(const Checked& checked) {
     fmt::print("  under the recorded commands:\n{}", table(*report.plant_comparison));
   if (report.comparison)
     fmt::print("{}{}", report.plant == LevelState::differs ? "  in the closed loop:\n" : "", table(*report.comparison));
+  std::fflush(stdout);
+}
+
+void tell_files(const Checked& checked) {
+  const CheckReport& report = checked.report;
   for (const std::string& remark : report.remarks) fmt::print("  note: {}\n", remark);
   if (!report.message.empty()) fmt::print("{}\n", report.message);
   if (checked.page && is_ci()) fmt::print("report: {}\n", checked.page->file.string());

@@ -23,13 +23,15 @@ struct Checked {
   CheckReport report;
   std::optional<FailureReport> page;  // the report for a browser
   std::string no_page;                // the reason why there is no report although one was requested
-  double seconds = 0.0;               // wall time [s]
+  double seconds = 0.0;               // wall time of the check, without its report [s]
 };
 
 Exit exit_of(const CheckReport& report);
 
-/// Prints the verdict, the levels, tables of differences and the address of the report.
-void tell(const Checked& checked);
+/// Prints the verdict, the levels and tables of differences. They are on stdout when this returns.
+void tell_verdict(const Checked& checked);
+/// Prints the notes, the files that wait for a decision, and the address of the report.
+void tell_files(const Checked& checked);
 
 /// A check as JSON, so that a process can pass it to another: `check` is the object for the user.
 Json outcome_of(const Scenario& scenario, const Checked& checked);
