@@ -157,7 +157,11 @@ TEST_F(Logs, AViewersFileHasTheRobotAndItsFrames) {
   EXPECT_TRUE(exists("files/tank.urdf"));
   const auto layout = nlohmann::json::parse(read_file(folder() / "tank.json"));
   EXPECT_EQ(layout["configById"]["Image!camera1"]["imageMode"]["imageTopic"], "/Tank/Eye/image");
-  EXPECT_EQ(layout["configById"]["3D!robot"]["followTf"], "Tank/CHASSIS");
+  const auto& robot = layout["configById"]["3D!robot"];
+  EXPECT_EQ(robot["followTf"], "Tank/CHASSIS");
+  EXPECT_EQ(robot["topics"]["/robot_description"]["visible"], true);
+  EXPECT_EQ(robot["layers"]["/Floor/robot_description"]["topic"], "/Floor/robot_description");
+  EXPECT_FALSE(robot["layers"].contains("/Tank/robot_description"));
   done({"doctor", "tank.mcap"});
 }
 

@@ -58,17 +58,26 @@ std::vector<std::string> joint_names(const ScenarioBody& body) {
   return names;
 }
 
-/// The 3D panel: every description is shown, and the camera follows the robot.
+/// The 3D panel: every description is shown, and the camera follows the robot. Viewers hide /robot_description until
+/// they are asked for it, and show other descriptions only in a layer of their own.
 Json panel_3d(const Shown& shown) {
-  Json topics = Json::object();
-  for (const ScenarioBody& body : shown.scenario.bodies)
-    topics["/" + body.name + "/robot_description"] = {{"visible", true}};
+  const ScenarioBody& robot = shown.robot();
+  Json topics = Json::object(), layers = Json::object();
+  layers["grid"] = {{"layerId", "foxglove.Grid"}, {"visible", true}, {"frameId", "world"}, {"size", 20}};
+  for (const ScenarioBody& body : shown.scenario.bodies) {
+    if (&body == &robot && !body.controllers.empty()) {
+      topics["/robot_description"] = {{"visible", true}};
+      continue;
+    }
+    const std::string topic = "/" + body.name + "/robot_description";
+    layers[topic] = {{"layerId", "foxglove.Urdf"}, {"instanceId", topic}, {"label", body.name}, {"visible", true},
+                     {"sourceType", "topic"},      {"topic", topic}};
+  }
   for (const char* end : {"/scan", "/points"})
     for (const std::string& topic : shown.ending(end)) topics[topic] = {{"visible", true}, {"pointSize", 4}};
   for (const char* end : {"/contact", "/contacts"})
     for (const std::string& topic : shown.ending(end))
       if (topic != end) topics[topic + "/markers"] = {{"visible", true}};
-  const ScenarioBody& robot = shown.robot();
   return {{"cameraState",
            {{"distance", 4},
             {"perspective", true},
@@ -86,7 +95,7 @@ Json panel_3d(const Shown& shown) {
           {"scene", {{"transforms", {{"showLabel", false}}}}},
           {"transforms", Json::object()},
           {"topics", topics},
-          {"layers", {{"grid", {{"layerId", "foxglove.Grid"}, {"visible", true}, {"frameId", "world"}, {"size", 20}}}}},
+          {"layers", layers},
           {"publish", Json::object()}};
 }
 

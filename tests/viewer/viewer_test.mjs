@@ -1,0 +1,105 @@
+// Foxglove Studio shows the robot of an exported recording with the exported layout. Its code is that of the viewer,
+// from npm. Its version is older than the panel for pictures and than layers with the description of a topic, so only
+// the 3D panel is opened, and only the robot is looked for.
+// REHEARSE_COMMAND and SOURCES (the repository) are in the environment, KEPT is the folder for the screenshots.
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+import { launch } from '../report/browser.mjs';
+import { serve } from './server.mjs';
+
+const { REHEARSE_COMMAND, SOURCES, KEPT } = process.env;
+const here = new URL('.', import.meta.url).pathname;
+const scratch = mkdtempSync(join(tmpdir(), 'rehearse_viewer_'));
+const patience = 90_000; // [ms]
+
+let browser, server;
+
+function file_of(path) {
+  if (path === '/') return join(here, 'page.html');
+  if (path.startsWith('/npm/')) return join(here, 'node_modules', path.slice('/npm/'.length));
+  if (path === '/run.mcap' || path === '/layout.json') return join(scratch, path);
+  return join(here, 'node_modules/@foxglove/studio-base/assets', path);
+}
+
+before(async () => {
+  const rehearse = (...words) => execFileSync(REHEARSE_COMMAND, words, { cwd: SOURCES, stdio: 'pipe' });
+  const run = join(scratch, 'recorded.mcap');
+  rehearse('record', 'fixtures/scenarios/sr1_minimum.yaml', '--duration', '0.2', '-o', run);
+  rehearse('export', run, '--viewer', join(scratch, 'run.mcap'), '--layout', join(scratch, 'exported.json'));
+  mkdirSync(KEPT, { recursive: true });
+  server = await serve(file_of);
+  browser = await launch();
+});
+
+after(async () => {
+  await browser?.close();
+  server?.close();
+  rmSync(scratch, { recursive: true });
+});
+
+/**
+ * Counts pixels in the middle of the window's right half, where the 3D panel is. `robot`: those of grey links, which
+ * neither the viewer's grid nor its axes contain; `axes`: the red ones.
+ */
+async function count_pixels(page, png) {
+  return page.evaluate(async (base64) => {
+    const picture = await createImageBitmap(await (await fetch(`data:image/png;base64,${base64}`)).blob());
+    const canvas = new OffscreenCanvas(picture.width, picture.height);
+    const context = canvas.getContext('2d');
+    context.drawImage(picture, 0, 0);
+    const [left, top, width, height] = [0.5, 0.15, 0.3, 0.7].map((part, i) =>
+      Math.round(part * (i % 2 === 0 ? picture.width : picture.height)),
+    );
+    const { data } = context.getImageData(left, top, width, height);
+    const counts = { all: width * height, robot: 0, axes: 0 };
+    for (let i = 0; i < data.length; i += 4) {
+      const [red, green, blue] = data.slice(i, i + 3);
+      const spread = Math.max(red, green, blue) - Math.min(red, green, blue);
+      if (spread < 16 && red > 30 && red < 200) ++counts.robot;
+      if (red > 80 && green < red / 2 && blue < red / 2) ++counts.axes;
+    }
+    return counts;
+  }, png.toString('base64'));
+}
+
+/** Opens the recording with this layout until `done` accepts the counts, and returns them with the viewer's warnings. */
+async function look(layout, name, done) {
+  writeFileSync(join(scratch, 'layout.json'), JSON.stringify(layout));
+  const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
+  const warnings = [];
+  page.on('console', (message) => ['warning', 'error'].includes(message.type()) && warnings.push(message.text()));
+  await page.goto(`${server.address}/?ds=remote-file&ds.url=${encodeURIComponent(`${server.address}/run.mcap`)}`);
+  const end = performance.now() + patience;
+  let counts;
+  do {
+    await page.waitForTimeout(1000);
+    const png = await page.screenshot({ path: join(KEPT, `${name}.png`) });
+    counts = await count_pixels(page, png);
+  } while (!done(counts) && performance.now() < end);
+  await page.close();
+  return { ...counts, warnings };
+}
+
+function panel_3d() {
+  const exported = JSON.parse(readFileSync(join(scratch, 'exported.json'), 'utf8'));
+  return { ...exported, layout: '3D!robot' };
+}
+
+test('the robot is drawn where its frames are', async () => {
+  const seen = await look(panel_3d(), 'robot', (counts) => counts.robot > 0.02 * counts.all && counts.axes > 50);
+  assert.ok(seen.robot > 0.02 * seen.all, `${seen.robot} of ${seen.all} pixels show the robot`);
+  const of_robot = seen.warnings.filter((warning) => warning.includes('[topics > /robot_description]'));
+  assert.deepEqual(of_robot, []);
+});
+
+test('without its description only the frames are drawn', async () => {
+  const layout = panel_3d();
+  layout.configById['3D!robot'].topics['/robot_description'] = { visible: false };
+  const seen = await look(layout, 'frames', (counts) => counts.axes > 50);
+  assert.ok(seen.axes > 50, `${seen.axes} pixels show axes`);
+  assert.ok(seen.robot < 0.005 * seen.all, `${seen.robot} of ${seen.all} pixels look like the robot`);
+});
