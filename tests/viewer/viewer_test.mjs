@@ -43,7 +43,7 @@ after(async () => {
 
 /**
  * Counts pixels in the middle of the window's right half, where the 3D panel is. `robot`: those of grey links, which
- * neither the viewer's grid nor its axes contain; `axes`: the red ones.
+ * neither the viewer's grid nor its axes contain, `at` their numbers; `axes`: the red ones.
  */
 async function count_pixels(page, png) {
   return page.evaluate(async (base64) => {
@@ -55,33 +55,39 @@ async function count_pixels(page, png) {
       Math.round(part * (i % 2 === 0 ? picture.width : picture.height)),
     );
     const { data } = context.getImageData(left, top, width, height);
-    const counts = { all: width * height, robot: 0, axes: 0 };
+    const counts = { all: width * height, robot: 0, axes: 0, at: [] };
     for (let i = 0; i < data.length; i += 4) {
       const [red, green, blue] = data.slice(i, i + 3);
       const spread = Math.max(red, green, blue) - Math.min(red, green, blue);
-      if (spread < 16 && red > 30 && red < 200) ++counts.robot;
+      if (spread < 16 && red > 30 && red < 200) counts.at[counts.robot++] = i / 4;
       if (red > 80 && green < red / 2 && blue < red / 2) ++counts.axes;
     }
     return counts;
   }, png.toString('base64'));
 }
 
-/** Opens the recording with this layout until `done` accepts the counts, and returns them with the viewer's warnings. */
+/**
+ * Opens the recording with this layout until `done` accepts the counts, and returns them with the viewer's warnings.
+ * `later`: the counts after a step in time.
+ */
 async function look(layout, name, done) {
   writeFileSync(join(scratch, 'layout.json'), JSON.stringify(layout));
   const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
   const warnings = [];
   page.on('console', (message) => ['warning', 'error'].includes(message.type()) && warnings.push(message.text()));
   await page.goto(`${server.address}/?ds=remote-file&ds.url=${encodeURIComponent(`${server.address}/run.mcap`)}`);
+  const counts_now = async (file) => {
+    await page.waitForTimeout(1000);
+    return count_pixels(page, await page.screenshot({ path: join(KEPT, file) }));
+  };
   const end = performance.now() + patience;
   let counts;
-  do {
-    await page.waitForTimeout(1000);
-    const png = await page.screenshot({ path: join(KEPT, `${name}.png`) });
-    counts = await count_pixels(page, png);
-  } while (!done(counts) && performance.now() < end);
+  do counts = await counts_now(`${name}.png`);
+  while (!done(counts) && performance.now() < end);
+  await page.keyboard.press('ArrowLeft');
+  const later = await counts_now(`${name}_later.png`);
   await page.close();
-  return { ...counts, warnings };
+  return { ...counts, later, warnings };
 }
 
 function panel_3d() {
@@ -94,6 +100,10 @@ test('the robot is drawn where its frames are', async () => {
   assert.ok(seen.robot > 0.02 * seen.all, `${seen.robot} of ${seen.all} pixels show the robot`);
   const of_robot = seen.warnings.filter((warning) => warning.includes('[topics > /robot_description]'));
   assert.deepEqual(of_robot, []);
+  // a viewer that doesn't know a link's pose draws it in the description's until the next transform
+  const later = new Set(seen.later.at);
+  const both = seen.at.filter((pixel) => later.has(pixel)).length;
+  assert.ok(both > 0.95 * Math.max(seen.robot, seen.later.robot), `${both} pixels show the robot before and after a step`);
 });
 
 test('without its description only the frames are drawn', async () => {

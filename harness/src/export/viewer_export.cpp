@@ -82,27 +82,56 @@ std::optional<std::string> urdf_of_shape(const ScenarioBody& body) {
                      body.model->links[0].name, visuals);
 }
 
+Eigen::Isometry3d pose_of(const msg::Transform& transform) {
+  const msg::Vector3& place = transform.translation;
+  const msg::Quaternion& rotation = transform.rotation;
+  return Eigen::Translation3d(place.x, place.y, place.z) *
+         Eigen::Quaterniond(rotation.w, rotation.x, rotation.y, rotation.z);
+}
+
+msg::Transform transform_of(const Eigen::Isometry3d& pose) {
+  const Eigen::Quaterniond rotation = Eigen::Quaterniond(pose.linear()).normalized();
+  const Eigen::Vector3d place = pose.translation();
+  return {{place.x(), place.y(), place.z()}, {rotation.x(), rotation.y(), rotation.z(), rotation.w()}};
+}
+
 /// The transform from a link to one of its devices. A camera of the model looks along its -z, with y up; in ROS it
 /// looks along z, with y down.
 msg::TransformStamped frame_of(const ScenarioBody& body, const Device& device, std::uint64_t time) {
   Eigen::Isometry3d pose = device.pose;
   if (std::holds_alternative<Camera>(device.kind))
     pose.rotate(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()));
-  const Eigen::Quaterniond rotation = Eigen::Quaterniond(pose.linear()).normalized();
-  const Eigen::Vector3d place = pose.translation();
   msg::TransformStamped frame;
   frame.header.stamp = msg::Time::from_ns(time);
   frame.header.frame_id = body.name + "/" + body.model->links[device.link].name;
   frame.child_frame_id = body.name + "/" + device.name;
-  frame.transform.translation = {place.x(), place.y(), place.z()};
-  frame.transform.rotation = {rotation.x(), rotation.y(), rotation.z(), rotation.w()};
+  frame.transform = transform_of(pose);
   return frame;
+}
+
+/// Makes the poses of links relative to their parents, if a message has both in the world.
+void make_relative(msg::TFMessage& frames, const std::map<std::string, std::string>& parents) {
+  std::map<std::string, Eigen::Isometry3d> in_world;
+  for (const msg::TransformStamped& frame : frames.transforms)
+    if (frame.header.frame_id == "world") in_world[frame.child_frame_id] = pose_of(frame.transform);
+  for (msg::TransformStamped& frame : frames.transforms) {
+    const auto parent = parents.find(frame.child_frame_id);
+    if (parent == parents.end() || !in_world.contains(parent->second) || !in_world.contains(frame.child_frame_id))
+      continue;
+    frame.header.frame_id = parent->second;
+    frame.transform = transform_of(in_world[parent->second].inverse() * in_world[frame.child_frame_id]);
+  }
 }
 
 class ViewerExport {
  public:
   ViewerExport(mcap::Reader& log, const Scenario& scenario, mcap::Writer& writer, const ViewerOptions& options)
-      : log_(log), scenario_(scenario), writer_(writer), options_(options) {}
+      : log_(log), scenario_(scenario), writer_(writer), options_(options) {
+    for (const ScenarioBody& body : scenario.bodies)
+      for (const Link& link : body.model->links)
+        if (link.parent >= 0)
+          parents_[body.name + "/" + link.name] = body.name + "/" + body.model->links[link.parent].name;
+  }
 
   Result<ViewerReport> run();
 
@@ -117,6 +146,7 @@ class ViewerExport {
   Result<void> describe_bodies();
   Result<void> put_frames();
   Result<void> copy_messages();
+  Result<void> copy(const mcap::Message& message, std::string_view type, std::uint16_t channel);
   Result<void> take(const mcap::Message& message, std::string_view type);
   void add_arrow(const msg::Header& header, const msg::Point& from, const msg::Vector3& force, msg::MarkerArray& array);
 
@@ -125,7 +155,8 @@ class ViewerExport {
   mcap::Writer& writer_;
   const ViewerOptions& options_;
   ViewerReport report_;
-  std::uint64_t start_ = 0;  // log time of the first message [ns]
+  std::map<std::string, std::string> parents_;  // frames of links, by frames of their children
+  std::uint64_t start_ = 0;                     // log time of the first message [ns]
   std::optional<std::uint16_t> rosout_;
   std::map<std::uint16_t, std::uint16_t> markers_;  // channel of the markers, by that of the contacts
   std::vector<std::byte> bytes_;
@@ -228,6 +259,21 @@ Result<void> ViewerExport::take(const mcap::Message& message, std::string_view t
   return put(markers->second, message.log_time, array);
 }
 
+/// Viewers take a link's parent from its description, and forget poses in which it has another one.
+Result<void> ViewerExport::copy(const mcap::Message& message, std::string_view type, std::uint16_t channel) {
+  ++report_.messages;
+  mcap::Bytes data = message.data;
+  CdrReader cdr(data);
+  CdrWriter relative;
+  msg::TFMessage frames;
+  if (type == msg::TFMessage::type_name && msg::decode(cdr, frames)) {
+    make_relative(frames, parents_);
+    msg::encode(frames, relative);
+    data = relative.bytes();
+  }
+  return writer_.write(channel, message.log_time, message.publish_time, data, message.sequence);
+}
+
 Result<void> ViewerExport::copy_messages() {
   std::map<std::uint16_t, std::uint16_t> ids;
   std::map<std::uint16_t, std::string> types;
@@ -246,10 +292,9 @@ Result<void> ViewerExport::copy_messages() {
       markers_[id] = add_topic<msg::MarkerArray>(channel.topic + "/markers");
   Result<void> written;
   const Result<void> read = log_.for_each_message_in_order([&](const mcap::Message& message) {
-    ++report_.messages;
-    written =
-        writer_.write(ids[message.channel->id], message.log_time, message.publish_time, message.data, message.sequence);
-    if (written) written = take(message, types[message.channel->id]);
+    const std::string& type = types[message.channel->id];
+    written = copy(message, type, ids[message.channel->id]);
+    if (written) written = take(message, type);
     return written.ok();
   });
   return written ? read : written;

@@ -29,6 +29,7 @@ struct ViewerReport {
 /// - /rosout (rcl_interfaces/Log): the events, with the lines of controllers;
 /// - with `contacts` for each topic of contacts another one, with /markers at its end (visualization_msgs/MarkerArray):
 ///   an arrow for each recorded force.
+/// In /tf a link's pose is relative to its parent, as in the description; in the recording it is in the world.
 /// Fails if the file is no recording of Rehearse.
 Result<ViewerReport> export_for_viewer(const std::filesystem::path& trace, const std::filesystem::path& file,
                                        const ViewerOptions& options);
