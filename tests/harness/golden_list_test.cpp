@@ -56,6 +56,22 @@ TEST_F(GoldenList, KnowsOwnersOrphansAndWhatWaits) {
   EXPECT_EQ(walks.bytes, fs::file_size(store_.trace_file("Walker.Walks")));
 }
 
+TEST_F(GoldenList, FindsTheNameInEachFormOfAScenario) {
+  for (const char* scenario :
+       {"golden: Walker.Walks\n", "golden: 'Walker.Walks'   # {name: A.B}\n", "\"golden\": {name: Walker.Walks}\n",
+        "golden: {state: 100 Hz, name: \"Walker.Walks\"}\n",
+        "golden:   # two lines\n  state: 100 Hz\n  name: Walker.Walks\n"}) {
+    name_ = "Walker.Walks";
+    place_golden(SmallTrace());
+    write(folder_ / "walk.yaml", scenario);
+    const auto listed = list_goldens(store_, {folder_.path()});
+    ASSERT_TRUE(listed);
+    EXPECT_THAT((*listed)[0].owners, ElementsAre((folder_ / "walk.yaml").string())) << scenario;
+  }
+  write(folder_ / "walk.yaml", "golden: {state: 100 Hz}\nname: Walker.Walks\n");
+  EXPECT_TRUE((*list_goldens(store_, {folder_.path()}))[0].orphan());
+}
+
 TEST_F(GoldenList, SaysWhenAGoldenWasAcceptedAndHowOften) {
   place_golden(SmallTrace());
   EXPECT_EQ(entry().accepted, "2025-11-20");

@@ -100,6 +100,15 @@ TEST(Scenario, ReadsTheSettingsOfTheRun) {
   EXPECT_EQ(scenario.solver.max_contacts, 8);
 }
 
+TEST(Scenario, MayKeepTheGoldensStateAtALowerRate) {
+  const auto golden = [](const std::string& value) { return loaded(ball_with("golden: " + value + "\n")); };
+  EXPECT_EQ(golden("Ball.Falls").golden_state_rate, std::nullopt);
+  EXPECT_EQ(golden("{name: Ball.Falls}").golden, "Ball.Falls");
+  EXPECT_EQ(golden("{state: 100 Hz}").golden, "");
+  EXPECT_EQ(golden("{state: 100 Hz}").golden_state_rate, 100.0);
+  EXPECT_EQ(golden("{state: 500, name: Ball.Falls}").golden_state_rate, 500.0);
+}
+
 TEST(Scenario, KeepsItsTextForTheRecord) {
   const std::string text = ball_with("# a remark\n");
   EXPECT_EQ(loaded(text).text, text);

@@ -19,6 +19,7 @@ rehearse_add_test(session_tests LABEL sim SHARDS 6
     session/contacts_test.cpp
     session/controller_watch_test.cpp
     session/failures_test.cpp
+    session/golden_samples_test.cpp
     session/joystick_test.cpp
     session/lifecycle_test.cpp
     session/lights_test.cpp

@@ -145,6 +145,7 @@ class Faults : public ::testing::TestWithParam<Fault> {
   }
   static fs::path certificates() { return fs::temp_directory_path() / fmt::format("rehearse_proofs_{}", getpid()); }
   void compare_with_proof(const CheckReport& simulated, CheckOptions options, const Simulation& simulation) const;
+  void compare_with_samples(const CheckReport& whole, const CheckOptions& options, const Simulation& simulation) const;
 
   StandingRobot robot_;
 };
@@ -169,6 +170,28 @@ void Faults::compare_with_proof(const CheckReport& simulated, CheckOptions optio
   const bool same_world = fault.controller == differs && fault.plant == equal;
   EXPECT_EQ(report->plant == LevelState::proved, same_world) << report->not_proved;
   EXPECT_EQ(report->not_proved.empty(), same_world);
+}
+
+/// A golden with samples of the state gives the verdict of the whole golden, at most a sample later.
+void Faults::compare_with_samples(const CheckReport& whole, const CheckOptions& options,
+                                  const Simulation& simulation) const {
+  constexpr std::int64_t period = 10;  // [ticks]
+  const auto size = fs::file_size(robot_.file("golden.mcap"));
+  EXPECT_THAT(robot_.keep_samples(100.0), ::testing::ElementsAre("/SR1/WaistGyro/imu"));  // the controller reads it
+  EXPECT_LT(fs::file_size(robot_.file("golden.mcap")), size * 8 / 10);
+  const auto report = robot_.check(options, simulation);
+  ASSERT_TRUE(report.ok()) << to_string(report.errors());
+  EXPECT_EQ(report->controller, whole.controller);
+  EXPECT_EQ(report->plant, whole.plant);
+  EXPECT_EQ(report->closed, whole.closed);
+  EXPECT_THAT(report->verdict, HasSubstr(GetParam().sentence));
+  ASSERT_TRUE(report->first);
+  EXPECT_EQ(report->first->stage, whole.first->stage);
+  EXPECT_GE(report->first->tick, whole.first->tick) << report->verdict;
+  EXPECT_LT(report->first->tick, whole.first->tick + period) << report->verdict;
+  if (whole.first->stage == Stage::controller) {
+    EXPECT_EQ(report->first->tick, whole.first->tick) << report->verdict;
+  }
 }
 
 /// A simulation loop that damages its recording.
@@ -235,7 +258,10 @@ TEST_P(Faults, AreFoundAndBlamedOnThePartThatHasThem) {
     EXPECT_THAT(report->verdict, HasSubstr(fault.sentence));
   ASSERT_TRUE(report->first);
   EXPECT_EQ(report->first->stage, fault.stage) << report->verdict;
-  if (!chance) compare_with_proof(*report, options, simulation);
+  if (!chance) {
+    compare_with_proof(*report, options, simulation);
+    compare_with_samples(*report, options, simulation);
+  }
   rows().push_back(fmt::format("{:<36}{:<12}{:<9}{:<9}{:<12}tick {}, {} {}", fault.name, to_string(report->controller),
                                to_string(report->plant), to_string(report->closed), to_string(report->first->stage),
                                report->first->tick, report->first->channel, report->first->element));

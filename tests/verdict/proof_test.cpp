@@ -150,6 +150,34 @@ TEST_F(Proof, ExpectationsAreJudgedOnTheGolden) {
   EXPECT_THAT(violated.verdict, StartsWith("expected SR1/WAIST/position/z above 0.9 m"));
 }
 
+TEST_F(Proof, IsThereForAGoldenWithSamplesOfTheState) {
+  robot_.apply({"scenario.yaml", "seed: 7", "seed: 7\ngolden: {state: 100 Hz}"});
+  robot_.keep_samples(100.0);
+  const CheckReport simulated = check();
+  EXPECT_EQ(simulated.not_proved, "no check has simulated this golden here before");
+  EXPECT_EQ(simulated.closed, LevelState::equal) << simulated.verdict;
+  EXPECT_TRUE(check().proved);
+
+  options_.run.libraries["Stand"] = "StandWith_last_part";
+  const CheckReport late = check();
+  EXPECT_EQ(late.plant, LevelState::proved);
+  EXPECT_EQ(late.simulated_from, 300);
+  EXPECT_EQ(late.first->tick, 500);
+  EXPECT_EQ(late.first->stage, Stage::controller);
+}
+
+TEST_F(Proof, IsNoneIfTheGoldenLacksStateThatIsJudged) {
+  robot_.keep_samples(100.0);
+  robot_.apply({"scenario.yaml", "seed: 7", "seed: 7\ngolden: {state: 100 Hz}"});
+  EXPECT_TRUE((check(), check()).proved);
+  robot_.apply({"scenario.yaml", "seed: 7", "seed: 7\nexpect: [{channel: SR1/WAIST/position/z, above: 0.5}]"});
+  const CheckReport report = check();
+  EXPECT_EQ(report.not_proved, "the golden keeps other samples of the state than the scenario asks for");
+  EXPECT_EQ(report.closed, LevelState::equal);
+  robot_.apply({"scenario.yaml", "golden: {state: 100 Hz}", ""});
+  EXPECT_EQ(check().not_proved, "the golden keeps other samples of the state than the scenario asks for");
+}
+
 TEST_F(Proof, LinesThatTheControllersWriteCount) {
   options_.run.libraries["Stand"] = "StandWith_words";
   const CheckReport report = check();

@@ -9,9 +9,12 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <string>
 
+#include "golden/state_samples.h"
 #include "small_traces.h"
+#include "trace/filter.h"
 
 namespace rehearse {
 
@@ -92,6 +95,19 @@ class StandingRobot {
   void record_golden(const RecordOptions& options = {}) const {
     const auto made = record(scenario(), folder_ / "golden.mcap", options);
     ASSERT_TRUE(made.ok() && !made->failure) << to_string(made.ok() ? Diagnostics{*made->failure} : made.errors());
+  }
+  /// Of the golden's state only samples remain. Returns the channels that keep all ticks.
+  std::set<std::string> keep_samples(double rate) const {
+    const auto golden = Trace::load(file("golden.mcap"));
+    EXPECT_TRUE(golden.ok());
+    Scenario wish;
+    wish.golden_state_rate = rate;
+    mcap::FilterOptions samples;
+    samples.samples = state_rate_of(wish, *golden);
+    const auto reduced = mcap::filter(file("golden.mcap"), file("samples.mcap"), samples);
+    EXPECT_TRUE(reduced.ok()) << to_string(reduced.errors());
+    std::filesystem::rename(file("samples.mcap"), file("golden.mcap"));
+    return samples.samples->whole;
   }
   Result<CheckReport> check(const CheckOptions& options = {},
                             const Simulation& simulation = {record, run_plant}) const {

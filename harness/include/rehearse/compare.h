@@ -184,6 +184,7 @@ struct Comparison {
 /// Two numbers or pictures of the same time with different bits.
 struct DifferingValue {
   const TraceChannel& channel;            // of the golden
+  std::size_t place = 0;                  // index of the channel in the golden
   std::size_t message = 0;                // index of the message in that channel
   std::vector<std::size_t> columns = {};  // one column, or the four of an orientation; none: a picture
   bool beyond = false;                    // the difference is beyond its tolerance

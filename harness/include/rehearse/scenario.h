@@ -249,10 +249,12 @@ struct Scenario {
   static constexpr double min_time_step = 1e-5;    // [s]
   static constexpr double max_time_step = 0.1;     // [s]
 
-  std::string file;             // as the user named it
-  std::string text;             // the file's bytes
-  std::string name;             // `name:`, or the file's name without .yaml
-  std::string golden;           // `golden:` Suite.Test, or empty
+  std::string file;    // as the user named it
+  std::string text;    // the file's bytes
+  std::string name;    // `name:`, or the file's name without .yaml
+  std::string golden;  // `golden:` Suite.Test, or empty
+  /// `golden: {state: 100 Hz}`: rate at which the golden keeps the state of the world [Hz]; nullopt: every tick.
+  std::optional<double> golden_state_rate;
   double duration = 0.0;        // [s]
   bool ends_when_done = false;  // the run ends after the step in which every control() returned false
   double time_step = 0.001;     // [s]

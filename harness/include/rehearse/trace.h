@@ -41,6 +41,8 @@
 
 namespace rehearse {
 
+struct StateRate;
+
 namespace mcap {
 class Reader;
 struct Attachment;
@@ -194,7 +196,8 @@ class Trace {
   Samples samples(std::string_view name) const;
 
   std::string file_;
-  std::shared_ptr<mcap::Reader> reader_;  // keeps the file mapped
+  std::shared_ptr<mcap::Reader> reader_;            // keeps the file mapped
+  std::shared_ptr<const StateRate> state_samples_;  // null: all messages were read
   Diagnostics damage_;
   std::vector<TraceChannel> channels_;
   std::map<std::string, SeriesPlace, std::less<>> series_;

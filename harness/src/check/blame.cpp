@@ -55,8 +55,8 @@ std::optional<Comparison> Detective::plant_again(const Scenario& scenario, const
 }
 
 Evidence Detective::gather(const CheckReport& report) {
-  Evidence evidence{report.controller, report.plant, report.controller_problem, report.plant_problem, report.replay,
-                    report.plant_comparison};
+  Evidence evidence{report.controller,    report.plant,  report.controller_problem,
+                    report.plant_problem, report.replay, report.plant_comparison};
   if (report.closed != LevelState::differs) return evidence;
   const std::int64_t tick = report.comparison->first->tick;
   if (evidence.controller == LevelState::skipped) {
@@ -100,32 +100,36 @@ Blame Detective::controller(const Evidence& evidence) const {
 Blame Detective::same_controller(const Divergence& first, const ReplayReport& replayed) const {
   const auto unrepeated = first_unrepeated_tick(with_.golden.file(), with_.host);
   if (unrepeated && *unrepeated)
-    return {fmt::format("the controller is no function of its inputs: it is the one that was recorded, and two replays of "
-                        "the golden differ from each other at tick {}; fed with the golden's inputs, it differs at {}; it "
-                        "depends on uninitialised memory, the clock or chance, and `rehearse audit` tells on which",
-                        **unrepeated, to_string(first)),
-            first};
+    return {
+        fmt::format("the controller is no function of its inputs: it is the one that was recorded, and two replays of "
+                    "the golden differ from each other at tick {}; fed with the golden's inputs, it differs at {}; it "
+                    "depends on uninitialised memory, the clock or chance, and `rehearse audit` tells on which",
+                    **unrepeated, to_string(first)),
+        first};
   const std::string files = files_text(replayed);
-  return {fmt::format("something beside the controller's inputs has changed since the recording: it is the one that was "
-                      "recorded, and two replays agree with each other, but fed with the golden's inputs it differs at {}{}",
-                      to_string(first),
-                      files.empty() ? "; `rehearse audit` tells whether it depends on files, variables or uninitialised memory"
-                                    : files),
+  return {fmt::format(
+              "something beside the controller's inputs has changed since the recording: it is the one that was "
+              "recorded, and two replays agree with each other, but fed with the golden's inputs it differs at {}{}",
+              to_string(first),
+              files.empty() ? "; `rehearse audit` tells whether it depends on files, variables or uninitialised memory"
+                            : files),
           first};
 }
 
 /// What sensors and cameras tell follows from the state, and may leave its tolerance before the state does. Where bits
-/// can be trusted to be the same, other bits in the state before that tell that the physics changed.
-const Divergence* state_before(const Divergence& place, const Comparison& comparison) {
+/// can be trusted to be the same, other bits in the state before that tell that the physics changed. Since the last
+/// sample of a golden that keeps samples, the hash of the state tells; it also depends on the seed.
+const Divergence* state_before(const Divergence& place, const Comparison& comparison, const Trace& golden) {
   if (place.stage == Stage::physics) return nullptr;
+  const auto samples = RunFacts::of(golden).state_rate;
   const Divergence* before = nullptr;
   for (const ChannelComparison& channel : comparison.channels) {
-    if (!channel.first_bit || channel.first_bit->stage != Stage::physics || channel.channel == run_topics::tick)
-      continue;
+    if (!channel.first_bit || channel.first_bit->stage != Stage::physics) continue;
+    const bool is_hash = channel.channel == run_topics::tick;
+    if (is_hash && (!samples || channel.first_bit->tick <= samples->last_sample(place.tick))) continue;
     const Divergence& bit = *channel.first_bit;
-    const bool notable =
-        comparison.same_arithmetic ||
-        (channel.worst && times_tolerance(channel.worst->difference, channel.worst->tolerance) > 1e-3);
+    const bool notable = comparison.same_arithmetic ||
+                         (channel.worst && times_tolerance(channel.worst->difference, channel.worst->tolerance) > 1e-3);
     if (notable && bit.tick <= place.tick && (!before || bit.tick < before->tick)) before = &bit;
   }
   return before;
@@ -168,8 +172,9 @@ std::string Detective::origin(const Divergence& place, const Comparison& compari
     const std::string seed = stated ? std::to_string(*stated) : "?";
     return seed == std::to_string(with_.scenario.seed)
                ? "; it is the noise that changed: with that of the golden it agrees"
-               : fmt::format("; it is the random stream of the noise: with the golden's seed {} instead of {} it agrees",
-                             seed, with_.scenario.seed);
+               : fmt::format(
+                     "; it is the random stream of the noise: with the golden's seed {} instead of {} it agrees", seed,
+                     with_.scenario.seed);
   }
   if (files.empty()) return "; scenario and models are what they were: the simulation itself changed";
   const bool has_meshes = std::any_of(recorded->bodies.begin(), recorded->bodies.end(), [](const ScenarioBody& body) {
@@ -192,9 +197,9 @@ Blame Detective::plant(const Evidence& evidence) {
   const Comparison& comparison = *evidence.plant_comparison;
   Divergence place = *comparison.first;
   std::string since;
-  if (const Divergence* before = state_before(place, comparison)) {
-    since = fmt::format("; before that, the last bits of {} {} differ from tick {} on", before->channel, before->element,
-                        before->tick);
+  if (const Divergence* before = state_before(place, comparison, with_.golden)) {
+    since = fmt::format("; before that, the last bits of {} {} differ from tick {} on", before->channel,
+                        before->element, before->tick);
     place.stage = Stage::physics;
   }
   const bool innocent = evidence.controller == LevelState::equal && evidence.replay && evidence.replay->values > 0;
@@ -209,13 +214,15 @@ Blame Detective::loop(const Comparison& comparison, const Evidence& evidence) co
   const bool both_known = evidence.controller == LevelState::equal && evidence.plant != LevelState::skipped;
   if (!both_known) return {verdict(comparison), first};
   const Divergence& bit = *comparison.first_bit;
-  if (bit.stage == Stage::inputs || first.stage == Stage::inputs)
+  const bool follows_state = state_before(first, comparison, with_.golden) != nullptr;
+  if (bit.stage == Stage::inputs || (first.stage == Stage::inputs && !follows_state))
     return {"the controller was fed with something else than it was recorded: the run " + verdict(comparison), first};
   if (evidence.plant == LevelState::within)
-    return {fmt::format("no part changed beyond its tolerance, but the loop amplifies what did: the run {} (bits differ "
-                        "since tick {})",
-                        verdict(comparison), bit.tick),
-            first};
+    return {
+        fmt::format("no part changed beyond its tolerance, but the loop amplifies what did: the run {} (bits differ "
+                    "since tick {})",
+                    verdict(comparison), bit.tick),
+        first};
   Divergence place = first;  // the world does as it is commanded: what it does otherwise, it was commanded otherwise
   place.stage = Stage::controller;
   if (!comparison.changed_files.empty())
@@ -225,10 +232,11 @@ Blame Detective::loop(const Comparison& comparison, const Evidence& evidence) co
             place};
   const auto unrepeated = first_unrepeated_tick(with_.actual, with_.host);
   if (unrepeated && *unrepeated)
-    return {fmt::format("the controller is no function of its inputs: two replays of this run differ from each other at "
-                        "tick {}; the run differs at {}; `rehearse audit` tells what it depends on",
-                        **unrepeated, to_string(place)),
-            place};
+    return {
+        fmt::format("the controller is no function of its inputs: two replays of this run differ from each other at "
+                    "tick {}; the run differs at {}; `rehearse audit` tells what it depends on",
+                    **unrepeated, to_string(place)),
+        place};
   return {"the controller repeats the golden's commands and the world follows them, but the run " + verdict(comparison),
           first};
 }
@@ -254,8 +262,7 @@ Blame find_guilty(const Suspects& suspects, const CheckReport& report) {
   const bool plant_differs = evidence.plant == LevelState::differs;
   if (controller_differs && plant_differs) {
     const Blame controller = detective.controller(evidence), plant = detective.plant(evidence);
-    const bool plant_first =
-        plant.place && (!controller.place || comes_before(*plant.place, *controller.place));
+    const bool plant_first = plant.place && (!controller.place || comes_before(*plant.place, *controller.place));
     return {controller.sentence + "; besides, " + plant.sentence, plant_first ? plant.place : controller.place};
   }
   if (controller_differs) return detective.controller(evidence);

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "golden/state_samples.h"
 #include "scenario/plant_text.h"
 #include "trace/hashing.h"
 #include "trace/run_facts.h"
@@ -51,6 +52,17 @@ std::string objection_to_golden(const Trace& golden) {
   return "";
 }
 
+/// Why the samples of the golden's state aren't enough; empty: they are, or it has the state of all ticks.
+std::string objection_to_samples(const Scenario& scenario, const Trace& golden) {
+  const auto kept = RunFacts::of(golden).state_rate;
+  if (!kept) return "";
+  const auto whole = Trace::load_in_pieces(golden.file(), [](const Trace&) {});
+  if (!whole) return whole.errors()[0].message;
+  const auto asked = state_rate_of(scenario, *whole);
+  if (asked && kept->includes(*asked)) return "";
+  return "the golden keeps other samples of the state than the scenario asks for";
+}
+
 }  // namespace
 
 Proof::Proof(const Scenario& scenario, const Trace& golden, const CheckOptions& options, const Simulation& simulation) {
@@ -64,6 +76,7 @@ std::string Proof::objection_to(const Scenario& scenario, const Trace& golden, c
                                 const Simulation& simulation) {
   if (std::string objection = objection_to_golden(golden); !objection.empty()) return objection;
   if (always_simulates(scenario)) return "the scenario asks for it";
+  if (std::string objection = objection_to_samples(scenario, golden); !objection.empty()) return objection;
   if (options.run.watch) return "the controllers are watched";
   const auto plant = simulation.describe_plant(scenario);
   if (!plant) return plant.errors()[0].message;

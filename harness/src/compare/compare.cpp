@@ -317,10 +317,19 @@ Comparison RunComparer::finish() {
 
 }  // namespace
 
-Comparison compare(const Trace& golden, const Trace& actual, const std::vector<ToleranceRule>& rules,
-                   const CompareOptions& options) {
-  for (const Trace* trace : {&golden, &actual})
-    if (const auto known = check_version(*trace); !known) return refusal(known.errors()[0]);
+namespace {
+
+/// A trace with those messages of its state that the other run has, too.
+Result<std::optional<Trace>> samples_of(const Trace& trace, const Trace& other) {
+  const auto rate = RunFacts::of(other).state_rate;
+  if (!rate || RunFacts::of(trace).state_rate == rate) return std::optional<Trace>();
+  auto samples = load_samples(trace.file(), *rate);
+  if (!samples) return samples.errors();
+  return std::optional(*std::move(samples));
+}
+
+Comparison compare_whole(const Trace& golden, const Trace& actual, const std::vector<ToleranceRule>& rules,
+                         const CompareOptions& options) {
   WatchedLimits limits(golden, actual);
   RunSurvey golden_run(rules, std::move(limits.golden)), actual_run(rules, std::move(limits.actual));
   golden_run.take(golden);
@@ -332,15 +341,25 @@ Comparison compare(const Trace& golden, const Trace& actual, const std::vector<T
   return comparer.finish();
 }
 
+}  // namespace
+
+Comparison compare(const Trace& golden, const Trace& actual, const std::vector<ToleranceRule>& rules,
+                   const CompareOptions& options) {
+  for (const Trace* trace : {&golden, &actual})
+    if (const auto known = check_version(*trace); !known) return refusal(known.errors()[0]);
+  const auto of_golden = samples_of(golden, actual), of_actual = samples_of(actual, golden);
+  for (const auto* samples : {&of_golden, &of_actual})
+    if (!*samples) return refusal(samples->errors()[0]);
+  return compare_whole(*of_golden ? **of_golden : golden, *of_actual ? **of_actual : actual, rules, options);
+}
+
 namespace {
 
-/// A recording that is read in pieces.
+/// A recording that is read in pieces; `samples`: the rate of the other's state, if it is no whole recording.
 struct SurveyedFile {
-  SurveyedFile(const std::filesystem::path& file, const std::vector<ToleranceRule>& rules,
-               std::vector<WatchedLimit> limits, std::size_t piece_size)
-      : survey(rules, std::move(limits)),
-        whole(Trace::load_in_pieces(
-            file, [this](const Trace& piece) { survey.take(piece); }, piece_size)) {
+  SurveyedFile(const std::filesystem::path& file, const std::optional<StateRate>& samples,
+               const std::vector<ToleranceRule>& rules, std::vector<WatchedLimit> limits, std::size_t piece_size)
+      : survey(rules, std::move(limits)), whole(read(file, samples, piece_size)) {
     if (whole) survey.finish(*whole);
   }
   SurveyedFile(const SurveyedFile&) = delete;
@@ -348,6 +367,14 @@ struct SurveyedFile {
 
   RunSurvey survey;
   const Result<Trace> whole;
+
+ private:
+  Result<Trace> read(const std::filesystem::path& file, const std::optional<StateRate>& samples,
+                     std::size_t piece_size) {
+    const auto take = [this](const Trace& piece) { survey.take(piece); };
+    return samples ? load_samples_in_pieces(file, *samples, take, piece_size)
+                   : Trace::load_in_pieces(file, take, piece_size);
+  }
 };
 
 /// The largest lead and lag of all rules [ns].
@@ -400,9 +427,10 @@ Result<Comparison> compare(const std::filesystem::path& golden, const std::files
   for (const Trace* trace : {&*golden_outline, &*actual_outline})
     if (const auto known = check_version(*trace); !known) return refusal(known.errors()[0]);
   WatchedLimits limits(*golden_outline, *actual_outline);
-  const SurveyedFile golden_file(golden, rules, std::move(limits.golden), window_size);
+  const auto of_golden = RunFacts::of(*golden_outline).state_rate, of_actual = RunFacts::of(*actual_outline).state_rate;
+  const SurveyedFile golden_file(golden, of_actual, rules, std::move(limits.golden), window_size);
   if (!golden_file.whole) return golden_file.whole.errors();
-  const SurveyedFile actual_file(actual, rules, std::move(limits.actual), window_size);
+  const SurveyedFile actual_file(actual, of_golden, rules, std::move(limits.actual), window_size);
   if (!actual_file.whole) return actual_file.whole.errors();
   RunComparer comparer(golden_file.survey, actual_file.survey, rules, options);
   if (auto compared = compare_windows(comparer, golden_file, actual_file, window_size); !compared)

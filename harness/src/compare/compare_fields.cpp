@@ -213,7 +213,8 @@ void FieldJudge::report(Divergence divergence, bool beyond) {
   divergence.stage = stage_of(divergence.channel, divergence.element);
   if (!traces_.options.takes(divergence.stage)) return;
   if (!channel_.golden.columns.empty()) ++findings_.result().values;  // else the message is counted as one
-  if (traces_.options.on_difference) traces_.options.on_difference({window_->golden, message_, {}, beyond, 0});
+  if (traces_.options.on_difference)
+    traces_.options.on_difference({window_->golden, window_->place(), message_, {}, beyond, 0});
   if (findings_.count(divergence.difference, divergence.tolerance, beyond)) findings_.describe(divergence, beyond);
 }
 

@@ -34,7 +34,7 @@ struct Column {
   bool wraps = false;
   const std::vector<BlankedSpan>* blanked = nullptr;   // when it isn't judged; null: it always is
   std::shared_ptr<const Envelope> envelope = nullptr;  // made when it is needed first
-  double largest = 0.0;  // difference so far; NaN stays
+  double largest = 0.0;                                // difference so far; NaN stays
 };
 
 /// Four columns x, y, z, w that are one orientation.
@@ -281,7 +281,7 @@ void NumberJudge::mark_hash(const Column& column, std::size_t golden_row) {
 
 /// To whoever wants to know of each.
 void NumberJudge::tell(std::size_t golden_row, std::vector<std::size_t> columns, bool beyond) const {
-  traces_.options.on_difference({window_->golden, golden_row, std::move(columns), beyond, 0});
+  traces_.options.on_difference({window_->golden, window_->place(), golden_row, std::move(columns), beyond, 0});
 }
 
 /// How far a number is from all that the golden is within lead and lag.

@@ -84,6 +84,9 @@ struct MatchedChannel {
   std::vector<std::pair<std::size_t, std::size_t>> pairs;  // of message numbers
   std::vector<std::size_t> missing;                        // messages of golden only
   std::vector<std::size_t> extra;                          // messages of actual only
+
+  /// Index of the channel in the golden.
+  std::size_t place() const { return static_cast<std::size_t>(&golden - window.golden.channels().data()); }
 };
 
 /// Collects the divergences of one channel: counts them, keeps the first and the worst.

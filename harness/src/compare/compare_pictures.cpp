@@ -93,7 +93,8 @@ class PictureJudge {
   /// To whoever wants to know of each.
   void tell(std::size_t golden_index, bool beyond, std::size_t pixels) const {
     if (traces_.options.on_difference)
-      traces_.options.on_difference({window_->golden, golden_index, {}, beyond, static_cast<std::int64_t>(pixels)});
+      traces_.options.on_difference(
+          {window_->golden, window_->place(), golden_index, {}, beyond, static_cast<std::int64_t>(pixels)});
   }
 
   Divergence place(std::size_t golden_index) const {

@@ -208,6 +208,10 @@ Result<std::string> digest_of(const Trace& trace) {
   if (!history.empty()) text += acceptance_text(history.back()) + "\n";
   text += "provenance\n";
   describe_facts(trace, records::provenance, text);
+  if (trace.find_metadata(records::state_rate)) {
+    text += "\nstate, of which samples are kept\n";
+    describe_facts(trace, records::state_rate, text);
+  }
   text += "\noutcome\n";
   describe_facts(trace, records::outcome, text);
   fmt::format_to(Out(text), "  content: {}\n", hash_text(*hash));

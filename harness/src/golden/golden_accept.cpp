@@ -11,6 +11,7 @@
 #include "mcap/copy.h"
 #include "pending_verdict.h"
 #include "stale_report.h"
+#include "state_samples.h"
 #include "trace/run_facts.h"
 #include "trace/trace_version.h"
 
@@ -62,6 +63,15 @@ Result<std::string> digest_of_file(const fs::path& file) {
   if (!trace) return trace.errors();
   return digest_of(*trace);
 }
+
+/// A file that is removed when this goes out of scope.
+struct RemovedFile {
+  const fs::path file;
+  ~RemovedFile() {
+    std::error_code ignored;
+    fs::remove(file, ignored);
+  }
+};
 
 bool begins_with(const fs::path& file, std::string_view text) {
   const auto content = read_text(file);
@@ -129,8 +139,11 @@ Result<Accepted> GoldenStore::replace(const std::string& name, const fs::path& t
     }
   }
   history.push_back(std::move(acceptance));
-  const auto write_trace = [&](const fs::path& file) {
-    return mcap::copy_with_metadata(trace_path, file, acceptance_prefix, records_of(history));
+  const auto write_trace = [&](const fs::path& file) -> Result<void> {
+    const RemovedFile scratch{file.string() + ".samples"};
+    const auto kept = with_state_samples(trace_path, scratch.file);
+    if (!kept) return kept.errors();
+    return mcap::copy_with_metadata(*kept, file, acceptance_prefix, records_of(history));
   };
   if (auto done = replace_together(trace_file(name), write_trace, digest_file(name), digest_of_file); !done)
     return done.errors();
@@ -159,15 +172,19 @@ Result<Accepted> GoldenStore::accept_pending(const std::string& name, const Sele
   const auto golden = Trace::load(trace_file(name));
   if (!golden) return golden.errors();
   if (const auto known = check_trace_version(golden->metadata(), golden->file()); !known) return known.errors();
-  const auto run = load_run(pending_file(name));
+  const RemovedFile scratch{pending_file(name).string() + ".samples"};
+  const auto kept = with_state_samples(pending_file(name), scratch.file);
+  if (!kept) return kept.errors();
+  const auto run = load_run(*kept);
   if (!run) return run.errors();
-  const fs::path candidate = pending_file(name).string() + ".candidate";
-  const auto made = make_partial(*golden, *run, selection, candidate, again);
+  if (RunFacts::of(*run).state_rate != RunFacts::of(*golden).state_rate)
+    return error("the golden keeps the state at another rate than the run's scenario asks for",
+                 "accept all of the run");
+  const RemovedFile candidate{pending_file(name).string() + ".candidate"};
+  const auto made = make_partial(*golden, *run, selection, candidate.file, again);
   if (!made) return made.errors();
-  if (*made != candidate) return accept_pending(name);
-  auto accepted = replace(name, candidate, to_string(selection), "");
-  std::error_code ignored;
-  fs::remove(candidate, ignored);
+  if (*made != candidate.file) return accept_pending(name);
+  auto accepted = replace(name, candidate.file, to_string(selection), "");
   if (accepted) accepted->whole = false;
   return accepted;
 }

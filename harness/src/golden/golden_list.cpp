@@ -29,18 +29,38 @@ std::string_view without_blanks(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
 }
 
-/// `golden: NAME` at the beginning of a line, the key quoted or not.
+std::string_view without_comment(std::string_view line) { return without_blanks(line.substr(0, line.find('#'))); }
+
+/// The value of `name` in a map, in one line with braces or in indented lines; `text` begins after the map's key.
+std::string_view name_in_map(std::string_view text) {
+  constexpr std::string_view key = "name:";
+  for (bool is_first = true; !text.empty(); is_first = false) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(text.size(), line.size() + 1));
+    if (!is_first && !line.starts_with(' ')) return {};
+    const std::string_view entries = without_comment(line);
+    const std::size_t name = entries.find(key);
+    if (name == std::string_view::npos) continue;
+    const std::string_view value = entries.substr(name + key.size());
+    return without_blanks(value.substr(0, value.find_first_of(",}")));
+  }
+  return {};
+}
+
+/// `golden: NAME` or `golden: {name: NAME}` at the beginning of a line, the key quoted or not.
 void find_in_scenario(std::string_view text, const std::string& file, Owners& owners) {
   constexpr std::string_view key = "golden:";
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());
-    std::string_view line = text.substr(at, end - at);
-    at = end + 1;
+    const std::string_view line = text.substr(at, end - at);
     const bool quoted = line.starts_with("\"golden\":") || line.starts_with("'golden':");
+    const std::size_t value = at + key.size() + (quoted ? 2 : 0);
+    at = end + 1;
     if (!quoted && !line.starts_with(key)) continue;
-    line = without_blanks(line.substr(0, line.find('#')).substr(key.size() + (quoted ? 2 : 0)));
-    if (line.size() >= 2 && (line.front() == '"' || line.front() == '\'')) line = line.substr(1, line.size() - 2);
-    if (!line.empty()) owners[std::string(line)].scenarios.push_back(file);
+    std::string_view name = without_comment(text.substr(value, end - value));
+    if (name.empty() || name.starts_with('{')) name = name_in_map(text.substr(value));
+    if (name.size() >= 2 && (name.front() == '"' || name.front() == '\'')) name = name.substr(1, name.size() - 2);
+    if (!name.empty()) owners[std::string(name)].scenarios.push_back(file);
   }
 }
 

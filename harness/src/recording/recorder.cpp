@@ -138,6 +138,7 @@ struct Recorder::Impl : TraceOutput {
   const Scenario& scenario;
   std::vector<BodyChannels> bodies;
   std::vector<ControllerChannels> controllers;
+  mcap::StringMap devices_read;  // by BODY/DEVICE: labels of controllers
   std::optional<ContactRecorder> contact_recorder;
   std::uint16_t tick_channel = 0, transform_channel = 0, checkpoint_channel = 0, event_channel = 0;
   std::uint16_t joystick_channel = 0;   // 0: none
@@ -254,6 +255,10 @@ void Recorder::Impl::declare_controllers(const ControllerHost& host) {
     for (const int link : hosted.io->contact_links())
       channels.contacts.push_back(channel<msg::Contacts>(ChannelName::of_controller(
           hosted.label, ChannelSide::input, ChannelKind::contacts, body.model->links[link].name)));
+    for (const int device : hosted.io->input_devices()) {
+      std::string& readers = devices_read[body.name + "/" + body.model->devices[device].name];
+      readers += (readers.empty() ? "" : ", ") + hosted.label;
+    }
     channels.output.metadata = {{"delay", host.is_delayed(hosted) ? "true" : "false"}};
     declare_side(hosted.label, ChannelSide::output, *body.model, hosted.io->outputs(), channels.output);
     channels.devices.assign(body.model->devices.size(), 0);
@@ -571,6 +576,7 @@ Result<void> Recorder::record_events(const std::vector<msg::Event>& events) {
 }
 
 Result<void> Recorder::close(const RunOutcome& outcome) {
+  if (auto done = impl_->writer->add_metadata(records::devices_read, impl_->devices_read); !done) return done;
   if (auto done = impl_->writer->add_metadata(records::outcome, outcome.metadata()); !done) return done;
   return impl_->writer->close();
 }

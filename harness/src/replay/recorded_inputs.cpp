@@ -5,6 +5,7 @@
 #include <rehearse/messages.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <set>
@@ -14,6 +15,7 @@
 #include "png/png.h"
 #include "recording/contact_messages.h"
 #include "trace/range_messages.h"
+#include "trace/run_facts.h"
 
 namespace rehearse {
 namespace {
@@ -45,9 +47,35 @@ struct RecordedInputs::Feed {
   JointArrays joints;
   std::vector<int> joint_ids;  // by index in the message; -1: no such joint
   std::string topic;
+  /// For inputs of a controller: the numbers that it reads, by array of the message, then by index.
+  std::optional<std::array<std::vector<bool>, 3>> read;
+
+  const std::vector<double>& array(std::size_t index) const {
+    return index == 0 ? joints.position() : index == 1 ? joints.velocity() : joints.effort();
+  }
+  bool has(std::size_t array_index, std::size_t index) const {
+    if (array(array_index).empty()) return false;
+    return !read || (index < (*read)[array_index].size() && (*read)[array_index][index]);
+  }
+  bool has(const IoField& field) const {
+    if (!read || field.quantity > Quantity::u || field.quantity == Quantity::ddq) return true;
+    const std::size_t index = field.quantity == Quantity::q ? 0 : field.quantity == Quantity::dq ? 1 : 2;
+    const auto joint = std::find(joint_ids.begin(), joint_ids.end(), field.joint);
+    return joint != joint_ids.end() && has(index, static_cast<std::size_t>(joint - joint_ids.begin()));
+  }
+  /// The joints of the model, for the names of the last message.
+  void find_joints(const Model& model);
 };
 
-RecordedInputs::RecordedInputs(const Scenario& scenario, const mcap::Reader& reader) : scenario_(scenario) {
+void RecordedInputs::Feed::find_joints(const Model& model) {
+  joint_ids.clear();
+  for (const std::string& name : joints.names()) {
+    const int found = model.find_joint(name);
+    joint_ids.push_back(found < 0 ? -1 : model.links[found].joint.id);
+  }
+}
+
+RecordedInputs::RecordedInputs(const Scenario& scenario, mcap::Reader& reader) : scenario_(scenario) {
   for (const ScenarioBody& body : scenario.bodies) {
     BodyObservation& seen = observation_.bodies.emplace_back();
     seen.joints.resize(body.model->joints.size());
@@ -57,13 +85,22 @@ RecordedInputs::RecordedInputs(const Scenario& scenario, const mcap::Reader& rea
   if (scenario.joystick) observation_.joystick.emplace();
   std::map<std::uint16_t, ChannelName> names;
   for (const auto& [id, channel] : reader.channels()) names[id] = ChannelName::parse(channel.topic);
-  std::set<std::string> measured;  // bodies
+  std::set<std::string> measured, sampled;  // bodies
   for (const auto& [id, name] : names)
     if (name.kind == ChannelKind::measured_joints) measured.insert(name.body);
+  const auto samples = RunFacts::of(reader).state_rate;
   for (const auto& [id, name] : names) {
+    const std::string& topic = reader.channels().at(id).topic;
     if (name.kind == ChannelKind::joints && name.side == ChannelSide::none && measured.contains(name.body)) continue;
-    add(id, name, reader.channels().at(id).topic);
+    if (samples && samples->reduces(topic)) {
+      if (name.kind == ChannelKind::joints || name.kind == ChannelKind::measured_joints) sampled.insert(name.body);
+      continue;
+    }
+    add(id, name, topic);
   }
+  for (const auto& [id, name] : names)
+    if (name.kind == ChannelKind::joints && name.side == ChannelSide::input && sampled.contains(name.body))
+      add_joints_read(reader, id, name);
 }
 
 RecordedInputs::~RecordedInputs() = default;
@@ -97,9 +134,25 @@ void RecordedInputs::add(std::uint16_t id, const ChannelName& name, const std::s
   }
 }
 
+/// The joints that a controller read, as its first inputs state them: others are NaN.
+void RecordedInputs::add_joints_read(mcap::Reader& reader, std::uint16_t id, const ChannelName& name) {
+  const auto body = std::ranges::find(scenario_.bodies, name.body, &ScenarioBody::name);
+  mcap::OrderedMessages messages(reader, std::span(&id, 1));
+  const mcap::Message* first = messages.next();
+  auto feed = std::make_unique<Feed>();
+  if (body == scenario_.bodies.end() || first == nullptr || !feed->joints.read(first->data)) return;
+  feed->body = static_cast<int>(body - scenario_.bodies.begin());
+  feed->topic = reader.channels().at(id).topic;
+  feed->find_joints(*body->model);
+  auto& read = feed->read.emplace();
+  for (std::size_t i = 0; i < read.size(); ++i)
+    for (const double value : feed->array(i)) read[i].push_back(!std::isnan(value));
+  feeds_[id] = std::move(feed);
+}
+
 bool RecordedInputs::feeds(const Feed& feed, int body, const IoField& field) const {
   if (feed.body != body || feed.device >= 0 || feed.kind != channel_kind_of(field.quantity)) return false;
-  return feed.link < 0 || feed.link == field.link;
+  return feed.link < 0 ? feed.has(field) : feed.link == field.link;
 }
 
 bool RecordedInputs::has(int body, const IoField& field) const {
@@ -194,20 +247,13 @@ Result<void> RecordedInputs::accept(const mcap::Message& message) {
 
 bool RecordedInputs::accept_joints(Feed& feed, mcap::Bytes payload) {
   if (!feed.joints.read(payload)) return false;
-  const Model& model = *scenario_.bodies[feed.body].model;
-  if (feed.joints.names_changed()) {
-    feed.joint_ids.clear();
-    for (const std::string& name : feed.joints.names()) {
-      const int link = model.find_joint(name);
-      feed.joint_ids.push_back(link < 0 ? -1 : model.links[link].joint.id);
-    }
-  }
+  if (feed.joints.names_changed()) feed.find_joints(*scenario_.bodies[feed.body].model);
   for (std::size_t i = 0; i < feed.joint_ids.size(); ++i) {
     if (feed.joint_ids[i] < 0) continue;
     JointReading& joint = observation_.bodies[feed.body].joints[feed.joint_ids[i]];
-    if (!feed.joints.position().empty()) joint.q = feed.joints.position()[i];
-    if (!feed.joints.velocity().empty()) joint.dq = feed.joints.velocity()[i];
-    if (!feed.joints.effort().empty()) joint.u = feed.joints.effort()[i];
+    if (feed.has(0, i)) joint.q = feed.joints.position()[i];
+    if (feed.has(1, i)) joint.dq = feed.joints.velocity()[i];
+    if (feed.has(2, i)) joint.u = feed.joints.effort()[i];
   }
   return true;
 }

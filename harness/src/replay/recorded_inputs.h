@@ -19,8 +19,9 @@ namespace rehearse {
 
 class RecordedInputs {
  public:
-  /// Finds the channels of `reader` that hold something of the scenario's bodies. Both must outlive this.
-  RecordedInputs(const Scenario& scenario, const mcap::Reader& reader);
+  /// Finds the channels of `reader` that hold something of the scenario's bodies. Both must outlive this. Where the
+  /// recording keeps samples of the state, the channels of the controllers' inputs take its place.
+  RecordedInputs(const Scenario& scenario, mcap::Reader& reader);
   ~RecordedInputs();
 
   /// The channels that hold what a controller of the host reads: accept() wants to see these, and no others.
@@ -41,6 +42,7 @@ class RecordedInputs {
   struct Feed;
   bool feeds(const Feed& feed, int body, const IoField& field) const;
   void add(std::uint16_t id, const ChannelName& name, const std::string& topic);
+  void add_joints_read(mcap::Reader& reader, std::uint16_t id, const ChannelName& name);
   bool accept_joints(Feed& feed, mcap::Bytes payload);
   bool accept_accelerations(const Feed& feed, mcap::Bytes payload);
   Result<void> accept_joystick(const mcap::Message& message);

@@ -22,11 +22,11 @@ void JudgedValues::mark(std::int64_t tick) {
 }
 
 void JudgedValues::take(const DifferingValue& value) {
-  if (value.columns.empty()) pixels_[{index_of(value.channel), value.message}] = value.pixels;
+  if (value.columns.empty()) pixels_[{value.place, value.message}] = value.pixels;
   if (!value.beyond) return;
   mark(clock_.tick_at(value.channel.times[value.message]));
   if (value.columns.empty()) return;
-  std::vector<Column>& columns = columns_[index_of(value.channel)];
+  std::vector<Column>& columns = columns_[value.place];
   columns.resize(value.channel.columns.size());
   for (const std::size_t index : value.columns) {
     Column& column = columns[index];

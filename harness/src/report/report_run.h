@@ -35,7 +35,7 @@ class JudgedValues {
 
   explicit JudgedValues(const ReportedRun& golden)
       : clock_(golden.clock), channels_(golden.trace.channels()), columns_(channels_.size()) {}
-  /// Adds a difference. Its channel is a channel of the golden, as are all channels here.
+  /// Adds a difference. All channels are the golden's.
   void take(const DifferingValue& value);
   /// Sets the applied tolerances, and the events beyond tolerance, which are no values.
   void conclude(const Comparison& comparison);

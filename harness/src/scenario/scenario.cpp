@@ -35,14 +35,32 @@ void read_names(Findings& findings, const Keys& keys, Scenario& scenario) {
       scenario.name = *name;
     }
   }
-  if (const YamlNode* node = keys.find("golden")) {
-    const auto golden = read_text(findings, *node, "golden", "Suite.Test");
-    if (golden && !is_golden_name(*golden)) {
-      expected(findings, *node, "golden", "Suite.Test, each of letters, digits, '_' and '-'");
-    } else if (golden) {
-      scenario.golden = *golden;
-    }
+}
+
+void read_golden_name(Findings& findings, const YamlNode& node, std::string_view label, Scenario& scenario) {
+  const auto golden = read_text(findings, node, label, "Suite.Test");
+  if (golden && !is_golden_name(*golden)) {
+    expected(findings, node, label, "Suite.Test, each of letters, digits, '_' and '-'");
+  } else if (golden) {
+    scenario.golden = *golden;
   }
+}
+
+/// A name, or a map with the name and the rate of the state. Must be called after the time step is read.
+void read_golden(Findings& findings, const YamlNode& node, Scenario& scenario) {
+  if (node.kind != YamlNode::Kind::map) return read_golden_name(findings, node, "golden", scenario);
+  const Keys keys(findings, node, "the golden", {"name", "state"});
+  if (const YamlNode* name = keys.find("name")) read_golden_name(findings, *name, "name", scenario);
+  const YamlNode* state = keys.find("state");
+  if (state == nullptr) return;
+  const auto rate = read_rate(findings, *state, "state");
+  if (!rate) return;
+  const double ticks = 1.0 / (*rate * scenario.time_step);  // from one sample to the next
+  if (std::round(ticks) < 1.0 || std::abs(ticks - std::round(ticks)) > 1e-6 * ticks)
+    findings.error(*state, fmt::format("state is {} Hz, which is not the rate of every nth tick", *rate),
+                   fmt::format("expected {} Hz divided by a whole number", 1.0 / scenario.time_step));
+  else
+    scenario.golden_state_rate = *rate;
 }
 
 void read_clock(Findings& findings, const Keys& keys, Scenario& scenario) {
@@ -202,6 +220,7 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
                    "cameras",  "record",  "tolerances", "horizon",  "expect",         "simulate", "vary"});
   read_names(findings, keys, scenario);
   read_clock(findings, keys, scenario);
+  if (const YamlNode* node = keys.find("golden")) read_golden(findings, *node, scenario);
   keys.flag("ends_when_done", scenario.ends_when_done);
   keys.flag("planar", scenario.planar);
   read_seed(findings, keys, scenario);

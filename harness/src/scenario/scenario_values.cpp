@@ -31,12 +31,17 @@ std::optional<double> plain_number(const YamlNode& node) {
   return rest.empty() ? value : std::nullopt;
 }
 
-// A bare number, or one with deg or rad. In quotes only with its unit, because many people would write "10 deg".
-std::optional<Measure> number_or_angle(const YamlNode& node) {
-  std::string_view unit;
+// A bare number, or one with a unit. In quotes only with its unit, because many people would write "10 deg".
+std::optional<double> number_with_unit(const YamlNode& node, std::string_view& unit) {
   const auto number = node.kind == YamlNode::Kind::scalar ? leading_number(node.text, unit) : std::nullopt;
   while (!unit.empty() && unit.front() == ' ') unit.remove_prefix(1);
-  if (!number || (unit.empty() && node.quoted)) return std::nullopt;
+  return number && unit.empty() && node.quoted ? std::nullopt : number;
+}
+
+std::optional<Measure> number_or_angle(const YamlNode& node) {
+  std::string_view unit;
+  const auto number = number_with_unit(node, unit);
+  if (!number) return std::nullopt;
   if (unit.empty()) return Measure{*number};
   if (unit == "rad") return Measure{*number, true};
   if (unit == "deg") return Measure{*number * std::numbers::pi / 180.0, true, true};
@@ -162,6 +167,14 @@ std::optional<bool> read_flag(Findings& findings, const YamlNode& node, std::str
   if (node.kind == YamlNode::Kind::scalar && !node.quoted && (node.text == "true" || node.text == "false"))
     return node.text == "true";
   expected(findings, node, label, "true or false");
+  return std::nullopt;
+}
+
+std::optional<double> read_rate(Findings& findings, const YamlNode& node, std::string_view label) {
+  std::string_view unit;
+  const auto rate = number_with_unit(node, unit);
+  if (rate && *rate > 0.0 && (unit.empty() || unit == "Hz")) return rate;
+  expected(findings, node, label, "a rate above 0 as 100 Hz");
   return std::nullopt;
 }
 

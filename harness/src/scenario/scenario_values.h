@@ -65,6 +65,8 @@ std::optional<std::string> read_text(Findings& findings, const YamlNode& node, s
 /// A name that is valid in a channel name: no '/', blanks, control characters or the globs' * ? [ ]; at most 100 bytes.
 std::optional<std::string> read_name(Findings& findings, const YamlNode& node, std::string_view label);
 std::optional<bool> read_flag(Findings& findings, const YamlNode& node, std::string_view label);
+/// Above 0 [Hz]; the unit is optional.
+std::optional<double> read_rate(Findings& findings, const YamlNode& node, std::string_view label);
 /// [rad]
 std::optional<double> read_angle(Findings& findings, const YamlNode& node, std::string_view label);
 /// A number whose unit is known only later, or an angle with its unit as 10 deg or 0.1 rad.

@@ -8,6 +8,7 @@
 
 #include "check/check_run.h"
 #include "check/proof.h"
+#include "trace/run_facts.h"
 
 namespace rehearse::internal {
 namespace {
@@ -96,6 +97,7 @@ Result<RunSummary> make_recording(const Scenario& scenario, const std::string& t
   recorded.golden = store.trace_file(test);
   const auto golden = Trace::outline(recorded.golden);
   if (!golden || !check_version(*golden)) return record(scenario, file);  // the comparison reports the error
+  if (RunFacts::of(*golden).state_rate) return record(scenario, file);    // the test may read the state of any tick
   CheckOptions options;
   options.certificates = certificates_of(store);
   recorded.proof.emplace(scenario, *golden, options, simulation());

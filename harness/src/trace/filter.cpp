@@ -11,6 +11,7 @@
 #include "mcap/glob.h"
 #include "mcap/whole_input.h"
 #include "model/text.h"
+#include "run_facts.h"
 
 namespace rehearse::mcap {
 
@@ -34,6 +35,7 @@ class Filter {
 
  private:
   bool chosen(const Channel& channel) const;
+  bool is_taken(const Message& message) const;
   void define();
   Result<void> write_extras_before(std::uint64_t offset);
   Result<void> write_note();
@@ -47,6 +49,7 @@ class Filter {
   const FilterOptions& options_;
   // Ids in the target.
   std::vector<std::optional<std::uint16_t>> ids_ = std::vector<std::optional<std::uint16_t>>(0x10000);
+  std::vector<bool> reduced_ = std::vector<bool>(0x10000);  // by ids in the source: only samples are kept
   std::size_t next_attachment_ = 0, next_metadata_ = 0;
   Filtered filtered_;
 };
@@ -57,11 +60,17 @@ bool Filter::chosen(const Channel& channel) const {
                       [&](const std::string& pattern) { return matches(pattern, channel.topic); });
 }
 
+bool Filter::is_taken(const Message& message) const {
+  if (!ids_[message.channel->id] || !selector_.takes_time(message.log_time)) return false;
+  return !reduced_[message.channel->id] || options_.samples->is_sample(message.log_time);
+}
+
 void Filter::define() {
   for (const auto& [id, channel] : reader_.channels()) {
     if (!chosen(channel)) continue;
     const std::uint16_t schema = copy(reader_.schema_of(channel), writer_);
     ids_[id] = writer_.add_channel(schema, channel.topic, channel.message_encoding, channel.metadata, groups_.of(id));
+    reduced_[id] = options_.samples && options_.samples->reduces(channel.topic);
     ++filtered_.channels;
   }
 }
@@ -84,8 +93,10 @@ Result<void> Filter::write_extras_before(std::uint64_t offset) {
   return {};
 }
 
-/// Writes the record that names the source.
+/// Writes the rate of the state, and the record that names the source.
 Result<void> Filter::write_note() {
+  if (options_.samples)
+    if (auto done = writer_.add_metadata(records::state_rate, options_.samples->metadata()); !done) return done;
   if (!options_.cuts() || !options_.metadata) return {};
   StringMap note{{"source", printable(std::filesystem::path(reader_.name()).filename().string(), 200)},
                  {"source_messages", std::to_string(filtered_.messages + filtered_.left_out)}};
@@ -113,8 +124,7 @@ Result<Filtered> Filter::run() {
   const auto read = reader_.for_each_message([&](const Message& message) {
     const std::uint64_t offset = message.location.record;
     passed_.pass(offset);
-    const bool taken = ids_[message.channel->id] && selector_.takes_time(message.log_time);
-    if (!taken) return ++filtered_.left_out, true;
+    if (!is_taken(message)) return ++filtered_.left_out, true;
     written = write_extras_before(offset);
     if (written) written = write(message);
     return written.ok();

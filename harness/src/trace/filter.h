@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "select.h"
+#include "state_rate.h"
 
 namespace rehearse::mcap {
 
@@ -19,6 +20,7 @@ struct FilterOptions {
   std::vector<std::string> exclude;  // globs of topics that are left out, even if they were selected
   bool attachments = true;           // all attachments are kept
   bool metadata = true;              // all metadata records are kept
+  std::optional<StateRate> samples;  // of the state only the samples at a rate are kept, and a record states the rate
   /// For all channels; nullopt: the compression of each channel in the source.
   std::optional<Compression> compression;
   std::optional<int> level;               // of the compression; nullopt: the Writer's

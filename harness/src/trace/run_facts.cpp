@@ -124,6 +124,8 @@ RunFacts RunFacts::of(const std::vector<mcap::Metadata>& metadata) {
     if (record.name == records::provenance && run.provenances++ == 0) take_provenance(record.values, run);
     if (record.name == records::outcome && !run.outcome) run.outcome = RunOutcome::of(record.values);
     if (record.name == records::branch && !run.branch) run.branch = BranchOrigin::of(record.values);
+    if (record.name == records::state_rate && !run.state_rate) run.state_rate = StateRate::of(record.values);
+    if (record.name == records::devices_read && !run.devices_read) run.devices_read = record.values;
     if (record.name == records::files && !run.files) run.files = record.values;
   }
   return run;

@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "state_rate.h"
+
 namespace rehearse {
 
 namespace mcap {
@@ -24,6 +26,8 @@ namespace records {
 inline constexpr const char* provenance = "rehearse";
 inline constexpr const char* outcome = "rehearse.outcome";
 inline constexpr const char* branch = "rehearse.branch";
+inline constexpr const char* state_rate = "rehearse.state_rate";      // of a golden that keeps samples of the state
+inline constexpr const char* devices_read = "rehearse.devices_read";  // BODY/DEVICE: the controllers that read it
 inline constexpr const char* files = "rehearse.files";     // files that controllers read: ControllerHost::files_read
 inline constexpr const char* log_topic = "rehearse.log ";  // followed by the topic
 }  // namespace records
@@ -99,7 +103,9 @@ struct RunFacts {
   std::map<std::string, std::string> controllers = {};  // by BODY/NAME: the library's file and its hash
   std::optional<RunOutcome> outcome = {};               // none: the recording is incomplete
   std::optional<BranchOrigin> branch = {};
-  std::optional<mcap::StringMap> files = {};  // files that controllers read, and their hashes
+  std::optional<StateRate> state_rate = {};          // none: the state of every tick is recorded
+  std::optional<mcap::StringMap> devices_read = {};  // by BODY/DEVICE: the controllers that read it; none: not stated
+  std::optional<mcap::StringMap> files = {};         // files that controllers read, and their hashes
 
   /// A fact of the provenance; empty: not stated.
   std::string stated(const std::string& fact) const;

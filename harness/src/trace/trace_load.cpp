@@ -18,7 +18,12 @@ ChannelSource::ChannelSource(const mcap::Channel& channel, const mcap::Schema* s
     : rows(channel, schema, std::move(columns)),
       rest(rows.has_rows() ? MessageRest::make(rows.table.type, schema) : nullptr) {}
 
+void ChannelSource::take_samples(const StateRate* rate) {
+  samples = rate && rate->reduces(rows.table.topic) ? rate : nullptr;
+}
+
 bool ChannelSource::add(const mcap::Message& message) {
+  if (samples && !samples->is_sample(message.log_time)) return true;
   TraceChannel& table = rows.table;
   if (!rows.add(message.log_time, message.data)) return false;
   if (!rows.is_typed()) table.locations.push_back(message.location);
@@ -51,11 +56,13 @@ void drop_messages(TraceChannel& table, std::size_t count) {
 class TraceLoader {
  public:
   TraceLoader(const std::filesystem::path& file, Trace::Damage damage, Trace::OnPiece on_piece = {},
-              std::size_t piece_size = 0)
+              std::size_t piece_size = 0, const StateRate* samples = nullptr)
       : file_(file),
         tolerant_(damage == Trace::Damage::tolerate),
         on_piece_(std::move(on_piece)),
-        piece_size_(piece_size) {}
+        piece_size_(piece_size) {
+    if (samples) trace_.state_samples_ = std::make_shared<const StateRate>(*samples);
+  }
 
   Result<Trace> load();
   Result<Trace> outline();
@@ -215,6 +222,7 @@ TraceLoader::Source& TraceLoader::source_of(const mcap::Message& message) {
   const mcap::Channel& channel = *message.channel;
   auto& source = sources_[channel.id];
   source = std::make_unique<Source>(channel, trace_.reader_->schema_of(channel));
+  source->take_samples(trace_.state_samples_.get());
   known = source.get();
   return *known;
 }
@@ -257,6 +265,7 @@ TraceWindows::TraceWindows(const Trace& whole, std::span<const std::size_t> chan
     TraceChannel& table = trace_.channels_[sources_.size()];
     if (std::find(channels.begin(), channels.end(), sources_.size()) != channels.end()) ids.push_back(id);
     by_id_[id] = &sources_.emplace_back(channel, trace_.reader_->schema_of(channel), table.columns);
+    by_id_[id]->take_samples(trace_.state_samples_.get());
     table = std::move(by_id_[id]->rows.table);
   }
   messages_ = std::make_unique<mcap::OrderedMessages>(*trace_.reader_, ids);
@@ -331,6 +340,15 @@ Result<Trace> Trace::load(const std::filesystem::path& file, Damage damage) { re
 Result<Trace> Trace::load_in_pieces(const std::filesystem::path& file, const OnPiece& on_piece,
                                     std::size_t piece_size) {
   return TraceLoader(file, Damage::refuse, on_piece, piece_size).load();
+}
+
+Result<Trace> load_samples(const std::filesystem::path& file, const StateRate& rate) {
+  return TraceLoader(file, Trace::Damage::refuse, {}, 0, &rate).load();
+}
+
+Result<Trace> load_samples_in_pieces(const std::filesystem::path& file, const StateRate& rate,
+                                     const Trace::OnPiece& on_piece, std::size_t piece_size) {
+  return TraceLoader(file, Trace::Damage::refuse, on_piece, piece_size, &rate).load();
 }
 
 }  // namespace rehearse

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "message_rest.h"
+#include "state_rate.h"
 #include "trace_rows.h"
 
 namespace rehearse {
@@ -22,11 +23,14 @@ namespace rehearse {
 /// The reader of a channel.
 struct ChannelSource {
   ChannelSource(const mcap::Channel& channel, const mcap::Schema* schema, std::vector<TraceColumn> columns = {});
+  /// Only samples are added, if this channel has them.
+  void take_samples(const StateRate* rate);
   /// Adds a message to the table. False: it doesn't fit the schema.
   bool add(const mcap::Message& message);
 
   ChannelRows rows;
-  std::unique_ptr<MessageRest> rest;  // null if there are no rows
+  const StateRate* samples = nullptr;  // null: all messages are added
+  std::unique_ptr<MessageRest> rest;   // null if there are no rows
 };
 
 /// Removes a table's first messages.
@@ -34,8 +38,8 @@ void drop_messages(TraceChannel& table, std::size_t count);
 
 class TraceWindows {
  public:
-  /// `whole`: the result of Trace::load_in_pieces(), whose tables have all columns from the beginning. The messages of
-  /// `channels`, given by their indices in the trace, are read; at least one channel.
+  /// `whole`: the result of Trace::load_in_pieces() or load_samples(), whose tables have all columns from the
+  /// beginning. The messages of `channels`, given by their indices in the trace, are read; at least one channel.
   TraceWindows(const Trace& whole, std::span<const std::size_t> channels);
 
   /// Removes the messages before `keep_from` and reads those up to `until`, inclusive [ns].
@@ -54,6 +58,12 @@ class TraceWindows {
   std::unique_ptr<mcap::OrderedMessages> messages_;
   const mcap::Message* message_ = nullptr;  // the next message
 };
+
+/// As Trace::load(); of the state of the world only the samples at a rate are read.
+Result<Trace> load_samples(const std::filesystem::path& file, const StateRate& rate);
+/// As Trace::load_in_pieces(), likewise.
+Result<Trace> load_samples_in_pieces(const std::filesystem::path& file, const StateRate& rate,
+                                     const Trace::OnPiece& on_piece, std::size_t piece_size);
 
 /// True if a trace is a result of Trace::load_in_pieces(), without messages.
 bool is_without_messages(const Trace& trace);

@@ -1,0 +1,71 @@
+#include "state_rate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "channel_name.h"
+
+namespace rehearse {
+namespace {
+
+constexpr const char *rate_key = "rate", *time_step_key = "time_step", *whole_prefix = "whole.";
+
+double number_of(const mcap::StringMap& metadata, const char* key) {
+  double number = 0.0;
+  if (const auto found = metadata.find(key); found != metadata.end())
+    std::from_chars(found->second.data(), found->second.data() + found->second.size(), number);
+  return number;
+}
+
+}  // namespace
+
+bool is_state(std::string_view topic) {
+  const ChannelName name = ChannelName::parse(topic);
+  if (name.side != ChannelSide::none) return false;
+  switch (name.kind) {
+    case ChannelKind::joints:
+    case ChannelKind::measured_joints:
+    case ChannelKind::joint_accelerations:
+    case ChannelKind::pose:
+    case ChannelKind::twist:
+    case ChannelKind::acceleration:
+    case ChannelKind::wrench:
+    case ChannelKind::contacts:
+    case ChannelKind::imu:
+    case ChannelKind::contact: return true;
+    default: return false;
+  }
+}
+
+bool StateRate::reduces(std::string_view topic) const { return !whole.contains(std::string(topic)) && is_state(topic); }
+
+std::int64_t StateRate::period() const {
+  return std::max(std::int64_t{1}, std::int64_t{std::llround(1.0 / (rate * time_step))});
+}
+
+bool StateRate::is_sample(std::uint64_t time) const {
+  return std::llround(static_cast<double>(time) * 1e-9 / time_step) % period() == 0;
+}
+
+bool StateRate::includes(const StateRate& other) const {
+  return rate == other.rate && time_step == other.time_step && std::ranges::includes(whole, other.whole);
+}
+
+mcap::StringMap StateRate::metadata() const {
+  mcap::StringMap metadata{{rate_key, fmt::format("{}", rate)}, {time_step_key, fmt::format("{}", time_step)}};
+  for (const std::string& topic : whole) metadata[whole_prefix + topic] = "every tick";
+  return metadata;
+}
+
+StateRate StateRate::of(const mcap::StringMap& metadata) {
+  StateRate state{number_of(metadata, rate_key), number_of(metadata, time_step_key), {}};
+  const std::string_view prefix = whole_prefix;
+  for (const auto& [key, value] : metadata)
+    if (key.starts_with(prefix)) state.whole.insert(key.substr(prefix.size()));
+  return state;
+}
+
+}  // namespace rehearse
