@@ -12,6 +12,7 @@
 #include "small_traces.h"
 #include "swinging_arm.h"
 #include "testing/test_recordings.h"
+#include "trace/filter.h"
 #include "trace/hashing.h"
 
 namespace rehearse {
@@ -96,6 +97,18 @@ TEST_F(ProvedRecording, IsSimulatedIfTheUserSaysSo) {
   EXPECT_TRUE(match(sampled).passed);
   setenv("REHEARSE_PROOF", "perhaps", 1);
   EXPECT_THROW(swing(), std::runtime_error);
+}
+
+/// A test may read the state of any tick.
+TEST_F(ProvedRecording, IsSimulatedIfTheGoldenKeepsSamplesOfTheState) {
+  mcap::FilterOptions samples;
+  samples.samples = StateRate{100.0, 0.001, {}};
+  ASSERT_TRUE(mcap::filter(golden(), folder_ / "samples.mcap", samples));
+  fs::rename(folder_ / "samples.mcap", golden());
+  const Trace simulated = swing();
+  EXPECT_FALSE(internal::is_proved(simulated));
+  EXPECT_GT(simulated.values("Arm/SHOULDER/q").size(), 9 * Trace::load(golden())->values("Arm/SHOULDER/q").size());
+  EXPECT_TRUE(compare(golden(), fs::path(simulated.file()), {}, {})->equal);
 }
 
 TEST_F(ProvedRecording, IsSimulatedToBecomeAGolden) {
