@@ -16,8 +16,8 @@ namespace rehearse {
 /// inputs of controllers have channels of their own. `run` has all columns.
 std::optional<StateRate> state_rate_of(const Scenario& scenario, const Trace& run);
 
-/// The file that becomes the golden: `recording`, if its scenario asks for the state of all ticks, or if it has samples
-/// already. Else `scratch`, which is written with the samples.
+/// The file that becomes the golden: `recording`, if its scenario asks for the state of all ticks or isn't readable, or
+/// if it has samples already. Else `scratch`, which is written with the samples.
 Result<std::filesystem::path> with_state_samples(const std::filesystem::path& recording,
                                                  const std::filesystem::path& scratch);
 
