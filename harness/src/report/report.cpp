@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <memory>
 
 #include "compare/compare_parts.h"
@@ -160,7 +161,8 @@ class ReportMaker {
   void write_happenings(ReportJson& object) const;
   bool is_wanted(const TraceChannel& channel) const;
   void omit_damage();
-  ReportJson call_stack_json(const Places& places);
+  void request_call_stack(const Places& places);
+  ReportJson call_stack_json();
 
   const ReportOptions& options_;
   ReportFile& file_;
@@ -171,6 +173,7 @@ class ReportMaker {
   std::optional<Comparison> comparison_;
   std::optional<JudgedValues> judged_;
   std::vector<ExpectationResult> expectations_;  // of the run
+  std::future<Result<CallStack>> call_stack_;    // while the series are written, as a debugger takes seconds
   ReportSummary summary_;
 };
 
@@ -323,22 +326,28 @@ void ReportMaker::write_happenings(ReportJson& object) const {
   object["contacts"] = std::move(contacts);
 }
 
-/// Null: not wanted, no command differs, or there is none, which becomes an omission.
-ReportJson ReportMaker::call_stack_json(const Places& places) {
-  if (!options_.call_stack) return nullptr;
+/// Requests the call stack of the first command that differs, if it is wanted and there is such a command.
+void ReportMaker::request_call_stack(const Places& places) {
+  if (!options_.call_stack) return;
   for (const bool wants_beyond : {true, false}) {
     for (const auto& [divergence, beyond] : places.all) {
       const ChannelName channel = ChannelName::parse(divergence.channel);
       if (beyond != wants_beyond || channel.side != ChannelSide::output) continue;
-      const bool is_of_joint = channel.kind == ChannelKind::joints;
-      const auto stack =
-          options_.call_stack(channel.label(), is_of_joint ? divergence.element : std::string(), divergence.tick);
-      if (stack) return json_of(*stack);
-      summary_.omitted.push_back("There is no call stack: " + stack.errors()[0].message);
-      return nullptr;
+      const std::string command = channel.kind == ChannelKind::joints ? divergence.element : std::string();
+      call_stack_ =
+          std::async(std::launch::async, options_.call_stack, channel.label(), command, std::int64_t{divergence.tick});
+      return;
     }
   }
   summary_.omitted.push_back("There is no call stack: no command of a controller differs");
+}
+
+/// Null: none was requested, or there is none, which becomes an omission.
+ReportJson ReportMaker::call_stack_json() {
+  if (!call_stack_.valid()) return nullptr;
+  const Result<CallStack> stack = call_stack_.get();
+  if (stack) return json_of(*stack);
+  summary_.omitted.push_back("There is no call stack: " + stack.errors()[0].message);
   return nullptr;
 }
 
@@ -387,7 +396,6 @@ Result<ReportSummary> ReportMaker::make(const fs::path& actual_file, const fs::p
       expectations_json(expectations_, time_step, range.begin, std::max(range.begin, range.end - 1));
   object["divergences"] = ReportJson::array();
   object["first"] = nullptr;
-  object["call_stack"] = nullptr;
   object["worst"] = ReportJson::array();
   object["spans"] = ReportJson::array();
   if (comparison_) {
@@ -402,7 +410,7 @@ Result<ReportSummary> ReportMaker::make(const fs::path& actual_file, const fs::p
       object["first"] = *places.first;
       summary_.first_tick = places.all[*places.first].first.tick;
     }
-    object["call_stack"] = call_stack_json(places);
+    request_call_stack(places);
     object["worst"] = worst_json(*comparison_, golden_->trace, actual_.trace);
     for (const auto& [begin, end] : judged_->spans(most_spans)) object["spans"].push_back({begin, end});
   }
@@ -410,6 +418,7 @@ Result<ReportSummary> ReportMaker::make(const fs::path& actual_file, const fs::p
   if (!summary_.first_tick && violation && violation->first) summary_.first_tick = violation->first->tick;
   write_channels(object);
   write_happenings(object);
+  object["call_stack"] = call_stack_json();
   object["omitted"] = summary_.omitted;
   if (auto done = file_.finish(object); !done) return done.errors();
   summary_.bytes = file_.bytes();
