@@ -81,7 +81,7 @@ class NumberJudge final : public PartJudge {
                      const Quaternion& actual);
   bool count(const Column& column, std::size_t golden_row, double difference, bool& beyond);
   void tell(std::size_t golden_row, std::vector<std::size_t> columns, bool beyond) const;
-  Divergence place(const Column& column, std::size_t golden_row) const;
+  Divergence place(const Column& column, std::size_t golden_row, Divergence numbers = {}) const;
 
   const ComparedTraces& traces_;
   const PairedChannel& paired_;
@@ -240,12 +240,16 @@ void keep_larger(double& largest, double difference) {
   if (!(difference <= largest)) largest = std::isnan(largest) ? largest : difference;
 }
 
-Divergence NumberJudge::place(const Column& column, std::size_t golden_row) const {
-  Divergence divergence = place_of(traces_, window_->golden, window_->golden.times[golden_row]);
-  divergence.element = column.element;
-  divergence.stage = stage_of(divergence.channel, column.element);
-  divergence.unit = column.unit;
-  return divergence;
+/// The numbers with their place, element, stage and unit.
+Divergence NumberJudge::place(const Column& column, std::size_t golden_row, Divergence numbers) const {
+  Divergence place = place_of(traces_, window_->golden, window_->golden.times[golden_row]);
+  numbers.tick = place.tick;
+  numbers.time = place.time;
+  numbers.channel = std::move(place.channel);
+  numbers.element = column.element;
+  numbers.stage = stage_of(numbers.channel, column.element);
+  numbers.unit = column.unit;
+  return numbers;
 }
 
 constexpr double turn = 2.0 * std::numbers::pi;  // [rad]
@@ -298,14 +302,14 @@ void NumberJudge::compare_cell(Column& column, std::size_t golden_row, std::size
   const std::uint64_t actual_bits = window_->actual.bits(actual_row, column.actual);
   if (expected_bits == actual_bits) return;
   if (column.hash) return mark_hash(column, golden_row);
-  Divergence divergence = place(column, golden_row);
+  Divergence numbers;  // few of the cells that differ are described: a place takes longer than a comparison
   bool beyond = true;
   if (column.kind == CellKind::floating) {
     const double expected = std::bit_cast<double>(expected_bits), actual = std::bit_cast<double>(actual_bits);
     if (may_be_missing(window_->golden) && std::isnan(expected) != std::isnan(actual)) return;  // the count tells
-    put_numbers(divergence, expected, actual, column.unit);
-    divergence.tolerance = column.tolerance;
-    double& difference = divergence.difference;
+    put_numbers(numbers, expected, actual);
+    numbers.tolerance = column.tolerance;
+    double& difference = numbers.difference;
     if (column.wraps) difference = std::abs(std::remainder(difference, turn));
     beyond = !(difference <= column.tolerance);
     keep_larger(column.largest, difference);
@@ -315,11 +319,11 @@ void NumberJudge::compare_cell(Column& column, std::size_t golden_row, std::size
       if (!beyond) difference = from_envelope;  // what is judged is what is told
     }
   } else {
-    put_integers(divergence, column.kind, expected_bits, actual_bits);
+    put_integers(numbers, column.kind, expected_bits, actual_bits);
   }
-  const bool to_describe = count(column, golden_row, divergence.difference, beyond);
+  const bool to_describe = count(column, golden_row, numbers.difference, beyond);
   if (traces_.options.on_difference) tell(golden_row, {column.golden}, beyond);
-  if (to_describe) findings_.describe(divergence, beyond);
+  if (to_describe) findings_.describe(place(column, golden_row, std::move(numbers)), beyond);
 }
 
 double NumberJudge::beside(const Orientation& orientation, std::size_t golden_row, const Quaternion& actual) const {
