@@ -15,11 +15,24 @@ namespace rehearse {
 TickClock::TickClock(const Trace& trace) { take(trace); }
 
 TickClock::TickClock(const Trace& piece, const TickClock& before) {
-  if (!before.empty()) {
-    times_.push_back(before.times_.back());
-    ticks_.push_back(before.ticks_.back());
-  }
+  if (!before.empty()) add(before.last_time(), before.tick_of(before.times_.size() - 1));
   take(piece);
+}
+
+void TickClock::add(std::uint64_t time, std::int64_t tick) {
+  if (times_.empty()) first_tick_ = tick;
+  if (ticks_.empty() && tick != tick_of(times_.size())) list_ticks();
+  times_.push_back(time);
+  if (!ticks_.empty()) ticks_.push_back(tick);
+}
+
+std::int64_t TickClock::tick_of(std::size_t index) const {
+  return ticks_.empty() ? first_tick_ + static_cast<std::int64_t>(index) : ticks_[index];
+}
+
+void TickClock::list_ticks() {
+  ticks_.resize(times_.size());
+  std::iota(ticks_.begin(), ticks_.end(), first_tick_);
 }
 
 void TickClock::take(const Trace& piece) {
@@ -27,9 +40,8 @@ void TickClock::take(const Trace& piece) {
     if (channel.type != msg::Tick::type_name || channel.columns.empty()) continue;
     const std::size_t column = column_of(channel, "tick");
     for (std::size_t row = 0; row < channel.rows(); ++row) {
-      times_.push_back(channel.times[row]);
-      ticks_.push_back(column < channel.columns.size() ? static_cast<std::int64_t>(channel.bits(row, column))
-                                                       : static_cast<std::int64_t>(channel.earlier + row));
+      add(channel.times[row], column < channel.columns.size() ? static_cast<std::int64_t>(channel.bits(row, column))
+                                                              : static_cast<std::int64_t>(channel.earlier + row));
     }
     break;
   }
@@ -40,6 +52,7 @@ void TickClock::put_in_order() {
   std::vector<std::size_t> order(times_.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [this](std::size_t a, std::size_t b) { return times_[a] < times_[b]; });
+  if (ticks_.empty()) list_ticks();
   const TickClock before = *this;
   for (std::size_t i = 0; i < order.size(); ++i) {
     times_[i] = before.times_[order[i]];
@@ -49,7 +62,7 @@ void TickClock::put_in_order() {
 
 std::int64_t TickClock::tick_at(std::uint64_t time) const {
   const auto after = std::upper_bound(times_.begin(), times_.end(), time);
-  return after == times_.begin() ? 0 : ticks_[static_cast<std::size_t>(after - times_.begin()) - 1];
+  return after == times_.begin() ? 0 : tick_of(static_cast<std::size_t>(after - times_.begin()) - 1);
 }
 
 bool TickClock::has(std::uint64_t time) const { return std::binary_search(times_.begin(), times_.end(), time); }

@@ -34,8 +34,13 @@ class TickClock {
   bool has(std::uint64_t time) const;
 
  private:
+  void add(std::uint64_t time, std::int64_t tick);
+  std::int64_t tick_of(std::size_t index) const;
+  void list_ticks();
+
   std::vector<std::uint64_t> times_;  // ascending
-  std::vector<std::int64_t> ticks_;
+  std::int64_t first_tick_ = 0;
+  std::vector<std::int64_t> ticks_;  // empty: consecutive, from the first on
 };
 
 /// All messages of a channel.
