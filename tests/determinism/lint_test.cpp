@@ -102,6 +102,7 @@ const Exception allowed[] = {
      "where controllers find recorded copies of files; a file that is there is read as it is"},
     {"harness/src/recording/provenance.cpp", "environment", "what the trace says of how the process was pinned"},
     {"harness/src/report/call_stack.cpp", "environment", "whether a report has a call stack"},
+    {"harness/src/report/report.cpp", "thread", "waits for gdb while the report of a finished run is written"},
     {"harness/src/report/report_page.cpp", "environment", "where the page of reports lies"},
     {"harness/src/testing/test_folders.cpp", "environment", "where a test's files lie"},
     {"harness/src/testing/test_reports.cpp", "environment", "what is done with a finished run"},

@@ -334,8 +334,8 @@ void ReportMaker::request_call_stack(const Places& places) {
       const ChannelName channel = ChannelName::parse(divergence.channel);
       if (beyond != wants_beyond || channel.side != ChannelSide::output) continue;
       const std::string command = channel.kind == ChannelKind::joints ? divergence.element : std::string();
-      call_stack_ =
-          std::async(std::launch::async, options_.call_stack, channel.label(), command, std::int64_t{divergence.tick});
+      constexpr auto in_a_thread_if_possible = std::launch::async | std::launch::deferred;
+      call_stack_ = std::async(in_a_thread_if_possible, options_.call_stack, channel.label(), command, divergence.tick);
       return;
     }
   }
