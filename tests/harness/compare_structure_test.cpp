@@ -94,6 +94,20 @@ TEST_F(Compare, TellsOfARowOfMissingTicksOnceAndOfTheOthersByNumber) {
             "ticks 2 to 4 are missing (after tick 1, before tick 5); with others later 4 in all");
 }
 
+TEST_F(Compare, NamesATickByItsNumberWhereBothHaveAGap) {
+  lengthen(10);
+  for (SmallTrace* trace : {&golden_, &actual_}) trace->ticks.erase(trace->ticks.begin() + 3);
+  actual_.ticks[6].u = 99.0;
+  EXPECT_EQ(compared().first->tick, 7);
+}
+
+TEST_F(Compare, NamesATickByItsNumberWhereBothBeginLater) {
+  lengthen(10);
+  for (SmallTrace* trace : {&golden_, &actual_}) trace->ticks.erase(trace->ticks.begin());
+  actual_.ticks[6].u = 99.0;
+  EXPECT_EQ(compared().first->tick, 7);
+}
+
 TEST_F(Compare, TellsThatTheFirstTickIsMissing) {
   actual_.ticks.erase(actual_.ticks.begin());
   EXPECT_EQ(compared().first->note, "this tick is missing (the first, before tick 1)");

@@ -17,7 +17,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "arrays are stored as they lie in memory");
 
-// Measured with ten seconds of a humanoid: level 6 takes twice the time for a report that is one percent smaller.
+// Measured with ten seconds of a humanoid: level 6 and samples of 16384 elements make the report 0.3 percent smaller,
+// and take twice the time.
 constexpr int compression_level = 2;
 constexpr std::size_t sample_size = 1 << 11;  // number of elements with which filters are tried
 
