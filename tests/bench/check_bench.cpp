@@ -41,6 +41,7 @@ void proved_check_over_record(benchmark::State& state) {
   const Simulation simulation{record, run_plant, describe_plant, record_from};
   CheckOptions options;
   options.certificates = sr1.folder() / "proofs";
+  std::filesystem::remove_all(*options.certificates);  // the library calls this function again with more iterations
   const auto check = [&] {
     return must(check_scenario(sr1.scenario(), sr1.trace(), sr1.folder() / "checked.mcap", options, simulation));
   };

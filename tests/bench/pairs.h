@@ -29,8 +29,9 @@ class Pairs {
 
   /// The medians of the pairs' ratios and of both sides [µs], per unit: a tick, a frame. Once of wall time, to which
   /// the budgets refer, and once of the calling thread's processor time, which is more reliable on a machine with other
-  /// load.
+  /// load. Nothing if no pair was measured.
   void report(benchmark::State& state, double work_units, double base_units) const {
+    if (works_.empty()) return;  // the benchmark was skipped with an error
     const auto put = [&](const std::string& suffix, double Times::*clock) {
       std::vector<double> ratios, works, bases;
       for (std::size_t i = 0; i < works_.size(); ++i) {
