@@ -34,6 +34,15 @@ target_compile_options(rehearse_flags INTERFACE
   # Line numbers are enough to debug our own code; types take a third of the compiler's time, and seconds of gdb's. gdb
   # shows controllers by the types of controllers, and of the sources given to rehearse_types_for_gdb().
   $<$<AND:$<CONFIG:RelWithDebInfo>,$<NOT:$<STREQUAL:$<TARGET_PROPERTY:TYPE>,MODULE_LIBRARY>>>:-g1>)
+
+# For code that runs once per verb, file or verdict, not per tick: the compiler needs two thirds of the time. Presets with
+# other flags compile everything with their own.
+add_library(rehearse_cold_flags INTERFACE)
+target_link_libraries(rehearse_cold_flags INTERFACE rehearse_flags)
+if(CMAKE_CXX_FLAGS_RELWITHDEBINFO STREQUAL "-O2 -g -DNDEBUG")
+  target_compile_options(rehearse_cold_flags INTERFACE $<$<CONFIG:RelWithDebInfo>:-Og>)
+endif()
+
 if(REHEARSE_SANITIZE)
   add_compile_options(-fsanitize=${REHEARSE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${REHEARSE_SANITIZE})
@@ -53,15 +62,16 @@ endfunction()
 add_library(rehearse_private_headers INTERFACE)
 target_include_directories(rehearse_private_headers INTERFACE ${PROJECT_SOURCE_DIR}/engine/src ${PROJECT_SOURCE_DIR}/harness/src)
 
-# rehearse_room(NAME SOURCES... PUBLIC headers... DOOR headers... MAY_USE rooms... LIBRARIES targets...): a folder of
-# sources as a separate target, rehearse_room_NAME. Without sources it is a folder of headers.
+# rehearse_room(NAME [COLD] SOURCES... PUBLIC headers... DOOR headers... MAY_USE rooms... LIBRARIES targets...): a folder
+# of sources as a separate target, rehearse_room_NAME. Without sources it is a folder of headers. COLD: nothing in the
+# room runs at every tick (rehearse_cold_flags).
 #
 # A file of the room may include the room's own headers and those of the rooms after MAY_USE, no others: headers in
 # their folders and their installed headers (PUBLIC, in include/rehearse). Programs in tools/ may include installed
 # headers, and the headers after DOOR. tests/determinism/rooms_test.cpp reads all this from the targets. LIBRARIES are
 # targets of other projects, and Rehearse::cnoid.
 function(rehearse_room name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;PUBLIC;DOOR;MAY_USE;LIBRARIES")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "COLD" "" "SOURCES;PUBLIC;DOOR;MAY_USE;LIBRARIES")
   list(TRANSFORM arg_MAY_USE PREPEND rehearse_room_)
   set(room rehearse_room_${name})
   cmake_path(GET CMAKE_CURRENT_SOURCE_DIR PARENT_PATH folders)
@@ -70,7 +80,11 @@ function(rehearse_room name)
     add_library(${room} OBJECT ${arg_SOURCES})
     target_compile_features(${room} PRIVATE cxx_std_20)
     target_include_directories(${room} PUBLIC ${part}/include ${folders})
-    target_link_libraries(${room} PUBLIC ${arg_MAY_USE} ${arg_LIBRARIES} PRIVATE rehearse_flags)
+    set(flags rehearse_flags)
+    if(arg_COLD)
+      set(flags rehearse_cold_flags)
+    endif()
+    target_link_libraries(${room} PUBLIC ${arg_MAY_USE} ${arg_LIBRARIES} PRIVATE ${flags})
   else()
     add_library(${room} INTERFACE)
     target_include_directories(${room} INTERFACE ${folders})
@@ -107,6 +121,8 @@ function(rehearse_add_library name)
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   target_compile_features(rehearse_${name} PUBLIC cxx_std_20)
   target_link_libraries(rehearse_${name} PRIVATE $<BUILD_INTERFACE:rehearse_flags>)
+  # The library's own functions are bound when it is linked, not by name at every start.
+  target_link_options(rehearse_${name} PRIVATE -Wl,-Bsymbolic-functions)
   foreach(room IN LISTS arg_ROOMS)
     target_sources(rehearse_${name} PRIVATE $<TARGET_OBJECTS:rehearse_room_${room}>)
     get_target_property(libraries rehearse_room_${room} REHEARSE_LIBRARIES)
