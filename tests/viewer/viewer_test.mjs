@@ -14,7 +14,7 @@ import { serve } from './server.mjs';
 const { REHEARSE_COMMAND, SOURCES, KEPT } = process.env;
 const here = new URL('.', import.meta.url).pathname;
 const scratch = mkdtempSync(join(tmpdir(), 'rehearse_viewer_'));
-const patience = 90_000; // [ms]
+const patience = 80_000; // [ms]
 
 let browser, server;
 
@@ -67,18 +67,17 @@ async function count_pixels(page, png) {
 }
 
 /**
- * Opens the recording with this layout until `done` accepts the counts, and returns them with the viewer's warnings.
+ * Opens the recording in a new page until `done` accepts the counts, and returns them with the viewer's warnings.
  * `later`: the counts after a step in time.
  */
-async function look(layout, name, done) {
-  writeFileSync(join(scratch, 'layout.json'), JSON.stringify(layout));
+async function look_once(name, done) {
   const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
   const warnings = [];
   page.on('console', (message) => ['warning', 'error'].includes(message.type()) && warnings.push(message.text()));
   await page.goto(`${server.address}/?ds=remote-file&ds.url=${encodeURIComponent(`${server.address}/run.mcap`)}`);
   const counts_now = async (file) => {
     await page.waitForTimeout(1000);
-    return count_pixels(page, await page.screenshot({ path: join(KEPT, file) }));
+    return count_pixels(page, await page.screenshot({ path: join(KEPT, file), timeout: patience }));
   };
   const end = performance.now() + patience;
   let counts;
@@ -90,6 +89,15 @@ async function look(layout, name, done) {
   return { ...counts, later, warnings };
 }
 
+/** Opens the recording with this layout, once more if the viewer drew nothing: a busy machine can take its 3D context. */
+async function look(layout, name, done) {
+  writeFileSync(join(scratch, 'layout.json'), JSON.stringify(layout));
+  const seen = await look_once(name, done);
+  return seen.robot + seen.axes > 0 ? seen : look_once(name, done);
+}
+
+const written = ({ warnings }) => `\nThe viewer's warnings: ${warnings.join('\n') || 'none'}`;
+
 function panel_3d() {
   const exported = JSON.parse(readFileSync(join(scratch, 'exported.json'), 'utf8'));
   return { ...exported, layout: '3D!robot' };
@@ -97,7 +105,7 @@ function panel_3d() {
 
 test('the robot is drawn where its frames are', async () => {
   const seen = await look(panel_3d(), 'robot', (counts) => counts.robot > 0.02 * counts.all && counts.axes > 50);
-  assert.ok(seen.robot > 0.02 * seen.all, `${seen.robot} of ${seen.all} pixels show the robot`);
+  assert.ok(seen.robot > 0.02 * seen.all, `${seen.robot} of ${seen.all} pixels show the robot ${written(seen)}`);
   const of_robot = seen.warnings.filter((warning) => warning.includes('[topics > /robot_description]'));
   assert.deepEqual(of_robot, []);
   // a viewer that doesn't know a link's pose draws it in the description's until the next transform
@@ -110,6 +118,6 @@ test('without its description only the frames are drawn', async () => {
   const layout = panel_3d();
   layout.configById['3D!robot'].topics['/robot_description'] = { visible: false };
   const seen = await look(layout, 'frames', (counts) => counts.axes > 50);
-  assert.ok(seen.axes > 50, `${seen.axes} pixels show axes`);
+  assert.ok(seen.axes > 50, `${seen.axes} pixels show axes ${written(seen)}`);
   assert.ok(seen.robot < 0.005 * seen.all, `${seen.robot} of ${seen.all} pixels look like the robot`);
 });

@@ -35,8 +35,8 @@ target_compile_options(rehearse_flags INTERFACE
   # shows controllers by the types of controllers, and of the sources given to rehearse_types_for_gdb().
   $<$<AND:$<CONFIG:RelWithDebInfo>,$<NOT:$<STREQUAL:$<TARGET_PROPERTY:TYPE>,MODULE_LIBRARY>>>:-g1>)
 
-# For code that runs once per verb, file or verdict, not per tick: the compiler needs two thirds of the time. Presets with
-# other flags compile everything with their own.
+# For code that takes little of a tick's time (most of it runs once per verb, file or verdict): the compiler needs two
+# thirds of the time. Presets with other flags compile everything with their own.
 add_library(rehearse_cold_flags INTERFACE)
 target_link_libraries(rehearse_cold_flags INTERFACE rehearse_flags)
 if(CMAKE_CXX_FLAGS_RELWITHDEBINFO STREQUAL "-O2 -g -DNDEBUG")
@@ -63,8 +63,8 @@ add_library(rehearse_private_headers INTERFACE)
 target_include_directories(rehearse_private_headers INTERFACE ${PROJECT_SOURCE_DIR}/engine/src ${PROJECT_SOURCE_DIR}/harness/src)
 
 # rehearse_room(NAME [COLD] SOURCES... PUBLIC headers... DOOR headers... MAY_USE rooms... LIBRARIES targets...): a folder
-# of sources as a separate target, rehearse_room_NAME. Without sources it is a folder of headers. COLD: nothing in the
-# room runs at every tick (rehearse_cold_flags).
+# of sources as a separate target, rehearse_room_NAME. Without sources it is a folder of headers. COLD: the room
+# takes little of a tick's time (rehearse_cold_flags).
 #
 # A file of the room may include the room's own headers and those of the rooms after MAY_USE, no others: headers in
 # their folders and their installed headers (PUBLIC, in include/rehearse). Programs in tools/ may include installed
