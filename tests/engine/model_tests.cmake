@@ -9,7 +9,7 @@ rehearse_add_test(model_tests LABEL unit SHARDS 4
           model/urdf_joint_parts_test.cpp
           model/urdf_lenient_test.cpp model/urdf_masses_test.cpp model/urdf_meshes_test.cpp model/urdf_referee_test.cpp
           model/urdf_sensor_dialects_test.cpp model/urdf_surfaces_test.cpp model/urdf_test.cpp
-  LIBRARIES Rehearse::model Rehearse::png tinyxml2::tinyxml2 PNG::PNG JPEG::JPEG)
+  LIBRARIES Rehearse::model tinyxml2::tinyxml2 PNG::PNG JPEG::JPEG)
 
 rehearse_add_test(body_tests LABEL unit SHARDS 1
   SOURCES model/body_broken_test.cpp model/body_test.cpp model/vrml_test.cpp

@@ -20,4 +20,4 @@ rehearse_add_test(judging_test LABEL unit SHARDS 3
     picture_difference_test.cpp
     series_plot_test.cpp
     tolerance_test.cpp
-  LIBRARIES Rehearse::harness Rehearse::png nlohmann_json::nlohmann_json)
+  LIBRARIES Rehearse::harness nlohmann_json::nlohmann_json)

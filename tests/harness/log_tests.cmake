@@ -13,5 +13,5 @@ rehearse_add_test(log_test LABEL unit SHARDS 2
     log/robot_run_test.cpp
     log/ticks_test.cpp
     log/watch_test.cpp
-  LIBRARIES Rehearse::log Rehearse::testing Rehearse::png JPEG::JPEG)
+  LIBRARIES Rehearse::log Rehearse::testing JPEG::JPEG)
 add_dependencies(log_test CameraFollowerController RoverController SR1MinimumController ScoutController TankController TrotController)

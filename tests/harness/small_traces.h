@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "png/png.h"
+#include "picture/picture.h"
 
 namespace rehearse::testing {
 

@@ -10,50 +10,27 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
 
-#include <jpeglib.h>
+#include "../jpeg_file.h"
 
 namespace rehearse::test {
 
 /// A picture with edges and noise, as of a room; its size as a JPEG is about 60 kB.
 inline std::vector<std::uint8_t> jpeg_picture(int number) {
   constexpr unsigned width = 640, height = 480;
-  jpeg_compress_struct jpeg{};
-  jpeg_error_mgr errors{};
-  jpeg.err = jpeg_std_error(&errors);
-  jpeg_create_compress(&jpeg);
-  unsigned char* bytes = nullptr;
-  unsigned long size = 0;
-  jpeg_mem_dest(&jpeg, &bytes, &size);
-  jpeg.image_width = width;
-  jpeg.image_height = height;
-  jpeg.input_components = 3;
-  jpeg.in_color_space = JCS_RGB;
-  jpeg_set_defaults(&jpeg);
-  jpeg_set_quality(&jpeg, 85, TRUE);
-  jpeg_start_compress(&jpeg, TRUE);
-  std::vector<std::uint8_t> row(width * 3);
+  std::vector<std::uint8_t> pixels;
   std::uint32_t noise = static_cast<std::uint32_t>(number) * 2654435761u + 1;
-  while (jpeg.next_scanline < height) {
+  for (unsigned y = 0; y < height; ++y)
     for (unsigned x = 0; x < width; ++x) {
       noise = noise * 1664525u + 1013904223u;
-      const unsigned wall = (x + static_cast<unsigned>(number)) / 40 % 2 * 90 + jpeg.next_scanline / 4;
-      for (unsigned c = 0; c < 3; ++c) row[x * 3 + c] = static_cast<std::uint8_t>(wall + (noise >> 29) + c * 10);
+      const unsigned wall = (x + static_cast<unsigned>(number)) / 40 % 2 * 90 + y / 4;
+      for (unsigned c = 0; c < 3; ++c) pixels.push_back(static_cast<std::uint8_t>(wall + (noise >> 29) + c * 10));
     }
-    JSAMPROW rows[] = {row.data()};
-    jpeg_write_scanlines(&jpeg, rows, 1);
-  }
-  jpeg_finish_compress(&jpeg);
-  jpeg_destroy_compress(&jpeg);
-  std::vector<std::uint8_t> picture(bytes, bytes + size);
-  std::free(bytes);
-  return picture;
+  return jpeg_file(width, height, pixels, 85);
 }
 
 /// Writes `log.mcap`, `map.yaml` and `robot.urdf` into a folder. `tank`: the URDF of the tank, which gets an IMU, a

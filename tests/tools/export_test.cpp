@@ -8,7 +8,7 @@
 
 #include "command.h"
 #include "mixed_file.h"
-#include "png/png.h"
+#include "picture/picture.h"
 
 namespace rehearse::test {
 namespace {

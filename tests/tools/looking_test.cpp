@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "command.h"
-#include "png/png.h"
+#include "picture/picture.h"
 
 namespace rehearse::test {
 namespace {

@@ -9,7 +9,7 @@ include(CMakePackageConfigHelpers)
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # tests need not be built to install
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/Rehearse)
-set(libraries cnoid model world png renderer mcap trace scenario harness report campaign log audit simulation testing gtest)
+set(libraries cnoid model world renderer mcap trace scenario harness report campaign log audit simulation testing gtest)
 list(TRANSFORM libraries PREPEND rehearse_)
 
 install(TARGETS ${libraries} EXPORT RehearseTargets

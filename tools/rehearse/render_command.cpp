@@ -23,7 +23,7 @@
 #include "options.h"
 #include "output.h"
 #include "output_file.h"
-#include "png/png.h"
+#include "picture/picture.h"
 #include "scenario_text.h"
 #include "simulation/viewpoint.h"
 

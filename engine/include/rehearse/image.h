@@ -11,6 +11,7 @@ struct Image {
   int width = 0;                     // [pixels]
   int height = 0;                    // [pixels]
   std::vector<std::uint8_t> pixels;  // width * height * 3
+  std::vector<std::uint8_t> file{};  // the JPEG or PNG from which the pixels were decoded; empty: none
 };
 
 /// Distance along the camera's optical axis [m] for each pixel, rows from the top; +inf where there is no surface.

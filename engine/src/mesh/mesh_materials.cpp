@@ -42,7 +42,7 @@ bool is_grey(const Eigen::Vector4f& color) { return color.x() == color.y() && co
 /// A texture that is embedded in the file.
 Result<Texture> decode_embedded(const aiTexture& embedded) {
   const auto* bytes = reinterpret_cast<const char*>(embedded.pcData);
-  if (embedded.mHeight == 0) return decode_picture({bytes, embedded.mWidth});
+  if (embedded.mHeight == 0) return decode_texture({bytes, embedded.mWidth});
   return error("its pixels aren't compressed", "PNG and JPEG are read");
 }
 
@@ -154,7 +154,7 @@ Result<Texture> MeshMaterials::decode(const std::string& path) {
   if (const aiTexture* embedded = scene_.GetEmbeddedTexture(path.c_str())) return decode_embedded(*embedded);
   const std::string* bytes = input_.named(path);
   if (bytes == nullptr) return error("it isn't there, beside the mesh");
-  return decode_picture(*bytes);
+  return decode_texture(*bytes);
 }
 
 }  // namespace rehearse

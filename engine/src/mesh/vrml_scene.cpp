@@ -234,7 +234,7 @@ class SceneReader {
     const auto [known, is_new] = textures_.try_emplace(name);
     if (is_new) {
       const std::string* bytes = input_.named(name);
-      Result<Texture> picture = bytes == nullptr ? Result<Texture>(error("it can't be read")) : decode_picture(*bytes);
+      Result<Texture> picture = bytes == nullptr ? Result<Texture>(error("it can't be read")) : decode_texture(*bytes);
       if (picture) {
         picture->file = name;
         known->second = std::make_shared<const Texture>(*std::move(picture));

@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "compare_parts.h"
-#include "png/png.h"
+#include "picture/picture.h"
 #include "recorded_picture.h"
 
 namespace rehearse {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "png/png.h"
+#include "picture/picture.h"
 
 namespace rehearse {
 namespace {
@@ -19,7 +19,7 @@ std::optional<RecordedPicture> read_compressed(std::span<const std::byte> payloa
   RecordedPicture picture;
   picture.stamp = message.header.stamp.to_ns();
   if (message.data.empty()) return picture;  // the camera was off
-  auto image = decode_png(message.data);
+  auto image = decode_picture(message.data);
   if (!image) return std::nullopt;
   picture.width = image->width;
   picture.height = image->height;

@@ -24,7 +24,7 @@ struct RecordedPicture {
   bool same_size(const RecordedPicture& other) const;
 };
 
-/// From the bytes of a CompressedImage (PNG) or an Image (rgb8, 32FC1); nullopt if they are something else.
+/// From the bytes of a CompressedImage (PNG or JPEG) or an Image (rgb8, 32FC1); nullopt if they are something else.
 std::optional<RecordedPicture> read_picture(std::string_view message_type, std::span<const std::byte> payload);
 
 enum class PixelState : std::uint8_t { same, within, beyond };  // beyond: by more than is allowed to each

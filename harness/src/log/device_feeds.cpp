@@ -180,6 +180,7 @@ class PictureFeed : public BulkFeed {
       auto color = raw ? color_of(*raw) : color_of(*compressed);
       if (!color) return color.errors();
       if (auto fits = check_size(color->width, color->height); !fits) return fits;
+      if (compressed) color->file = compressed->data;
       const auto shared = std::make_shared<const Image>(*std::move(color));
       for (const int index : source().devices) freshen(seen, index).image = shared;
     }

@@ -6,20 +6,14 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <csetjmp>
 #include <cstddef>
-#include <cstdio>
 #include <cstring>
 #include <limits>
 
-#include <jpeglib.h>
-
-#include "png/png.h"
+#include "picture/picture.h"
 
 namespace rehearse {
 namespace {
-
-constexpr std::uint32_t max_side = 8192;  // [pixels], as for a camera of a model
 
 /// The places of the colours in a pixel.
 struct ColorLayout {
@@ -35,55 +29,14 @@ constexpr ColorLayout color_layouts[] = {{"rgb8", 3, {0, 1, 2}},
 
 /// Fails unless the data has the size of all rows.
 Result<void> check_size(const msg::Image& message, std::size_t pixel) {
-  if (message.width == 0 || message.height == 0 || message.width > max_side || message.height > max_side)
+  if (message.width == 0 || message.height == 0 || message.width > max_picture_side ||
+      message.height > max_picture_side)
     return error(fmt::format("a picture of {} x {} pixels", message.width, message.height),
-                 fmt::format("expected 1 to {} a side", max_side));
+                 fmt::format("expected 1 to {} a side", max_picture_side));
   if (message.step < message.width * pixel || message.data.size() / message.step < message.height)
     return error(fmt::format("a picture of {} x {} pixels in {} has {} bytes, {} a row", message.width, message.height,
                              message.encoding, message.data.size(), message.step));
   return {};
-}
-
-/// Receives the messages of libjpeg; its errors leave by longjmp.
-struct JpegErrors {
-  jpeg_error_mgr manager;
-  std::jmp_buf out;
-  char message[JMSG_LENGTH_MAX];
-};
-
-void leave(j_common_ptr jpeg) {
-  auto* errors = reinterpret_cast<JpegErrors*>(jpeg->err);
-  jpeg->err->format_message(jpeg, errors->message);
-  std::longjmp(errors->out, 1);
-}
-
-/// A warning means a damaged picture, of which libjpeg would invent a part.
-void take_warning(j_common_ptr jpeg, int level) {
-  if (level < 0) leave(jpeg);
-}
-
-/// No object here has a destructor, because an error jumps over it. False: errors.message has the reason.
-bool read_jpeg(jpeg_decompress_struct& jpeg, JpegErrors& errors, std::span<const std::uint8_t> bytes, Image& image) {
-  if (setjmp(errors.out) != 0) return false;
-  jpeg_create_decompress(&jpeg);
-  jpeg_mem_src(&jpeg, bytes.data(), static_cast<unsigned long>(bytes.size()));
-  jpeg_read_header(&jpeg, TRUE);
-  if (jpeg.image_width > max_side || jpeg.image_height > max_side) {
-    std::snprintf(errors.message, sizeof errors.message, "it is larger than %u pixels a side", max_side);
-    return false;
-  }
-  jpeg.out_color_space = JCS_RGB;
-  jpeg.dct_method = JDCT_ISLOW;
-  jpeg_start_decompress(&jpeg);
-  image.width = static_cast<int>(jpeg.output_width);
-  image.height = static_cast<int>(jpeg.output_height);
-  image.pixels.resize(std::size_t{jpeg.output_width} * jpeg.output_height * 3);
-  while (jpeg.output_scanline < jpeg.output_height) {
-    JSAMPROW row = image.pixels.data() + std::size_t{jpeg.output_scanline} * jpeg.output_width * 3;
-    jpeg_read_scanlines(&jpeg, &row, 1);
-  }
-  jpeg_finish_decompress(&jpeg);
-  return true;
 }
 
 /// The numbers of a row in the order of bytes of this machine.
@@ -119,19 +72,6 @@ Result<DepthImage> distances(const msg::Image& message, float meters) {
 
 }  // namespace
 
-Result<Image> decode_jpeg(std::span<const std::uint8_t> bytes) {
-  jpeg_decompress_struct jpeg{};
-  JpegErrors errors{};
-  jpeg.err = jpeg_std_error(&errors.manager);
-  errors.manager.error_exit = leave;
-  errors.manager.emit_message = take_warning;
-  Image image;
-  const bool read = read_jpeg(jpeg, errors, bytes, image);
-  jpeg_destroy_decompress(&jpeg);
-  if (!read) return error(fmt::format("not a complete JPEG: {}", errors.message));
-  return image;
-}
-
 Result<Image> color_of(const msg::Image& message) {
   for (const ColorLayout& layout : color_layouts) {
     if (message.encoding != layout.encoding) continue;
@@ -150,13 +90,7 @@ Result<Image> color_of(const msg::Image& message) {
 }
 
 Result<Image> color_of(const msg::CompressedImage& message) {
-  constexpr std::array<std::uint8_t, 4> png{0x89, 'P', 'N', 'G'};
-  constexpr std::array<std::uint8_t, 2> jpeg{0xff, 0xd8};
-  const auto begins_with = [&message](std::span<const std::uint8_t> magic) {
-    return message.data.size() >= magic.size() && std::equal(magic.begin(), magic.end(), message.data.begin());
-  };
-  if (begins_with(png)) return decode_png(message.data);
-  if (begins_with(jpeg)) return decode_jpeg(message.data);
+  if (is_png(message.data) || is_jpeg(message.data)) return decode_picture(message.data);
   return error(fmt::format("a picture in '{}', which is neither JPEG nor PNG", message.format),
                "read are JPEG and PNG");
 }

@@ -5,9 +5,6 @@
 #include <rehearse/io.h>
 #include <rehearse/messages.h>
 
-#include <cstdint>
-#include <span>
-
 namespace rehearse {
 
 /// From encodings rgb8, bgr8, rgba8, bgra8 (alpha is dropped) and mono8. Fails on others, and on data that is too
@@ -19,8 +16,5 @@ Result<Image> color_of(const msg::CompressedImage& message);
 
 /// From encodings 32FC1 [m] and 16UC1 [mm]; 0 and NaN are no distance and become +inf.
 Result<DepthImage> depth_of(const msg::Image& message);
-
-/// A complete JPEG of at most 8192 pixels a side as RGB; grey ones too.
-Result<Image> decode_jpeg(std::span<const std::uint8_t> bytes);
 
 }  // namespace rehearse

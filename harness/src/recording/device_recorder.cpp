@@ -1,11 +1,10 @@
 #include "device_recorder.h"
 
-#include "png/png.h"
-
 #include <cmath>
 #include <cstring>
 
 #include "camera_info.h"
+#include "recorded_image.h"
 #include "trace/range_messages.h"
 
 namespace rehearse {
@@ -118,14 +117,13 @@ Result<void> DeviceRecorder::write_pictures(TraceOutput& output, std::int64_t ti
   });
 }
 
-/// The picture is encoded while the simulation continues. Null: the camera was switched off.
+/// A picture without a file is encoded while the simulation continues. Null: the camera was switched off.
 Result<void> DeviceRecorder::write_color(TraceOutput& output, std::int64_t tick, const msg::Header& header,
                                          const std::shared_ptr<const Image>& image) const {
   if (!image) return output.write(color_, tick, msg::CompressedImage{header, "", {}});
   ++output.size.frames;
-  return output.write_later<msg::CompressedImage>(color_, tick, image->pixels.size(), [header, image] {
-    return msg::CompressedImage{header, "rgb8; png compressed", encode_png(*image)};
-  });
+  return output.write_later<msg::CompressedImage>(color_, tick, image->pixels.size() + image->file.size(),
+                                                  [header, image] { return message_of(header, *image); });
 }
 
 }  // namespace rehearse

@@ -12,8 +12,8 @@
 
 #include "host/joint_arrays.h"
 #include "model/clock.h"
-#include "png/png.h"
 #include "recording/contact_messages.h"
+#include "recording/recorded_image.h"
 #include "trace/range_messages.h"
 #include "trace/run_facts.h"
 
@@ -336,8 +336,11 @@ Result<void> RecordedInputs::accept_device(const Feed& feed, const mcap::Message
     reading.measured_at = measured_at(color.header.stamp);
     reading.image = nullptr;
     if (color.data.empty()) return reading.depth = nullptr, Result<void>();  // it was switched off
-    auto image = decode_png(color.data);
-    if (!image) return mismatch();
+    auto image = image_of(std::move(color));
+    if (!image)
+      return error(fmt::format("the picture on {} at {} ns can't be replayed: {}", feed.topic, message.log_time,
+                               image.errors()[0].message),
+                   image.errors()[0].hint);
     reading.image = std::make_shared<const Image>(std::move(*image));
   } else {
     msg::Image picture;

@@ -8,7 +8,7 @@
 
 #include "compare/recorded_picture.h"
 #include "export/picture_file.h"
-#include "png/png.h"
+#include "picture/picture.h"
 #include "trace/channel_name.h"
 
 namespace rehearse {
@@ -27,16 +27,6 @@ Bytes grey_of(const RecordedPicture& picture, float near, float far) {
     std::fill_n(image.pixels.begin() + static_cast<std::ptrdiff_t>(3 * i), 3, grey);
   }
   return encode_png(image);
-}
-
-/// Size of a PNG file, which is at a fixed offset.
-std::pair<int, int> png_size(const Bytes& file) {
-  constexpr std::size_t width_at = 16, height_at = 20;
-  if (file.size() < height_at + 4) return {0, 0};
-  const auto number = [&](std::size_t at) {
-    return file[at] << 24 | file[at + 1] << 16 | file[at + 2] << 8 | file[at + 3];
-  };
-  return {number(width_at), number(height_at)};
 }
 
 std::optional<RecordedPicture> distances_at(const Trace& trace, const TraceChannel& channel, std::size_t message) {
@@ -93,7 +83,7 @@ ReportJson PictureWriter::picture(const Trace& trace, const TraceChannel& channe
     return nullptr;
   }
   if (file->extension.empty()) return nullptr;  // the camera was off
-  if (file->extension == "png") std::tie(album.width, album.height) = png_size(file->bytes);
+  std::tie(album.width, album.height) = size_of_picture(file->bytes);
   ReportJson blob = blobs_.bytes(file->bytes);
   blob["media_type"] = file->extension == "png" ? "image/png" : "image/jpeg";
   if (album.is_depth) album.drawn = blob;

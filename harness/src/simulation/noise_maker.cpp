@@ -93,6 +93,7 @@ void disturb_capture(const DeviceNoise& noise, const Chance& chance, DeviceReadi
   }
   if (reading.image && !noise.quantities.at(0).changes_nothing()) {
     auto image = std::make_shared<Image>(*reading.image);
+    image->file.clear();
     disturb_colors(noise.quantities[0], chance, image->pixels);
     reading.image = std::move(image);
   }

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "model/clock.h"
-#include "png/png.h"
+#include "picture/picture.h"
 #include "viewpoint.h"
 
 namespace rehearse {

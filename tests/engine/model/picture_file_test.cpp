@@ -5,11 +5,9 @@
 #include <png.h>
 
 #include <array>
-#include <cstdio>
-#include <cstdlib>
 #include <string>
 
-#include <jpeglib.h>  // needs the headers above
+#include "../../jpeg_file.h"
 
 namespace rehearse {
 namespace {
@@ -30,42 +28,20 @@ std::string png(unsigned width, unsigned height, png_uint_32 format, const std::
   return bytes;
 }
 
-/// A JPEG of one colour; one component is grey, four are CMYK.
-std::string jpeg(unsigned width, unsigned height, std::vector<std::uint8_t> color) {
-  jpeg_compress_struct info{};
-  jpeg_error_mgr errors{};
-  info.err = jpeg_std_error(&errors);
-  jpeg_create_compress(&info);
-  unsigned char* memory = nullptr;
-  unsigned long size = 0;
-  jpeg_mem_dest(&info, &memory, &size);
-  info.image_width = width;
-  info.image_height = height;
-  info.input_components = static_cast<int>(color.size());
-  info.in_color_space = color.size() == 1 ? JCS_GRAYSCALE : color.size() == 3 ? JCS_RGB : JCS_CMYK;
-  jpeg_set_defaults(&info);
-  jpeg_set_quality(&info, 100, TRUE);
-  jpeg_start_compress(&info, TRUE);
-  std::vector<std::uint8_t> row;
-  for (unsigned x = 0; x < width; ++x) row.insert(row.end(), color.begin(), color.end());
-  JSAMPROW rows[] = {row.data()};
-  while (info.next_scanline < height) jpeg_write_scanlines(&info, rows, 1);
-  jpeg_finish_compress(&info);
-  std::string bytes(reinterpret_cast<char*>(memory), size);
-  jpeg_destroy_compress(&info);
-  std::free(memory);
-  return bytes;
+std::string jpeg(unsigned width, unsigned height, const std::vector<std::uint8_t>& color) {
+  const std::vector<std::uint8_t> file = test::jpeg_of_color(width, height, color);
+  return {file.begin(), file.end()};
 }
 
 std::string picture_refusal(const std::string& bytes) {
-  const Result<Texture> texture = decode_picture(bytes);
+  const Result<Texture> texture = decode_texture(bytes);
   if (texture) return "it was accepted";
   return to_string(texture.errors());
 }
 
 TEST(PictureFile, IsAPngWithItsOpacity) {
   const std::vector<std::uint8_t> pixels{1, 2, 3, 4, 5, 6, 7, 8};
-  const Result<Texture> texture = decode_picture(png(1, 2, PNG_FORMAT_RGBA, pixels));
+  const Result<Texture> texture = decode_texture(png(1, 2, PNG_FORMAT_RGBA, pixels));
   ASSERT_TRUE(texture) << to_string(texture.errors());
   EXPECT_EQ(texture->width, 1);
   EXPECT_EQ(texture->height, 2);
@@ -73,13 +49,13 @@ TEST(PictureFile, IsAPngWithItsOpacity) {
 }
 
 TEST(PictureFile, IsAPngOfGrey) {
-  const Result<Texture> texture = decode_picture(png(2, 1, PNG_FORMAT_GRAY, {10, 200}));
+  const Result<Texture> texture = decode_texture(png(2, 1, PNG_FORMAT_GRAY, {10, 200}));
   ASSERT_TRUE(texture) << to_string(texture.errors());
   EXPECT_THAT(texture->rgba, ElementsAre(10, 10, 10, 255, 200, 200, 200, 255));
 }
 
 TEST(PictureFile, IsAJpeg) {
-  const Result<Texture> texture = decode_picture(jpeg(17, 9, {200, 100, 50}));
+  const Result<Texture> texture = decode_texture(jpeg(17, 9, {200, 100, 50}));
   ASSERT_TRUE(texture) << to_string(texture.errors());
   EXPECT_EQ(texture->width, 17);
   EXPECT_EQ(texture->height, 9);
@@ -93,7 +69,7 @@ TEST(PictureFile, IsAJpeg) {
 }
 
 TEST(PictureFile, IsAJpegOfGrey) {
-  const Result<Texture> texture = decode_picture(jpeg(1, 1, {77}));
+  const Result<Texture> texture = decode_texture(jpeg(1, 1, {77}));
   ASSERT_TRUE(texture) << to_string(texture.errors());
   EXPECT_THAT(texture->rgba, ElementsAre(77, 77, 77, 255));
 }
@@ -101,7 +77,7 @@ TEST(PictureFile, IsAJpegOfGrey) {
 TEST(PictureFile, ThatIsDamagedIsRefusedAndDoesNotEndTheProcess) {
   for (const std::string& whole :
        {png(8, 8, PNG_FORMAT_RGB, std::vector<std::uint8_t>(192, 9)), jpeg(8, 8, {1, 2, 3})}) {
-    ASSERT_TRUE(decode_picture(whole));
+    ASSERT_TRUE(decode_texture(whole));
     for (std::size_t length = 0; length + 12 < whole.size(); ++length) {  // a PNG's pixels end there
       EXPECT_THAT(picture_refusal(whole.substr(0, length)), HasSubstr("error: ")) << length << " of " << whole.size();
     }

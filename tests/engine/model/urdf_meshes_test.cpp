@@ -1,7 +1,7 @@
 // <mesh> in a URDF.
 #include "mesh/convex_parts.h"
 #include "mesh/mesh_cache.h"
-#include "png/png.h"
+#include "picture/picture.h"
 #include "test_folder.h"
 #include "urdf_texts.h"
 

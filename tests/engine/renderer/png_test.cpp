@@ -1,4 +1,4 @@
-#include "png/png.h"
+#include "picture/picture.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

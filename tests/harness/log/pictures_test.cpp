@@ -2,15 +2,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <limits>
 
-#include <jpeglib.h>
-
+#include "../../jpeg_file.h"
 #include "log/picture_codecs.h"
-#include "png/png.h"
+#include "picture/picture.h"
+#include "recording/recorded_image.h"
 
 namespace rehearse {
 namespace {
@@ -26,36 +24,6 @@ msg::Image picture(const std::string& encoding, std::uint32_t width, std::uint32
   image.step = step;
   image.data = std::move(data);
   return image;
-}
-
-/// A picture of one colour.
-std::vector<std::uint8_t> jpeg_of(unsigned width, unsigned height, std::uint8_t red, std::uint8_t green,
-                                  std::uint8_t blue) {
-  jpeg_compress_struct jpeg{};
-  jpeg_error_mgr errors{};
-  jpeg.err = jpeg_std_error(&errors);
-  jpeg_create_compress(&jpeg);
-  unsigned char* buffer = nullptr;
-  unsigned long size = 0;
-  jpeg_mem_dest(&jpeg, &buffer, &size);
-  jpeg.image_width = width;
-  jpeg.image_height = height;
-  jpeg.input_components = 3;
-  jpeg.in_color_space = JCS_RGB;
-  jpeg_set_defaults(&jpeg);
-  jpeg_set_quality(&jpeg, 100, TRUE);
-  jpeg_start_compress(&jpeg, TRUE);
-  std::vector<std::uint8_t> row;
-  for (unsigned x = 0; x < width; ++x) row.insert(row.end(), {red, green, blue});
-  while (jpeg.next_scanline < height) {
-    JSAMPROW rows = row.data();
-    jpeg_write_scanlines(&jpeg, &rows, 1);
-  }
-  jpeg_finish_compress(&jpeg);
-  std::vector<std::uint8_t> bytes(buffer, buffer + size);
-  jpeg_destroy_compress(&jpeg);
-  std::free(buffer);
-  return bytes;
 }
 
 TEST(PictureCodecs, ReadTheUsualEncodings) {
@@ -100,7 +68,7 @@ TEST(PictureCodecs, ReadDistances) {
 }
 
 TEST(PictureCodecs, ReadJpeg) {
-  const auto image = color_of(msg::CompressedImage{{}, "jpeg", jpeg_of(9, 5, 200, 100, 50)});
+  const auto image = color_of(msg::CompressedImage{{}, "jpeg", test::jpeg_of_color(9, 5, {200, 100, 50})});
   ASSERT_TRUE(image.ok()) << to_string(image.errors());
   EXPECT_EQ(image->width, 9);
   EXPECT_EQ(image->height, 5);
@@ -110,13 +78,24 @@ TEST(PictureCodecs, ReadJpeg) {
   EXPECT_NEAR(image->pixels[134], 50, 3);
 }
 
+TEST(PictureCodecs, ReadTheSizeFromTheHeader) {
+  using Size = std::pair<int, int>;
+  const std::vector<std::uint8_t> jpeg = test::jpeg_of_color(9, 5, {200, 100, 50});
+  const std::vector<std::uint8_t> png = encode_png({300, 2, std::vector<std::uint8_t>(1800)});
+  EXPECT_EQ(size_of_picture(jpeg), Size(9, 5));
+  EXPECT_EQ(size_of_picture(png), Size(300, 2));
+  EXPECT_EQ(size_of_picture(std::span(jpeg).first(20)), Size(0, 0));
+  EXPECT_EQ(size_of_picture(std::span(png).first(20)), Size(0, 0));
+  EXPECT_EQ(size_of_picture({}), Size(0, 0));
+}
+
 TEST(PictureCodecs, ReadPngWhateverTheFormatSays) {
   const Image image{1, 1, {1, 2, 3}};
   EXPECT_EQ(color_of(msg::CompressedImage{{}, "jpeg", encode_png(image)})->pixels, image.pixels);
 }
 
 TEST(PictureCodecs, RefuseWhatIsDamaged) {
-  std::vector<std::uint8_t> bytes = jpeg_of(32, 32, 200, 100, 50);
+  std::vector<std::uint8_t> bytes = test::jpeg_of_color(32, 32, {200, 100, 50});
   for (std::size_t length = 2; length < bytes.size(); length += 7) {
     const auto cut = decode_jpeg(std::span(bytes).first(length));
     EXPECT_FALSE(cut.ok()) << length << " of " << bytes.size() << " bytes are no picture";
@@ -124,6 +103,32 @@ TEST(PictureCodecs, RefuseWhatIsDamaged) {
   EXPECT_THAT(to_string(color_of(msg::CompressedImage{{}, "webp", {1, 2, 3}}).errors()),
               HasSubstr("in 'webp', which is neither JPEG nor PNG"));
   EXPECT_FALSE(color_of(msg::CompressedImage{}).ok());
+}
+
+TEST(RecordedImages, AreTheFilesThatCame) {
+  Image image{1, 1, {1, 2, 3}};
+  const msg::CompressedImage drawn = message_of({}, image);
+  EXPECT_EQ(drawn.format, "rgb8; png compressed");
+  EXPECT_EQ(image_of(drawn)->pixels, image.pixels);
+
+  const msg::CompressedImage logged{{}, "jpeg", test::jpeg_of_color(9, 5, {200, 100, 50})};
+  image = *color_of(logged);
+  image.file = logged.data;
+  const msg::CompressedImage recorded = message_of({}, image);
+  EXPECT_EQ(recorded.data, logged.data);
+  const auto replayed = image_of(recorded);
+  ASSERT_TRUE(replayed.ok()) << to_string(replayed.errors());
+  EXPECT_EQ(replayed->pixels, image.pixels);
+  EXPECT_EQ(replayed->file, logged.data) << "a recording of the replay has the same file";
+}
+
+/// Else a replay on a machine with another libjpeg would blame the controller.
+TEST(RecordedImages, AreRefusedIfAnotherLibraryDecodesOtherPixels) {
+  Image image{9, 5, std::vector<std::uint8_t>(135, 42)};  // not the pixels of the file
+  image.file = test::jpeg_of_color(9, 5, {200, 100, 50});
+  const auto replayed = image_of(message_of({}, image));
+  ASSERT_FALSE(replayed.ok());
+  EXPECT_EQ(replayed.errors()[0].message, "the JPEG has other pixels on this machine than in the recorded run");
 }
 
 }  // namespace

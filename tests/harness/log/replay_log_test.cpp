@@ -1,6 +1,8 @@
 // Logs of simulated robots, replayed into their controllers: the controllers repeat their commands.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <rehearse/cdr.h>
+#include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 #include <rehearse/replay.h>
 #include <rehearse/test_support.h>
@@ -14,7 +16,9 @@
 #include <optional>
 #include <vector>
 
+#include "../../jpeg_file.h"
 #include "log/log_replay.h"
+#include "picture/picture.h"
 #include "robot_log.h"
 
 namespace rehearse {
@@ -146,6 +150,47 @@ TEST_F(LogReplay, RepeatsTheCommandsOfAScoutByItsPictures) {
   EXPECT_TRUE(report.equal()) << to_string(report.first.value_or(Divergence()));
   EXPECT_EQ(report.frames, 120);
   EXPECT_TRUE(report.remarks.empty()) << to_string(report.remarks);
+  const auto again = replay(path("run.mcap"));
+  ASSERT_TRUE(again.ok()) << to_string(again.errors());
+  EXPECT_TRUE(again->equal());
+}
+
+/// A JPEG isn't encoded anew: the recording has its bytes, and a replay of the recording the pixels that were read.
+TEST_F(LogReplay, KeepsJpegsAsTheyCame) {
+  std::vector<std::vector<std::uint8_t>> logged, recorded;
+  RobotLog robot;
+  robot.topics = {
+      {"/Scout/joints", "/joint_states"}, {"/Scout/Laser/scan", "/scan"}, {"/Scout/Depth/image", "/camera/color"}};
+  robot.change = [&](const std::string& topic, std::vector<std::byte>& payload) {
+    if (topic != "/camera/color") return;
+    CdrReader reader(payload);
+    msg::CompressedImage picture;
+    ASSERT_TRUE(msg::decode(reader, picture));
+    const auto image = decode_png(picture.data);
+    ASSERT_TRUE(image.ok()) << to_string(image.errors());
+    const auto width = static_cast<unsigned>(image->width), height = static_cast<unsigned>(image->height);
+    picture.data = logged.emplace_back(test::jpeg_file(width, height, image->pixels, 85));
+    picture.format = "jpeg";
+    CdrWriter writer;
+    msg::encode(picture, writer);
+    payload.assign(writer.bytes().begin(), writer.bytes().end());
+  };
+  log("Scout.FindsItsWayThroughARoom.mcap", robot);
+  map("time_step: 0.005\nstart: first\njoints: /joint_states\nranges: {topic: /scan, device: Laser}\n"
+      "cameras: {topic: /camera/color, device: Depth}\n");
+  EXPECT_EQ(replayed("ScoutController", "scout.urdf").frames, 120);
+  const auto recording = mcap::Reader::open(path("run.mcap"));
+  ASSERT_TRUE(recording.ok()) << to_string(recording.errors());
+  ASSERT_TRUE((*recording)->for_each_message([&](const mcap::Message& message) {
+    CdrReader reader(message.data);
+    msg::CompressedImage picture;
+    if (message.channel->topic != "/Scout/Depth/image") return true;
+    EXPECT_TRUE(msg::decode(reader, picture));
+    EXPECT_THAT(picture.format, ::testing::StartsWith("rgb8; jpeg compressed bgr8; pixels "));
+    recorded.push_back(picture.data);
+    return true;
+  }));
+  EXPECT_EQ(recorded, logged);
   const auto again = replay(path("run.mcap"));
   ASSERT_TRUE(again.ok()) << to_string(again.errors());
   EXPECT_TRUE(again->equal());

@@ -21,7 +21,8 @@ struct RobotLog {
   std::int64_t start = 1'763'640'000'123'456'789;  // of the recording, by the log's clock [ns]
   /// For a topic of the log at a time of the recording [ns]. Null `keep`: all messages; null `lateness`: no delay.
   std::function<bool(const std::string& topic, std::int64_t time)> keep;
-  std::function<std::int64_t(const std::string& topic, std::int64_t time)> lateness;  // [ns]
+  std::function<std::int64_t(const std::string& topic, std::int64_t time)> lateness;      // [ns]
+  std::function<void(const std::string& topic, std::vector<std::byte>& payload)> change;  // null: as recorded
 };
 
 /// header.stamp is the time of the measurement in the recording; log times are later by `lateness`.
@@ -55,6 +56,7 @@ inline void write_log(const std::filesystem::path& recording, const std::filesys
     added.channel = channels.at(message.channel->id);
     added.time = static_cast<std::uint64_t>(robot.start + time + (robot.lateness ? robot.lateness(topic, time) : 0));
     added.data.assign(message.data.begin(), message.data.end());
+    if (robot.change) robot.change(topic, added.data);
     std::int32_t seconds;
     std::uint32_t nanoseconds;
     std::memcpy(&seconds, &added.data[4], 4);  // all messages begin with a header

@@ -2,7 +2,7 @@
 
 #include <rehearse/mcap.h>
 
-#include "png/png.h"
+#include "picture/picture.h"
 #include "runs.h"
 
 namespace rehearse {

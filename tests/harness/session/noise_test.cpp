@@ -1,7 +1,7 @@
 // Readings of sensors and joints in a run with noise, compared with the same run without noise.
 #include "runs.h"
 
-#include "png/png.h"
+#include "picture/picture.h"
 
 #include <cmath>
 #include <numeric>

@@ -3,7 +3,7 @@
 #include <rehearse/mcap.h>
 #include <rehearse/pin.h>
 
-#include "png/png.h"
+#include "picture/picture.h"
 #include "runs.h"
 
 namespace rehearse {

@@ -1,6 +1,6 @@
 // The encoder is a small piece of code around libdeflate, because encoding a camera's frame must take less time than
 // drawing it. The decoder is libpng, because it must read the files of all programs.
-#include "png.h"
+#include "picture.h"
 
 #include <fmt/format.h>
 #include <libdeflate.h>
@@ -25,9 +25,6 @@ using Bytes = std::vector<std::uint8_t>;
 // tool shows a PNG, and encoding runs on the trace's separate thread.
 constexpr int compression_level = 1;
 constexpr std::uint8_t unfiltered = 0;
-
-// width and height [pixels]; prevents a small file from requiring gigabytes
-constexpr std::uint32_t max_decoded_size = 8192;
 
 void append_u32(Bytes& bytes, std::uint32_t value) {
   for (int shift = 24; shift >= 0; shift -= 8) bytes.push_back(static_cast<std::uint8_t>(value >> shift));
@@ -202,9 +199,9 @@ Result<Image> decode_png(std::span<const std::uint8_t> bytes) {
   if (head.format & PNG_FORMAT_FLAG_LINEAR) {
     return error("can't decode PNG: it has 16 bits a sample", "8 bits a sample are read");
   }
-  if (head.width > max_decoded_size || head.height > max_decoded_size) {
+  if (head.width > max_picture_side || head.height > max_picture_side) {
     return error(fmt::format("can't decode PNG: it is {} x {} pixels", head.width, head.height),
-                 fmt::format("at most {0} x {0} are read", max_decoded_size));
+                 fmt::format("at most {0} x {0} are read", max_picture_side));
   }
   Image image{static_cast<int>(head.width), static_cast<int>(head.height), {}};
   if (!(head.format & PNG_FORMAT_FLAG_ALPHA)) {

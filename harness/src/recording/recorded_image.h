@@ -1,0 +1,18 @@
+// A camera's colour picture as a message of a recording, and back.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+#include <rehearse/image.h>
+#include <rehearse/messages.h>
+
+namespace rehearse {
+
+/// The picture's own file, if it came as one: a log's JPEG as a PNG would be four times as large, and encoding it would
+/// take most of the time of a replay. Else a PNG. The format of a JPEG ends with the hash of the decoded pixels.
+msg::CompressedImage message_of(const msg::Header& header, const Image& image);
+
+/// Decodes the picture of a message; its file is kept in it. Fails if it can't be decoded, and if libjpeg decodes other
+/// pixels on this machine than in the recorded run.
+Result<Image> image_of(msg::CompressedImage message);
+
+}  // namespace rehearse
