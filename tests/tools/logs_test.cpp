@@ -133,6 +133,17 @@ TEST_F(Logs, AMapOfAForeignLogSaysWhatItIsUnsureOf) {
   EXPECT_THAT(map, HasSubstr("# joints without a source: RIGHT_WHEEL\n"));
 }
 
+TEST_F(Logs, AMapWithoutAJoyTakesATwist) {
+  {
+    auto writer = std::move(*mcap::Writer::create(folder() / "log.mcap"));
+    TopicWriter velocities(*writer, "/cmd_vel", "cdr", add_schema<msg::TwistStamped>(*writer));
+    velocities.put(0, msg::TwistStamped());
+    ASSERT_TRUE(writer->close());
+  }
+  const std::string map = done({"map", "log.mcap", "--model", (fixtures / "models/tank.urdf").string()}).out;
+  EXPECT_THAT(map, HasSubstr("joystick: /cmd_vel    # unsure: a Twist as axes 0 to 5, linear x, y, z and angular "));
+}
+
 TEST_F(Logs, AMapOfALogThatDoesNotFitIsRefused) {
   {
     auto writer = std::move(*mcap::Writer::create(folder() / "log.mcap"));

@@ -25,6 +25,7 @@ TopicUse use_of(const LogTopic& topic) {
   if (topic.has("k/*") && topic.has("width")) return TopicUse::camera_info;
   if (topic.has("ranges/*") || (topic.has("fields/*/name", text) && topic.has("point_step"))) return TopicUse::ranges;
   if (topic.has("axes/*") && topic.has("buttons/*")) return TopicUse::joystick;
+  if (topic.has("linear/x") || topic.has("twist/linear/x")) return TopicUse::twist;
   if (topic.has("pose/pose/position/x")) return TopicUse::odometry;
   if (topic.has("pose/position/x")) return TopicUse::pose;
   return topic.has("data/*") ? TopicUse::numbers : TopicUse::other;

@@ -23,6 +23,7 @@ enum class TopicUse {
   camera_info,
   ranges,
   joystick,
+  twist,
   pose,
   odometry,
   numbers,

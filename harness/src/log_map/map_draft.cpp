@@ -331,12 +331,16 @@ void MapDraft::write_root() {
 }
 
 void MapDraft::write_joystick() {
-  const auto topics = of_use(TopicUse::joystick);
+  auto topics = of_use(TopicUse::joystick);
+  const char* why = "the order of its axes and buttons is assumed to be Choreonoid's";
+  if (topics.empty()) {
+    topics = of_use(TopicUse::twist);
+    why = "a Twist as axes 0 to 5, linear x, y, z and angular x, y, z; it may also be a command of the controller";
+  }
   if (topics.empty()) return;
   used_.insert(topics[0]->topic.name);
   line("");
-  line(fmt::format("joystick: {}    # unsure: the order of its axes and buttons is assumed to be Choreonoid's",
-                   yaml_text(topics[0]->topic.name)));
+  line(fmt::format("joystick: {}    # unsure: {}", yaml_text(topics[0]->topic.name), why));
 }
 
 /// The commands: a JointState whose name says so and that has the most joints, else an array of numbers.
