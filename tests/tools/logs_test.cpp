@@ -109,6 +109,9 @@ TEST_F(Logs, ADraftedMapReplaysARecordingBitForBit) {
       {"replay", log, "--controller", "TankController", "--model", model, "--map", "tank.map.yaml", "-o", "out.mcap"});
   EXPECT_EQ(replayed.status, 0) << replayed.out << replayed.err;
   EXPECT_THAT(replayed.out, HasSubstr("the log's commands, bit for bit"));
+  EXPECT_THAT(done({"doctor", "out.mcap"}).out, HasSubstr("nothing to find fault with"));
+  done({"report", "out.mcap", "-o", "out.html"});
+  EXPECT_THAT(read_file(folder() / "out.html"), HasSubstr(R"("complete":true)"));
 }
 
 TEST_F(Logs, AMapOfAForeignLogSaysWhatItIsUnsureOf) {

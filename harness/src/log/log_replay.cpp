@@ -373,7 +373,8 @@ Result<void> LogReplayer::finish() {
 
 Result<void> LogReplayer::close_file() {
   const RecordingSize& size = recorder_->size();
-  RunOutcome outcome{.ticks = size.ticks, .complete = !report_.failure, .checkpoints = "none"};
+  // A log has no state after the last tick.
+  RunOutcome outcome{.ticks = size.ticks, .complete = false, .checkpoints = "none"};
   if (report_.failure) outcome.failure = report_.failure->message;
   for (const LogTopicReport& topic : report_.topics) {
     auto done = recorder_->add_metadata(records::log_topic + topic.topic, metadata_of(topic));

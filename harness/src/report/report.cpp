@@ -122,7 +122,7 @@ ReportJson run_json(const ReportedRun& run, std::string_view role, const fs::pat
       {"role", role},
       {"file", file.filename().string()},
       {"ticks", stated.ticks(trace.ticks())},
-      {"complete", stated.outcome && stated.outcome->complete},
+      {"complete", stated.outcome && !stated.outcome->failure},
       {"outcome", outcome_of(stated)},
       {"facts", std::move(provenance)},
       {"scenario", scenario ? std::string(reinterpret_cast<const char*>(scenario->data.data()), scenario->data.size())
