@@ -68,10 +68,20 @@ TEST_F(LinkedLibraries, OfTheAuditHaveNeitherAndThoseOfTheCommandHaveNoDisassemb
   }
 }
 
-TEST_F(LinkedLibraries, OfTheSimulatorHaveBoth) {  // so that the test above can fail
+TEST_F(LinkedLibraries, OfTheSimulatorHavePhysics) {  // so that the test above can fail
   const std::string names = everything(REHEARSE_SIMULATE);
   EXPECT_THAT(names, HasSubstr("libode"));
-  EXPECT_THAT(names, HasSubstr("libOSMesa"));
+  EXPECT_THAT(names, Not(HasSubstr("libOSMesa")));  // it would take longer to load than all other libraries
+}
+
+TEST_F(LinkedLibraries, LoadedWhileItRecordsHaveARendererOnlyIfACameraRuns) {
+  const auto loaded = [this](const fs::path& scenario) {
+    const Outcome outcome = rehearse({"record", scenario.string(), "-o", "run.mcap"}, "LD_DEBUG=files");
+    EXPECT_EQ(outcome.status, 0);
+    return outcome.err;
+  };
+  EXPECT_THAT(loaded(sr1_without_cameras()), Not(HasSubstr("libOSMesa")));
+  EXPECT_THAT(loaded(fixtures / "scenarios/tank.yaml"), HasSubstr("libOSMesa"));
 }
 
 TEST_F(LinkedLibraries, LoadedWhileItReplaysHaveNeitherPhysicsNorRenderer) {

@@ -24,6 +24,7 @@ set(CPACK_THREADS 0)  # all processors
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME rehearse)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_DEPENDS "libosmesa6")  # loaded by name, when the first picture is drawn
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "gdb, valgrind, ffmpeg")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "rehearse-doc")
 set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "record, replay and judge robot controllers

@@ -45,14 +45,16 @@ inline constexpr Quality Quality::fine{true, true};
 
 class Renderer {
  public:
+  /// The library that draws. The first create() of a process loads it.
+  static constexpr const char* library = "libOSMesa.so.8";
   /// The largest width and height of a picture [pixels]; with antialiasing it has at most a third of it.
   static constexpr int max_size = 8192;
   /// The largest number of lights.
   static constexpr int max_lights = 64;
 
   /// The scene has the sky and the lights of `look`; its settings for cameras are those of draw()'s caller.
-  /// Fails if OSMesa can't make a context of OpenGL 3.3 with clip control (Mesa has both since 2017), or if there are
-  /// more lights than max_lights.
+  /// Fails if OSMesa can't be loaded, or can't make a context of OpenGL 3.3 with clip control (Mesa has both since
+  /// 2017), or if there are more lights than max_lights.
   static Result<std::unique_ptr<Renderer>> create(const Look& look = {});
   ~Renderer();
   Renderer(const Renderer&) = delete;

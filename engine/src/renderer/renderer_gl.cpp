@@ -2,11 +2,11 @@
 
 #include <rehearse/renderer.h>
 
-#define GL_GLEXT_PROTOTYPES
-#include <GL/osmesa.h>
 #include <fmt/format.h>
 
 #include <limits>
+
+#include "gl_functions.h"
 
 namespace rehearse::gl {
 namespace {
@@ -46,6 +46,7 @@ void shrink_without_alpha(const std::vector<std::uint8_t>& rgba, std::size_t row
 }  // namespace
 
 Result<std::unique_ptr<Context>> Context::create() {
+  if (auto loaded = load_functions(); !loaded) return loaded.errors();
   std::unique_ptr<Context> context(new Context);
   const int attributes[] = {OSMESA_FORMAT,
                             OSMESA_RGBA,
@@ -80,10 +81,7 @@ Result<void> Context::check_abilities() {
     return error(fmt::format("{} draws pictures of at most {} pixels", description_, largest),
                  fmt::format("{} are needed", Renderer::max_size));
   }
-  // a function of OpenGL 4.5, so libOSMesa exports no such symbol
-  const auto clip_control = reinterpret_cast<PFNGLCLIPCONTROLPROC>(OSMesaGetProcAddress("glClipControl"));
-  if (!clip_control) return error(fmt::format("{} has no glClipControl", description_), "Mesa 17 or later is needed");
-  clip_control(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+  glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
   return {};
 }
 

@@ -5,8 +5,6 @@
 
 #include <rehearse/renderer.h>
 
-#define GL_GLEXT_PROTOTYPES
-#include <GL/osmesa.h>
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -284,6 +284,8 @@ struct Scenario {
 
   /// Whether that camera of that body takes pictures in this run.
   bool runs_camera(const std::string& body, const std::string& camera) const;
+  /// Whether any camera of the bodies does.
+  bool runs_a_camera() const;
 
   /// Reads and checks the file, and loads the models. All mistakes are reported together, in document order, at most 20
   /// of the scenario itself. A model that can't be used is one of them, followed by the model's mistakes. Repairs and

@@ -1,6 +1,8 @@
 // The shared libraries in this process, and the linker's build identifiers of their code.
 #pragma once
 
+#include <rehearse/diagnostic.h>
+
 #include <map>
 #include <string>
 
@@ -13,5 +15,9 @@ struct LoadedLibrary {
 
 /// The libraries by the names of their files. The program is the entry with the empty name.
 std::map<std::string, LoadedLibrary> loaded_libraries();
+
+/// The library of that name ("libOSMesa.so.8") and all that it needs, which are loaded if they aren't yet. Fails if one
+/// can't be loaded.
+Result<std::map<std::string, LoadedLibrary>> load_library(const std::string& name);
 
 }  // namespace rehearse

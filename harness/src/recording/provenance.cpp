@@ -44,8 +44,8 @@ std::string compiler() {
 }
 
 /// A hash over the loaded libraries whose code influences bits: those of Rehearse, and those that they compute with.
-/// Empty if one of them has no build identifier.
-std::string programs() {
+/// OSMesa is among them only if it draws: a run before may have loaded it. Empty if one has no build identifier.
+std::string programs(bool draws) {
   constexpr std::string_view deciding[] = {"librehearse_model.",
                                            "librehearse_world.",
                                            "librehearse_renderer.",
@@ -64,6 +64,7 @@ std::string programs() {
   for (const auto& [name, library] : loaded_libraries()) {
     const auto names_it = [&name = name](std::string_view prefix) { return name.starts_with(prefix); };
     if (std::none_of(std::begin(deciding), std::end(deciding), names_it)) continue;
+    if (!draws && name.starts_with("libOSMesa.")) continue;
     if (library.build_id.empty()) return {};
     all += name + '\0' + library.build_id + '\0';
   }
@@ -113,7 +114,7 @@ mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host,
       {facts::pinned_renderer, environment("GALLIUM_OVERRIDE_CPU_CAPS")},
   };
   if (!renderer.empty()) stated[facts::renderer] = renderer;
-  if (const std::string mark = programs(); !mark.empty()) stated[facts::programs] = mark;
+  if (const std::string mark = programs(!renderer.empty()); !mark.empty()) stated[facts::programs] = mark;
   if (const std::string given = virtualisation(); !given.empty()) stated[facts::virtualised] = given;
   if (*REHEARSE_OTHER_FLAGS) stated[facts::build] = "other flags: " REHEARSE_OTHER_FLAGS;
   if (host) stated.merge(controller_facts(*host));

@@ -262,6 +262,14 @@ bool Scenario::runs_camera(const std::string& body, const std::string& camera) c
   return !cameras || std::find(cameras->begin(), cameras->end(), body + "/" + camera) != cameras->end();
 }
 
+bool Scenario::runs_a_camera() const {
+  return std::ranges::any_of(bodies, [this](const ScenarioBody& body) {
+    return std::ranges::any_of(body.model->devices, [&](const Device& device) {
+      return std::holds_alternative<Camera>(device.kind) && runs_camera(body.name, device.name);
+    });
+  });
+}
+
 Result<Scenario> Scenario::load(const std::filesystem::path& file) {
   Result<std::string> text = read_yaml_file(file, "a scenario");
   if (!text) return text.errors();

@@ -16,16 +16,13 @@ std::vector<std::shared_ptr<const Model>> models_of(const Scenario& scenario) {
 
 /// Null if no camera runs: then no renderer is needed.
 Result<std::unique_ptr<Vision>> make_vision(const Scenario& scenario) {
+  if (!scenario.runs_a_camera()) return std::unique_ptr<Vision>();
   std::vector<std::vector<bool>> active;
-  bool any = false;
   for (const ScenarioBody& body : scenario.bodies) {
     std::vector<bool>& of_body = active.emplace_back();
-    for (const Device& device : body.model->devices) {
+    for (const Device& device : body.model->devices)
       of_body.push_back(std::holds_alternative<Camera>(device.kind) && scenario.runs_camera(body.name, device.name));
-      any |= of_body.back();
-    }
   }
-  if (!any) return std::unique_ptr<Vision>();
   return Vision::create(scenario.time_step, models_of(scenario), std::move(active), scenario.look);
 }
 

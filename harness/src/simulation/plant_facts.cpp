@@ -1,6 +1,7 @@
 #include <cpuid.h>
 #include <fmt/format.h>
 #include <rehearse/pin.h>
+#include <rehearse/renderer.h>
 #include <rehearse/session.h>
 #include <rehearse/world.h>
 
@@ -40,10 +41,16 @@ bool is_own(const std::string& name) {
   return name.starts_with("librehearse_") && !name.starts_with("librehearse_interposer");
 }
 
-/// Adds the libraries outside of Rehearse, the program included: it may replace functions of libraries. Fails for a
-/// library without build identifier.
-Result<void> add_libraries(mcap::StringMap& plant) {
-  for (const auto& [name, library] : libraries_at_start) {
+/// Adds the libraries outside of Rehearse, the program included: it may replace functions of libraries. If a camera
+/// runs, those of the renderer are among them. Fails for a library without build identifier.
+Result<void> add_libraries(const Scenario& scenario, mcap::StringMap& plant) {
+  std::map<std::string, LoadedLibrary> libraries = libraries_at_start;
+  if (scenario.runs_a_camera()) {
+    auto renderer = load_library(Renderer::library);
+    if (!renderer) return renderer.errors();
+    libraries.merge(*renderer);
+  }
+  for (const auto& [name, library] : libraries) {
     const bool is_program = name.empty();
     const std::string file = is_program ? own_program().filename().string() : name;
     if (is_own(name) || name.starts_with("linux-vdso.") || (is_program && file == "rehearse-simulate")) continue;
@@ -109,7 +116,7 @@ Result<mcap::StringMap> describe_plant(const Scenario& scenario) {
   plant["the processor"] = processor();
   plant["the renderer's environment"] = environment_of_renderer();
   plant["the code of Rehearse"] = plant_code();
-  if (auto added = add_libraries(plant); !added) return added.errors();
+  if (auto added = add_libraries(scenario, plant); !added) return added.errors();
   if (auto added = add_scenario(scenario, plant); !added) return added.errors();
   return plant;
 }
