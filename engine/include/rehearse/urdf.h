@@ -1,10 +1,10 @@
 // URDF: loads a file into a Model and reports everything that it changes or ignores.
 //
-// Two readers read every file. Rehearse's own strict reader handles lines, document order, sensors and colours, checks
-// every number and repairs mistakes that have one sensible correction. urdfdom then parses the repaired document; if
-// the two readers disagree about a link or a joint, the load fails. A finding is one of: error (no model), repair
-// (loaded after the named change; an error when strict), warning (loaded as written, probably not as meant), note
-// (ignored, counted once per kind).
+// Two readers read every file (only one reads the text of a recording). Rehearse's own strict reader handles lines,
+// document order, sensors and colours, checks every number and repairs mistakes that have one sensible correction.
+// urdfdom then parses the repaired document; if the two readers disagree about a link or a joint, the load fails. A
+// finding is one of: error (no model), repair (loaded after the named change; an error when strict), warning (loaded as
+// written, probably not as meant), note (ignored, counted once per kind).
 //
 // - Joint ids count the revolute, continuous and prismatic joints in document order.
 // - A root link called "world" is fixed to the world. Any other root is free if it has mass; otherwise it is fixed,
@@ -62,6 +62,7 @@ struct UrdfOptions {
 
   bool strict = false;                                         // repairs become errors
   std::map<std::string, std::filesystem::path> packages = {};  // directories of package://NAME, searched first
+  bool compare = true;  // the result with urdfdom's; false: for the text of a recording, which was compared before
   bool allow_missing_meshes = false;  // a mesh that cannot be loaded is left out, with a warning
   Meshes meshes = Meshes::load;
   MeshContact contact = MeshContact::automatic;  // of collision meshes; goes before what the file states

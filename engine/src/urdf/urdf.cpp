@@ -143,6 +143,7 @@ std::optional<Model> read_robot(const std::string& text, const std::filesystem::
     meshes.prepare_contacts(*model);
   }
   if (findings.has_error()) return std::nullopt;
+  if (!options.compare) return model;
   prepare_for_urdfdom(*robot);
   urdf::compare_with_urdfdom(document, draft, findings);
   return model;

@@ -34,9 +34,10 @@ Result<Scenario> scenario_of(const mcap::Reader& trace) {
   const Scenario::ModelSource models = [&trace](const std::string& file, const UrdfOptions& options) -> Result<Model> {
     const mcap::Attachment* model = find_attachment(trace, file);
     if (!model) return error(fmt::format("the trace has no attachment '{}'", file));
-    UrdfOptions without_meshes = options;  // a trace contains no meshes
-    without_meshes.meshes = UrdfOptions::Meshes::skip;
-    return parse_model(std::string(model->text()), file, without_meshes);
+    UrdfOptions recorded = options;
+    recorded.meshes = UrdfOptions::Meshes::skip;  // a trace contains no meshes
+    recorded.compare = false;
+    return parse_model(std::string(model->text()), file, recorded);
   };
   const Scenario::FileSource files = [&trace](const std::string& file) -> Result<std::string> {
     const mcap::Attachment* found = find_attachment(trace, file);
