@@ -51,6 +51,8 @@ target_link_libraries(Behaviours PRIVATE rehearse_flags)
 add_test_controller(HingePd controllers/HingePd.cpp)
 add_test_controller(HingePdChanged controllers/HingePd.cpp)
 target_compile_definitions(HingePdChanged PRIVATE CHANGED_FROM_TICK=70)
+add_test_controller(HingePdWithEffort controllers/HingePd.cpp)
+target_compile_definitions(HingePdWithEffort PRIVATE EFFORT_GAIN=0.5)
 add_test_controller(LoadsBadly controllers/LoadsBadly.cpp)
 add_test_controller(FastMath controllers/FastMath.cpp)
 target_link_libraries(FastMath PRIVATE $<1:-ffast-math>)  # on purpose: not to be warned of

@@ -15,7 +15,7 @@
 
 #include "mcap/glob.h"
 #include "model/clock.h"
-#include "recording/trace_output.h"
+#include "trace/channel_name.h"
 #include "trace/run_facts.h"
 
 namespace rehearse {
@@ -291,13 +291,9 @@ Result<void> PartialCandidate::write(const Trace& run, const mcap::StringMap& co
   std::map<std::string, std::uint16_t, std::less<>> channels;
   for (const auto& [id, channel] : (*reader)->channels()) {
     const mcap::Schema* schema = (*reader)->schema_of(channel);
-    const std::string type = schema ? schema->name : "";
-    const mcap::ChunkGroup group = type == msg::CompressedImage::type_name ? mcap::pictures
-                                   : type == msg::Image::type_name         ? depth_pictures
-                                                                           : mcap::numbers;
     const std::uint16_t schema_id = schema ? out.add_schema(schema->name, schema->encoding, schema->data) : 0;
-    channels[channel.topic] =
-        out.add_channel(schema_id, channel.topic, channel.message_encoding, channel.metadata, group);
+    channels[channel.topic] = out.add_channel(schema_id, channel.topic, channel.message_encoding, channel.metadata,
+                                              chunk_group_of(ChannelName::parse(channel.topic)));
   }
   for (const Message& message : messages_)
     if (const auto channel = channels.find(message.topic); channel != channels.end())

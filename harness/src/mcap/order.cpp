@@ -22,11 +22,26 @@ MessageOrder::MessageOrder(Reader::Impl& reader, const ChannelSet& channels, Dam
       channels_(channels),
       damage_(damage),
       passed_(reader.file_, reader.bytes_),
-      chunks_(reader.chunks_),
       opener_(reader.options_) {
+  const bool by_index = reader.indexes_list_all_messages();
+  PassedBytes indexes(reader.file_, reader.bytes_);
+  for (const Chunk& chunk : reader.chunks_) {
+    indexes.pass(chunk.offset);
+    (!by_index || reader.is_indexed(chunk.offset, channels) ? chunks_ : others_).push_back(chunk);
+  }
   std::stable_sort(chunks_.begin(), chunks_.end(),
                    [](const Chunk& a, const Chunk& b) { return a.start_time < b.start_time; });
   if (reader.loose_messages_) collect_loose();
+}
+
+void MessageOrder::check_data_crc() {
+  if (reader_.check_data_crc(damage_)) return;
+  RawBuffer buffer;
+  for (const Chunk& place : others_) {
+    Record record;
+    if (!RecordWalker(reader_.bytes_, place.offset).next(record)) continue;
+    if (const OpenedChunk opened = opener_.open(record, buffer); !opened.ok()) damage_.add(opener_.describe(opened));
+  }
 }
 
 void MessageOrder::collect_loose() {
@@ -200,7 +215,7 @@ const Message* OrderedMessages::next() {
 }
 
 Result<void> OrderedMessages::verdict() {
-  if (state_->ended) state_->reader.check_data_crc(state_->damage);
+  if (state_->ended) state_->order.check_data_crc();
   return state_->reader.verdict(state_->damage);
 }
 

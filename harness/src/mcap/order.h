@@ -50,6 +50,8 @@ class MessageOrder {
 
   /// The record of the next message; false if there is none left, or not enough memory.
   bool next(Record& record);
+  /// Checks the CRC of the data section; if it doesn't match, finds the damage in chunks of other channels too.
+  void check_data_crc();
   /// Removes that message.
   void advance();
 
@@ -69,7 +71,8 @@ class MessageOrder {
   const ChannelSet& channels_;
   DamageLog& damage_;
   PassedBytes passed_;         // includes the bytes between chunks
-  std::vector<Chunk> chunks_;  // by start time, then offset
+  std::vector<Chunk> chunks_;  // with messages of the channels; by start time, then offset
+  std::vector<Chunk> others_;  // without
   std::size_t next_chunk_ = 0;
   ChunkOpener opener_;  // of the thread
   ChunkAhead ahead_;    // of the chunk next_chunk_, if the thread is joinable

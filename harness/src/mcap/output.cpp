@@ -186,7 +186,7 @@ void Output::put_message_indexes(const ChunkData& chunk, ByteWriter& out, ByteWr
     places.put(static_cast<std::uint64_t>(offset_ + out.size()));
     out.begin_record(op::message_index);
     out.put(first->channel);
-    out.put(static_cast<std::uint32_t>((last - first) * 16));
+    out.put(static_cast<std::uint32_t>((last - first) * index_entry_size));
     for (; first != last; ++first) {
       out.put(first->log_time);
       out.put(first->offset);

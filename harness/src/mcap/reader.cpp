@@ -26,6 +26,7 @@ void Reader::Impl::walk_if_not_yet() {
   metadata_.clear();
   chunks_.clear();
   chunk_channels_.clear();
+  indexed_.clear();
   MappedPass pass(file_, bytes_);
   frame_ = read_frame(pass, options_.check_crcs, contents_, damage_, [this](const Record& record) {
     take_in(record);
@@ -65,7 +66,9 @@ void Reader::Impl::take_in_chunk(const Record& record) {
 void Reader::Impl::take_in_message_index(const Record& record) {
   ByteReader in(record.body);
   const auto channel = in.get<std::uint16_t>();
+  const auto size = in.get<std::uint32_t>();  // of the entries
   if (chunk_channels_.empty() || !in.ok()) return;
+  indexed_[channel] += size / index_entry_size;
   ChunkChannels& before = chunk_channels_.back();
   const auto known = contents_.channels.find(channel);
   if (known == contents_.channels.end()) {
@@ -76,6 +79,29 @@ void Reader::Impl::take_in_message_index(const Record& record) {
   } else if (before == ChunkChannels::not_said) {
     before = ChunkChannels::known;
   }
+}
+
+bool Reader::Impl::indexes_list_all_messages() const {
+  const auto& said = contents_.statistics;
+  if (!options_.check_crcs || !frame_.data_crc || !said) return false;
+  std::uint64_t all = 0;
+  for (const auto& [channel, count] : indexed_) all += count;
+  return all == said->message_count && std::ranges::all_of(said->channel_message_counts, [this](const auto& stated) {
+           const auto indexed = indexed_.find(stated.first);
+           return stated.second == (indexed == indexed_.end() ? 0 : indexed->second);
+         });
+}
+
+bool Reader::Impl::is_indexed(std::uint64_t chunk, const ChannelSet& channels) const {
+  RecordWalker walker(bytes_, chunk);
+  Record record;
+  bool whole = walker.next(record);
+  while ((whole = whole && walker.next(record)) && record.opcode == op::message_index) {
+    ByteReader in(record.body);
+    const auto channel = in.get<std::uint16_t>();
+    if (!in.ok() || channels.has(channel)) return true;
+  }
+  return !whole;
 }
 
 /// True if the summary repeats all definitions that may be only in chunks.
@@ -112,8 +138,8 @@ void Reader::Impl::learn_from_chunk(const Chunk& place) {
   while (inside.next(record)) contents_.learn(record, ignored);
 }
 
-void Reader::Impl::check_data_crc(DamageLog& damage) {
-  if (!options_.check_crcs || !frame_.data_crc) return;
+bool Reader::Impl::check_data_crc(DamageLog& damage) {
+  if (!options_.check_crcs || !frame_.data_crc) return true;
   if (!data_crc_matches_) {
     constexpr std::uint64_t step = std::uint64_t{1} << 20;
     PassedBytes passed(file_, bytes_);
@@ -125,6 +151,7 @@ void Reader::Impl::check_data_crc(DamageLog& damage) {
     data_crc_matches_ = crc == *frame_.data_crc;
   }
   if (!*data_crc_matches_) damage.add("damaged: the CRC of the data section doesn't match");
+  return *data_crc_matches_;
 }
 
 Result<void> Reader::Impl::verdict(const DamageLog& pass) const {
@@ -143,11 +170,13 @@ Result<void> Reader::Impl::for_each_message(const OnMessage& callback, const Cha
   const OnRecord no_records;
   Delivery delivery{contents_, damage, chunk_opener_, pass_buffer_, channels, callback, no_records};
   MappedPass pass(file_, bytes_.first(frame_.data_end));
+  const bool by_index = indexes_list_all_messages();
   Record record;
   while (pass.next(record)) {
     bool more = true;
     if (record.opcode == op::message) more = delivery.deliver(record);
-    if (record.opcode == op::chunk) more = delivery.deliver_chunk(record);
+    if (record.opcode == op::chunk && (!by_index || is_indexed(record.offset, channels)))
+      more = delivery.deliver_chunk(record);
     if (!more) return verdict(damage);
   }
   check_data_crc(damage);

@@ -41,8 +41,8 @@ class Reader::Impl {
   DamageLog damage_;
   ChunkOpener chunk_opener_;
 
-  /// Adds to `damage` if the data section's CRC doesn't match; computed once.
-  void check_data_crc(DamageLog& damage);
+  /// False, and adds to `damage`, if the data section's CRC doesn't match; computed once.
+  bool check_data_crc(DamageLog& damage);
   /// All damage found by opening and by a pass.
   Result<void> verdict(const DamageLog& pass) const;
   Diagnostic damaged(std::string message) const;
@@ -57,6 +57,12 @@ class Reader::Impl {
   std::set<std::uint16_t> unknown_channels_;   // unknown at the time of their message indexes
   bool loose_messages_ = false;                // some messages are in no chunk
 
+  /// True if a pass may leave out chunks by their message indexes: these list as many messages of each channel as the
+  /// statistics state, and the CRC of the data section covers the chunks that aren't opened.
+  bool indexes_list_all_messages() const;
+  /// True if a message index of the chunk at that offset is of one of the channels.
+  bool is_indexed(std::uint64_t chunk, const ChannelSet& channels) const;
+
  private:
   // by_summary.cpp
   bool open_by_summary();
@@ -70,6 +76,7 @@ class Reader::Impl {
   void learn_from_chunks();
   void learn_from_chunk(const Chunk& place);
 
+  std::map<std::uint16_t, std::uint64_t> indexed_;  // number of messages by channel, by the message indexes
   RawBuffer pass_buffer_;
   RawBuffer at_buffer_;  // for message_at(): the chunk that was read last
   Bytes at_records_;

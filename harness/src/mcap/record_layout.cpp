@@ -36,7 +36,7 @@ constexpr Field channel[] = {
     u16, u16, {Kind::text, 0, "topic"}, {Kind::text, 0, "message encoding"}, {Kind::text_map, 0, "metadata"}};
 constexpr Field message[] = {u16, u32, u64, u64, {Kind::rest, 0, "data"}};
 constexpr Field chunk[] = {u64, u64, u64, u32, {Kind::text, 0, "compression"}, {Kind::long_bytes, 0, "records"}};
-constexpr Field message_index[] = {u16, {Kind::array, 16, "records"}};
+constexpr Field message_index[] = {u16, {Kind::array, index_entry_size, "records"}};
 constexpr Field chunk_index[] = {
     u64, u64, u64, u64, {Kind::array, 10, "message index offsets"}, u64, {Kind::text, 0, "compression"}, u64, u64};
 constexpr Field attachment[] = {

@@ -16,6 +16,8 @@ inline constexpr std::array<std::byte, 8> magic{std::byte{0x89}, std::byte{'M'},
 inline constexpr std::size_t record_head = 9;
 /// Channel, sequence and two times before the data of a message.
 inline constexpr std::size_t message_head = 2 + 4 + 8 + 8;
+/// Log time and offset of a message in a message index.
+inline constexpr std::size_t index_entry_size = 8 + 8;
 inline constexpr std::size_t footer_size = record_head + 20;
 
 namespace op {

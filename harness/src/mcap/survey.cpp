@@ -223,7 +223,7 @@ void Survey::count_lost(const Record& message_index) {
   if (!check_layout(message_index.opcode, message_index.body).exact()) return;
   ByteReader in(message_index.body);
   const auto channel = in.get<std::uint16_t>();
-  recovery_.channels[channel].lost += in.get<std::uint32_t>() / 16;
+  recovery_.channels[channel].lost += in.get<std::uint32_t>() / index_entry_size;
 }
 
 void Survey::save(std::uint64_t begin, std::uint64_t end, bool trusted) {

@@ -32,9 +32,9 @@ DeviceRecorder::DeviceRecorder(TraceOutput& output, const Scenario& scenario, co
                                   : output.channel<msg::PointCloud2>(name(ChannelKind::points));
   } else if (const auto* camera = std::get_if<Camera>(&device.kind)) {
     if (!scenario.record_frames || !scenario.runs_camera(body.name, device.name)) return;
-    color_ = output.channel<msg::CompressedImage>(name(ChannelKind::image), {}, mcap::pictures);
+    color_ = output.channel<msg::CompressedImage>(name(ChannelKind::image));
     info_ = output.channel<msg::CameraInfo>(name(ChannelKind::camera_info));
-    if (camera->depth) depth_ = output.channel<msg::Image>(name(ChannelKind::depth), {}, depth_pictures);
+    if (camera->depth) depth_ = output.channel<msg::Image>(name(ChannelKind::depth));
   } else if (std::holds_alternative<ForceSensor>(device.kind)) {
     measured_ = output.channel<msg::WrenchStamped>(name(ChannelKind::wrench));
   } else if (std::holds_alternative<ContactSensor>(device.kind)) {

@@ -19,9 +19,6 @@
 
 namespace rehearse {
 
-/// Separate chunks for depth pictures: large, and not compressed by themselves.
-inline constexpr mcap::ChunkGroup depth_pictures{2, mcap::Compression::zstd};
-
 /// The size of a recording.
 struct RecordingSize {
   std::int64_t ticks = 0;
@@ -42,8 +39,7 @@ struct TraceOutput {
   /// Adds a channel for messages of type T, which is the type of the name's kind. Returns its id, which is never 0. Its
   /// metadata is the units of that kind, and `metadata`.
   template <class T>
-  std::uint16_t channel(const ChannelName& name, mcap::StringMap metadata = {},
-                        mcap::ChunkGroup group = mcap::numbers) {
+  std::uint16_t channel(const ChannelName& name, mcap::StringMap metadata = {}) {
     REHEARSE_ASSERT(form_of(name.kind).type == T::type_name, "a channel has the messages of its kind");
     const std::string topic = name.topic();
     metadata.merge(unit_metadata(name.kind));
@@ -53,7 +49,7 @@ struct TraceOutput {
     }
     const std::uint16_t schema = writer->add_schema(T::type_name, "ros2msg", msg::schema_text<T>());
     ++size.channels;
-    return by_topic[topic] = writer->add_channel(schema, topic, "cdr", std::move(metadata), group);
+    return by_topic[topic] = writer->add_channel(schema, topic, "cdr", std::move(metadata), chunk_group_of(name));
   }
 
   /// Writes a message of that tick.

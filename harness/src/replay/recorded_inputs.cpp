@@ -85,22 +85,18 @@ RecordedInputs::RecordedInputs(const Scenario& scenario, mcap::Reader& reader) :
   if (scenario.joystick) observation_.joystick.emplace();
   std::map<std::uint16_t, ChannelName> names;
   for (const auto& [id, channel] : reader.channels()) names[id] = ChannelName::parse(channel.topic);
-  std::set<std::string> measured, sampled;  // bodies
+  std::set<std::string> measured;  // bodies
   for (const auto& [id, name] : names)
     if (name.kind == ChannelKind::measured_joints) measured.insert(name.body);
   const auto samples = RunFacts::of(reader).state_rate;
   for (const auto& [id, name] : names) {
     const std::string& topic = reader.channels().at(id).topic;
     if (name.kind == ChannelKind::joints && name.side == ChannelSide::none && measured.contains(name.body)) continue;
-    if (samples && samples->reduces(topic)) {
-      if (name.kind == ChannelKind::joints || name.kind == ChannelKind::measured_joints) sampled.insert(name.body);
-      continue;
-    }
-    add(id, name, topic);
-  }
-  for (const auto& [id, name] : names)
-    if (name.kind == ChannelKind::joints && name.side == ChannelSide::input && sampled.contains(name.body))
+    if (name.kind == ChannelKind::joints && name.side == ChannelSide::input)
       add_joints_read(reader, id, name);
+    else if (!samples || !samples->reduces(topic))
+      add(id, name, topic);
+  }
 }
 
 RecordedInputs::~RecordedInputs() = default;
@@ -155,6 +151,12 @@ bool RecordedInputs::feeds(const Feed& feed, int body, const IoField& field) con
   return feed.link < 0 ? feed.has(field) : feed.link == field.link;
 }
 
+/// True if a controller's input has that value of a joint.
+bool RecordedInputs::has_input(int body, const IoField& field) const {
+  return std::any_of(feeds_.begin(), feeds_.end(),
+                     [&](const auto& entry) { return entry.second->read && feeds(*entry.second, body, field); });
+}
+
 bool RecordedInputs::has(int body, const IoField& field) const {
   if (field.quantity == Quantity::wrench) return true;  // always zero: nothing to record
   return std::any_of(feeds_.begin(), feeds_.end(),
@@ -180,13 +182,14 @@ bool RecordedInputs::has_joystick() const {
                      [](const auto& entry) { return entry.second->kind == ChannelKind::joystick; });
 }
 
-std::vector<std::uint16_t> RecordedInputs::channels_read_by(const ControllerHost& host) const {
+std::vector<std::uint16_t> RecordedInputs::channels_read_by(const ControllerHost& host, bool whole_state) const {
   std::vector<std::uint16_t> channels;
   for (const auto& [id, feed] : feeds_) {
     bool read = feed->kind == ChannelKind::joystick;
     for (const HostedController& hosted : host.controllers()) {
       if (!hosted.running || hosted.body != feed->body) continue;
-      for (const IoField& field : hosted.io->inputs().fields) read |= feeds(*feed, hosted.body, field);
+      for (const IoField& field : hosted.io->inputs().fields)
+        read |= feeds(*feed, hosted.body, field) && (feed->read || whole_state || !has_input(hosted.body, field));
       for (const int device : hosted.io->input_devices()) read |= feed->device == device;
       for (const int link : hosted.io->contact_links())
         read |= feed->kind == ChannelKind::contacts && feed->link == link;

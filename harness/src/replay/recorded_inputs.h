@@ -19,13 +19,14 @@ namespace rehearse {
 
 class RecordedInputs {
  public:
-  /// Finds the channels of `reader` that hold something of the scenario's bodies. Both must outlive this. Where the
-  /// recording keeps samples of the state, the channels of the controllers' inputs take its place.
+  /// Finds the channels of `reader` that hold something of the scenario's bodies. Both must outlive this.
   RecordedInputs(const Scenario& scenario, mcap::Reader& reader);
   ~RecordedInputs();
 
-  /// The channels that hold what a controller of the host reads: accept() wants to see these, and no others.
-  std::vector<std::uint16_t> channels_read_by(const ControllerHost& host) const;
+  /// The channels that contain the values that the host's controllers read: accept() needs these, and no others. For
+  /// joints these are the controllers' inputs, and the state of the body only for values that no input has.
+  /// `whole_state`: the state of all joints of these bodies, for an observation that is recorded.
+  std::vector<std::uint16_t> channels_read_by(const ControllerHost& host, bool whole_state) const;
   /// Whether the trace holds a quantity of a link, or what a device measured.
   bool has(int body, const IoField& field) const;
   bool has_device(int body, int device) const;
@@ -41,6 +42,7 @@ class RecordedInputs {
  private:
   struct Feed;
   bool feeds(const Feed& feed, int body, const IoField& field) const;
+  bool has_input(int body, const IoField& field) const;
   void add(std::uint16_t id, const ChannelName& name, const std::string& topic);
   void add_joints_read(mcap::Reader& reader, std::uint16_t id, const ChannelName& name);
   bool accept_joints(Feed& feed, mcap::Bytes payload);

@@ -22,7 +22,7 @@ RecordingSource::RecordingSource(const Scenario& scenario, mcap::Reader& recordi
       host_(host),
       altered_(altered),
       inputs_(scenario, recording),
-      channels_(inputs_.channels_read_by(host)) {
+      channels_(inputs_.channels_read_by(host, !altered.empty())) {
   const auto& all = recording.channels();
   for (const auto& [id, channel] : all)
     if (channel.topic == run_topics::tick) tick_channel_ = id;

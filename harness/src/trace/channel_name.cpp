@@ -258,6 +258,19 @@ mcap::StringMap unit_metadata(ChannelKind kind) {
   return metadata;
 }
 
+mcap::ChunkGroup chunk_group_of(const ChannelName& name) {
+  // joints are beside the inputs that repeat them: apart, a recording of a humanoid is 29 % larger
+  if (name.side != ChannelSide::none || name.kind == ChannelKind::joints) return mcap::numbers;
+  if (name.kind == ChannelKind::image) return mcap::pictures;
+  if (name.kind == ChannelKind::depth) return {2, mcap::Compression::zstd};
+  switch (stage_of(name)) {
+    case Stage::physics: return {3, mcap::Compression::zstd};
+    case Stage::sensors:
+    case Stage::renderer: return {4, mcap::Compression::zstd};
+    default: return mcap::numbers;
+  }
+}
+
 std::string unit_of(const mcap::StringMap& metadata, std::string_view element) {
   const auto stated = [&](const std::string& key) -> const std::string* {
     const auto found = metadata.find(key);

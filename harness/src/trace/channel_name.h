@@ -2,7 +2,7 @@
 // message type, the names and units of its elements, and the stage that makes its values. No other code parses topics.
 #pragma once
 
-#include <rehearse/mcap_types.h>
+#include <rehearse/mcap.h>
 #include <rehearse/trace.h>
 
 #include <cstdint>
@@ -142,6 +142,10 @@ std::string_view unit_of_joint(std::string_view quantity, bool linear);
 
 /// The `unit:` metadata of a channel of that kind; empty for joints, because their units depend on the joints.
 mcap::StringMap unit_metadata(ChannelKind kind);
+
+/// The chunks of a channel's messages. The messages of a stage share chunks: a replay reads those of the controllers,
+/// and needn't decompress the state of the world.
+mcap::ChunkGroup chunk_group_of(const ChannelName& name);
 
 /// The unit that a channel's metadata states for an element: for the element alone, for one of its name's segments, or
 /// for the whole channel; empty: none is stated.

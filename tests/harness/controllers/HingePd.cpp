@@ -1,5 +1,5 @@
-// Holds joint SHOULDER at 0 with a proportional-derivative law. Compiled twice: CHANGED_FROM_TICK makes a copy whose
-// gain is 1 % higher from that tick on.
+// Holds joint SHOULDER at 0 with a proportional-derivative law. Compiled a second time with CHANGED_FROM_TICK, whose
+// gain is 1 % higher from that tick on. A third time with EFFORT_GAIN: it also reads the effort.
 
 #include <cnoid/SimpleController>
 
@@ -12,6 +12,9 @@ class HingePd : public cnoid::SimpleController {
     joint_->setActuationMode(cnoid::Link::JointEffort);
     io->enableIO(joint_);
     io->enableInput(joint_, cnoid::Link::JointVelocity);
+#ifdef EFFORT_GAIN
+    io->enableInput(joint_, cnoid::Link::JointEffort);
+#endif
     return true;
   }
   bool control() override {
@@ -20,7 +23,12 @@ class HingePd : public cnoid::SimpleController {
     if (tick_ >= CHANGED_FROM_TICK) gain *= 1.01;
 #endif
     ++tick_;
-    joint_->u() = -gain * joint_->q() - 2.0 * joint_->dq();
+#ifdef EFFORT_GAIN
+    const double read = EFFORT_GAIN * joint_->u();
+#else
+    const double read = 0.0;
+#endif
+    joint_->u() = read - gain * joint_->q() - 2.0 * joint_->dq();
     return true;
   }
 

@@ -2,6 +2,12 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cstring>
+
+#include "mcap/codec.h"
+#include "mcap/records.h"
+
 using namespace rehearse;
 using namespace rehearse::test;
 
@@ -15,7 +21,68 @@ std::string data_in_order(mcap::Reader& reader) {
   return all;
 }
 
+/// A file of write_small_file(), which a test damages.
+class SmallFile {
+ public:
+  /// Alters the picture, whose chunk isn't compressed.
+  void alter_picture() {
+    const mcap::Bytes picture = bytes_of("a picture");
+    *std::search(bytes_.begin(), bytes_.end(), picture.begin(), picture.end()) ^= std::byte{4};
+  }
+  /// Alters the channel of the first message index.
+  void alter_index() {
+    mcap::RecordWalker walker(bytes_, mcap::magic.size());
+    mcap::Record record;
+    while (walker.next(record) && record.opcode != mcap::op::message_index) continue;
+    bytes_[record.offset + mcap::record_head] ^= std::byte{4};
+  }
+  /// Makes the CRC of the data section right for the altered bytes.
+  void correct_data_crc() {
+    mcap::RecordWalker walker(bytes_, mcap::magic.size());
+    mcap::Record record;
+    while (walker.next(record) && record.opcode != mcap::op::data_end) continue;
+    const std::uint32_t crc = mcap::crc32(mcap::Bytes(bytes_).first(record.offset), 0);
+    std::memcpy(&bytes_[record.offset + mcap::record_head], &crc, sizeof crc);
+  }
+  /// Reads the numbers alone, in order: their number, and the errors.
+  std::pair<int, std::string> numbers() const {
+    const auto reader = std::move(*mcap::Reader::open_bytes(bytes_, "small.mcap"));
+    std::vector<std::uint16_t> chosen;
+    for (const auto& [id, channel] : reader->channels())
+      if (channel.topic == "/numbers") chosen.push_back(id);
+    int count = 0;
+    const auto end = reader->for_each_message_in_order([&](const mcap::Message&) { return ++count, true; }, chosen);
+    return {count, end ? "" : to_string(end.errors())};
+  }
+
+ private:
+  Buffer bytes_ = small_file();
+};
+
 }  // namespace
+
+TEST(McapOrder, OpensNoChunkWithoutMessagesOfTheChannels) {
+  SmallFile file;
+  file.alter_picture();
+  file.correct_data_crc();
+  EXPECT_EQ(file.numbers(), std::pair(4, std::string()));
+}
+
+TEST(McapOrder, NamesTheDamagedChunkOfOtherChannels) {
+  SmallFile file;
+  file.alter_picture();
+  const auto [count, errors] = file.numbers();
+  EXPECT_EQ(count, 4);
+  EXPECT_THAT(errors, testing::HasSubstr("the CRC of the data section doesn't match"));
+  EXPECT_THAT(errors, testing::ContainsRegex("the chunk at byte [0-9]+"));
+}
+
+TEST(McapOrder, OpensAllChunksIfTheIndexesListOtherMessagesThanTheStatistics) {
+  SmallFile file;
+  file.alter_index();
+  file.correct_data_crc();
+  EXPECT_EQ(file.numbers(), std::pair(4, std::string()));
+}
 
 TEST(McapOrder, MergesChunksThatOverlapInTime) {
   Composer file;

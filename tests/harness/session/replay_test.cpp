@@ -49,6 +49,16 @@ TEST_F(Replay, DeliversEveryKindOfNumberBitForBit) {
   expect_equal(rig(behaviour("C", "feel"), "cameras: none\n", "0.2"));
 }
 
+TEST_F(Replay, TakesAValueThatNoInputHasFromTheState) {
+  const std::vector<double> efforts = record_run(hinge_pd()).values("Rig/SHOULDER/u");
+  ReplayOptions options;
+  options.libraries["C"] = "HingePdWithEffort";
+  const ReplayReport report = replayed(options);
+  ASSERT_TRUE(report.first.has_value());
+  EXPECT_NE(efforts[report.first->tick], 0.0);
+  EXPECT_NEAR(report.first->difference, 0.5 * std::abs(efforts[report.first->tick]), 1e-9);
+}
+
 TEST_F(Replay, FindsLinksWhoseNamesHaveSlashes) {
   std::string namespaced = rig_urdf;
   for (std::size_t at = 0; (at = namespaced.find("\"ARM\"", at)) != std::string::npos; at += 6)

@@ -144,6 +144,19 @@ TEST(ChannelName, TellsTheStageOfEachElement) {
   EXPECT_EQ(stage_of("/tf", "Rover/Laser/scan/position/x"), Stage::sensors);
 }
 
+TEST(ChannelName, GroupsInChunksTheChannelsThatAReplayReads) {
+  const auto group_of = [](std::string_view topic) { return chunk_group_of(ChannelName::parse(topic)).id; };
+  for (const char* topic : {"/tick", "/joy", "/SR1/joints", "/SR1/Walk/input/joints", "/SR1/Walk/input/WAIST/pose",
+                            "/SR1/Walk/output/joints", "/SR1/Walk/acted/joints"})
+    EXPECT_EQ(group_of(topic), mcap::numbers.id) << topic;
+  EXPECT_EQ(group_of("/SR1/WAIST/pose"), group_of("/tf"));
+  EXPECT_EQ(group_of("/SR1/Gyro/imu"), group_of("/SR1/measured_joints"));
+  EXPECT_EQ(group_of("/SR1/Camera/image"), mcap::pictures.id);
+  const std::set<int> groups{group_of("/tick"), group_of("/tf"), group_of("/SR1/Gyro/imu"),
+                             group_of("/SR1/Camera/image"), group_of("/SR1/Camera/depth")};
+  EXPECT_EQ(groups.size(), 5u);
+}
+
 TEST(ChannelForms, StandInTheOrderOfTheKinds) {
   std::set<std::pair<int, std::string_view>> segments;
   for (int kind = 0; kind < static_cast<int>(ChannelKind::other); ++kind) {
