@@ -63,8 +63,8 @@ struct ExpectationResult {
 /// One result for each expectation, in their order.
 std::vector<ExpectationResult> judge_expectations(const std::vector<Expectation>& expectations, const Trace& run);
 
-/// The results for a recording that may be larger than the memory; it is read in pieces (Trace::load_in_pieces). Fails
-/// if the recording can't be read.
+/// The results for a recording that may be larger than the memory; it is read in pieces (Trace::load_in_pieces), and of
+/// it the channels whose series may match. Fails if the recording can't be read.
 Result<std::vector<ExpectationResult>> judge_expectations(const std::vector<Expectation>& expectations,
                                                           const std::filesystem::path& recording,
                                                           std::size_t piece_size = Trace::usual_piece_size);

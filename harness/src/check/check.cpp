@@ -6,6 +6,7 @@
 
 #include "blame.h"
 #include "check_run.h"
+#include "compare/compared_files.h"
 #include "compare/scenario_changes.h"
 #include "model/clock.h"
 #include "noise_floor.h"
@@ -144,28 +145,27 @@ Result<void> Check::check_plant() {
 }
 
 Result<void> Check::check_closed() {
-  const auto fresh = load_without_messages(actual);
-  if (!fresh) return fresh.errors();
   const std::optional<double> measured = whole_golden ? estimated_horizon(*whole_golden) : std::nullopt;
   report.horizon = horizon_of(scenario, options.estimated_horizon ? options.estimated_horizon : measured);
   const auto duration = changed_duration(scenario, golden);
   if (duration) report.horizon = std::min(duration->time, report.horizon.value_or(duration->time));
   CompareOptions what;
   what.until = report.horizon;
-  auto compared = compare(golden.file(), actual, scenario.tolerances, what);
+  auto compared = compare_files(golden.file(), actual, scenario.tolerances, what);
   if (!compared) return compared.errors();
-  report.comparison = *std::move(compared);
+  report.comparison = std::move(compared->comparison);
+  const Trace& fresh = compared->actual;
   report.closed = state_of(*report.comparison);
   auto judged = judge_expectations(scenario.expectations, actual);
   if (!judged) return judged.errors();
   report.expectations = *std::move(judged);
   if (report.closed == LevelState::differs || first_violation(report.expectations))
-    tell_files(*fresh, *report.comparison, actual, "this run");
+    tell_files(fresh, *report.comparison, actual, "this run");
   blame();
   if (auto done = test_reproduction(); !done) return done;
-  if (report.not_reproduced) tell_files(*fresh, *report.comparison, actual, "this run");
-  if (duration) tell_duration(*duration, *fresh);
-  judge_by_expectations(*fresh);
+  if (report.not_reproduced) tell_files(fresh, *report.comparison, actual, "this run");
+  if (duration) tell_duration(*duration, fresh);
+  judge_by_expectations(fresh);
   return {};
 }
 

@@ -98,19 +98,18 @@ double excess_of(const Expectation& e, double value) {
 }
 
 /// The bounds themselves are right with near and within, and wrong with above and below.
-bool is_right(const Expectation& e, double value) {
-  const double excess = excess_of(e, value);
-  return e.near ? excess <= 0.0 : excess < 0.0;
-}
+bool is_right(const Expectation& e, double excess) { return e.near ? excess <= 0.0 : excess < 0.0; }
 
 /// One series of a run under one expectation; the run comes in pieces.
 class SeriesJudge {
  public:
   explicit SeriesJudge(const Expectation& expectation) : expectation_(&expectation) {}
 
-  void take(const TraceChannel& channel, std::size_t column, const TickClock& clock);
+  void take(const TraceChannel& channel, std::size_t column);
   /// False if it doesn't hold; then `first`, or `problem` if it is a matter of no sample.
   bool finish();
+  /// Sets the ticks of `first` and `worst`, which aren't known before all pieces are.
+  void set_ticks(const TickClock& clock);
 
   std::optional<ViolatingSample> first, worst;
   std::optional<double> margin;
@@ -138,7 +137,7 @@ bool SeriesJudge::is_asked_for(std::uint64_t time) const {
   return time >= span.from && time <= span.until;
 }
 
-void SeriesJudge::take(const TraceChannel& channel, std::size_t column, const TickClock& clock) {
+void SeriesJudge::take(const TraceChannel& channel, std::size_t column) {
   const Expectation& e = *expectation_;
   for (std::size_t row = 0; row < channel.rows(); ++row) {
     const std::uint64_t time = channel.times[row];
@@ -149,7 +148,7 @@ void SeriesJudge::take(const TraceChannel& channel, std::size_t column, const Ti
     }
     if (!is_asked_for(time)) continue;
     const double change = number - baseline_.value_or(0.0);
-    const ViolatingSample sample{clock.tick_at(time), seconds_of(time), e.absolute ? std::abs(change) : change};
+    const ViolatingSample sample{0, seconds_of(time), e.absolute ? std::abs(change) : change};
     if (!e.at && !e.at_end) {
       take_sample(sample);
     } else if (!latest_ || time >= latest_time_) {
@@ -164,7 +163,7 @@ void SeriesJudge::take_sample(const ViolatingSample& sample) {
   const double excess = excess_of(*expectation_, *sample.value);
   margin = expectation_->sometime ? std::max(margin.value_or(-excess), -excess)
                                   : std::min(margin.value_or(-excess), -excess);
-  if (is_right(*expectation_, *sample.value)) {
+  if (is_right(*expectation_, excess)) {
     any_right_ = true;
     return;
   }
@@ -186,13 +185,18 @@ bool SeriesJudge::finish() {
   }
   if (moment) {
     margin = -excess_of(*expectation_, *latest_->value);
-    if (is_right(*expectation_, *latest_->value)) return true;
+    if (is_right(*expectation_, -*margin)) return true;
     first = worst = latest_;
     return false;
   }
   if (expectation_->sometime ? any_right_ : !first) return true;
   if (expectation_->sometime) first = worst = nearest_;
   return false;
+}
+
+void SeriesJudge::set_ticks(const TickClock& clock) {
+  for (std::optional<ViolatingSample>* sample : {&first, &worst})
+    if (*sample) (*sample)->tick = clock.tick_at(to_ns((*sample)->time));
 }
 
 /// One run, taken piece by piece, under all expectations.
@@ -203,6 +207,8 @@ class RunJudge {
   }
 
   void take(const Trace& piece);
+  /// False if the run has no ticks, or no series for an expectation: then the results depend on all of its channels.
+  bool found_all() const;
   /// `last`: the last piece, for what is of the whole run.
   std::vector<ExpectationResult> finish(const Trace& last);
 
@@ -243,7 +249,7 @@ class RunJudge {
 };
 
 void RunJudge::take(const Trace& piece) {
-  clock_ = TickClock(piece, clock_);
+  clock_.take(piece);
   take_times(piece);
   for (std::size_t i = 0; i < expectations_.size(); ++i) {
     if (expectations_[i].subject == Expectation::Subject::series)
@@ -273,7 +279,7 @@ void RunJudge::take_series(const Expectation& e, const Trace& piece, Case& to) c
                   .emplace(name, JudgedSeries{SeriesJudge(e),
                                               unit_of(channel.metadata, channel.columns[place.column].element)})
                   .first;
-    if (!e.angle || known->second.unit == "rad") known->second.judge.take(channel, place.column, clock_);
+    if (!e.angle || known->second.unit == "rad") known->second.judge.take(channel, place.column);
   }
 }
 
@@ -286,6 +292,12 @@ void RunJudge::take_events(const Expectation& e, const Trace& piece, Case& to) {
   }
 }
 
+bool RunJudge::found_all() const {
+  for (std::size_t i = 0; i < cases_.size(); ++i)
+    if (expectations_[i].subject == Expectation::Subject::series && cases_[i].series.empty()) return false;
+  return !clock_.empty();
+}
+
 void RunJudge::set_end(const Trace& last) {
   const std::uint64_t duration = earliest_ > latest_ ? 0 : latest_ - earliest_;
   end_.time = clock_.empty() ? duration : clock_.last_time();
@@ -294,6 +306,7 @@ void RunJudge::set_end(const Trace& last) {
 }
 
 std::vector<ExpectationResult> RunJudge::finish(const Trace& last) {
+  clock_.put_in_order();
   set_end(last);
   std::vector<ExpectationResult> results(expectations_.size());
   for (std::size_t i = 0; i < expectations_.size(); ++i) {
@@ -354,7 +367,9 @@ void RunJudge::judge_series(Case& found, const Trace& last, ExpectationResult& r
     if (e.angle && !is_angle)
       series.judge.problem =
           fmt::format("{} is no angle{}{}", name, series.unit.empty() ? "" : ", but in ", series.unit);
-    if ((e.angle && !is_angle) || !series.judge.finish()) take(series.judge, name, series.unit, result, tally);
+    const bool holds = (!e.angle || is_angle) && series.judge.finish();
+    series.judge.set_ticks(clock_);
+    if (!holds) take(series.judge, name, series.unit, result, tally);
     if (series.judge.margin)
       result.margin = std::min(result.margin.value_or(*series.judge.margin), *series.judge.margin);
   }
@@ -398,11 +413,23 @@ Result<std::vector<ExpectationResult>> judge_expectations(const std::vector<Expe
                                                           const std::filesystem::path& recording,
                                                           std::size_t piece_size) {
   if (expectations.empty()) return std::vector<ExpectationResult>();
+  const auto is_judged = [&expectations](const mcap::Channel& channel) {
+    return channel.topic == run_topics::tick || channel.topic == run_topics::events ||
+           std::ranges::any_of(expectations, [&](const Expectation& expectation) {
+             return expectation.subject == Expectation::Subject::series &&
+                    may_match(channel.topic, expectation.pattern);
+           });
+  };
   RunJudge judge(expectations);
-  const auto last = Trace::load_in_pieces(
-      recording, [&](const Trace& piece) { judge.take(piece); }, piece_size);
-  if (!last) return last.errors();
-  return judge.finish(*last);
+  const auto some = load_wanted_in_pieces(
+      recording, is_judged, [&judge](const Trace& piece) { judge.take(piece); }, piece_size);
+  if (!some) return some.errors();
+  if (judge.found_all()) return judge.finish(*some);
+  RunJudge by_all(expectations);
+  const auto all = Trace::load_in_pieces(
+      recording, [&by_all](const Trace& piece) { by_all.take(piece); }, piece_size);
+  if (!all) return all.errors();
+  return by_all.finish(*all);
 }
 
 namespace {

@@ -11,6 +11,7 @@
 
 #include "compare_channel.h"
 #include "compare_parts.h"
+#include "compared_files.h"
 #include "counterpart.h"
 #include "model/clock.h"
 #include "scenario/trace_scenario.h"
@@ -417,15 +418,16 @@ Result<void> compare_windows(RunComparer& comparer, const SurveyedFile& golden, 
 
 }  // namespace
 
-Result<Comparison> compare(const std::filesystem::path& golden, const std::filesystem::path& actual,
-                           const std::vector<ToleranceRule>& rules, const CompareOptions& options,
-                           std::size_t window_size) {
+Result<ComparedFiles> compare_files(const std::filesystem::path& golden, const std::filesystem::path& actual,
+                                    const std::vector<ToleranceRule>& rules, const CompareOptions& options,
+                                    std::size_t window_size) {
   const auto golden_outline = Trace::outline(golden);
   if (!golden_outline) return golden_outline.errors();
   const auto actual_outline = Trace::outline(actual);
   if (!actual_outline) return actual_outline.errors();
   for (const Trace* trace : {&*golden_outline, &*actual_outline})
-    if (const auto known = check_version(*trace); !known) return refusal(known.errors()[0]);
+    if (const auto known = check_version(*trace); !known)
+      return ComparedFiles{refusal(known.errors()[0]), *actual_outline};
   WatchedLimits limits(*golden_outline, *actual_outline);
   const auto of_golden = RunFacts::of(*golden_outline).state_rate, of_actual = RunFacts::of(*actual_outline).state_rate;
   const SurveyedFile golden_file(golden, of_actual, rules, std::move(limits.golden), window_size);
@@ -435,7 +437,16 @@ Result<Comparison> compare(const std::filesystem::path& golden, const std::files
   RunComparer comparer(golden_file.survey, actual_file.survey, rules, options);
   if (auto compared = compare_windows(comparer, golden_file, actual_file, window_size); !compared)
     return compared.errors();
-  return comparer.finish();
+  Comparison comparison = comparer.finish();
+  return ComparedFiles{std::move(comparison), *actual_file.whole};
+}
+
+Result<Comparison> compare(const std::filesystem::path& golden, const std::filesystem::path& actual,
+                           const std::vector<ToleranceRule>& rules, const CompareOptions& options,
+                           std::size_t window_size) {
+  auto compared = compare_files(golden, actual, rules, options, window_size);
+  if (!compared) return compared.errors();
+  return std::move(compared->comparison);
 }
 
 Result<std::vector<ToleranceRule>> tolerances_of(const Trace& trace) {

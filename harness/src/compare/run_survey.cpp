@@ -14,11 +14,6 @@ namespace rehearse {
 
 TickClock::TickClock(const Trace& trace) { take(trace); }
 
-TickClock::TickClock(const Trace& piece, const TickClock& before) {
-  if (!before.empty()) add(before.last_time(), before.tick_of(before.times_.size() - 1));
-  take(piece);
-}
-
 void TickClock::add(std::uint64_t time, std::int64_t tick) {
   if (times_.empty()) first_tick_ = tick;
   if (ticks_.empty() && tick != tick_of(times_.size())) list_ticks();

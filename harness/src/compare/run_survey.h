@@ -19,8 +19,6 @@ class TickClock {
  public:
   TickClock() = default;
   explicit TickClock(const Trace& trace);
-  /// Of a piece of a trace; `before` is that of the piece before it, whose last tick may not be over.
-  TickClock(const Trace& piece, const TickClock& before);
   /// Adds the next piece of a run.
   void take(const Trace& piece);
   /// Sorts by time what the pieces of a file had in another order.

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "float64_message.h"
+#include "mcap/glob.h"
 
 namespace rehearse {
 namespace {
@@ -242,6 +243,25 @@ const std::vector<ChannelElement>& elements_of(ChannelKind kind) {
     return elements;
   }();
   return all[static_cast<std::size_t>(form_of(kind).kind)];
+}
+
+bool may_match(std::string_view topic, std::string_view pattern) {
+  const ChannelKind kind = ChannelName::parse(topic).kind;
+  switch (kind) {
+    case ChannelKind::image:
+    case ChannelKind::depth: return false;
+    case ChannelKind::pose:
+    case ChannelKind::twist:
+    case ChannelKind::acceleration:
+    case ChannelKind::wrench:
+    case ChannelKind::imu:
+    case ChannelKind::contact: break;
+    default: return true;  // its messages name their elements
+  }
+  const std::string whole = std::string(topic.substr(1)) + '/';  // the prefix of a second channel with that name
+  return std::ranges::any_of(elements_of(kind), [&](const ChannelElement& element) {
+    return matches(pattern, series_name(topic, element.name)) || matches(pattern, whole + element.name);
+  });
 }
 
 std::string_view unit_of_joint(std::string_view quantity, bool linear) {

@@ -137,6 +137,9 @@ struct ChannelElement {
 /// contact sensors, in the order of the message's fields.
 const std::vector<ChannelElement>& elements_of(ChannelKind kind);
 
+/// False if no series of a recorded channel matches the pattern, whatever values its messages have.
+bool may_match(std::string_view topic, std::string_view pattern);
+
 /// The unit of a joint's "q", "dq", "ddq" or "u".
 std::string_view unit_of_joint(std::string_view quantity, bool linear);
 

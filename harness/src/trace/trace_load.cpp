@@ -64,7 +64,8 @@ class TraceLoader {
     if (samples) trace_.state_samples_ = std::make_shared<const StateRate>(*samples);
   }
 
-  Result<Trace> load();
+  /// `wanted`: the channels whose messages are read; null: all.
+  Result<Trace> load(const std::function<bool(const mcap::Channel&)>& wanted = {});
   Result<Trace> outline();
 
  private:
@@ -138,17 +139,21 @@ Result<void> TraceLoader::open(const mcap::ReaderOptions& options) {
   return {};
 }
 
-Result<Trace> TraceLoader::load() {
+Result<Trace> TraceLoader::load(const std::function<bool(const mcap::Channel&)>& wanted) {
   if (auto opened = open({}); !opened) return opened.errors();
+  std::vector<std::uint16_t> chosen;
   for (const auto& [id, channel] : trace_.reader_->channels()) {
     const mcap::Schema* schema = trace_.reader_->schema_of(channel);
     has_ticks_ = has_ticks_ || (schema != nullptr && schema->name == msg::Tick::type_name);
+    if (wanted && wanted(channel)) chosen.push_back(id);
   }
-  const auto pass = trace_.reader_->for_each_message([this](const mcap::Message& message) {
+  const auto take = [this](const mcap::Message& message) {
     add_message(message);
     if (on_piece_ && held_ >= piece_size_ && ends_a_tick(message)) end_piece();
     return tolerant_ || problems_.empty();
-  });
+  };
+  const bool reads = !wanted || !chosen.empty();
+  const auto pass = reads ? trace_.reader_->for_each_message(take, chosen) : Result<void>();
   if (!pass) problems_.insert(problems_.begin(), pass.errors().begin(), pass.errors().end());
   if (!problems_.empty() && !tolerant_) return problems_;
   trace_.damage_ = std::move(problems_);
@@ -340,6 +345,12 @@ Result<Trace> Trace::load(const std::filesystem::path& file, Damage damage) { re
 Result<Trace> Trace::load_in_pieces(const std::filesystem::path& file, const OnPiece& on_piece,
                                     std::size_t piece_size) {
   return TraceLoader(file, Damage::refuse, on_piece, piece_size).load();
+}
+
+Result<Trace> load_wanted_in_pieces(const std::filesystem::path& file,
+                                    const std::function<bool(const mcap::Channel&)>& wanted,
+                                    const Trace::OnPiece& on_piece, std::size_t piece_size) {
+  return TraceLoader(file, Trace::Damage::refuse, on_piece, piece_size).load(wanted);
 }
 
 Result<Trace> load_samples(const std::filesystem::path& file, const StateRate& rate) {

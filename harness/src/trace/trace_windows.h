@@ -65,6 +65,11 @@ Result<Trace> load_samples(const std::filesystem::path& file, const StateRate& r
 Result<Trace> load_samples_in_pieces(const std::filesystem::path& file, const StateRate& rate,
                                      const Trace::OnPiece& on_piece, std::size_t piece_size);
 
+/// As Trace::load_in_pieces(); only messages of the wanted channels are read, and the other tables have no columns.
+Result<Trace> load_wanted_in_pieces(const std::filesystem::path& file,
+                                    const std::function<bool(const mcap::Channel&)>& wanted,
+                                    const Trace::OnPiece& on_piece, std::size_t piece_size);
+
 /// True if a trace is a result of Trace::load_in_pieces(), without messages.
 bool is_without_messages(const Trace& trace);
 

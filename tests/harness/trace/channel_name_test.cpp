@@ -157,6 +157,16 @@ TEST(ChannelName, GroupsInChunksTheChannelsThatAReplayReads) {
   EXPECT_EQ(groups.size(), 5u);
 }
 
+TEST(ChannelName, ExcludesSeriesThatItsMessagesCannotHave) {
+  EXPECT_TRUE(may_match("/SR1/WAIST/pose", "SR1/WAIST/position/z"));
+  EXPECT_TRUE(may_match("/SR1/WAIST/pose", "SR1/WAIST/pose/position/z"));  // of a second channel with that topic
+  EXPECT_FALSE(may_match("/SR1/WAIST/pose", "SR1/*/u"));
+  EXPECT_FALSE(may_match("/SR1/Gyro/imu", "SR1/WAIST/*"));
+  EXPECT_FALSE(may_match("/SR1/Camera/image", "*"));
+  EXPECT_TRUE(may_match("/SR1/joints", "SR1/*/u"));  // joints have the names that the messages state
+  EXPECT_TRUE(may_match("/odometry", "*"));
+}
+
 TEST(ChannelForms, StandInTheOrderOfTheKinds) {
   std::set<std::pair<int, std::string_view>> segments;
   for (int kind = 0; kind < static_cast<int>(ChannelKind::other); ++kind) {

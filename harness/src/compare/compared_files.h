@@ -1,0 +1,22 @@
+// The comparison of two recordings, together with the recordings.
+#pragma once
+
+#include <rehearse/compare.h>
+#include <rehearse/trace.h>
+
+#include <filesystem>
+#include <vector>
+
+namespace rehearse {
+
+struct ComparedFiles {
+  Comparison comparison;
+  Trace actual;  // without messages, as Trace::load_in_pieces() returns it; an outline if nothing was compared
+};
+
+/// As compare() of two files, which reads each of them whole.
+Result<ComparedFiles> compare_files(const std::filesystem::path& golden, const std::filesystem::path& actual,
+                                    const std::vector<ToleranceRule>& rules, const CompareOptions& options = {},
+                                    std::size_t window_size = Trace::usual_piece_size);
+
+}  // namespace rehearse
