@@ -1,8 +1,10 @@
 // What is proved is what a simulation gives, and nothing is proved if the world may be another one.
 #include <gmock/gmock.h>
 #include <rehearse/compare.h>
+#include <rehearse/renderer.h>
 #include <rehearse/session.h>
 
+#include <dlfcn.h>
 #include <link.h>
 #include <algorithm>
 
@@ -212,12 +214,14 @@ TEST_F(Proof, ThatWasWrongFailsLoudlyIfTheCheckIsInTheSample) {
 /// `rehearse check` of one scenario, which an earlier check has simulated.
 class ProvedByCommand : public test::Command {
  protected:
-  ProvedByCommand() {
+  ProvedByCommand() : ProvedByCommand(false) {}
+  explicit ProvedByCommand(bool with_camera)
+      : scenario_(with_camera ? test::fixtures / "scenarios/tank.yaml" : sr1_without_cameras()) {
     done({"record", scenario().string(), "-o", "golden.mcap"});
     EXPECT_EQ(check()["proved"], false);
     EXPECT_EQ(check()["proved"], true);
   }
-  fs::path scenario() const { return sr1_without_cameras(); }
+  const fs::path& scenario() const { return scenario_; }
   nlohmann::json check(const std::string& environment = "", const std::vector<std::string>& more = {}) const {
     std::vector<std::string> words{"check", scenario().string(), "--golden", "golden.mcap", "--json"};
     words.insert(words.end(), more.begin(), more.end());
@@ -230,6 +234,16 @@ class ProvedByCommand : public test::Command {
     EXPECT_EQ(report["levels"]["plant"], "equal");
     EXPECT_THAT(report["not_proved"].get<std::string>(), HasSubstr(reason));
   }
+  /// A check with a copy of a library of this process that has another build identifier.
+  void expect_simulated_with_other(const std::string& library) const;
+
+ private:
+  fs::path scenario_;
+};
+
+class ProvedWithACamera : public ProvedByCommand {
+ protected:
+  ProvedWithACamera() : ProvedByCommand(true) {}
 };
 
 /// This process passes its own pinned environment on.
@@ -261,15 +275,22 @@ std::string loaded(const std::string& name) {
   return found.second;
 }
 
-TEST_F(ProvedByCommand, IsNoneWithAnotherBuildOfTheEngine) {
-  const fs::path engine = loaded("libode.so");
-  std::string bytes = test::read_file(engine);
+void ProvedByCommand::expect_simulated_with_other(const std::string& library) const {
+  const fs::path original = loaded(library);
+  std::string bytes = test::read_file(original);
   const std::string note("\x04\0\0\0\x14\0\0\0\x03\0\0\0GNU\0", 16);  // a build identifier of 20 bytes follows
   const std::size_t at = bytes.find(note);
-  ASSERT_NE(at, std::string::npos) << engine;
+  ASSERT_NE(at, std::string::npos) << original;
   bytes[at + note.size()] ^= 1;
-  write(engine.filename().string(), bytes);
-  expect_simulated(check("LD_LIBRARY_PATH=" + folder().string()), "the library " + engine.filename().string());
+  write(original.filename().string(), bytes);
+  expect_simulated(check("LD_LIBRARY_PATH=" + folder().string()), "the library " + original.filename().string());
+}
+
+TEST_F(ProvedByCommand, IsNoneWithAnotherBuildOfTheEngine) { expect_simulated_with_other("libode.so"); }
+
+TEST_F(ProvedWithACamera, IsNoneWithAnotherBuildOfTheRenderer) {
+  ASSERT_NE(dlopen(Renderer::library, RTLD_NOW), nullptr) << dlerror();  // that drawing loads
+  expect_simulated_with_other(Renderer::library);
 }
 
 TEST_F(ProvedByCommand, IsNoneWithOtherSettingsOfTheRenderer) {
