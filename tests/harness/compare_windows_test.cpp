@@ -23,6 +23,48 @@ TEST_F(CompareWindows, FindsADifferenceInEachTick) {
   }
 }
 
+/// Runs of four seconds, whose first seconds may be equal.
+class CompareSeconds : public testing::Compare {
+ protected:
+  CompareSeconds() {
+    lengthen(14);
+    for (testing::SmallTrace* run : {&golden_, &actual_})
+      for (SmallTick& tick : run->ticks) tick.tick *= 300;
+  }
+};
+
+TEST_F(CompareSeconds, FindsADifferenceInEachTick) {
+  ToleranceRule late = rule("Robot/KNEE/q");
+  late.lead = late.lag = 0.7;
+  for (const std::vector<ToleranceRule>& rules : {std::vector<ToleranceRule>(), {late}}) {
+    for (std::size_t tick = 0; tick < 14; ++tick) {
+      actual_ = golden_;
+      actual_.ticks[tick].q += 0.1;
+      const Comparison found = compared(rules);
+      ASSERT_TRUE(found.first) << tick;
+      EXPECT_EQ(found.first->tick, static_cast<std::int64_t>(300 * tick));
+      EXPECT_EQ(found.differing, 1) << tick;
+    }
+  }
+}
+
+TEST_F(CompareSeconds, FindsAMessageWithoutAClock) {
+  for (testing::SmallTrace* run : {&golden_, &actual_}) run->left_out = {"/tick"};
+  actual_.ticks[11].q += 0.1;
+  const Comparison found = compared();
+  ASSERT_TRUE(found.first);
+  EXPECT_EQ(found.first->tick, 11) << "the number of the message";
+}
+
+TEST_F(CompareSeconds, StopsAtTheHorizon) {
+  actual_.ticks[9].q += 0.1;
+  CompareOptions early;
+  early.until = 2.5;
+  EXPECT_TRUE(compared({}, early).within);
+  early.until = 2.7;
+  EXPECT_FALSE(compared({}, early).within);
+}
+
 TEST_F(CompareWindows, KeepsTheFirstAndTheWorstOfSeveral) {
   actual_.ticks[7].q += 0.1;
   actual_.ticks[23].q += 0.3;

@@ -306,8 +306,9 @@ class Reader {
 /// It holds those chunks in memory.
 class OrderedMessages {
  public:
-  /// Delivers the messages of the chosen channels (all if empty). The reader must outlive this.
-  explicit OrderedMessages(Reader& reader, std::span<const std::uint16_t> channels = {});
+  /// Delivers the messages of the chosen channels (all if empty) whose log time is `from` [ns] or later; a chunk that
+  /// states an earlier end isn't read. The reader must outlive this.
+  explicit OrderedMessages(Reader& reader, std::span<const std::uint16_t> channels = {}, std::uint64_t from = 0);
   ~OrderedMessages();
   OrderedMessages(const OrderedMessages&) = delete;
   OrderedMessages& operator=(const OrderedMessages&) = delete;

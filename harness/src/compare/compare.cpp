@@ -114,8 +114,10 @@ namespace {
 /// Ticks that both runs have. The message that closes a run holds the state after the last tick, and is none itself.
 std::int64_t compared_ticks(const ComparedTraces& traces) {
   std::int64_t messages = 0;
-  for (const std::uint64_t time : traces.clock.times())
+  for (std::size_t i = 0; i < traces.clock.size(); ++i) {
+    const std::uint64_t time = traces.clock.time(i);
     if (time <= traces.end && traces.actual_clock.has(time)) ++messages;
+  }
   std::int64_t recorded = messages;
   if (const auto outcome = RunFacts::of(traces.golden).outcome) recorded = outcome->ticks.value_or(messages);
   return std::min(messages, recorded);
@@ -201,9 +203,9 @@ class WindowBorders {
   /// The end of the window that begins there, inclusive [ns].
   std::uint64_t after(std::uint64_t begin) const {
     if (end_ - begin <= step_) return end_;
-    const auto& times = (traces_.clock.empty() ? traces_.actual_clock : traces_.clock).times();
-    const auto tick = std::lower_bound(times.begin(), times.end(), begin + step_);
-    return tick == times.end() ? begin + step_ : std::min(end_, *tick - 1);
+    const TickClock& clock = traces_.clock.empty() ? traces_.actual_clock : traces_.clock;
+    const auto tick = clock.next_time(begin + step_);
+    return tick ? std::min(end_, *tick - 1) : begin + step_;
   }
 
  private:
@@ -235,6 +237,8 @@ class RunComparer {
   const ComparedTraces& traces() const { return traces_; }
   /// The channels to be found in the windows.
   std::vector<PairedChannel> channels() const;
+  /// No window will contain the messages before that second [ns], which are equal.
+  void skip_to(std::uint64_t second);
   void take(const Window& window);
   Comparison finish();
 
@@ -291,6 +295,11 @@ std::vector<PairedChannel> RunComparer::channels() const {
   for (const ChannelComparer& comparer : comparers_)
     if (comparer.needs_windows()) channels.push_back(comparer.channel());
   return channels;
+}
+
+void RunComparer::skip_to(std::uint64_t second) {
+  for (ChannelComparer& comparer : comparers_)
+    if (comparer.needs_windows()) comparer.take_equal(comparer.channel().golden_survey.messages_before(second));
 }
 
 void RunComparer::take(const Window& window) {
@@ -388,23 +397,41 @@ std::pair<std::uint64_t, std::uint64_t> largest_lead_and_lag(const std::vector<T
   return {static_cast<std::uint64_t>(std::ceil(lead * 1e9)), static_cast<std::uint64_t>(std::ceil(lag * 1e9))};
 }
 
+/// The windows of some channels of a recording, from a second on [ns].
+TraceWindows windows_from(std::uint64_t second, const RunSurvey& run,
+                          const std::vector<const TraceChannel*>& channels) {
+  std::vector<std::size_t> indices;
+  WindowsStart start{second, {}};
+  for (const TraceChannel* channel : channels) {
+    indices.push_back(run.index_of(*channel));
+    start.earlier.push_back(run.of(*channel).messages_before(second));
+  }
+  return {run.whole(), indices, start};
+}
+
 /// Reads what differs in two recordings once more, and compares it.
-Result<void> compare_windows(RunComparer& comparer, const SurveyedFile& golden, const SurveyedFile& actual,
-                             std::size_t window_size) {
+Result<void> compare_windows(RunComparer& comparer, std::size_t window_size) {
   const ComparedTraces& traces = comparer.traces();
-  std::vector<std::size_t> of_golden, of_actual;  // channels
-  std::uint64_t begin = std::numeric_limits<std::uint64_t>::max(), last = 0;
+  std::vector<const TraceChannel*> of_golden, of_actual;
+  constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t first = never, last = 0, equal_until = never;
   for (const PairedChannel& channel : comparer.channels()) {
-    of_golden.push_back(traces.golden_run.index_of(channel.golden));
-    of_actual.push_back(traces.actual_run.index_of(channel.actual));
-    begin = std::min({begin, channel.golden_survey.first_time, channel.actual_survey.first_time});
+    of_golden.push_back(&channel.golden);
+    of_actual.push_back(&channel.actual);
+    first = std::min({first, channel.golden_survey.first_time, channel.actual_survey.first_time});
     last = std::max({last, channel.golden_survey.last_time, channel.actual_survey.last_time});
+    equal_until = std::min(equal_until, channel.equal_until());
   }
   last = std::min(last, traces.end);
-  if (begin > last) return {};
+  if (first > last) return {};
   const auto [lead, lag] = largest_lead_and_lag(traces.rules);
-  const WindowBorders borders(traces, begin, last, window_size);
-  TraceWindows golden_windows(*golden.whole, of_golden), actual_windows(*actual.whole, of_actual);
+  const WindowBorders borders(traces, first, last, window_size);
+  equal_until = std::min(equal_until, second_of(last));
+  comparer.skip_to(equal_until);
+  std::uint64_t begin = std::max(first, equal_until);
+  TraceWindows golden_windows =
+      windows_from(second_of(equal_until - std::min(equal_until, lag)), traces.golden_run, of_golden);
+  TraceWindows actual_windows = windows_from(equal_until, traces.actual_run, of_actual);
   for (std::uint64_t end = 0; begin <= last; begin = end + 1) {
     end = borders.after(begin);
     golden_windows.move(begin - std::min(begin, lag), end + lead);
@@ -435,8 +462,7 @@ Result<ComparedFiles> compare_files(const std::filesystem::path& golden, const s
   const SurveyedFile actual_file(actual, of_golden, rules, std::move(limits.actual), window_size);
   if (!actual_file.whole) return actual_file.whole.errors();
   RunComparer comparer(golden_file.survey, actual_file.survey, rules, options);
-  if (auto compared = compare_windows(comparer, golden_file, actual_file, window_size); !compared)
-    return compared.errors();
+  if (auto compared = compare_windows(comparer, window_size); !compared) return compared.errors();
   Comparison comparison = comparer.finish();
   return ComparedFiles{std::move(comparison), *actual_file.whole};
 }

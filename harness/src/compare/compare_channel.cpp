@@ -96,9 +96,13 @@ ChannelComparer::ChannelComparer(const ComparedTraces& traces, const PairedChann
   if (has_another_form()) return;
   const ChannelSurvey& survey = channel.golden_survey;
   needs_windows_ = !channel.is_equal() || survey.last_time > traces.end;
-  if (needs_windows_ || survey.messages == 0) return;
+  if (!needs_windows_) take_equal(survey.messages);
+}
+
+void ChannelComparer::take_equal(std::uint64_t messages) {
+  if (messages == 0) return;
   make_judges();
-  for (const auto& judge : judges_) judge->take_equal(static_cast<std::int64_t>(survey.messages));
+  for (const auto& judge : judges_) judge->take_equal(static_cast<std::int64_t>(messages));
 }
 
 bool ChannelComparer::has_another_form() {

@@ -20,6 +20,8 @@ class ChannelComparer {
   const PairedChannel& channel() const { return channel_; }
   /// Something is to be found in the messages.
   bool needs_windows() const { return needs_windows_; }
+  /// No window will contain the first messages, which are equal.
+  void take_equal(std::uint64_t messages);
   void take(const Window& window);
   ChannelComparison finish();
 

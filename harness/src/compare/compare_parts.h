@@ -60,6 +60,8 @@ struct PairedChannel {
 
   /// No message differs, nor its time.
   bool is_equal() const { return golden_survey == actual_survey; }
+  /// All messages before this time are equal [ns]: the beginning of a second.
+  std::uint64_t equal_until() const { return rehearse::equal_until(golden_survey, actual_survey); }
 };
 
 /// A span of time of both runs; the golden's tables may reach beyond it for tolerances that allow for time.

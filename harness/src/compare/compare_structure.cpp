@@ -48,20 +48,21 @@ void compare_lengths(ComparedTraces& traces, ChannelFindings& findings) {
 void compare_clocks(const ComparedTraces& traces, bool missing, ChannelFindings& findings) {
   const TickClock& of = missing ? traces.clock : traces.actual_clock;
   const TickClock& other = missing ? traces.actual_clock : traces.clock;
-  std::vector<std::uint64_t> lone;
-  for (const std::uint64_t time : of.times())
-    if (time <= traces.end && !other.has(time)) lone.push_back(time);
+  std::vector<std::size_t> lone;
+  for (std::size_t i = 0; i < of.size() && of.time(i) <= traces.end; ++i)
+    if (!other.has(of.time(i))) lone.push_back(i);
   if (lone.empty()) return;
-  const auto first = std::lower_bound(of.times().begin(), of.times().end(), lone.front());
-  const auto after = std::find_if(first, of.times().end(), [&](std::uint64_t time) { return other.has(time); });
-  const auto run = static_cast<std::size_t>(std::distance(first, after));
-  Divergence divergence = place_of_tick(of, lone.front());
+  const std::size_t first = lone.front();
+  std::size_t after = first;
+  while (after < of.size() && !other.has(of.time(after))) ++after;
+  const std::size_t run = after - first;
+  Divergence divergence = place_of_tick(of, of.time(first));
   divergence.stage = Stage::physics;  // the state of the bodies, first of all, is not there
-  const auto tick_text = [&](auto time) { return fmt::format("tick {}", of.tick_at(*time)); };
-  std::string neighbours = first == of.times().begin() ? "the first" : "after " + tick_text(std::prev(first));
-  neighbours += after == of.times().end() ? ", the last" : ", before " + tick_text(after);
+  const auto tick_text = [&](std::size_t index) { return fmt::format("tick {}", of.tick_at(of.time(index))); };
+  std::string neighbours = first == 0 ? "the first" : "after " + tick_text(first - 1);
+  neighbours += after == of.size() ? ", the last" : ", before " + tick_text(after);
   divergence.note = run == 1 ? fmt::format("this tick is {}", missing ? "missing" : "extra: the golden hasn't it")
-                             : fmt::format("ticks {} to {} are {}", divergence.tick, of.tick_at(*std::prev(after)),
+                             : fmt::format("ticks {} to {} are {}", divergence.tick, of.tick_at(of.time(after - 1)),
                                            missing ? "missing" : "extra: the golden hasn't them");
   divergence.note += " (" + neighbours + ")";
   if (lone.size() > run) divergence.note += fmt::format("; with others later {} in all", lone.size());
@@ -71,12 +72,11 @@ void compare_clocks(const ComparedTraces& traces, bool missing, ChannelFindings&
 
 /// Where two clocks run at different speed, every tick but the first is somewhere else, which is one finding.
 bool has_another_step(const ComparedTraces& traces, ChannelFindings& findings) {
-  const auto &golden = traces.clock.times(), &actual = traces.actual_clock.times();
-  if (golden.size() < 2 || actual.size() < 2) return false;
+  if (traces.clock.size() < 2 || traces.actual_clock.size() < 2) return false;
   const std::string before = RunFacts::of(traces.golden).stated(facts::time_step),
                     now = RunFacts::of(traces.actual).stated(facts::time_step);
   if (before.empty() || now.empty() || before == now) return false;
-  Divergence divergence = place_of_tick(traces.clock, golden.front());
+  Divergence divergence = place_of_tick(traces.clock, traces.clock.first_time());
   divergence.note =
       fmt::format("the run's time step is {} s, expected {} s: only ticks at the same time are compared", now, before);
   findings.structure(divergence);

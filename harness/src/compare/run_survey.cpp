@@ -1,10 +1,7 @@
 #include "run_survey.h"
 
-#include <rehearse/messages.h>
-
 #include <algorithm>
 #include <array>
-#include <numeric>
 
 #include "compare_parts.h"
 #include "series_scale.h"
@@ -12,55 +9,31 @@
 
 namespace rehearse {
 
-TickClock::TickClock(const Trace& trace) { take(trace); }
-
-void TickClock::add(std::uint64_t time, std::int64_t tick) {
-  if (times_.empty()) first_tick_ = tick;
-  if (ticks_.empty() && tick != tick_of(times_.size())) list_ticks();
-  times_.push_back(time);
-  if (!ticks_.empty()) ticks_.push_back(tick);
-}
-
-std::int64_t TickClock::tick_of(std::size_t index) const {
-  return ticks_.empty() ? first_tick_ + static_cast<std::int64_t>(index) : ticks_[index];
-}
-
-void TickClock::list_ticks() {
-  ticks_.resize(times_.size());
-  std::iota(ticks_.begin(), ticks_.end(), first_tick_);
-}
-
-void TickClock::take(const Trace& piece) {
-  for (const TraceChannel& channel : piece.channels()) {
-    if (channel.type != msg::Tick::type_name || channel.columns.empty()) continue;
-    const std::size_t column = column_of(channel, "tick");
-    for (std::size_t row = 0; row < channel.rows(); ++row) {
-      add(channel.times[row], column < channel.columns.size() ? static_cast<std::int64_t>(channel.bits(row, column))
-                                                              : static_cast<std::int64_t>(channel.earlier + row));
-    }
-    break;
+void ChannelSurvey::take(const TraceChannel& piece) {
+  messages += piece.messages();
+  for (std::size_t message = 0; message < piece.messages(); ++message) {
+    const std::uint64_t time = piece.times[message];
+    in_order = in_order && time >= last_time;
+    if (seconds.empty() || second_of(time) > seconds.back().begin)
+      seconds.push_back({second_of(time), messages - piece.messages() + message, hash});
+    first_time = std::min(first_time, time);
+    last_time = std::max(last_time, time);
+    times_hash = hash_bytes(&time, sizeof time, times_hash);
+    const std::array<std::uint64_t, 2> both{time, piece.hashes[message]};
+    hash = hash_bytes(both.data(), sizeof both, hash);
   }
 }
 
-void TickClock::put_in_order() {
-  if (std::is_sorted(times_.begin(), times_.end())) return;
-  std::vector<std::size_t> order(times_.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [this](std::size_t a, std::size_t b) { return times_[a] < times_[b]; });
-  if (ticks_.empty()) list_ticks();
-  const TickClock before = *this;
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    times_[i] = before.times_[order[i]];
-    ticks_[i] = before.ticks_[order[i]];
-  }
+std::uint64_t ChannelSurvey::messages_before(std::uint64_t second) const {
+  const auto found = std::ranges::lower_bound(seconds, second, {}, &Second::begin);
+  return found == seconds.end() ? messages : found->messages;
 }
 
-std::int64_t TickClock::tick_at(std::uint64_t time) const {
-  const auto after = std::upper_bound(times_.begin(), times_.end(), time);
-  return after == times_.begin() ? 0 : tick_of(static_cast<std::size_t>(after - times_.begin()) - 1);
+std::uint64_t equal_until(const ChannelSurvey& a, const ChannelSurvey& b) {
+  if (!a.in_order || !b.in_order) return 0;
+  const auto differing = std::ranges::mismatch(a.seconds, b.seconds).in1;
+  return differing == a.seconds.begin() ? 0 : std::prev(differing)->begin;
 }
-
-bool TickClock::has(std::uint64_t time) const { return std::binary_search(times_.begin(), times_.end(), time); }
 
 void RunSurvey::take(const Trace& piece) {
   clock.take(piece);
@@ -69,17 +42,8 @@ void RunSurvey::take(const Trace& piece) {
   scales_.resize(piece.channels().size());
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     const TraceChannel& channel = piece.channels()[i];
-    ChannelSurvey& survey = channels_[i];
     size += channel.messages() * (2 + channel.columns.size()) * sizeof(std::uint64_t);
-    survey.messages += channel.messages();
-    for (std::size_t message = 0; message < channel.messages(); ++message) {
-      const std::uint64_t time = channel.times[message];
-      survey.first_time = std::min(survey.first_time, time);
-      survey.last_time = std::max(survey.last_time, time);
-      survey.times_hash = hash_bytes(&time, sizeof time, survey.times_hash);
-      const std::array<std::uint64_t, 2> both{time, channel.hashes[message]};
-      survey.hash = hash_bytes(both.data(), sizeof both, survey.hash);
-    }
+    channels_[i].take(channel);
     take_scales(channel, scales_[i]);
   }
 }

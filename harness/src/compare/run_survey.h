@@ -11,35 +11,9 @@
 #include <vector>
 
 #include "event_sequences.h"
+#include "tick_clock.h"
 
 namespace rehearse {
-
-/// Which tick a time belongs to, by a trace's /tick channel.
-class TickClock {
- public:
-  TickClock() = default;
-  explicit TickClock(const Trace& trace);
-  /// Adds the next piece of a run.
-  void take(const Trace& piece);
-  /// Sorts by time what the pieces of a file had in another order.
-  void put_in_order();
-  bool empty() const { return times_.empty(); }
-  std::uint64_t last_time() const { return times_.back(); }
-  const std::vector<std::uint64_t>& times() const { return times_; }  // [ns]
-  /// Of the latest tick at or before the time; counts from 0 without ticks.
-  std::int64_t tick_at(std::uint64_t time) const;
-  /// Whether a tick begins at that time.
-  bool has(std::uint64_t time) const;
-
- private:
-  void add(std::uint64_t time, std::int64_t tick);
-  std::int64_t tick_of(std::size_t index) const;
-  void list_ticks();
-
-  std::vector<std::uint64_t> times_;  // ascending
-  std::int64_t first_tick_ = 0;
-  std::vector<std::int64_t> ticks_;  // empty: consecutive, from the first on
-};
 
 /// All messages of a channel.
 struct ChannelSurvey {
@@ -48,9 +22,31 @@ struct ChannelSurvey {
   std::uint64_t last_time = 0;                                           // [ns]
   std::uint64_t times_hash = 0;
   std::uint64_t hash = 0;  // of times and bytes
+  bool in_order = true;    // by time
 
+  /// A second in which there are messages, and all messages before it.
+  struct Second {
+    std::uint64_t begin = 0;  // [ns]
+    std::uint64_t messages = 0;
+    std::uint64_t hash = 0;
+    bool operator==(const Second&) const = default;
+  };
+  std::vector<Second> seconds;
+
+  void take(const TraceChannel& piece);
+  /// The messages before the beginning of a second [ns].
+  std::uint64_t messages_before(std::uint64_t second) const;
   bool operator==(const ChannelSurvey&) const = default;
 };
+
+/// The beginning of the second that a time belongs to [ns].
+constexpr std::uint64_t second_of(std::uint64_t time) {
+  constexpr std::uint64_t second = 1'000'000'000;  // [ns]
+  return time / second * second;
+}
+
+/// Two surveys of a channel agree on all messages before this time, which begins a second [ns].
+std::uint64_t equal_until(const ChannelSurvey& a, const ChannelSurvey& b);
 
 struct RunSurvey {
   /// Of a run without messages; take() adds them. `rules` must outlive this.

@@ -17,9 +17,10 @@ std::uint64_t most_held(const ReaderOptions& options) {
 
 }  // namespace
 
-MessageOrder::MessageOrder(Reader::Impl& reader, const ChannelSet& channels, DamageLog& damage)
+MessageOrder::MessageOrder(Reader::Impl& reader, const ChannelSet& channels, DamageLog& damage, std::uint64_t from)
     : reader_(reader),
       channels_(channels),
+      from_(from),
       damage_(damage),
       passed_(reader.file_, reader.bytes_),
       opener_(reader.options_) {
@@ -27,7 +28,8 @@ MessageOrder::MessageOrder(Reader::Impl& reader, const ChannelSet& channels, Dam
   PassedBytes indexes(reader.file_, reader.bytes_);
   for (const Chunk& chunk : reader.chunks_) {
     indexes.pass(chunk.offset);
-    (!by_index || reader.is_indexed(chunk.offset, channels) ? chunks_ : others_).push_back(chunk);
+    const bool is_read = chunk.end_time >= from && (!by_index || reader.is_indexed(chunk.offset, channels));
+    (is_read ? chunks_ : others_).push_back(chunk);
   }
   std::stable_sort(chunks_.begin(), chunks_.end(),
                    [](const Chunk& a, const Chunk& b) { return a.start_time < b.start_time; });
@@ -122,7 +124,7 @@ void MessageOrder::collect(Run& run, RecordWalker& walker, const Chunk* place) {
     }
     const auto head = parse_message_head(record.body);
     if (!head || !channels_.has(head->channel)) continue;
-    run.order.push_back({head->log_time, record.offset});
+    if (head->log_time >= from_) run.order.push_back({head->log_time, record.offset});
     in_span =
         in_span && (place == nullptr || (place->start_time <= head->log_time && head->log_time <= place->end_time));
   }
@@ -182,8 +184,8 @@ void MessageOrder::advance() {
 }
 
 struct OrderedMessages::State {
-  State(Reader::Impl& from, std::span<const std::uint16_t> chosen)
-      : reader(from), channels(chosen), damage(from.name_), order(from, channels, damage) {}
+  State(Reader::Impl& source, std::span<const std::uint16_t> chosen, std::uint64_t from)
+      : reader(source), channels(chosen), damage(source.name_), order(source, channels, damage, from) {}
 
   Reader::Impl& reader;
   const ChannelSet channels;
@@ -194,9 +196,9 @@ struct OrderedMessages::State {
   bool ended = false;
 };
 
-OrderedMessages::OrderedMessages(Reader& reader, std::span<const std::uint16_t> channels) {
+OrderedMessages::OrderedMessages(Reader& reader, std::span<const std::uint16_t> channels, std::uint64_t from) {
   reader.impl().walk_if_not_yet();
-  state_ = std::make_unique<State>(reader.impl(), channels);
+  state_ = std::make_unique<State>(reader.impl(), channels, from);
 }
 
 OrderedMessages::~OrderedMessages() = default;

@@ -42,8 +42,8 @@ struct ChunkAhead {
 /// its first message and released after its last.
 class MessageOrder {
  public:
-  /// All three must outlive it.
-  MessageOrder(Reader::Impl& reader, const ChannelSet& channels, DamageLog& damage);
+  /// All three must outlive it. Messages before `from` [ns] are left out.
+  MessageOrder(Reader::Impl& reader, const ChannelSet& channels, DamageLog& damage, std::uint64_t from = 0);
   ~MessageOrder();
   MessageOrder(const MessageOrder&) = delete;
   MessageOrder& operator=(const MessageOrder&) = delete;
@@ -69,9 +69,10 @@ class MessageOrder {
 
   Reader::Impl& reader_;
   const ChannelSet& channels_;
+  const std::uint64_t from_;  // [ns]
   DamageLog& damage_;
   PassedBytes passed_;         // includes the bytes between chunks
-  std::vector<Chunk> chunks_;  // with messages of the channels; by start time, then offset
+  std::vector<Chunk> chunks_;  // with messages to deliver; by start time, then offset
   std::vector<Chunk> others_;  // without
   std::size_t next_chunk_ = 0;
   ChunkOpener opener_;  // of the thread

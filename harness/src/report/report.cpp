@@ -84,7 +84,7 @@ struct TickRange {
 
   void take(const TickClock& clock) {
     if (clock.empty()) return;
-    const std::int64_t first = clock.tick_at(clock.times().front()), last = clock.tick_at(clock.last_time());
+    const std::int64_t first = clock.tick_at(clock.first_time()), last = clock.tick_at(clock.last_time());
     begin = begin == end ? first : std::min(begin, first);
     end = std::max(end, last + 1);
   }
@@ -133,9 +133,9 @@ ReportJson run_json(const ReportedRun& run, std::string_view role, const fs::pat
 /// [s]; for a recording whose scenario can't be read, by its clock.
 double time_step_of(const ReportedRun& run, const std::optional<Scenario>& scenario) {
   if (scenario) return scenario->time_step;
-  const std::vector<std::uint64_t>& times = run.clock.times();
   constexpr double usual = 0.001;
-  return times.size() < 2 || times[1] <= times[0] ? usual : static_cast<double>(times[1] - times[0]) / 1e9;
+  const std::uint64_t step = run.clock.size() < 2 ? 0 : run.clock.time(1) - run.clock.first_time();  // [ns]
+  return step == 0 ? usual : static_cast<double>(step) / 1e9;
 }
 
 /// Writes one report.

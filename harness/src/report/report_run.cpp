@@ -14,7 +14,7 @@ std::string_view stem_of(std::string_view element) { return element.substr(0, el
 
 void JudgedValues::mark(std::int64_t tick) {
   if (clock_.empty()) return;
-  const std::int64_t place = tick - clock_.tick_at(clock_.times().front());
+  const std::int64_t place = tick - clock_.tick_at(clock_.first_time());
   if (place < 0) return;
   const auto at = static_cast<std::size_t>(place);
   if (at >= beyond_.size()) beyond_.resize(at + 1);
@@ -70,7 +70,7 @@ std::int64_t JudgedValues::pixels(const TraceChannel& channel, std::size_t messa
 std::vector<std::pair<std::int64_t, std::int64_t>> JudgedValues::spans(std::size_t most) const {
   std::vector<std::pair<std::int64_t, std::int64_t>> spans;
   if (clock_.empty()) return spans;
-  const std::int64_t first = clock_.tick_at(clock_.times().front());
+  const std::int64_t first = clock_.tick_at(clock_.first_time());
   for (std::size_t i = 0; i < beyond_.size(); ++i) {
     if (!beyond_[i]) continue;
     const std::int64_t tick = first + static_cast<std::int64_t>(i);

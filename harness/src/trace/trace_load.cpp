@@ -262,7 +262,8 @@ void TraceLoader::complain(std::string message) {
   problems_.back().file = trace_.file_;
 }
 
-TraceWindows::TraceWindows(const Trace& whole, std::span<const std::size_t> channels) : trace_(whole) {
+TraceWindows::TraceWindows(const Trace& whole, std::span<const std::size_t> channels, const WindowsStart& start)
+    : trace_(whole) {
   std::vector<std::uint16_t> ids;
   trace_.events_ = std::make_shared<std::vector<msg::Event>>();
   trace_.contact_changes_ = std::make_shared<std::vector<msg::ContactChange>>();
@@ -273,7 +274,8 @@ TraceWindows::TraceWindows(const Trace& whole, std::span<const std::size_t> chan
     by_id_[id]->take_samples(trace_.state_samples_.get());
     table = std::move(by_id_[id]->rows.table);
   }
-  messages_ = std::make_unique<mcap::OrderedMessages>(*trace_.reader_, ids);
+  for (std::size_t i = 0; i < start.earlier.size(); ++i) trace_.channels_[channels[i]].earlier = start.earlier[i];
+  messages_ = std::make_unique<mcap::OrderedMessages>(*trace_.reader_, ids, start.time);
   message_ = messages_->next();
 }
 

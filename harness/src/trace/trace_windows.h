@@ -36,11 +36,17 @@ struct ChannelSource {
 /// Removes a table's first messages.
 void drop_messages(TraceChannel& table, std::size_t count);
 
+/// The first messages to be read in windows.
+struct WindowsStart {
+  std::uint64_t time = 0;                   // [ns]
+  std::vector<std::uint64_t> earlier = {};  // messages before that time, for each of the channels; empty: none
+};
+
 class TraceWindows {
  public:
   /// `whole`: the result of Trace::load_in_pieces() or load_samples(), whose tables have all columns from the
   /// beginning. The messages of `channels`, given by their indices in the trace, are read; at least one channel.
-  TraceWindows(const Trace& whole, std::span<const std::size_t> channels);
+  TraceWindows(const Trace& whole, std::span<const std::size_t> channels, const WindowsStart& start = {});
 
   /// Removes the messages before `keep_from` and reads those up to `until`, inclusive [ns].
   void move(std::uint64_t keep_from, std::uint64_t until);

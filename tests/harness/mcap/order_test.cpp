@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
 
 #include "mcap/codec.h"
 #include "mcap/records.h"
@@ -97,6 +98,35 @@ TEST(McapOrder, SortsWithinAChunk) {
   file.magic().header().channel(1, "/a");
   file.chunk(1, 3, Composer().message(1, 3, "c").message(1, 1, "a").message(1, 2, "b")).end();
   EXPECT_EQ(data_in_order(*open_composed(file)), "abc");
+}
+
+TEST(McapOrder, BeginsAtATime) {
+  Composer file;
+  file.magic().header().channel(1, "/a").message(1, 1, "a").message(1, 4, "d");
+  file.chunk(1, 3, Composer().message(1, 1, "b").message(1, 3, "c"));
+  file.chunk(2, 5, Composer().message(1, 2, "c").message(1, 4, "e").message(1, 5, "f")).end();
+  const auto reader = open_composed(file);
+  for (const auto& [from, expected] :
+       std::map<std::uint64_t, std::string>{{0, "abccdef"}, {3, "cdef"}, {4, "def"}, {5, "f"}, {6, ""}}) {
+    mcap::OrderedMessages messages(*reader, {}, from);
+    std::string all;
+    while (const mcap::Message* message = messages.next()) all += see(*message).data;
+    EXPECT_TRUE(messages.verdict());
+    EXPECT_EQ(all, expected) << from;
+  }
+}
+
+TEST(McapOrder, OpensNoChunkBeforeTheBegin) {
+  Composer file;
+  file.magic().header().channel(1, "/a");
+  file.chunk(1, 2, Composer().message(1, 9, "a"));  // it states a wrong time
+  file.chunk(3, 4, Composer().message(1, 4, "b")).end();
+  const auto reader = open_composed(file);
+  for (const auto& [from, whole] : {std::pair(2, false), std::pair(3, true)}) {
+    mcap::OrderedMessages messages(*reader, {}, static_cast<std::uint64_t>(from));
+    while (messages.next()) continue;
+    EXPECT_EQ(static_cast<bool>(messages.verdict()), whole) << from;
+  }
 }
 
 TEST(McapOrder, KeepsFileOrderAmongEqualTimes) {
