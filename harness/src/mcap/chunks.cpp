@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "record_pass.h"
+
 namespace rehearse::mcap {
 
 OpenedChunk ChunkOpener::open(const Record& chunk, RawBuffer& buffer) {
@@ -81,9 +83,9 @@ ChunkGroup ChannelGroups::of(std::uint16_t channel) const {
   return {root + 1, compression_.at(root)};
 }
 
-ChannelGroups groups_of(Bytes file) {
+ChannelGroups groups_of(const FileView& view, Bytes file) {
   ChannelGroups groups;
-  RecordWalker walker(file, magic.size());
+  MappedPass pass(view, file, false, {}, magic.size());
   Record record;
   std::string_view compression;
   std::vector<std::uint16_t> channels;
@@ -94,7 +96,7 @@ ChannelGroups groups_of(Bytes file) {
     channels.clear();
     in_chunk = false;
   };
-  while (walker.next(record) && record.opcode != op::data_end && record.opcode != op::footer) {
+  while (pass.next(record) && record.opcode != op::data_end && record.opcode != op::footer) {
     if (record.opcode == op::message_index) {
       channels.push_back(ByteReader(record.body).get<std::uint16_t>());
       continue;

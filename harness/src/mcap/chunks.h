@@ -2,6 +2,7 @@
 #pragma once
 
 #include "codec.h"
+#include "file_view.h"
 #include "records.h"
 
 namespace rehearse::mcap {
@@ -50,7 +51,7 @@ class ChannelGroups {
 };
 
 /// The groups of a file, from its message indexes; nothing is decompressed. A chunk without an index only determines
-/// the compression of all channels without one.
-ChannelGroups groups_of(Bytes file);
+/// the compression of all channels without one. `file`: the view's bytes, whose memory is released, or others.
+ChannelGroups groups_of(const FileView& view, Bytes file);
 
 }  // namespace rehearse::mcap

@@ -83,8 +83,7 @@ class Merger {
 };
 
 void Merger::define(OpenSource& source, int index) {
-  const ChannelGroups groups = groups_of(source.reader->impl().bytes_);
-  source.reader->impl().file_.forget(source.reader->impl().bytes_);
+  const ChannelGroups groups = groups_of(source.reader->impl().file_, source.reader->impl().bytes_);
   std::set<std::uint16_t> own;  // channels that other channels of this source must not share
   for (const auto& [id, channel] : source.reader->channels()) {
     const std::uint16_t schema_id = copy(source.reader->schema_of(channel), writer_);

@@ -7,8 +7,8 @@
 
 #include "mcap/chunks.h"
 #include "mcap/draft.h"
-#include "mcap/file_view.h"
 #include "mcap/glob.h"
+#include "mcap/reader_impl.h"
 #include "mcap/whole_input.h"
 #include "model/text.h"
 #include "run_facts.h"
@@ -150,20 +150,19 @@ WriterOptions form_of(const Reader& reader, const FilterOptions& options) {
 
 Result<Filtered> filter(const std::filesystem::path& source, const std::filesystem::path& target,
                         const FilterOptions& options) {
-  const auto view = FileView::open(source);
-  if (!view) return view.errors();
-  if (view->converted() && !view->converted()->damage.empty()) return view->converted()->damage;
-  const auto reader = Reader::open_bytes(view->bytes(), view->name());
+  const auto reader = Reader::open(source);
   if (!reader) return reader.errors();
+  const FileView& view = (*reader)->impl().file_;
+  if (view.converted() && !view.converted()->damage.empty()) return view.converted()->damage;
   if (!(*reader)->damage().empty()) return with_recover_hint((*reader)->damage());
   auto selector = Selector::of(options.selection, **reader);
   if (!selector) return selector.errors();
   auto draft = Draft::begin(target, std::span(&source, 1));
   if (!draft) return draft.errors();
-  const ChannelGroups groups = groups_of(view->bytes());
+  const ChannelGroups groups = groups_of(view, view.bytes());
   auto writer = draft->open_writer(form_of(**reader, options));
   if (!writer) return writer.errors();
-  auto filtered = Filter(*view, **reader, **writer, *selector, groups, options).run();
+  auto filtered = Filter(view, **reader, **writer, *selector, groups, options).run();
   if (!filtered) return filtered;
   filtered->bytes = draft->size();
   if (auto done = draft->finish(); !done) return done.errors();
