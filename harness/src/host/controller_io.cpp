@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <stdexcept>
 
 #include "cnoid_body.h"
@@ -43,17 +44,26 @@ int default_input(const CnoidLink& link) {
   return flags;
 }
 
+/// A joint's number in the observation and in the controller's link, in the order of Quantity.
+struct JointQuantity {
+  double JointReading::*observed;
+  double& (CnoidLink::*input)();
+  double& (CnoidLink::*command)();
+};
+constexpr JointQuantity joint_quantities[] = {
+    {&JointReading::q, &CnoidLink::q, &CnoidLink::q_target},
+    {&JointReading::dq, &CnoidLink::dq, &CnoidLink::dq_target},
+    {&JointReading::ddq, &CnoidLink::ddq, &CnoidLink::ddq},
+    {&JointReading::u, &CnoidLink::u, &CnoidLink::u},
+};
+const JointQuantity& of(Quantity quantity) { return joint_quantities[static_cast<int>(quantity)]; }
+
 void put(double* target, const cnoid::Vector3& v) { std::copy(v.data(), v.data() + 3, target); }
 cnoid::Vector3 vector(const double* source) { return {source[0], source[1], source[2]}; }
 
-/// Reads one observed quantity as numbers.
-void gather(const IoField& field, const BodyObservation& seen, double* values) {
-  const LinkReading& link = seen.links[field.link];
-  switch (field.quantity) {
-    case Quantity::q: *values = seen.joints[field.joint].q; break;
-    case Quantity::dq: *values = seen.joints[field.joint].dq; break;
-    case Quantity::ddq: *values = seen.joints[field.joint].ddq; break;
-    case Quantity::u: *values = seen.joints[field.joint].u; break;
+/// Reads one observed quantity of a link as numbers.
+void gather(Quantity quantity, const LinkReading& link, double* values) {
+  switch (quantity) {
     case Quantity::pose:
       put(values, link.position);
       std::copy(link.rotation.coeffs().data(), link.rotation.coeffs().data() + 4, values + 3);
@@ -67,16 +77,13 @@ void gather(const IoField& field, const BodyObservation& seen, double* values) {
       put(values + 3, link.angular_acceleration);
       break;
     case Quantity::wrench: std::fill(values, values + 6, 0.0); break;  // each step sets the simulated wrench to zero
+    default: break;
   }
 }
 
-/// Writes the numbers of one quantity into the controller's link.
-void scatter(const IoField& field, const double* values, CnoidLink& link) {
-  switch (field.quantity) {
-    case Quantity::q: link.q() = *values; break;
-    case Quantity::dq: link.dq() = *values; break;
-    case Quantity::ddq: link.ddq() = *values; break;
-    case Quantity::u: link.u() = *values; break;
+/// Writes the numbers of one quantity of a link into the controller's link.
+void scatter(Quantity quantity, const double* values, CnoidLink& link) {
+  switch (quantity) {
     case Quantity::pose:
       link.T().translation() = vector(values);
       link.T().linear() = Eigen::Quaterniond(values[6], values[3], values[4], values[5]).toRotationMatrix();
@@ -90,16 +97,13 @@ void scatter(const IoField& field, const double* values, CnoidLink& link) {
       link.dw() = vector(values + 3);
       break;
     case Quantity::wrench: std::copy(values, values + 6, link.F_ext().data()); break;
+    default: break;
   }
 }
 
 /// Reads one commanded quantity of the controller's link as numbers.
-void gather_command(const IoField& field, const CnoidLink& link, double* values) {
-  switch (field.quantity) {
-    case Quantity::q: *values = link.q_target(); break;
-    case Quantity::dq: *values = link.dq_target(); break;
-    case Quantity::ddq: *values = link.ddq(); break;
-    case Quantity::u: *values = link.u(); break;
+void gather_command(Quantity quantity, const CnoidLink& link, double* values) {
+  switch (quantity) {
     case Quantity::pose: {
       const Eigen::Quaterniond rotation(Eigen::Matrix3d(link.R()));
       put(values, link.p());
@@ -115,6 +119,7 @@ void gather_command(const IoField& field, const CnoidLink& link, double* values)
       put(values + 3, link.dw());
       break;
     case Quantity::wrench: std::copy(link.F_ext().data(), link.F_ext().data() + 6, values); break;
+    default: break;
   }
 }
 
@@ -237,6 +242,7 @@ std::vector<std::string> ControllerIo::freeze() {
   input_contacts_.resize(contact_links_.size());
   input_values_.assign(inputs_.size, 0.0);
   output_values_.assign(outputs_.size, 0.0);
+  find_joint_numbers();
   return findings;
 }
 
@@ -245,11 +251,31 @@ bool ControllerIo::commands_joint(int joint) const {
                      [joint](const IoField& field) { return field.quantity <= Quantity::u && field.joint == joint; });
 }
 
-void ControllerIo::input(const BodyObservation& seen) {
+/// Most inputs and outputs are single numbers of joints: their places are found once.
+void ControllerIo::find_joint_numbers() {
   for (const IoField& field : inputs_.fields) {
+    if (field.quantity > Quantity::u) continue;
+    const JointQuantity& quantity = of(field.quantity);
+    CnoidLink& link = *body_->link(field.link);
+    joint_inputs_.push_back({field.joint, quantity.observed, &input_values_[field.offset], &(link.*quantity.input)()});
+  }
+  for (const IoField& field : outputs_.fields) {
+    if (field.quantity > Quantity::u) continue;
+    CnoidLink& link = *body_->link(field.link);
+    joint_outputs_.emplace_back(&(link.*of(field.quantity).command)(), &output_values_[field.offset]);
+  }
+  const auto is_of_joint = [](const IoField& field) { return field.quantity <= Quantity::u; };
+  std::ranges::remove_copy_if(inputs_.fields, std::back_inserter(link_inputs_), is_of_joint);
+  std::ranges::remove_copy_if(outputs_.fields, std::back_inserter(link_outputs_), is_of_joint);
+}
+
+void ControllerIo::input(const BodyObservation& seen) {
+  for (const JointInput& input : joint_inputs_)
+    *input.value = *input.of_link = seen.joints[input.joint].*input.observed;
+  for (const IoField& field : link_inputs_) {
     double* values = input_values_.data() + field.offset;
-    gather(field, seen, values);
-    scatter(field, values, *body_->links()[field.link]);
+    gather(field.quantity, seen.links[field.link], values);
+    scatter(field.quantity, values, *body_->link(field.link));
   }
   for (std::size_t i = 0; i < contact_links_.size(); ++i) {
     const int link = contact_links_[i];
@@ -265,8 +291,9 @@ void ControllerIo::input(const BodyObservation& seen) {
 }
 
 void ControllerIo::output() {
-  for (const IoField& field : outputs_.fields)
-    gather_command(field, *body_->links()[field.link], output_values_.data() + field.offset);
+  for (const auto& [of_link, value] : joint_outputs_) *value = *of_link;
+  for (const IoField& field : link_outputs_)
+    gather_command(field.quantity, *body_->link(field.link), output_values_.data() + field.offset);
 }
 
 std::vector<std::string> ControllerIo::take_messages() {

@@ -86,7 +86,15 @@ class ControllerIo final : public cnoid::SimulationSimpleControllerIO {
   const std::vector<double>& output_values() const { return output_values_; }
 
  private:
+  /// A number of a joint that the controller reads.
+  struct JointInput {
+    int joint;  // id
+    double JointReading::*observed;
+    double* value;    // in input_values()
+    double* of_link;  // in the controller's body
+  };
   const cnoid::Link& checked(const cnoid::Link* link, const char* function) const;
+  void find_joint_numbers();
 
   std::string name_;
   std::string run_options_;
@@ -110,6 +118,9 @@ class ControllerIo final : public cnoid::SimulationSimpleControllerIO {
   IoLayout outputs_;
   std::vector<double> input_values_;
   std::vector<double> output_values_;
+  std::vector<JointInput> joint_inputs_;
+  std::vector<std::pair<const double*, double*>> joint_outputs_;  // in the controller's body, in output_values()
+  std::vector<IoField> link_inputs_, link_outputs_;               // the other fields
 };
 
 }  // namespace rehearse

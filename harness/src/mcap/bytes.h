@@ -60,7 +60,16 @@ class ByteReader {
     if (const auto taken = get_bytes(sizeof(T)); !taken.empty()) std::memcpy(&value, taken.data(), sizeof(T));
     return value;
   }
-  std::span<const std::byte> get_bytes(std::uint64_t count);
+  std::span<const std::byte> get_bytes(std::uint64_t count) {
+    if (count > bytes_.size()) {
+      ok_ = false;
+      bytes_ = {};
+      return {};
+    }
+    const auto taken = bytes_.first(count);
+    bytes_ = bytes_.subspan(count);
+    return taken;
+  }
   std::string get_string();  // with its length of four bytes
   std::map<std::string, std::string> get_map();
 

@@ -106,6 +106,8 @@ class PassedBytes {
     }
     if (offset >= forgotten_ + step) let_go(offset);
   }
+  /// True if the memory of the byte at that offset will be released when the pass is beyond it.
+  bool releases(std::uint64_t offset) const { return offset >= forgotten_; }
 
  private:
   void let_go(std::uint64_t end) {

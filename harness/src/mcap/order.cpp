@@ -3,10 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-
-#include "quiet_thread.h"
+#include <limits>
 
 namespace rehearse::mcap {
+
+void Run::prefetch() const {
+  constexpr std::size_t line = 64, most = 1024;  // [bytes]
+  if (next + 2 >= order.size()) return;
+  const std::uint64_t begin = order[next + 1].offset;
+  const std::uint64_t end = std::min(order[next + 2].offset, begin + most);
+  for (std::uint64_t at = begin; at < end; at += line) __builtin_prefetch(records.data() + at);
+}
+
 namespace {
 
 /// Limit for overlapping chunks, decompressed [bytes]: a few chunks of the largest allowed size.
@@ -23,12 +31,14 @@ MessageOrder::MessageOrder(Reader::Impl& reader, const ChannelSet& channels, Dam
       from_(from),
       damage_(damage),
       passed_(reader.file_, reader.bytes_),
-      opener_(reader.options_) {
+      counts_(reader.has_unchecked_data_crc()),
+      opener_(reader.options_),
+      data_crc_(reader.data_crc()),
+      worker_([this] { open_ahead(); }) {
   const bool by_index = reader.indexes_list_all_messages();
-  PassedBytes indexes(reader.file_, reader.bytes_);
-  for (const Chunk& chunk : reader.chunks_) {
-    indexes.pass(chunk.offset);
-    const bool is_read = chunk.end_time >= from && (!by_index || reader.is_indexed(chunk.offset, channels));
+  for (std::size_t i = 0; i < reader.chunks_.size(); ++i) {
+    const Chunk& chunk = reader.chunks_[i];
+    const bool is_read = chunk.end_time >= from && (!by_index || reader.chunk_channels_[i].has_any_of(channels));
     (is_read ? chunks_ : others_).push_back(chunk);
   }
   std::stable_sort(chunks_.begin(), chunks_.end(),
@@ -37,7 +47,7 @@ MessageOrder::MessageOrder(Reader::Impl& reader, const ChannelSet& channels, Dam
 }
 
 void MessageOrder::check_data_crc() {
-  if (reader_.check_data_crc(damage_)) return;
+  if (reader_.check_data_crc(damage_, data_crc_)) return;
   RawBuffer buffer;
   for (const Chunk& place : others_) {
     Record record;
@@ -47,50 +57,59 @@ void MessageOrder::check_data_crc() {
 }
 
 void MessageOrder::collect_loose() {
-  auto run = std::make_unique<Run>();
-  run->records = reader_.bytes_.first(reader_.frame_.data_end);
-  RecordWalker walker(run->records, magic.size());
-  collect(*run, walker, nullptr);
-  add(std::move(run));
+  ChunkAhead loose;
+  loose.place.end_time = std::numeric_limits<std::uint64_t>::max();
+  loose.run = std::make_unique<Run>();
+  loose.run->records = reader_.bytes_.first(reader_.frame_.data_end);
+  collect(loose, magic.size());
+  add(std::move(loose.run));
 }
 
-MessageOrder::~MessageOrder() {
-  if (thread_.joinable()) thread_.join();
+void MessageOrder::choose_ahead() {
+  ChunkAhead& ahead = ahead_[next_ahead_ % ahead_.size()];
+  ahead = {};
+  ahead.place = chunks_[next_ahead_++];
+  if (spare_.empty()) {
+    ahead.run = std::make_unique<Run>();
+  } else {
+    ahead.run = std::move(spare_.back());
+    spare_.pop_back();
+  }
 }
 
-/// The other messages of the file are not touched. `ahead` has the place.
-void MessageOrder::open(ChunkAhead& ahead) {
+void MessageOrder::read_ahead() {
+  constexpr std::uint64_t large = std::uint64_t{16} << 20;  // [bytes]: of such chunks one at a time
+  while (next_ahead_ < std::min(next_chunk_ + ahead_.size(), chunks_.size())) {
+    if (worker_.pending() > 0 && chunks_[next_ahead_].size > large) return;
+    choose_ahead();
+    worker_.begin();
+  }
+}
+
+/// The other messages of the file are not touched.
+void MessageOrder::open_ahead() {
+  ChunkAhead& ahead = ahead_[next_open_++ % ahead_.size()];
   Record record;
-  ahead.body = {};
   if (!RecordWalker(reader_.bytes_, ahead.place.offset).next(record) || !parse_chunk(record.body)) return;
   ahead.body = record.body;
   ahead.opened = opener_.open(record, ahead.run->buffer);
-}
-
-void MessageOrder::open_ahead() {
-  ahead_.place = chunks_[next_chunk_];
-  if (spare_.empty()) {
-    ahead_.run = std::make_unique<Run>();
-  } else {
-    ahead_.run = std::move(spare_.back());
-    spare_.pop_back();
-  }
-  const bool is_first = next_chunk_ == 0;  // nothing else can be done meanwhile
-  if (is_first)
-    open(ahead_);
-  else
-    thread_ = start_quiet_thread([this] { open(ahead_); });
+  constexpr std::uint64_t most = std::uint64_t{16} << 20;  // [bytes], from chunk to chunk: they may be in any order
+  if (counts_ && end_of(record) <= data_crc_.end() + most) data_crc_.include(end_of(record));
+  if (!ahead.opened.ok()) return;
+  ahead.run->records = ahead.opened.records;
+  collect(ahead);
 }
 
 void MessageOrder::open_next_chunk() {
-  if (thread_.joinable())
-    thread_.join();
-  else
+  if (worker_.pending() > 0) {
+    worker_.finish();
+  } else {
+    choose_ahead();
     open_ahead();
-  if (thread_.joinable()) thread_.join();
-  ChunkAhead now = std::move(ahead_);
+  }
+  ChunkAhead now = std::move(ahead_[next_chunk_++ % ahead_.size()]);
   passed_.pass(now.place.offset);
-  if (++next_chunk_ < chunks_.size()) open_ahead();
+  if (has_advanced_) read_ahead();
   if (now.body.empty()) {
     // The walk has found it: a different process truncates the file.
     damage_.add(fmt::format("damaged: the chunk at byte {} is gone", now.place.offset));
@@ -100,38 +119,40 @@ void MessageOrder::open_next_chunk() {
     damage_.add(opener_.describe(now.opened));
     return;
   }
-  now.run->order.clear();
-  now.run->next = 0;
   now.run->chunk = now.place.offset;
-  now.run->compressed = now.body;
-  if (!now.opened.head.compression.empty()) reader_.file_.forget(now.body);  // the buffer contains all of it
-  now.run->records = now.opened.records;
-  RecordWalker inside(now.run->records);
-  collect(*now.run, inside, &now.place);
-  if (!inside.at_end()) {
+  if (now.opened.head.compression.empty())
+    now.run->mapped = now.body;
+  else if (!passed_.releases(now.place.offset))
+    reader_.file_.forget(now.body);  // the buffer contains all of it
+  for (const Record& definition : now.definitions) reader_.contents_.learn(definition, damage_);
+  if (!now.in_span) {
+    damage_.add(fmt::format("damaged: messages of the chunk at byte {} are outside of the time that it states",
+                            now.place.offset));
+  }
+  if (!now.is_whole) {
     damage_.add(fmt::format("damaged: the records of the chunk at byte {} aren't whole", now.place.offset));
   }
   add(std::move(now.run));
 }
 
-void MessageOrder::collect(Run& run, RecordWalker& walker, const Chunk* place) {
+/// Finds the messages to deliver in the records from `begin` on.
+void MessageOrder::collect(ChunkAhead& chunk, std::uint64_t begin) const {
+  Run& run = *chunk.run;
+  run.order.clear();
+  run.next = 0;
+  RecordWalker walker(run.records, begin);
   Record record;
-  bool in_span = true;
   while (walker.next(record)) {
     if (record.opcode != op::message) {
-      if (place != nullptr) reader_.contents_.learn(record, damage_);
+      chunk.definitions.push_back(record);
       continue;
     }
     const auto head = parse_message_head(record.body);
     if (!head || !channels_.has(head->channel)) continue;
     if (head->log_time >= from_) run.order.push_back({head->log_time, record.offset});
-    in_span =
-        in_span && (place == nullptr || (place->start_time <= head->log_time && head->log_time <= place->end_time));
+    chunk.in_span = chunk.in_span && chunk.place.start_time <= head->log_time && head->log_time <= chunk.place.end_time;
   }
-  if (!in_span) {
-    damage_.add(
-        fmt::format("damaged: messages of the chunk at byte {} are outside of the time that it states", place->offset));
-  }
+  chunk.is_whole = walker.at_end();
   const auto earlier = [](const Waiting& a, const Waiting& b) { return a.log_time < b.log_time; };
   if (!std::is_sorted(run.order.begin(), run.order.end(), earlier)) {
     std::stable_sort(run.order.begin(), run.order.end(), earlier);
@@ -146,7 +167,7 @@ void MessageOrder::add(std::unique_ptr<Run> run) {
 }
 
 void MessageOrder::let_go(std::unique_ptr<Run> run) {
-  if (run->chunk) reader_.file_.forget(run->compressed);  // its records may be in the mapped file
+  if (!run->mapped.empty()) reader_.file_.forget(std::exchange(run->mapped, {}));
   spare_.push_back(std::move(run));
 }
 
@@ -161,6 +182,7 @@ bool MessageOrder::next(Record& record) {
   }
   if (heap_.empty()) return false;
   Run& run = *heap_.front();
+  run.prefetch();
   RecordWalker walker(run.records, run.order[run.next].offset);
   if (!walker.next(record)) {  // collect() has read it before
     damage_.add("damaged: messages are gone");
@@ -171,6 +193,7 @@ bool MessageOrder::next(Record& record) {
 }
 
 void MessageOrder::advance() {
+  if (!std::exchange(has_advanced_, true)) read_ahead();
   std::pop_heap(heap_.begin(), heap_.end(), later);
   Run& run = *heap_.back();
   ++run.next;

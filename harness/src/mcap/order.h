@@ -1,10 +1,11 @@
 // Orders messages of overlapping chunks by log time. Internal.
 #pragma once
 
+#include "quiet_thread.h"
 #include "reader_impl.h"
 
+#include <array>
 #include <memory>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -19,7 +20,7 @@ struct Waiting {
 /// A sequence of messages sorted by time: a decompressed chunk, or all messages outside of chunks.
 struct Run {
   std::optional<std::uint64_t> chunk;
-  Bytes compressed;  // the chunk's record, where the file is mapped
+  Bytes mapped;  // the chunk's record, if its records are those in the mapped file
   RawBuffer buffer;
   Bytes records;
   std::vector<Waiting> order;
@@ -28,14 +29,19 @@ struct Run {
   bool done() const { return next == order.size(); }
   std::uint64_t time() const { return order[next].log_time; }
   std::uint64_t file_offset() const { return chunk.value_or(order[next].offset); }
+  /// Loads the message after the next one into the cache of this processor: the worker wrote it on another one.
+  void prefetch() const;
 };
 
-/// A chunk that is decompressed by a thread while the messages before it are delivered.
+/// A chunk that a thread opens while the messages before it are delivered.
 struct ChunkAhead {
   Chunk place;
   std::unique_ptr<Run> run;
   Bytes body;  // of the chunk's record; empty: the record is gone
   OpenedChunk opened;
+  std::vector<Record> definitions;  // all of its records but messages
+  bool in_span = true;              // its messages are in the time that it states
+  bool is_whole = true;             // its last record is
 };
 
 /// The messages of a file, one after the other, by (log time, position in the file). A chunk is opened at the time of
@@ -44,7 +50,6 @@ class MessageOrder {
  public:
   /// All three must outlive it. Messages before `from` [ns] are left out.
   MessageOrder(Reader::Impl& reader, const ChannelSet& channels, DamageLog& damage, std::uint64_t from = 0);
-  ~MessageOrder();
   MessageOrder(const MessageOrder&) = delete;
   MessageOrder& operator=(const MessageOrder&) = delete;
 
@@ -60,10 +65,11 @@ class MessageOrder {
     return std::pair(a->time(), a->file_offset()) > std::pair(b->time(), b->file_offset());
   }
   void collect_loose();
-  void open_next_chunk();
+  void choose_ahead();
+  void read_ahead();
   void open_ahead();
-  void open(ChunkAhead& ahead);
-  void collect(Run& run, RecordWalker& walker, const Chunk* place);
+  void open_next_chunk();
+  void collect(ChunkAhead& chunk, std::uint64_t begin = 0) const;
   void add(std::unique_ptr<Run> run);
   void let_go(std::unique_ptr<Run> run);
 
@@ -75,12 +81,18 @@ class MessageOrder {
   std::vector<Chunk> chunks_;  // with messages to deliver; by start time, then offset
   std::vector<Chunk> others_;  // without
   std::size_t next_chunk_ = 0;
-  ChunkOpener opener_;  // of the thread
-  ChunkAhead ahead_;    // of the chunk next_chunk_, if the thread is joinable
-  std::thread thread_;
+  std::size_t next_ahead_ = 0;               // the next one to begin
+  bool has_advanced_ = false;                // more than the first message is wanted
   std::vector<std::unique_ptr<Run>> heap_;   // the earliest on top
   std::vector<std::unique_ptr<Run>> spare_;  // kept for their memory
   std::uint64_t held_ = 0;                   // bytes of open chunks
+  const bool counts_;                        // the CRC of the data section is wanted
+  // used by the worker while calls are pending
+  ChunkOpener opener_;
+  std::array<ChunkAhead, 2> ahead_;  // chunk i of chunks_ is at i % 2
+  std::size_t next_open_ = 0;        // of chunks_
+  DataCrc data_crc_;
+  QuietWorker worker_;
 };
 
 }  // namespace rehearse::mcap

@@ -59,7 +59,7 @@ void Reader::Impl::take_in_chunk(const Record& record) {
   if (!head) return;
   chunks_.push_back({record.offset, head->start_time, head->end_time, std::string(head->compression),
                      head->records.size(), head->uncompressed_size});
-  chunk_channels_.push_back(ChunkChannels::not_said);
+  chunk_channels_.emplace_back();
 }
 
 /// The index belongs to the chunk before it.
@@ -70,14 +70,13 @@ void Reader::Impl::take_in_message_index(const Record& record) {
   if (chunk_channels_.empty() || !in.ok()) return;
   indexed_[channel] += size / index_entry_size;
   ChunkChannels& before = chunk_channels_.back();
+  before.ids.push_back(channel);
   const auto known = contents_.channels.find(channel);
   if (known == contents_.channels.end()) {
-    before = ChunkChannels::unknown;
+    before.known = false;
     unknown_channels_.insert(channel);
   } else if (known->second.schema_id != 0 && contents_.schema_of(known->second) == nullptr) {
-    before = ChunkChannels::unknown;
-  } else if (before == ChunkChannels::not_said) {
-    before = ChunkChannels::known;
+    before.known = false;
   }
 }
 
@@ -90,18 +89,6 @@ bool Reader::Impl::indexes_list_all_messages() const {
            const auto indexed = indexed_.find(stated.first);
            return stated.second == (indexed == indexed_.end() ? 0 : indexed->second);
          });
-}
-
-bool Reader::Impl::is_indexed(std::uint64_t chunk, const ChannelSet& channels) const {
-  RecordWalker walker(bytes_, chunk);
-  Record record;
-  bool whole = walker.next(record);
-  while ((whole = whole && walker.next(record)) && record.opcode == op::message_index) {
-    ByteReader in(record.body);
-    const auto channel = in.get<std::uint16_t>();
-    if (!in.ok() || channels.has(channel)) return true;
-  }
-  return !whole;
 }
 
 /// True if the summary repeats all definitions that may be only in chunks.
@@ -119,7 +106,7 @@ void Reader::Impl::learn_from_chunks() {
   std::vector<std::size_t> others;
   for (std::size_t i = 0; i < chunks_.size(); ++i) {
     passed.pass(chunks_[i].offset);
-    if (chunk_channels_[i] == ChunkChannels::known) {
+    if (chunk_channels_[i].known && !chunk_channels_[i].ids.empty()) {
       others.push_back(i);
     } else {
       learn_from_chunk(chunks_[i]);
@@ -138,20 +125,19 @@ void Reader::Impl::learn_from_chunk(const Chunk& place) {
   while (inside.next(record)) contents_.learn(record, ignored);
 }
 
-bool Reader::Impl::check_data_crc(DamageLog& damage) {
-  if (!options_.check_crcs || !frame_.data_crc) return true;
-  if (!data_crc_matches_) {
+bool Reader::Impl::check_data_crc(DamageLog& damage, DataCrc begun) {
+  if (has_unchecked_data_crc()) {
     constexpr std::uint64_t step = std::uint64_t{1} << 20;
     PassedBytes passed(file_, bytes_);
-    std::uint32_t crc = 0;
-    for (std::uint64_t offset = 0; offset < frame_.data_end; offset += step) {
-      crc = crc32(bytes_.subspan(offset, std::min(step, frame_.data_end - offset)), crc);
-      passed.pass(offset);
+    while (begun.end() < frame_.data_end) {
+      passed.pass(begun.end());
+      begun.include(std::min(begun.end() + step, frame_.data_end));
     }
-    data_crc_matches_ = crc == *frame_.data_crc;
+    data_crc_matches_ = begun.value() == *frame_.data_crc;
   }
-  if (!*data_crc_matches_) damage.add("damaged: the CRC of the data section doesn't match");
-  return *data_crc_matches_;
+  if (!data_crc_matches_ || *data_crc_matches_) return true;
+  damage.add("damaged: the CRC of the data section doesn't match");
+  return false;
 }
 
 Result<void> Reader::Impl::verdict(const DamageLog& pass) const {
@@ -171,12 +157,16 @@ Result<void> Reader::Impl::for_each_message(const OnMessage& callback, const Cha
   Delivery delivery{contents_, damage, chunk_opener_, pass_buffer_, channels, callback, no_records};
   MappedPass pass(file_, bytes_.first(frame_.data_end));
   const bool by_index = indexes_list_all_messages();
+  std::size_t chunk = 0;  // of chunks_
   Record record;
   while (pass.next(record)) {
     bool more = true;
     if (record.opcode == op::message) more = delivery.deliver(record);
-    if (record.opcode == op::chunk && (!by_index || is_indexed(record.offset, channels)))
-      more = delivery.deliver_chunk(record);
+    if (record.opcode == op::chunk) {
+      while (chunk < chunks_.size() && chunks_[chunk].offset < record.offset) ++chunk;
+      const bool is_left_out = by_index && chunk < chunks_.size() && !chunk_channels_[chunk].has_any_of(channels);
+      if (!is_left_out) more = delivery.deliver_chunk(record);
+    }
     if (!more) return verdict(damage);
   }
   check_data_crc(damage);

@@ -4,11 +4,31 @@
 
 #include <rehearse/mcap.h>
 
+#include <algorithm>
 #include <set>
 
 #include "record_pass.h"
 
 namespace rehearse::mcap {
+
+/// The CRC of a data section, computed from its front on.
+class DataCrc {
+ public:
+  explicit DataCrc(Bytes data) : data_(data) {}
+  /// Includes the bytes before `end`.
+  void include(std::uint64_t end) {
+    if (end <= end_) return;
+    crc_ = crc32(data_.subspan(end_, end - end_), crc_);
+    end_ = end;
+  }
+  std::uint64_t end() const { return end_; }  // of the included bytes
+  std::uint32_t value() const { return crc_; }
+
+ private:
+  Bytes data_;
+  std::uint64_t end_ = 0;
+  std::uint32_t crc_ = 0;
+};
 
 class Reader::Impl {
  public:
@@ -41,8 +61,12 @@ class Reader::Impl {
   DamageLog damage_;
   ChunkOpener chunk_opener_;
 
+  /// The data section has a CRC that wasn't checked yet, and the options don't forbid it.
+  bool has_unchecked_data_crc() const { return options_.check_crcs && frame_.data_crc && !data_crc_matches_; }
+  DataCrc data_crc() const { return DataCrc(bytes_.first(frame_.data_end)); }
   /// False, and adds to `damage`, if the data section's CRC doesn't match; computed once.
-  bool check_data_crc(DamageLog& damage);
+  bool check_data_crc(DamageLog& damage) { return check_data_crc(damage, data_crc()); }
+  bool check_data_crc(DamageLog& damage, DataCrc begun);  // of which a part is computed
   /// All damage found by opening and by a pass.
   Result<void> verdict(const DamageLog& pass) const;
   Diagnostic damaged(std::string message) const;
@@ -52,7 +76,14 @@ class Reader::Impl {
   Frame frame_;
   std::vector<Chunk> chunks_;  // in file order
   /// The channels that the message indexes of a chunk state.
-  enum class ChunkChannels : std::uint8_t { not_said, known, unknown };
+  struct ChunkChannels {
+    std::vector<std::uint16_t> ids;
+    bool known = true;  // all of them had a definition before the index
+
+    bool has_any_of(const ChannelSet& channels) const {
+      return !known || std::ranges::any_of(ids, [&](std::uint16_t id) { return channels.has(id); });
+    }
+  };
   std::vector<ChunkChannels> chunk_channels_;  // parallel to chunks_
   std::set<std::uint16_t> unknown_channels_;   // unknown at the time of their message indexes
   bool loose_messages_ = false;                // some messages are in no chunk
@@ -60,8 +91,6 @@ class Reader::Impl {
   /// True if a pass may leave out chunks by their message indexes: these list as many messages of each channel as the
   /// statistics state, and the CRC of the data section covers the chunks that aren't opened.
   bool indexes_list_all_messages() const;
-  /// True if a message index of the chunk at that offset is of one of the channels.
-  bool is_indexed(std::uint64_t chunk, const ChannelSet& channels) const;
 
  private:
   // by_summary.cpp

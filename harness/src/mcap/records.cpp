@@ -29,17 +29,6 @@ void ByteWriter::begin_record(std::uint8_t opcode) {
 
 void ByteWriter::end_record() { patch(record_ + 1, static_cast<std::uint64_t>(size() - record_ - 9)); }
 
-std::span<const std::byte> ByteReader::get_bytes(std::uint64_t count) {
-  if (count > bytes_.size()) {
-    ok_ = false;
-    bytes_ = {};
-    return {};
-  }
-  const auto taken = bytes_.first(count);
-  bytes_ = bytes_.subspan(count);
-  return taken;
-}
-
 std::string ByteReader::get_string() { return std::string(as_text(get_bytes(get<std::uint32_t>()))); }
 
 std::map<std::string, std::string> ByteReader::get_map() {

@@ -10,7 +10,7 @@
 #include <cstring>
 #include <set>
 
-#include "host/joint_arrays.h"
+#include "joint_arrays.h"
 #include "model/clock.h"
 #include "recording/contact_messages.h"
 #include "recording/recorded_image.h"
@@ -45,7 +45,8 @@ struct RecordedInputs::Feed {
   int body = -1;                           // -1: of none
   int link = -1, device = -1;              // index; -1: of none
   JointArrays joints;
-  std::vector<int> joint_ids;  // by index in the message; -1: no such joint
+  std::vector<int> joint_ids;                             // by index in the message; -1: no such joint
+  std::vector<std::pair<const double*, double*>> copies;  // from the message to the observation
   std::string topic;
   /// For inputs of a controller: the numbers that it reads, by array of the message, then by index.
   std::optional<std::array<std::vector<bool>, 3>> read;
@@ -65,6 +66,8 @@ struct RecordedInputs::Feed {
   }
   /// The joints of the model, for the names of the last message.
   void find_joints(const Model& model);
+  /// Finds the numbers to copy, for the layout of the last message.
+  void pair_with(std::vector<JointReading>& observed);
 };
 
 void RecordedInputs::Feed::find_joints(const Model& model) {
@@ -73,6 +76,14 @@ void RecordedInputs::Feed::find_joints(const Model& model) {
     const int found = model.find_joint(name);
     joint_ids.push_back(found < 0 ? -1 : model.links[found].joint.id);
   }
+}
+
+void RecordedInputs::Feed::pair_with(std::vector<JointReading>& observed) {
+  constexpr double JointReading::*quantities[] = {&JointReading::q, &JointReading::dq, &JointReading::u};
+  copies.clear();
+  for (std::size_t i = 0; i < joint_ids.size(); ++i)
+    for (std::size_t a = 0; a < std::size(quantities); ++a)
+      if (joint_ids[i] >= 0 && has(a, i)) copies.emplace_back(&array(a)[i], &(observed[joint_ids[i]].*quantities[a]));
 }
 
 RecordedInputs::RecordedInputs(const Scenario& scenario, mcap::Reader& reader) : scenario_(scenario) {
@@ -143,6 +154,7 @@ void RecordedInputs::add_joints_read(mcap::Reader& reader, std::uint16_t id, con
   auto& read = feed->read.emplace();
   for (std::size_t i = 0; i < read.size(); ++i)
     for (const double value : feed->array(i)) read[i].push_back(!std::isnan(value));
+  feed->pair_with(observation_.bodies[feed->body].joints);
   feeds_[id] = std::move(feed);
 }
 
@@ -250,14 +262,11 @@ Result<void> RecordedInputs::accept(const mcap::Message& message) {
 
 bool RecordedInputs::accept_joints(Feed& feed, mcap::Bytes payload) {
   if (!feed.joints.read(payload)) return false;
-  if (feed.joints.names_changed()) feed.find_joints(*scenario_.bodies[feed.body].model);
-  for (std::size_t i = 0; i < feed.joint_ids.size(); ++i) {
-    if (feed.joint_ids[i] < 0) continue;
-    JointReading& joint = observation_.bodies[feed.body].joints[feed.joint_ids[i]];
-    if (feed.has(0, i)) joint.q = feed.joints.position()[i];
-    if (feed.has(1, i)) joint.dq = feed.joints.velocity()[i];
-    if (feed.has(2, i)) joint.u = feed.joints.effort()[i];
+  if (feed.joints.layout_changed()) {
+    feed.find_joints(*scenario_.bodies[feed.body].model);
+    feed.pair_with(observation_.bodies[feed.body].joints);
   }
+  for (const auto& [from, to] : feed.copies) *to = *from;
   return true;
 }
 

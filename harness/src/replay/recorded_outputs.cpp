@@ -116,7 +116,7 @@ Result<void> RecordedOutputs::accept(const mcap::Message& message) {
   bool fits = true;
   if (channel.kind == ChannelKind::joints) {
     fits = channel.joints.read(message.data);
-    if (fits && channel.joints.names_changed()) pair_joints(channel);
+    if (fits && channel.joints.layout_changed()) pair_joints(channel);
   } else if (channel.kind != ChannelKind::joint_accelerations) {
     const std::size_t count = channel.values.size();
     fits = read_values(channel.kind, message.data, channel.values);

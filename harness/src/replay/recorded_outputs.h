@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "host/controller_host.h"
-#include "host/joint_arrays.h"
+#include "joint_arrays.h"
 #include "trace/channel_name.h"
 
 namespace rehearse {

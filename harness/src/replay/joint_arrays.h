@@ -23,8 +23,9 @@ class JointArrays {
   const std::vector<double>& position() const { return arrays_[0]; }
   const std::vector<double>& velocity() const { return arrays_[1]; }
   const std::vector<double>& effort() const { return arrays_[2]; }
-  /// True if the last read() found different names than the one before it, or was the first.
-  bool names_changed() const { return names_changed_; }
+  /// True if the last read() found different names or numbers of values than the one before it, or was the first.
+  /// Otherwise the values are at the same addresses.
+  bool layout_changed() const { return layout_changed_; }
 
  private:
   bool read_everything(mcap::Bytes payload);
@@ -33,7 +34,7 @@ class JointArrays {
   std::array<std::vector<double>, 3> arrays_;
   std::array<std::size_t, 3> offsets_{};  // offset of each array's first number
   std::vector<std::byte> frame_;          // all bytes of the last message that was decoded completely
-  bool names_changed_ = false;
+  bool layout_changed_ = false;
 };
 
 }  // namespace rehearse

@@ -21,7 +21,7 @@ bool JointArrays::read(mcap::Bytes payload) {
     from = offsets_[i] + arrays_[i].size() * sizeof(double);
   }
   if (!same) return read_everything(payload);
-  names_changed_ = false;
+  layout_changed_ = false;
   for (int i = 0; i < 3; ++i)
     if (!arrays_[i].empty())
       std::memcpy(arrays_[i].data(), payload.data() + offsets_[i], arrays_[i].size() * sizeof(double));
@@ -34,12 +34,14 @@ bool JointArrays::read_everything(mcap::Bytes payload) {
   std::vector<std::string> names;
   msg::decode(reader, header);
   msg::detail::decode_value(reader, names);
+  layout_changed_ = names != names_;
   for (int i = 0; i < 3; ++i) {
+    const std::size_t count = arrays_[i].size();
     reader.get_sequence(arrays_[i]);
+    layout_changed_ = layout_changed_ || arrays_[i].size() != count;
     offsets_[i] = reader.position() - arrays_[i].size() * sizeof(double);
     if (!reader.ok() || (!arrays_[i].empty() && arrays_[i].size() != names.size())) return false;
   }
-  names_changed_ = names != names_;
   names_ = std::move(names);
   frame_.clear();
   if (!reader.swapped()) frame_.assign(payload.begin(), payload.end());
