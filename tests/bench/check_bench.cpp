@@ -35,27 +35,45 @@ void plant_level_over_closed_level(benchmark::State& state) {
 }
 BENCHMARK(plant_level_over_closed_level)->UseManualTime()->Unit(benchmark::kMillisecond);
 
-/// Work: a check whose world and controllers are those of the golden: a proof. Base: the recording of that run.
-void proved_check_over_record(benchmark::State& state) {
+/// Compares a check of a scenario with the recording of SR1. `is_expected`: the check must end so. The golden has been
+/// simulated before.
+template <class Expected>
+void check_over_record(benchmark::State& state, const Scenario& scenario, const Expected& is_expected) {
   const Sr1Run& sr1 = Sr1Run::instance();
   const Simulation simulation{record, run_plant, describe_plant, record_from};
   CheckOptions options;
   options.certificates = sr1.folder() / "proofs";
   std::filesystem::remove_all(*options.certificates);  // the library calls this function again with more iterations
-  const auto check = [&] {
-    return must(check_scenario(sr1.scenario(), sr1.trace(), sr1.folder() / "checked.mcap", options, simulation));
+  const auto check = [&](const Scenario& checked) {
+    return must(check_scenario(checked, sr1.trace(), sr1.folder() / "checked.mcap", options, simulation));
   };
-  if (check().proved) state.SkipWithError("nothing was certified yet");
+  if (check(sr1.scenario()).proved) state.SkipWithError("nothing was certified yet");
   Pairs pairs(CLOCK_PROCESS_CPUTIME_ID);
   for (auto _ : state) {
     const auto work = [&] {
-      if (!check().proved) state.SkipWithError("it isn't proved");
+      if (!is_expected(check(scenario))) state.SkipWithError("the check has a different result");
     };
     state.SetIterationTime(pairs.measure(work, [&] { must(record(sr1.scenario(), sr1.folder() / "again.mcap")); }));
   }
   pairs.report(state, static_cast<double>(sr1.ticks()), static_cast<double>(sr1.ticks()));
 }
+
+/// The world and the controllers are those of the golden.
+void proved_check_over_record(benchmark::State& state) {
+  check_over_record(state, Sr1Run::instance().scenario(), [](const CheckReport& report) { return report.proved; });
+}
 BENCHMARK(proved_check_over_record)->UseManualTime()->Unit(benchmark::kMillisecond);
+
+/// The controller commands otherwise from the middle of the last second on.
+void late_difference_over_record(benchmark::State& state) {
+  Scenario scenario = Sr1Run::instance().scenario();
+  for (ScenarioBody& body : scenario.bodies)
+    for (ScenarioController& controller : body.controllers) controller.library = LATE_CONTROLLER;
+  check_over_record(state, scenario, [](const CheckReport& report) {
+    return report.closed == LevelState::differs && report.simulated_from == 9400;
+  });
+}
+BENCHMARK(late_difference_over_record)->UseManualTime()->Unit(benchmark::kMillisecond);
 
 /// Work: a whole recording with checkpoints, some of them tried out. Base: the same without. `size_ratio`: of the
 /// files.

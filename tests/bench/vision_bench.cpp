@@ -1,8 +1,8 @@
 // The cost of depth and range relative to a colour picture of the same size in the same scene.
 
 #include "model/pinhole.h"
-#include "world/scanner.h"
 #include "renderer/vision.h"
+#include "world/scanner.h"
 
 #include "pairs.h"
 #include "sr1_run.h"

@@ -107,6 +107,8 @@ const Exception allowed[] = {
     {"harness/src/testing/test_folders.cpp", "environment", "where a test's files lie"},
     {"harness/src/testing/test_reports.cpp", "environment", "what is done with a finished run"},
     {"harness/src/mcap/output.h", "thread", "compresses and writes; what it writes depends on the data alone"},
+    {"harness/src/compare/compare.cpp", "thread",
+     "reads one of the two recordings; what is read depends on the data alone"},
     {"harness/src/mcap/quiet_thread.h", "thread",
      "starts it, and the one that opens chunks: what it gives depends on the data alone"},
     {"harness/src/check/proof.cpp", "environment", "whether a check simulates what it could prove"},

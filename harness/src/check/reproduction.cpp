@@ -204,14 +204,16 @@ std::string Trial::text() const {
   if (result.failure) return "the recording doesn't repeat itself: " + result.failure->message;
   if (result.first && (result.first->stage == Stage::controller || result.first->stage == Stage::inputs))
     return fmt::format(
-        "the recording doesn't repeat itself: fed with its inputs, the controller differs at {}; `rehearse audit` tells "
+        "the recording doesn't repeat itself: fed with its inputs, the controller differs at {}; `rehearse audit` "
+        "tells "
         "what it depends on",
         to_string(*result.first));
   if (result.first)
     return fmt::format("the recording doesn't repeat itself: under its commands, the world differs at {}",
                        to_string(*result.first));
   return fmt::format(
-      "the recording repeats itself, bit for bit: the commands of {} ticks on its inputs, and {} ticks of simulation in {} "
+      "the recording repeats itself, bit for bit: the commands of {} ticks on its inputs, and {} ticks of simulation "
+      "in {} "
       "{}",
       result.replayed, result.simulated, result.spans, result.spans == 1 ? "span" : "spans from its checkpoints");
 }

@@ -13,6 +13,7 @@
 #include "compare_parts.h"
 #include "compared_files.h"
 #include "counterpart.h"
+#include "mcap/quiet_thread.h"
 #include "model/clock.h"
 #include "scenario/trace_scenario.h"
 #include "trace/trace_windows.h"
@@ -368,8 +369,9 @@ namespace {
 /// A recording that is read in pieces; `samples`: the rate of the other's state, if it is no whole recording.
 struct SurveyedFile {
   SurveyedFile(const std::filesystem::path& file, const std::optional<StateRate>& samples,
-               const std::vector<ToleranceRule>& rules, std::vector<WatchedLimit> limits, std::size_t piece_size)
-      : survey(rules, std::move(limits)), whole(read(file, samples, piece_size)) {
+               const std::vector<ToleranceRule>& rules, std::vector<WatchedLimit> limits, std::size_t piece_size,
+               const Trace::OnPiece& on_piece = {})
+      : survey(rules, std::move(limits)), whole(read(file, samples, piece_size, on_piece)) {
     if (whole) survey.finish(*whole);
   }
   SurveyedFile(const SurveyedFile&) = delete;
@@ -379,9 +381,12 @@ struct SurveyedFile {
   const Result<Trace> whole;
 
  private:
-  Result<Trace> read(const std::filesystem::path& file, const std::optional<StateRate>& samples,
-                     std::size_t piece_size) {
-    const auto take = [this](const Trace& piece) { survey.take(piece); };
+  Result<Trace> read(const std::filesystem::path& file, const std::optional<StateRate>& samples, std::size_t piece_size,
+                     const Trace::OnPiece& on_piece) {
+    const auto take = [&](const Trace& piece) {
+      survey.take(piece);
+      if (on_piece) on_piece(piece);
+    };
     return samples ? load_samples_in_pieces(file, *samples, take, piece_size)
                    : Trace::load_in_pieces(file, take, piece_size);
   }
@@ -447,7 +452,7 @@ Result<void> compare_windows(RunComparer& comparer, std::size_t window_size) {
 
 Result<ComparedFiles> compare_files(const std::filesystem::path& golden, const std::filesystem::path& actual,
                                     const std::vector<ToleranceRule>& rules, const CompareOptions& options,
-                                    std::size_t window_size) {
+                                    const Trace::OnPiece& on_actual, std::size_t window_size) {
   const auto golden_outline = Trace::outline(golden);
   if (!golden_outline) return golden_outline.errors();
   const auto actual_outline = Trace::outline(actual);
@@ -457,11 +462,14 @@ Result<ComparedFiles> compare_files(const std::filesystem::path& golden, const s
       return ComparedFiles{refusal(known.errors()[0]), *actual_outline};
   WatchedLimits limits(*golden_outline, *actual_outline);
   const auto of_golden = RunFacts::of(*golden_outline).state_rate, of_actual = RunFacts::of(*actual_outline).state_rate;
-  const SurveyedFile golden_file(golden, of_actual, rules, std::move(limits.golden), window_size);
-  if (!golden_file.whole) return golden_file.whole.errors();
-  const SurveyedFile actual_file(actual, of_golden, rules, std::move(limits.actual), window_size);
+  std::optional<SurveyedFile> golden_file;
+  std::thread reads_golden = mcap::start_quiet_thread(
+      [&] { golden_file.emplace(golden, of_actual, rules, std::move(limits.golden), window_size); });
+  const SurveyedFile actual_file(actual, of_golden, rules, std::move(limits.actual), window_size, on_actual);
+  reads_golden.join();
+  if (!golden_file->whole) return golden_file->whole.errors();
   if (!actual_file.whole) return actual_file.whole.errors();
-  RunComparer comparer(golden_file.survey, actual_file.survey, rules, options);
+  RunComparer comparer(golden_file->survey, actual_file.survey, rules, options);
   if (auto compared = compare_windows(comparer, window_size); !compared) return compared.errors();
   Comparison comparison = comparer.finish();
   return ComparedFiles{std::move(comparison), *actual_file.whole};
@@ -470,7 +478,7 @@ Result<ComparedFiles> compare_files(const std::filesystem::path& golden, const s
 Result<Comparison> compare(const std::filesystem::path& golden, const std::filesystem::path& actual,
                            const std::vector<ToleranceRule>& rules, const CompareOptions& options,
                            std::size_t window_size) {
-  auto compared = compare_files(golden, actual, rules, options, window_size);
+  auto compared = compare_files(golden, actual, rules, options, {}, window_size);
   if (!compared) return compared.errors();
   return std::move(compared->comparison);
 }

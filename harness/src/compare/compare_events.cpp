@@ -25,8 +25,8 @@ std::string_view verb_of(const EventEdge& edge) { return edge.begins ? "begins" 
 /// Judges one sequence.
 class SequenceJudge {
  public:
-  SequenceJudge(ComparedTraces& traces, const std::string& name, const EventSequence& sequence, ChannelFindings& findings,
-                std::vector<EventDifference>& differences)
+  SequenceJudge(ComparedTraces& traces, const std::string& name, const EventSequence& sequence,
+                ChannelFindings& findings, std::vector<EventDifference>& differences)
       : traces_(traces), name_(name), sequence_(sequence), findings_(findings), differences_(differences) {
     const auto stated = tolerance_of(name, "", traces.rules).ticks;
     allowed_ = stated.value_or(default_ticks(sequence.source.kind));
@@ -145,8 +145,7 @@ bool say_the_same(const msg::Event& a, const msg::Event& b) {
 
 /// A controller's own line, which no rule asks to compare.
 bool is_mere_word(const msg::Event& event, const std::vector<ToleranceRule>& rules) {
-  return event.severity == to_string(Severity::note) &&
-         std::ranges::none_of(rules, [&](const ToleranceRule& rule) {
+  return event.severity == to_string(Severity::note) && std::ranges::none_of(rules, [&](const ToleranceRule& rule) {
            return rule.channel.starts_with("events/") && matches(rule.channel, "events/" + event.source);
          });
 }
@@ -178,10 +177,9 @@ class MessageJudge {
     ++findings_.result().values;
     ++findings_.result().differing;
     Divergence divergence = place_of_event(event);
-    divergence.note = fmt::format(
-        "{} {} is {}, expected {}{}", kind_ == Kind::words ? "line" : "event", i + 1,
-        there ? "\"" + text_of(actual[i]) + "\"" : "missing", expected ? "\"" + text_of(golden[i]) + "\"" : "none",
-        reason(golden, actual, i));
+    divergence.note = fmt::format("{} {} is {}, expected {}{}", kind_ == Kind::words ? "line" : "event", i + 1,
+                                  there ? "\"" + text_of(actual[i]) + "\"" : "missing",
+                                  expected ? "\"" + text_of(golden[i]) + "\"" : "none", reason(golden, actual, i));
     if (kind_ == Kind::words) return findings_.mark(divergence);
     findings_.structure(divergence);
     ++findings_.result().beyond;

@@ -14,9 +14,11 @@ struct ComparedFiles {
   Trace actual;  // without messages, as Trace::load_in_pieces() returns it; an outline if nothing was compared
 };
 
-/// As compare() of two files, which reads each of them whole.
+/// As compare() of two files, which reads each of them whole. `on_actual` gets the pieces of the second one, with those
+/// messages that are compared; null: nothing is called.
 Result<ComparedFiles> compare_files(const std::filesystem::path& golden, const std::filesystem::path& actual,
                                     const std::vector<ToleranceRule>& rules, const CompareOptions& options = {},
+                                    const Trace::OnPiece& on_actual = {},
                                     std::size_t window_size = Trace::usual_piece_size);
 
 }  // namespace rehearse

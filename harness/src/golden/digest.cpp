@@ -176,6 +176,7 @@ Result<std::uint64_t> hash_of_channels(const Trace& trace, const std::vector<std
           unread = payload.errors();
       }
     }
+    return true;
   });
   if (!unread.empty()) return unread;
   std::uint64_t hash = 0;
@@ -200,6 +201,7 @@ Result<std::string> digest_of(const Trace& trace) {
   std::vector<ChannelDigest> digests(all.size());
   for_each_window(trace, all, [&](const Trace& window) {
     for (const std::size_t i : all) digests[i].take(window.channels()[i]);
+    return true;
   });
   const auto hash = hash_of_channels(trace, all, digests);
   if (!hash) return hash.errors();

@@ -26,6 +26,7 @@ std::int64_t last_tick_of(const Trace& recording, double time_step) {
   for_each_window(recording, {at}, [&](const Trace& window) {
     const std::vector<std::uint64_t>& times = window.channels()[at].times;
     if (!times.empty()) last = times.back();
+    return true;
   });
   return last ? std::llround(static_cast<double>(*last) * 1e-9 / time_step) : -1;
 }

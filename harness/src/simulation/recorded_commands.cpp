@@ -87,6 +87,7 @@ std::vector<bool> RecordedCommands::columns_with_numbers(std::size_t channel) co
     for (std::size_t column = 0; column < found.size(); ++column)
       for (std::size_t row = 0; row < table.rows() && !found[column]; ++row)
         found[column] = !std::isnan(table.number(row, column));
+    return !std::ranges::all_of(found, std::identity());
   });
   return found;
 }

@@ -304,14 +304,17 @@ bool is_without_messages(const Trace& trace) {
 }
 
 void for_each_window(const Trace& trace, const std::vector<std::size_t>& channels,
-                     const std::function<void(const Trace& window)>& take) {
+                     const std::function<bool(const Trace& window)>& take) {
   constexpr std::uint64_t span = 1'000'000'000;  // [ns]
-  if (!is_without_messages(trace)) return take(trace);
+  if (!is_without_messages(trace)) {
+    take(trace);
+    return;
+  }
   if (channels.empty()) return;
   TraceWindows windows(trace, channels);
   while (const auto begin = windows.next_time()) {
     windows.move(*begin, *begin + span);
-    take(windows.window());
+    if (!take(windows.window())) return;
   }
 }
 

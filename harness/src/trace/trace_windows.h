@@ -80,8 +80,9 @@ Result<Trace> load_wanted_in_pieces(const std::filesystem::path& file,
 bool is_without_messages(const Trace& trace);
 
 /// Calls `take` with the messages of some channels, given by their indices in the trace, in the order of time. It
-/// passes windows that are read from the trace's file, or once the trace itself if it contains its messages.
+/// passes windows that are read from the trace's file, or once the trace itself if it contains its messages. False from
+/// `take` ends the pass.
 void for_each_window(const Trace& trace, const std::vector<std::size_t>& channels,
-                     const std::function<void(const Trace& window)>& take);
+                     const std::function<bool(const Trace& window)>& take);
 
 }  // namespace rehearse
