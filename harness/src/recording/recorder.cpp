@@ -13,32 +13,18 @@
 #include "contact_recorder.h"
 #include "device_recorder.h"
 #include "mesh_digests.h"
+#include "side_recorder.h"
 #include "trace/range_messages.h"
 #include "trace_output.h"
 #include "variable_recorder.h"
+#include "vector_messages.h"
 
 namespace rehearse {
 namespace {
 
 constexpr double transforms_per_second = 30.0;  // for viewers: other channels contain the exact state
 
-msg::Vector3 vector3(const double* v) { return {v[0], v[1], v[2]}; }
-msg::Vector3 vector3(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-msg::Point point(const double* v) { return {v[0], v[1], v[2]}; }
-msg::Quaternion quaternion(const double* xyzw) { return {xyzw[0], xyzw[1], xyzw[2], xyzw[3]}; }
-
 std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }
-
-/// Units of the elements of a message of joints. No element has a `wrap:` entry, because angles count turns.
-mcap::StringMap joint_metadata(ChannelKind kind, const Model& model, const std::vector<int>& joints) {
-  mcap::StringMap metadata;
-  for (const int id : joints) {
-    const Joint& joint = model.links[model.joints[id]].joint;
-    for (const ElementGroup& group : form_of(kind).groups)
-      metadata[fmt::format("unit:{}/{}", joint.name, group.name)] = unit_of_joint(group.name, is_linear(joint.type));
-  }
-  return metadata;
-}
 
 /// Adds the bounds that the simulation enforces for the joints of this body because the scenario says so.
 void add_limits(const ScenarioBody& body, mcap::StringMap& metadata) {
@@ -53,37 +39,11 @@ void add_limits(const ScenarioBody& body, mcap::StringMap& metadata) {
   }
 }
 
-/// A joint message of one controller, and the mapping of its numbers to arrays.
-struct JointChannel {
-  std::uint16_t channel = 0;
-  msg::JointState message;
-  struct Slot {
-    int offset;  // in the controller's array
-    std::vector<double> msg::JointState::*array;
-    std::size_t index;  // in the message's array
-  };
-  std::vector<Slot> slots;
-};
-
-/// The channels for inputs or for outputs of one controller.
-struct SideChannels {
-  mcap::StringMap metadata;  // of each channel, in addition to units
-  JointChannel joints;
-  std::uint16_t accelerations = 0;  // channel; 0: none
-  msg::JointAccelerations acceleration_message;
-  std::vector<int> acceleration_offsets;
-  struct LinkChannel {
-    std::uint16_t channel;
-    IoField field;
-  };
-  std::vector<LinkChannel> links;
-};
-
 struct ControllerChannels {
-  SideChannels input, output;
+  SideRecorder input, output;
   std::vector<std::uint16_t> contacts;  // by the controller's contact links
   std::vector<std::uint16_t> devices;   // by device index; 0: none
-  VariableRecorder variables;
+  VariableRecorder variables = {};
 };
 
 struct BodyChannels {
@@ -122,7 +82,7 @@ std::string load_report(const Scenario& scenario, const std::string& model_file)
 
 /// The metadata of the channel of a device's states. Commands in initialize() act before the run.
 mcap::StringMap first_words_metadata(const ControllerChannels& channels, const DeviceOutput& first) {
-  mcap::StringMap metadata = channels.output.metadata;
+  mcap::StringMap metadata = channels.output.metadata();
   if (first.told) metadata["since"] = "initialize";
   return metadata;
 }
@@ -154,18 +114,14 @@ struct Recorder::Impl : TraceOutput {
   Result<void> attach_sources();
   void declare_body(const ScenarioBody& body);
   void declare_controllers(const ControllerHost& host);
-  void declare_side(const std::string& label, ChannelSide of, const Model& model, const IoLayout& layout,
-                    SideChannels& side);
   Result<void> write_joints(std::int64_t tick, BodyChannels& channels, std::uint16_t channel,
                             const std::vector<JointReading>& joints);
   Result<void> write_body(std::int64_t tick, std::size_t index, const BodyObservation& seen,
                           const std::vector<JointReading>& read);
   Result<void> write_transforms(std::int64_t tick, const Observation& seen);
   Result<void> write_joystick(std::int64_t tick, const JoystickReading& reading);
-  Result<void> write_side(std::int64_t tick, SideChannels& side, const std::vector<double>& values);
   Result<void> write_contacts(std::int64_t tick, const std::vector<std::uint16_t>& to,
                               const std::vector<std::vector<ContactReading>>& contacts);
-  Result<void> write_link(std::int64_t tick, const SideChannels::LinkChannel& to, const double* values);
 };
 
 Recorder::Recorder(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -249,19 +205,21 @@ void Recorder::declare(const ControllerHost* host) {
 
 void Recorder::Impl::declare_controllers(const ControllerHost& host) {
   for (const HostedController& hosted : host.controllers()) {
-    ControllerChannels& channels = controllers.emplace_back();
     const ScenarioBody& body = scenario.bodies[hosted.body];
-    declare_side(hosted.label, ChannelSide::input, *body.model, hosted.io->inputs(), channels.input);
+    const Model& model = *body.model;
+    SideRecorder input(*this, hosted.label, ChannelSide::input, model, hosted.io->inputs());
+    std::vector<std::uint16_t> contacts;
     for (const int link : hosted.io->contact_links())
-      channels.contacts.push_back(channel<msg::Contacts>(ChannelName::of_controller(
-          hosted.label, ChannelSide::input, ChannelKind::contacts, body.model->links[link].name)));
+      contacts.push_back(channel<msg::Contacts>(
+          ChannelName::of_controller(hosted.label, ChannelSide::input, ChannelKind::contacts, model.links[link].name)));
     for (const int device : hosted.io->input_devices()) {
-      std::string& readers = devices_read[body.name + "/" + body.model->devices[device].name];
+      std::string& readers = devices_read[body.name + "/" + model.devices[device].name];
       readers += (readers.empty() ? "" : ", ") + hosted.label;
     }
-    channels.output.metadata = {{"delay", host.is_delayed(hosted) ? "true" : "false"}};
-    declare_side(hosted.label, ChannelSide::output, *body.model, hosted.io->outputs(), channels.output);
-    channels.devices.assign(body.model->devices.size(), 0);
+    SideRecorder output(*this, hosted.label, ChannelSide::output, model, hosted.io->outputs(),
+                        {{"delay", host.is_delayed(hosted) ? "true" : "false"}});
+    controllers.push_back({std::move(input), std::move(output), std::move(contacts),
+                           std::vector<std::uint16_t>(model.devices.size(), 0)});
   }
 }
 
@@ -295,61 +253,6 @@ void Recorder::Impl::declare_body(const ScenarioBody& body) {
     free.twist = channel<msg::TwistStamped>(of_link(ChannelKind::twist));
   }
   for (const Device& device : model.devices) channels.devices.emplace_back(*this, scenario, body, device);
-}
-
-void Recorder::Impl::declare_side(const std::string& label, ChannelSide of, const Model& model, const IoLayout& layout,
-                                  SideChannels& side) {
-  const auto name = [&](ChannelKind kind, const std::string& owner = {}) {
-    return ChannelName::of_controller(label, of, kind, owner);
-  };
-  std::vector<int> joints;  // in link order, each once
-  std::set<Quantity> used;
-  for (const IoField& field : layout.fields) {
-    if (field.quantity > Quantity::u) continue;
-    if (joints.empty() || joints.back() != field.joint) joints.push_back(field.joint);
-    used.insert(field.quantity);
-  }
-  msg::JointState& message = side.joints.message;
-  const double not_enabled = std::nan("");
-  for (const int joint : joints) message.name.push_back(model.links[model.joints[joint]].joint.name);
-  const std::pair<Quantity, std::vector<double> msg::JointState::*> arrays[] = {
-      {Quantity::q, &msg::JointState::position},
-      {Quantity::dq, &msg::JointState::velocity},
-      {Quantity::u, &msg::JointState::effort}};
-  for (const auto& [quantity, array] : arrays)
-    if (used.count(quantity)) (message.*array).assign(joints.size(), not_enabled);
-  if (used.count(Quantity::ddq)) {
-    side.acceleration_message.name = message.name;
-    side.acceleration_message.acceleration.assign(joints.size(), not_enabled);
-    side.acceleration_offsets.assign(joints.size(), -1);
-    side.accelerations = channel<msg::JointAccelerations>(
-        name(ChannelKind::joint_accelerations), joint_metadata(ChannelKind::joint_accelerations, model, joints));
-  }
-  if (used.count(Quantity::q) || used.count(Quantity::dq) || used.count(Quantity::u)) {
-    mcap::StringMap metadata = joint_metadata(ChannelKind::joints, model, joints);
-    metadata.insert(side.metadata.begin(), side.metadata.end());
-    side.joints.channel = channel<msg::JointState>(name(ChannelKind::joints), std::move(metadata));
-  }
-
-  std::size_t index = 0;
-  for (const IoField& field : layout.fields) {
-    if (field.quantity <= Quantity::u) {
-      while (joints[index] != field.joint) ++index;
-      if (field.quantity == Quantity::ddq) side.acceleration_offsets[index] = field.offset;
-      for (const auto& [quantity, array] : arrays)
-        if (quantity == field.quantity) side.joints.slots.push_back({field.offset, array, index});
-      continue;
-    }
-    const ChannelName link = name(channel_kind_of(field.quantity), model.links[field.link].name);
-    std::uint16_t id = 0;
-    switch (field.quantity) {
-      case Quantity::pose: id = channel<msg::PoseStamped>(link, side.metadata); break;
-      case Quantity::twist: id = channel<msg::TwistStamped>(link, side.metadata); break;
-      case Quantity::acceleration: id = channel<msg::AccelStamped>(link, side.metadata); break;
-      default: id = channel<msg::WrenchStamped>(link, side.metadata); break;
-    }
-    side.links.push_back({id, field});
-  }
 }
 
 Result<void> Recorder::record_state(std::int64_t tick, const Observation& seen, const Observation& read) {
@@ -443,11 +346,11 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
     message.controller_results.push_back(hosted.tick.result);
     ControllerChannels& channels = impl.controllers[c];
     if (hosted.tick.has_input) {  // also for a controller that then failed, because its inputs may be the cause
-      if (auto done = impl.write_side(tick, channels.input, hosted.io->input_values()); !done) return done;
+      if (auto done = channels.input.write(impl, tick, hosted.io->input_values()); !done) return done;
       if (auto done = impl.write_contacts(tick, channels.contacts, hosted.io->input_contacts()); !done) return done;
     }
     if (hosted.tick.has_output)
-      if (auto done = impl.write_side(tick, channels.output, hosted.io->output_values()); !done) return done;
+      if (auto done = channels.output.write(impl, tick, hosted.io->output_values()); !done) return done;
     for (const DeviceOutput& output : hosted.tick.device_outputs) {
       const Model& model = *impl.scenario.bodies[hosted.body].model;
       std::uint16_t& channel = channels.devices[output.device];
@@ -473,25 +376,6 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
   return impl.write(impl.tick_channel, tick, message);
 }
 
-Result<void> Recorder::Impl::write_side(std::int64_t tick, SideChannels& side, const std::vector<double>& values) {
-  if (side.joints.channel) {
-    side.joints.message.header.stamp = stamp(tick);
-    for (const JointChannel::Slot& slot : side.joints.slots)
-      (side.joints.message.*slot.array)[slot.index] = values[slot.offset];
-    if (auto done = write(side.joints.channel, tick, side.joints.message); !done) return done;
-  }
-  if (side.accelerations) {
-    side.acceleration_message.header.stamp = stamp(tick);
-    for (std::size_t i = 0; i < side.acceleration_offsets.size(); ++i)
-      if (side.acceleration_offsets[i] >= 0)
-        side.acceleration_message.acceleration[i] = values[side.acceleration_offsets[i]];
-    if (auto done = write(side.accelerations, tick, side.acceleration_message); !done) return done;
-  }
-  for (const SideChannels::LinkChannel& link : side.links)
-    if (auto done = write_link(tick, link, values.data() + link.field.offset); !done) return done;
-  return {};
-}
-
 Result<void> Recorder::Impl::write_contacts(std::int64_t tick, const std::vector<std::uint16_t>& to,
                                             const std::vector<std::vector<ContactReading>>& contacts) {
   for (std::size_t i = 0; i < to.size(); ++i) {
@@ -500,19 +384,6 @@ Result<void> Recorder::Impl::write_contacts(std::int64_t tick, const std::vector
     if (auto done = write(to[i], tick, contacts_message); !done) return done;
   }
   return {};
-}
-
-Result<void> Recorder::Impl::write_link(std::int64_t tick, const SideChannels::LinkChannel& to, const double* values) {
-  const msg::Header header{stamp(tick), "world"};
-  switch (to.field.quantity) {
-    case Quantity::pose:
-      return write(to.channel, tick, msg::PoseStamped{header, {point(values), quaternion(values + 3)}});
-    case Quantity::twist:
-      return write(to.channel, tick, msg::TwistStamped{header, {vector3(values), vector3(values + 3)}});
-    case Quantity::acceleration:
-      return write(to.channel, tick, msg::AccelStamped{header, {vector3(values), vector3(values + 3)}});
-    default: return write(to.channel, tick, msg::WrenchStamped{header, {vector3(values), vector3(values + 3)}});
-  }
 }
 
 void Recorder::measure_joints(int body) { impl_->measured_bodies.insert(body); }
