@@ -93,7 +93,7 @@ void LogMapReader::read_tick(const YamlNode& node) {
   if (node.kind == YamlNode::Kind::map)
     keys.emplace(findings_, node, "the tick",
                  std::initializer_list<std::string_view>{"topic", "grid", "latency", "clock", "clock_offset"});
-  const YamlNode* topic = keys ? keys->require("topic", "the name of one of the log's topics") : &node;
+  const YamlNode* topic = keys ? keys->require("topic", name_of_topic) : &node;
   if (topic == nullptr) return;
   TickSource source;
   read_source(keys ? &*keys : nullptr, source, std::nullopt);

@@ -1,6 +1,7 @@
 // The reader of a map's parts, which checks each against the model and the log's topics.
 #pragma once
 
+#include <initializer_list>
 #include <map>
 #include <optional>
 #include <set>
@@ -13,6 +14,10 @@
 #include "scenario/scenario_values.h"
 
 namespace rehearse {
+
+inline constexpr std::string_view name_of_topic = "the name of one of the log's topics";
+/// The default of max_age [s]. Pictures and scans have a longer one, and a joystick none: it sends when it is moved.
+inline constexpr double max_age_of_numbers = 0.1;
 
 /// The reader of one map file.
 class LogMapReader {
@@ -49,6 +54,9 @@ class LogMapReader {
   /// The topic of that name that has one of the sets of fields; null, and an error is reported, if there is none.
   const LogTopic* find_topic(const YamlNode& node, std::string_view label, const std::vector<Needs>& needs,
                              std::string_view what, LogSource& source);
+  /// The keys of a source that may also be a topic alone; then none.
+  std::optional<Keys> keys_of(const YamlNode& node, std::string_view owner,
+                              std::initializer_list<std::string_view> known);
   /// The settings that all sources have: clock, clock_offset and, unless its default is nullopt, max_age; the map's
   /// where the source has none. Null keys: the source is a topic alone.
   void read_source(const Keys* keys, LogSource& source, std::optional<double> max_age);
@@ -57,16 +65,23 @@ class LogMapReader {
   void read_names(const YamlNode& node, std::map<std::string, JointRename>& names);
   std::optional<int> read_joint(const YamlNode& node);
   void read_joints(const YamlNode& node);
-  void read_imu(const YamlNode& node);
-  void read_wrench(const YamlNode& node);
-  void read_camera(const YamlNode& node);
-  void read_ranges(const YamlNode& node);
   void read_root(const YamlNode& node);
   void read_joystick(const YamlNode& node);
   void read_axes(const YamlNode& node, JoySource& source);
   void read_buttons(const YamlNode& node, JoySource& source);
   void read_commands(const YamlNode& node);
   void read_array_commands(const Keys& keys, CommandSource& source);
+
+  // log_map_devices.cpp
+  void read_imu(const YamlNode& node);
+  void read_wrench(const YamlNode& node);
+  void read_camera(const YamlNode& node);
+  void read_ranges(const YamlNode& node);
+  static Needs two_vectors(std::string_view one, std::string_view other);
+  void read_vectors(const YamlNode& node, std::string_view owner, DeviceSource::Kind kind, std::string_view devices,
+                    const Needs& needs, std::string_view type);
+  void read_sensor(const Keys& keys, DeviceSource source, std::string_view devices, const std::vector<Needs>& needs,
+                   std::string_view type);
   bool fits(DeviceSource::Kind kind, const Device& device) const;
   std::vector<int> read_devices(const Keys& keys, DeviceSource::Kind kind, std::string_view what);
   void read_device(const YamlNode& node, DeviceSource::Kind kind, std::string_view what, std::vector<int>& devices);

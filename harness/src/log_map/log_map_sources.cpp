@@ -1,4 +1,5 @@
-// The sources of a map: joints, devices, joystick, root link, and the commands to compare with.
+// The sources of a map: joints, joystick, root link, and the commands to compare with; log_map_devices.cpp has those of
+// devices.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -11,10 +12,6 @@ namespace rehearse {
 namespace {
 
 using enum FieldContent;
-
-// The default of max_age. A picture comes ten times a second, a joystick's message when it is moved.
-constexpr double max_age_of_numbers = 0.1;   // [s]
-constexpr double max_age_of_pictures = 1.0;  // [s], and of scans
 
 constexpr Range any_scale{-1e6, 1e6};
 constexpr Range any_age{0.0, Scenario::max_duration, "[s]", true};
@@ -45,11 +42,6 @@ std::vector<std::pair<std::string, FieldContent>> twist_below(const std::string&
   return needs;
 }
 
-/// The topic of a source: the source itself, or its key `topic`.
-const YamlNode* topic_of(const YamlNode& node, const Keys* keys) {
-  return keys == nullptr ? &node : keys->require("topic", "the name of one of the log's topics");
-}
-
 }  // namespace
 
 const LogTopic* LogMapReader::find_topic(const YamlNode& node, std::string_view label, const std::vector<Needs>& needs,
@@ -60,7 +52,7 @@ const LogTopic* LogMapReader::find_topic(const YamlNode& node, std::string_view 
                                 [&](const auto& need) { return topic.has(need.first, need.second); });
            });
   };
-  const auto name = read_text(findings_, node, label, "the name of one of the log's topics");
+  const auto name = read_text(findings_, node, label, name_of_topic);
   if (!name) return nullptr;
   source.topic = *name;
   source.place = {map_.file, node.line, node.column};
@@ -102,6 +94,12 @@ void LogMapReader::check_clock(const YamlNode& node, const LogTopic& topic, cons
   if (!is_new && first->second.first != source.clock)
     findings_.error(node, fmt::format("'{}' has another clock here", shortened(topic.name)),
                     fmt::format("expected that of line {}", first->second.second));
+}
+
+std::optional<Keys> LogMapReader::keys_of(const YamlNode& node, std::string_view owner,
+                                          std::initializer_list<std::string_view> known) {
+  if (node.kind == YamlNode::Kind::scalar) return std::nullopt;
+  return Keys(findings_, node, owner, known);
 }
 
 void LogMapReader::read_source(const Keys* keys, LogSource& source, std::optional<double> max_age) {
@@ -173,11 +171,8 @@ void LogMapReader::read_names(const YamlNode& node, std::map<std::string, JointR
 }
 
 void LogMapReader::read_joints(const YamlNode& node) {
-  std::optional<Keys> keys;
-  if (node.kind != YamlNode::Kind::scalar)
-    keys.emplace(findings_, node, "a source of joints",
-                 std::initializer_list<std::string_view>{"topic", "names", "velocity", "sampling", "max_age", "clock",
-                                                         "clock_offset"});
+  const std::optional<Keys> keys = keys_of(
+      node, "a source of joints", {"topic", "names", "velocity", "sampling", "max_age", "clock", "clock_offset"});
   if (keys && !keys->is_map()) return;
   JointSource source;
   read_source(keys ? &*keys : nullptr, source, max_age_of_numbers);
@@ -191,7 +186,7 @@ void LogMapReader::read_joints(const YamlNode& node) {
       expected(findings_, *velocity, "velocity", "message (what it says) or differentiate (from two positions)");
     }
   }
-  const YamlNode* topic = topic_of(node, keys ? &*keys : nullptr);
+  const YamlNode* topic = keys ? keys->require("topic", name_of_topic) : &node;
   if (topic == nullptr) return;
   const LogTopic* found =
       find_topic(*topic, "joints", joint_messages(), "a JointState or another type with joints' names", source);
@@ -204,139 +199,9 @@ void LogMapReader::read_joints(const YamlNode& node) {
   map_.joints.push_back(std::move(source));
 }
 
-bool LogMapReader::fits(DeviceSource::Kind kind, const Device& device) const {
-  switch (kind) {
-    case DeviceSource::Kind::imu:
-      return std::holds_alternative<Imu>(device.kind) || std::holds_alternative<Gyro>(device.kind) ||
-             std::holds_alternative<Accelerometer>(device.kind);
-    case DeviceSource::Kind::wrench: return std::holds_alternative<ForceSensor>(device.kind);
-    case DeviceSource::Kind::picture:
-    case DeviceSource::Kind::camera_info: return std::holds_alternative<Camera>(device.kind);
-    case DeviceSource::Kind::depth: {
-      const auto* camera = std::get_if<Camera>(&device.kind);
-      return camera != nullptr && camera->depth;
-    }
-    case DeviceSource::Kind::ranges: return std::holds_alternative<RangeSensor>(device.kind);
-  }
-  return false;
-}
-
-void LogMapReader::read_device(const YamlNode& node, DeviceSource::Kind kind, std::string_view what,
-                               std::vector<int>& devices) {
-  const auto name = read_text(findings_, node, "device", "the name of a device of the model");
-  if (!name) return;
-  std::vector<std::string> fitting;
-  for (const Device& device : model_.devices)
-    if (fits(kind, device)) fitting.push_back(device.name);
-  const int index = model_.find_device(*name);
-  if (index < 0) {
-    findings_.error(node, fmt::format("the model {} has no device '{}'", model_.name, shortened(*name)),
-                    name_hint(*name, fitting, what));
-  } else if (!fits(kind, model_.devices[index])) {
-    findings_.error(node, fmt::format("'{}' is a {}", *name, type_name(model_.devices[index])),
-                    name_hint(*name, fitting, what));
-  } else if (const auto [first, is_new] = device_lines_.emplace(std::pair(index, kind), node.line); !is_new) {
-    findings_.error(node, fmt::format("the device '{}' has a second source", *name),
-                    fmt::format("the first is in line {}", first->second));
-  } else {
-    devices.push_back(index);
-  }
-}
-
-/// Reads one device or a list of devices, which all get the same messages.
-std::vector<int> LogMapReader::read_devices(const Keys& keys, DeviceSource::Kind kind, std::string_view what) {
-  std::vector<int> devices;
-  const YamlNode* node = keys.require("device", "the name of a device of the model, or a list of names");
-  if (node == nullptr) return devices;
-  if (node->kind != YamlNode::Kind::list) {
-    read_device(*node, kind, what, devices);
-  } else if (const auto* list = read_list(findings_, *node, "device", "a list of names")) {
-    if (list->empty()) findings_.error(*node, "device is an empty list", "expected the name of a device of the model");
-    for (const YamlNodePtr& item : *list) read_device(*item, kind, what, devices);
-  }
-  return devices;
-}
-
-void LogMapReader::read_imu(const YamlNode& node) {
-  const Keys keys(findings_, node, "an IMU", {"topic", "device", "sampling", "max_age", "clock", "clock_offset"});
-  if (!keys.is_map()) return;
-  DeviceSource source;
-  source.kind = DeviceSource::Kind::imu;
-  read_source(&keys, source, max_age_of_numbers);
-  read_sampling(keys, source);
-  source.devices = read_devices(keys, source.kind, "gyros, accelerometers and IMUs");
-  Needs needs;
-  for (const char* vector : {"angular_velocity", "linear_acceleration"})
-    for (const char* axis : {"x", "y", "z"}) needs.emplace_back(fmt::format("{}/{}", vector, axis), number);
-  const YamlNode* topic = topic_of(node, &keys);
-  if (topic != nullptr && find_topic(*topic, "topic", {needs}, "an Imu", source))
-    map_.devices.push_back(std::move(source));
-}
-
-void LogMapReader::read_wrench(const YamlNode& node) {
-  const Keys keys(findings_, node, "a wrench", {"topic", "device", "sampling", "max_age", "clock", "clock_offset"});
-  if (!keys.is_map()) return;
-  DeviceSource source;
-  source.kind = DeviceSource::Kind::wrench;
-  read_source(&keys, source, max_age_of_numbers);
-  read_sampling(keys, source);
-  source.devices = read_devices(keys, source.kind, "force sensors");
-  Needs needs;
-  for (const char* vector : {"force", "torque"})
-    for (const char* axis : {"x", "y", "z"}) needs.emplace_back(fmt::format("wrench/{}/{}", vector, axis), number);
-  const YamlNode* topic = topic_of(node, &keys);
-  if (topic != nullptr && find_topic(*topic, "topic", {needs}, "a WrenchStamped", source))
-    map_.devices.push_back(std::move(source));
-}
-
-void LogMapReader::read_camera(const YamlNode& node) {
-  const Keys keys(findings_, node, "a camera",
-                  {"topic", "depth", "info", "device", "max_age", "clock", "clock_offset"});
-  if (!keys.is_map()) return;
-  const YamlNode *picture = keys.find("topic"), *depth = keys.find("depth"), *info = keys.find("info");
-  if (!picture && !depth)
-    findings_.error(node, "a camera has neither 'topic' nor 'depth'", "expected topic: the name of one with pictures");
-  DeviceSource common;
-  read_source(&keys, common, max_age_of_pictures);
-  common.devices = read_devices(keys, depth ? DeviceSource::Kind::depth : DeviceSource::Kind::picture,
-                                depth ? "cameras that measure depth" : "cameras");
-  const Needs raw{{"encoding", text}, {"width", number}, {"height", number}, {"step", number}, {"data", bytes}};
-  const Needs compressed{{"format", text}, {"data", bytes}};
-  const Needs figures{{"width", number}, {"height", number}, {"k/*", number}};
-  const auto add = [&](const YamlNode* topic, std::string_view label, DeviceSource::Kind kind,
-                       const std::vector<Needs>& needs, std::string_view what) {
-    if (topic == nullptr) return;
-    DeviceSource source = common;
-    source.kind = kind;
-    if (find_topic(*topic, label, needs, what, source)) map_.devices.push_back(std::move(source));
-  };
-  add(picture, "topic", DeviceSource::Kind::picture, {raw, compressed}, "an Image or CompressedImage");
-  add(depth, "depth", DeviceSource::Kind::depth, {raw}, "an Image");
-  common.max_age.reset();  // to report it once
-  add(info, "info", DeviceSource::Kind::camera_info, {figures}, "a CameraInfo");
-}
-
-void LogMapReader::read_ranges(const YamlNode& node) {
-  const Keys keys(findings_, node, "a range sensor", {"topic", "device", "max_age", "clock", "clock_offset"});
-  if (!keys.is_map()) return;
-  DeviceSource source;
-  source.kind = DeviceSource::Kind::ranges;
-  read_source(&keys, source, max_age_of_pictures);
-  source.devices = read_devices(keys, source.kind, "range sensors");
-  const Needs scan{{"ranges/*", number}, {"range_min", number}, {"range_max", number}};
-  const Needs cloud{{"fields/*/name", text}, {"fields/*/offset", number}, {"point_step", number}, {"row_step", number},
-                    {"width", number},       {"height", number},          {"data", bytes}};
-  const YamlNode* topic = topic_of(node, &keys);
-  if (topic != nullptr && find_topic(*topic, "topic", {scan, cloud}, "a LaserScan or PointCloud2", source))
-    map_.devices.push_back(std::move(source));
-}
-
 void LogMapReader::read_root(const YamlNode& node) {
-  std::optional<Keys> keys;
-  if (node.kind != YamlNode::Kind::scalar)
-    keys.emplace(
-        findings_, node, "the root",
-        std::initializer_list<std::string_view>{"topic", "frame", "sampling", "max_age", "clock", "clock_offset"});
+  const std::optional<Keys> keys =
+      keys_of(node, "the root", {"topic", "frame", "sampling", "max_age", "clock", "clock_offset"});
   if (keys && !keys->is_map()) return;
   RootSource source;
   read_source(keys ? &*keys : nullptr, source, max_age_of_numbers);
@@ -347,7 +212,7 @@ void LogMapReader::read_root(const YamlNode& node) {
     for (const char* axis : {"x", "y", "z", "w"}) needs.emplace_back(path + "/orientation/" + axis, number);
     return needs;
   };
-  const YamlNode* topic = topic_of(node, keys ? &*keys : nullptr);
+  const YamlNode* topic = keys ? keys->require("topic", name_of_topic) : &node;
   if (topic == nullptr) return;
   const Needs transforms{{"transforms/*/child_frame_id", text}, {"transforms/*/transform/rotation/w", number}};
   const LogTopic* found = find_topic(*topic, "root", {pose_at("pose"), pose_at("pose/pose"), transforms},
@@ -406,11 +271,8 @@ void LogMapReader::read_buttons(const YamlNode& node, JoySource& source) {
 }
 
 void LogMapReader::read_joystick(const YamlNode& node) {
-  std::optional<Keys> keys;
-  if (node.kind != YamlNode::Kind::scalar)
-    keys.emplace(
-        findings_, node, "the joystick",
-        std::initializer_list<std::string_view>{"topic", "axes", "buttons", "max_age", "clock", "clock_offset"});
+  const std::optional<Keys> keys =
+      keys_of(node, "the joystick", {"topic", "axes", "buttons", "max_age", "clock", "clock_offset"});
   if (keys && !keys->is_map()) return;
   JoySource source;
   for (std::size_t i = 0; i < source.axes.size(); ++i) source.axes[i].index = static_cast<int>(i);
@@ -420,7 +282,7 @@ void LogMapReader::read_joystick(const YamlNode& node) {
     if (const YamlNode* axes = keys->find("axes")) read_axes(*axes, source);
     if (const YamlNode* buttons = keys->find("buttons")) read_buttons(*buttons, source);
   }
-  const YamlNode* topic = topic_of(node, keys ? &*keys : nullptr);
+  const YamlNode* topic = keys ? keys->require("topic", name_of_topic) : &node;
   if (topic == nullptr) return;
   const LogTopic* found = find_topic(
       *topic, "joystick", {{{"axes/*", number}, {"buttons/*", number}}, twist_below(""), twist_below("twist/")},
@@ -456,11 +318,8 @@ void LogMapReader::read_array_commands(const Keys& keys, CommandSource& source) 
 }
 
 void LogMapReader::read_commands(const YamlNode& node) {
-  std::optional<Keys> keys;
-  if (node.kind != YamlNode::Kind::scalar)
-    keys.emplace(findings_, node, "a source of commands",
-                 std::initializer_list<std::string_view>{"topic", "names", "joints", "quantity", "shift", "clock",
-                                                         "clock_offset"});
+  const std::optional<Keys> keys =
+      keys_of(node, "a source of commands", {"topic", "names", "joints", "quantity", "shift", "clock", "clock_offset"});
   if (keys && !keys->is_map()) return;
   CommandSource source;
   read_source(keys ? &*keys : nullptr, source, std::nullopt);
@@ -468,7 +327,7 @@ void LogMapReader::read_commands(const YamlNode& node) {
     keys->integer("shift", -1000, 1000, source.shift);
     if (const YamlNode* names = keys->find("names")) read_names(*names, source.names);
   }
-  const YamlNode* topic = topic_of(node, keys ? &*keys : nullptr);
+  const YamlNode* topic = keys ? keys->require("topic", name_of_topic) : &node;
   if (topic == nullptr) return;
   std::vector<Needs> needs = joint_messages();
   for (Needs& numbers : std::vector<Needs>{{{"data/*", number}}, twist_below(""), twist_below("twist/")})

@@ -7,35 +7,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <set>
 
+#include "device_message.h"
 #include "joint_arrays.h"
-#include "model/clock.h"
 #include "recording/contact_messages.h"
-#include "recording/recorded_image.h"
-#include "trace/range_messages.h"
 #include "trace/run_facts.h"
 
 namespace rehearse {
 namespace {
 
 Eigen::Vector3d vector(const msg::Vector3& v) { return {v.x, v.y, v.z}; }
-
-/// The distances in a LaserScan or PointCloud2; none if the sensor was switched off.
-bool decode_ranges(ChannelKind kind, CdrReader& reader, msg::Header& header, std::vector<float>& ranges) {
-  if (kind == ChannelKind::scan) {
-    msg::LaserScan scan;
-    if (!msg::decode(reader, scan)) return false;
-    header = scan.header;
-    ranges = std::move(scan.ranges);
-    return true;
-  }
-  msg::PointCloud2 cloud;
-  if (!msg::decode(reader, cloud)) return false;
-  header = cloud.header;
-  return read_ranges(cloud, ranges);
-}
 
 }  // namespace
 
@@ -300,70 +282,8 @@ Result<void> RecordedInputs::accept_joystick(const mcap::Message& message) {
 Result<void> RecordedInputs::accept_device(const Feed& feed, const mcap::Message& message) {
   const Device& device = scenario_.bodies[feed.body].model->devices[feed.device];
   DeviceReading& reading = observation_.bodies[feed.body].devices[feed.device];
-  CdrReader reader(message.data);
-  const auto mismatch = [&] {
-    return error(fmt::format("a message on {} at {} ns is not what device '{}' measures", feed.topic, message.log_time,
-                             device.name));
-  };
-  // the time that the sensor stated, in exactly the number it was when it was recorded
-  const auto measured_at = [this](const msg::Time& stamp) {
-    const double seconds = static_cast<double>(stamp.to_ns()) * 1e-9;
-    return time_of(std::llround(seconds / scenario_.time_step), scenario_.time_step);
-  };
   reading.fresh = true;
-  if (std::holds_alternative<Light>(device.kind)) {
-    msg::DeviceState state;
-    if (!msg::decode(reader, state)) return mismatch();
-    reading.values = std::move(state.values);
-    reading.measured_at = measured_at(state.header.stamp);
-  } else if (std::holds_alternative<ContactSensor>(device.kind)) {
-    msg::ContactForce contact;
-    if (!msg::decode(reader, contact)) return mismatch();
-    reading.values = {static_cast<double>(contact.count), contact.force.x, contact.force.y, contact.force.z};
-    reading.measured_at = measured_at(contact.header.stamp);
-  } else if (std::holds_alternative<ForceSensor>(device.kind)) {
-    msg::WrenchStamped wrench;
-    if (!msg::decode(reader, wrench)) return mismatch();
-    const msg::Wrench& w = wrench.wrench;
-    reading.values = {w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z};
-    reading.measured_at = measured_at(wrench.header.stamp);
-  } else if (const auto* laser = std::get_if<RangeSensor>(&device.kind)) {
-    std::vector<float> ranges;
-    msg::Header header;
-    if (!decode_ranges(feed.kind, reader, header, ranges)) return mismatch();
-    if (!ranges.empty() && ranges.size() != static_cast<std::size_t>(laser->beams())) return mismatch();
-    reading.measured_at = measured_at(header.stamp);
-    reading.ranges = ranges.empty() ? nullptr : std::make_shared<const std::vector<float>>(std::move(ranges));
-  } else if (!std::holds_alternative<Camera>(device.kind)) {
-    msg::Imu imu;
-    if (!msg::decode(reader, imu)) return mismatch();
-    const msg::Vector3 &w = imu.angular_velocity, &a = imu.linear_acceleration;
-    if (std::holds_alternative<Gyro>(device.kind)) reading.values = {w.x, w.y, w.z};
-    if (std::holds_alternative<Accelerometer>(device.kind)) reading.values = {a.x, a.y, a.z};
-    if (std::holds_alternative<Imu>(device.kind)) reading.values = {w.x, w.y, w.z, a.x, a.y, a.z};
-    reading.measured_at = measured_at(imu.header.stamp);
-  } else if (feed.kind == ChannelKind::image) {
-    msg::CompressedImage color;
-    if (!msg::decode(reader, color)) return mismatch();
-    reading.measured_at = measured_at(color.header.stamp);
-    reading.image = nullptr;
-    if (color.data.empty()) return reading.depth = nullptr, Result<void>();  // it was switched off
-    auto image = image_of(std::move(color));
-    if (!image)
-      return error(fmt::format("the picture on {} at {} ns can't be replayed: {}", feed.topic, message.log_time,
-                               image.errors()[0].message),
-                   image.errors()[0].hint);
-    reading.image = std::make_shared<const Image>(std::move(*image));
-  } else {
-    msg::Image picture;
-    if (!msg::decode(reader, picture)) return mismatch();
-    const std::size_t pixels = std::size_t{picture.width} * picture.height;
-    if (picture.encoding != "32FC1" || picture.data.size() != pixels * sizeof(float)) return mismatch();
-    DepthImage depth{static_cast<int>(picture.width), static_cast<int>(picture.height), std::vector<float>(pixels)};
-    std::memcpy(depth.meters.data(), picture.data.data(), picture.data.size());
-    reading.depth = std::make_shared<const DepthImage>(std::move(depth));
-  }
-  return {};
+  return DeviceMessage(device, feed.kind, message, scenario_.time_step).read(reading);
 }
 
 }  // namespace rehearse

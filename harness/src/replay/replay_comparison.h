@@ -64,7 +64,7 @@ class ReplayComparison final : public Sink {
   std::vector<RecordedOutputs*> output_of_;  // by channel id; null: none
   std::vector<bool> is_word_;                // by channel id
   const std::uint64_t from_;                 // [ns]
-  std::optional<bool> reads_the_same_;  // as when it was recorded; decided at the first tick
+  std::optional<bool> reads_the_same_;       // as when it was recorded; decided at the first tick
 };
 
 }  // namespace rehearse
