@@ -230,6 +230,12 @@ void FieldJudge::report_bytes(std::size_t golden_message) {
   report(std::string(), "the message has other bytes than the golden's");
 }
 
+std::uint64_t distance_of_integers(CellKind kind, std::uint64_t a, std::uint64_t b) {
+  const bool is_signed = kind == CellKind::signed_integer;
+  const bool grows = is_signed ? static_cast<std::int64_t>(a) < static_cast<std::int64_t>(b) : a < b;
+  return grows ? b - a : a - b;
+}
+
 void put_integers(Divergence& divergence, CellKind kind, std::uint64_t expected, std::uint64_t actual) {
   constexpr double exact = 0x1p53;
   const bool is_signed = kind == CellKind::signed_integer;
@@ -239,9 +245,7 @@ void put_integers(Divergence& divergence, CellKind kind, std::uint64_t expected,
   const auto text = [&](std::uint64_t bits) {
     return is_signed ? fmt::format("{}", static_cast<std::int64_t>(bits)) : fmt::format("{}", bits);
   };
-  const bool grew =
-      is_signed ? static_cast<std::int64_t>(expected) < static_cast<std::int64_t>(actual) : expected < actual;
-  const std::uint64_t apart = grew ? actual - expected : expected - actual;
+  const std::uint64_t apart = distance_of_integers(kind, expected, actual);
   divergence.expected = number(expected);
   divergence.actual = number(actual);
   divergence.difference = static_cast<double>(apart);

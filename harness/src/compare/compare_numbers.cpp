@@ -73,6 +73,7 @@ class NumberJudge final : public PartJudge {
   void group_orientations();
   void compare_row(std::size_t golden_row, std::size_t actual_row);
   void compare_cell(Column& column, std::size_t golden_row, std::size_t actual_row);
+  Divergence describe(const Column& column, std::size_t golden_row, std::size_t actual_row, double difference) const;
   void mark_hash(const Column& column, std::size_t golden_row);
   double beside(Column& column, std::size_t golden_row, double actual) const;
   void compare_orientation(Orientation& orientation, std::size_t golden_row, std::size_t actual_row);
@@ -302,14 +303,12 @@ void NumberJudge::compare_cell(Column& column, std::size_t golden_row, std::size
   const std::uint64_t actual_bits = window_->actual.bits(actual_row, column.actual);
   if (expected_bits == actual_bits) return;
   if (column.hash) return mark_hash(column, golden_row);
-  Divergence numbers;  // few of the cells that differ are described: a place takes longer than a comparison
+  double difference = 0.0;
   bool beyond = true;
   if (column.kind == CellKind::floating) {
     const double expected = std::bit_cast<double>(expected_bits), actual = std::bit_cast<double>(actual_bits);
     if (may_be_missing(window_->golden) && std::isnan(expected) != std::isnan(actual)) return;  // the count tells
-    put_numbers(numbers, expected, actual);
-    numbers.tolerance = column.tolerance;
-    double& difference = numbers.difference;
+    difference = difference_between(expected, actual);
     if (column.wraps) difference = std::abs(std::remainder(difference, turn));
     beyond = !(difference <= column.tolerance);
     keep_larger(column.largest, difference);
@@ -319,11 +318,26 @@ void NumberJudge::compare_cell(Column& column, std::size_t golden_row, std::size
       if (!beyond) difference = from_envelope;  // what is judged is what is told
     }
   } else {
-    put_integers(numbers, column.kind, expected_bits, actual_bits);
+    difference = static_cast<double>(distance_of_integers(column.kind, expected_bits, actual_bits));
   }
-  const bool to_describe = count(column, golden_row, numbers.difference, beyond);
+  const bool to_describe = count(column, golden_row, difference, beyond);
   if (traces_.options.on_difference) tell(golden_row, {column.golden}, beyond);
-  if (to_describe) findings_.describe(place(column, golden_row, std::move(numbers)), beyond);
+  if (to_describe) findings_.describe(describe(column, golden_row, actual_row, difference), beyond);
+}
+
+/// Few of the cells that differ are described: a description takes longer than a comparison.
+Divergence NumberJudge::describe(const Column& column, std::size_t golden_row, std::size_t actual_row,
+                                 double difference) const {
+  const std::uint64_t expected = window_->golden.bits(golden_row, column.golden);
+  const std::uint64_t actual = window_->actual.bits(actual_row, column.actual);
+  Divergence numbers;
+  if (column.kind == CellKind::floating)
+    put_numbers(numbers, std::bit_cast<double>(expected), std::bit_cast<double>(actual));
+  else
+    put_integers(numbers, column.kind, expected, actual);
+  numbers.tolerance = column.tolerance;
+  numbers.difference = difference;
+  return place(column, golden_row, std::move(numbers));
 }
 
 double NumberJudge::beside(const Orientation& orientation, std::size_t golden_row, const Quaternion& actual) const {

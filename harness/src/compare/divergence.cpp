@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "compare_parts.h"
 #include "describe.h"
 
 namespace rehearse {
@@ -30,10 +31,14 @@ std::uint64_t ulps_between(double a, double b) {
   return static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low);
 }
 
+double difference_between(double expected, double actual) {
+  return std::isnan(expected) && std::isnan(actual) ? 0.0 : std::abs(actual - expected);
+}
+
 void put_numbers(Divergence& divergence, double expected, double actual, std::string_view unit) {
   divergence.expected = expected;
   divergence.actual = actual;
-  divergence.difference = std::isnan(expected) && std::isnan(actual) ? 0.0 : std::abs(actual - expected);
+  divergence.difference = difference_between(expected, actual);
   divergence.ulps = ulps_between(expected, actual);
   divergence.unit = unit;
 }
@@ -57,7 +62,8 @@ double times_tolerance(double difference, double tolerance) {
 
 namespace {
 
-/// Two numbers as a person reads them: with as many digits as tell them apart, 4 to 7, and all of those before the point.
+/// Two numbers as a person reads them: with as many digits as tell them apart, 4 to 7, and all of those before the
+/// point.
 std::pair<std::string, std::string> texts_of(double a, double b) {
   std::pair<std::string, std::string> texts;
   const double larger = std::max(std::abs(a), std::abs(b));

@@ -10,8 +10,8 @@
 #include <functional>
 
 #include "compare_parts.h"
-#include "trace/hashing.h"
 #include "run_survey.h"
+#include "trace/hashing.h"
 
 namespace rehearse {
 namespace {
