@@ -12,14 +12,14 @@ const filesBelow = (folder, ending) =>
 
 /**
  * The keys that the parsers of scenarios and maps accept: [{form: 'scenario', 'map' or 'noise file', owner: 'a body', keys}]. A parser
- * states them where it makes a `Keys`; one that this doesn't understand is an error.
+ * states them where it makes a `Keys` or calls keys_of(); one that this doesn't understand is an error.
  */
 export function parserKeys(source) {
   const tables = [];
   for (const file of filesBelow(join(source, 'harness/src'), /\.cpp$/)) {
     const text = readFileSync(file, 'utf8');
-    const found = [...text.matchAll(/\bKeys(?: keys)?\(\w+, [^,;{]+, "([^"]+)",\s*\{([^{}]*)\}\)/g)];
-    const made = [...text.matchAll(/\bKeys(?: keys)?\(\w+, [^,;{)]+, /g)].length;
+    const found = [...text.matchAll(/\b(?:Keys(?: keys)?\(\w+, [^,;{]+|keys_of\(\s*\w+), "([^"]+)",\s*\{([^{}]*)\}\)/g)];
+    const made = [...text.matchAll(/\b(?:Keys(?: keys)?\(\w+, [^,;{)]+|keys_of\(\s*\w+), /g)].length;
     if (made !== found.length)
       throw new Error(`${file}: ${made} parsers of keys are made, but the keys of only ${found.length} can be read`);
     const form = file.includes('/log_map/') ? 'map' : file.includes('/check/') ? 'noise file' : 'scenario';

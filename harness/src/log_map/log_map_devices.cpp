@@ -83,9 +83,8 @@ void LogMapReader::read_sensor(const Keys& keys, DeviceSource source, std::strin
 }
 
 /// Reads the source of a sensor of numbers, which can be interpolated.
-void LogMapReader::read_vectors(const YamlNode& node, std::string_view owner, DeviceSource::Kind kind,
-                                std::string_view devices, const Needs& needs, std::string_view type) {
-  const Keys keys(findings_, node, owner, {"topic", "device", "sampling", "max_age", "clock", "clock_offset"});
+void LogMapReader::read_vectors(const Keys& keys, DeviceSource::Kind kind, std::string_view devices, const Needs& needs,
+                                std::string_view type) {
   if (!keys.is_map()) return;
   DeviceSource source;
   source.kind = kind;
@@ -95,13 +94,15 @@ void LogMapReader::read_vectors(const YamlNode& node, std::string_view owner, De
 }
 
 void LogMapReader::read_imu(const YamlNode& node) {
-  read_vectors(node, "an IMU", DeviceSource::Kind::imu, "gyros, accelerometers and IMUs",
+  const Keys keys(findings_, node, "an IMU", {"topic", "device", "sampling", "max_age", "clock", "clock_offset"});
+  read_vectors(keys, DeviceSource::Kind::imu, "gyros, accelerometers and IMUs",
                two_vectors("angular_velocity", "linear_acceleration"), "an Imu");
 }
 
 void LogMapReader::read_wrench(const YamlNode& node) {
-  read_vectors(node, "a wrench", DeviceSource::Kind::wrench, "force sensors",
-               two_vectors("wrench/force", "wrench/torque"), "a WrenchStamped");
+  const Keys keys(findings_, node, "a wrench", {"topic", "device", "sampling", "max_age", "clock", "clock_offset"});
+  read_vectors(keys, DeviceSource::Kind::wrench, "force sensors", two_vectors("wrench/force", "wrench/torque"),
+               "a WrenchStamped");
 }
 
 void LogMapReader::read_ranges(const YamlNode& node) {

@@ -78,8 +78,8 @@ class LogMapReader {
   void read_camera(const YamlNode& node);
   void read_ranges(const YamlNode& node);
   static Needs two_vectors(std::string_view one, std::string_view other);
-  void read_vectors(const YamlNode& node, std::string_view owner, DeviceSource::Kind kind, std::string_view devices,
-                    const Needs& needs, std::string_view type);
+  void read_vectors(const Keys& keys, DeviceSource::Kind kind, std::string_view devices, const Needs& needs,
+                    std::string_view type);
   void read_sensor(const Keys& keys, DeviceSource source, std::string_view devices, const std::vector<Needs>& needs,
                    std::string_view type);
   bool fits(DeviceSource::Kind kind, const Device& device) const;

@@ -99,7 +99,7 @@ void LogMapReader::check_clock(const YamlNode& node, const LogTopic& topic, cons
 std::optional<Keys> LogMapReader::keys_of(const YamlNode& node, std::string_view owner,
                                           std::initializer_list<std::string_view> known) {
   if (node.kind == YamlNode::Kind::scalar) return std::nullopt;
-  return Keys(findings_, node, owner, known);
+  return std::optional<Keys>(std::in_place, findings_, node, owner, known);
 }
 
 void LogMapReader::read_source(const Keys* keys, LogSource& source, std::optional<double> max_age) {
