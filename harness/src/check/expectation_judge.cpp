@@ -10,6 +10,7 @@
 
 #include "mcap/glob.h"
 #include "model/clock.h"
+#include "trace/channel_name.h"
 #include "trace/run_facts.h"
 
 namespace rehearse {
