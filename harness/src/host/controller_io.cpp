@@ -56,7 +56,7 @@ constexpr JointQuantity joint_quantities[] = {
     {&JointReading::ddq, &CnoidLink::ddq, &CnoidLink::ddq},
     {&JointReading::u, &CnoidLink::u, &CnoidLink::u},
 };
-const JointQuantity& of(Quantity quantity) { return joint_quantities[static_cast<int>(quantity)]; }
+const JointQuantity& joint_quantity_of(Quantity quantity) { return joint_quantities[static_cast<int>(quantity)]; }
 
 void put(double* target, const cnoid::Vector3& v) { std::copy(v.data(), v.data() + 3, target); }
 cnoid::Vector3 vector(const double* source) { return {source[0], source[1], source[2]}; }
@@ -255,14 +255,14 @@ bool ControllerIo::commands_joint(int joint) const {
 void ControllerIo::find_joint_numbers() {
   for (const IoField& field : inputs_.fields) {
     if (field.quantity > Quantity::u) continue;
-    const JointQuantity& quantity = of(field.quantity);
+    const JointQuantity& quantity = joint_quantity_of(field.quantity);
     CnoidLink& link = *body_->link(field.link);
     joint_inputs_.push_back({field.joint, quantity.observed, &input_values_[field.offset], &(link.*quantity.input)()});
   }
   for (const IoField& field : outputs_.fields) {
     if (field.quantity > Quantity::u) continue;
     CnoidLink& link = *body_->link(field.link);
-    joint_outputs_.emplace_back(&(link.*of(field.quantity).command)(), &output_values_[field.offset]);
+    joint_outputs_.emplace_back(&(link.*joint_quantity_of(field.quantity).command)(), &output_values_[field.offset]);
   }
   const auto is_of_joint = [](const IoField& field) { return field.quantity <= Quantity::u; };
   std::ranges::remove_copy_if(inputs_.fields, std::back_inserter(link_inputs_), is_of_joint);

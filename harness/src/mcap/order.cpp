@@ -93,7 +93,9 @@ void MessageOrder::open_ahead() {
   if (!RecordWalker(reader_.bytes_, ahead.place.offset).next(record) || !parse_chunk(record.body)) return;
   ahead.body = record.body;
   ahead.opened = opener_.open(record, ahead.run->buffer);
-  constexpr std::uint64_t most = std::uint64_t{16} << 20;  // [bytes], from chunk to chunk: they may be in any order
+  // Chunks may be in any order. The bytes before one that is far away are left to check_data_crc(), which releases
+  // them.
+  constexpr std::uint64_t most = std::uint64_t{16} << 20;  // [bytes]
   if (counts_ && end_of(record) <= data_crc_.end() + most) data_crc_.include(end_of(record));
   if (!ahead.opened.ok()) return;
   ahead.run->records = ahead.opened.records;

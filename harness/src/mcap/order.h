@@ -41,7 +41,7 @@ struct ChunkAhead {
   OpenedChunk opened;
   std::vector<Record> definitions;  // all of its records but messages
   bool in_span = true;              // its messages are in the time that it states
-  bool is_whole = true;             // its last record is
+  bool is_whole = true;             // its last record is complete
 };
 
 /// The messages of a file, one after the other, by (log time, position in the file). A chunk is opened at the time of

@@ -15,8 +15,9 @@ namespace rehearse::mcap {
 class DataCrc {
  public:
   explicit DataCrc(Bytes data) : data_(data) {}
-  /// Includes the bytes before `end`.
+  /// Includes the bytes of the section before `end`.
   void include(std::uint64_t end) {
+    end = std::min<std::uint64_t>(end, data_.size());  // a record grows if another program writes into the file
     if (end <= end_) return;
     crc_ = crc32(data_.subspan(end_, end - end_), crc_);
     end_ = end;
