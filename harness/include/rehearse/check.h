@@ -223,9 +223,4 @@ struct Reproduction {
 Result<Reproduction> reproduce(const Scenario& scenario, const Trace& recording, const std::filesystem::path& scratch,
                                const ReproductionOptions& options, const Simulation& simulation);
 
-/// The first place, in the order of time, where `part` contains a value that `whole` doesn't contain at that time, bit
-/// for bit. Values that only `whole` contains are not compared, nor are hashes of inputs and outputs, which a run
-/// without controllers lacks.
-Result<std::optional<Divergence>> first_not_in(const Trace& whole, const Trace& part);
-
 }  // namespace rehearse

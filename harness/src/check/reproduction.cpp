@@ -1,120 +1,21 @@
 #include <fmt/format.h>
 #include <rehearse/check.h>
-#include <rehearse/messages.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <set>
-#include <string_view>
 #include <utility>
 #include <vector>
 
-#include "compare/compare_parts.h"
-#include "model/clock.h"
+#include "compare/tick_clock.h"
 #include "replay/plant_level.h"
+#include "trace/channel_name.h"
+#include "trace/trace_windows.h"
 
 namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// What a run without controllers doesn't say of a tick.
-bool is_said_by_controllers(const TraceChannel& channel, std::string_view element) {
-  return channel.type == msg::Tick::type_name && element != "tick" && element != "state_hash";
-}
-
-/// A channel of a part of a run beside the same channel of the whole.
-class ChannelInWhole {
- public:
-  ChannelInWhole(const Trace& whole, const Trace& part, const TraceChannel& channel, const TickClock& clock)
-      : whole_(whole), part_(part), channel_(channel), clock_(clock), other_(whole.find_channel(channel.topic)) {}
-
-  Result<std::optional<Divergence>> first_difference() const;
-
- private:
-  Divergence place(std::size_t message) const;
-  std::size_t counterpart(std::size_t message) const;
-  std::optional<Divergence> compare_row(std::size_t message, std::size_t other) const;
-  Result<std::optional<Divergence>> compare_payload(std::size_t message, std::size_t other) const;
-
-  const Trace& whole_;
-  const Trace& part_;
-  const TraceChannel& channel_;
-  const TickClock& clock_;
-  const TraceChannel* other_;
-};
-
-Divergence ChannelInWhole::place(std::size_t message) const {
-  Divergence found;
-  found.tick = clock_.tick_at(channel_.times[message]);
-  found.time = static_cast<double>(channel_.times[message]) * 1e-9;
-  found.channel = channel_.topic;
-  found.stage = stage_of(channel_.topic);
-  return found;
-}
-
-/// Of several messages of one time, that of the same number.
-std::size_t ChannelInWhole::counterpart(std::size_t message) const {
-  const auto first_at = [](const TraceChannel& channel, std::uint64_t time) {
-    return std::lower_bound(channel.times.begin(), channel.times.end(), time) - channel.times.begin();
-  };
-  const std::uint64_t time = channel_.times[message];
-  return static_cast<std::size_t>(first_at(*other_, time)) + message -
-         static_cast<std::size_t>(first_at(channel_, time));
-}
-
-std::optional<Divergence> ChannelInWhole::compare_row(std::size_t message, std::size_t other) const {
-  for (std::size_t column = 0; column < channel_.columns.size(); ++column) {
-    const std::string& element = channel_.columns[column].element;
-    if (is_said_by_controllers(channel_, element)) continue;
-    const std::size_t there = column_of(*other_, element);
-    const bool is_there = there < other_->columns.size();
-    if (is_there && channel_.bits(message, column) == other_->bits(other, there)) continue;
-    Divergence found = place(message);
-    found.element = element;
-    found.stage = stage_of(channel_.topic, element);
-    if (!is_there) {
-      found.note = "the recording hasn't it";
-    } else if (element.ends_with("_hash")) {
-      found.note = "is another hash";
-    } else {
-      put_numbers(found, other_->number(other, there), channel_.number(message, column),
-                  unit_of(other_->metadata, element));
-    }
-    return found;
-  }
-  return std::nullopt;
-}
-
-Result<std::optional<Divergence>> ChannelInWhole::compare_payload(std::size_t message, std::size_t other) const {
-  const auto here = part_.payload(channel_, message);
-  if (!here) return here.errors();
-  const auto there = whole_.payload(*other_, other);
-  if (!there) return there.errors();
-  if (*here == *there) return std::optional<Divergence>();
-  Divergence found = place(message);
-  found.note = is_picture(channel_) ? "is another picture" : "is another message";
-  return std::optional(found);
-}
-
-Result<std::optional<Divergence>> ChannelInWhole::first_difference() const {
-  for (std::size_t message = 0; message < channel_.messages(); ++message) {
-    const std::size_t other = other_ ? counterpart(message) : 0;
-    if (!other_ || other >= other_->messages() || other_->times[other] != channel_.times[message]) {
-      Divergence found = place(message);
-      found.note = "the recording says nothing then";
-      return std::optional(found);
-    }
-    if (channel_.columns.empty()) {
-      auto found = compare_payload(message, other);
-      if (!found || *found) return found;
-    } else if (auto found = compare_row(message, other)) {
-      return found;
-    }
-  }
-  return std::optional<Divergence>();
-}
 
 /// Ticks from which and until which the simulation is run again.
 std::vector<std::pair<std::int64_t, std::int64_t>> sample_spans(const Trace& recording, double time_step, int wanted) {
@@ -175,9 +76,9 @@ Result<std::string> Trial::simulate(std::int64_t from, std::optional<std::int64_
   result.failure = run->failure;
   const auto part = Trace::load(scratch);
   if (!part) return part.errors();
-  auto found = first_not_in(recording, *part);
-  if (!found) return found.errors();
-  result.first = *std::move(found);
+  CompareOptions exact;
+  exact.stages = stages_of_plant;
+  result.first = compare(overlap(recording, *part), *part, {}, exact).first_bit;
   return run->from_the_start;
 }
 
@@ -205,31 +106,18 @@ std::string Trial::text() const {
   if (result.first && (result.first->stage == Stage::controller || result.first->stage == Stage::inputs))
     return fmt::format(
         "the recording doesn't repeat itself: fed with its inputs, the controller differs at {}; `rehearse audit` "
-        "tells "
-        "what it depends on",
+        "tells what it depends on",
         to_string(*result.first));
   if (result.first)
     return fmt::format("the recording doesn't repeat itself: under its commands, the world differs at {}",
                        to_string(*result.first));
   return fmt::format(
       "the recording repeats itself, bit for bit: the commands of {} ticks on its inputs, and {} ticks of simulation "
-      "in {} "
-      "{}",
+      "in {} {}",
       result.replayed, result.simulated, result.spans, result.spans == 1 ? "span" : "spans from its checkpoints");
 }
 
 }  // namespace
-
-Result<std::optional<Divergence>> first_not_in(const Trace& whole, const Trace& part) {
-  const TickClock clock(whole);
-  std::optional<Divergence> first;
-  for (const TraceChannel& channel : part.channels()) {
-    auto found = ChannelInWhole(whole, part, channel, clock).first_difference();
-    if (!found) return found;
-    if (*found && (!first || comes_before(**found, *first))) first = *std::move(found);
-  }
-  return first;
-}
 
 Result<Reproduction> reproduce(const Scenario& scenario, const Trace& recording, const fs::path& scratch,
                                const ReproductionOptions& options, const Simulation& simulation) {

@@ -280,7 +280,7 @@ bool NumberJudge::count(const Column& column, std::size_t golden_row, double dif
 void NumberJudge::mark_hash(const Column& column, std::size_t golden_row) {
   if (findings_.result().first_bit) return;
   Divergence divergence = place(column, golden_row);
-  divergence.note = "isn't that of the golden";
+  divergence.note = "is another hash";
   findings_.mark(divergence);
 }
 

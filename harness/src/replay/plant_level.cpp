@@ -23,7 +23,7 @@ Result<PlantLevel> compare_plant(const Simulation& simulation, const Scenario& s
   auto trace = Trace::outline(file);
   if (!trace) return trace.errors();
   CompareOptions what;
-  what.stages = {Stage::physics, Stage::sensors, Stage::renderer};
+  what.stages = stages_of_plant;
   what.noise_floors = noise;
   if (options.until) what.until = time_of(*options.until, scenario.time_step);
   auto comparison = compare(golden.file(), file, scenario.tolerances, what);

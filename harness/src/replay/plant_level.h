@@ -8,14 +8,18 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace rehearse {
 
 struct PlantLevel {
   PlantSummary run;
   Trace trace;            // without messages
-  Comparison comparison;  // of what the plant makes: state, sensors, pictures; up to PlantOptions::until
+  Comparison comparison;  // of stages_of_plant, up to PlantOptions::until
 };
+
+/// The stages of a run that need no controller.
+inline const std::vector<Stage> stages_of_plant{Stage::physics, Stage::sensors, Stage::renderer};
 
 /// Noise by series, as CompareOptions::noise_floors.
 using NoiseOfSeries = std::map<std::string, double, std::less<>>;

@@ -67,6 +67,7 @@ class TraceLoader {
   /// `wanted`: the channels whose messages are read; null: all.
   Result<Trace> load(const std::function<bool(const mcap::Channel&)>& wanted = {});
   Result<Trace> outline();
+  static Trace overlap(const Trace& whole, const Trace& part);
 
  private:
   Result<void> open(const mcap::ReaderOptions& options);
@@ -98,14 +99,35 @@ class TraceLoader {
 
 namespace {
 
+/// The groups of `width` values at some places, in that order; none if there are no values.
 template <class T>
-void permute(std::vector<T>& values, const std::vector<std::size_t>& order, std::size_t width = 1) {
-  if (values.empty()) return;
-  std::vector<T> permuted;
-  permuted.reserve(values.size());
+std::vector<T> values_at(const std::vector<T>& values, const std::vector<std::size_t>& order, std::size_t width = 1) {
+  std::vector<T> taken;
+  if (values.empty()) return taken;
+  taken.reserve(order.size() * width);
   for (const std::size_t from : order)
-    for (std::size_t i = 0; i < width; ++i) permuted.push_back(values[from * width + i]);
-  values = std::move(permuted);
+    for (std::size_t i = 0; i < width; ++i) taken.push_back(values[from * width + i]);
+  return taken;
+}
+
+/// Some messages of a channel, in that order.
+TraceChannel messages_at(const TraceChannel& channel, const std::vector<std::size_t>& order) {
+  TraceChannel taken;
+  taken.topic = channel.topic;
+  taken.type = channel.type;
+  taken.encoding = channel.encoding;
+  taken.metadata = channel.metadata;
+  taken.times = values_at(channel.times, order);
+  taken.columns = channel.columns;
+  taken.cells = values_at(channel.cells, order, channel.columns.size());
+  taken.locations = values_at(channel.locations, order);
+  taken.hashes = values_at(channel.hashes, order);
+  for (std::size_t message = 0; message < order.size() && !channel.rests.empty(); ++message) {
+    const TraceRest& rest = *channel.rest_of(order[message]);
+    if (taken.rests.empty() || taken.rests.back().hash != rest.hash)
+      taken.rests.push_back({message, rest.hash, rest.location});
+  }
+  return taken;
 }
 
 /// Sorts the messages of a channel by their times; those of one time keep their order.
@@ -115,16 +137,7 @@ void put_in_order(TraceChannel& channel) {
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return channel.times[a] < channel.times[b]; });
-  std::vector<TraceRest> rests;
-  for (std::size_t message = 0; message < order.size() && !channel.rests.empty(); ++message) {
-    const TraceRest& rest = *channel.rest_of(order[message]);
-    if (rests.empty() || rests.back().hash != rest.hash) rests.push_back({message, rest.hash, rest.location});
-  }
-  channel.rests = std::move(rests);
-  permute(channel.times, order);
-  permute(channel.cells, order, channel.columns.size());
-  permute(channel.locations, order);
-  permute(channel.hashes, order);
+  channel = messages_at(channel, order);
 }
 
 }  // namespace
@@ -170,6 +183,30 @@ Result<Trace> TraceLoader::load(const std::function<bool(const mcap::Channel&)>&
   std::stable_sort(trace_.events_->begin(), trace_.events_->end(), earlier);
   std::stable_sort(trace_.contact_changes_->begin(), trace_.contact_changes_->end(), earlier);
   return std::move(trace_);
+}
+
+Trace TraceLoader::overlap(const Trace& whole, const Trace& part) {
+  Trace found;
+  found.file_ = whole.file_;
+  found.reader_ = whole.reader_;
+  found.state_samples_ = whole.state_samples_;
+  found.series_ = whole.series_;
+  found.events_ = std::make_shared<std::vector<msg::Event>>();
+  found.contact_changes_ = std::make_shared<std::vector<msg::ContactChange>>();
+  for (const TraceChannel& channel : whole.channels_) {
+    const TraceChannel* other = part.find_channel(channel.topic);
+    const auto has = [&](std::uint64_t time) { return other && std::ranges::binary_search(other->times, time); };
+    std::vector<std::size_t> common;
+    for (std::size_t message = 0; message < channel.messages(); ++message)
+      if (has(channel.times[message])) common.push_back(message);
+    found.channels_.push_back(messages_at(channel, common));
+    const auto copy = [&](const auto& all, auto& to) {
+      std::ranges::copy_if(all, std::back_inserter(to), [&](const auto& one) { return has(one.stamp.to_ns()); });
+    };
+    if (channel.type == msg::Event::type_name) copy(*whole.events_, *found.events_);
+    if (channel.type == msg::ContactChange::type_name) copy(*whole.contact_changes_, *found.contact_changes_);
+  }
+  return found;
 }
 
 /// True at the end of a tick, when its numbers are complete.
@@ -357,6 +394,8 @@ Result<Trace> load_wanted_in_pieces(const std::filesystem::path& file,
                                     const Trace::OnPiece& on_piece, std::size_t piece_size) {
   return TraceLoader(file, Trace::Damage::refuse, on_piece, piece_size).load(wanted);
 }
+
+Trace overlap(const Trace& whole, const Trace& part) { return TraceLoader::overlap(whole, part); }
 
 Result<Trace> load_samples(const std::filesystem::path& file, const StateRate& rate) {
   return TraceLoader(file, Trace::Damage::refuse, {}, 0, &rate).load();

@@ -76,6 +76,9 @@ Result<Trace> load_wanted_in_pieces(const std::filesystem::path& file,
                                     const std::function<bool(const mcap::Channel&)>& wanted,
                                     const Trace::OnPiece& on_piece, std::size_t piece_size);
 
+/// The messages of `whole` at whose time `part` has messages of the same topic. Both contain their messages.
+Trace overlap(const Trace& whole, const Trace& part);
+
 /// True if a trace is a result of Trace::load_in_pieces(), without messages.
 bool is_without_messages(const Trace& trace);
 
