@@ -17,9 +17,9 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
 const std::vector<OutputField> fields{
-    {"Arm/Reach", "/Arm/Reach/output/joints", "J1/u", "N·m", OutputField::Kind::number},
-    {"Arm/Reach", "/Arm/Reach/output/Lamp/state", "told", "", OutputField::Kind::flag},
-    {"Box/Push", "/Box/Push/output/BASE/wrench", "force/x", "N", OutputField::Kind::number}};
+    {"Arm/Reach", "/Arm/Reach/output/joints", "J1/u", "N·m", CellKind::floating},
+    {"Arm/Reach", "/Arm/Reach/output/Lamp/state", "told", "", CellKind::boolean},
+    {"Box/Push", "/Box/Push/output/BASE/wrench", "force/x", "N", CellKind::floating}};
 
 std::uint64_t word(double number) { return std::bit_cast<std::uint64_t>(number); }
 
@@ -109,7 +109,7 @@ TEST_F(OutputsFile, DifferenceMayBeThatOneEndedOrToldADevice) {
   EXPECT_THAT(shorter->note, HasSubstr("only one of two runs came to this tick"));
   const auto lamp = first_difference(half, told, 0.001, "Arm/Reach");
   ASSERT_TRUE(lamp);
-  EXPECT_THAT(lamp->note, HasSubstr("a device is told something in one run"));
+  EXPECT_THAT(lamp->note, HasSubstr("the device is commanded, expected no command"));
 }
 
 TEST_F(OutputsFile, RefusesWhatItDidNotWrite) {

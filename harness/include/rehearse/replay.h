@@ -10,6 +10,7 @@
 #include <rehearse/diagnostic.h>
 #include <rehearse/host_options.h>
 #include <rehearse/scenario.h>
+#include <rehearse/trace.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -26,16 +27,13 @@ struct Event;
 
 /// One word (64 bits) of the outputs of the controllers in a tick.
 struct OutputField {
-  /// What the 64 bits are.
-  enum class Kind {
-    number,  // the bits of a double
-    flag,    // 0 or 1: whether the controller takes part, the result of control(), whether a device was commanded
-  };
-  std::string controller;    // "SR1/SR1Minimum"
-  std::string channel;       // topic, as in a recording
-  std::string element;       // within the channel: RLEG_KNEE/u
-  std::string unit;          // may be empty
-  Kind kind = Kind::number;  // of the word
+  std::string controller;  // "SR1/SR1Minimum"
+  std::string channel;     // topic, as in a recording
+  std::string element;     // within the channel: RLEG_KNEE/u
+  std::string unit = {};   // may be empty
+  /// A double, or a boolean: whether the controller takes part, the result of control(), whether a device was
+  /// commanded.
+  CellKind kind = CellKind::floating;
 };
 
 /// What is replayed of a recording, and who is notified of the outputs.
@@ -93,7 +91,7 @@ struct ReplayReport : Differences {
   /// Nothing that the controllers read, did or wrote distinguishes this replay from the whole recording: the hashes of
   /// inputs and outputs in all ticks, the channels that a recording would have, commands, lines, variables and events.
   bool repeats_the_run = false;
-  Diagnostics remarks;            // about libraries, warnings of controllers
+  Diagnostics remarks;  // about libraries, warnings of controllers
 
   /// All commands have the recorded bits.
   bool equal() const { return !first && !failure; }

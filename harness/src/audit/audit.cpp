@@ -214,7 +214,7 @@ Result<void> Audit::run_first() {
   report_.time = time_of(report_.ticks, evidence_.time_step);
   std::int64_t numbers = 0;
   for (const OutputField& field : pass.outputs.fields())
-    numbers += field.kind == OutputField::Kind::number && !field.channel.ends_with("/state") ? 1 : 0;
+    numbers += field.kind == CellKind::floating && !field.channel.ends_with("/state") ? 1 : 0;
   report_.commands = report_.ticks * numbers;
   report_.controller_refused = pass.refused;
   if (pass.failure) report_.failure = error(*pass.failure);

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <bit>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -14,6 +13,7 @@
 #include <utility>
 
 #include "model/clock.h"
+#include "replay/output_record.h"
 #include "trace/channel_name.h"
 
 namespace rehearse {
@@ -75,7 +75,7 @@ std::vector<OutputField> fields_of(const std::string& text) {
     std::getline(words, field.element, '\t');
     std::getline(words, field.unit, '\t');
     std::getline(words, kind);
-    field.kind = kind == "0" ? OutputField::Kind::number : OutputField::Kind::flag;
+    field.kind = kind == "0" ? CellKind::floating : CellKind::boolean;
     fields.push_back(std::move(field));
   }
   return fields;
@@ -200,22 +200,6 @@ bool same_layout(const Outputs& a, const Outputs& b) {
   return std::equal(a.fields().begin(), a.fields().end(), b.fields().begin(), b.fields().end(), same);
 }
 
-Divergence divergence_at(const OutputField& field, std::uint64_t expected, std::uint64_t actual) {
-  Divergence found;
-  found.channel = field.channel;
-  found.element = field.element;
-  if (field.kind == OutputField::Kind::flag) {
-    put_numbers(found, static_cast<double>(expected), static_cast<double>(actual), field.unit);
-    const bool running = field.element.starts_with("running");
-    found.note = field.element == "told" ? "a device is told something in one run, and nothing in the other"
-                 : running               ? "the controller takes part in one run, and not in the other"
-                                         : fmt::format("control() returned {}, then {}", expected != 0, actual != 0);
-    return found;
-  }
-  put_numbers(found, std::bit_cast<double>(expected), std::bit_cast<double>(actual), field.unit);
-  return found;
-}
-
 }  // namespace
 
 std::optional<Divergence> first_difference(const Outputs& expected, const Outputs& actual, double time_step,
@@ -233,11 +217,12 @@ std::optional<Divergence> first_difference(const Outputs& expected, const Output
     if (std::memcmp(a.data(), b.data(), a.size_bytes()) == 0) continue;
     for (std::size_t i = 0; i < a.size(); ++i) {
       const OutputField& field = expected.fields()[i];
-      if (a[i] == b[i] || (!controller.empty() && field.controller != controller)) continue;
-      found = divergence_at(field, a[i], b[i]);
-      found.tick = expected.tick(row);
-      found.time = time_of(found.tick, time_step);
-      return found;
+      if (!controller.empty() && field.controller != controller) continue;
+      auto differs = difference(field, a[i], b[i]);
+      if (!differs) continue;
+      differs->tick = expected.tick(row);
+      differs->time = time_of(differs->tick, time_step);
+      return differs;
     }
   }
   if (expected.rows() == actual.rows()) return std::nullopt;

@@ -144,7 +144,7 @@ void FieldJudge::compare_field(const Fields& all, const MessageField& golden, co
   }
   if (bits_of(expected) == bits_of(other)) return;
   Divergence divergence = place(golden.path);
-  put_integers(divergence, kind_of(expected), bits_of(expected), bits_of(other));
+  put_cells(divergence, kind_of(expected), bits_of(expected), bits_of(other));
   report(std::move(divergence), true);
 }
 
@@ -236,7 +236,9 @@ std::uint64_t distance_of_integers(CellKind kind, std::uint64_t a, std::uint64_t
   return grows ? b - a : a - b;
 }
 
-void put_integers(Divergence& divergence, CellKind kind, std::uint64_t expected, std::uint64_t actual) {
+void put_cells(Divergence& divergence, CellKind kind, std::uint64_t expected, std::uint64_t actual) {
+  if (kind == CellKind::floating)
+    return put_numbers(divergence, std::bit_cast<double>(expected), std::bit_cast<double>(actual));
   constexpr double exact = 0x1p53;
   const bool is_signed = kind == CellKind::signed_integer;
   const auto number = [&](std::uint64_t bits) {

@@ -328,13 +328,9 @@ void NumberJudge::compare_cell(Column& column, std::size_t golden_row, std::size
 /// Few of the cells that differ are described: a description takes longer than a comparison.
 Divergence NumberJudge::describe(const Column& column, std::size_t golden_row, std::size_t actual_row,
                                  double difference) const {
-  const std::uint64_t expected = window_->golden.bits(golden_row, column.golden);
-  const std::uint64_t actual = window_->actual.bits(actual_row, column.actual);
   Divergence numbers;
-  if (column.kind == CellKind::floating)
-    put_numbers(numbers, std::bit_cast<double>(expected), std::bit_cast<double>(actual));
-  else
-    put_integers(numbers, column.kind, expected, actual);
+  put_cells(numbers, column.kind, window_->golden.bits(golden_row, column.golden),
+            window_->actual.bits(actual_row, column.actual));
   numbers.tolerance = column.tolerance;
   numbers.difference = difference;
   return place(column, golden_row, std::move(numbers));

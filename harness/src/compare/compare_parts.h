@@ -134,8 +134,9 @@ Divergence place_of(const ComparedTraces& traces, const TraceChannel& channel, s
 /// What control() returned is compared as events.
 bool is_result_of_control(const TraceChannel& channel, std::string_view element);
 
-/// Two integers that aren't the same: what they are and how far apart. Beyond 2^53, where doubles have gaps, in words.
-void put_integers(Divergence& divergence, CellKind kind, std::uint64_t expected, std::uint64_t actual);
+/// Two cells that aren't the same: what they are and how far apart. Integers beyond 2^53, where doubles have gaps, in
+/// words.
+void put_cells(Divergence& divergence, CellKind kind, std::uint64_t expected, std::uint64_t actual);
 std::uint64_t distance_of_integers(CellKind kind, std::uint64_t a, std::uint64_t b);
 /// The difference that put_numbers() writes: 0 for two NaN.
 double difference_between(double expected, double actual);

@@ -6,14 +6,45 @@
 #include <bit>
 #include <cnoid/Device>
 
+#include "compare/compare_parts.h"
+
 namespace rehearse {
+namespace {
+
+std::string text_of_flag(const OutputField& field, bool actual) {
+  if (field.element == "told")
+    return actual ? "the device is commanded, expected no command" : "the device isn't commanded, expected a command";
+  if (field.element.starts_with("running"))
+    return actual ? "the controller takes part, and isn't expected to" : "the controller doesn't take part as expected";
+  return fmt::format("control() of '{}' returned {}, expected {}", field.controller, actual, !actual);
+}
+
+}  // namespace
+
+Divergence place_of(const OutputField& field) {
+  Divergence place;
+  place.channel = field.channel;
+  place.element = field.element;
+  place.stage = Stage::controller;
+  return place;
+}
+
+std::optional<Divergence> difference(const OutputField& field, std::uint64_t expected, std::uint64_t actual) {
+  if (expected == actual) return std::nullopt;
+  Divergence found = place_of(field);
+  put_cells(found, field.kind, expected, actual);
+  found.unit = field.unit;
+  if (field.kind == CellKind::boolean) found.note = text_of_flag(field, actual != 0);
+  return found;
+}
+
 OutputRecord::OutputRecord(const ControllerHost& host, const Scenario& scenario) : host_(host) {
   for (std::size_t i = 0; i < host.controllers().size(); ++i) {
     const HostedController& hosted = host.controllers()[i];
     const Model& model = *scenario.bodies[hosted.body].model;
     devices_.emplace_back();
-    add(hosted, run_topics::tick, fmt::format("running/{}", i), "", OutputField::Kind::flag);
-    add(hosted, run_topics::tick, fmt::format("controller_results/{}", i), "", OutputField::Kind::flag);
+    add(hosted, run_topics::tick, fmt::format("running/{}", i), "", CellKind::boolean);
+    add(hosted, run_topics::tick, fmt::format("controller_results/{}", i), "", CellKind::boolean);
     has_outputs_.push_back(hosted.running);
     if (hosted.running) add_outputs(hosted, model);
     if (hosted.parent < 0 && hosted.io_body) add_devices(hosted, model);
@@ -22,7 +53,7 @@ OutputRecord::OutputRecord(const ControllerHost& host, const Scenario& scenario)
 }
 
 void OutputRecord::add(const HostedController& hosted, std::string channel, std::string element, std::string unit,
-                       OutputField::Kind kind) {
+                       CellKind kind) {
   fields_.push_back({hosted.label, std::move(channel), std::move(element), std::move(unit), kind});
 }
 
@@ -36,11 +67,11 @@ void OutputRecord::add_outputs(const HostedController& hosted, const Model& mode
     if (of_joint) {
       const std::string quantity = name_of(field.quantity);
       const std::string unit(unit_of_joint(quantity, is_linear(link.joint.type)));
-      add(hosted, channel, link.joint.name + "/" + quantity, unit, OutputField::Kind::number);
+      add(hosted, channel, link.joint.name + "/" + quantity, unit, CellKind::floating);
       continue;
     }
     for (const ChannelElement& element : elements_of(kind))
-      add(hosted, channel, element.name, std::string(element.unit), OutputField::Kind::number);
+      add(hosted, channel, element.name, std::string(element.unit), CellKind::floating);
   }
 }
 
@@ -53,9 +84,9 @@ void OutputRecord::add_devices(const HostedController& hosted, const Model& mode
     const std::string channel =
         ChannelName::of_controller(hosted.label, ChannelSide::output, ChannelKind::device_state, model.devices[d].name)
             .topic();
-    add(hosted, channel, "told", "", OutputField::Kind::flag);
+    add(hosted, channel, "told", "", CellKind::boolean);
     for (std::size_t i = 0; i < place.values; ++i)
-      add(hosted, channel, fmt::format("values/{}", i), "", OutputField::Kind::number);
+      add(hosted, channel, fmt::format("values/{}", i), "", CellKind::floating);
   }
 }
 

@@ -6,11 +6,18 @@
 #include <rehearse/scenario.h>
 
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "host/controller_host.h"
 
 namespace rehearse {
+
+/// The place of a field in a recording, without tick and time.
+Divergence place_of(const OutputField& field);
+/// The difference of two words of a field; none if their bits are equal. Tick and time are the caller's to fill in.
+std::optional<Divergence> difference(const OutputField& field, std::uint64_t expected, std::uint64_t actual);
 
 class OutputRecord {
  public:
@@ -22,8 +29,7 @@ class OutputRecord {
   const std::vector<std::uint64_t>& row();
 
  private:
-  void add(const HostedController& hosted, std::string channel, std::string element, std::string unit,
-           OutputField::Kind kind);
+  void add(const HostedController& hosted, std::string channel, std::string element, std::string unit, CellKind kind);
   void add_outputs(const HostedController& hosted, const Model& model);
   void add_devices(const HostedController& hosted, const Model& model);
 

@@ -5,12 +5,18 @@
 #include <rehearse/messages.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <limits>
+#include <tuple>
 
+#include "output_record.h"
 #include "trace/message_numbers.h"
 
 namespace rehearse {
 namespace {
+
+constexpr double not_recorded = std::numeric_limits<double>::quiet_NaN();
 
 template <class Message>
 bool read_numbers(CdrReader& reader, std::vector<double>& values) {
@@ -21,189 +27,214 @@ bool read_numbers(CdrReader& reader, std::vector<double>& values) {
   return true;
 }
 
-/// The numbers of a link's or device's message, in the order of its elements.
-bool read_values(ChannelKind kind, mcap::Bytes payload, std::vector<double>& values) {
+/// The numbers of a message; `names`: of joints, if it is one of accelerations.
+bool read_values(ChannelKind kind, mcap::Bytes payload, std::vector<double>& values, std::vector<std::string>& names) {
   CdrReader reader(payload);
   switch (kind) {
     case ChannelKind::pose: return read_numbers<msg::PoseStamped>(reader, values);
     case ChannelKind::twist: return read_numbers<msg::TwistStamped>(reader, values);
     case ChannelKind::acceleration: return read_numbers<msg::AccelStamped>(reader, values);
     case ChannelKind::wrench: return read_numbers<msg::WrenchStamped>(reader, values);
+    case ChannelKind::joint_accelerations: {
+      msg::JointAccelerations message;
+      if (!msg::decode(reader, message) || message.name.size() != message.acceleration.size()) return false;
+      names = std::move(message.name);
+      values.assign(message.acceleration.begin(), message.acceleration.end());
+      return true;
+    }
     default: break;
   }
   msg::DeviceState state;
   if (!msg::decode(reader, state)) return false;
-  values = std::move(state.values);
+  values.assign(state.values.begin(), state.values.end());
   return true;
 }
 
 }  // namespace
 
-RecordedOutputs::RecordedOutputs(const HostedController& hosted, const Scenario& scenario, const mcap::Reader& trace)
-    : hosted_(hosted), model_(*scenario.bodies[hosted.body].model) {
+RecordedOutputs::RecordedOutputs(const ControllerHost& host, const std::vector<OutputField>& fields,
+                                 const mcap::Reader& trace)
+    : host_(host), fields_(fields) {
+  for (std::size_t word = 0; word < fields.size(); ++word)
+    words_.emplace(std::pair(fields[word].channel, fields[word].element), word);
   for (const auto& [id, channel] : trace.channels()) {
     const ChannelName name = ChannelName::parse(channel.topic);
-    if (!name.is_of(hosted.label, ChannelSide::output)) continue;
-    Channel& added = by_id_[id];
-    added.topic = channel.topic;
-    added.metadata = channel.metadata;
-    added.kind = name.kind;
-    if (name.kind == ChannelKind::device_state) added.device = model_.find_device(name.owner);
-    if (name.is_of_link()) pair_link(added, model_.find_link(name.owner));
-    channels_.push_back(id);
+    for (const HostedController& hosted : host.controllers())
+      if (name.is_of(hosted.label, ChannelSide::output)) add_channel(channel, name, hosted);
+  }
+  sort_words();
+}
+
+void RecordedOutputs::add_channel(const mcap::Channel& channel, const ChannelName& name,
+                                  const HostedController& hosted) {
+  Channel& added = by_id_[channel.id];
+  added.topic = channel.topic;
+  added.metadata = channel.metadata;
+  added.kind = name.kind;
+  added.hosted = &hosted;
+  added.told = word_of(channel.topic, "told");
+  channels_.push_back(channel.id);
+}
+
+/// Which words are compared if the recording lacks them.
+void RecordedOutputs::sort_words() {
+  for (const HostedController& hosted : host_.controllers()) {
+    for (std::size_t word = 0; word < fields_.size(); ++word) {
+      const OutputField& field = fields_[word];
+      if (field.controller != hosted.label) continue;
+      if (field.channel == run_topics::tick) {
+        if (field.element.starts_with("controller_results/")) result_words_.push_back(word);
+        continue;
+      }
+      const bool of_device = word_of(field.channel, "told") != none;
+      const auto is_recorded = [&](const auto& entry) { return entry.second.topic == field.channel; };
+      if (!of_device)
+        commands_.push_back({word, &hosted});
+      else if (field.kind == CellKind::boolean && std::ranges::none_of(by_id_, is_recorded))
+        untold_.push_back({word, &hosted});
+    }
   }
 }
 
-int RecordedOutputs::place_of(int link, Quantity quantity) const {
-  for (const IoField& field : hosted_.io->outputs().fields)
-    if (field.link == link && field.quantity == quantity) return field.offset;
-  return -1;
+std::size_t RecordedOutputs::word_of(const std::string& channel, const std::string& element) const {
+  const auto found = words_.find(std::pair(channel, element));
+  return found == words_.end() ? none : found->second;
 }
 
-void RecordedOutputs::pair_link(Channel& channel, int link) {
-  const std::vector<ChannelElement>& elements = elements_of(channel.kind);
-  channel.values.assign(elements.size(), 0.0);
-  int place = -1;
-  for (const IoField& field : hosted_.io->outputs().fields)
-    if (field.link == link && field.quantity > Quantity::u && channel_kind_of(field.quantity) == channel.kind)
-      place = field.offset;
-  for (std::size_t i = 0; i < elements.size(); ++i)
-    channel.pairs.push_back({&channel.values[i], place < 0 ? -1 : place + static_cast<int>(i), elements[i].name});
+/// A number may lack a field if it is NaN: then it isn't commanded in the recording either.
+void RecordedOutputs::add_pair(Channel& channel, const double& expected, std::string element, bool may_lack_field) {
+  const std::size_t word = word_of(channel.topic, element);
+  if (word == none && may_lack_field && std::isnan(expected)) return;
+  channel.pairs.push_back({&expected, word, std::move(element)});
 }
 
 void RecordedOutputs::pair_joints(Channel& channel) {
   new_pairs_ = true;
   channel.pairs.clear();
-  const std::tuple<const std::vector<double>*, Quantity, const char*> arrays[] = {
-      {&channel.joints.position(), Quantity::q, "/q"},
-      {&channel.joints.velocity(), Quantity::dq, "/dq"},
-      {&channel.joints.effort(), Quantity::u, "/u"}};
-  for (std::size_t i = 0; i < channel.joints.names().size(); ++i) {
-    const std::string& name = channel.joints.names()[i];
-    for (const auto& [array, quantity, suffix] : arrays) {
-      if (array->empty()) continue;
-      const int place = place_of(model_.find_joint(name), quantity);
-      // NaN for what isn't commanded now either: it was not enabled for this joint
-      if (place < 0 && std::isnan((*array)[i])) continue;
-      channel.pairs.push_back({&(*array)[i], place, name + suffix});
-    }
-  }
+  const std::pair<const std::vector<double>&, const char*> arrays[] = {
+      {channel.joints.position(), "/q"}, {channel.joints.velocity(), "/dq"}, {channel.joints.effort(), "/u"}};
+  for (std::size_t i = 0; i < channel.joints.names().size(); ++i)
+    for (const auto& [array, suffix] : arrays)
+      if (!array.empty()) add_pair(channel, array[i], channel.joints.names()[i] + suffix, true);
+}
+
+void RecordedOutputs::pair_values(Channel& channel) {
+  new_pairs_ = true;
+  channel.pairs.clear();
+  const bool of_joints = channel.kind == ChannelKind::joint_accelerations;
+  const std::vector<ChannelElement>& elements = elements_of(channel.kind);
+  const auto element = [&](std::size_t i) {
+    if (of_joints) return channel.names[i] + "/ddq";
+    return channel.kind == ChannelKind::device_state ? fmt::format("values/{}", i) : elements[i].name;
+  };
+  for (std::size_t i = 0; i < channel.values.size(); ++i) add_pair(channel, channel.values[i], element(i), of_joints);
+  if (channel.kind != ChannelKind::device_state) return;
+  for (std::size_t i = channel.values.size(); word_of(channel.topic, element(i)) != none; ++i)
+    add_pair(channel, not_recorded, element(i), false);
 }
 
 /// Finds the fields that no message of this tick contains, if other channels have messages than in the last tick.
 void RecordedOutputs::find_unpaired() {
   const auto is_known = [](const auto& entry) { return entry.second.here == entry.second.was_here; };
-  if (!new_pairs_ && std::all_of(by_id_.begin(), by_id_.end(), is_known)) return;
+  if (!new_pairs_ && std::ranges::all_of(by_id_, is_known)) return;
   new_pairs_ = false;
-  std::vector<bool> recorded(hosted_.io->output_values().size(), false);
+  std::vector<bool> recorded(fields_.size(), false);
   for (auto& [id, channel] : by_id_) {
     channel.was_here = channel.here;
     for (const Pair& pair : channel.pairs)
-      if (channel.here && pair.place >= 0) recorded[pair.place] = true;
+      if (channel.here && pair.word != none) recorded[pair.word] = true;
   }
   unpaired_.clear();
-  for (const IoField& field : hosted_.io->outputs().fields)
-    if (field.quantity != Quantity::ddq && !recorded[field.offset]) unpaired_.push_back(field.link);
+  std::ranges::copy_if(commands_, std::back_inserter(unpaired_), [&](const Word& at) { return !recorded[at.word]; });
 }
 
 void RecordedOutputs::begin_tick() {
   for (auto& [id, channel] : by_id_) channel.here = false;
 }
 
+bool RecordedOutputs::read(Channel& channel, mcap::Bytes payload) {
+  if (channel.kind == ChannelKind::joints) {
+    if (!channel.joints.read(payload)) return false;
+    if (channel.joints.layout_changed()) pair_joints(channel);
+    return true;
+  }
+  const std::size_t count = channel.values.size();
+  const std::vector<std::string> names = channel.names;
+  if (!read_values(channel.kind, payload, channel.values, channel.names)) return false;
+  if (channel.values.size() != count || channel.names != names || channel.pairs.empty()) pair_values(channel);
+  return true;
+}
+
 Result<void> RecordedOutputs::accept(const mcap::Message& message) {
   Channel& channel = by_id_.at(message.channel->id);
   channel.here = true;
-  bool fits = true;
-  if (channel.kind == ChannelKind::joints) {
-    fits = channel.joints.read(message.data);
-    if (fits && channel.joints.layout_changed()) pair_joints(channel);
-  } else if (channel.kind != ChannelKind::joint_accelerations) {
-    const std::size_t count = channel.values.size();
-    fits = read_values(channel.kind, message.data, channel.values);
-    if (channel.device < 0) fits = fits && channel.values.size() == count;  // pairs point into it
-  }
-  if (fits) return {};
+  if (read(channel, message.data)) return {};
   return error(fmt::format("a message on {} at {} ns is not of its type", channel.topic, message.log_time));
 }
 
-Divergence RecordedOutputs::divergence(const std::string& topic, const std::string& element) const {
-  Divergence divergence;
-  divergence.channel = topic;
-  divergence.element = element;
-  divergence.stage = Stage::controller;
-  return divergence;
-}
-
-std::int64_t RecordedOutputs::compare(const OnDifference& differs) {
+std::int64_t RecordedOutputs::compare(const std::vector<std::uint64_t>& row, const std::vector<bool>& results,
+                                      const OnDifference& differs) {
   std::int64_t compared = 0;
-  const std::vector<double>& now = hosted_.io->output_values();
   find_unpaired();
-  for (const auto& [id, channel] : by_id_) {
-    if (channel.device >= 0) {
-      compared += compare_device(channel, differs);
-      continue;
-    }
-    if (!channel.here) continue;
-    for (const Pair& pair : channel.pairs) {
-      ++compared;
-      if (pair.place >= 0 && hosted_.running && identical(*pair.expected, now[pair.place])) continue;
-      Divergence found = divergence(channel.topic, pair.element);
-      const bool is_commanded = pair.place >= 0 && hosted_.running;
-      put_numbers(found, *pair.expected, is_commanded ? now[pair.place] : std::nan(""),
-                  unit_of(channel.metadata, pair.element));
-      if (!is_commanded) found.note = "the controller no longer commands it";
-      differs(std::move(found));
-    }
-  }
-  if (!hosted_.running) return compared;
-  for (const DeviceOutput& output : hosted_.tick.device_outputs) {
-    const auto of_device = [&output](const auto& entry) { return entry.second.device == output.device; };
-    if (std::any_of(by_id_.begin(), by_id_.end(), of_device)) continue;
-    Divergence found = divergence("/" + hosted_.label + "/output", model_.devices[output.device].name);
-    found.note = "the device is commanded now, and never was in the recording";
-    differs(std::move(found));
-  }
-  for (const int link : unpaired_) {
-    Divergence found = divergence("/" + hosted_.label + "/output", model_.links[link].name);
+  for (const auto& [id, channel] : by_id_) compared += compare_channel(channel, row, differs);
+  for (const Word& at : untold_)
+    if (auto found = difference(fields_[at.word], 0, row[at.word]); found && at.hosted->running)
+      differs(*std::move(found));
+  for (const Word& at : unpaired_) {
+    if (!at.hosted->running) continue;
+    Divergence found = place_of(fields_[at.word]);
     found.note = "the controller commands it now, and did not in the recording";
     differs(std::move(found));
   }
-  return compared;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const std::size_t word = result_words_[i];
+    if (auto found = difference(fields_[word], results[i] ? 1 : 0, row[word])) differs(*std::move(found));
+  }
+  return compared + std::ssize(results);
 }
 
-void RecordedOutputs::compare_delay(bool delayed, const OnDifference& differs) const {
-  for (const auto& [id, channel] : by_id_) {
-    const auto stated = channel.metadata.find("delay");
-    if (stated == channel.metadata.end() || (stated->second == "true") == delayed) continue;
-    Divergence found = divergence(channel.topic, "");
+/// A number that no controller commands now.
+Divergence RecordedOutputs::lone(const Channel& channel, const Pair& pair) const {
+  Divergence found = place_of({channel.hosted->label, channel.topic, pair.element});
+  put_numbers(found, *pair.expected, not_recorded, unit_of(channel.metadata, pair.element));
+  found.note = "the controller no longer commands it";
+  return found;
+}
+
+std::int64_t RecordedOutputs::compare_channel(const Channel& channel, const std::vector<std::uint64_t>& row,
+                                              const OnDifference& differs) const {
+  if (channel.told != none) {
+    auto found = difference(fields_[channel.told], channel.here ? 1 : 0, row[channel.told]);
+    if (found) differs(*std::move(found));
+    if (found) return 1;
+  }
+  if (!channel.here) return 0;
+  for (const Pair& pair : channel.pairs) {
+    const bool is_commanded = pair.word != none && channel.hosted->running;
+    if (!is_commanded)
+      differs(lone(channel, pair));
+    else if (auto found = difference(fields_[pair.word], std::bit_cast<std::uint64_t>(*pair.expected), row[pair.word]))
+      differs(*std::move(found));
+  }
+  return std::ssize(channel.pairs);
+}
+
+void RecordedOutputs::compare_delays(const OnDifference& differs) const {
+  for (const HostedController& hosted : host_.controllers()) {
+    if (!hosted.running) continue;
+    const bool delayed = host_.is_delayed(hosted);
+    const auto acts_at_another_tick = [&](const auto& entry) {
+      const auto stated = entry.second.metadata.find("delay");
+      return entry.second.hosted == &hosted && stated != entry.second.metadata.end() &&
+             (stated->second == "true") != delayed;
+    };
+    const auto channel = std::ranges::find_if(by_id_, acts_at_another_tick);
+    if (channel == by_id_.end()) continue;
+    Divergence found = place_of({hosted.label, channel->second.topic, ""});
     found.note = delayed ? "its commands act one tick later than the recorded ones: it has left the no-delay mode"
                          : "its commands act one tick earlier than the recorded ones: it has entered the no-delay mode";
-    return differs(std::move(found));
-  }
-}
-
-std::int64_t RecordedOutputs::compare_device(const Channel& channel, const OnDifference& differs) const {
-  const DeviceOutput* now = nullptr;
-  for (const DeviceOutput& output : hosted_.tick.device_outputs)
-    if (output.device == channel.device) now = &output;
-  if (!channel.here && !now) return 0;
-  if (channel.here != (now != nullptr)) {
-    Divergence found = divergence(channel.topic, "");
-    found.note =
-        now ? "the device is commanded now, and was not in the recording" : "the device is no longer commanded";
-    differs(std::move(found));
-    return 1;
-  }
-  const std::size_t count = std::max(channel.values.size(), now->values.size());
-  for (std::size_t i = 0; i < count; ++i) {
-    const double expected = i < channel.values.size() ? channel.values[i] : std::nan("");
-    const double actual = i < now->values.size() ? now->values[i] : std::nan("");
-    if (identical(expected, actual)) continue;
-    Divergence found = divergence(channel.topic, "values/" + std::to_string(i));
-    put_numbers(found, expected, actual);
     differs(std::move(found));
   }
-  return static_cast<std::int64_t>(count);
 }
 
 }  // namespace rehearse

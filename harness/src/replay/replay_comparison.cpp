@@ -24,28 +24,21 @@ ReplayComparison::ReplayComparison(const ReplayOptions& options, const Scenario&
       scales_(std::move(scales)),
       report_(report),
       words_(host, recording),
+      record_(host, scenario),
+      outputs_(host, record_.fields(), recording),
       channels_(words_.channels()),
       from_(static_cast<std::uint64_t>(std::llround(std::max(0.0, options.from) * 1e9))) {
-  const std::size_t ids = std::size_t{recording.channels().rbegin()->first} + 1;
-  is_word_.assign(ids, false);
-  output_of_.assign(ids, nullptr);
-  for (const std::uint16_t id : words_.channels()) is_word_[id] = true;
-  outputs_.reserve(host.controllers().size());
-  for (const HostedController& hosted : host.controllers()) {
-    RecordedOutputs& outputs = outputs_.emplace_back(hosted, scenario, recording);
-    for (const std::uint16_t id : outputs.channels()) {
-      output_of_[id] = &outputs;
-      channels_.push_back(id);
-    }
-  }
-  if (options.on_outputs) output_record_.emplace(host, scenario);
-  if (options.on_started && output_record_) options.on_started(output_record_->fields());
+  reader_of_.assign(std::size_t{recording.channels().rbegin()->first} + 1, Reader::none);
+  for (const std::uint16_t id : words_.channels()) reader_of_[id] = Reader::words;
+  for (const std::uint16_t id : outputs_.channels()) reader_of_[id] = Reader::outputs;
+  channels_.insert(channels_.end(), outputs_.channels().begin(), outputs_.channels().end());
+  if (options.on_started) options.on_started(record_.fields());
 }
 
 Result<void> ReplayComparison::take(const mcap::Message& message) {
-  const std::uint16_t id = message.channel->id;
-  if (!is_word_[id] && !output_of_[id]) return {};
-  auto accepted = is_word_[id] ? words_.accept(message) : output_of_[id]->accept(message);
+  const Reader reader = reader_of_[message.channel->id];
+  if (reader == Reader::none) return {};
+  auto accepted = reader == Reader::words ? words_.accept(message) : outputs_.accept(message);
   return accepted ? accepted : in_recording(recording_, accepted.errors()[0]);
 }
 
@@ -53,17 +46,18 @@ Result<void> ReplayComparison::emit(const Moment& now) {
   const std::int64_t before = std::max<std::int64_t>(0, now.tick - 1);
   words_.begin_tick([&](Divergence&& found) { word_differs(std::move(found), before); });
   if (now.alive) {
-    report_outputs(now.tick);
-    compare(now);
+    const std::vector<std::uint64_t>& row = record_.row();
+    report_outputs(now.tick, row);
+    compare(now, row);
     ++report_.ticks;
   }
   take_events();
-  for (RecordedOutputs& outputs : outputs_) outputs.begin_tick();
+  outputs_.begin_tick();
   return {};
 }
 
-void ReplayComparison::report_outputs(std::int64_t tick) {
-  if (output_record_) options_.on_outputs(tick, output_record_->row());
+void ReplayComparison::report_outputs(std::int64_t tick, const std::vector<std::uint64_t>& row) {
+  if (options_.on_outputs) options_.on_outputs(tick, row);
   if (!options_.on_variable) return;
   for (const HostedController& hosted : host_.controllers())
     for (const ControllerVariables::Variable& variable : hosted.variables.all())
@@ -76,16 +70,15 @@ bool ReplayComparison::is_compared(std::int64_t tick) const {
   return nanoseconds_of(tick, scenario_.time_step) >= from_;
 }
 
-void ReplayComparison::compare(const Moment& now) {
+void ReplayComparison::compare(const Moment& now, const std::vector<std::uint64_t>& row) {
   const std::int64_t before = report_.values_different;
+  const auto count = [this](Divergence&& found) { differs(std::move(found)); };
   if (!source_.alters()) compare_inputs(now);
   if (!report_.first_other_hash && host_.output_hash() != source_.recorded().output_hash)
     report_.first_other_hash = now.tick;
-  if (now.tick == 0) compare_delays();
+  if (now.tick == 0) outputs_.compare_delays(count);
   if (!is_compared(now.tick)) return;
-  for (RecordedOutputs& outputs : outputs_)
-    report_.values += outputs.compare([this](Divergence&& found) { differs(std::move(found)); });
-  compare_results();
+  report_.values += outputs_.compare(row, source_.recorded().controller_results, count);
   compare_variables();
   report_.ticks_different += report_.values_different > before ? 1 : 0;
 }
@@ -105,30 +98,6 @@ void ReplayComparison::compare_inputs(const Moment& now) {
   found.note = "what the recording holds of the inputs is not what the controllers were fed with when it was made";
   differs(std::move(found));
   reads_the_same_ = false;  // said once
-}
-
-/// The same numbers a tick later, or earlier, are other commands.
-void ReplayComparison::compare_delays() {
-  for (std::size_t i = 0; i < outputs_.size(); ++i) {
-    const HostedController& hosted = host_.controllers()[i];
-    if (!hosted.running) continue;
-    outputs_[i].compare_delay(host_.is_delayed(hosted), [this](Divergence&& found) { differs(std::move(found)); });
-  }
-}
-
-void ReplayComparison::compare_results() {
-  for (std::size_t i = 0; i < host_.controllers().size(); ++i) {
-    ++report_.values;
-    const bool result = host_.controllers()[i].tick.result;
-    if (result == source_.recorded().controller_results[i]) continue;
-    Divergence found;
-    found.channel = run_topics::tick;
-    found.element = fmt::format("controller_results/{}", i);
-    put_numbers(found, result ? 0.0 : 1.0, result ? 1.0 : 0.0);
-    found.note = fmt::format("control() of '{}' returned {}, and {} in the recording", host_.controllers()[i].label,
-                             result, !result);
-    differs(std::move(found));
-  }
 }
 
 /// By the name that the series has in a trace. What isn't a matter of two numbers may not differ at all.

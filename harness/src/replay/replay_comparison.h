@@ -40,12 +40,10 @@ class ReplayComparison final : public Sink {
 
  private:
   bool is_compared(std::int64_t tick) const;
-  void compare(const Moment& now);
+  void compare(const Moment& now, const std::vector<std::uint64_t>& row);
   void compare_inputs(const Moment& now);
-  void compare_delays();
-  void compare_results();
   void compare_variables();
-  void report_outputs(std::int64_t tick);
+  void report_outputs(std::int64_t tick, const std::vector<std::uint64_t>& row);
   void differs(Divergence&& found);
   void word_differs(Divergence&& found, std::int64_t tick);
   double tolerance_for(const Divergence& found) const;
@@ -58,13 +56,13 @@ class ReplayComparison final : public Sink {
   const SeriesScales scales_;
   ReplayReport& report_;
   RecordedWords words_;
-  std::vector<RecordedOutputs> outputs_;       // by controller
-  std::optional<OutputRecord> output_record_;  // if somebody wants it
+  OutputRecord record_;
+  RecordedOutputs outputs_;
   std::vector<std::uint16_t> channels_;
-  std::vector<RecordedOutputs*> output_of_;  // by channel id; null: none
-  std::vector<bool> is_word_;                // by channel id
-  const std::uint64_t from_;                 // [ns]
-  std::optional<bool> reads_the_same_;       // as when it was recorded; decided at the first tick
+  enum class Reader { none, words, outputs };
+  std::vector<Reader> reader_of_;       // by channel id
+  const std::uint64_t from_;            // [ns]
+  std::optional<bool> reads_the_same_;  // as when it was recorded; decided at the first tick
 };
 
 }  // namespace rehearse

@@ -64,7 +64,7 @@ class Driver : public cnoid::SimpleController {
     return true;
   }
   bool control() override {
-    link_->q_target() = link_->dq_target() = link_->u() = value_;
+    link_->q_target() = link_->dq_target() = link_->ddq() = link_->u() = value_;
     return true;
   }
 

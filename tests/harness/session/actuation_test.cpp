@@ -82,7 +82,7 @@ TEST_F(Actuation, AReplayedCommandHasTheUnitThatTheRecordingStates) {
   std::vector<std::string> units;
   for (const OutputField& field : fields) {
     const TraceChannel* channel = trace.find_channel(field.channel);
-    if (!channel || field.kind != OutputField::Kind::number) continue;
+    if (!channel || field.kind != CellKind::floating) continue;
     EXPECT_EQ(field.unit, unit_of(channel->metadata, field.element)) << field.element;
     units.push_back(field.unit);
   }

@@ -45,6 +45,16 @@ TEST_F(Replay, GivesTheSameCommandsBitForBit) {
   EXPECT_EQ(report.ticks_different, 0);
 }
 
+TEST_F(Replay, ComparesCommandedAccelerationsAsOtherNumbers) {
+  EXPECT_EQ(expect_equal(rig_with("drive acceleration 1")).values, 20 * 2);
+  ReplayOptions options;
+  options.controllers["Rig/C"] = {"Behaviours", "drive acceleration 1.5", true, true};
+  const ReplayReport report = replayed(options);
+  EXPECT_EQ(report.values_different, 20);
+  ASSERT_TRUE(report.first.has_value());
+  EXPECT_THAT(to_string(*report.first), HasSubstr("/Rig/C/output/joint_accelerations SHOULDER/ddq is 1.5 rad/s²"));
+}
+
 TEST_F(Replay, DeliversEveryKindOfNumberBitForBit) {
   expect_equal(rig(behaviour("C", "feel"), "cameras: none\n", "0.2"));
 }
