@@ -210,11 +210,11 @@ std::int64_t RecordedOutputs::compare_channel(const Channel& channel, const std:
   }
   if (!channel.here) return 0;
   for (const Pair& pair : channel.pairs) {
-    const bool is_commanded = pair.word != none && channel.hosted->running;
-    if (!is_commanded)
+    const auto expected = std::bit_cast<std::uint64_t>(*pair.expected);
+    if (pair.word == none || !channel.hosted->running)
       differs(lone(channel, pair));
-    else if (auto found = difference(fields_[pair.word], std::bit_cast<std::uint64_t>(*pair.expected), row[pair.word]))
-      differs(*std::move(found));
+    else if (expected != row[pair.word])
+      differs(*difference(fields_[pair.word], expected, row[pair.word]));
   }
   return std::ssize(channel.pairs);
 }

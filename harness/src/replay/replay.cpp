@@ -51,14 +51,14 @@ Result<void> replay_ticks(Run& run, RecordingSource& source, ReplayComparison& c
   channels.insert(channels.end(), comparison.channels().begin(), comparison.channels().end());
   const auto take = [&](const mcap::Message& message) { return comparison.take(message); };
   const auto driven = source.drive(run, take, channels);
-  Diagnostics errors = driven.errors();
+  Diagnostics errors = source.damage();
+  errors.insert(errors.end(), driven.errors().begin(), driven.errors().end());
   if (run.interruption()) errors = {*run.interruption()};
   if (damage == Damage::tolerate) {
-    warn(report, source.damage());
     warn(report, std::move(errors));
     return {};
   }
-  if (!errors.empty()) return errors;
+  if (!driven || run.interruption()) return errors;
   if (source.damage().empty() || is_enough(options, source, time_of(run.tick(), scenario.time_step))) return {};
   return source.damage();
 }

@@ -230,7 +230,9 @@ TEST_F(Replay, OfADamagedTraceIsRefused) {
   std::string damaged = bytes("run.mcap");
   damaged[damaged.size() / 2] = static_cast<char>(damaged[damaged.size() / 2] ^ 1);
   write("damaged.mcap", damaged);
-  EXPECT_FALSE(replay_run({}, "damaged.mcap").ok());
+  const auto refused = replay_run({}, "damaged.mcap");
+  ASSERT_FALSE(refused.ok());
+  EXPECT_THAT(refused.errors()[0].message, HasSubstr("CRC"));
 }
 
 TEST_F(Replay, ReportsItsProgress) {
