@@ -51,6 +51,9 @@ endif()
 find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 add_library(rehearse_xxhash INTERFACE)
 target_include_directories(rehearse_xxhash INTERFACE ${XXHASH_INCLUDE_DIR})
+if(REHEARSE_SANITIZE)  # compiled with -Og, where gcc can't inline all that the header demands
+  target_compile_definitions(rehearse_xxhash INTERFACE XXH_NO_INLINE_HINTS=1)
+endif()
 
 # rehearse_types_for_gdb(SOURCES...): these sources are compiled separately, with all the types that they use.
 function(rehearse_types_for_gdb)
