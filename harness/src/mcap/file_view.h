@@ -98,7 +98,7 @@ class PassedBytes {
 
   /// Reports that all bytes before that offset are passed.
   void pass(std::uint64_t offset) {
-    constexpr std::uint64_t step = std::uint64_t{8} << 20;
+    constexpr std::uint64_t step = std::uint64_t{2} << 20;
     passed_ = offset;
     if (progress_ && offset >= next_progress_) {
       progress_(offset, bytes_.size());
