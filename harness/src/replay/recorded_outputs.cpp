@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <iterator>
 #include <limits>
-#include <tuple>
 
 #include "output_record.h"
 #include "trace/message_numbers.h"

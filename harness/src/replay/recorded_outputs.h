@@ -1,4 +1,4 @@
-// RecordedOutputs: what the controllers commanded in a recording, tick by tick, to be compared with the row of an
+// RecordedOutputs: the commands of the controllers in a recording, tick by tick. They are compared with the row of an
 // OutputRecord.
 #pragma once
 
@@ -10,7 +10,6 @@
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>

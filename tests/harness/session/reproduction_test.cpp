@@ -115,6 +115,14 @@ TEST_F(Reproduces, NoStateThatTheWorldDoesNotReach) {
   EXPECT_THAT(result.verdict, HasSubstr("under its commands, the world differs at tick 520 (0.52 s): /Rig/joints"));
 }
 
+TEST_F(Reproduces, NoStateAfterTheLastTickThatTheWorldDoesNotReach) {
+  record_run(swinging());
+  const Reproduction result = tried(swinging(), changed("run.mcap", flipped("/Rig/joints", 550'000'000)));
+  ASSERT_TRUE(result.first.has_value());
+  EXPECT_EQ(result.first->channel, "/Rig/joints");
+  EXPECT_EQ(result.first->tick, 550);
+}
+
 TEST_F(Reproduces, NoPictureThatTheCameraDoesNotTake) {
   record_run(swinging());
   const std::vector<std::string> pictures = topics(*Trace::load(path("run.mcap")), "/Rig/Camera/depth");
