@@ -136,6 +136,20 @@ TEST_F(Logs, AMapOfAForeignLogSaysWhatItIsUnsureOf) {
   EXPECT_THAT(map, HasSubstr("# joints without a source: RIGHT_WHEEL\n"));
 }
 
+TEST_F(Logs, AMapOfABodyHasItsJoints) {
+  {
+    auto writer = std::move(*mcap::Writer::create(folder() / "log.mcap"));
+    TopicWriter states(*writer, "/joint_states", "cdr", add_schema<msg::JointState>(*writer));
+    const std::vector<std::string> joints{"STEERING", "REAR_LEFT", "REAR_RIGHT"};
+    for (std::uint64_t i = 0; i < 20; ++i)
+      states.put(i * 5'000'000, msg::JointState{{msg::Time::from_ns(i * 5'000'000), ""}, joints, {0, 0, 0}, {}, {}});
+    ASSERT_TRUE(writer->close());
+  }
+  const std::string map = done({"map", "log.mcap", "--model", (fixtures / "models/wagon.body").string()}).out;
+  EXPECT_THAT(map, HasSubstr("body: Wagon\n"));
+  EXPECT_THAT(map, HasSubstr("  - topic: /joint_states    # 3 of the model's 5 joints\n"));
+}
+
 TEST_F(Logs, AMapWithoutAJoyTakesATwist) {
   {
     auto writer = std::move(*mcap::Writer::create(folder() / "log.mcap"));

@@ -5,7 +5,7 @@
 #pragma once
 
 #include <rehearse/diagnostic.h>
-#include <rehearse/host_options.h>
+#include <rehearse/run_options.h>
 #include <rehearse/scenario.h>
 
 #include <CLI/App.hpp>

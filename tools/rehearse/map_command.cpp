@@ -1,7 +1,7 @@
 // rehearse map: writes a first map from a log to a model.
 #include <fmt/format.h>
+#include <rehearse/body.h>
 #include <rehearse/mcap.h>
-#include <rehearse/urdf.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -41,9 +41,9 @@ Exit write_map(const MapSettings& settings, const std::string& text) {
 Exit run_map(const MapSettings& settings) {
   const auto log = mcap::Reader::open(settings.log);
   if (!log) return refuse(log.errors());
-  UrdfOptions urdf;
-  urdf.meshes = UrdfOptions::Meshes::skip;
-  const auto model = load_urdf(settings.model, urdf);
+  UrdfOptions options;
+  options.meshes = UrdfOptions::Meshes::skip;
+  const auto model = load_model(settings.model, options);
   if (!model) return refuse(model.errors());
   const auto text = draft_map(**log, *model);
   if (!text) return refuse(text.errors());
@@ -55,7 +55,7 @@ std::function<Exit()> declare_map(CLI::App& options) {
   options.add_option("LOG", settings->log, "a robot's log: MCAP, or a rosbag2 folder or database")
       ->required()
       ->type_name("");
-  options.add_option("--model", settings->model, "the robot's URDF")->required()->type_name("FILE");
+  options.add_option("--model", settings->model, "the robot, a URDF or .body file")->required()->type_name("FILE");
   options.add_option("-o,--output", settings->output, "the map, a new file (standard output)")->type_name("FILE");
   return [settings] { return run_map(*settings); };
 }

@@ -1,7 +1,7 @@
 // Options that several verbs share, and numbers on the command line, which are read without the locale.
 #pragma once
 
-#include <rehearse/host_options.h>
+#include <rehearse/run_options.h>
 #include <rehearse/urdf.h>
 
 #include <CLI/App.hpp>

@@ -3,24 +3,44 @@
 // This is the only boundary between robot and controllers. World produces an Observation and takes a Command; a
 // recording contains both; a replay feeds recorded Observations to the same code and compares Commands. An Observation
 // contains everything that a controller can read of a robot and of the joystick. Values are in the world frame unless
-// stated otherwise, in SI units.
+// stated otherwise, in SI units. C++17, because tests of controllers include it.
 #pragma once
-
-#include <rehearse/image.h>
 
 #include <Eigen/Geometry>
 #include <array>
-#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 namespace rehearse {
+
+// Camera images, as the renderer draws them and controllers read them. Row 0 is the top row.
+
+/// A colour image: three bytes per pixel (red, green, blue), rows from the top, no padding.
+struct Image {
+  int width = 0;                     // [pixels]
+  int height = 0;                    // [pixels]
+  std::vector<std::uint8_t> pixels;  // width * height * 3
+  std::vector<std::uint8_t> file{};  // the JPEG or PNG from which the pixels were decoded; empty: none
+};
+
+/// Distance along the camera's optical axis [m] for each pixel, rows from the top; +inf where there is no surface.
+struct DepthImage {
+  int width = 0;              // [pixels]
+  int height = 0;             // [pixels]
+  std::vector<float> meters;  // width * height
+};
+
+/// Rounds distances to the resolution of a depth camera: 13 significant bits, an error of at most 1/16384 of the
+/// distance (at 1 m: 0.06 mm). The lower bits come from the rasteriser, not from the scene, and would make up most of
+/// a recording.
+void round_to_resolution(DepthImage& depth);
 
 // A joystick is a gamepad, with the axes and buttons that Choreonoid numbers, in its order.
 
@@ -36,11 +56,15 @@ struct JoystickReading {
   std::array<float, joystick_axes.size()> axes{};       // -1 to 1, up and left negative; triggers 0 to 1
   std::array<bool, joystick_buttons.size()> buttons{};  // true while pressed
 
-  bool operator==(const JoystickReading&) const = default;
+  friend bool operator==(const JoystickReading& left, const JoystickReading& right) {
+    return left.axes == right.axes && left.buttons == right.buttons;
+  }
 };
 
 /// The lowest value of an axis; the highest is 1.
-constexpr double lowest_position(std::size_t axis) { return joystick_axes[axis].ends_with("_TRIGGER") ? 0.0 : -1.0; }
+constexpr double lowest_position(std::size_t axis) {
+  return joystick_axes[axis].find("_TRIGGER") < joystick_axes[axis].size() ? 0.0 : -1.0;
+}
 
 /// The index of an axis (of joystick_axes) or a button (of joystick_buttons) by its name or its number, "1" or
 /// "L_STICK_V"; nullopt if there is none.
@@ -103,7 +127,9 @@ struct LinkPair {
     const bool in_order = std::pair(body, link) <= std::pair(other_body, other_link);
     return in_order ? LinkPair{body, link, other_body, other_link} : LinkPair{other_body, other_link, body, link};
   }
-  auto operator<=>(const LinkPair&) const = default;
+  auto all() const { return std::tie(body, link, other_body, other_link); }
+  friend bool operator==(const LinkPair& left, const LinkPair& right) { return left.all() == right.all(); }
+  friend bool operator<(const LinkPair& left, const LinkPair& right) { return left.all() < right.all(); }
 };
 
 struct BodyObservation {

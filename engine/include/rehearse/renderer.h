@@ -19,7 +19,6 @@
 #include <rehearse/diagnostic.h>
 #include <rehearse/io.h>
 #include <rehearse/model.h>
-#include <rehearse/scene_settings.h>
 
 #include <Eigen/Geometry>
 #include <memory>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <rehearse/diagnostic.h>
-#include <rehearse/image.h>
+#include <rehearse/io.h>
 
 #include <cstddef>
 #include <cstdint>

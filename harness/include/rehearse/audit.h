@@ -9,7 +9,7 @@
 
 #include <rehearse/compare.h>
 #include <rehearse/diagnostic.h>
-#include <rehearse/host_options.h>
+#include <rehearse/run_options.h>
 
 #include <cstdint>
 #include <filesystem>

@@ -9,9 +9,8 @@
 
 #include <rehearse/check.h>
 #include <rehearse/diagnostic.h>
-#include <rehearse/host_options.h>
+#include <rehearse/run_options.h>
 #include <rehearse/scenario.h>
-#include <rehearse/simulation.h>
 
 #include <array>
 #include <cstdint>

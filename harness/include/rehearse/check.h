@@ -14,10 +14,9 @@
 #include <rehearse/compare.h>
 #include <rehearse/diagnostic.h>
 #include <rehearse/golden.h>
-#include <rehearse/host_options.h>
 #include <rehearse/replay.h>
+#include <rehearse/run_options.h>
 #include <rehearse/scenario.h>
-#include <rehearse/simulation.h>
 #include <rehearse/trace.h>
 
 #include <cstddef>

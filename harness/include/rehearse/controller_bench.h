@@ -13,7 +13,7 @@
 // similar names.
 #pragma once
 
-#include <rehearse/image.h>
+#include <rehearse/io.h>
 
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -82,8 +82,8 @@ struct BenchOptions {
 /// A controller with a robot whose inputs a test sets and whose commands it reads, tick by tick, without physics.
 class ControllerBench {
  public:
-  /// `library`: a controller's name or path, `model`: a URDF file; paths are relative to the test's fixtures. Runs
-  /// configure(), initialize() and start(). Throws std::runtime_error if something can't be loaded, or if the
+  /// `library`: a controller's name or path, `model`: a URDF or .body file; paths are relative to the test's fixtures.
+  /// Runs configure(), initialize() and start(). Throws std::runtime_error if something can't be loaded, or if the
   /// controller refuses or fails.
   ControllerBench(const std::string& library, const std::string& model, const BenchOptions& options = {});
   ~ControllerBench();

@@ -18,9 +18,8 @@
 
 #include <rehearse/compare.h>
 #include <rehearse/diagnostic.h>
-#include <rehearse/host_options.h>
 #include <rehearse/mcap.h>
-#include <rehearse/simulation.h>
+#include <rehearse/run_options.h>
 #include <rehearse/trace.h>
 
 #include <cstdint>

@@ -5,7 +5,7 @@
 // rehearse_msgs belongs to this project; harness/TRACE_FORMAT.md describes its types.
 #pragma once
 
-#include <rehearse/message_codec.h>
+#include <rehearse/cdr.h>
 
 #include <array>
 #include <cstdint>

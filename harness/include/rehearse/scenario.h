@@ -8,7 +8,6 @@
 
 #include <rehearse/io.h>
 #include <rehearse/model.h>
-#include <rehearse/scene_settings.h>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

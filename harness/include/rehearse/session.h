@@ -11,8 +11,8 @@
 #include <rehearse/diagnostic.h>
 #include <rehearse/mcap_types.h>
 #include <rehearse/replay.h>
+#include <rehearse/run_options.h>
 #include <rehearse/scenario.h>
-#include <rehearse/simulation.h>
 
 #include <cstdint>
 #include <filesystem>

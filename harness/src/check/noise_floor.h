@@ -12,7 +12,7 @@
 #include <rehearse/check.h>
 #include <rehearse/compare.h>
 #include <rehearse/diagnostic.h>
-#include <rehearse/host_options.h>
+#include <rehearse/run_options.h>
 #include <rehearse/scenario.h>
 #include <rehearse/trace.h>
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <rehearse/check.h>
-#include <rehearse/host_options.h>
+#include <rehearse/run_options.h>
 
 #include <filesystem>
 

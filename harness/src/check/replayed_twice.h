@@ -2,7 +2,7 @@
 #pragma once
 
 #include <rehearse/diagnostic.h>
-#include <rehearse/host_options.h>
+#include <rehearse/run_options.h>
 
 #include <cstdint>
 #include <filesystem>

@@ -6,9 +6,9 @@
 #pragma once
 
 #include <rehearse/diagnostic.h>
-#include <rehearse/host_options.h>
 #include <rehearse/io.h>
 #include <rehearse/messages.h>
+#include <rehearse/run_options.h>
 #include <rehearse/scenario.h>
 
 #include <cnoid/SimpleController>

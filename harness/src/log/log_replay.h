@@ -7,7 +7,7 @@
 
 #include <rehearse/compare.h>
 #include <rehearse/diagnostic.h>
-#include <rehearse/host_options.h>
+#include <rehearse/run_options.h>
 
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -24,7 +24,7 @@ namespace rehearse {
 
 struct LogReplayOptions : HostOptions {
   std::string controller;       // the library, a name or a path
-  std::filesystem::path model;  // the robot, a URDF file
+  std::filesystem::path model;  // the robot, a URDF or .body file
   std::filesystem::path map;    // assigns topics to inputs
   double from = 0.0;            // commands before this time are not compared [s]
   std::optional<double> until;  // end of the replay [s]

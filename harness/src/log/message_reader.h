@@ -8,7 +8,6 @@
 #include <rehearse/cdr.h>
 #include <rehearse/diagnostic.h>
 #include <rehearse/mcap.h>
-#include <rehearse/message_codec.h>
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <rehearse/compare.h>
-#include <rehearse/simulation.h>
+#include <rehearse/run_options.h>
 
 #include <filesystem>
 #include <functional>

@@ -1,8 +1,8 @@
 // The source line at which a controller writes a command, found by gdb in a replay.
 #pragma once
 
-#include <rehearse/host_options.h>
 #include <rehearse/report.h>
+#include <rehearse/run_options.h>
 
 #include <cstdint>
 #include <filesystem>

@@ -2,7 +2,7 @@
 #include <fmt/ranges.h>
 #include <rehearse/body.h>
 #include <rehearse/controller_bench.h>
-#include <rehearse/test_support.h>
+#include <rehearse/gtest.h>
 
 #include <algorithm>
 #include <cmath>

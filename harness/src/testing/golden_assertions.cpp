@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 #include <rehearse/check.h>
 #include <rehearse/golden.h>
+#include <rehearse/gtest.h>
 #include <rehearse/mcap.h>
 #include <rehearse/scenario.h>
 #include <rehearse/session.h>
-#include <rehearse/test_support.h>
 
 #include <algorithm>
 #include <cmath>

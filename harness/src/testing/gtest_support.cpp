@@ -1,8 +1,8 @@
 // The implementation of <rehearse/gtest.h>, without GoogleTest.
 #include <fmt/format.h>
 #include <rehearse/golden.h>
+#include <rehearse/gtest.h>
 #include <rehearse/replay.h>
-#include <rehearse/test_support.h>
 
 #include <cstdlib>
 #include <map>

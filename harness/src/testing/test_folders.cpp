@@ -1,4 +1,4 @@
-#include <rehearse/test_support.h>
+#include <rehearse/gtest.h>
 
 #include <cstdlib>
 #include <filesystem>

@@ -3,8 +3,8 @@
 
 #include <rehearse/check.h>
 #include <rehearse/golden.h>
+#include <rehearse/run_options.h>
 #include <rehearse/scenario.h>
-#include <rehearse/simulation.h>
 #include <rehearse/trace.h>
 
 #include <filesystem>

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <rehearse/check.h>
-#include <rehearse/test_support.h>
+#include <rehearse/gtest.h>
 #include <rehearse/trace.h>
 
 #include <filesystem>

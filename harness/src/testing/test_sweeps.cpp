@@ -1,7 +1,7 @@
 // Variations of a scenario in tests.
 #include <fmt/format.h>
 #include <rehearse/campaign.h>
-#include <rehearse/test_support.h>
+#include <rehearse/gtest.h>
 #include <unistd.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // A number as a message: std_msgs/msg/Float64, the message type of a controller's variables.
 #pragma once
 
-#include <rehearse/message_codec.h>
+#include <rehearse/cdr.h>
 
 #include <string_view>
 

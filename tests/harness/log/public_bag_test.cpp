@@ -3,8 +3,8 @@
 // are read here a second time, by SQLite and their known layout alone.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <rehearse/gtest.h>
 #include <rehearse/replay.h>
-#include <rehearse/test_support.h>
 #include <rehearse/trace.h>
 #include <rehearse/urdf.h>
 #include <sqlite3.h>

@@ -2,10 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rehearse/cdr.h>
+#include <rehearse/gtest.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 #include <rehearse/replay.h>
-#include <rehearse/test_support.h>
 #include <rehearse/trace.h>
 #include <unistd.h>
 

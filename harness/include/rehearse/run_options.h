@@ -1,11 +1,11 @@
-// Simulation: the options and results of runs with physics, and the functions that make such runs.
+// The options of runs: HostOptions for the controllers of any run, RecordOptions and PlantOptions for runs with
+// physics; and the results of the latter.
 //
-// session.h declares the functions themselves. They need ODE, and OSMesa for cameras. A library that neither simulates
-// nor renders (a check, a partial acceptance) gets a Simulation from its caller.
+// session.h declares the functions that make runs with physics. They need ODE, and OSMesa for cameras. A library that
+// neither simulates nor renders (a check, a partial acceptance) gets these functions from its caller, as a Simulation.
 #pragma once
 
 #include <rehearse/diagnostic.h>
-#include <rehearse/host_options.h>
 #include <rehearse/scenario.h>
 #include <rehearse/trace.h>
 
@@ -18,6 +18,33 @@
 
 namespace rehearse {
 
+class ControllerWatch;
+
+/// A controller from a different scenario.
+struct GivenController {
+  std::string library;    // a name or an absolute path
+  std::string options;    // its own option string
+  bool delay = true;      // commands act one tick late
+  bool optional = false;  // the run continues without it if it refuses to take part
+};
+
+/// The controllers of a run, and how they are called; independent of the scenario.
+struct HostOptions {
+  /// Library (a name or a path) to load instead of any other, by controller: NAME or BODY/NAME.
+  std::map<std::string, std::string> libraries;
+  /// Controllers that replace those of the scenario, by BODY/NAME.
+  std::map<std::string, GivenController> controllers;
+  /// The options of the whole run instead of the scenario's; none: the scenario's.
+  std::optional<std::string> run_options;
+  /// Limit of the wall time of a call into a controller [s]; a longer call counts as hung.
+  double call_limit = 10.0;
+  /// Libraries and the contents of their static objects stay loaded after the run.
+  bool keep_libraries = false;
+  /// Is notified of each call; null: not. Must outlive the run.
+  ControllerWatch* watch = nullptr;
+};
+
+/// The options of a run in simulation.
 struct RecordOptions : HostOptions {
   /// Simulated time from one checkpoint to the next [s]; at least a tick. 0: no checkpoints are recorded, and the plant
   /// level of a check runs from the start.
@@ -68,6 +95,7 @@ struct ResumedRun {
   std::int64_t from = 0;  // first tick that was simulated
 };
 
+/// The options of a world that moves by the commands of a recording.
 struct PlantOptions {
   /// The tick at which to begin: a tick with a checkpoint, or 0. Cameras and range sensors deliver nothing that they
   /// captured before it.
@@ -85,6 +113,7 @@ struct PlantOptions {
   std::function<void(std::int64_t done, std::int64_t all)> progress;
 };
 
+/// The result of such a run.
 struct PlantSummary {
   std::int64_t ticks = 0;
   std::int64_t restored = 0;  // number of checkpoints at which the world was set back
