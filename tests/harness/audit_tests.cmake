@@ -13,6 +13,11 @@ set_target_properties(watched_plugin PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${audit
 add_watched_library(watched audit/libraries/watched.cpp)
 target_link_libraries(watched PRIVATE brought_along Threads::Threads ${CMAKE_DL_LIBS})
 target_link_options(watched PRIVATE "LINKER:-rpath,${audit_libraries}/plugins")
+# clang writes no index of addresses into a library.
+set(unindexed ${audit_libraries}/libunindexed.so)
+add_custom_command(OUTPUT ${unindexed} DEPENDS watched
+  COMMAND ${CMAKE_OBJCOPY} --remove-section=.debug_aranges $<TARGET_FILE:watched> ${unindexed} VERBATIM)
+add_custom_target(unindexed DEPENDS ${unindexed})
 
 add_watched_library(instructions audit/libraries/instructions.cpp)
 add_watched_library(startup audit/libraries/startup.cpp)
@@ -29,4 +34,4 @@ rehearse_add_test(audit_tests LABEL unit
   LIBRARIES Rehearse::audit)
 target_compile_definitions(audit_tests PRIVATE
   AUDIT_LIBRARIES="${audit_libraries}" WATCHED_PROCESS="$<TARGET_FILE:watched_process>")
-add_dependencies(audit_tests watched watched_plugin instructions starts_early startup fast_math watched_process rehearse_interposer)
+add_dependencies(audit_tests unindexed watched_plugin instructions starts_early startup fast_math watched_process rehearse_interposer)

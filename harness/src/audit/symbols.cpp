@@ -98,6 +98,17 @@ CallSite call_site_of(Dwarf_Die& inlined, Dwarf_Die& unit) {
   return {dwarf_filesrc(files, file, nullptr, nullptr), static_cast<int>(line)};
 }
 
+/// The compilation unit with an address of the module, and the difference of the module's addresses from the unit's.
+/// Null: the address has no debug information. clang writes no index of addresses (.debug_aranges), so each unit is
+/// asked if the index doesn't have the address.
+Dwarf_Die* unit_at(Dwfl_Module* module, Dwarf_Addr pc, Dwarf_Addr* bias) {
+  if (Dwarf_Die* unit = dwfl_module_addrdie(module, pc, bias)) return unit;
+  Dwarf_Die* unit = nullptr;
+  while ((unit = dwfl_module_nextcu(module, unit, bias)))
+    if (dwarf_haspc(unit, pc - *bias) > 0) return unit;
+  return nullptr;
+}
+
 char* no_debug_path = nullptr;
 const Dwfl_Callbacks callbacks{dwfl_build_id_find_elf, dwfl_standard_find_debuginfo, dwfl_offline_section_address,
                                &no_debug_path};
@@ -131,16 +142,15 @@ Symbols::Found Symbols::find(std::uint64_t address) const {
   if (const char* name = dwfl_module_addrname(module_, pc)) found.function = with_parentheses(demangled(name));
   const std::string symbol = found.function;
 
-  Dwfl_Line* line = dwfl_module_getsrc(module_, pc);
+  Dwarf_Addr debug_bias = 0;
+  Dwarf_Die* unit = unit_at(module_, pc, &debug_bias);
+  Dwarf_Line* line = unit ? dwarf_getsrc_die(unit, pc - debug_bias) : nullptr;
   int number = 0;
-  const char* path = line ? dwfl_lineinfo(line, nullptr, &number, nullptr, nullptr, nullptr) : nullptr;
+  const char* path = line && dwarf_lineno(line, &number) == 0 ? dwarf_linesrc(line, nullptr, nullptr) : nullptr;
   if (!path) return found;
   found.line = fmt::format("{}:{}", file_name(path), number);
 
-  Dwarf_Addr debug_bias = 0;
-  Dwarf_Die* unit = dwfl_module_addrdie(module_, pc, &debug_bias);
-  const std::vector<Dwarf_Die> scopes = unit ? scopes_around(*unit, pc - debug_bias) : std::vector<Dwarf_Die>();
-  for (Dwarf_Die scope : scopes) {
+  for (Dwarf_Die scope : scopes_around(*unit, pc - debug_bias)) {
     const int tag = dwarf_tag(&scope);
     if (tag != DW_TAG_inlined_subroutine && tag != DW_TAG_subprogram) continue;
     // The symbol of a function has more information, such as the types of its parameters.

@@ -52,6 +52,13 @@ TEST_F(Interposer, NamesTheInlinedFunctionThatCalled) {
   EXPECT_THAT(place_of(run("draw_inlined").call_of("rand")), StartsWith("inlined_draw() (watched.cpp:"));
 }
 
+TEST_F(Interposer, NamesTheLinesOfALibraryWithoutAnIndexOfAddresses) {
+  library_ = watched_library("unindexed");
+  EXPECT_THAT(place_of(run("read_steady_clock").call_of("clock_gettime")),
+              StartsWith("Filter::update() (watched.cpp:"));
+  EXPECT_THAT(place_of(run("draw_inlined").call_of("rand")), StartsWith("inlined_draw() (watched.cpp:"));
+}
+
 TEST_F(Interposer, TellsTwoPlacesApart) {
   const auto calls = run("draw_at_two_places").calls_of("rand");
   ASSERT_EQ(calls.size(), 2u);
