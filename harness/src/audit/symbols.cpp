@@ -67,16 +67,30 @@ std::string name_of(Dwarf_Die& function) {
   return name;
 }
 
+/// Appends the functions and blocks in `parent` around an address, outermost first; false if there are none. (libdw's
+/// dwarf_getscopes() finds none in some units of clang.)
+bool append_scopes(Dwarf_Die& parent, Dwarf_Addr pc, std::vector<Dwarf_Die>& scopes) {
+  Dwarf_Die child;
+  for (int end = dwarf_child(&parent, &child); end == 0; end = dwarf_siblingof(&child, &child)) {
+    if (dwarf_haspc(&child, pc) > 0) {
+      scopes.push_back(child);
+      append_scopes(child, pc, scopes);
+      return true;
+    }
+    const int tag = dwarf_tag(&child);  // the function may belong to one of these without being in its code
+    const bool declares = tag == DW_TAG_namespace || tag == DW_TAG_structure_type || tag == DW_TAG_class_type ||
+                          tag == DW_TAG_subprogram || tag == DW_TAG_lexical_block;
+    if (declares && append_scopes(child, pc, scopes)) return true;
+  }
+  return false;
+}
+
 /// The functions and blocks around an address, innermost first, each within the next: an inlined function is in the
 /// function that calls it.
 std::vector<Dwarf_Die> scopes_around(Dwarf_Die& unit, Dwarf_Addr pc) {
-  Dwarf_Die* by_definition = nullptr;  // an inlined function is in its source scope
-  Dwarf_Die* around = nullptr;
-  const int found = dwarf_getscopes(&unit, pc, &by_definition);
-  const int count = found > 0 ? dwarf_getscopes_die(&by_definition[0], &around) : 0;
-  const std::vector<Dwarf_Die> scopes(around, around + std::max(count, 0));
-  std::free(around);
-  std::free(by_definition);
+  std::vector<Dwarf_Die> scopes;
+  append_scopes(unit, pc, scopes);
+  std::reverse(scopes.begin(), scopes.end());
   return scopes;
 }
 

@@ -207,8 +207,9 @@ TEST_F(PlantRun, SaysInTheRecordingThatCheckpointsAreExact) {
 TEST_F(PlantRun, TrialNoticesAStateThatIsNotTheRuns) {
   const Scenario scenario = load(rig(""));
   const auto make = [&] {
-    return *World::create({scenario.time_step, scenario.gravity, 0, scenario.solver},
-                          {{"Rig", scenario.bodies[0].model, false, {}, Eigen::Quaterniond::Identity(), {0.1, 0.25}}});
+    WorldBody rig{"Rig", scenario.bodies[0].model};
+    rig.joints = {0.1, 0.25};
+    return *World::create({scenario.time_step, scenario.gravity, 0, scenario.solver}, {rig});
   };
   const std::unique_ptr<World> run = make();
   Command still;

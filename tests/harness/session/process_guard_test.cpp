@@ -62,7 +62,7 @@ void PrintTo(const Deed& deed, std::ostream* stream) { *stream << deed.name; }
 
 class Trespass : public RunTest, public ::testing::WithParamInterface<Deed> {
  protected:
-  const Process before_;
+  const Process before_{};
   ~Trespass() override { unsetenv("REHEARSE_TEST_TRESPASS"); }
 };
 
