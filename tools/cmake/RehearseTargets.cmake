@@ -36,24 +36,29 @@ target_compile_options(rehearse_flags INTERFACE
   $<$<AND:$<CONFIG:RelWithDebInfo>,$<NOT:$<STREQUAL:$<TARGET_PROPERTY:TYPE>,MODULE_LIBRARY>>>:-g1>)
 
 # For code that takes little of a tick's time (most of it runs once per verb, file or verdict): the compiler needs two
-# thirds of the time. Presets with other flags compile everything with their own.
+# thirds of the time. Builds with flags of their own compile everything with them, unless REHEARSE_COLD_FLAGS is set.
+if(CMAKE_CXX_FLAGS_RELWITHDEBINFO STREQUAL "-O2 -g -DNDEBUG")
+  set(REHEARSE_COLD_FLAGS -Og CACHE STRING "Options of code that takes little of a tick's time")
+endif()
 add_library(rehearse_cold_flags INTERFACE)
 target_link_libraries(rehearse_cold_flags INTERFACE rehearse_flags)
-if(CMAKE_CXX_FLAGS_RELWITHDEBINFO STREQUAL "-O2 -g -DNDEBUG")
-  target_compile_options(rehearse_cold_flags INTERFACE $<$<CONFIG:RelWithDebInfo>:-Og>)
-endif()
+target_compile_options(rehearse_cold_flags INTERFACE $<$<CONFIG:RelWithDebInfo>:${REHEARSE_COLD_FLAGS}>)
 
 if(REHEARSE_SANITIZE)
   add_compile_options(-fsanitize=${REHEARSE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${REHEARSE_SANITIZE})
+  if(REHEARSE_SANITIZE MATCHES address AND CMAKE_CXX_COMPILER_ID STREQUAL Clang AND NOT REHEARSE_FUZZ)
+    # As gcc does. A runtime in the program itself would have functions before those of an audit's interposer.
+    execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-runtime-dir
+      OUTPUT_VARIABLE runtimes OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+    add_link_options(-shared-libasan "LINKER:-rpath,${runtimes}")
+    add_compile_definitions(__SANITIZE_ADDRESS__=1)
+  endif()
 endif()
 
 find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 add_library(rehearse_xxhash INTERFACE)
 target_include_directories(rehearse_xxhash INTERFACE ${XXHASH_INCLUDE_DIR})
-if(REHEARSE_SANITIZE)  # compiled with -Og, where gcc can't inline all that the header demands
-  target_compile_definitions(rehearse_xxhash INTERFACE XXH_NO_INLINE_HINTS=1)
-endif()
 
 # rehearse_types_for_gdb(SOURCES...): these sources are compiled separately, with all the types that they use.
 function(rehearse_types_for_gdb)
