@@ -207,7 +207,9 @@ TEST_F(PlantRun, SaysInTheRecordingThatCheckpointsAreExact) {
 TEST_F(PlantRun, TrialNoticesAStateThatIsNotTheRuns) {
   const Scenario scenario = load(rig(""));
   const auto make = [&] {
-    WorldBody rig{"Rig", scenario.bodies[0].model};
+    WorldBody rig;
+    rig.name = "Rig";
+    rig.model = scenario.bodies[0].model;
     rig.joints = {0.1, 0.25};
     return *World::create({scenario.time_step, scenario.gravity, 0, scenario.solver}, {rig});
   };
