@@ -2,7 +2,7 @@
 //
 // Between two postures each joint follows a cubic without a jump of speed. The commanded closing of the gripper is
 // farther than the block allows: the effort limit of the fingers' joints determines the grasping force. At the
-// beginning of the lift the controller writes a message whether both fingers touch something.
+// beginning of the lift the controller writes a message that states whether both fingers touch something.
 
 #include <algorithm>
 #include <array>

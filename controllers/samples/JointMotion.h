@@ -1,4 +1,4 @@
-// What SR1's squat and SR1's walk share: the motion of a .seq file, as a smooth function of time for each joint.
+// Code that SR1's squat and SR1's walk share: the motion of a .seq file, as a smooth function of time for each joint.
 //
 // The file has a few frames per second. Between them each joint follows a cubic through the frames (Catmull and Rom's
 // spline), so that its speed has no jumps.

@@ -107,8 +107,8 @@ Use use_of(const char* mode) { return changes(mode) ? Use::change : Use::look; }
 
 // NOLINTBEGIN(bugprone-macro-parentheses): a list of arguments has its own
 
-// Their third or fourth parameter exists only if a file may be created. Otherwise an undefined register is passed on,
-// which no function reads.
+// The third or fourth parameter of these functions exists only if a file may be created. Otherwise an undefined
+// register is passed on, which no function reads.
 #define REHEARSE_OPENED(name, parameters, arguments, folder, flags)                                       \
   REHEARSE_INTERPOSED(int, name, parameters) {                                                            \
     if (!watching()) return next_##name.get() arguments;                                                  \
@@ -218,7 +218,7 @@ REHEARSE_INTERPOSED(int, rename, (const char* from, const char* to)) {
 REHEARSE_NOTED(file, FILE*, tmpfile, (), (), "")
 REHEARSE_NOTED(file, FILE*, tmpfile64, (), (), "")
 
-/// Its argument ends in XXXXXX, which is replaced by the chosen letters afterwards.
+/// A function whose argument ends in XXXXXX, which is replaced by the chosen letters afterwards.
 #define REHEARSE_MADE_TEMPORARY(result, name, parameters, failed, arguments)             \
   REHEARSE_INTERPOSED(result, name, parameters) {                                        \
     char* const wanted = path;                                                           \

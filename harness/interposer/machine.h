@@ -5,7 +5,7 @@ namespace rehearse::interposer {
 
 bool is_machine_file(const char* path);
 
-/// Opens the replacement of such a file: a descriptor, or -1 and errno.
+/// Opens the replacement of a file with facts of the machine: a descriptor, or -1 and errno.
 int open_machine_file(int machine, const char* path);
 
 }  // namespace rehearse::interposer

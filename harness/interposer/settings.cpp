@@ -10,7 +10,7 @@ namespace rehearse::interposer {
 namespace {
 
 [[noreturn]] void refuse(const char* setting) {
-  dprintf(STDERR_FILENO, "rehearse_interposer: REHEARSE_INTERPOSER: what is '%s'?\n", setting);
+  dprintf(STDERR_FILENO, "rehearse_interposer: unknown setting '%s' in REHEARSE_INTERPOSER\n", setting);
   _exit(2);
 }
 

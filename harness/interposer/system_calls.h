@@ -5,7 +5,7 @@
 
 namespace rehearse::interposer {
 
-/// Installs the handler of their signal. Must be called before the first controller.
+/// Installs the handler of SIGSYS, which observed system calls raise. Must be called before the first controller.
 void prepare_for_system_calls();
 
 /// From now on the system calls in a library's code, if it contains any, raise SIGSYS and are handled here. False: it

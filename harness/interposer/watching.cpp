@@ -129,7 +129,7 @@ void leave_environment() {
   }
 }
 
-/// Called once, before the first controller.
+/// Records the host's libraries and descriptors, once, before the first controller.
 void look_around() {
   static bool done = false;
   if (done) return;

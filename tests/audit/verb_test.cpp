@@ -18,7 +18,7 @@ TEST_F(AuditVerb, TakesARecording) {
   EXPECT_THAT(outcome.out,
               StartsWith("Pendulum/Zoo is a function of its inputs: 8 replays of 0.2 s under other memory, "
                          "addresses and variables gave the same 200 commands, bit for bit\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("recorded in closed loop                 not varied: it was given\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("recorded in closed loop                 not varied: the recording was given\n"));
 }
 
 TEST_F(AuditVerb, TakesAnotherLibraryForIt) {
@@ -88,7 +88,7 @@ TEST_F(AuditVerb, RecordsNoRecordingAgain) {
   done({"record", scenario("good_own_generator").string(), "-o", "zoo.mcap"});
   const Outcome outcome = rehearse({"audit", "zoo.mcap", "--virtualise", "-o", "kept.mcap"});
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("-o is a new recording, and that takes a scenario; zoo.mcap is one already"));
+  EXPECT_THAT(outcome.err, HasSubstr("-o is a new recording, which needs a scenario; zoo.mcap is a recording"));
   EXPECT_FALSE(exists("kept.mcap"));
 }
 
@@ -176,7 +176,7 @@ TEST_F(AuditVerb, LeavesNothingBehindWhenItIsStopped) {
       run("/bin/sh", {"-c", script, "sh", command.string(), "audit", zoo.string(), "--repeat", "500"},
           "TMPDIR=" + quoted(temporary.string()));
   EXPECT_EQ(outcome.status, 130) << outcome.out;
-  EXPECT_THAT(outcome.err, HasSubstr("rehearse audit: interrupted by SIGINT; what was begun is removed"));
+  EXPECT_THAT(outcome.err, HasSubstr("rehearse audit: interrupted by SIGINT; incomplete results are removed"));
   EXPECT_TRUE(fs::is_empty(temporary));
 }
 

@@ -130,7 +130,7 @@ TEST_F(CompareEvents, DoNotJudgeNumbersOfTheBodiesBesideAnEventThatARuleLetsBeOf
   EXPECT_TRUE(comparison.within);
   EXPECT_EQ(comparison.blanked, 3);
   EXPECT_THAT(verdict(comparison),
-              HasSubstr("3 values beside events that are off by what they may be were not judged"));
+              HasSubstr("3 values near events that are early or late within their tolerance were not judged"));
   actual_.ticks[6].force = 0.0;
   EXPECT_EQ(compared({within_ticks("contacts/*", 2)}).first->tick, 6);
 }
@@ -151,7 +151,7 @@ TEST_F(CompareEvents, RemarksOnAGoldenFromBeforeContactsWereRecorded) {
   const Comparison comparison = compared();
   EXPECT_TRUE(comparison.equal);
   EXPECT_THAT(comparison.remarks[0],
-              HasSubstr("the golden was recorded before contacts were: /contacts is not compared"));
+              HasSubstr("the golden was recorded by a version without contacts: /contacts is not compared"));
   golden_.provenance["trace_revision"] = "2";
   EXPECT_FALSE(compared().within) << "it could have recorded them";
 }
@@ -170,7 +170,7 @@ TEST_F(CompareEvents, FindTheTickInWhichAJointComesToItsEffortLimit) {
   EXPECT_FALSE(comparison.within);
   EXPECT_EQ(comparison.first->channel, "/Robot/joints");
   EXPECT_EQ(comparison.first->element, "KNEE/u");
-  EXPECT_EQ(comparison.first->note, "being at its limit begins at tick 6, expected tick 4");
+  EXPECT_EQ(comparison.first->note, "the stop at the limit begins at tick 6, expected tick 4");
   EXPECT_EQ(comparison.event_differences[0].event, "limits/Robot/KNEE/u");
 }
 
@@ -200,7 +200,7 @@ TEST_F(CompareEvents, TellTheTickInWhichControlReturnsFalse) {
   EXPECT_FALSE(comparison.within);
   EXPECT_EQ(comparison.first->tick, 5);
   EXPECT_EQ(comparison.first->element, "controller_results/0");
-  EXPECT_EQ(comparison.first->note, "false from control() begins at tick 6, expected tick 5");
+  EXPECT_EQ(comparison.first->note, "the result false of control() begins at tick 6, expected tick 5");
   EXPECT_TRUE(compared({within_ticks("controller_results/*", 1)}).within);
 }
 
@@ -232,11 +232,12 @@ TEST_F(CompareEvents, IsExactAboutWhatControlReturned) {
 TEST_F(CompareEvents, SayWhetherAMessageIsMissingExtraOrInAnotherOrder) {
   golden_.events = {event(1, "a"), event(2, "b"), event(3, "c")};
   actual_.events = {event(1, "a"), event(3, "c")};
-  EXPECT_THAT(compared().first->note, HasSubstr("expected \"tick 2, warning, Robot/Pd: b\": that one is missing"));
+  EXPECT_THAT(compared().first->note,
+              HasSubstr("expected \"tick 2, warning, Robot/Pd: b\": the expected one is missing"));
   actual_.events = {event(1, "a"), event(1, "new"), event(2, "b"), event(3, "c")};
   EXPECT_THAT(compared().first->note, HasSubstr("expected \"tick 2, warning, Robot/Pd: b\": it is extra"));
   actual_.events = {event(1, "a"), event(2, "c"), event(3, "b")};
-  EXPECT_THAT(compared().first->note, HasSubstr(": the order is another one"));
+  EXPECT_THAT(compared().first->note, HasSubstr(": the order is different"));
 }
 
 TEST_F(CompareEvents, LetAMessageBeOffByWhatARuleSays) {

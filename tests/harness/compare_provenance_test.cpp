@@ -14,7 +14,7 @@ TEST_F(Compare, RemarksOnAnotherScenarioAndOtherLibraries) {
   actual_.provenance["rehearse"] = "0.2.0";
   const Comparison comparison = compared();
   EXPECT_TRUE(comparison.equal);
-  EXPECT_THAT(comparison.remarks, ElementsAre("scenario.yaml is not what it was when the golden was recorded",
+  EXPECT_THAT(comparison.remarks, ElementsAre("scenario.yaml has changed since the golden was recorded",
                                               "rehearse was \"0.1.0\" and is \"0.2.0\": everything may differ for that "
                                               "alone"));
 }
@@ -71,8 +71,9 @@ TEST_F(Compare, SaysOnceThatOneProcessWasPinned) {
 
 TEST_F(Compare, SaysThatTheProgramWasBuiltWithOtherFlags) {
   actual_.provenance["build"] = "other flags: -mfma";
-  EXPECT_THAT(compared().remarks, ElementsAre("the build was \"as ours\" and is \"other flags: -mfma\": everything may "
-                                              "differ for that alone"));
+  EXPECT_THAT(compared().remarks,
+              ElementsAre("the build was \"usual flags\" and is \"other flags: -mfma\": everything may "
+                          "differ for that alone"));
   EXPECT_FALSE(compared().same_arithmetic);
 }
 
@@ -111,8 +112,8 @@ TEST_F(Compare, WarnsOfRulesThatHoldForNothing) {
   ASSERT_EQ(comparison.warnings.size(), 1u);
   EXPECT_TRUE(comparison.equal);
   EXPECT_EQ(table(comparison),
-            "  loose.yaml:3:5: warning: the tolerance of 'Robot/KNEEE/q' holds for nothing: neither trace has such a "
-            "channel (a golden's digest lists their names, as SR1/RLEG_KNEE/q)\n");
+            "  loose.yaml:3:5: warning: the tolerance of 'Robot/KNEEE/q' applies to nothing: neither trace has such a "
+            "channel (a golden's digest lists the names, for example SR1/RLEG_KNEE/q)\n");
 }
 
 }  // namespace

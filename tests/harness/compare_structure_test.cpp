@@ -91,7 +91,7 @@ TEST_F(Compare, TellsOfARowOfMissingTicksOnceAndOfTheOthersByNumber) {
   ASSERT_EQ(comparison.channels.size(), 1u);
   EXPECT_EQ(comparison.channels[0].missing, 4);
   EXPECT_EQ(comparison.first->note,
-            "ticks 2 to 4 are missing (after tick 1, before tick 5); with others later 4 in all");
+            "ticks 2 to 4 are missing (after tick 1, before tick 5); with later ticks 4 in all");
 }
 
 TEST_F(Compare, NamesATickByItsNumberWhereBothHaveAGap) {

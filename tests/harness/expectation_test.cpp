@@ -196,10 +196,9 @@ TEST_F(Expectations, AreOfEachSeriesThatMatches) {
   Expectation near_start = of("Robot/BASE/position/*");
   near_start.above = -1.0;
   near_start.below = 5.0;
-  EXPECT_EQ(
-      sentence(near_start),
-      "expected Robot/BASE/position/* above -1 m and below 5 m: Robot/BASE/position/x is 10 m at tick 0 (0 s); so "
-      "2 of 3 series");
+  EXPECT_EQ(sentence(near_start),
+            "expected Robot/BASE/position/* above -1 m and below 5 m: Robot/BASE/position/x is 10 m at tick 0 (0 s); "
+            "2 of 3 series violate this");
 }
 
 TEST_F(Expectations, TellEachNumberInTheUnitOfItsSeries) {

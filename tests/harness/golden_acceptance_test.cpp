@@ -72,7 +72,7 @@ TEST_F(GoldenAcceptance, OfTheSameNumbersByAnotherVersionOrScenarioIsOne) {
   EXPECT_THAT(history()[1].moved, ElementsAre(StartsWith(R"(note: rehearse was "0.1.0" and is "0.2.0")")));
   run.scenario = "rehearse: 1\n# other\n";
   place_golden(run);
-  EXPECT_THAT(history()[2].moved, ElementsAre("note: scenario.yaml is not what it was when the golden was recorded"));
+  EXPECT_THAT(history()[2].moved, ElementsAre("note: scenario.yaml has changed since the golden was recorded"));
 }
 
 TEST_F(GoldenAcceptance, TwiceAtTheSameTimeGivesTheSameBytes) {
@@ -167,7 +167,7 @@ TEST_F(GoldenAcceptance, RejectingRemovesTheRunAndItsPictures) {
 TEST_F(GoldenAcceptance, NamesWhatWaitsIfNothingWaitsByThatName) {
   place_pending(SmallTrace());
   ASSERT_FALSE(store_.accept_pending("Golden.Other"));
-  EXPECT_EQ(store_.accept_pending("Golden.Other").errors()[0].hint, "what waits: " + name_);
+  EXPECT_EQ(store_.accept_pending("Golden.Other").errors()[0].hint, "waiting: " + name_);
   EXPECT_FALSE(store_.reject("../pending/" + name_));
 }
 
@@ -178,7 +178,7 @@ TEST_F(GoldenAcceptance, RemovingTakesBothFilesOrNone) {
   place_golden(SmallTrace());
   write(store_.digest_file(name_), "notes of mine");
   ASSERT_FALSE(store_.remove(name_));
-  EXPECT_THAT(store_.remove(name_).errors()[0].message, HasSubstr("left alone"));
+  EXPECT_THAT(store_.remove(name_).errors()[0].message, HasSubstr("so they aren't removed"));
   fs::remove(store_.digest_file(name_));
   EXPECT_FALSE(store_.remove(name_));
   EXPECT_TRUE(store_.has(name_));

@@ -94,7 +94,7 @@ TEST_F(GoldenDamage, OfAnotherRobotSaysWhichChannelsAreMissing) {
   place_golden(other);
   const std::string message = settled();
   EXPECT_THAT(message, HasSubstr("/Robot/Laser/scan"));
-  EXPECT_THAT(message, HasSubstr("scenario.yaml is not what it was"));
+  EXPECT_THAT(message, HasSubstr("scenario.yaml has changed since"));
 }
 
 TEST_F(GoldenDamage, WithoutAChannelSaysWhich) {

@@ -44,7 +44,7 @@ const Broken refused[] = {
     {"model_absent", 18, "no model file '../models/nowhere.body'.*looked for"},
     {"model_unnamed", 15, "the body 'Thing' names no model file"},
     {"model_broken", 18, "the model 'body_joint_type_unknown.body' can't be used"},
-    {"variable_unknown", 18, "MY_MODELS.*isn't known.*only ..SHARE. and ..PROJECT_DIR."},
+    {"variable_unknown", 18, "MY_MODELS.*whose folder is unknown.*only ..SHARE. and ..PROJECT_DIR."},
     {"translation_of_two", 18, "initial_root_translation isn't a list of 3 numbers"},
     {"rotation_of_text", 18, "a rotation isn't a list of 4 numbers"},
     {"attitude_no_rotation", 15, "the initial attitude of 'Thing' is no rotation"},
@@ -62,9 +62,9 @@ const Broken refused[] = {
 
 const Broken remarked[] = {
     {"controller_of_another_kind", 20, "BodyMotionControllerItem 'Motion' is left out: only SimpleControllers are run"},
-    {"class_unknown", 15, "WindItem 'Wind' is left out: its class is not known here"},
+    {"class_unknown", 15, "WindItem 'Wind' is left out: its class is unknown"},
     {"sub_project", 15, "SubProjectItem 'Rest' is left out: a project within the project"},
-    {"key_twice", 18, "the key 'fix_root' stands twice; the last counts"},
+    {"key_twice", 18, "the key 'fix_root' appears twice; the last one counts"},
     {"without_simulator", 6, "the project has no simulator item.*--duration"},
     {"without_end", 18, "the project has no end; the scenario has 10 s.*--duration"},
 };

@@ -140,7 +140,7 @@ TEST_F(NoiseFloorTest, TellsThatItWasMeasuredWithAnotherVersion) {
 TEST_F(NoiseFloorTest, TellsThatItIsOfAnotherRecording) {
   small_.ticks[1].q = 0.6;
   golden_ = small_.load(folder_ / "other.mcap");
-  EXPECT_THAT(remarks(), ElementsAre(HasSubstr("around another recording than this golden")));
+  EXPECT_THAT(remarks(), ElementsAre(HasSubstr("for a different recording than this golden")));
 }
 
 TEST_F(NoiseFloorTest, OnAnotherProcessorIsTheSame) {

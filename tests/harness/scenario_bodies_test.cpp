@@ -328,7 +328,7 @@ TEST(ScenarioBodies, WarnsOfSensorsFasterThanTheSteps) {
   EXPECT_EQ(
       to_string(loaded(text).warnings).substr(to_string(loaded(text).warnings).find(":3:10")),
       ":3:10: warning: S/Eye is to measure at 2000 Hz, but there are 1000 steps in a second: it measures in each of "
-      "them (its update_rate stands in the model)\n");
+      "them (its update_rate is in the model)\n");
   EXPECT_THAT(to_string(loaded(text + "cameras: [S/Slow]\n").warnings), IsEmpty());
   EXPECT_THAT(to_string(loaded(text + "time_step: 0.0005\n").warnings), IsEmpty());
 }

@@ -71,8 +71,8 @@ TEST(SeriesPlot, OfOneLevelIsALineInTheMiddle) {
 TEST(SeriesPlot, LeavesOutWhatIsNoFiniteNumber) {
   const std::string text = plot(curve({0, nan, 2, inf}), curve({0, 1, 2, -inf}), std::nullopt, {24, 3});
   EXPECT_THAT(text, HasSubstr("2 ┤"));
-  EXPECT_THAT(plot(curve({nan}), curve({inf}), 0.0), HasSubstr("no number in either of them can be drawn"));
-  EXPECT_THAT(plot({}, {}, std::nullopt), HasSubstr("no number"));
+  EXPECT_THAT(plot(curve({nan}), curve({inf}), 0.0), HasSubstr("neither curve has a number that can be drawn"));
+  EXPECT_THAT(plot({}, {}, std::nullopt), HasSubstr("neither curve has a number"));
 }
 
 TEST(SeriesPlot, EndsWhereACurveEnds) {

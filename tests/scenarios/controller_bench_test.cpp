@@ -182,7 +182,7 @@ TEST_F(SteeredBench, HasNoJoystickIfTheTestSaysSo) {
   const auto bench = steered(false);
   EXPECT_THAT(bench->messages(), Contains("not ready, 0 axes, 0 buttons"));
   EXPECT_THROW(bench->axis("L_STICK_V"), std::logic_error);
-  EXPECT_THAT(thrown_by([&] { bench->button("A"); }), HasSubstr("the bench say that there is no joystick"));
+  EXPECT_THAT(thrown_by([&] { bench->button("A"); }), HasSubstr("the bench exclude a joystick"));
 }
 
 TEST_F(SteeredBench, KeepsItsJoystickToItselfBesideAnother) {

@@ -190,7 +190,7 @@ TEST_F(GoldenAssertion, NeedsNoGoldenToHold) {
 TEST_F(GoldenAssertion, DoesNotHoldNothing) {
   const TestVerdict verdict = internal::hold_expectations(fall(), "Box.Falls");
   EXPECT_FALSE(verdict.passed);
-  EXPECT_THAT(verdict.message, HasSubstr("expects nothing of a run"));
+  EXPECT_THAT(verdict.message, HasSubstr("the scenario has no expectations"));
 }
 
 TEST_F(GoldenAssertion, NamesThePartThatChanged) {
@@ -198,7 +198,7 @@ TEST_F(GoldenAssertion, NamesThePartThatChanged) {
   const TestVerdict verdict = match(fall(1.0, push));
   EXPECT_FALSE(verdict.passed);
   EXPECT_THAT(verdict.message, ::testing::StartsWith("physics changed"));
-  EXPECT_THAT(verdict.message, HasSubstr("it is because of scenario.yaml: as recorded, it agrees"));
+  EXPECT_THAT(verdict.message, HasSubstr("the cause is scenario.yaml: with the recorded version, the world agrees"));
   EXPECT_THAT(verdict.message, HasSubstr("\n  controller on recorded inputs: skipped; world under recorded commands: "
                                          "skipped; closed loop: differs\n"));
   EXPECT_THAT(verdict.message, HasSubstr("\n  stage "));

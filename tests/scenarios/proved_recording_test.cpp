@@ -133,7 +133,7 @@ TEST_F(ProvedRecording, ThatWasWrongFailsLoudlyIfTheTestIsInTheSample) {
     swing();
     FAIL() << "the proof wasn't tested";
   } catch (const std::runtime_error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("the proof was wrong: by it nothing has changed since "));
+    EXPECT_THAT(error.what(), HasSubstr("the proof was wrong: it found no change since "));
   }
 }
 

@@ -122,10 +122,10 @@ TEST_F(TestReports, ShowAReplayThatDiffersBesideItsGolden) {
   std::filesystem::remove(controller);
   std::filesystem::copy_file(sources / "HingePdChanged.so", controller);
   const TestVerdict verdict = internal::replay_golden("Arm.Swings", "Arm.Repeats");
-  EXPECT_THAT(verdict.message, HasSubstr("commands something else in 430 of 500 ticks, first at tick 70"));
+  EXPECT_THAT(verdict.message, HasSubstr("commands differ in 430 of 500 ticks, first at tick 70"));
   EXPECT_THAT(verdict.message, ContainsRegex("\nin a browser: file:///.*/traces/Arm.Repeats.replay.html#tick=70\n"
                                              "all tests: file:///.*/traces/index.html$"));
-  EXPECT_THAT(text_of(traces("Arm.Repeats.replay.html")), HasSubstr("commands something else in 430 of 500 ticks"));
+  EXPECT_THAT(text_of(traces("Arm.Repeats.replay.html")), HasSubstr("commands differ in 430 of 500 ticks"));
   EXPECT_THAT(text_of(traces("index.html")),
               ContainsRegex("<tr class=\"differs\">.*Arm.Repeats</a><br><small>replay</small>"));
 }

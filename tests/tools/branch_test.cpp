@@ -40,7 +40,7 @@ TEST_F(Branch, IsItsSourceWithoutAChange) {
   const Outcome outcome = done({"record", "--from-checkpoint", "sr1.mcap@tick:50"});
   EXPECT_THAT(outcome.out, StartsWith("branched off sr1.mcap at tick 50 (0.05 s): "));
   EXPECT_THAT(outcome.out,
-              HasSubstr("\nbefore it the controllers, on the recorded inputs, did what they did, bit for bit\n"));
+              HasSubstr("\nbefore it the controllers, on the recorded inputs, repeat their commands bit for bit\n"));
   EXPECT_THAT(outcome.out, HasSubstr("\n50 ticks simulated from there"));
   EXPECT_THAT(done({"diff", "sr1.mcap", "sr1.branch.mcap"}).out, StartsWith("equal bit for bit"));
   EXPECT_THAT(done({"info", "sr1.branch.mcap"}).out, HasSubstr("rehearse.branch"));
@@ -75,7 +75,7 @@ TEST_F(Branch, IsAGoldenLikeAnyOther) {
 TEST_F(Branch, TellsWhatIsWrongWithItsWords) {
   record_sr1();
   expect_refused({"replay", "sr1.mcap", "--set", "SR1/RLEG_KNE/q=1"},
-                 "error: there is no input 'SR1/RLEG_KNE/q'; near it: SR1/RLEG_KNEE/q");
+                 "error: there is no input 'SR1/RLEG_KNE/q'; similar inputs: SR1/RLEG_KNEE/q");
   expect_refused({"record", "--from-checkpoint", "sr1.mcap"}, "error: --from-checkpoint: that names no moment");
   expect_refused({"record", "--from-checkpoint", "sr1.mcap@7s"},
                  "sr1.mcap: error: its last whole tick is 99 (0.099 s)");

@@ -74,7 +74,7 @@ TEST_F(Cat, GivesBytesOfWhatItDoesNotDecode) {
   EXPECT_EQ(lines[0].at("schema"), "foo.Bar");
   EXPECT_FALSE(lines[0].contains("error"));
   EXPECT_EQ(lines[1].at("data"), "AAEAAAc=");
-  EXPECT_THAT(lines[1].at("error"), HasSubstr("schema a/msg/B:1: error: type Unknown is used and not defined"));
+  EXPECT_THAT(lines[1].at("error"), HasSubstr("schema a/msg/B:1: error: type Unknown is used but not defined"));
   EXPECT_EQ(lines[2].at("error"), "the payload ends at byte 8, within header/stamp/nanosec");
   EXPECT_EQ(lines[3].at("data"), "");
   EXPECT_EQ(lines[3].at("schema"), nullptr);
@@ -148,7 +148,7 @@ TEST_F(Cat, RefusesBadUsage) {
   EXPECT_THAT(refusal({"--limit", "0"}), HasSubstr("--limit"));
   EXPECT_EQ(rehearse({"cat", "nowhere.mcap"}).status, 2);
   EXPECT_THAT(shell("cat mixed.mcap | " + command.string() + " cat - --ticks 1..2").err,
-              HasSubstr("ticks can't be chosen from a pipe"));
+              HasSubstr("ticks can't be selected from a pipe"));
 }
 
 }  // namespace

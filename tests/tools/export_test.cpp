@@ -164,7 +164,7 @@ TEST_F(Export, JoinsAllSeriesByTick) {
 TEST_F(Export, JoinsNothingWithoutTicks) {
   const Outcome outcome = rehearse({"export", "run.mcap", "-o", "all.csv", "--joined", "--topics", "/Robot/joints"});
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("nothing that is chosen is a tick"));
+  EXPECT_THAT(outcome.err, HasSubstr("no selected message is a tick"));
   EXPECT_FALSE(exists("all.csv"));
 }
 
@@ -216,7 +216,7 @@ TEST_F(Export, KeepsTheValuesOfEveryEncoding) {
   EXPECT_EQ(outcome.status, 2);
   EXPECT_THAT(outcome.err, HasSubstr("topic /yuv: pictures of encoding 'yuv422' can't be written"));
   EXPECT_THAT(outcome.err,
-              HasSubstr("a picture says 1000 x 1000 pixels of rgb8 in rows of 3000 bytes, and has 4 bytes"));
+              HasSubstr("a picture states 1000 x 1000 pixels of rgb8 in rows of 3000 bytes, but has 4 bytes"));
   for (const Case& c : cases) {
     std::vector<int> twice = c.samples;
     twice.insert(twice.end(), c.samples.begin(), c.samples.end());
@@ -229,7 +229,7 @@ TEST_F(Export, ReplacesItsOwnKindOnly) {
   write("tables/events.csv", "mine,not yours\n");
   const Outcome refused = rehearse({"export", "run.mcap", "-o", "tables"});
   EXPECT_EQ(refused.status, 2);
-  EXPECT_THAT(refused.err, HasSubstr("won't replace tables/events.csv: it exists and is no table of ours"));
+  EXPECT_THAT(refused.err, HasSubstr("won't replace tables/events.csv: it exists and is no table of Rehearse"));
   EXPECT_FALSE(exists("tables/Robot_joints.csv")) << "nothing is written then";
   fs::remove(folder() / "tables/events.csv");
   done({"export", "run.mcap", "-o", "tables"});
@@ -273,8 +273,9 @@ TEST_F(Export, SaysWhyThereIsNoVideo) {
     return outcome.err;
   };
   const std::string failing = fake_ffmpeg("printf half > half.mp4; exit 3");
-  EXPECT_THAT(refusal({"a.mp4"}, failing),
-              HasSubstr("a video is of one topic with pictures; /Robot/Camera/image, /Robot/Camera/depth are chosen"));
+  EXPECT_THAT(
+      refusal({"a.mp4"}, failing),
+      HasSubstr("a video is of one topic with pictures; /Robot/Camera/image, /Robot/Camera/depth are selected"));
   EXPECT_THAT(refusal({"a.avi", "--topics", "*image"}, failing), HasSubstr("'.avi' is no kind of video"));
   EXPECT_THAT(refusal({"half.mp4", "--topics", "*image"}, failing), HasSubstr("ffmpeg could not make the video"));
   EXPECT_FALSE(exists("half.mp4"));

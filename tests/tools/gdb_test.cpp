@@ -465,7 +465,7 @@ TEST_F(GdbRefusal, OfATickBeyondTheEnd) {
 TEST_F(GdbRefusal, OfAControllerThatIsNotThere) {
   done({"record", pendulum(LOOKED_AT).string()});
   EXPECT_EQ(refusal({"replay", "pendulum.mcap", "--gdb=Walker"}),
-            "error: --gdb=Walker: there is no such controller (there is: Pendulum/Swing)\n");
+            "error: --gdb=Walker: the run has no controller of that name (controllers: Pendulum/Swing)\n");
   EXPECT_EQ(refusal({"record", box_scenario.string(), "--gdb"}),
             "error: --gdb stops in a controller, and this run has none\n");
 }

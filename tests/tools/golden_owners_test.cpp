@@ -46,7 +46,7 @@ TEST_F(GoldenOwners, ListKnowsTheTestsThatRan) {
 TEST_F(GoldenOwners, PruneAsksForARunOfTheTests) {
   const Outcome refused = rehearse({"golden", "prune", "--yes"});
   EXPECT_EQ(refused.status, 2);
-  EXPECT_THAT(refused.err, HasSubstr("known from a run of them alone"));
+  EXPECT_THAT(refused.err, HasSubstr("only a run of the tests shows the goldens that they name"));
   EXPECT_THAT(refused.err, HasSubstr("--tests PROGRAM"));
   EXPECT_EQ(rehearse({"golden", "prune", "--yes", "--tests", "/bin/true"}).status, 2);
   EXPECT_EQ(rehearse({"golden", "prune", "--yes", "--tests", "no-such-program"}).status, 2);

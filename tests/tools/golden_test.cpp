@@ -152,7 +152,7 @@ TEST_F(GoldenVerbs, ReviewOnATerminalRejectsSkipsShowsAndQuits) {
   const std::string golden = read_file(folder() / golden_file);
   const Outcome skipped = on_terminal({"golden", "review"}, {"d", "s"});
   EXPECT_EQ(skipped.status, 1);
-  EXPECT_THAT(skipped.out, HasSubstr("what moved\n  /Box/Box/pose position/z: 0.1 m at tick 0"));
+  EXPECT_THAT(skipped.out, HasSubstr("changes\n  /Box/Box/pose position/z: 0.1 m at tick 0"));
   EXPECT_THAT(skipped.out, HasSubstr("1 run waits on"));
   EXPECT_EQ(on_terminal({"golden", "review"}, {"q"}).status, 1);
   EXPECT_EQ(on_terminal({"golden", "review"}, {"\x03"}).status, 1);  // Ctrl-C

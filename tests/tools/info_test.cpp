@@ -105,7 +105,7 @@ TEST_F(InfoOfAnyFile, MakesNoPassOverALargeFile) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("size         10.0 GB\n"));
   EXPECT_THAT(outcome.out, HasSubstr("messages     " + std::to_string(large.messages()) + " in 30 channels\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("as the file's summary says it; --full reads all of it"));
+  EXPECT_THAT(outcome.out, HasSubstr("from the file's summary; --full reads the whole file"));
   EXPECT_THAT(outcome.out, Not(HasSubstr("payload ")));
   const nlohmann::json info = done({"info", "large.mcap", "--json"}).json();
   EXPECT_EQ(info["read"], "summary");

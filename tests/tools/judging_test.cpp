@@ -248,7 +248,7 @@ TEST_F(Diff, WarnsOfATolerancesChannelThatNeitherTraceHas) {
   write("loose.yaml", "tolerances:\n  - {channel: \"SR1/*/q\", atol: 1}\n  - {channel: \"SR1/*/qq\", atol: 1}\n");
   const Outcome outcome = done({"diff", "a.mcap", "a.mcap", "--tolerances", "loose.yaml"});
   EXPECT_THAT(outcome.out, StartsWith("equal bit for bit: "));
-  EXPECT_THAT(outcome.out, HasSubstr("\n  loose.yaml:3:15: warning: the tolerance of 'SR1/*/qq' holds for nothing"));
+  EXPECT_THAT(outcome.out, HasSubstr("\n  loose.yaml:3:15: warning: the tolerance of 'SR1/*/qq' applies to nothing"));
   const nlohmann::json report = done({"diff", "a.mcap", "a.mcap", "--tolerances", "loose.yaml", "--json"}).json();
   EXPECT_EQ(report["warnings"].size(), 1u);
 }

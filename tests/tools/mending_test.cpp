@@ -33,7 +33,7 @@ class Mending : public Command {
 
 TEST_F(Mending, DoctorFindsNothingWrongWithARecording) {
   const Outcome outcome = done({"doctor", "run.mcap"});
-  EXPECT_THAT(outcome.out, HasSubstr("run.mcap: nothing to find fault with; "));
+  EXPECT_THAT(outcome.out, HasSubstr("run.mcap: no findings; "));
   const auto json = done({"doctor", "run.mcap", "--json"}).json();
   EXPECT_EQ(json["errors"], 0);
   EXPECT_TRUE(json["findings"].empty());
@@ -105,7 +105,7 @@ TEST_F(Mending, ACutRecordingSaysWhyItIsNotReplayed) {
   done({"filter", "run.mcap", "-o", "late.mcap", "--ticks", "10.."});
   const Outcome outcome = rehearse({"replay", "late.mcap"});
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("its first tick is 10: what was before isn't in it"));
+  EXPECT_THAT(outcome.err, HasSubstr("its first tick is 10: the ticks before are missing"));
   done({"filter", "run.mcap", "-o", "early.mcap", "--ticks", "..20"});
   EXPECT_EQ(rehearse({"replay", "early.mcap"}).status, 0);
 }
@@ -119,7 +119,7 @@ TEST_F(Mending, MergeOfPartsIsTheWholeAgain) {
   ASSERT_EQ(replayed.status, 0) << replayed.err;
   EXPECT_EQ(replayed.json()["equal"], true);
   done({"merge", "run.mcap", "whole.mcap", "-o", "twice.mcap"});
-  EXPECT_THAT(rehearse({"replay", "twice.mcap"}).err, HasSubstr("it holds several recordings"));
+  EXPECT_THAT(rehearse({"replay", "twice.mcap"}).err, HasSubstr("it contains several recordings"));
 }
 
 TEST_F(Mending, NeitherReplacesItsInputNorAnotherKindOfFile) {

@@ -49,7 +49,7 @@ TEST_F(GoldenNoise, LeavesNothingBehindWhenItIsStopped) {
   const Outcome outcome =
       run("/bin/sh", {"-c", script, "sh", command.string(), "golden", "noise", "stands.yaml", "--patterns", "500"});
   EXPECT_EQ(outcome.status, 130) << outcome.out;
-  EXPECT_THAT(outcome.err, HasSubstr("rehearse golden: interrupted by SIGINT; what was begun is removed"));
+  EXPECT_THAT(outcome.err, HasSubstr("rehearse golden: interrupted by SIGINT; incomplete results are removed"));
   EXPECT_TRUE(fs::is_empty(folder() / "rehearse-pending/noise"));
 }
 
@@ -67,7 +67,7 @@ TEST_F(GoldenNoise, IsNotKeptOfARunThatIsNotItsGolden) {
   const std::string scenario = read_file(folder() / "stands.yaml");
   write("stands.yaml", scenario + "gravity: [0, 0, -9.9]\n");
   EXPECT_THAT(done({"golden", "noise", "stands.yaml"}).out,
-              HasSubstr("not kept: the run is not what its golden is: check it first\n"));
+              HasSubstr("not kept: the run differs from its golden: check it first\n"));
   write("stands.yaml", scenario);
   EXPECT_THAT(done({"golden", "noise", "stands.yaml", "--duration", "0.05"}).out,
               HasSubstr("not kept: it was measured over another duration\n"));

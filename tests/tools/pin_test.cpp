@@ -148,8 +148,8 @@ TEST_F(Pin, ThatDiffersIsSaidByCheckAndReplay) {
   if (replayed.status == 0) GTEST_SKIP() << "this processor rounds as a pinned process does";
   EXPECT_EQ(replayed.status, 1);
   EXPECT_THAT(replayed.err,
-              HasSubstr("warning: this process may round otherwise than the one that recorded: pinned was "
-                        "\"yes\" and is \"no (REHEARSE_PIN=off)\" (last bits may differ for that alone; "));
+              HasSubstr("warning: this process may round differently than the process that recorded: pinned was "
+                        "\"yes\" and is \"no (REHEARSE_PIN=off)\" (last bits may differ for this reason alone; "));
 }
 
 }  // namespace

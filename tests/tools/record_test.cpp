@@ -55,14 +55,15 @@ TEST_F(Record, WritesIntoAPipeOnlyWhatItDoesNotReadAgain) {
   const Outcome judged =
       run(command, {"record", "box.yaml", "-o", "trace"}, "sh -c 'mkfifo trace; exec timeout 20 \"$@\"' sh ");
   EXPECT_EQ(judged.status, 2);
-  EXPECT_EQ(judged.err, "error: trace can't be read again, as what the scenario expects needs it (write a file)\n");
+  EXPECT_EQ(judged.err, "error: trace can't be read again, as the check of expectations needs it (write a file)\n");
 }
 
 TEST_F(Record, MakesNoFileOfTheNameOfStandardOutput) {
   const Outcome outcome = rehearse({"record", box_scenario.string(), "-o", "-"});
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_EQ(outcome.err,
-            "error: '-' is no file: nothing is written to standard output (name a file; './-' is one of that name)\n");
+  EXPECT_EQ(
+      outcome.err,
+      "error: '-' is no file: nothing is written to standard output (name a file; './-' is a file of that name)\n");
   EXPECT_FALSE(exists("-"));
 }
 
@@ -71,7 +72,7 @@ TEST_F(Record, IsRefusedAFileThatAnotherOneWrites) {
       run(command, {"record", box_scenario.string(), "--duration", "5000", "-o", "box.mcap"},
           "sh -c 'timeout -s INT 2 \"$@\" > first.txt 2>&1 & sleep 0.8; \"$@\"; status=$?; wait; exit $status' sh ");
   EXPECT_EQ(both.status, 2);
-  EXPECT_THAT(both.err, HasSubstr("box.mcap: error: another writer is at this file (name another file, or wait)"));
+  EXPECT_THAT(both.err, HasSubstr("box.mcap: error: another writer has opened this file (name another file, or wait)"));
   EXPECT_THAT(read_file(folder() / "first.txt"), HasSubstr("interrupted by SIGINT")) << "the first one goes on";
   done({"info", "box.mcap"});
 }

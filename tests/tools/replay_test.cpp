@@ -101,7 +101,8 @@ TEST_F(Replay, RefusesATruncatedTrace) {
   EXPECT_EQ(outcome.status, 2);
   EXPECT_EQ(outcome.out, "");
   EXPECT_THAT(outcome.err, ContainsRegex("^sr1.mcap: error: truncated at byte [0-9]+"));
-  EXPECT_THAT(outcome.err, HasSubstr("(rehearse recover makes a whole file of what is there)")) << "what to do next";
+  EXPECT_THAT(outcome.err, HasSubstr("(rehearse recover makes a whole file of the undamaged data)"))
+      << "what to do next";
 }
 
 TEST_F(Replay, RefusesATraceWithOneFlippedBit) {

@@ -171,7 +171,7 @@ TEST_F(ReplayTicks, AMistakeHasACaretBelow) {
   EXPECT_EQ(outcome.out, "");
   EXPECT_THAT(outcome.err, ContainsRegex("^error: there is no series 'RLEG_KNEEE/q' \\(did you mean 'RLEG_KNEE/q'.*\n"
                                          "  tick > 5 && RLEG_KNEEE/q > 1\n              \\^\n$"));
-  EXPECT_THAT(looks({"--when", "tick + 1"}).err, HasSubstr("--when takes what is true or false"));
+  EXPECT_THAT(looks({"--when", "tick + 1"}).err, HasSubstr("--when takes a condition"));
 }
 
 TEST_F(ReplayTicks, WhatDoesNotGoTogetherIsRefused) {
@@ -212,7 +212,8 @@ TEST_F(ReplayTicks, APartOfARecordingIsShownAsItWasRecorded) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("\nnot replayed: commands are those of the recording\n"));
   EXPECT_THAT(outcome.err, HasSubstr("controllers can't begin in the middle"));
-  EXPECT_THAT(outcome.err, HasSubstr("it begins at tick 50: what touched before isn't in it, only what changes since"));
+  EXPECT_THAT(outcome.err,
+              HasSubstr("it begins at tick 50: it lacks earlier contacts, and has only later changes of contact"));
   EXPECT_THAT(rehearse({"replay", "part.mcap", "--tick", "3"}).err,
               HasSubstr("there is no tick 3: the first is 50 (0.05 s)"));
 }
@@ -232,7 +233,7 @@ TEST_F(ReplayTicks, ALibraryThatIsGoneLeavesWhatWasRecorded) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("\nnot replayed: commands are those of the recording\n"));
   EXPECT_THAT(outcome.err,
-              HasSubstr("warning: the controllers can't be replayed: what is shown is what was recorded\n"));
+              HasSubstr("warning: the controllers can't be replayed: all shown values are recorded ones\n"));
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ TEST_F(ReportVerb, OfACutRecordingSaysWhatIsLost) {
   fs::resize_file(folder() / "box.mcap", fs::file_size(folder() / "box.mcap") * 2 / 3);
   const Outcome outcome = with_page({"report", "box.mcap"});
   EXPECT_EQ(outcome.status, 0);
-  EXPECT_THAT(outcome.err, HasSubstr("box.mcap: note: The recording is not whole"));
+  EXPECT_THAT(outcome.err, HasSubstr("box.mcap: note: The recording is incomplete"));
 }
 
 TEST_F(ReportVerb, RefusesWhatItCanNotShow) {

@@ -63,7 +63,7 @@ TEST_F(Step, SearchesInBothDirections) {
   record_sr1();
   EXPECT_EQ(last("until tick > 30\n"), "tick 31, 0.031 s");
   EXPECT_EQ(last("g 90\nback until tick < 31\n"), "tick 30, 0.03 s");
-  EXPECT_THAT(last("until tick > 300\n"), StartsWith("it doesn't begin to hold after here; still at tick 0"));
+  EXPECT_THAT(last("until tick > 300\n"), StartsWith("it doesn't become true after here; still at tick 0"));
 }
 
 TEST_F(Step, ContinuesToWhereSomethingHappens) {
@@ -101,7 +101,7 @@ TEST_F(Step, ShowsATickAsReplayDoes) {
   EXPECT_THAT(step("g 50\ncontacts\n").out, HasSubstr("Floor/Floor touches SR1/RLEG_ANKLE_R\n"));
   EXPECT_THAT(last("g 50\ndiff\n"), "the replay gives the same bits as the recording");
   EXPECT_THAT(last("g 50\ndiff\n", with_changed_gain()), StartsWith("  SR1/SR1Minimum/output/RLEG_KNEE/u: replayed "));
-  EXPECT_EQ(last("g 50\nmessages\n"), "nothing was said in tick 50");
+  EXPECT_EQ(last("g 50\nmessages\n"), "there is no message in tick 50");
 }
 
 TEST_F(Step, PlotsASeriesAroundTheTick) {

@@ -274,7 +274,8 @@ TEST_F(Sweep, ComparesTwoCampaignsCaseByCase) {
   EXPECT_GT(change["broken"].get<int>(), 5);
   EXPECT_LT(change["p"].get<double>(), 0.05);
   rehearse({"sweep", "box.yaml", "--cases", "40", "-o", "smaller"});
-  EXPECT_THAT(rehearse({"sweep", "report", "after", "--against", "smaller"}).err, HasSubstr("plan isn't that of"));
+  EXPECT_THAT(rehearse({"sweep", "report", "after", "--against", "smaller"}).err,
+              HasSubstr("plan differs from that of"));
 }
 
 TEST_F(Sweep, ShrinksAFailingCaseToAScenario) {
@@ -323,7 +324,7 @@ TEST_F(Sweep, RefusesWhatItCantContinue) {
     EXPECT_THAT(outcome.err, HasSubstr(message));
   };
   refused({"sweep", "box.yaml", "--cases", "20", "-o", "run"}, "there is a campaign in this folder");
-  refused({"sweep", "box.yaml", "--cases", "20", "-o", "."}, "there is something else in this folder");
+  refused({"sweep", "box.yaml", "--cases", "20", "-o", "."}, "the folder contains other files");
   refused({"sweep", "box.yaml", "-o", "new"}, "number of cases isn't stated");
   refused({"sweep", box_scenario.string(), "--cases", "5", "-o", "new"}, "varies nothing");
   refused({"sweep", "status", "nowhere"}, "no campaign.json");

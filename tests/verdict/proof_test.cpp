@@ -60,7 +60,7 @@ TEST_P(FixtureProof, IsWhatTheSimulationGives) {
   EXPECT_EQ(proved->plant, LevelState::proved);
   EXPECT_EQ(proved->closed, LevelState::proved);
   EXPECT_THAT(proved->verdict, StartsWith("proved without simulating: the world is the one that made the golden, and "
-                                          "the controllers command what they commanded"));
+                                          "the controllers repeat its commands"));
   EXPECT_EQ(proved->simulated_from, std::nullopt);
   ASSERT_EQ(proved->expectations.size(), simulated->expectations.size());
   for (std::size_t i = 0; i < proved->expectations.size(); ++i) {
@@ -207,8 +207,7 @@ TEST_F(Proof, ThatWasWrongFailsLoudlyIfTheCheckIsInTheSample) {
   const auto report = robot_.check(options_, {broken_record, run_plant, describe_plant, record_from});
   ASSERT_TRUE(report.ok());
   EXPECT_FALSE(report->within());
-  EXPECT_THAT(report->verdict,
-              StartsWith("the proof was wrong: by it nothing has changed since the golden, but simulated"));
+  EXPECT_THAT(report->verdict, StartsWith("the proof was wrong: it found no change since the golden, but simulated"));
 }
 
 /// `rehearse check` of one scenario, which an earlier check has simulated.

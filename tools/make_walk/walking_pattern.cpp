@@ -33,7 +33,7 @@ constexpr std::array<std::pair<std::string_view, double>, 2> arm_posture{
 
 std::string joint_name(Side side, std::string_view name) { return (side == left ? "L" : "R") + std::string(name); }
 
-/// What the body has to do at a moment, in the world frame with the floor at z = 0.
+/// The goals of the body at a moment, in the world frame with the floor at z = 0.
 struct Goal {
   std::array<Vector3d, 2> ankles;  // by Side [m]
   Vector2d zmp;                    // [m]

@@ -5,7 +5,7 @@ constexpr double start = -0.785398;  // [rad]
 TEST(Hold, ComesBackAfterAPush) {
   const rehearse::Trace trace = rehearse::record("scenarios/hold.yaml");
   EXPECT_LT(trace.min("Arm/SHOULDER/q"), start - 0.05);  // it was pushed [rad]
-  EXPECT_HOLDS(trace);                                   // what the scenario expects
+  EXPECT_HOLDS(trace);                                   // the scenario's expectations
   EXPECT_MATCHES_GOLDEN(trace);
 }
 

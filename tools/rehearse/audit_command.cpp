@@ -33,7 +33,7 @@ struct AuditSettings {
 const char* words_for(Factor factor) {
   switch (factor) {
     case Factor::nothing: return "nothing: run again as it is";
-    case Factor::memory: return "what fresh and freed memory holds";
+    case Factor::memory: return "content of fresh and freed memory";
     case Factor::addresses: return "addresses";
     case Factor::environment: return "environment variables";
     case Factor::machine: return "processors, host, load, terminal, user";
@@ -112,7 +112,7 @@ Exit run_audit(AuditSettings& settings) {
     return refuse(error("-o is the recording that --virtualise makes", "add --virtualise, or use rehearse record"));
   const std::string kind = fs::path(settings.subject).extension().string();
   if (!settings.output.empty() && kind != ".yaml" && kind != ".yml")
-    return refuse(error("-o is a new recording, and that takes a scenario; " + settings.subject + " is one already"));
+    return refuse(error("-o is a new recording, which needs a scenario; " + settings.subject + " is a recording"));
   if (!settings.output.empty())
     if (const auto allowed = check_replaceable(settings.output, mcap_magic, "trace"); !allowed)
       return refuse(allowed.errors());
@@ -162,7 +162,7 @@ std::function<Exit()> declare_audit(CLI::App& options) {
   add_integer(options, "--seed", "of the random numbers that replace the system's (1)", 0,
               std::numeric_limits<std::uint32_t>::max(),
               [=](std::int64_t seed) { settings->audit.seed = static_cast<std::uint64_t>(seed); });
-  options.add_flag("-v,--verbose", settings->verbose, "also what its library could call, and didn't");
+  options.add_flag("-v,--verbose", settings->verbose, "also list functions that its library could call, and didn't");
   add_host_options(options, settings->audit);
   add_json_flag(options, settings->json);
   // options for child processes: in no group, so that --help doesn't list them

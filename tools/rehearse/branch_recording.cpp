@@ -23,7 +23,7 @@ void tell(const BranchSettings& settings, const BranchSummary& branch, double se
   const ReplayReport& before = branch.before;
   if (before.ticks > 0)
     fmt::print("before it the controllers, on the recorded inputs, {}\n",
-               before.equal() ? "did what they did, bit for bit" : "differ first at " + to_string(*before.first));
+               before.equal() ? "repeat their commands bit for bit" : "differ first at " + to_string(*before.first));
   fmt::print("{} simulated from there, in {:.2f} s\n", count_text(branch.run.ticks - branch.tick, "tick"), seconds);
   fmt::print("{}, {}, {}{} in {}\n", count_text(branch.run.ticks, "tick"), count_text(branch.run.channels, "channel"),
              count_text(branch.run.frames, "camera frame"),
@@ -43,7 +43,7 @@ void add_branch_options(CLI::App& options, BranchSettings& settings) {
              [&settings](double until) { settings.options.until = until; });
   options
       .add_option("--set", settings.options.set,
-                  "of a branch: alter what controllers read, as 'Walker/KNEE/q+=0.05@3.2s..3.4s'; repeatable")
+                  "of a branch: alter inputs of controllers, as 'Walker/KNEE/q+=0.05@3.2s..3.4s'; repeatable")
       ->type_name("SERIES=VALUE")
       ->allow_extra_args(false);
   options

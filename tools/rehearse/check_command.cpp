@@ -353,20 +353,20 @@ std::function<Exit()> declare_check(CLI::App& options) {
             take_levels(levels, settings->check);
             settings->has_levels = true;
           },
-          "what to compare: controller (recorded inputs, no physics), plant (recorded commands, no controller), closed "
-          "(the whole loop); all three if not given")
+          "the levels to compare: controller (recorded inputs, no physics), plant (recorded commands, no controller), "
+          "closed (the whole loop); all three if not given")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->type_name("LEVEL");
   options.add_flag(
       "--simulate", settings->simulate,
-      "simulate also what is proved: that the world is the one that made the golden. REHEARSE_PROOF=off does "
-      "so, too; REHEARSE_PROOF=sample:20 in a fifth of the checks");
+      "simulate even if it is proved that the world is the one that made the golden. REHEARSE_PROOF=off has the same "
+      "effect; REHEARSE_PROOF=sample:20 in a fifth of the checks");
   add_integer(options, "-j,--jobs",
               "scenarios to check at a time, each in a process of its own (one for each processor)", 1, 1024,
               [=](std::int64_t jobs) { settings->jobs = jobs; });
   options.add_flag("--no-report", settings->no_report,
-                   "of a run that differs, write no HTML beside its trace to look at it in a browser");
+                   "write no report for a browser (HTML) beside the trace of a run that differs");
   options.add_option("--junit", settings->junit, "write the verdicts as JUnit's XML, for continuous integration")
       ->type_name("FILE");
   options.add_flag("--github", settings->github,

@@ -43,7 +43,7 @@ MeshPart part_of(const ConvexHull& hull, int object, const Color& color) {
   return part;
 }
 
-/// The mesh as contacts take it.
+/// The geometry that contacts use for the mesh.
 Mesh visible(const Mesh& mesh, Palette& palette) {
   MeshData data = *mesh.data;
   if (mesh.hulls) {

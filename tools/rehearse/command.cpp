@@ -21,12 +21,12 @@ namespace rehearse::tool {
 namespace {
 
 constexpr VerbSummary verbs[] = {
-    {"record", "run a scenario in closed loop and record all that passes", Program::simulate},
+    {"record", "run a scenario in closed loop and record the whole run", Program::simulate},
     {"check", "run scenarios and compare them with their goldens", Program::simulate},
     {"replay", "feed a recording's inputs to its controllers, without physics, and compare their commands",
      Program::rehearse},
     {"step", "go through a recording tick by tick, backwards as well, and look at all of it", Program::rehearse},
-    {"diff", "compare two traces; what differs first, first", Program::rehearse},
+    {"diff", "compare two traces and list their differences, the first one first", Program::rehearse},
     {"report", "one HTML file to look at a run in a browser: robot, plots, pictures, and its golden beside it",
      Program::rehearse, Rounding::is_none},
     {"golden", "list the goldens; review, accept or reject the runs that wait to be one; measure noise",
@@ -34,16 +34,16 @@ constexpr VerbSummary verbs[] = {
     {"sweep", "run many variations of a scenario, report which fail and why, and shrink a failing one",
      Program::simulate},
     {"audit", "is a controller a function of its inputs, and if not, what else does it depend on", Program::audit},
-    {"info", "what stands in a trace", Program::rehearse, Rounding::is_none},
+    {"info", "print duration, channels, metadata and events of a trace", Program::rehearse, Rounding::is_none},
     {"cat", "print the messages of a trace, one a line", Program::rehearse, Rounding::is_none},
     {"export", "write a trace as tables (CSV), pictures or a video", Program::rehearse, Rounding::is_none},
     {"filter", "write a part of a trace: topics, a span of time, of ticks", Program::rehearse, Rounding::is_none},
     {"merge", "write several traces into one, in the order of time", Program::rehearse, Rounding::is_none},
-    {"recover", "save what can be saved of a trace that is cut or damaged", Program::rehearse, Rounding::is_none},
+    {"recover", "save the readable messages of a trace that is cut or damaged", Program::rehearse, Rounding::is_none},
     {"map", "write a first map from a robot's log to the inputs of a controller", Program::rehearse, Rounding::is_none},
     {"import", "write the scenario that a project of Choreonoid (.cnoid) runs", Program::rehearse, Rounding::is_none},
     {"doctor", "find all that is wrong with trace files, each with its place", Program::rehearse, Rounding::is_none},
-    {"inspect", "load a robot model and report what was understood of it", Program::rehearse},
+    {"inspect", "load a robot model and report its contents and findings", Program::rehearse},
     {"render", "draw a picture of a scenario or a model", Program::simulate},
     {"new", "begin a repository of your own: a controller, its scenario, its tests", Program::rehearse,
      Rounding::is_none},
@@ -109,8 +109,8 @@ std::string overview() {
   for (const VerbSummary& verb : verbs) text += fmt::format("  {:<9}{}\n", verb.name, verb.summary);
   const auto paragraph = [&](std::string_view sentences) { text += "\n" + wrapped(sentences, 100, 0) + "\n"; };
   paragraph(
-      "--no-pin, or REHEARSE_PIN=off in the environment: mathematics and pictures as this processor does them best, so "
-      "that their last bits are not those of other machines. Recordings say so.");
+      "--no-pin, or REHEARSE_PIN=off in the environment: mathematics and pictures use the best instructions of "
+      "this processor, so that their last bits are not those of other machines. Recordings state this.");
   paragraph(
       "Exit status: 0 the same, or done; 1 differs; 2 bad usage or bad input, nothing written; 3 a controller failed.");
   return text;
@@ -134,7 +134,7 @@ Exit run_verb(const Verb& verb, int argc, char** argv) {
     const Exit exit = run();
     return interruption() == 0 ? exit : static_cast<Exit>(128 + interruption());
   } catch (const Interrupted&) {
-    fmt::print(stderr, "rehearse {}: interrupted by SIG{}; what was begun is removed\n", name,
+    fmt::print(stderr, "rehearse {}: interrupted by SIG{}; incomplete results are removed\n", name,
                sigabbrev_np(interruption()));
     return static_cast<Exit>(128 + interruption());
   } catch (const CLI::CallForHelp&) {

@@ -75,7 +75,7 @@ struct VerbSummary {
 
 /// All verbs, in the order of `rehearse --help`.
 std::span<const VerbSummary> all_verbs();
-/// Null if there is no such verb.
+/// Null if no verb has this name.
 const VerbSummary* find_verb(std::string_view name);
 
 /// The text of `rehearse --help`.

@@ -180,8 +180,8 @@ Result<void> check_debugger(const DebuggerOptions& debugger, const Scenario& sce
   if (wanted.empty() || std::any_of(known.begin(), known.end(), is_it)) return {};
   std::vector<std::string> names;
   for (const NamedController& controller : known) names.push_back(controller.label);
-  return error(fmt::format("--gdb={}: there is no such controller", wanted),
-               fmt::format("there is: {}", fmt::join(names, ", ")));
+  return error(fmt::format("--gdb={}: the run has no controller of that name", wanted),
+               fmt::format("controllers: {}", fmt::join(names, ", ")));
 }
 
 Result<void> check_tick(std::int64_t tick, std::int64_t ticks, double time_step) {

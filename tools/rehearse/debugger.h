@@ -40,9 +40,9 @@ void spell_out_gdb_arguments(std::vector<std::string>& arguments);
 /// The verb and its arguments, without those of the debugger and --tick.
 std::vector<std::string> words_without_debugger(std::string_view verb, const CLI::App& options);
 
-/// An error if gdb is not installed, or if the scenario has no such controller.
+/// An error if gdb is not installed, or if the scenario has no controller of that name.
 Result<void> check_debugger(const DebuggerOptions& debugger, const Scenario& scenario);
-/// An error if the run has no such tick.
+/// An error if the run doesn't reach the tick.
 Result<void> check_tick(std::int64_t tick, std::int64_t ticks, double time_step);
 /// Executes gdb, which starts this program with these words (the verb comes first) and stops at the tick. Returns only
 /// on failure.

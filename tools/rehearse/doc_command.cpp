@@ -39,7 +39,7 @@ constexpr Topic topics[] = {
     {"verdicts", "harness/README.md", "concepts/index.html", "how runs are recorded, replayed, compared and audited"},
     {"traces", "harness/TRACE_FORMAT.md", "reference/trace_format.html", "the content of a trace file"},
     {"goldens", "golden/README.md", "concepts/goldens.html", "goldens: review, acceptance, noise"},
-    {"physics", "engine/README.md", "concepts/physics.html", "what is simulated, and how"},
+    {"physics", "engine/README.md", "concepts/physics.html", "the simulation: bodies, joints, contacts, sensors"},
 };
 
 /// The folder of the manual's pages, in the build folder or installed.

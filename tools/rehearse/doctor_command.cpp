@@ -105,7 +105,7 @@ std::string amount_text(const Visit& visit) {
   add(Severity::error, "error");
   add(Severity::warning, "warning");
   add(Severity::note, "note");
-  return text.empty() ? "nothing to find fault with" : text;
+  return text.empty() ? "no findings" : text;
 }
 
 void tell(const Visit& visit) {

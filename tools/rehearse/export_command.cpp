@@ -26,7 +26,7 @@ struct ExportSettings {
   bool frames = false;
   bool video = false;
   bool json = false;
-  std::string viewer, layout, robot;  // files, and a folder; empty: not
+  std::string viewer, layout, robot;  // files, and a folder; empty: not requested
   bool contacts = false;
   ExportOptions options;
 };
@@ -110,8 +110,7 @@ Exit run_export(const ExportSettings& settings) {
     return refuse(
         error("-o is for tables, pictures and videos", "--viewer, --layout and --robot name what they write"));
   }
-  if (settings.output.empty())
-    return refuse(error("nothing says where to write", "-o PATH; or --viewer, --layout or --robot"));
+  if (settings.output.empty()) return refuse(error("no output is named", "-o PATH; or --viewer, --layout or --robot"));
   auto output = OutputFile::open(settings.output, settings.json);
   if (!output) return refuse(output.errors());
   if (output->path() != settings.output && !settings.joined)
@@ -144,7 +143,7 @@ std::function<Exit()> declare_export(CLI::App& options) {
   options
       .add_option("--viewer", settings->viewer,
                   "a recording for Foxglove, Lichtblick and RViz: with /robot_description, the frames of sensors in "
-                  "/tf_static, and the words of controllers in /rosout")
+                  "/tf_static, and the messages of controllers in /rosout")
       ->type_name("FILE");
   options.add_flag("--contacts", settings->contacts, "with --viewer: arrows of recorded contact forces, as markers");
   options

@@ -102,7 +102,7 @@ void tell_accepted(const GoldenStore& store, const std::string& name, const Acce
   if (accepted.moved)
     fmt::print("{}\n{}", accepted.verdict, table(*accepted.moved));
   else
-    fmt::print("there was none before it that could be read\n");
+    fmt::print("there was no readable golden before it\n");
   fmt::print("look at {} and commit both files\n", store.digest_file(name).string());
 }
 
@@ -111,7 +111,7 @@ std::function<Exit()> declare_golden_accept(CLI::App& options) {
   constexpr double longest = 86400.0;  // [s]
   options
       .add_option("--channel", settings->selection.channels,
-                  "only these channels or series, * for any text; if a run can come of it")
+                  "only these channels or series, * for any text; only if a run can produce the result")
       ->type_name("GLOB")
       ->allow_extra_args(false);
   add_number(options, "--from", "only from this time on [s]", 0.0, longest,

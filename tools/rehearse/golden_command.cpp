@@ -19,11 +19,11 @@ struct SubVerb {
 
 constexpr SubVerb sub_verbs[] = {
     {"list", "all goldens: who names them, how old they are, and whether they can be used", declare_golden_list},
-    {"review", "walk through the runs that wait: what moved, then accept, reject or skip", declare_golden_review},
-    {"accept", "make a run that waits the golden, whole or in part, and say what moved", declare_golden_accept},
+    {"review", "go through the runs that wait: show the changes, then accept, reject or skip", declare_golden_review},
+    {"accept", "make a run that waits the golden, whole or in part, and list the changes", declare_golden_accept},
     {"reject", "remove a run that waits; the golden stays as it is", declare_golden_reject},
     {"prune", "remove the goldens that no test and no scenario names", declare_golden_prune},
-    {"noise", "measure how far a scenario's runs stray without a reason that matters", declare_golden_noise},
+    {"noise", "measure how much perturbed runs of a scenario differ without a fault", declare_golden_noise},
 };
 
 std::function<Exit()> declare_golden(CLI::App& options) {
@@ -59,7 +59,8 @@ Result<void> check_may_decide() {
 
 Result<void> check_choice(const std::vector<std::string>& names, bool all) {
   if (all && !names.empty()) return error("names are given, and --all", "one of them will do");
-  if (!all && names.empty()) return error("no run is named", "NAME, or --all; rehearse golden review shows what waits");
+  if (!all && names.empty())
+    return error("no run is named", "NAME, or --all; rehearse golden review shows the runs that wait");
   return {};
 }
 

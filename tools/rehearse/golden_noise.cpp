@@ -51,7 +51,7 @@ Result<void> keep(const GoldenNoiseSettings& settings, const Scenario& scenario,
   const auto recorded = Trace::load(golden);
   if (!recorded) return recorded.errors();
   if (hash_of_recording(*recorded) != hash_of_recording(run))
-    return measured.unwritten = "the run is not what its golden is: check it first", Result<void>();
+    return measured.unwritten = "the run differs from its golden: check it first", Result<void>();
   const fs::path file = noise_file_of(golden);
   if (auto written = write_noise_floor(measured.noise, file); !written) return written;
   measured.file = file.string();

@@ -71,7 +71,7 @@ Result<std::set<std::string>> named_by_tests(const std::string& program, const f
   if (!ran) return ran.errors();
   if (*ran != 0 && *ran != 1)
     return error(fmt::format("{} ended with status {} before all its tests had run", program, *ran),
-                 "mend it first: what its tests compare with isn't known");
+                 "mend it first: the goldens of its tests are unknown");
   for (const auto& [name, tests] : reported_golden_owners(pending)) names.insert(name);
   return names;
 }
@@ -167,7 +167,7 @@ Exit prune(const GoldenPruneSettings& settings) {
   auto store = open_store();
   if (!store) return refuse(store.errors());
   if (settings.tests.empty() != settings.no_tests)
-    return refuse(error("which goldens tests name is known from a run of them alone",
+    return refuse(error("only a run of the tests shows the goldens that they name",
                         "--tests PROGRAM runs one, repeatable; --no-tests if there are none"));
   const auto tests = named_by_all_tests(settings, *store);
   if (!tests) return refuse(tests.errors());
@@ -205,7 +205,7 @@ std::function<Exit()> declare_golden_prune(CLI::App& options) {
   const auto settings = std::make_shared<GoldenPruneSettings>();
   options
       .add_option("--tests", settings->tests,
-                  "run this test program to learn which goldens its tests compare with; all of them have to be named")
+                  "run this test program to find the goldens of its tests; all test programs have to be named")
       ->type_name("PROGRAM")
       ->allow_extra_args(false);
   options.add_flag("--no-tests", settings->no_tests, "there are no test programs: only scenarios name goldens");

@@ -92,7 +92,7 @@ void show_details(const GoldenStore& store, const Waiting& waiting) {
     fmt::print("the golden was accepted\n{}", history.empty() ? "  before acceptances were recorded\n" : history);
   }
   if (!waiting.comparison) return;
-  fmt::print("what moved\n");
+  fmt::print("changes\n");
   for (const ChannelComparison& channel : waiting.comparison->channels) {
     Comparison alone;
     alone.channels = {channel};

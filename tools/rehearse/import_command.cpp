@@ -88,7 +88,7 @@ Exit run_import(ImportSettings& settings) {
   }
   std::fflush(stdout);  // before related output on stderr
   fmt::print(stderr, "{}", to_string(imported->remarks));
-  // What the project says may be right, and yet no scenario.
+  // A valid project may result in an invalid scenario.
   if (const auto scenario = Scenario::load(file); !scenario) return refuse(scenario.errors());
   return Exit::done;
 }
@@ -107,7 +107,7 @@ std::function<Exit()> declare_import(CLI::App& options) {
              [=](double duration) { settings->options.duration = duration; });
   options
       .add_option("--share", settings->share,
-                  "what ${SHARE} stands for (the share folder of the checkout or installation around the project)")
+                  "the folder for ${SHARE} (the share folder of the checkout or installation around the project)")
       ->type_name("DIR");
   add_json_flag(options, settings->json);
   return [settings] { return run_import(*settings); };

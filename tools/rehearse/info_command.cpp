@@ -315,7 +315,7 @@ void tell(const mcap::Reader& reader, const Contents& contents) {
   tell_records(reader);
   tell_events(contents);
   if (contents.by_summary)
-    fmt::print("\nas the file's summary says it; --full reads all of it: payloads, {}, checksums\n",
+    fmt::print("\nfrom the file's summary; --full reads the whole file: payloads, {}, checksums\n",
                contents.event_count > 0 ? count_text(contents.event_count, "event") + " and rates of channels"
                                         : "rates of channels");
 }
@@ -350,8 +350,8 @@ std::function<Exit()> declare_info(CLI::App& options) {
       ->type_name("");
   options.add_flag(
       "--full", settings->full,
-      "read all messages and check all checksums, however large the file is; else one of more than 64 MB is "
-      "told of as its summary does");
+      "read all messages and check all checksums, however large the file is; else the numbers of a file of more than "
+      "64 MB are those of its summary");
   add_json_flag(options, settings->json);
   return [settings] { return run_info(*settings); };
 }

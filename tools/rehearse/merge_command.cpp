@@ -87,7 +87,7 @@ std::function<Exit()> declare_merge(CLI::App& options) {
   const auto settings = std::make_shared<MergeSettings>();
   options.add_option("TRACE", settings->sources, "recordings, or any other MCAP files")->required()->type_name("");
   options.add_option("-o,--output", settings->target, "the file to write; - is stdout")->required()->type_name("FILE");
-  options.add_option("--prefix", settings->prefixes, "put before the topics of a file; as often as one likes")
+  options.add_option("--prefix", settings->prefixes, "put before the topics of a file; repeatable")
       ->expected(1)
       ->take_all()
       ->type_name("FILE=PREFIX");

@@ -90,7 +90,7 @@ std::string joystick_text(const LogStart& begin) {
   return text;
 }
 
-/// What the scenario takes from the log, and what no log tells.
+/// The comment of the scenario: the data from the log, and the data that no log contains.
 std::string heading(const RunOfALog& run) {
   return fmt::format(
       "# Begins as the log {}: the posture of its first tick{}.\n"

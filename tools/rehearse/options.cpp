@@ -92,7 +92,7 @@ void add_mesh_options(CLI::App& options, UrdfOptions& urdf) {
       ->type_name("NAME=DIR")
       ->allow_extra_args(false);
   options.add_flag("--allow-missing-meshes", urdf.allow_missing_meshes,
-                   "meshes that can't be had are left out, with a warning");
+                   "meshes that can't be loaded are left out, with a warning");
 }
 
 void add_selection_options(CLI::App& options, mcap::Selection& selection) {

@@ -87,7 +87,7 @@ Result<void> write_text(const std::filesystem::path& file, const std::string& te
   stream << text;
   stream.close();
   return stream ? Result<void>()
-                : error_in(file.string(), "the file can't be written", "is there such a folder, and room in it?");
+                : error_in(file.string(), "the file can't be written", "check that its folder exists and has room");
 }
 
 void print(const Json& object) {

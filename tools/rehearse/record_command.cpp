@@ -180,7 +180,7 @@ Result<void> check_trace(const RecordSettings& settings, const Scenario& scenari
   const bool readable = !std::filesystem::exists(trace, none) || std::filesystem::is_regular_file(trace, none);
   if (readable || (!settings.verify && scenario.expectations.empty())) return {};
   return error(fmt::format("{} can't be read again, as {} needs it", trace,
-                           settings.verify ? "--verify" : "what the scenario expects"),
+                           settings.verify ? "--verify" : "the check of expectations"),
                "write a file");
 }
 
@@ -246,7 +246,7 @@ std::function<Exit()> declare_record(CLI::App& options) {
       ->type_name("URDF");
   options
       .add_option("--save-scenario", settings->save_scenario,
-                  "with --model: write the scenario that says the same to a new file, and run that")
+                  "with --model: write the equivalent scenario to a new file, and run that")
       ->type_name("FILE");
   options.add_option("-o,--output", settings->trace, "the trace to write (SCENARIO.mcap in this folder)")
       ->type_name("TRACE");

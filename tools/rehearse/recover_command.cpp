@@ -39,11 +39,12 @@ void tell_losses(const mcap::Recovery& recovery) {
 /// The missing messages by channel.
 void tell_lost_messages(const mcap::Recovery& recovery) {
   if (recovery.lost_messages == 0) {
-    if (!recovery.loss_is_known) fmt::print("how many messages are lost can't be told: the file's statistics are\n");
+    if (!recovery.loss_is_known)
+      fmt::print("the number of lost messages is unknown: the file's statistics are lost, too\n");
     return;
   }
   fmt::print("{} lost{}:\n", count_text(recovery.lost_messages, "message"),
-             recovery.loss_is_known ? "" : ", or more: the file's statistics are");
+             recovery.loss_is_known ? "" : ", or more (the file's statistics are lost, too)");
   for (const auto& [id, channel] : recovery.channels)
     if (channel.lost > 0)
       fmt::print("  {}: {} of {}\n", channel.topic.empty() ? fmt::format("channel {}", id) : channel.topic,
@@ -58,7 +59,7 @@ void tell(const RecoverSettings& settings, const mcap::Recovery& recovery) {
   if (recovery.messages > 0)
     fmt::print("from {} to {}{}\n", time_text(recovery.first_time), time_text(recovery.last_time),
                recovery.source_last_time && *recovery.source_last_time > recovery.last_time
-                   ? fmt::format("; what follows, up to {}, is lost", time_text(*recovery.source_last_time))
+                   ? fmt::format("; the messages after that, up to {}, are lost", time_text(*recovery.source_last_time))
                    : "");
   if (recovery.is_whole()) return;
   fmt::print("{} of {} aren't in it\n", file_size_text(recovery.lost_bytes), file_size_text(recovery.size));
@@ -112,7 +113,7 @@ std::function<Exit()> declare_recover(CLI::App& options) {
   options.add_option("TRACE", settings->source, "a recording, or any other MCAP file")->required()->type_name("");
   options.add_option("-o,--output", settings->target, "the file to write; - is stdout")->required()->type_name("FILE");
   options.add_flag("--trust-damaged", settings->options.trust_damaged,
-                   "keep what seems whole in chunks whose CRC doesn't match; nothing says that it is right");
+                   "keep the readable messages of chunks whose CRC doesn't match, although they may be wrong");
   add_json_flag(options, settings->json);
   return [settings] { return run_recover(*settings); };
 }
@@ -125,7 +126,7 @@ const Verb recover_verb{
     "  rehearse recover damaged.mcap -o saved.mcap --json\n"
     "\n"
     "Exit status: 0 FILE is written, and is a valid file (it was opened again and examined), even if\n"
-    "something is lost: what, is told. 2 there was nothing to be saved; nothing was written.\n",
+    "something is lost; the losses are listed. 2 there was nothing to be saved; nothing was written.\n",
     declare_recover};
 
 }  // namespace rehearse::tool

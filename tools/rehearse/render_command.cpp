@@ -95,7 +95,7 @@ Result<void> write_file(const std::string& file, const std::vector<std::uint8_t>
   std::ofstream stream(file, std::ios::binary | std::ios::trunc);
   stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   stream.close();
-  if (!stream) return error(fmt::format("can't write {}", file), "is there such a folder, and room in it?");
+  if (!stream) return error(fmt::format("can't write {}", file), "check that its folder exists and has room");
   return {};
 }
 

@@ -77,7 +77,7 @@ void tell(const ReplaySettings& settings, const ReplayReport& report, double sec
              count_text(report.ticks, "tick"), seconds, static_cast<double>(report.ticks) / seconds);
   fmt::print("{}{}\n", settings.replay.set.empty() ? "" : "with inputs altered: ", verdict(report));
   if (report.words.first)
-    fmt::print("what they say differs too, which makes no verdict: {}\n", to_string(*report.words.first));
+    fmt::print("their messages differ, too, which doesn't change the verdict: {}\n", to_string(*report.words.first));
   if (!report.first) return;
   fmt::print("worst: {}\n", to_string(*report.worst));
   fmt::print("{} of {} and {} of {} differ\n", report.ticks_different, count_text(report.ticks, "tick"),
@@ -104,9 +104,9 @@ Result<void> check_usage(const ReplaySettings& settings) {
     return error("--gdb goes with none of --at, --watch and --when", "--gdb --tick N stops at that tick");
   if (!settings.replay.set.empty() && (settings.ticks.is_asked() || settings.debugger.is_wanted()))
     return error("--set with --tick, --at, --watch, --when or --gdb",
-                 "write what happens then with -o BRANCH, and look at that");
+                 "write the altered run with -o BRANCH, and look at that");
   if (!settings.output.empty() && (settings.ticks.is_asked() || settings.debugger.is_wanted()))
-    return error("-o with --tick, --at, --watch, --when or --gdb: these write nothing", "say it without one of both");
+    return error("-o with --tick, --at, --watch, --when or --gdb: these write nothing", "leave one of them out");
   if (!settings.is_of_a_log()) {
     if (!settings.scenario.empty()) return error("--scenario is for a robot's log, with --model and --map");
     if (!settings.controller.empty())
@@ -115,8 +115,8 @@ Result<void> check_usage(const ReplaySettings& settings) {
     if (settings.output.empty()) return {};
     return check_replaceable(settings.output, mcap_magic, "trace");
   }
-  if (!settings.replay.set.empty()) return error("--set is for recordings: a log's map says what is read of it");
-  if (settings.map.empty()) return error("--model without --map", "--map FILE says which topic is which input");
+  if (!settings.replay.set.empty()) return error("--set is for recordings: the map of a log determines its inputs");
+  if (settings.map.empty()) return error("--model without --map", "--map FILE assigns topics to inputs");
   if (settings.model.empty()) return error("--map without --model", "--model ROBOT.urdf is the robot of the log");
   if (settings.controller.empty() || !settings.replay.libraries.empty())
     return error("a robot's log names no controllers", "expected --controller LIB, a name or a path, once");
@@ -197,26 +197,26 @@ std::function<Exit()> declare_replay(CLI::App& options) {
   options
       .add_option(
           "--set", settings->replay.set,
-          "alter what the controllers read, as 'Walker/KNEE/q=0.3@tick:1200..1300'; +=, *=, nan, 30deg; repeatable")
+          "alter inputs of the controllers, as 'Walker/KNEE/q=0.3@tick:1200..1300'; +=, *=, nan, 30deg; repeatable")
       ->type_name("SERIES=VALUE")
       ->allow_extra_args(false);
   add_host_options(options, settings->replay, &settings->controller);
-  add_integer(
-      options, "--tick",
-      "show this tick: what was read, commanded, measured, said; what changed, what differs; with --gdb: stop there", 0,
-      std::numeric_limits<std::int64_t>::max() / 2, [=](std::int64_t tick) { settings->ticks.tick = tick; });
+  add_integer(options, "--tick",
+              "show this tick: inputs, commands, measurements, messages, changes, differences; with --gdb: stop there",
+              0, std::numeric_limits<std::int64_t>::max() / 2, [=](std::int64_t tick) { settings->ticks.tick = tick; });
   add_number(options, "--at", "the same by its time [s]", 0.0, longest_time,
              [=](double at) { settings->ticks.at = at; });
-  options.add_flag("--full", settings->ticks.full, "of a tick: also what is as it was before");
+  options.add_flag("--full", settings->ticks.full, "of a tick: also unchanged values");
   options.add_option("--watch", settings->ticks.watch, "print these series, a row a tick; of a tick: these only")
       ->type_name("GLOB");
   add_integer(options, "--every", "of --watch: a row each so many ticks", 1, 1'000'000'000,
               [=](std::int64_t every) { settings->ticks.every = every; });
   options
-      .add_option("--when", settings->ticks.when, "find the ticks in which this holds: 'KNEE/u > 100 && contact(FOOT)'")
+      .add_option("--when", settings->ticks.when,
+                  "find the ticks in which this is true: 'KNEE/u > 100 && contact(FOOT)'")
       ->type_name("EXPR");
   options.add_option("--model", settings->model, "of a log: the robot")->type_name("URDF");
-  options.add_option("--map", settings->map, "of a log: the YAML file that says which topic is which input")
+  options.add_option("--map", settings->map, "of a log: the YAML file that assigns topics to inputs")
       ->type_name("FILE");
   options
       .add_option("--scenario", settings->scenario,
@@ -225,7 +225,7 @@ std::function<Exit()> declare_replay(CLI::App& options) {
   options
       .add_option(
           "-o,--output", settings->output,
-          "the trace to write: what was recorded, with what they do now (of a log: LOG.replay.mcap in this folder)")
+          "the trace to write: the recording with the present commands (of a log: LOG.replay.mcap in this folder)")
       ->type_name("TRACE");
   add_json_flag(options, settings->json);
   add_debugger_options(options, settings->debugger);

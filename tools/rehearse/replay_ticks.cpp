@@ -106,7 +106,7 @@ Exit print_when(const TickSettings& settings, SteppedTrace& trace) {
     return Exit::bad_input;
   }
   if (expression->type() != Expression::Type::boolean) {
-    Diagnostic finding = error("--when takes what is true or false, and this is a number", "compare it: > 0");
+    Diagnostic finding = error("--when takes a condition, and this is a number", "compare it: > 0");
     finding.column = 1;
     fmt::print(stderr, "{}", with_caret(finding, settings.when));
     return Exit::bad_input;
@@ -180,14 +180,14 @@ Exit print_tick(const TickSettings& settings, SteppedTrace& trace) {
 }  // namespace
 
 Result<void> check_usage(const TickSettings& settings) {
-  if (settings.tick && settings.at) return error("--tick and --at say the same", "give one of them");
+  if (settings.tick && settings.at) return error("--tick and --at have the same meaning", "give one of them");
   if (settings.shows_a_tick() && !settings.when.empty())
     return error("--when looks for ticks, and --tick shows one", "give one of them");
   if (!settings.when.empty() && !settings.watch.empty())
     return error("--when looks for ticks, and --watch shows series", "give one of them");
   const bool has_span = settings.from > 0.0 || settings.until;
   if (settings.shows_a_tick() && has_span)
-    return error("--tick shows one tick: --from and --until mean nothing with it");
+    return error("--tick shows one tick: --from and --until have no effect on it");
   if (settings.every != 1 && (settings.watch.empty() || settings.shows_a_tick()))
     return error("--every is for --watch", "a row each so many ticks");
   if (settings.full && !settings.shows_a_tick()) return error("--full is for --tick");

@@ -44,7 +44,7 @@ std::string text_of_file(std::FILE* file) {
 struct ForkedPart {
   pid_t process = 0;
   ScratchFile out = scratch_file(), errors = scratch_file(), result = scratch_file();
-  std::optional<int> ended;  // what waitpid() reported
+  std::optional<int> ended;  // the status that waitpid() reported
 };
 
 [[noreturn]] void be_part(const ForkedPart& part, std::size_t number,

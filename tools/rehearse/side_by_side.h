@@ -15,8 +15,8 @@ namespace rehearse::tool {
 std::size_t processors();
 
 /// Calls `work` for 0 to `count` - 1, each in a process of its own, at most `jobs` at a time. The process is a
-/// supervised fork of this one. What it writes to stdout and stderr appears here when all parts before it are finished.
-/// Then `take` gets what `work` returned. The first part that fails ends all: its errors are printed, and its exit
+/// supervised fork of this one. Its output to stdout and stderr appears here when all parts before it are finished.
+/// Then `take` gets the result of `work`. The first part that fails ends all: its errors are printed, and its exit
 /// status is returned. A signal ends all parts. Must be called before this process has threads.
 Exit work_side_by_side(std::size_t count, std::size_t jobs, const std::function<Result<std::string>(std::size_t)>& work,
                        const std::function<void(const std::string&)>& take);

@@ -28,7 +28,7 @@ constexpr const char* task_script =
     "# A task of a campaign: PROGRAM FOLDER SLICES, and the number of slices before the first of this array.\n"
     "exec \"$1\" sweep work \"$2\" --slice \"$((SLURM_ARRAY_TASK_ID + 1 + $4))/$3\"\n";
 
-/// What is kept of a submission, in the campaign's folder.
+/// The data about a submission, stored in the campaign's folder.
 struct Submission {
   std::string name;  // of all the campaign's jobs
   std::int64_t tasks = 0;
@@ -71,8 +71,8 @@ Result<Submission> make_submission(const Campaign& campaign, const SlurmOptions&
   return made;
 }
 
-/// What a program of Slurm prints, with its errors. Fails if there is no such program, if it takes too long, or with
-/// what it prints if its status isn't 0.
+/// The output of a program of Slurm, with its errors. Fails if the program is missing or takes too long, or, with its
+/// output as the message, if its status isn't 0.
 Result<std::string> answer_of(std::vector<std::string> words) {
   const fs::path program = find_program(words[0]);
   if (program.empty())
@@ -208,7 +208,7 @@ Result<std::string> submit_to_slurm(const Campaign& campaign, const SlurmOptions
     if (!job)
       return error(fmt::format("only {} of {} tasks were submitted: {}", i - indices.size(), slices->size(),
                                job.errors().front().message),
-                   "the others after their end: rehearse sweep resume DIR --slurm");
+                   "submit the others after the end of these: rehearse sweep resume DIR --slurm");
     jobs.push_back(fmt::format("{}", *job));
   }
   if (jobs.empty()) return std::string("all cases have results");

@@ -65,20 +65,19 @@ const std::vector<StepSession::Command>& StepSession::commands() {
   using S = StepSession;
   static const std::vector<Command> all{
       {"next", "n", "[N]", "a tick on, or N", &S::next},
-      {"back", "b", "[N | until EXPR | continue]", "a tick back, or N; or the other moves backwards", &S::back},
+      {"back", "b", "[N | until EXPR | continue]", "a tick back, or N; or until and continue backwards", &S::back},
       {"goto", "g", "TICK | 3.2s | +N | -N | start | end", "to a tick, or to the one at a time", &S::go_to_place},
-      {"until", "u", "EXPR", "on to where the expression begins to hold", &S::until, true},
-      {"continue", "c", "", "on to where the controllers begin to differ, something is said, or a contact changes",
-       &S::go_on},
-      {"watch", "w", "[GLOB]", "show these series after each move; without a name: which are", &S::watch, true},
-      {"unwatch", "", "[GLOB]", "no longer; without a name: none", &S::unwatch, true},
+      {"until", "u", "EXPR", "on to the tick at which the expression becomes true", &S::until, true},
+      {"continue", "c", "", "on to the next begin of a difference, message, or change of a contact", &S::go_on},
+      {"watch", "w", "[GLOB]", "show these series after each move; without a name: list them", &S::watch, true},
+      {"unwatch", "", "[GLOB]", "show these series no longer; without a name: none", &S::unwatch, true},
       {"print", "p", "EXPR", "the value of an expression here", &S::print_value, true},
-      {"info", "i", "[full]", "all of this tick; full: also what is as it was before", &S::info},
-      {"inputs", "", "", "what the controllers read in this tick", &S::inputs},
-      {"commands", "", "", "what they command", &S::commanded},
-      {"messages", "m", "", "what they say in this tick", &S::messages},
-      {"contacts", "", "", "what touches in this tick", &S::contacts},
-      {"diff", "d", "", "where they differ from the recording in this tick", &S::differences},
+      {"info", "i", "[full]", "all of this tick; full: also unchanged values", &S::info},
+      {"inputs", "", "", "the inputs of the controllers in this tick", &S::inputs},
+      {"commands", "", "", "the commands of the controllers in this tick", &S::commanded},
+      {"messages", "m", "", "the messages in this tick", &S::messages},
+      {"contacts", "", "", "the contacts in this tick", &S::contacts},
+      {"diff", "d", "", "the differences of the commands from the recording in this tick", &S::differences},
       {"plot", "", "SERIES [FROM UNTIL]", "a picture of a series around this tick, or between two places", &S::plot,
        true},
       {"frame", "f", "[CAMERA] FILE.png", "writes the latest picture at or before this tick", &S::frame},
@@ -240,7 +239,7 @@ StepSession::Answer StepSession::go_to_place(Words rest) {
 StepSession::Answer StepSession::search(Words text, Direction direction) {
   const auto expression = Expression::parse(text, trace_);
   if (!expression || expression->type() != Expression::Type::boolean) {
-    Diagnostic why = error("until takes what is true or false, and this is a number", "compare it: > 0");
+    Diagnostic why = error("until takes a condition, and this is a number", "compare it: > 0");
     why.column = 1;
     std::fflush(stdout);
     fmt::print(stderr, "{}", with_caret(expression ? why : expression.errors().front(), text));
@@ -252,7 +251,7 @@ StepSession::Answer StepSession::search(Words text, Direction direction) {
   } else if (interrupted_()) {
     fmt::print("interrupted; still at {}\n", tick_text(tick_, trace_.time_at(tick_)));
   } else {
-    fmt::print("it doesn't begin to hold {} here; still at {}\n", direction == Direction::forwards ? "after" : "before",
+    fmt::print("it doesn't become true {} here; still at {}\n", direction == Direction::forwards ? "after" : "before",
                tick_text(tick_, trace_.time_at(tick_)));
   }
   return Answer::done;
@@ -344,14 +343,14 @@ StepSession::Answer StepSession::commanded(Words) {
 
 StepSession::Answer StepSession::messages(Words) {
   const auto all = trace_.messages(tick_);
-  if (all.empty()) fmt::print("nothing was said in tick {}\n", tick_);
+  if (all.empty()) fmt::print("there is no message in tick {}\n", tick_);
   for (const ViewMessage& message : all) fmt::print("  {}\n", message_text(message));
   return Answer::done;
 }
 
 StepSession::Answer StepSession::contacts(Words) {
   const auto all = trace_.contacts(tick_);
-  if (all.empty()) fmt::print("nothing touches\n");
+  if (all.empty()) fmt::print("there is no contact\n");
   for (const ViewContact& contact : all) fmt::print("  {}\n", contact_text(contact));
   return Answer::done;
 }

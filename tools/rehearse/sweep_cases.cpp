@@ -54,7 +54,7 @@ Json json_of_values(const Campaign& campaign, const std::vector<std::string>& va
   return object;
 }
 
-/// "the same bits as in the campaign", or what differs.
+/// "the same bits as in the campaign", or the difference.
 std::string agreement(const std::optional<CaseResult>& kept, const CaseResult& now) {
   if (!kept) return "the campaign has no result of it yet";
   if (kept->repeats(now)) return "the same bits as in the campaign";

@@ -62,7 +62,7 @@ void tell_verdicts(const CampaignSummary& summary) {
 void tell_unrepeated(const CampaignSummary& summary) {
   if (summary.unrepeated.empty()) return;
   fmt::print(stderr,
-             "error: case {} gave different bits in another process (what it depends on: rehearse audit, on a "
+             "error: case {} gave different bits in another process (to find the cause: rehearse audit, on a "
              "recording by rehearse sweep case)\n",
              summary.unrepeated.front());
 }
@@ -126,7 +126,7 @@ Result<fs::path> golden_of(const std::string& file) {
   if (!folder) return folder.errors();
   const fs::path trace = GoldenStore(*folder).trace_file(scenario->golden);
   std::error_code ignored;
-  if (!fs::exists(trace, ignored)) return error_in(trace.string(), "there is no such golden");
+  if (!fs::exists(trace, ignored)) return error_in(trace.string(), "the golden doesn't exist");
   return fs::absolute(trace, ignored);
 }
 

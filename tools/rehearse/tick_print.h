@@ -26,10 +26,10 @@ Json json_of(const TickView& view, const TickParts& parts);
 
 /// A table whose columns are as wide as their widest cell, numbers right-aligned; each line with its newline.
 std::string table_text(const std::vector<TableRow>& rows, std::string_view indent);
-/// "error: text", "says \"text\"".
+/// "Arm/Reach: error: text".
 std::string message_text(const ViewMessage& message);
 std::string contact_text(const ViewContact& contact);
-/// "RLEG_KNEE/u is 12.1, recorded 12 (difference 0.1, 5 ULPs)".
+/// "RLEG_KNEE/u: replayed 12.1, recorded 12 (difference +0.1, 5 ULPs)".
 std::string difference_text(const Divergence& difference);
 
 }  // namespace rehearse::tool

@@ -69,7 +69,7 @@ class CNOID_GENERAL_EXPORT ControllerIO {
   virtual std::shared_ptr<BodyMotion> logBodyMotion();
   /// A signal that is never emitted.
   virtual SignalProxy<void()> sigLogFlushRequested();
-  /// Returns false: there is no such log.
+  /// Returns false: Rehearse has no log of this kind.
   virtual bool enableLog();
   /// Deletes the object if nothing else owns it.
   virtual void outputLogFrame(Referenced* logFrame);

@@ -1,5 +1,5 @@
 // FireDevice: a fire. Its state is that of its particles; after notifyStateChange() the robot's other controllers see
-// it. Rehearse draws no particles, and no model file has such a device: a controller that looks for one gets null.
+// it. Rehearse draws no particles, and no model file has a FireDevice: a controller that looks for one gets null.
 #pragma once
 
 #include "Device.h"

@@ -1,6 +1,6 @@
 // FountainDevice: a jet of water. Its state is that of its particles; after notifyStateChange() the robot's other
-// controllers see it. Rehearse draws no particles, and no model file has such a device: a controller that looks for one
-// gets null.
+// controllers see it. Rehearse draws no particles, and no model file has a FountainDevice: a controller that looks for
+// one gets null.
 #pragma once
 
 #include "Device.h"

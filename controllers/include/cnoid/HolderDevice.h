@@ -52,7 +52,7 @@ class CNOID_GENERAL_EXPORT HolderDevice : public Device {
   AttachmentDevice* attachment(int index);
   /// False if the attachment is already attached.
   bool addAttachment(AttachmentDevice* attachment);
-  /// No effect, or false, if there is no such attachment.
+  /// No effect, or false, if the attachment doesn't exist.
   void removeAttachment(int index);
   bool removeAttachment(AttachmentDevice* attachment);
   void clearAttachments();

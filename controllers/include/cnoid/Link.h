@@ -322,7 +322,7 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   /// Never null.
   Mapping* info() { return info_; }
   const Mapping* info() const { return info_; }
-  /// Throws ValueNode::KeyNotFoundException if there is no such value of that type.
+  /// Throws ValueNode::KeyNotFoundException if there is no value of that key and type.
   template <typename T>
   T info(const std::string& key) const {
     return info_->get<T>(key);

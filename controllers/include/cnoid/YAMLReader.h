@@ -18,7 +18,7 @@ class CNOID_GENERAL_EXPORT YAMLReader {
   ValueNode* loadDocument(const std::string& filename);
 
   int numDocuments() const { return static_cast<int>(documents_.size()); }
-  /// Null if there is no such document. The reader owns it: store a ValueNodePtr if you need it longer.
+  /// Null if the document doesn't exist. The reader owns it: store a ValueNodePtr if you need it longer.
   ValueNode* document(int index = 0) const;
 
   /// The message of the last load or parse, with file and line if they are known; empty if it succeeded.

@@ -65,7 +65,7 @@ class [[nodiscard]] Result {
   Result(T value) : content_(std::in_place_index<0>, std::move(value)) {}
   Result(Diagnostic diagnostic) : content_(std::in_place_index<1>, Diagnostics{std::move(diagnostic)}) {}
   Result(Diagnostics diagnostics) : content_(std::in_place_index<1>, std::move(diagnostics)) {
-    REHEARSE_ASSERT(!std::get<1>(content_).empty(), "a failed Result says why");
+    REHEARSE_ASSERT(!std::get<1>(content_).empty(), "a failed Result contains a diagnostic");
   }
 
   bool ok() const { return content_.index() == 0; }
@@ -80,7 +80,7 @@ class [[nodiscard]] Result {
   T* operator->() { return &value(); }
   const T* operator->() const { return &value(); }
 
-  /// Why there is no value; only when !ok().
+  /// The reasons for the missing value; only when !ok().
   const Diagnostics& errors() const {
     REHEARSE_ASSERT(!ok(), "errors() asked of a Result that has a value");
     return std::get<1>(content_);
@@ -91,14 +91,14 @@ class [[nodiscard]] Result {
   std::variant<T, Diagnostics> content_;
 };
 
-/// Success, or why not.
+/// Success, or the diagnostics that state why the function failed (then at least one).
 template <>
 class [[nodiscard]] Result<void> {
  public:
   Result() = default;
   Result(Diagnostic diagnostic) : errors_{std::move(diagnostic)} {}
   Result(Diagnostics diagnostics) : errors_(std::move(diagnostics)) {
-    REHEARSE_ASSERT(!errors_.empty(), "a failed Result says why");
+    REHEARSE_ASSERT(!errors_.empty(), "a failed Result contains a diagnostic");
   }
   bool ok() const { return errors_.empty(); }
   explicit operator bool() const { return ok(); }

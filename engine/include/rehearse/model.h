@@ -1,5 +1,5 @@
-// Model: one robot or object as its author described it. Immutable after loading. And the settings of a scene that
-// belong to no body: how the physics engine solves a step, what connects bodies, and how pictures look.
+// Model: one robot or object as its author described it. Immutable after loading. This file also contains the settings
+// of a scene that belong to no body: of the physics engine's solver, of connections between bodies, and of pictures.
 //
 // A model comes from a URDF file (urdf.h), a .body file of Choreonoid (body.h) or from a single shape
 // (single_shape_model). It contains neither a position in the world nor a state of motion: World stores both. Units are
@@ -45,7 +45,7 @@ struct MeshPart {
   std::vector<Eigen::Vector2f> texture_coordinates;     // one a vertex, (0, 0) is the picture's lower left; empty: none
   std::vector<std::array<std::uint32_t, 3>> triangles;  // indices of vertices
   std::optional<Eigen::Vector4f> color;    // red, green, blue, opacity, 0 to 1, as in the file; nullopt: the shape's
-  bool has_default_color = false;          // of a material that a program wrote by itself: the shape's goes before it
+  bool has_default_color = false;          // of a material that a program added by itself: the shape's replaces it
   std::shared_ptr<const Texture> texture;  // its pixels are multiplied with the colour; null: no texture
 };
 
@@ -101,8 +101,8 @@ struct Capsule {  // along z; length without the caps
   double radius;  // [m]
   double length;  // [m]
 };
-/// What contacts take a mesh for, in UrdfOptions and in scenarios. `automatic`: triangles where the mesh never moves,
-/// else parts.
+/// The geometry that contacts use for a mesh, in UrdfOptions and in scenarios. `automatic`: triangles where the mesh
+/// never moves, else parts.
 enum class MeshContact {
   automatic,
   hull,      // the convex hull of each object
@@ -114,7 +114,7 @@ struct Mesh {
   std::shared_ptr<const std::vector<ConvexHull>> hulls;  // hulls or parts for contacts; null: contacts use triangles
   std::string file = {};                                 // as the model's file names it; empty: it contains the mesh
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();       // per axis; already applied to `data`
-  std::shared_ptr<const Heightmap> heightmap = nullptr;  // of which `data` is the surface; contacts use it. null: none
+  std::shared_ptr<const Heightmap> heightmap = nullptr;  // contacts use it; `data` is its surface. null: none
   MeshContact contact = MeshContact::automatic;          // as the model's file states it
   int line = 0;                                          // of the URDF file; 0: the file doesn't contain this mesh
 };
@@ -154,8 +154,8 @@ struct Inertial {
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // about the centre, along the link's axes [kg·m²]
 };
 
-/// A free joint is none: its link is the root, or a body of its own that begins where the joint is, and that forward
-/// kinematics leave there.
+/// A free joint constrains nothing: its link is the root, or a separate body that begins at the joint. Forward
+/// kinematics leave that body there.
 /// A track is a belt around its link (Choreonoid's pseudo continuous track). The link is fixed to its parent, as by a
 /// fixed joint. Its surface runs about the axis, in the direction in which a wheel with that axis would turn.
 enum class JointType { free, fixed, revolute, continuous, prismatic, track };
@@ -174,13 +174,13 @@ struct Joint {
   std::string name;  // empty for the root
   JointType type = JointType::free;
   int id = -1;                       // index into Model::joints; -1 for free and fixed
-  std::optional<int> controller_id;  // by which controllers know the joint; -1: by none; nullopt: by `id`
+  std::optional<int> controller_id;  // the joint's id for controllers; -1: it has none; nullopt: `id`
   Eigen::Isometry3d origin = Eigen::Isometry3d::Identity();  // joint frame in the parent link's frame; of the root: in
-                                                             // the world, where the body starts if nobody says where
+                                                             // the world, the default start of the body
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();           // unit vector in the joint frame
   double lower = -unlimited;                                 // [rad] or [m]
   double upper = unlimited;                                  // [rad] or [m]
-  double start = 0.0;             // displacement at which a body starts if nobody states another [rad] or [m]
+  double start = 0.0;             // displacement at which a body starts by default [rad] or [m]
   double effort = unlimited;      // [N·m] or [N], magnitude
   double velocity = unlimited;    // [rad/s] or [m/s], magnitude
   double damping = 0.0;           // [N·m·s/rad] or [N·s/m]
@@ -400,7 +400,8 @@ Inertial solid_inertial(const Geometry& geometry, double mass);
 
 /// World poses of all links by forward kinematics.
 /// `root`: pose of links[0]; `q`: by joint id, size Model::joints.size() [rad or m]. Returns one pose per link.
-/// `free_pose`: of a link behind a floating joint, by its index and the joint's pose, where it is by default.
+/// `free_pose`: returns the pose of a link behind a floating joint from the link's index and the joint's pose; by
+/// default the link is at the joint's pose.
 std::vector<Eigen::Isometry3d> forward_kinematics(
     const Model& model, const Eigen::Isometry3d& root, const std::vector<double>& q,
     const std::function<Eigen::Isometry3d(std::size_t, const Eigen::Isometry3d&)>& free_pose = {});

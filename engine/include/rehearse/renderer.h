@@ -36,7 +36,7 @@ struct Quality {
   bool shadows = false;       // the sun casts shadows of solid shapes up to 6 m across
   bool antialiasing = false;  // edges are smooth: a pixel is the mean of nine samples
 
-  static const Quality plain;  // neither: for sensors that don't ask for more
+  static const Quality plain;  // neither: for sensors without these settings
   static const Quality fine;   // both: for people to look at
 };
 inline constexpr Quality Quality::plain{};
@@ -46,7 +46,7 @@ class Renderer {
  public:
   /// The library that draws. The first create() of a process loads it.
   static constexpr const char* library = "libOSMesa.so.8";
-  /// The largest width and height of a picture [pixels]; with antialiasing it has at most a third of it.
+  /// The largest width and height of a picture [pixels]; a third of this with antialiasing.
   static constexpr int max_size = 8192;
   /// The largest number of lights.
   static constexpr int max_lights = 64;

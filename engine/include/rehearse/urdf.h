@@ -18,9 +18,9 @@
 // - An effort or velocity limit of 0 means "not given", as CAD exporters write it: unlimited.
 // - Shapes are box, sphere, cylinder, capsule (radius, length without the caps) and mesh: STL, DAE, OBJ, glTF and GLB.
 //   fixtures/README.md describes the search for mesh files and the meaning of the formats. A mesh that is missing or
-//   cannot be read is an error. Contacts take a mesh for what UrdfOptions::contact states, else for what the file
-//   states: PyBullet's <collision concave="yes"> for triangles, Drake's <drake:declare_convex/> in <mesh> for the hull.
-//   A mesh that moves is never taken for triangles, but for convex parts.
+//   cannot be read is an error. UrdfOptions::contact determines the geometry that contacts use for a mesh, else the
+//   file: PyBullet's <collision concave="yes"> means triangles, Drake's <drake:declare_convex/> in <mesh> the hull.
+//   For a mesh that moves, contacts never use triangles, but convex parts.
 // - The contact properties in <gazebo reference="LINK"> and in PyBullet's <contact> are read into Link::surface,
 //   has_weight and collides_with_own; fixtures/README.md lists the elements.
 // - Sensors are those of `<gazebo reference="LINK"><sensor name=".." type="..">`, with SDF's elements: type imu,
@@ -65,7 +65,7 @@ struct UrdfOptions {
   bool compare = true;  // the result with urdfdom's; false: for the text of a recording, which was compared before
   bool allow_missing_meshes = false;  // a mesh that cannot be loaded is left out, with a warning
   Meshes meshes = Meshes::load;
-  MeshContact contact = MeshContact::automatic;  // of collision meshes; goes before what the file states
+  MeshContact contact = MeshContact::automatic;  // of collision meshes; has precedence over the file
   bool fixed_root = false;                  // the caller fixes the root link to the world, so the root needs no mass
   bool kinematic = false;                   // the body will move as commanded, so none of its links needs mass
   std::optional<double> default_mass = {};  // of moving links that have no mass; above 0 [kg]
@@ -75,7 +75,7 @@ struct UrdfOptions {
 /// line. On success Model::report contains the repairs, warnings and notes.
 Result<Model> load_urdf(const std::filesystem::path& file, const UrdfOptions& options = {});
 
-/// Does the same with text that is already in memory. `name` replaces the file's name in messages, in
+/// Reads and checks a text in memory, like load_urdf(). `name` replaces the file's name in messages, in
 /// Model::source_file, and as the file that the paths of meshes are relative to.
 Result<Model> parse_urdf(const std::string& text, const std::string& name, const UrdfOptions& options = {});
 

@@ -58,8 +58,8 @@ struct WorldBody {
   bool planar = false;  // a root link that isn't fixed stays in the plane of x and z in which it begins
 };
 
-/// How far the quick solver stopped from its solution in a step: the force that is missing at the joint that is worst
-/// off, as a share of the body's weight.
+/// The error at which the quick solver stopped in a step: the largest force that is missing at any joint, as a share of
+/// the body's weight.
 struct Residual {
   int body = -1;  // index of the body; -1: no body has a joint
   int link = -1;  // index of the link that the joint moves
@@ -114,12 +114,12 @@ class World {
   /// step.
   const Residual& residual() const;
 
-  /// What connected or separated at the beginning of the last step: "holder 'Arm/HAND' took hold of 'Box/BASE'". Not
-  /// part of the state.
+  /// The connections that began or ended at the beginning of the last step:
+  /// "holder 'Arm/HAND' took hold of 'Box/BASE'". Not part of the state.
   const std::vector<std::string>& events() const;
 
-  /// Commands a rotor or a holder; it obeys from the coming step on. `values`: the device's state as cnoid's
-  /// writeState() gives it. Other devices don't obey.
+  /// Commands a rotor or a holder; the command has effect from the coming step on. `values`: the device's state in the
+  /// form of cnoid's writeState(). Has no effect on other devices.
   void command_device(int body, int device, const std::vector<double>& values);
 
   /// Sets the joint commands and the external wrenches. Joint commands apply from the coming step on until the next

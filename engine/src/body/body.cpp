@@ -41,7 +41,7 @@ Result<Model> parse_body(const std::string& text, const std::string& name, const
   std::optional<Model> model = body::join(std::move(draft), files);
   if (model) complete(*model, options, files.main().findings());
   if (files.has_error()) return files.errors();
-  REHEARSE_ASSERT(model.has_value(), "a body that can't be read leaves an error");
+  REHEARSE_ASSERT(model.has_value(), "a body that can't be read has an error");
   model->source_file = name;
   model->source_text = files.bundle();
   model->report = files.report();

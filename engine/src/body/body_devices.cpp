@@ -64,7 +64,7 @@ std::optional<DeviceKind> read_camera(Mapping& keys, const std::string& name) {
   camera.frame_rate = read_positive(keys, {"frame_rate", "frameRate"}, camera.frame_rate);
   note_off(keys, name);
   if (format.empty()) {
-    document.warning(keys.node(), fmt::format("{} has no format: there is no such device, as in Choreonoid", name),
+    document.warning(keys.node(), fmt::format("{} has no format; it is left out, as in Choreonoid", name),
                      "format: COLOR, DEPTH or COLOR_DEPTH");
     return std::nullopt;
   }

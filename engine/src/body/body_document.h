@@ -17,7 +17,7 @@
 
 namespace rehearse::body {
 
-/// One file. Its findings are told once for each place, however many aliases lead to it.
+/// One file. Reports each finding once for each place, even if several aliases lead to it.
 class Document {
  public:
   Document(std::string name, bool strict) : name_(std::move(name)), findings_(name_, strict) {}
@@ -29,9 +29,9 @@ class Document {
   void error(const YamlNode& at, const std::string& message, const std::string& hint = {});
   void warning(const YamlNode& at, const std::string& message, const std::string& hint = {});
   void note(const YamlNode& at, const std::string& message);
-  /// A key that is nearly one that is read; told once for all nodes of that kind.
+  /// Reports a key that resembles a known key, once for all nodes of that kind.
   void misspelt(const YamlNode& at, const std::string& kind, const std::string& key, const std::string& hint);
-  /// A key of a node of that kind that is read by nobody here.
+  /// Stores a key without effect here, of a node of that kind, for tell_passed().
   void passed_over(const YamlNode& at, const std::string& kind, const std::string& key);
   /// Adds a note for the keys of each kind. Call it once, at the end.
   void tell_passed();
@@ -55,7 +55,7 @@ class Document {
   std::map<std::string, Passed> passed_;  // by kind
 };
 
-/// A file that another names.
+/// A file that a different file names.
 struct NamedFile {
   std::filesystem::path file;
   std::string key;  // see Document::key
@@ -71,14 +71,14 @@ class Files {
   const UrdfOptions& options() const { return options_; }
   bool skips_meshes() const { return options_.meshes == UrdfOptions::Meshes::skip; }
 
-  /// The place of a file that `by` names: relative to it, with ${SHARE} and other variables, file:// or package://. It
-  /// need not exist.
+  /// The place of a file that the document `by` names: relative to the document, with ${SHARE} and other variables,
+  /// file:// or package://. The file need not exist.
   Result<NamedFile> find(const std::string& written, const Document& by);
 
   /// The document of a file; `outer`: anchors that it may use. Null if it can't be read: then `problem` has the reason.
   Document* open(const NamedFile& file, const YamlAnchors& outer, Diagnostic& problem);
 
-  /// The texts of all documents: the main file's, and each other one after a line that states its key and its size.
+  /// The texts of all documents: the main file's, then each further text after a line that states its key and its size.
   std::string bundle() const;
 
   /// The findings of all files, in the order of their first use: errors, or the load report.

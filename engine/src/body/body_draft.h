@@ -11,7 +11,7 @@
 
 namespace rehearse::body {
 
-/// What the elements of a link describe, in the link's frame.
+/// The parts that the elements of a link describe, in the link's frame.
 struct Contents {
   std::vector<Inertial> bodies;
   std::vector<Shape> visuals;
@@ -31,7 +31,7 @@ struct LoopDraft {
   std::string link1, link2;
 };
 
-/// What the file says of links that don't touch each other; null nodes: nothing.
+/// The file's rules for links that don't touch each other; null nodes: the file has no rules.
 struct CollisionRules {
   Document* document = nullptr;
   const YamlNode* rules = nullptr;  // collision_detection_rules, a list

@@ -74,7 +74,7 @@ void ElementReader::read(const std::string& type, const YamlNode& node, const Pl
   const auto own_type = keys.text({"type"});
   if (own_type && *own_type != type)
     return place.document->error(
-        node, fmt::format("a node of the type {} stands under the key {}", in_quotes(*own_type), in_quotes(type)));
+        node, fmt::format("a node of the type {} is under the key {}", in_quotes(*own_type), in_quotes(type)));
   keys.find({"name"});
   keys.find({"is_optional", "isOptional"});
   if (!read_known(type, keys, place)) refuse(type, keys, place);
@@ -149,7 +149,7 @@ void ElementReader::read_visual_or_collision(const std::string& type, Mapping& k
   const bool is_visual = type == "Visual";
   if (is_visual ? place.is_collision : place.is_visual)
     return place.document->error(keys.node(),
-                                 fmt::format("a {} stands within a {}", type, is_visual ? "Collision" : "Visual"));
+                                 fmt::format("a {} is within a {}", type, is_visual ? "Collision" : "Visual"));
   (is_visual ? place.is_visual : place.is_collision) = true;
   place.transform = place.transform * keys.transform();
   ++place.depth;

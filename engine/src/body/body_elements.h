@@ -18,7 +18,7 @@ class ElementReader {
   ElementReader(Files& files, Document& document, Contents& contents)
       : files_(files), main_(document), contents_(contents) {}
 
-  /// Where a node stands.
+  /// The document and the nodes that contain a node.
   struct Place {
     Document* document;  // that contains it
     Eigen::Affine3d transform = Eigen::Affine3d::Identity();
@@ -74,7 +74,7 @@ struct SolidShape {
 std::optional<SolidShape> read_geometry(const std::string& type, Mapping& keys);
 
 /// The geometry under a linear map that scales it along its axes: turned by a rotation, which replaces `linear`.
-/// Nothing if the result is no such solid.
+/// Nothing if the result is not a geometry of this type.
 std::optional<Geometry> scaled(const Geometry& geometry, Eigen::Matrix3d& linear);
 
 /// Splits a linear map without shear into rotation and scale; nothing if it shears. The scale may be negative.

@@ -1,4 +1,4 @@
-// Geometries of shapes, and what scaling makes of them.
+// Geometries of shapes, and their scaled forms.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -10,7 +10,7 @@
 namespace rehearse::body {
 namespace {
 
-/// Turns z, the axis of the engine's round shapes, to y, that of Choreonoid's.
+/// Turns z, the axis of the engine's round shapes, to y, the axis of Choreonoid's round shapes.
 Eigen::Matrix3d y_from_z() { return (Eigen::Matrix3d() << 1, 0, 0, 0, 0, 1, 0, -1, 0).finished(); }
 
 double positive(Mapping& keys, const char* key) {
@@ -117,7 +117,8 @@ std::optional<SolidShape> read_geometry(const std::string& type, Mapping& keys) 
       size = size.cwiseMax(sheet_thickness);
     }
     if (!(size.minCoeff() > 0.0)) {
-      keys.document().error(keys.node(), fmt::format("a Box of {} x {} x {} m", size.x(), size.y(), size.z()),
+      keys.document().error(keys.node(),
+                            fmt::format("a Box has a size of {} x {} x {} m", size.x(), size.y(), size.z()),
                             "full lengths above 0");
       return std::nullopt;
     }
@@ -163,7 +164,7 @@ bool split(const Eigen::Matrix3d& linear, Eigen::Matrix3d& rotation, Eigen::Vect
     if (!(scale[i] > 0.0)) return false;
     rotation.col(i) = linear.col(i) / scale[i];
   }
-  if (rotation.determinant() < 0.0) {  // a mirror: as one along x
+  if (rotation.determinant() < 0.0) {  // a mirror image: becomes one along x
     scale.x() = -scale.x();
     rotation.col(0) = -rotation.col(0);
   }

@@ -107,7 +107,7 @@ void read_displacement_range(Mapping& keys, Joint& joint) {
   constexpr double many_turns = 20.0;  // [rad]
   if (turns && !keys.document().degrees && std::isfinite(joint.upper) && std::abs(joint.upper) > many_turns)
     keys.document().warning(*node, fmt::format("the limit {:.6g} rad of a joint looks like degrees", joint.upper),
-                            "the file says angleUnit: radian");
+                            "the file states angleUnit: radian");
 }
 
 void read_velocity_range(Mapping& keys, Joint& joint) {

@@ -42,7 +42,7 @@ class LinkReader {
 constexpr std::pair<std::string_view, LoopJoint::Type> loop_types[] = {
     {"fixed", LoopJoint::Type::fixed}, {"hinge", LoopJoint::Type::revolute}, {"ball", LoopJoint::Type::spherical}};
 
-/// Keys that are read by Choreonoid's other simulators, by its GUI, or by nobody.
+/// Keys that only Choreonoid's other simulators or its GUI read, or no program.
 const std::vector<std::string_view> link_keys_without_effect = {"density",
                                                                 "jointLockForceRange",
                                                                 "jointMotorForceRange",
@@ -83,7 +83,7 @@ BodyDraft LinkReader::read() {
   return std::move(draft_);
 }
 
-/// The joint's place and axis in its first link; what the file says of the second has no effect in Choreonoid.
+/// The joint's place and axis in its first link; those in its second link have no effect in Choreonoid.
 void LinkReader::read_loop_frame(Mapping& keys, LoopJoint& joint) {
   joint.has_other_frame = false;
   joint.frame.translation() = keys.vector({"translation_in_link1", "link1LocalPos"}).value_or(Eigen::Vector3d::Zero());
@@ -167,7 +167,7 @@ void LinkReader::check_head(Mapping& keys) {
   if (!version)
     document_.error(keys.node(), "the format version is missing", "format_version: 2.0");
   else if (*version >= 2.1 || *version < 1.0)
-    document_.error(keys.node(), fmt::format("the format version {} isn't known", *version), "1.0 and 2.0 are");
+    document_.error(keys.node(), fmt::format("the format version {} isn't known", *version), "1.0 and 2.0 are known");
   const std::string unit = keys.text({"angle_unit", "angleUnit"}).value_or("degree");
   if (unit != "degree" && unit != "radian")
     document_.error(keys.node(), fmt::format("the unit of angles {} isn't known", in_quotes(unit)), "degree or radian");

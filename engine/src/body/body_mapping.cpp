@@ -34,7 +34,7 @@ std::optional<double> read_number(const YamlNode& node, std::string_view label, 
     document.error(node, fmt::format("{} isn't a number", label));
     return std::nullopt;
   } else if (!is_whole) {
-    document.warning(node, fmt::format("{} is {}; {} is read of it", label, in_quotes(node.text), *value));
+    document.warning(node, fmt::format("{} is {}; it is read as {}", label, in_quotes(node.text), *value));
   }
   return value;
 }
@@ -78,7 +78,7 @@ std::optional<Eigen::Matrix3d> read_one_rotation(const YamlNode& node, Document&
   const double angle = document.degrees ? (*values)[3] * std::numbers::pi / 180.0 : (*values)[3];
   if (!document.degrees && std::abs((*values)[3]) > 10.0)
     document.warning(node, fmt::format("a rotation by {} rad looks like degrees", (*values)[3]),
-                     "the file says angleUnit: radian");
+                     "the file states angleUnit: radian");
   return Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
 }
 
@@ -134,7 +134,8 @@ void Mapping::take(const YamlNode& map, int depth) {
       continue;
     }
     const auto [known, is_new] = own.insert_or_assign(key.text, Entry{&key, map.items[i].get()});
-    if (!is_new) document_.warning(key, fmt::format("the key {} stands twice; the last counts", in_quotes(key.text)));
+    if (!is_new)
+      document_.warning(key, fmt::format("the key {} appears twice; the last one counts", in_quotes(key.text)));
   }
   for (auto& [name, entry] : own) entries_.emplace(name, entry);  // explicit keys go before merged ones
   for (const YamlNode* value : merges) merge(*value, depth + 1);
@@ -146,7 +147,7 @@ void Mapping::merge(const YamlNode& value, int depth) {
   } else if (value.kind == YamlNode::Kind::list && depth < max_body_depth) {
     for (const YamlNodePtr& item : value.items) merge(*item, depth + 1);
   } else {
-    document_.error(value, "what << merges isn't a mapping");
+    document_.error(value, "the value of << isn't a mapping");
   }
 }
 
@@ -239,7 +240,7 @@ Eigen::Affine3d Mapping::transform(bool has_scale) {
   if (!factors) return transform;
   const Eigen::Vector3d s((*factors)[0], (*factors)[1], (*factors)[2]);
   if (s.cwiseAbs().minCoeff() <= 0.0)
-    document_.error(*scale, "a scale of 0 leaves nothing", "1 leaves it as it is");
+    document_.error(*scale, "a factor of the scale is 0", "1 keeps the size");
   else
     transform.linear() *= s.asDiagonal();
   return transform;

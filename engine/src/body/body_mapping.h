@@ -13,7 +13,7 @@
 
 namespace rehearse::body {
 
-/// Spellings of a key; the first that stands there counts.
+/// Spellings of a key; the first one that the mapping contains counts.
 using Names = std::initializer_list<std::string_view>;
 
 /// The longest number at the beginning of a text; nothing if there is none. `is_whole`: nothing follows it.
@@ -23,13 +23,13 @@ std::optional<double> leading_number(std::string_view text, bool& is_whole);
 std::optional<Eigen::Matrix3d> read_rotation(const YamlNode& node, Document& document);
 /// [x y z], or the sum of several.
 std::optional<Eigen::Vector3d> read_translation(const YamlNode& node, Document& document);
-/// A list of numbers; `size`: how many, 0: any number. Else an error, and nothing.
+/// A list of numbers; `size`: their count, 0: any count. Else an error, and nothing.
 std::optional<std::vector<double>> read_numbers(const YamlNode& node, std::size_t size, std::string_view label,
                                                 Document& document);
 std::optional<double> read_number(const YamlNode& node, std::string_view label, Document& document);
 
-/// Visits the entries by the alphabet, each key once: merges (<<) are resolved, and of a key that stands twice the last
-/// counts, with a warning.
+/// Visits the entries by the alphabet, each key once: merges (<<) are resolved, and if a key appears twice, the last
+/// entry counts, with a warning.
 class Mapping {
  public:
   /// `kind`: for messages, as "a link". An error if the node isn't a mapping; then it is empty.
@@ -39,7 +39,7 @@ class Mapping {
   const YamlNode& node() const { return node_; }
   Document& document() const { return document_; }
 
-  /// The value, or null if there is none or it is empty. A key that is asked for counts as read.
+  /// The value, or null if there is none or it is empty. The key counts as read.
   const YamlNode* find(Names names);
 
   /// "An error, and nothing": a value that is present and wrong is an error.
@@ -51,16 +51,16 @@ class Mapping {
   /// In the unit of the file; returned in radians.
   std::optional<double> angle(Names names);
 
-  /// A number that Choreonoid replaces by its default in silence when it isn't one: here with a warning.
+  /// A number; `otherwise`, with a warning, if the value isn't one (Choreonoid takes its default without a warning).
   double soft_number(Names names, double otherwise);
   double soft_angle(Names names, double otherwise);
 
   /// T R S of translation, rotation and scale.
   Eigen::Affine3d transform(bool has_scale = true);
 
-  /// Entries whose keys nobody asked for.
+  /// Entries whose keys were not read.
   std::vector<std::pair<std::string, const YamlNode*>> unread() const;
-  /// Reports them: a warning for a key that is nearly one that was asked for, else a note. Call it last.
+  /// Reports these entries: a warning for a key that resembles a requested key, else a note. Call it last.
   void finish(const std::vector<std::string_view>& without_effect = {});
 
   double radians(double angle) const;

@@ -52,7 +52,7 @@ void collect_fragments(const YamlNode& node, std::map<std::string, std::set<std:
 
 }  // namespace
 
-/// A node that is taken out of a file is no part of the other nodes of it any more.
+/// The names of the nodes that the body takes out of the file. They are no longer part of the file's other nodes.
 const std::set<std::string>& ElementReader::fragments_of(const std::string& uri) {
   if (!knows_fragments_) {
     collect_fragments(*main_.root, fragments_);
@@ -93,7 +93,7 @@ void ElementReader::read_yaml(const YamlNode& at, const NamedFile& file, const s
         at, fmt::format("the resource {} can't be used: {}{}", in_quotes(file.key), where, problem.message),
         problem.hint);
   }
-  opened->degrees = main_.degrees;  // a unit of its own isn't read
+  opened->degrees = main_.degrees;  // the file's own unit isn't read
   Place below = place;
   below.document = opened;
   if (fragment.empty()) return read_all(*opened->root, below);

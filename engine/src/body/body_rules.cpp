@@ -1,4 +1,4 @@
-// Which links of a body touch each other, and which touch nothing.
+// Rules for the contacts of a body's links: pairs that touch each other, and links that touch nothing.
 #include <algorithm>
 #include <set>
 

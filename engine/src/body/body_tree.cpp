@@ -12,8 +12,8 @@
 namespace rehearse::body {
 namespace {
 
-/// Devices without a name get that of their type, and devices of one name get numbers: recordings tell them apart by
-/// their names.
+/// Devices without a name get that of their type, and devices of one name get numbers: recordings distinguish devices
+/// by their names.
 void name_devices(std::vector<LinkDraft>& links, urdf::Findings& findings) {
   std::set<std::string> names;
   for (LinkDraft& draft : links) {
@@ -30,7 +30,7 @@ void name_devices(std::vector<LinkDraft>& links, urdf::Findings& findings) {
   }
 }
 
-/// The links as a draft of the URDF loader: what remains is the same.
+/// The links as a draft of the URDF loader, which does the remaining steps.
 urdf::Draft urdf_draft_of(BodyDraft& draft, Files& files) {
   urdf::Draft tree;
   urdf::Findings& findings = files.main().findings();
@@ -59,14 +59,14 @@ urdf::Draft urdf_draft_of(BodyDraft& draft, Files& files) {
   return tree;
 }
 
-/// Joints with a jointId first, in its order, then the others in the order of links. Of several joints of one id the
-/// first counts.
+/// Joints with a jointId first, in its order, then the remaining joints in the order of links. Of several joints of one
+/// id the first counts.
 void number_joints(Model& model, urdf::Findings& findings) {
   std::set<int> ids;
   for (const Link& link : model.links) {
     const int id = link.joint.controller_id.value_or(-1);
     if (id >= 0 && !ids.insert(id).second)
-      findings.warning(link.line, fmt::format("the jointId {} of link {} stands twice; controllers see the first link",
+      findings.warning(link.line, fmt::format("the jointId {} of link {} appears twice; controllers see the first link",
                                               id, in_quotes(link.name)));
   }
   const int count = static_cast<int>(ids.size());

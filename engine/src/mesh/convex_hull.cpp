@@ -401,8 +401,8 @@ class HullMaker {
   void tell_thinned(const Points& points, const Thinned& fewer) {
     // a note, not a warning: most meshes of real robots are finer than contacts need
     remark(Severity::note,
-           fmt::format("has a hull of {} vertices: contact takes {} of them, outside of which the others are up to "
-                       "{:.2g} mm",
+           fmt::format("has a hull of {} vertices: contact takes {} of them; the others are up to {:.2g} mm outside "
+                       "their hull",
                        points.size(), fewer.points.size(), 1e3 * fewer.error),
            "take a simpler mesh, or simple shapes, for its collision");
   }

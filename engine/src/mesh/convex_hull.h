@@ -38,7 +38,7 @@ Result<ConvexHull> convex_hull(std::vector<Eigen::Vector3d> points, const std::s
 /// The volume of the convex hull of points [m³]; 0 if they are flat or Qhull fails.
 double hull_volume(std::vector<Eigen::Vector3d> points);
 
-/// The numbers of a mesh's objects, ascending, and what begins messages about each: "it " or "object 1 ".
+/// The numbers of a mesh's objects, ascending, and the beginning of messages about each: "it " or "object 1 ".
 std::vector<std::pair<int, std::string>> objects_of(const MeshData& mesh);
 
 /// The volume of a hull [m³].

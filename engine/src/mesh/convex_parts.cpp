@@ -19,14 +19,14 @@ using Eigen::Vector3d;
 
 constexpr int coarse_cells = 12;            // along the longest side of a piece, to compare cuts
 constexpr int hull_cells = 24;              // likewise, to estimate the volume of its hull
-constexpr std::size_t fine_vertices = 200;  // of a piece whose cuts are compared as it is
+constexpr std::size_t fine_vertices = 200;  // of a piece whose cuts are compared without coarsening it
 constexpr std::size_t concave_planes = 8;   // of a piece's faces, which are tried as cuts
 constexpr int cuts_across = 3;              // planes across each axis, which are tried as cuts
 constexpr std::size_t max_separate = 6;     // parts of a side that a cut leaves unconnected, which become pieces
 constexpr double least_gain = 0.01;         // of a cut: share of the object's hull that it empties
 constexpr double worthwhile = 0.1;          // of a cut: share of the piece's surplus; else the piece is halved
 
-/// How a piece is cut best.
+/// The cut of a piece with the largest gain.
 struct BestCut {
   CutPlane plane;
   double gain = 0.0;  // volume that both hulls together fill less [m³]
@@ -35,10 +35,9 @@ struct BestCut {
 /// A part of an object.
 struct Piece {
   TriangleSoup solid;
-  double hull = 0.0;  // volume of its convex hull, of a fine solid nearly [m³]
-  double surplus =
-      0.0;       // what the hull fills beyond the solid [m³]; of an object that isn't closed: what a cut empties
-  BestCut best;  // of an object that isn't closed
+  double hull = 0.0;     // volume of its convex hull, approximate for a fine solid [m³]
+  double surplus = 0.0;  // volume of the hull outside the solid; if the object isn't closed: that a cut empties [m³]
+  BestCut best;          // of an object that isn't closed
 };
 
 /// Two points nearer to a cut than this are in it.
@@ -118,7 +117,7 @@ BestCut best_cut(const TriangleSoup& solid) {
   return best;
 }
 
-/// Halves a solid where it is longest: what no single cut makes better (a ring), two cuts may.
+/// Halves a solid across its longest side: two cuts may improve a solid that no single cut improves (a ring).
 CutPlane middle_of(const TriangleSoup& solid) {
   Eigen::AlignedBox3d box;
   for (const Vector3d& vertex : solid.vertices) box.extend(vertex);
@@ -127,7 +126,7 @@ CutPlane middle_of(const TriangleSoup& solid) {
   return {Vector3d::Unit(axis), box.center()[axis]};
 }
 
-/// What a hull fills beyond its object, which may have no volume.
+/// The volumes of an object, which may have none, and of its hull.
 struct Judgement {
   std::optional<double> volume;  // of the object [m³]; nullopt: it isn't closed
   double hull = 0.0;             // [m³]

@@ -21,9 +21,9 @@ Result<ConvexHulls> judged_hulls(const MeshData& mesh);
 /// The convex parts of each object of a mesh: its hull, if that fills at most `tolerated_excess` more than the object.
 /// Otherwise planes cut the object, each where the hulls of both sides fill the least: planes of faces at concave
 /// edges, and planes across the axes. It ends when all hulls together fill at most `tolerated_excess` more than the
-/// object, or no cut brings anything, or there are max_convex_parts. An object that isn't closed has no volume: each
-/// cut then has to empty a hundredth of its hull. Notes state the parts and what they fill too much. The result's bits
-/// depend on the mesh alone; parts that `store` has are not computed again.
+/// object, or no cut reduces their volume, or there are max_convex_parts. An object that isn't closed has no volume:
+/// each cut then has to empty a hundredth of its hull. Notes state the number of parts and their excess volume. The
+/// result's bits depend on the mesh alone; parts that `store` has are not computed again.
 Result<ConvexHulls> convex_parts(const MeshData& mesh, const HullStore& store = {});
 
 /// True if the hulls of all objects fill at most `excess` more than the objects, all of which are closed.

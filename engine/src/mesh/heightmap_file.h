@@ -13,7 +13,7 @@ inline constexpr int max_heightmap_side = 2049;  // [points]
 
 struct HeightmapSettings {
   Eigen::Vector2d size = Eigen::Vector2d::Zero();  // full extents along x and y [m]
-  double height = 1.0;  // of a picture: of white over black; of a grid: what its numbers are multiplied with [m]
+  double height = 1.0;  // of a picture: of white over black; of a grid: the factor of its numbers [m]
 };
 
 /// The bytes of a heightmap's file. Errors contain the path as their file.
@@ -23,7 +23,7 @@ Result<std::string> read_heightmap_file(const std::filesystem::path& file);
 /// z = 0, and a pixel is a point of the grid. Any other file is a grid in text: lines of the same count of numbers
 /// between blanks or commas; `#` begins a comment. The picture's top row and the text's first line have the largest y.
 /// Fails with the line and column if the bytes are neither, if a number isn't finite, and if a side has fewer than 2 or
-/// more than max_heightmap_side points. `name` stands in messages and is Mesh::file.
+/// more than max_heightmap_side points. `name` is used in messages and as Mesh::file.
 Result<Mesh> read_heightmap(const std::string& bytes, const std::string& name, const HeightmapSettings& settings);
 
 }  // namespace rehearse

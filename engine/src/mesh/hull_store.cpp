@@ -79,7 +79,7 @@ fs::path HullStore::file_of(const TriangleSoup& object) const {
 std::optional<std::vector<ConvexHull>> HullStore::find(const TriangleSoup& object) const {
   const Numbers numbers = folder_.empty() ? Numbers() : read(file_of(object));
   if (numbers.empty()) return std::nullopt;
-  auto next = numbers.begin();  // the hash is that of what keep() wrote, so the counts are right
+  auto next = numbers.begin();  // the hash is that of the bytes that keep() wrote, so the counts are right
   const auto count = [&next] { return static_cast<std::size_t>(*next++); };
   std::vector<ConvexHull> hulls(count());
   for (ConvexHull& hull : hulls) {

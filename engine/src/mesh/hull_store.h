@@ -14,8 +14,8 @@
 
 namespace rehearse {
 
-/// Counts the changes of convex_parts() that alter its result; part of each key. A test compares a decomposition with
-/// its hash, and fails if the one changes without the other.
+/// Counts the changes of convex_parts() that alter its result; part of each key. A test compares the hash of a
+/// decomposition with a stored hash, and fails if only one of the hash and this number changes.
 inline constexpr std::uint64_t convex_parts_version = 1;
 
 /// A folder of convex parts, with a file for each object. Several processes may use it at once. A store never fails: a

@@ -54,7 +54,7 @@ std::string refusal(const Assimp::Importer& importer, const std::filesystem::pat
   for (std::size_t i = reason.find(path); i != std::string::npos; i = reason.find(path, i)) {
     reason.replace(i, path.size(), file.filename().string());
   }
-  return "assimp says: " + reason;
+  return "assimp reports: " + reason;
 }
 
 /// The scene is owned by the importer; if it is null, see the importer's GetErrorString().
@@ -125,7 +125,7 @@ Result<MeshReading> read_mesh(const std::filesystem::path& file, const Eigen::Ve
     if (auto checked = check_mesh_bytes(*format, *bytes); !checked) return at(file, checked.errors());
     input.replace(*std::move(bytes));
     if (!selection.node.empty() && *format != MeshFormat::vrml)
-      return at(file, {error("a node by its name can be read of a .wrl only", "name a file with that part alone")});
+      return at(file, {error("only a .wrl has nodes that can be read by name", "name a file with that part alone")});
     Result<MeshReading> reading =
         *format == MeshFormat::vrml ? read_vrml(input, selection, scale) : read_by_assimp(*format, input, scale);
     if (!reading) return at(file, reading.errors());

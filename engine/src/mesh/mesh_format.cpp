@@ -46,7 +46,7 @@ Result<void> check_stl(std::string& bytes) {
 Result<void> check_glb(const std::string& bytes) {
   if (!bytes.starts_with("glTF")) return error("it isn't a GLB: it doesn't begin with glTF");
   if (bytes.size() < glb_head || bytes.size() < number_at(bytes, 8)) {
-    return error(fmt::format("it is truncated: {} bytes, fewer than it says", bytes.size()));
+    return error(fmt::format("it is truncated: {} bytes, fewer than its header states", bytes.size()));
   }
   return {};
 }
@@ -62,7 +62,7 @@ Result<void> check_dae(const std::string& bytes) {
     if (start == std::string::npos || bytes[start - 1] == '/') continue;
     const std::size_t end = bytes.find_first_not_of("0123456789+- \t\r\n", start + 1);
     if (end == std::string::npos || bytes[end] == '<') continue;
-    Diagnostic problem = error("a list of indices <p> holds something else than whole numbers");
+    Diagnostic problem = error("a list of indices <p> contains something else than whole numbers");
     problem.line =
         1 + static_cast<int>(std::count(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(end), '\n'));
     return problem;
@@ -82,7 +82,7 @@ Result<MeshFormat> mesh_format_of(const std::filesystem::path& file) {
   if (extension == ".gltf") return MeshFormat::gltf;
   if (extension == ".glb") return MeshFormat::glb;
   if (extension == ".wrl") return MeshFormat::vrml;
-  if (extension.empty()) return error("its name has no extension that says its format", known_formats);
+  if (extension.empty()) return error("its name has no extension that states its format", known_formats);
   return error(fmt::format("{} isn't a format that is read", extension), fmt::format("convert it; {}", known_formats));
 }
 

@@ -159,7 +159,7 @@ Result<MeshPlace> MeshPaths::find_in_package(const std::string& name, const std:
   if (const auto given = given_.find(name); given != given_.end()) {
     if (const auto found = find_below(given->second, rest)) return MeshPlace{*found, ""};
     Diagnostic missing = no_such_file((given->second / rest).lexically_normal());
-    missing.hint = fmt::format("package '{}' was said to be {}", name, given->second.string());
+    missing.hint = fmt::format("package '{}' was given as {}", name, given->second.string());
     return missing;
   }
   std::vector<fs::path> looked_in;
@@ -171,7 +171,7 @@ Result<MeshPlace> MeshPaths::find_in_package(const std::string& name, const std:
     }
   }
   if (auto found = find_above(rest)) {
-    found->warning = fmt::format("package '{}' has no such file; {}", name, found->warning);
+    found->warning = fmt::format("package '{}' doesn't contain the file; {}", name, found->warning);
     return *found;
   }
   return not_found(name, rest, looked_in);

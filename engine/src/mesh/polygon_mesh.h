@@ -36,7 +36,7 @@ struct Extrusion {
   bool end_cap = true;
   double crease_angle = 0.0;
 };
-/// As Choreonoid makes it. An error without two points of the spine and of the section.
+/// The same polygons as in Choreonoid. An error without two points of the spine and of the section.
 Result<PolygonMesh> extrusion_polygons(const Extrusion& extrusion);
 
 /// A grid of heights along y over x and z, row by row along z.

@@ -12,9 +12,9 @@
 
 namespace rehearse {
 
-/// One part for each Shape and colour; a Shape is an object of its own. Read are Transform, Group, Anchor, Billboard,
+/// One part for each Shape and colour; a Shape is a separate object. Reads Transform, Group, Anchor, Billboard,
 /// Collision, Switch, LOD (its first level), Inline, and Shape with IndexedFaceSet, Box, Sphere, Cylinder, Cone,
-/// Extrusion or ElevationGrid. Other nodes are passed over. Colours of vertices become one colour per face.
+/// Extrusion or ElevationGrid. Other nodes are ignored. Colours of vertices become one colour per face.
 Result<std::vector<MeshPart>> read_vrml_parts(MeshInput& input, const MeshSelection& selection,
                                               const Eigen::Vector3d& scale, std::vector<std::string>& warnings);
 

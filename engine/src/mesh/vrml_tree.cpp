@@ -95,13 +95,13 @@ class VrmlParser {
       fail(fmt::format("{} is expected, not {}", in_quotes(bracket), word_.empty() ? "the end" : in_quotes(word_)));
   }
 
-  /// A node, with or without DEF; USE gives the known one. Null after a mistake, and for NULL.
+  /// A node, with or without DEF; for USE the node of that DEF. Null after a mistake, and for NULL.
   VrmlNodePtr read_node(int depth) {
     if (is("NULL")) return advance(), nullptr;
     if (is("USE")) {
       advance();
       const auto known = known_.find(word_);
-      if (known == known_.end()) return fail(fmt::format("USE {}: there is no such DEF", in_quotes(word_))), nullptr;
+      if (known == known_.end()) return fail(fmt::format("USE {} has no DEF", in_quotes(word_))), nullptr;
       advance();
       return known->second;
     }

@@ -14,7 +14,7 @@ namespace rehearse {
 struct VrmlNode;
 using VrmlNodePtr = std::shared_ptr<const VrmlNode>;
 
-/// The value of a field: its type follows from what is written.
+/// The value of a field: the text determines its type.
 struct VrmlValue {
   std::vector<double> numbers;  // TRUE is 1, FALSE 0
   std::vector<std::string> texts;

@@ -248,7 +248,8 @@ int Renderer::add(const Shape& shape, const Color& color) {
 }
 
 void Renderer::set_link_pose(int number, const Eigen::Isometry3d& link_pose) {
-  REHEARSE_ASSERT(number >= 0 && static_cast<std::size_t>(number) < impl_->ends.size(), "no such shape was added");
+  REHEARSE_ASSERT(number >= 0 && static_cast<std::size_t>(number) < impl_->ends.size(),
+                  "a shape with this number was added");
   const auto shape = static_cast<std::size_t>(number);
   for (std::size_t i = shape == 0 ? 0 : impl_->ends[shape - 1]; i < impl_->ends[shape]; ++i)
     impl_->items[i].place(link_pose);

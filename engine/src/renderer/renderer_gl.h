@@ -33,7 +33,7 @@ class Context {
   Result<void> check_abilities();
 
   osmesa_context* handle_ = nullptr;
-  std::array<unsigned char, 4> window_{};  // OSMesa wants a buffer; pictures are drawn into Targets
+  std::array<unsigned char, 4> window_{};  // OSMesa requires a buffer; pictures are drawn into Targets
   std::string description_;
 };
 

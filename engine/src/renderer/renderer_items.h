@@ -19,7 +19,7 @@ struct Batch {
 
 struct Item {
   std::size_t batch;
-  std::array<float, 4> scale;  // as gl::Instance has it
+  std::array<float, 4> scale;  // as in gl::Instance
   std::array<float, 4> color;
   bool shines_through;           // the texture is translucent
   Eigen::Vector3d centre;        // of the bounding sphere, in the shape's frame [m]

@@ -179,7 +179,7 @@ Result<Model> parse_urdf(const std::string& text, const std::string& name, const
   std::optional<Model> model;
   if (urdf::text_is_sound(text, findings)) model = read_robot(text, name, options, meshes, findings);
   if (findings.has_error()) return findings.errors();
-  REHEARSE_ASSERT(model.has_value(), "a robot that can't be read leaves an error");
+  REHEARSE_ASSERT(model.has_value(), "a robot that can't be read has an error");
   model->source_file = name;
   model->source_text = text;
   model->report = findings.report();

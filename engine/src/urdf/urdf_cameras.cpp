@@ -29,7 +29,7 @@ double read_field_of_view(const XMLElement& element, const Camera& camera, Findi
   const bool is_landscape = camera.width >= camera.height;
   const XMLElement* upright = element.FirstChildElement("vertical_fov");
   if (upright != nullptr && element.FirstChildElement("horizontal_fov") != nullptr) {
-    findings.error(upright->GetLineNum(), "<vertical_fov> beside <horizontal_fov>", "give one of them");
+    findings.error(upright->GetLineNum(), "there are both <vertical_fov> and <horizontal_fov>", "give one of them");
   }
   if (upright != nullptr) {
     const double angle = read_positive_or(&element, "vertical_fov", 1.0, widest, findings);

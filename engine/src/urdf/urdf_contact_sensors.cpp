@@ -1,5 +1,5 @@
 // Finds the shape of a contact sensor. The sensor names a collision shape of another simulator's world, where links
-// that fixed joints connect are merged. Gazebo gives the merged shapes new names, PyBullet leaves them theirs.
+// that fixed joints connect are merged. Gazebo gives the merged shapes new names, PyBullet keeps their names.
 #include "urdf_devices.h"
 #include "urdf_draft.h"
 #include "urdf_values.h"
@@ -95,7 +95,7 @@ void read_contact_sensor(const XMLElement& sensor, DeviceDraft& draft, Findings&
 std::optional<std::set<NamedShape>> named_shapes(const DeviceDraft& draft, const Device& device, const Link& link,
                                                  const MergedShapes& merged, Findings& findings) {
   const std::string sensor = "contact sensor " + in_quotes(device.name);
-  const std::string all = fmt::format("; all shapes of link {} feel", in_quotes(link.name));
+  const std::string all = fmt::format("; contacts of all shapes of link {} count", in_quotes(link.name));
   std::set<NamedShape> shapes;
   for (const std::string& name : draft.collisions) {
     const auto shape = merged.find(name, device.link);
@@ -127,12 +127,12 @@ void set_feeling_shape(const DeviceDraft& draft, const Model& model, const Rigid
   const std::string sensor = "contact sensor " + in_quotes(draft.device.name);
   if (link.collisions.empty()) {
     findings.warning(draft.device.line,
-                     fmt::format("{} feels nothing: link {} has no collision shape", sensor, in_quotes(link.name)));
+                     fmt::format("{} measures nothing: link {} has no collision shape", sensor, in_quotes(link.name)));
   } else if (shapes && shapes->size() == 1 && link.collisions.size() > 1) {
     std::get<ContactSensor>(device.kind).collision = shapes->begin()->collision;
   } else if (shapes && shapes->size() > 1 && shapes->size() < link.collisions.size()) {
     findings.warning(draft.device.line,
-                     fmt::format("{} names {} of {} collision shapes; all shapes of link {} feel", sensor,
+                     fmt::format("{} names {} of {} collision shapes; contacts of all shapes of link {} count", sensor,
                                  shapes->size(), link.collisions.size(), in_quotes(link.name)));
   }
 }

@@ -92,7 +92,7 @@ void read_cameras(const XMLElement& sensor, const DeviceDraft& common, std::vect
   const XMLElement* element = sensor.FirstChildElement("camera");
   if (element == nullptr) {
     findings.error(sensor.GetLineNum(), fmt::format("camera {} has no <camera>", in_quotes(common.device.name)),
-                   "<camera> holds the picture's size, the field of view and the clip distances");
+                   "<camera> contains the picture's size, the field of view and the clip distances");
     return;
   }
   const bool is_multiple = sensor.Attribute("type", "multicamera") != nullptr;
@@ -104,7 +104,7 @@ void read_cameras(const XMLElement& sensor, const DeviceDraft& common, std::vect
       if (draft.device.id >= 0) draft.device.id += i;
     } else if (i > 0) {
       findings.error(element->GetLineNum(),
-                     fmt::format("a second <camera> in sensor {}", in_quotes(common.device.name)),
+                     fmt::format("sensor {} has a second <camera>", in_quotes(common.device.name)),
                      "several belong to a sensor of type multicamera");
       return;
     }
@@ -144,7 +144,7 @@ void read_holder(const XMLElement& element, Holder& holder, Findings& findings) 
       findings.error(element.GetLineNum(), "a holder that holds by name has no <target>", "the name of a body");
   } else {
     findings.error(condition->GetLineNum(),
-                   fmt::format("<condition> holds {}, not distance, collision or name", in_quotes(text)));
+                   fmt::format("<condition> contains {}, not distance, collision or name", in_quotes(text)));
   }
 }
 
@@ -421,7 +421,7 @@ std::vector<DeviceDraft> read_devices(const XMLElement& robot, Findings& finding
       if (is_one_of(what, {"sensor", "light", "rotor", "holder"})) read_device(*child, devices, unread, findings);
       if (!what.starts_with("sensor:")) continue;
       findings.warning(child->GetLineNum(),
-                       fmt::format("{} is a sensor as Gazebo had them before 2012; it is passed over", tag(what)),
+                       fmt::format("{} is the form of a sensor in Gazebo before 2012; it is passed over", tag(what)),
                        "write <sensor name=\"...\" type=\"...\">");
     }
   }

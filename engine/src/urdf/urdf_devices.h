@@ -29,7 +29,7 @@ struct DeviceDraft;
 void report_ignored(const tinyxml2::XMLElement& element, const std::vector<std::string_view>& known,
                     Findings& findings);
 
-/// The child's number, or `fallback` if there is no such child; an error unless it is above 0 and at most `most`.
+/// The child's number, or `fallback` if the child is missing; an error unless it is above 0 and at most `most`.
 /// `element` may be null.
 double read_positive_or(const tinyxml2::XMLElement* element, const char* child, double fallback, double most,
                         Findings& findings);

@@ -146,8 +146,8 @@ std::vector<SpringDraft> read_springs(const tinyxml2::XMLElement& robot, Finding
 /// Reads all <loop_joint> elements. One that can't be read is left out, with an error.
 std::vector<LoopDraft> read_loops(tinyxml2::XMLElement& robot, Findings& findings);
 
-/// Sets springs, rotor inertias and loops in the model; a warning for a joint that doesn't exist, an error for a link
-/// that doesn't.
+/// Sets springs, rotor inertias and loops in the model. A joint that doesn't exist is a warning, a link that doesn't
+/// exist an error.
 void apply_joint_parts(const Draft& draft, Model& model, Findings& findings);
 
 /// Copies the draft's surfaces to the links; a warning for a reference that isn't a link.
@@ -176,8 +176,8 @@ void complete_masses(Model& model, const UrdfOptions& options, Findings& finding
 /// it after complete_masses().
 void repair_inertias(Model& model, const UrdfOptions& options, Findings& findings);
 
-/// Checks what the physics engine requires: an error for a moving link without inertia or with one that isn't positive
-/// definite; warnings about improbable values. Call it after repair_inertias().
+/// Checks the conditions of the physics engine: an error for a moving link without inertia or with one that isn't
+/// positive definite; warnings about improbable values. Call it after repair_inertias().
 void check_dynamics(const Model& model, const UrdfOptions& options, Findings& findings);
 
 /// Parses the document with urdfdom and compares its robot with the draft; each difference is an error.

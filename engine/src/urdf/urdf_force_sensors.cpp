@@ -16,7 +16,7 @@ void read_frame(const XMLElement& element, DeviceDraft& draft, Findings& finding
   if (frame == "sensor") return;
   if (frame != "child" && frame != "parent") {
     findings.error(element.GetLineNum(),
-                   fmt::format("<frame> holds {}, not child, parent or sensor", in_quotes(frame)));
+                   fmt::format("<frame> contains {}, not child, parent or sensor", in_quotes(frame)));
     return;
   }
   draft.device.pose = Eigen::Isometry3d::Identity();
@@ -29,12 +29,12 @@ void read_direction(const XMLElement& element, const Device& device, Findings& f
   if (direction != "parent_to_child") {
     findings.error(
         element.GetLineNum(),
-        fmt::format("<measure_direction> holds {}, not child_to_parent or parent_to_child", in_quotes(direction)));
+        fmt::format("<measure_direction> contains {}, not child_to_parent or parent_to_child", in_quotes(direction)));
     return;
   }
   findings.warning(element.GetLineNum(),
-                   fmt::format("sensor {} is to measure what the parent link does to its child; here it measures the "
-                               "opposite, so its numbers have the other sign",
+                   fmt::format("sensor {} is to measure the wrench of the parent link on its child; here it measures "
+                               "the opposite wrench, so its numbers have the opposite sign",
                                in_quotes(device.name)));
 }
 

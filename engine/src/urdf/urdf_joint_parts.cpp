@@ -1,4 +1,4 @@
-// Springs and rotors of joints, and joints that close loops: parts that stand outside of the <joint> elements.
+// Springs and rotors of joints, and joints that close loops: parts that are outside of the <joint> elements.
 #include "urdf_draft.h"
 #include "urdf_suggestions.h"
 #include "urdf_values.h"

@@ -235,8 +235,9 @@ void declare_world(XMLElement& robot, Draft& draft, Findings& findings) {
   }
   for (const JointDraft& joint : draft.joints) {
     if (joint.parent != "world") continue;
-    findings.repair(joint.joint.line, fmt::format("joint {} hangs on a link 'world' that isn't declared; it is added",
-                                                  in_quotes(joint.joint.name)));
+    findings.repair(joint.joint.line,
+                    fmt::format("the parent of joint {} is a link 'world' that isn't declared; it is added",
+                                in_quotes(joint.joint.name)));
     LinkDraft& world = draft.links.emplace_back();
     world.link.name = "world";
     robot.InsertNewChildElement("link")->SetAttribute("name", "world");

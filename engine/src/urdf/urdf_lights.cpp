@@ -14,7 +14,7 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-/// The child's number, or `fallback` if there is no such child; an error if it is below 0.
+/// The child's number, or `fallback` if the child is missing; an error if it is below 0.
 float read_not_negative_or(const XMLElement& element, const char* child, float fallback, Findings& findings) {
   const XMLElement* place = element.FirstChildElement(child);
   if (place == nullptr) return fallback;
@@ -29,7 +29,8 @@ void read_color(const XMLElement& element, Light& light, Findings& findings) {
   if (!rgba) return;
   for (int i = 0; i < 3; ++i) light.color[i] = static_cast<float>((*rgba)[i]);
   if (light.color.minCoeff() < 0.0f || light.color.maxCoeff() > 1.0f)
-    findings.error(element.GetLineNum(), fmt::format("the colour of <{}> goes beyond 0 to 1", element.Name()),
+    findings.error(element.GetLineNum(),
+                   fmt::format("the colour of <{}> has a component outside of 0 to 1", element.Name()),
                    "<intensity> makes a light stronger");
 }
 
@@ -93,7 +94,7 @@ void read_light(const XMLElement& element, Light& light, Findings& findings) {
     read_cone(*spot, *light.cone, findings);
   } else {
     findings.error(element.GetLineNum(), fmt::format("light {} has no <spot>", in_quotes(element.Attribute("name"))),
-                   "<spot> holds the cone's <inner_angle> and <outer_angle> [rad]");
+                   "<spot> contains the cone's <inner_angle> and <outer_angle> [rad]");
   }
 }
 

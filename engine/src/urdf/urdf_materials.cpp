@@ -79,7 +79,7 @@ void report_doubles(const std::vector<Mention>& mentions, Findings& findings) {
       findings.ignored(mention.element->GetLineNum(), "a material defined again with the same colour");
     } else if (last != nullptr) {
       findings.repair(mention.element->GetLineNum(),
-                      fmt::format("material {} has another colour in line {}; from here on it has this one",
+                      fmt::format("material {} has another colour in line {}; from here on this colour applies",
                                   in_quotes(mention.name), last->element->GetLineNum()));
     }
     last = &mention;

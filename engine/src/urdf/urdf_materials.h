@@ -17,7 +17,7 @@ namespace rehearse::urdf {
 
 class Meshes;
 
-/// What a material states.
+/// The colour and texture that a material states.
 struct Appearance {
   std::optional<Color> color;
   std::shared_ptr<const Texture> texture;  // null: none

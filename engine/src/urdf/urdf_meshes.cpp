@@ -16,7 +16,7 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-/// What other simulators' extensions state of a mesh.
+/// The geometry that contacts use for a mesh, from the extensions of other simulators.
 MeshContact stated_contact(const XMLElement& element) {
   if (element.FirstChildElement("drake:declare_convex") != nullptr) return MeshContact::hull;
   const XMLElement* geometry = element.Parent()->ToElement();
@@ -52,10 +52,9 @@ std::optional<Eigen::Vector3d> Meshes::read_scale(XMLElement& element) {
   }
   const auto scale = read_vector_or(element, "scale", Eigen::Vector3d::Ones(), findings_);
   if (!scale || scale->cwiseAbs().minCoeff() > 0.0) return scale;
-  findings_.error(
-      element.FindAttribute("scale")->GetLineNum(),
-      fmt::format("the scale of a <mesh> is {}, and nothing is left of it", in_quotes(element.Attribute("scale"))),
-      "1 1 1 leaves it as it is; -1 mirrors");
+  findings_.error(element.FindAttribute("scale")->GetLineNum(),
+                  fmt::format("the scale of a <mesh> is {}, with a factor of 0", in_quotes(element.Attribute("scale"))),
+                  "1 1 1 keeps the size; -1 mirrors");
   return std::nullopt;
 }
 
@@ -73,7 +72,7 @@ std::optional<Mesh> Meshes::load(const XMLElement& element, Mesh mesh, Use use) 
   }
   if (!place->warning.empty()) {
     findings_.warning(line, fmt::format("the mesh {}: {}", in_quotes(mesh.file, longest_path), place->warning),
-                      "write where it is, or say where its package is");
+                      "write its path, or state the folder of its package");
   }
   if (use == Use::visual) {  // the warnings are all about visual appearance
     for (const std::string& warning : loaded->warnings) {
@@ -130,7 +129,7 @@ void Meshes::take_hulls(Mesh& mesh, MeshContact contact) {
   const auto hulls = shared_hulls(mesh.data->file, mesh.scale, contact);
   if (!hulls) {
     findings_.error(mesh.line, fmt::format("{} can't be used for contact: {}", which, hulls.errors().front().message),
-                    "contact takes a mesh that moves for convex parts");
+                    "contacts use convex parts of a mesh that moves");
     return;
   }
   for (const Diagnostic& remark : (*hulls)->remarks) {

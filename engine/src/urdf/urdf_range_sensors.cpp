@@ -25,7 +25,7 @@ const XMLElement* require_child(const XMLElement& element, const char* child, co
   return found;
 }
 
-/// The child's number, 0 if there is no such child; an error if its magnitude is above `most`.
+/// The child's number, 0 if the child is missing; an error if its magnitude is above `most`.
 double read_angle(const XMLElement& element, const char* child, double most, Findings& findings) {
   const XMLElement* place = element.FirstChildElement(child);
   if (place == nullptr) return 0.0;
@@ -104,7 +104,7 @@ void check_beams(const XMLElement& scan, const RangeSensor& laser, Findings& fin
 void read_scan(const XMLElement& scan, RangeSensor& laser, Findings& findings) {
   report_ignored(scan, {"horizontal", "vertical"}, findings);
   const XMLElement* horizontal =
-      require_child(scan, "horizontal", "it holds samples, min_angle and max_angle", findings);
+      require_child(scan, "horizontal", "it contains samples, min_angle and max_angle", findings);
   if (horizontal == nullptr) return;
   laser.yaw = read_sweep(*horizontal, 640, a_turn, findings);
   const XMLElement* vertical = scan.FirstChildElement("vertical");
@@ -115,12 +115,12 @@ void read_scan(const XMLElement& scan, RangeSensor& laser, Findings& findings) {
 void read_distances(const XMLElement& range, RangeSensor& laser, Findings& findings) {
   report_ignored(range, {"min", "max"}, findings);
   const int errors_before = findings.error_count();
-  if (const XMLElement* min = require_child(range, "min", "what is nearer isn't seen [m]", findings)) {
+  if (const XMLElement* min = require_child(range, "min", "nearer shapes aren't measured [m]", findings)) {
     laser.min_distance = read_text_number(*min, findings).value_or(0.0);
     if (laser.min_distance < 0.0)
       findings.error(min->GetLineNum(), fmt::format("<min> is {}; it must not be below 0", laser.min_distance));
   }
-  if (const XMLElement* max = require_child(range, "max", "what is farther isn't seen [m]", findings))
+  if (const XMLElement* max = require_child(range, "max", "farther shapes aren't measured [m]", findings))
     laser.max_distance = read_text_number(*max, findings).value_or(0.0);
   if (findings.error_count() == errors_before && laser.min_distance >= laser.max_distance) {
     findings.error(range.GetLineNum(),
@@ -139,13 +139,13 @@ void read_range_sensor(const XMLElement& sensor, RangeSensor& laser, Eigen::Isom
   if (element == nullptr) {
     findings.error(sensor.GetLineNum(),
                    fmt::format("range sensor {} has neither <ray> nor <lidar>", in_quotes(sensor.Attribute("name"))),
-                   "<ray> holds the <scan>'s angles and the <range> of distances");
+                   "<ray> contains the <scan>'s angles and the <range> of distances");
     return;
   }
   report_ignored(*element, {"scan", "range"}, findings);
-  if (const XMLElement* scan = require_child(*element, "scan", "it holds <horizontal>", findings))
+  if (const XMLElement* scan = require_child(*element, "scan", "it contains <horizontal>", findings))
     read_scan(*scan, laser, findings);
-  if (const XMLElement* range = require_child(*element, "range", "it holds <min> and <max> [m]", findings))
+  if (const XMLElement* range = require_child(*element, "range", "it contains <min> and <max> [m]", findings))
     read_distances(*range, laser, findings);
 }
 

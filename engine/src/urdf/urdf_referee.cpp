@@ -56,7 +56,7 @@ class CapturedConsole : private console_bridge::OutputHandler {
     findings.error(0, fmt::format("urdfdom fails: {}", printable(problem.what())));
     return nullptr;
   }
-  for (const std::string& message : console.messages()) findings.error(0, "urdfdom says: " + printable(message));
+  for (const std::string& message : console.messages()) findings.error(0, "urdfdom reports: " + printable(message));
   if (robot == nullptr && console.messages().empty()) findings.error(0, "urdfdom refuses the file without a reason");
   return console.messages().empty() ? robot : nullptr;
 }

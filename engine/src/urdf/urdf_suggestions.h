@@ -21,7 +21,7 @@ class Suggestions {
   void add(std::string_view name) { names_.push_back(printable(name)); }
 
   /// The names that are most similar to `wanted`, or a list of all. Empty after max_urdf_errors hints: each compares
-  /// `wanted` with all names, and nobody reads more.
+  /// `wanted` with all names, and more hints are of no use.
   std::string of(std::string_view wanted) { return left_-- > 0 ? name_hint(wanted, names_, kind_) : std::string(); }
 
  private:

@@ -167,7 +167,7 @@ void read_surfaces(const XMLElement& robot, Draft& draft, Findings& findings) {
 void read_contact(const XMLElement& contact, Surface& surface, Findings& findings) {
   for (const auto* child = contact.FirstChildElement(); child != nullptr; child = child->NextSiblingElement()) {
     const Figure* figure = find_figure(bullet_figures(), child->Name());
-    REHEARSE_ASSERT(figure != nullptr, "the schema lets pass what this table has");
+    REHEARSE_ASSERT(figure != nullptr, "the schema allows only the elements of this table");
     if (const auto value = read_number(*child, "value", findings)) set(*figure, *value, *child, surface, findings);
   }
 }
@@ -185,9 +185,8 @@ void apply_surfaces(const Draft& draft, Model& model, Findings& findings) {
     if (const auto link = links.find(surface.reference); link != links.end()) {
       apply_to(surface, *link->second);
     } else if (is_joint && surface.says_something) {
-      findings.warning(surface.line,
-                       fmt::format("<gazebo> says of joint {} what can be said of links only; it is passed over",
-                                   in_quotes(surface.reference)));
+      findings.warning(surface.line, fmt::format("<gazebo> sets properties of links for joint {}; they are passed over",
+                                                 in_quotes(surface.reference)));
     } else if (!is_joint && !surface.has_devices) {
       findings.warning(
           surface.line,

@@ -104,7 +104,7 @@ void check_prolog(std::string_view text, Findings& findings) {
     findings.error(0, "the file is empty");
   } else if (rest.starts_with("<!DOCTYPE") || rest.starts_with("<!doctype")) {
     findings.error(line, "a document type isn't allowed here",
-                   "remove the DOCTYPE; if it says html, this is a web page and not the file it shows");
+                   "remove the DOCTYPE; if it contains html, this is a web page and not the file that the page shows");
   } else if (rest.front() != '<') {
     findings.error(line, fmt::format("this is not XML: it begins with {}", in_quotes(rest.substr(0, rest.find('\n')))));
   }
@@ -119,7 +119,7 @@ std::string describe(tinyxml2::XMLError error) {
     case tinyxml2::XML_ERROR_PARSING_TEXT: return "the text that begins here isn't followed by a tag";
     case tinyxml2::XML_ERROR_PARSING_CDATA: return "the CDATA section that begins here has no end";
     case tinyxml2::XML_ERROR_PARSING_COMMENT: return "the comment that begins here has no end";
-    case tinyxml2::XML_ERROR_PARSING_DECLARATION: return "a declaration <?...?> stands here or has no end";
+    case tinyxml2::XML_ERROR_PARSING_DECLARATION: return "a declaration <?...?> is in a wrong place or has no end";
     case tinyxml2::XML_ERROR_PARSING_UNKNOWN: return "the tag <!... that begins here has no end";
     case tinyxml2::XML_ERROR_MISMATCHED_ELEMENT: return "the element that begins here isn't closed by its own end tag";
     default: return "this isn't well-formed XML";
@@ -128,7 +128,7 @@ std::string describe(tinyxml2::XMLError error) {
 
 bool can_do_without(const XMLElement& element);
 
-/// True of definitions, of a condition for elements without which the loader can do, and of the colour of a shape.
+/// True for definitions, for a condition with elements that the loader doesn't need, and for the colour of a shape.
 bool can_do_without_xacro(const XMLElement& element, std::string_view parent) {
   const std::string_view name = element.Name();
   if (is_one_of(name, {"xacro:property", "xacro:arg", "xacro:macro"}) || parent == "visual") return true;
@@ -138,8 +138,8 @@ bool can_do_without_xacro(const XMLElement& element, std::string_view parent) {
   return child == nullptr;
 }
 
-/// True if the loader needs nothing of the element and its children: elements that describe no link and no joint, and
-/// those in which a mistake costs no more than a sensor or a colour.
+/// True if the loader doesn't need the element and its children: elements that describe no link and no joint, and
+/// elements in which a mistake affects no more than a sensor or a colour.
 bool can_do_without(const XMLElement& element) {
   const std::string_view name = element.Name();
   const std::string_view parent = element.Parent()->ToElement() == nullptr ? "" : element.Parent()->Value();
@@ -203,7 +203,7 @@ XMLElement* parse_xml(std::string_view text, XMLDocument& document, Findings& fi
   }
   for (const XMLNode* node = root->NextSibling(); node != nullptr; node = node->NextSibling()) {
     if (node->ToElement() == nullptr && node->ToText() == nullptr) continue;
-    findings.error(node->GetLineNum(), "something follows after </robot>", "a file describes one robot");
+    findings.error(node->GetLineNum(), "the file continues after </robot>", "a file describes one robot");
     break;
   }
   if (const XMLElement* xacro = find_xacro(*root)) {

@@ -24,7 +24,7 @@ std::vector<TrackDraft> read_tracks(const XMLElement& robot, Findings& findings)
     if (const char* reference = block->Attribute("reference"))
       tracks.push_back({reference, track->GetLineNum()});
     else
-      findings.error(track->GetLineNum(), "a track on no joint",
+      findings.error(track->GetLineNum(), "a track names no joint",
                      "its <gazebo> names the joint: <gazebo reference=\"JOINT\">");
   }
   return tracks;

@@ -44,7 +44,7 @@ std::string describe(const XMLElement& transmission) {
   return text;
 }
 
-/// A number above 0 under any of the names; an error and nothing if it is another.
+/// A number above 0 under any of the names; nothing, with a warning, if the text is not a number above 0.
 std::optional<double> read_positive(const XMLElement& transmission, std::initializer_list<const char*> names,
                                     Findings& findings) {
   for (const char* name : names) {

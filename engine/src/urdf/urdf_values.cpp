@@ -47,7 +47,7 @@ std::optional<std::vector<double>> read_numbers(const XMLElement& element, const
 Eigen::Matrix3d read_quaternion(const XMLElement& origin, Findings& findings) {
   const Eigen::Matrix3d none = Eigen::Matrix3d::Identity();
   if (origin.Attribute("rpy") != nullptr) {
-    findings.error(origin.GetLineNum(), "quat_xyzw beside rpy in one <origin>", "give one of them");
+    findings.error(origin.GetLineNum(), "an <origin> has both quat_xyzw and rpy", "give one of them");
     return none;
   }
   const auto xyzw = read_vector4(origin, "quat_xyzw", findings);
@@ -157,7 +157,7 @@ std::optional<double> read_text_number(const XMLElement& element, Findings& find
   const std::optional<double> number = parse_number(text_of(element));
   if (!number) {
     findings.error(element.GetLineNum(),
-                   fmt::format("{} holds {}, not a number", tag(element.Name()), in_quotes(text_of(element))));
+                   fmt::format("{} contains {}, not a number", tag(element.Name()), in_quotes(text_of(element))));
   }
   return number;
 }
@@ -168,14 +168,14 @@ std::optional<bool> read_text_flag(const XMLElement& element, Findings& findings
   if (word == "true" || word == "yes" || word == "1") return true;
   if (word == "false" || word == "no" || word == "0") return false;
   findings.error(element.GetLineNum(),
-                 fmt::format("{} holds {}, not true or false", tag(element.Name()), in_quotes(text_of(element))));
+                 fmt::format("{} contains {}, not true or false", tag(element.Name()), in_quotes(text_of(element))));
   return std::nullopt;
 }
 
 std::optional<std::vector<double>> read_text_numbers(const XMLElement& element, std::size_t count, Findings& findings) {
   auto numbers = parse_numbers(text_of(element), count);
   if (!numbers) {
-    findings.error(element.GetLineNum(), fmt::format("{} holds {}, not {}", tag(element.Name()),
+    findings.error(element.GetLineNum(), fmt::format("{} contains {}, not {}", tag(element.Name()),
                                                      in_quotes(text_of(element)), count_text(count)));
   }
   return numbers;
@@ -185,7 +185,7 @@ Eigen::Isometry3d read_text_pose(const XMLElement& element, Findings& findings) 
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   const auto numbers = parse_numbers(text_of(element), 6);
   if (!numbers) {
-    findings.error(element.GetLineNum(), fmt::format("{} holds {}, not six numbers: x y z roll pitch yaw",
+    findings.error(element.GetLineNum(), fmt::format("{} contains {}, not six numbers: x y z roll pitch yaw",
                                                      tag(element.Name()), in_quotes(text_of(element))));
     return pose;
   }

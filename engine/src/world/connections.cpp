@@ -214,7 +214,7 @@ void Connections::connect(Slot& slot) {
   slot.connected = true;
 }
 
-/// Moves one of the bodies to where both frames of the joint are one.
+/// Moves one of the bodies so that both frames of the joint coincide.
 void Connections::close_gap(const Slot& slot) const {
   if (!slot.wanted.other_frame) return;
   const Mount first = mount(slot, false), second = mount(slot, true);
@@ -234,8 +234,8 @@ void Connections::close_gap(const Slot& slot) const {
   set_motion(moved.body, motion);
 }
 
-/// The order of a body's joints determines that of the solver's rows, so all are made anew, in their order, when one
-/// comes or goes: it is then a function of the state.
+/// The order of a body's joints determines that of the solver's rows. So when a joint is added or removed, all joints
+/// are made anew, in their order: it is then a function of the state.
 void Connections::make_joints() {
   for (Slot& slot : slots_) {
     if (slot.joint) dJointDestroy(slot.joint);

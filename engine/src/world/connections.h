@@ -1,5 +1,5 @@
-// Connections: joints in addition to those of the models' trees. Welds and joints of a scenario, loops of a model, and
-// what holders hold. Private to the world library.
+// Connections: joints in addition to those of the models' trees. They are the welds and joints of a scenario, the loops
+// of a model, and the joints between holders and the links that they hold. Private to the world library.
 #pragma once
 
 #include <ode/ode.h>
@@ -25,7 +25,7 @@ class Connections {
   /// Errors about connections of two links that never move, or of a kinematic link without shape, which isn't in ODE.
   Diagnostics check() const;
 
-  /// Connects and separates what has to be for the step at that time [s], except what is held.
+  /// Makes and removes the connections for the step at that time [s], except those of holders.
   void update(double time);
   /// Holders take hold and let go. `touching`: the links that touch in this step.
   void update_holders(const std::vector<LinkPair>& touching);

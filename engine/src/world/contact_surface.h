@@ -37,7 +37,7 @@ class ContactTerms {
   void apply_direction(dContact& contact) const;
 
   dSurfaceParameters surface_{};         // of every contact, whatever its normal and depth
-  std::array<Direction, 2> directions_;  // the first that isn't the normal's applies
+  std::array<Direction, 2> directions_;  // the first that isn't along the normal applies
   std::size_t direction_count_ = 0;
   bool limits_depth_ = false;
   double min_depth_ = 0.0;          // at which contacts rest [m]
@@ -46,8 +46,8 @@ class ContactTerms {
 };
 
 /// Combines two surfaces. A property that one side states applies; if both state it, the smaller value applies, but
-/// stiffness and damping act in series. For a property that neither side states, the solver's settings apply. What the
-/// pair of both materials states goes before all of that.
+/// stiffness and damping act in series. For a property that neither side states, the solver's settings apply. The
+/// values of the pair of both materials have precedence over all of these.
 class ContactLaw {
  public:
   ContactLaw(const WorldSettings& settings, const std::vector<WorldBody>& bodies);
@@ -68,7 +68,7 @@ class ContactLaw {
   void set_spring(const Surface& a, const Surface& b, ContactTerms& terms) const;
   void set_bounce(const TouchedSurface& a, const TouchedSurface& b, ContactTerms& terms) const;
 
-  /// What is stated for the pair of materials, or null.
+  /// The values of the pair of materials, or null.
   const MaterialPair* pair_of(const TouchedSurface& a, const TouchedSurface& b) const;
 
   SolverSettings solver_;

@@ -23,7 +23,7 @@ struct PartBehind {
 /// The part behind the joint of `link`, which connects it to its parent in the same rigid group.
 PartBehind part_behind(const Model& model, const RigidGroups& groups, int link);
 
-/// How a rigid group moves in a step. World axes.
+/// The motion of a rigid group in a step, in world axes.
 struct GroupMotion {
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();         // of the group
   Eigen::Vector3d center = Eigen::Vector3d::Zero();                // of mass, of the whole group [m]

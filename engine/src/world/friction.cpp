@@ -43,7 +43,7 @@ FrictionPatch* Friction::patch_of(const LinkPair& pair) {
 
 // Coulomb's law makes the friction force of a slipping point F = -mu N v / |v|. Along v its magnitude is fixed. Across
 // v it changes by -mu N / |v| per velocity, which is ODE's force-dependent slip |v| / (mu N). While friction can stop
-// the point within the step there is no slip across: the force along the direction is then all that is needed.
+// the point within the step there is no slip across: the force along the direction then suffices.
 void Friction::direct(const FrictionPoint& point, const Vector3d& velocity, dContact& contact) const {
   const FrictionPatch& patch = *point.patch;
   const double available = contact.surface.mu * patch.load / patch.points;  // friction at this point [N]
@@ -51,7 +51,7 @@ void Friction::direct(const FrictionPoint& point, const Vector3d& velocity, dCon
   const Vector3d slip = tangential(velocity, point.normal);
   Vector3d friction = patch.force / patch.points;
   if (patch.spread > 0.0) friction += patch.torque.cross(point.position - patch.center) / patch.spread;
-  // the load of a new contact is at least what stops its approach and holds its weight
+  // the load of a new contact is at least the force that stops its approach and carries its weight
   const double approach = std::max(0.0, -velocity.dot(point.normal)) + time_step_ * gravity_;
   const double limit = patch.load > 0.0 ? time_step_ * available : contact.surface.mu * impulse_mass * approach;
   // the impulse that would stop the point within the step
@@ -66,7 +66,7 @@ void Friction::direct(const FrictionPoint& point, const Vector3d& velocity, dCon
     const Vector3d rolling = patch.spin.cross(point.normal);
     if (rolling.norm() > least_spin) {
       direction = rolling;
-      contact.surface.rho = std::numeric_limits<double>::min();  // it has no axis along its way
+      contact.surface.rho = std::numeric_limits<double>::min();  // no rolling friction about the direction of rolling
     }
   }
   if (direction.norm() == 0.0) return;

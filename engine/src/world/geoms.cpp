@@ -13,7 +13,7 @@ struct OdeConvex {
 };
 
 /// The face's outline from the corner where it turns the most: ODE takes the first three points for its direction, and
-/// complains if they are nearly in line.
+/// reports an error if they are nearly in line.
 std::vector<int> with_plain_corner_first(std::vector<int> face, const std::vector<Eigen::Vector3d>& vertices) {
   const auto at = [&](std::size_t i) -> const Eigen::Vector3d& {
     return vertices[static_cast<std::size_t>(face[i % face.size()])];
@@ -83,7 +83,7 @@ MadeGeom make_trimesh(const MeshData& mesh) {
 
 /// The heights in ODE's form: a field over x and z with y upwards, whose z runs against the heightmap's y.
 MadeGeom make_heightfield(const std::shared_ptr<const Heightmap>& map) {
-  constexpr double thickness = 1.0;  // of the ground under its lowest point [m]: what is deeper doesn't touch it
+  constexpr double thickness = 1.0;  // of the ground under its lowest point [m]: deeper shapes don't touch it
   const std::shared_ptr<dxHeightfieldData> data(dGeomHeightfieldDataCreate(), dGeomHeightfieldDataDestroy);
   dGeomHeightfieldDataBuildDouble(data.get(), map->heights.data(), 0, map->size.x(), map->size.y(), map->columns,
                                   map->rows, 1.0, 0.0, thickness, 0);

@@ -44,7 +44,7 @@ std::optional<Inside> inside_cylinder(const Vector3d& point, double radius, doub
   return side.depth < end.depth ? side : end;
 }
 
-/// Whether a point, in the shape's frame, is inside it.
+/// The depth and normal of a point, in the shape's frame; nullopt if it is outside.
 std::optional<Inside> inside(const BodyShape& shape, const Vector3d& point) {
   if (shape.polytope) return inside(*shape.polytope, point);
   dReal radius, length;

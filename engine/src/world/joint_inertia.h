@@ -36,7 +36,7 @@ class JointInertias {
   Eigen::Vector3d reference_;                            // of motions: rotation, then velocity of this point
   std::vector<Matrix6d> subtrees_;                       // by part: spatial inertia of it and all parts beyond it
   std::vector<std::size_t> roots_;                       // by part: the first part of its tree
-  std::map<std::size_t, Eigen::LDLT<Matrix6d>> wholes_;  // by root, of trees that nothing holds
+  std::map<std::size_t, Eigen::LDLT<Matrix6d>> wholes_;  // by root, of trees that aren't fixed to the world
 };
 
 }  // namespace rehearse

@@ -92,7 +92,7 @@ void OdeJoint::resist(double inertia, double time_step) {
 }
 
 /// Two motors of different velocities work against each other, and the quick solver balances them slowly. So the
-/// resistance rests while a drive without limit moves the joint, and has the velocity of a drive that can overcome it.
+/// resistance is off while a drive without limit moves the joint, and has the velocity of a drive that can overcome it.
 /// The effort of damping and rotor at that velocity then changes the drive's limit: it adds to a drive that pushes in
 /// its direction, and takes from one that pushes against it. As an effort of its own it would shake the light fingers
 /// of a hand: there it is a thousand times the effort that moves a finger, and the solver has small errors of it. The
@@ -145,7 +145,7 @@ void OdeJoint::before_step(double time_step) {
   if (parent) parent_arm_ = at_parent - vector(dBodyGetPosition(parent));
 }
 
-// ODE's constraint holds for the poses at the step's beginning: v1 + w1 x a1 - v2 - w2 x a2 = the correction. A
+// ODE's constraint applies at the poses of the step's beginning: v1 + w1 x a1 - v2 - w2 x a2 = the correction. A
 // slider's is free along its axis.
 double OdeJoint::missing_impulse() const {
   const auto velocity = [](dBodyID body, const Vector3d& arm) -> Vector3d {
@@ -218,9 +218,9 @@ void OdeJoint::drive_to(double displacement, double rate, double time_step) {
   drive_at(std::clamp(velocity, -joint_.velocity, joint_.velocity), time_step);
 }
 
-/// A motor beside a stop of ODE gets its whole effort as a torque that the stop has to bear; so ODE's stops rest while
-/// a motor drives, and the motor's velocity leads not beyond them. If a load has turned the joint beyond, drive and
-/// stop together take it back, with whatever effort that needs.
+/// A motor beside a stop of ODE gets its whole effort as a torque that the stop has to bear; so ODE's stops are off
+/// while a motor drives, and the motor's velocity doesn't move the joint beyond them. If a load has turned the joint
+/// beyond a stop, drive and stop together take it back, with whatever effort that needs.
 void OdeJoint::drive_at(double velocity, double time_step) {
   set_stops(false);
   if (!kept_.displacement) return set_motor(velocity, joint_.effort);
@@ -337,7 +337,7 @@ double OdeJoint::motor_effort() const {
   const Vector3d lever = rotation(dBodyGetRotation(child_.body)) * child_.center;
   const double effort = axis.dot(revolute_ ? Vector3d(vector(feedback_->t1) + lever.cross(force)) : force);
   if (!resistance_) return effort;
-  // what acts on the joint, less the resistance
+  // the effort of everything that acts on the joint, except the resistance
   const dJointFeedback& resistance = *resistance_feedback_;
   return effort + applied_ + axis.dot(vector(revolute_ ? resistance.t1 : resistance.f1)) -
          resistance_gain_ * (resistance_velocity_ - rate());

@@ -109,7 +109,7 @@ class OdeJoint {
   double resistance_velocity_ = 0.0;                       // at which they exert no effort
   double spring_effort_ = 0.0;                             // at the beginning of the step [N·m] or [N]
   bool motor_on_ = false;                                  // ODE's joint motor has a force limit above zero
-  bool stops_active_ = false;                              // ODE's stops are set; they rest while a motor drives
+  bool stops_active_ = false;                              // ODE's stops are set; they are off while a motor drives
   bool eases_ = false;                                     // they push back at less than ODE's rate
   bool motor_drives_ = false;                              // the motor is the actuator, not dry friction
 };

@@ -8,7 +8,7 @@
 namespace rehearse {
 
 /// The body neither moves along y nor turns about x and z. Two motors of velocity 0 do it, which also correct drift;
-/// ODE's own joint of a plane holds z at 0. Everything that they depend on is in the body's state.
+/// ODE's own joint of a plane keeps z at 0. Everything that the motors depend on is in the body's state.
 class PlaneConstraint {
  public:
   /// The plane and the direction in the body are those of its present pose.

@@ -199,7 +199,7 @@ Diagnostics check_surfaces(const WorldBody& description, const std::string& body
     const Surface& surface = link.surface;
     const auto check = [&](const std::optional<double>& number, const char* name, double least, double most) {
       if (number && !(*number >= least && *number <= most))
-        findings.push_back(error(body + "the " + name + " of link '" + link.name + "' makes no sense"));
+        findings.push_back(error(body + "the " + name + " of link '" + link.name + "' is out of its range"));
     };
     check(surface.friction, "friction", 0.0, unlimited);
     check(surface.second_friction, "second friction", 0.0, unlimited);

@@ -47,7 +47,7 @@ class StateVisitor {
   void visit(Eigen::Quaterniond& numbers) { visit(numbers.coeffs().data(), 4 * sizeof(double)); }
 };
 
-/// How the surface of a track runs in the coming step.
+/// The motion of a track's surface in the coming step.
 struct Belt {
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  // unit vector, world
   double speed = 0.0;                               // of the surface [m/s], positive as of a wheel about the axis
@@ -75,7 +75,7 @@ struct Touch {
   ContactReading reading;
 };
 
-/// How a link is fixed to a body of ODE.
+/// The body of ODE to which a link is fixed, and the link's place in it.
 struct Mount {
   dBodyID body = nullptr;                                   // null: the link never moves
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();  // of the link in the body's frame, or in the world
@@ -101,10 +101,10 @@ class SimulatedBody {
   virtual void add_wrench(int link, const Eigen::Vector3d& force, const Eigen::Vector3d& torque_about_origin) = 0;
   virtual Eigen::Vector3d link_point(int link, const Eigen::Vector3d& point_in_link) const = 0;
   virtual Belt belt(int index) const = 0;
-  /// A link of a kinematic body without shapes is on no body, though it moves.
+  /// A kinematic body's link without shapes has no body of ODE, although it moves.
   virtual Mount mount(int link) const = 0;
-  /// The share of the body's weight that is missing at the joint that the solver left worst off in the last step, and
-  /// the link that this joint moves.
+  /// The largest force that was missing at a joint after the last step, as a share of the body's weight, and the link
+  /// that this joint moves.
   virtual LinkShare residual() const { return {}; }
   /// Reads the results of the step. Call take_touches() before it.
   virtual void after_step() = 0;

@@ -23,7 +23,7 @@ class StateByName final : public StateVisitor {
   void begin_part(const std::string& body, const std::string& owner, StatePart part) override;
   void visit(void* data, std::size_t size) override;
 
-  /// The bytes of a part; null if there is no such part.
+  /// The bytes of a part; null if the part is missing.
   const std::vector<std::byte>* find(const Name& name) const;
   bool has_body(const std::string& body) const;
 

@@ -267,9 +267,9 @@ void World::Impl::measure_residual(int iterations) {
   }
 }
 
-/// ODE's quick solver makes a fixed number of iterations and tells nothing about their success, so a step that isn't
-/// good enough is made anew with twice as many. The next step begins with that number: the force that one step lacks, a
-/// better next one would have to add.
+/// ODE's quick solver makes a fixed number of iterations and doesn't report their success, so a step that isn't good
+/// enough is made anew with twice as many. The next step begins with that number: a better step would have to add the
+/// force that was missing in the step before.
 void World::Impl::step_until_converged() {
   const OdeMotions before(ode_bodies());
   for (;; iterations = std::min<double>(2.0 * iterations, SolverSettings::most_iterations)) {
@@ -349,8 +349,8 @@ Result<void> World::restore(std::span<const std::byte> state) {
   const std::size_t size = impl_->scratch.size() - impl_->friction.saved_size();
   auto patches = state.size() < size ? std::nullopt : Friction::read(state.subspan(size));
   if (!patches || !impl_->has_links_of(*patches))
-    return error("the state has " + std::to_string(state.size()) + " bytes, and doesn't fit to this world, whose has " +
-                 std::to_string(size) + " and those of friction: it is of another robot or version");
+    return error("the state is of another robot or version: it has " + std::to_string(state.size()) +
+                 " bytes, and that of this world has " + std::to_string(size) + " and those of friction");
   Restorer restorer(state);
   impl_->visit_state(restorer);
   impl_->friction.set_patches(*std::move(patches));

@@ -1,10 +1,10 @@
 // Audit: is a controller a function of its inputs?
 //
 // An audit feeds the inputs of a recording to the controllers many times. It needs no physics, and uses a fresh process
-// each time. The commands are compared bit for bit. The processes differ in one factor at a time: the contents of fresh
-// memory, the addresses, the environment, the date, the random numbers, the schedule of the threads. So the report can
-// name the factor that a controller depends on. During the replays the controller's calls to the system are logged
-// (harness/interposer), and its library is scanned.
+// each time. The commands are compared bit for bit. The processes differ in one factor at a time: fresh memory,
+// addresses, the environment, the date, random numbers, the schedule of threads. So the report can name the factor that
+// a controller depends on. During the replays the controller's calls to the system are logged (harness/interposer), and
+// its library is scanned.
 #pragma once
 
 #include <rehearse/compare.h>
@@ -62,7 +62,7 @@ struct FactorResult {
   std::optional<Divergence> first;  // the earliest difference; none: all bits are equal
 };
 
-/// A call by which a controller asked the system for something.
+/// A call of a controller to the system, whose answer isn't one of the recorded inputs.
 struct AuditedCall {
   enum class Reached {
     yes,      // a different answer changed a command
@@ -93,7 +93,7 @@ struct ControllerAudit {
   std::string controller;  // "SR1/SR1Minimum"
   std::filesystem::path library;
   bool deterministic = true;
-  std::string reason;  // why it is not deterministic, without its name; empty: it is deterministic
+  std::string reason;  // why it is not deterministic, without the controller's name; empty: it is deterministic
   /// The factor that showed it; none: deterministic, or the library alone is the reason.
   std::optional<Factor> depends_on;
   std::optional<Divergence> first;    // the first difference under depends_on

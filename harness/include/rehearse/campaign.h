@@ -1,8 +1,9 @@
 // Campaign: many runs of a scenario with other values of its varied parameters (`vary:`), each judged.
 //
-// A campaign is a folder: campaign.json (scenario, seed, options), plan.csv (the table of cases) and result lines. All
-// but the result lines is immutable. A value is a function of the campaign's seed, the number of the case and the name
-// of the parameter. So a case is the same wherever it runs, and a further parameter changes no other.
+// A campaign is a folder: campaign.json (scenario, seed, options), plan.csv (the table of cases) and result lines.
+// Everything but the result lines is immutable. A value is a function of the campaign's seed, the number of the case
+// and the name of the parameter. So a case is the same wherever it runs, and a new parameter changes no values of the
+// others.
 //
 // Cases run in worker processes, many in each. This library doesn't simulate: the caller passes a Simulation.
 #pragma once
@@ -28,12 +29,12 @@ namespace rehearse {
 
 enum class CaseVerdict {
   passed,
-  violated,  // an expectation doesn't hold
+  violated,  // an expectation is violated
   differs,   // beyond the golden's tolerances
   failed,    // a controller threw, refused to take part, or tried to end the process
   crashed,   // a signal in a controller, or the end of the process
   hung,      // a call, or the whole case, exceeded its limit of wall time
-  exploded,  // the simulation
+  exploded,  // a position or velocity is no longer finite
   invalid,   // the scenario can't run with these values
 };
 inline constexpr std::size_t case_verdict_count = 8;
@@ -47,7 +48,7 @@ struct CaseResult {
   CaseVerdict verdict = CaseVerdict::passed;
   std::string sentence;              // why it didn't pass; empty if it did
   std::string reason;                // the kind of failure: the expectation, or the sentence without its digits
-  std::optional<std::int64_t> tick;  // the first tick that fails; none: passed, or no tick is known
+  std::optional<std::int64_t> tick;  // the first tick that fails; none: passed, or the failure has no tick
   std::string hash;                  // of all messages of the run; empty: there was no run to its end
   std::int64_t ticks = 0;            // simulated
   std::vector<std::optional<double>> margins;  // by expectation, as ExpectationResult::margin
@@ -59,8 +60,8 @@ struct CaseResult {
   bool repeats(const CaseResult& other) const;
 };
 
-/// The normal distribution that replaces the one of a parameter, within its bounds. Of a parameter with log_uniform it
-/// is that of the logarithm, from which a uniform one with the same deviation is made.
+/// The normal distribution that replaces the distribution of a parameter, within its bounds. For a parameter with
+/// log_uniform it is the distribution of the logarithm, from which a uniform one with the same deviation is made.
 struct SteeredParameter {
   std::string name;
   double mean = 0.0, stddev = 1.0;
@@ -69,7 +70,7 @@ struct SteeredParameter {
 struct CampaignOptions {
   std::int64_t cases = 0;  // 0: all combinations of the grids, or all rows of the files
   std::uint64_t seed = 0;
-  std::filesystem::path golden;           // every case is compared with it; empty: with none
+  std::filesystem::path golden;           // every case is compared with it; empty: no comparison
   int keep = 3;                           // number of traces kept of each kind of failure, of the lowest cases
   double case_limit = 600.0;              // wall time of a case; a longer case counts as hung [s]
   std::vector<SteeredParameter> steered;  // by a search; empty: all distributions are those of the scenario
@@ -80,11 +81,12 @@ struct CampaignOptions {
 struct SweepProgress {
   std::int64_t done = 0, all = 0, failed = 0;
   double seconds = 0.0;   // wall time since the work began [s]
-  std::int64_t here = 0;  // cases since then
+  std::int64_t here = 0;  // number of cases since then
 };
 
-/// One of `count` equal parts of a campaign: the cases whose number divided by `count` leaves index - 1. The second
-/// runs of cases are those of the slice before, so that another process makes them, perhaps on another machine.
+/// One of `count` equal parts of a campaign: the cases whose number divided by `count` leaves index - 1. It also
+/// contains the second runs of the cases of the previous slice, so that another process makes them, perhaps on another
+/// machine.
 struct Slice {
   std::int64_t index = 1, count = 1;  // index from 1 on
 
@@ -128,18 +130,18 @@ class Campaign {
   /// Fails if there is no such case.
   Result<void> check_number(std::int64_t number) const;
 
-  /// Runs all cases that have no result. Fails if another process works here, if the nominal run isn't the one of the
-  /// plan any more, or if results can't be written.
+  /// Runs all cases that have no result. Fails if another process works here, if the nominal run differs from that in
+  /// the plan, or if results can't be written.
   Result<void> work(const SweepOptions& options, const Simulation& simulation);
 
-  /// Calls `take` for each result line; lines that were cut by a kill are left out.
+  /// Calls `take` for each result line, except for incomplete lines of a killed process.
   Result<void> read_results(const std::function<void(const CaseResult&)>& take) const;
 
-  /// The indices, from 1 on, of those of `count` slices in which a case or a second run has no result.
+  /// Of `count` slices, the indices (from 1 on) of those in which a case or a second run has no result.
   Result<std::vector<std::int64_t>> unfinished_slices(std::int64_t count) const;
 
-  /// Runs a scenario with this text in a process of its own, and judges it. `trace`: the recording is kept there;
-  /// empty: not. Fails if a signal interrupts it.
+  /// Runs a scenario with this text in a process of its own, and judges it. `trace`: the file of the recording; empty:
+  /// it is not kept. Fails if a signal interrupts it.
   Result<CaseResult> run_text(const std::string& text, const std::filesystem::path& trace,
                               const Simulation& simulation) const;
 
@@ -150,7 +152,7 @@ class Campaign {
   friend class CampaignFiles;
   Campaign() = default;
   Result<void> check_nominal(const Simulation& simulation) const;
-  /// Fails if one of these libraries of controllers isn't that with which the campaign began.
+  /// Fails if one of these controller libraries has changed since the campaign began.
   Result<void> check_libraries(const std::map<std::string, std::string>& now) const;
 
   std::filesystem::path folder_;
@@ -175,9 +177,9 @@ struct Interval {
 /// Cai, A. DasGupta, Interval Estimation for a Binomial Proportion, Statistical Science 16 (2001) recommend it.
 Interval wilson_interval(std::int64_t passed, std::int64_t all);
 
-/// The probability of so many flips one way and the other, or of more unequal ones, if both were as likely: Q. McNemar,
-/// Note on the sampling error of the difference between correlated proportions or percentages, Psychometrika 12 (1947),
-/// with the exact binomial distribution, two-sided.
+/// The probability of these numbers of flips in the two directions, or of more unequal ones, if both directions were
+/// equally likely: Q. McNemar, Note on the sampling error of the difference between correlated proportions or
+/// percentages, Psychometrika 12 (1947), with the exact binomial distribution, two-sided.
 double mcnemar_exact(std::int64_t one_way, std::int64_t other_way);
 
 /// Rank correlation of two lists of equal length, -1 to 1; equal values have their mean rank. C. Spearman, The proof
@@ -193,7 +195,7 @@ struct CampaignSummary {
   std::array<std::int64_t, case_verdict_count> verdicts{};
   std::int64_t missing = 0;              // cases without a result
   std::int64_t repeated = 0;             // cases that ran twice
-  std::vector<std::int64_t> unrepeated;  // cases whose second run was another; at most 100 of them
+  std::vector<std::int64_t> unrepeated;  // cases whose second run differed; at most 100 of them
 
   std::int64_t passed() const { return verdicts[0]; }
   std::int64_t judged() const { return cases - missing; }
@@ -217,10 +219,10 @@ Result<CampaignSummary> write_campaign_report(const Campaign& campaign, const Ca
 // Searching for rare failures.
 
 struct SearchOptions {
-  std::string expectation;         // its text, or a part that no other has
+  std::string expectation;         // its text, or a part of it that no other expectation has
   std::vector<std::string> over;   // parameters that are steered; empty: all with uniform, log_uniform or normal
   int rounds = 6;                  // at most
-  std::int64_t most_failures = 1;  // the search ends after the round in which so many cases of all rounds violate it
+  std::int64_t most_failures = 1;  // the search ends after the round in which this many cases of all rounds violate it
 };
 
 /// A campaign of a search.
@@ -229,14 +231,15 @@ struct SearchRound {
   CampaignSummary summary;
   double least_margin = 0.0;                  // of the expectation
   std::int64_t violations = 0;                // cases that violate it
-  std::optional<std::int64_t> first_failure;  // the lowest of them
+  std::optional<std::int64_t> first_failure;  // the lowest number of these cases
 };
 
 /// Runs rounds, each a campaign in `folder`/round-1 and so on. After a round parameters are steered towards the tenth
-/// of its cases with the smallest margins: their new mean and deviation are those of these cases, by 0.9, and of the
-/// round, by 0.1 (the cross-entropy method: R. Rubinstein, The Cross-Entropy Method for Combinatorial and Continuous
-/// Optimization, Methodology and Computing in Applied Probability 1 (1999)). The round is a part of the seed. Called
-/// again with the same arguments it continues. Shares of failures are those of the steered distributions.
+/// of its cases with the smallest margins. Their new mean and deviation are 0.9 times those of these cases plus 0.1
+/// times those of the round. This is the cross-entropy method: R. Rubinstein, The Cross-Entropy Method for
+/// Combinatorial and Continuous Optimization, Methodology and Computing in Applied Probability 1 (1999). The round is a
+/// part of the seed. Called again with the same arguments it continues. Shares of failures refer to the steered
+/// distributions.
 Result<std::vector<SearchRound>> search(const std::filesystem::path& scenario, const std::filesystem::path& folder,
                                         const CampaignOptions& options, const SearchOptions& search,
                                         const SweepOptions& sweep, const Simulation& simulation);
@@ -268,9 +271,9 @@ struct Shrunk {
 Result<Shrunk> shrink(const Campaign& campaign, std::int64_t number, const ShrinkOptions& options,
                       const Simulation& simulation);
 
-/// Writes the shrunk scenario with comments on the values that differ, and its recording beside it (.mcap). Paths of
-/// models and libraries lead there from its folder. Fails if the written scenario doesn't fail like the case. Without
-/// Simulation::record it is written and not recorded.
+/// Writes the shrunk scenario with comments on the values that differ, and its recording beside it (.mcap). Its paths
+/// of models and libraries are relative to its folder. Fails if the written scenario doesn't fail like the case.
+/// Without Simulation::record it is written and not recorded.
 Result<void> write_shrunk(const Campaign& campaign, const Shrunk& shrunk, const std::filesystem::path& file,
                           const Simulation& simulation);
 

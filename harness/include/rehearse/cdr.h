@@ -31,7 +31,7 @@ class CdrWriter {
  public:
   CdrWriter() { reset(); }
 
-  /// Begins the next message; the memory stays.
+  /// Begins the next message; the memory is reused.
   void reset() {
     size_ = 0;
     constexpr std::uint8_t little_endian[4] = {0, 1, 0, 0};
@@ -67,7 +67,7 @@ class CdrWriter {
     put_array(values);
   }
 
-  /// The message so far; valid until the next call of any member function.
+  /// The bytes of the message so far; valid until the next call of any member function.
   std::span<const std::byte> bytes() const { return {buffer_.data(), size_}; }
 
  private:
@@ -86,13 +86,13 @@ class CdrWriter {
   std::size_t size_ = 0;
 };
 
-/// Reads values from a payload in order. After the first value that is missing, ok() is false for good, and values are
+/// Reads values from a payload in order. After the first value that is missing, ok() stays false, and values are
 /// 0 or empty. The reader checks that all bytes of a length are in the payload before it uses this length.
 class CdrReader {
  public:
   explicit CdrReader(std::span<const std::byte> payload) : bytes_(payload) {
     const int encapsulation = encapsulation_of(payload);
-    // The identifiers of RTPS, and older ones of XTypes: even ones are big-endian.
+    // The identifiers of RTPS, and older ones of XTypes: even identifiers are big-endian.
     const bool plain = encapsulation == 0x00 || encapsulation == 0x01;
     const bool plain2 =
         encapsulation == 0x06 || encapsulation == 0x07 || encapsulation == 0x10 || encapsulation == 0x11;
@@ -116,9 +116,9 @@ class CdrReader {
   std::size_t position() const { return position_; }
   /// Number of bytes that were not read yet.
   std::size_t left() const { return ok_ ? bytes_.size() - position_ : 0; }
-  /// The byte order of the payload differs from that of this machine.
+  /// True if the byte order of the payload differs from this machine's.
   bool swapped() const { return swap_; }
-  /// The payload is of XCDR version 2, where arrays and sequences of other types than numbers begin with their size
+  /// True for a payload of XCDR version 2, where arrays and sequences of other types than numbers begin with their size
   /// [bytes].
   bool is_version_2() const { return largest_alignment_ == 4; }
 
@@ -167,7 +167,7 @@ class CdrReader {
     get_array(std::span<T>(values));
   }
 
-  /// `count` bytes without conversion; null if fewer are left. For decoders that know the type of these bytes.
+  /// `count` bytes without conversion; null if fewer are left. For callers that interpret these bytes.
   const std::byte* take(std::size_t count) {
     if (!ok_ || count > bytes_.size() - position_) return fail(), nullptr;
     const std::byte* place = bytes_.data() + position_;

@@ -123,9 +123,9 @@ struct CheckOptions {
 // Proof: levels that need no simulation.
 //
 // If a check has simulated a golden and got all of its bits, it stores a certificate: this world makes this golden. The
-// certificate has all on which the world's bits depend (session.h: describe_plant). As long as nothing of this changes,
-// level plant is proved. If the controllers, fed with the golden's inputs, also do all that they did in the golden, bit
-// for bit, level closed is proved by induction over the ticks. In all other cases the levels are simulated.
+// certificate contains all facts on which the world's bits depend (session.h: describe_plant). As long as none of them
+// changes, level plant is proved. If the controllers, fed with the golden's inputs, also repeat the golden bit for bit,
+// level closed is proved by induction over the ticks. In all other cases the levels are simulated.
 
 /// How checks use proofs.
 struct ProofMode {
@@ -144,7 +144,7 @@ struct CheckReport {
   LevelState plant = LevelState::skipped;
   LevelState closed = LevelState::skipped;
   std::string verdict;                          // one sentence, without a full stop; names the faulty part
-  std::string message;                          // for a person: where the run's trace is, what to do next; may be empty
+  std::string message;                          // for a person: the run's trace file, the next step; may be empty
   std::optional<Divergence> first;              // on the level that is most specific; none if all are equal
   std::optional<ReplayReport> replay;           // of level controller
   std::optional<PlantSummary> plant_run;        // of level plant
@@ -159,7 +159,7 @@ struct CheckReport {
   std::vector<std::string> remarks;
   bool golden_written = false;
   bool proved = false;  // nothing was simulated
-  /// The first tick of the closed loop that was simulated; what comes before is proved. None: none was simulated.
+  /// The first tick of the closed loop that was simulated; the ticks before it are proved. None: none was simulated.
   std::optional<std::int64_t> simulated_from;
   std::string not_proved;  // a sentence: why something was simulated; empty if nothing was, or if no proof was wanted
   /// The closed loop is within tolerance, but equal programs and files gave different bits, or the run doesn't repeat

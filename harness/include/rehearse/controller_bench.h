@@ -25,7 +25,7 @@
 
 namespace rehearse {
 
-/// Set before a tick, read after it.
+/// The inputs of a joint, set before a tick, and its commands, read after the tick.
 struct BenchJoint {
   double q = 0.0;    // input of the controller: displacement [rad] or [m]
   double dq = 0.0;   // [rad/s] or [m/s]
@@ -44,7 +44,8 @@ struct BenchContact {
   double depth = 0.0;                                  // depth of the overlap [m]
 };
 
-/// World frame. The rotation is a unit quaternion; it isn't aligned, so that no compiler option changes the layout.
+/// A link, in the world frame. The rotation is a unit quaternion; it isn't aligned, so that no compiler option changes
+/// the layout.
 struct BenchLink {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  // [m]
   /// From the link's frame to the world's.
@@ -70,7 +71,7 @@ struct BenchDevice {
   bool on = true;                           // set by the controller
 };
 
-/// The beginning of a bench.
+/// The settings and the initial state of a bench.
 struct BenchOptions {
   double time_step = 0.001;              // [s]
   std::string options;                   // the controller's option string

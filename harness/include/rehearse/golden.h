@@ -7,8 +7,8 @@
 // run. Each acceptance adds to the golden a record of the values that have changed (Acceptance).
 //
 // Environment:
-//   REHEARSE_GOLDEN      check (the default), new (write goldens that are missing) or accept (replace those that
-//                        differ)
+//   REHEARSE_GOLDEN      check (the default), new (write goldens that are missing) or accept (replace goldens
+//                        that differ)
 //   CI                   "true": only check is possible
 //   REHEARSE_GOLDEN_DIR  the folder of goldens, independent of the place of the scenario
 //   REHEARSE_PENDING     the folder of pending traces; else build/goldens/pending if there is a build folder, or
@@ -42,7 +42,7 @@ struct Acceptance {
   std::string date;      // UTC, as 2026-11-20
   std::string kind;      // "first", "replaced" or "partial"
   std::string accepted;  // partial: the accepted channels and the span
-  std::string verdict;   // of the comparison of the old golden with the new one; empty for the first
+  std::string verdict;   // verdict of the comparison of the old golden with the new golden; empty for the first
   /// A line per channel that changed: the worst difference, its time, the number of differences.
   std::vector<std::string> moved;
 };
@@ -88,7 +88,7 @@ std::string history_text(const std::vector<Acceptance>& history);
 struct Selection {
   std::vector<std::string> channels;  // patterns of topics and series, `*` for any text; empty: all
   double from = 0.0;                  // [s]
-  std::optional<double> until;        // [s], itself not included
+  std::optional<double> until;        // exclusive [s]
 
   bool is_all() const { return channels.empty() && from <= 0.0 && !until; }
 };
@@ -144,7 +144,7 @@ struct GoldenResult {
   bool written = false;                  // the golden is new, or was replaced
 };
 
-/// How strictly a run is compared with its golden.
+/// The strictness of the comparison of a run with its golden.
 struct SettleOptions {
   CompareOptions compare;
   bool exact = false;     // different bits fail, within tolerance or not
@@ -155,9 +155,9 @@ struct SettleOptions {
 struct Accepted {
   bool changed = true;  // false: the golden was equal to this run, and was not rewritten
   bool whole = true;    // false: a part of the run was accepted; the run stays in the pending folder
-  /// The comparison of the old golden with the new one; none if no old one could be read.
+  /// The comparison of the old golden with the new golden; nullopt if no old golden could be read.
   std::optional<Comparison> moved;
-  std::string verdict;  // as the digest states it: that of the check, else that of `moved`; empty without `moved`
+  std::string verdict;  // as in the digest: the verdict of the check, else of `moved`; empty without `moved`
 };
 
 class GoldenStore {
@@ -184,10 +184,10 @@ class GoldenStore {
   /// The names of the pending runs.
   std::vector<std::string> pending() const;
 
-  /// Makes a trace the golden `name`. Both files are written beside the old ones, synced, and renamed over them; on any
-  /// failure the old ones stay. The old golden's history is copied, and a record of the changes is added. If the trace
-  /// has the golden's bits, scenario, models and versions, nothing changes. Refuses a trace that is incomplete, or
-  /// whose run failed.
+  /// Makes a trace the golden `name`. Both files are written beside the old files, synced, and renamed over them; on
+  /// any failure the old files stay. The old golden's history is copied, and a record of the changes is added. If the
+  /// trace has the golden's bits, scenario, models and versions, nothing changes. Refuses a trace that is incomplete,
+  /// or whose run failed.
   Result<Accepted> accept(const std::string& name, const std::filesystem::path& trace);
 
   /// Accepts the pending run and removes it.
@@ -252,7 +252,7 @@ struct GoldenOwners {
   /// Tests that compared with it when they ran, as "Walker.Stops of build/bin/walk_test".
   std::vector<std::string> tests;
 
-  /// The reason why the owners are in conflict: two scenarios name the golden. Empty if they are not. (A test may
+  /// The reason why the owners are in conflict: two scenarios name the golden. Empty: no conflict. (A test may
   /// record a scenario that names the test's golden.)
   std::string conflict() const;
 };
@@ -267,7 +267,7 @@ std::map<std::string, GoldenOwners> find_golden_owners(const std::filesystem::pa
 /// failure to write is ignored.
 void report_golden_owner(const std::filesystem::path& pending, const std::string& golden, const std::string& test);
 
-/// All such notes: the tests by golden.
+/// The tests of all these notes, by golden.
 std::map<std::string, std::vector<std::string>> reported_golden_owners(const std::filesystem::path& pending);
 
 /// All goldens of the store by name. Their owners are the scenarios in `sources` and the tests that reported themselves

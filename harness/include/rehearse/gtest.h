@@ -9,7 +9,7 @@
 //
 //   TEST(Walker, StandsStill) {  // golden/Walker.StandsStill.mcap
 //     const rehearse::Trace trace = rehearse::record("scenarios/stand.yaml");
-//     EXPECT_HOLDS(trace);       // what the scenario expects of a run
+//     EXPECT_HOLDS(trace);       // the scenario's expectations
 //     EXPECT_MATCHES_GOLDEN(trace, rehearse::Exact{}, rehearse::Near{"Walker/IMU/*", 1e-6}, rehearse::Until{2.0});
 //   }
 //
@@ -79,7 +79,7 @@ enum class Level {
 struct Levels {
   /// In any order.
   Levels(std::initializer_list<Level> wanted) : levels(wanted) {}
-  std::vector<Level> levels;  // that are compared
+  std::vector<Level> levels;  // to compare
 };
 
 /// The cases of a test with variations (sweep).
@@ -92,8 +92,8 @@ struct SweepCases {
 
 /// The results of a test with variations.
 struct SweepResult {
-  std::int64_t cases = 0;   // that have a result
-  std::int64_t passed = 0;  // of them
+  std::int64_t cases = 0;   // cases with a result
+  std::int64_t passed = 0;  // cases that passed
   double low = 0.0;         // lower bound of the share that passes: Wilson's interval with 95 % confidence
   double high = 1.0;        // its upper bound
   std::string verdict;      // a sentence: "197 of 200 cases pass: ..."
@@ -182,8 +182,8 @@ inline const bool folders_are_set =
 /// Runs a scenario (a path in the fixtures) in simulation and returns its recording, which is kept as
 /// traces/Suite.Test.mcap in the test's output folder. Throws std::runtime_error, which fails the test, if the run
 /// can't begin, or if a controller refused, threw, crashed or hung in it. The text is the message of `rehearse record`.
-/// If it is proved that the run is golden/Suite.Test.mcap, bit for bit, the controllers run on its inputs, nothing is
-/// simulated, and the recording is a copy of the golden (check.h: Proof). REHEARSE_PROOF=off simulates always.
+/// If the run is proved to be golden/Suite.Test.mcap, bit for bit, the controllers run on its inputs and nothing is
+/// simulated. The recording is then a copy of the golden (check.h: Proof). REHEARSE_PROOF=off simulates always.
 inline Trace record(const std::string& scenario) {
   return internal::record_for_test(scenario, internal::current_test());
 }
@@ -198,14 +198,14 @@ inline SweepResult sweep(const std::string& scenario, const SweepCases& cases = 
 
 }  // namespace rehearse
 
-/// Passes unless the share of cases that pass is below `rate`, 0 to 1, with 95 % confidence: it fails if even the upper
+/// Passes unless the share of cases that pass is below `rate`, 0 to 1, with 95 % confidence. It fails if even the upper
 /// bound of Wilson's interval is below the rate, or if a case that ran twice gave different bits. So a few failures in
 /// a few cases don't fail it by chance. The message states the interval and the failing cases.
 #define EXPECT_PASS_RATE(result, rate) EXPECT_PRED_FORMAT2(::rehearse::internal::HasPassRate, result, rate)
 #define ASSERT_PASS_RATE(result, rate) ASSERT_PRED_FORMAT2(::rehearse::internal::HasPassRate, result, rate)
 
 /// Passes if the recording agrees with golden/Suite.Test.mcap within the tolerances of its scenario and up to its
-/// horizon. The expectations of the scenario must hold, too. More arguments change this: Exact{}, Near{"SR1/*/q",
+/// horizon. The expectations of the scenario must be met, too. More arguments change this: Exact{}, Near{"SR1/*/q",
 /// 1e-6}, Until{2.0}, Levels{Level::controller, ...}. With REHEARSE_GOLDEN=new and =accept the golden
 /// is written instead. The failure message states the place and size of the first difference, and the responsible part
 /// of the loop.
@@ -214,7 +214,7 @@ inline SweepResult sweep(const std::string& scenario, const SweepCases& cases = 
 #define ASSERT_MATCHES_GOLDEN(...) \
   ASSERT_PRED_FORMAT1(::rehearse::internal::MatchesGolden, ::rehearse::internal::golden_question(__VA_ARGS__))
 
-/// Passes if the expectations of the recording's scenario (`expect:`) hold. Needs no golden.
+/// Passes if the expectations of the recording's scenario (`expect:`) are met. Needs no golden.
 #define EXPECT_HOLDS(trace) EXPECT_PRED_FORMAT1(::rehearse::internal::Holds, trace)
 #define ASSERT_HOLDS(trace) ASSERT_PRED_FORMAT1(::rehearse::internal::Holds, trace)
 

@@ -53,7 +53,7 @@ struct Channel {
 
 /// One message, as a Reader delivers it. The data is valid during the callback only.
 struct Message {
-  const Channel* channel = nullptr;  // never null; lives as long as the Reader
+  const Channel* channel = nullptr;  // never null; valid as long as the Reader exists
   std::uint32_t sequence = 0;        // counts from 0 on each channel in recordings
   std::uint64_t log_time = 0;        // [ns]
   std::uint64_t publish_time = 0;    // [ns]
@@ -61,14 +61,14 @@ struct Message {
   Location location;
 };
 
-/// A file within the file. The data of a Reader's attachment lives as long as the Reader.
+/// A file within the file. The data of a Reader's attachment is valid as long as the Reader exists.
 struct Attachment {
   std::uint64_t log_time = 0;     // [ns]
   std::uint64_t create_time = 0;  // [ns]
   std::string name;
   std::string media_type;
   Bytes data;
-  std::uint64_t offset = 0;  // of its record in the file
+  std::uint64_t offset = 0;  // offset of its record in the file
 
   std::string_view text() const { return {reinterpret_cast<const char*>(data.data()), data.size()}; }
 };
@@ -76,14 +76,14 @@ struct Attachment {
 struct Metadata {
   std::string name;
   StringMap values;
-  std::uint64_t offset = 0;  // of its record in the file
+  std::uint64_t offset = 0;  // offset of its record in the file
 };
 
 /// A chunk, as described by its own header or by the summary's index.
 struct Chunk {
-  std::uint64_t offset = 0;       // of its record in the file
-  std::uint64_t start_time = 0;   // [ns], of its earliest message
-  std::uint64_t end_time = 0;     // [ns], of its latest
+  std::uint64_t offset = 0;       // offset of its record in the file
+  std::uint64_t start_time = 0;   // log time of its earliest message [ns]
+  std::uint64_t end_time = 0;     // log time of its latest message [ns]
   std::string compression;        // "", "lz4", "zstd", or any other text in the file
   std::uint64_t stored_size = 0;  // [bytes]
   std::uint64_t size = 0;         // decompressed [bytes]
@@ -97,8 +97,8 @@ struct Statistics {
   std::uint32_t attachment_count = 0;
   std::uint32_t metadata_count = 0;
   std::uint32_t chunk_count = 0;
-  std::uint64_t message_start_time = 0;  // [ns], of the earliest message; 0 without messages
-  std::uint64_t message_end_time = 0;    // [ns], of the latest
+  std::uint64_t message_start_time = 0;  // log time of the earliest message [ns]; 0 without messages
+  std::uint64_t message_end_time = 0;    // log time of the latest message [ns]
   std::map<std::uint16_t, std::uint64_t> channel_message_counts;
 };
 
@@ -135,22 +135,23 @@ struct WriterOptions {
   std::string profile = "ros2";
   /// The writing library in the header; nullopt: rehearse and its version.
   std::optional<std::string> library;
-  /// A chunk is finished when its records, and the memory held for its deferred messages, reach this size [bytes]. So
-  /// it is larger by at most one message.
+  /// A chunk is finished when its records, and the memory of its deferred messages, reach this size [bytes]. So a
+  /// chunk is larger by at most one message.
   std::size_t chunk_size = 768 * 1024;
   /// A chunk is also finished when any message comes this much log time after the chunk's first [ns]. So a kill loses
   /// no more than this span.
   std::uint64_t chunk_span = 1'000'000'000;
-  /// The compression of all channels; nullopt: that of their groups.
+  /// The compression of all channels; nullopt: the compression of their groups.
   std::optional<Compression> compression;
   int lz4_level = 0;  // from 3 on slower, with smaller files
   /// Level -1 has no entropy coding: joint states are 2 % larger than at level 1, and decompressed in a third of the
   /// time. Level 3 takes three times as long and makes them no smaller.
   int zstd_level = -1;
-  /// Number of finished chunks that may wait for the writer thread. With more, write() waits too. It bounds the memory.
+  /// Largest number of finished chunks that wait for the writer thread; beyond it write() waits, too. It bounds the
+  /// memory.
   std::size_t queue_length = 4;
-  /// The index of the chunks is held in memory up to this size [bytes]. A larger index is made at the end from the
-  /// chunks in the file. A pipe can't be read again: for a pipe the whole index is held.
+  /// The index of the chunks is kept in memory up to this size [bytes]. A larger index is made at the end from the
+  /// chunks in the file. A pipe can't be read again: for a pipe the whole index is kept.
   std::size_t index_size = std::size_t{1} << 20;
   FileForm form;
 };
@@ -165,7 +166,7 @@ inline constexpr ChunkGroup numbers{0, Compression::zstd};
 /// For pictures and other data that is already compressed.
 inline constexpr ChunkGroup pictures{1, Compression::none};
 
-/// Writes one file from front to back; it never seeks. Every call may return the error of an earlier one (a full disk
+/// Writes one file from front to back; it never seeks. Every call may return the error of an earlier call (a full disk
 /// is reported late). After an error nothing more is written. A Writer that is destroyed without close(), or a process
 /// that is killed, leaves a file without summary, readable up to the last finished chunk.
 class Writer {
@@ -240,7 +241,7 @@ struct ReaderOptions {
 struct Record {
   std::uint8_t opcode = 0;
   Bytes body;                          // without opcode and length; valid during the callback only
-  std::uint64_t offset = 0;            // of its opcode: in the file, or in the decompressed records of the chunk
+  std::uint64_t offset = 0;            // offset of its opcode, in the file or in the decompressed records of the chunk
   std::optional<std::uint64_t> chunk;  // offset in the file of the chunk that contains it, if any
 };
 
@@ -248,7 +249,7 @@ struct Record {
 /// compressed by zstd. All but the first are converted to an MCAP file in the folder for temporary files (TMPDIR).
 /// open() fails only if nothing can be read: the file doesn't exist, is no log or is not a file (a device). A pipe
 /// counts as a file; so does standard input, named "-". A file that is cut or damaged opens: damage() reports the
-/// place, passes deliver all undamaged messages and then return the damage that they met.
+/// place, passes deliver all undamaged messages and then return the damage that they found.
 class Reader {
  public:
   using OnMessage = std::function<bool(const Message&)>;  // false: stop
@@ -264,12 +265,12 @@ class Reader {
   Reader& operator=(const Reader&) = delete;
 
   const std::string& name() const;     // as the user named the file
-  const std::string& profile() const;  // of the header
-  const std::string& library() const;  // of the header: the library that wrote the file
-  std::uint64_t size() const;          // of the log's own files [bytes]
+  const std::string& profile() const;  // profile in the header
+  const std::string& library() const;  // library in the header: it wrote the file
+  std::uint64_t size() const;          // size of the log's own files [bytes]
   const std::string& form() const;     // "MCAP", or the container from which it was converted
 
-  /// Whether open() read the summary alone. The first pass over all messages then makes the walk: until then damage()
+  /// True if open() read only the summary. The first pass over all messages then makes the walk: until then damage()
   /// is empty, and an attachment's CRC isn't checked. That pass reports the findings of the walk.
   bool opened_by_summary() const;
 
@@ -289,8 +290,8 @@ class Reader {
   /// whole. A pass that isn't stopped also checks the data section's CRC. Its errors include damage().
   Result<void> for_each_message(const OnMessage& callback, std::span<const std::uint16_t> channels = {});
 
-  /// Delivers them in order of (log time, position in the file), also if chunks overlap in time. It holds those chunks
-  /// in memory.
+  /// Delivers the messages in order of (log time, position in the file), also if chunks overlap in time. Overlapping
+  /// chunks are kept in memory.
   Result<void> for_each_message_in_order(const OnMessage& callback, std::span<const std::uint16_t> channels = {});
 
   /// Reads one message again. Its data is valid until the next call of any function of this Reader.
@@ -305,7 +306,7 @@ class Reader {
 };
 
 /// The messages of a file in order of (log time, position in the file), one at a time, also if chunks overlap in time.
-/// It holds those chunks in memory.
+/// Overlapping chunks are kept in memory.
 class OrderedMessages {
  public:
   /// Delivers the messages of the chosen channels (all if empty) whose log time is `from` [ns] or later; a chunk that

@@ -400,7 +400,7 @@ struct PointField {
   static constexpr std::string_view type_name = "sensor_msgs/msg/PointField";
   static constexpr std::uint8_t float32 = 7;
   std::string name;
-  std::uint32_t offset = 0;   // in the point [bytes]
+  std::uint32_t offset = 0;   // offset in the point [bytes]
   std::uint8_t datatype = 0;  // float32 in recordings
   std::uint32_t count = 0;
 
@@ -444,9 +444,9 @@ struct Tick {
   static constexpr std::string_view type_name = "rehearse_msgs/msg/Tick";
   Time stamp;
   std::int64_t tick = 0;
-  std::uint64_t state_hash = 0;          // of the complete simulation state at the beginning of the tick
-  std::uint64_t input_hash = 0;          // of all inputs of controllers
-  std::uint64_t output_hash = 0;         // of all their commands
+  std::uint64_t state_hash = 0;          // hash of the complete simulation state at the beginning of the tick
+  std::uint64_t input_hash = 0;          // hash of all inputs of controllers
+  std::uint64_t output_hash = 0;         // hash of all commands of controllers
   std::vector<bool> controller_results;  // the results of control(), in scenario order
 
   template <class Self, class Visit>
@@ -478,8 +478,8 @@ struct Contact {
   static constexpr std::string_view type_name = "rehearse_msgs/msg/Contact";
   Point position;
   Vector3 normal;    // from the other object into the link, unit length
-  Vector3 force;     // exerted by the other object on the link [N]
-  Vector3 velocity;  // of the link's point relative to the other object's point [m/s]
+  Vector3 force;     // force of the other object on the link [N]
+  Vector3 velocity;  // velocity of the link's point relative to the other object's point [m/s]
   double depth = 0;  // depth of the overlap [m]
 
   template <class Self, class Visit>
@@ -510,7 +510,7 @@ struct ContactForce {
   static constexpr std::string_view type_name = "rehearse_msgs/msg/ContactForce";
   Header header;
   std::uint32_t count = 0;  // number of contact points
-  Vector3 force;            // on the link, sum over all points [N]
+  Vector3 force;            // force on the link, sum over all points [N]
 
   template <class Self, class Visit>
   static void for_each_field(Self& self, Visit&& visit) {

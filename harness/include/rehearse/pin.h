@@ -17,13 +17,13 @@ namespace rehearse {
 /// GALLIUM_OVERRIDE_CPU_CAPS and LP_NUM_THREADS for the renderer.
 std::vector<std::pair<std::string, std::string>> pinned_environment();
 
-/// True if this process was started with them; later changes of its environment have no effect.
+/// True if this process was started with the pinned environment; later changes of its environment have no effect.
 bool is_pinned();
 
 /// "yes", or "no" and the reason: the fact `pinned` in recordings of this process.
 std::string pinned_fact();
 
-/// Sets them for the programs that this process starts (exec) from now on; it has no effect on this process.
+/// Sets these variables for the programs that this process starts (exec) from now on; it has no effect on this process.
 void set_pinned_environment();
 
 /// True if REHEARSE_PIN=off is set: this process and its children must not pin themselves.

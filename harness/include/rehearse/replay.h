@@ -1,9 +1,9 @@
 // Replay: feeds recorded inputs to the controllers, without physics and without a renderer, and compares their commands
-// with the recorded ones, bit for bit. In each tick the hash of all inputs is compared with the recorded one, as long
-// as the controllers read the same quantities as in the recording.
+// with the recorded commands, bit for bit. In each tick the hash of all inputs is compared with the recorded hash, as
+// long as the controllers read the same quantities as in the recording.
 //
 // The controllers run from the beginning of the recording, because their memory is part of the replay. The libraries
-// may differ from the recorded ones. Links neither ODE nor OSMesa.
+// may differ from the recorded libraries. Links neither ODE nor OSMesa.
 #pragma once
 
 #include <rehearse/compare.h>
@@ -36,7 +36,7 @@ struct OutputField {
   CellKind kind = CellKind::floating;
 };
 
-/// What is replayed of a recording, and who is notified of the outputs.
+/// The replayed part of a recording, changes of its inputs, and callbacks for the outputs.
 struct ReplayOptions : HostOptions {
   double from = 0.0;            // commands before this time are not compared [s]
   std::optional<double> until;  // end of the replay [s]
@@ -44,22 +44,23 @@ struct ReplayOptions : HostOptions {
   /// Walker/KNEE/q=0.3@tick:1200..1300 (src/replay/altered_inputs.h describes the forms). Differences then show the
   /// reaction of the controllers.
   std::vector<std::string> set;
-  /// The allowed difference of a command from the recorded one, for ReplayReport::within(); none: no difference is
+  /// The allowed difference of a command from the recorded command, for ReplayReport::within(); none: no difference is
   /// allowed.
   std::optional<std::vector<ToleranceRule>> tolerances;
-  /// Called with each difference, in the order of ticks; null: not.
+  /// Called with each difference, in the order of ticks; null: never called.
   std::function<void(const Divergence&)> on_difference;
-  /// Called once, when the controllers have started, with the fields that on_outputs will report; null: not.
+  /// Called once, when the controllers have started, with the fields that on_outputs will report; null: never called.
   std::function<void(const std::vector<OutputField>&)> on_started;
-  /// Called after each tick with one word for each of those fields; null: not.
+  /// Called after each tick with one word for each of those fields; null: never called.
   std::function<void(std::int64_t tick, const std::vector<std::uint64_t>&)> on_outputs;
-  /// Called with each variable that a controller set in a tick (rehearse_variable.h), after on_outputs; null: not.
-  /// `series` as in a recording: SR1/Walker/variable/phase.
+  /// Called with each variable that a controller set in a tick (rehearse_variable.h), after on_outputs; null: never
+  /// called. `series` as in a recording: SR1/Walker/variable/phase.
   std::function<void(std::int64_t tick, const std::string& series, double value)> on_variable;
   /// Called with each event of the replay when it happens, and with each line of a controller (severity note, the
-  /// controller is the source); null: not. Events of initialize() and start() have tick 0.
+  /// controller is the source); null: never called. Events of initialize() and start() have tick 0.
   std::function<void(const msg::Event&)> on_event;
-  /// Called about every hundredth of the recording with the number of ticks done and of all; null: not.
+  /// Called about every hundredth of the recording with the number of replayed ticks and the number of all ticks; null:
+  /// never called.
   std::function<void(std::int64_t done, std::int64_t all)> progress;
 };
 
@@ -80,13 +81,14 @@ struct ReplayReport : Differences {
   std::optional<Diagnostic> failure;  // a controller threw, crashed or hung; the replay ended there
   ReplayedWords words;                // the outputs beside commands
   bool controller_refused = false;    // a controller that isn't optional refused to take part; the replay ended
-  /// BODY/NAME of the controllers whose library isn't, byte by byte, the recorded one
+  /// BODY/NAME of the controllers whose library differs from the recorded library in any byte.
   std::vector<std::string> other_controllers;
   /// Files beside the recording that a controller reads now, or read during the recording, and whose content has
   /// changed: a sentence each.
   std::vector<std::string> changed_files;
-  bool same_controllers = false;  // every controller's file is, byte by byte, the recorded one; options are equal, too
-  /// The first tick with another hash of inputs or outputs than the recorded one; none: there is no such tick.
+  /// Every controller's file equals the recorded file, byte by byte; options are equal, too.
+  bool same_controllers = false;
+  /// The first tick whose hash of inputs or outputs differs from the recorded hash; nullopt: no hash differs.
   std::optional<std::int64_t> first_other_hash;
   /// Nothing that the controllers read, did or wrote distinguishes this replay from the whole recording: the hashes of
   /// inputs and outputs in all ticks, the channels that a recording would have, commands, lines, variables and events.

@@ -20,12 +20,13 @@
 
 namespace rehearse {
 
-/// The verdict of a check, which contains more than that of a comparison.
+/// The verdict of a check. In contrast to a comparison it covers expectations and failures, and has one verdict per
+/// level.
 struct ReportVerdict {
   std::string sentence;                            // without a full stop
   std::string state;                               // "equal", "within", "beyond", "violated" or "failed"
   std::map<std::string, std::string> levels = {};  // "controller", "plant", "closed": each "equal", "within", ...
-  std::optional<Divergence> first = std::nullopt;  // the place of the first difference to show; none: the comparison's
+  std::optional<Divergence> first = std::nullopt;  // first difference to show; none: that of the comparison
 };
 
 /// A frame of a call stack.
@@ -36,8 +37,8 @@ struct StackFrame {
   std::vector<std::string> source;  // the lines around; empty: the file can't be read
 };
 
-/// The call stack of a controller in control() at a tick; the innermost frame comes first. It is that of the line that
-/// changes the command last in the tick, or that of the beginning of control() if none does.
+/// The call stack of a controller in control() at a tick; the innermost frame comes first. It is the stack at the line
+/// that last changes the command in the tick, or at the beginning of control() if no line changes it.
 struct CallStack {
   std::string controller;  // BODY/NAME
   std::string command;     // JOINT/QUANTITY: hinge/u; empty: a command of no joint
@@ -55,7 +56,7 @@ struct ReportOptions {
   std::optional<ReportVerdict> verdict;  // none: that of the comparison and the expectations
   /// The judged expectations; none: those of the recorded scenario are judged.
   std::optional<std::vector<ExpectationResult>> expectations;
-  /// The file of the run's scenario, beside which models and meshes are; empty: they are searched in the repository
+  /// The file of the run's scenario, beside which models and meshes are. Empty: they are searched in the repository
   /// that contains the recording or the working directory.
   std::filesystem::path scenario;
   /// The page into which the data is written; empty: the page of this library.

@@ -1,5 +1,5 @@
 // The options of runs: HostOptions for the controllers of any run, RecordOptions and PlantOptions for runs with
-// physics; and the results of the latter.
+// physics; and the results of runs with physics.
 //
 // session.h declares the functions that make runs with physics. They need ODE, and OSMesa for cameras. A library that
 // neither simulates nor renders (a check, a partial acceptance) gets these functions from its caller, as a Simulation.
@@ -32,7 +32,7 @@ struct GivenController {
 struct HostOptions {
   /// Library (a name or a path) to load instead of any other, by controller: NAME or BODY/NAME.
   std::map<std::string, std::string> libraries;
-  /// Controllers that replace those of the scenario, by BODY/NAME.
+  /// Controllers that replace the scenario's controllers, by BODY/NAME.
   std::map<std::string, GivenController> controllers;
   /// The options of the whole run instead of the scenario's; none: the scenario's.
   std::optional<std::string> run_options;
@@ -40,7 +40,7 @@ struct HostOptions {
   double call_limit = 10.0;
   /// Libraries and the contents of their static objects stay loaded after the run.
   bool keep_libraries = false;
-  /// Is notified of each call; null: not. Must outlive the run.
+  /// Is notified of each call; null: nothing is notified. Must outlive the run.
   ControllerWatch* watch = nullptr;
 };
 
@@ -51,11 +51,12 @@ struct RecordOptions : HostOptions {
   double checkpoint_period = 0.1;
   /// Moves each body by a last bit before the first tick, to measure how this perturbation grows. See World::nudge().
   std::optional<std::uint32_t> nudge;
-  /// Called about every hundredth of the run with the number of ticks done and of all; null: not.
+  /// Called about every hundredth of the run with the number of simulated ticks and the number of all ticks; null:
+  /// never called.
   std::function<void(std::int64_t done, std::int64_t all)> progress;
 };
 
-/// How a run ended.
+/// The end of a run.
 enum class RunEnding {
   complete,
   refused,   // a controller returned false from configure, initialize or start
@@ -72,7 +73,7 @@ struct RunSummary {
   std::int64_t ticks = 0;
   int channels = 0;
   std::int64_t frames = 0;   // colour pictures
-  std::uintmax_t bytes = 0;  // of the trace file
+  std::uintmax_t bytes = 0;  // size of the trace file
   /// A controller threw, crashed or hung, or the simulation exploded: the run ended there.
   std::optional<Diagnostic> failure;
   RunEnding end = RunEnding::complete;
@@ -91,7 +92,7 @@ struct RunSummary {
 
 /// A closed loop whose first part was taken from a golden.
 struct ResumedRun {
-  RunSummary summary;     // of the whole run
+  RunSummary summary;     // summary of the whole run
   std::int64_t from = 0;  // first tick that was simulated
 };
 
@@ -100,20 +101,21 @@ struct PlantOptions {
   /// The tick at which to begin: a tick with a checkpoint, or 0. Cameras and range sensors deliver nothing that they
   /// captured before it.
   std::int64_t from = 0;  // tick
-  /// The state at this tick is the last recorded one; none: the recording's last tick.
+  /// The state at this tick is the last recorded state; nullopt: the state at the recording's last tick.
   std::optional<std::int64_t> until;
-  /// The state is set back at each checkpoint; false: only at the first one.
+  /// The state is set back at each checkpoint; false: only at the first checkpoint.
   bool resync = true;
   /// The scenario whose sensor noise is used; null: the scenario that runs.
   const Scenario* noise_of = nullptr;
   /// Moves each body by a last bit wherever the state is set back, and at the beginning. The resulting differences are
   /// noise, not faults. See World::nudge().
   std::optional<std::uint32_t> nudge;
-  /// Called about every hundredth of the run with the number of ticks done and of all; null: not.
+  /// Called about every hundredth of the run with the number of simulated ticks and the number of all ticks; null:
+  /// never called.
   std::function<void(std::int64_t done, std::int64_t all)> progress;
 };
 
-/// The result of such a run.
+/// The result of a run of a world by recorded commands.
 struct PlantSummary {
   std::int64_t ticks = 0;
   std::int64_t restored = 0;  // number of checkpoints at which the world was set back

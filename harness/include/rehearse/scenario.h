@@ -71,9 +71,9 @@ struct UrdfOptions;
 // Sensor noise: the difference between the true values and the readings of controllers, from a scenario's `noise:`.
 //
 // A reading is truth + bias + stddev * n, with n from the standard normal distribution, or it is missing (dropout). n
-// is a function of the scenario's seed, the sensor's name, the tick and the index of the number in the reading, and of
-// nothing else. So noise at one sensor changes no other sensor's noise, and a run that continues from a checkpoint has
-// the same noise.
+// is a function of the scenario's seed, the sensor's name, the tick and the index of the number in the reading. It
+// depends on nothing else. So noise at one sensor changes no other sensor's noise, and a run that continues from a
+// checkpoint has the same noise.
 
 /// A quantity that a sensor or joint measures.
 struct MeasuredQuantity {
@@ -151,7 +151,7 @@ struct ScenarioBody {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();            // of the root link [m]
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  // of the root link, unit
   bool kinematic = false;                                        // it follows its commands exactly, without dynamics
-  /// Its joints stop at their limits: unless this is false. If the scenario states it, recordings state the limits.
+  /// Joints stop at their limits unless this is false. If the scenario states it, recordings contain the limits.
   std::optional<bool> joint_limits;
   bool effort_limits = false;                                  // commanded efforts are clamped to their limits
   MeshContact contact = MeshContact::automatic;                // of the model's meshes
@@ -172,8 +172,8 @@ struct Push {
   int link = 0;                                      // index into its model's links
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   // world [N]
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();  // world [N·m]
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();   // where the force acts, link frame [m]
-  double from = 0.0;                                 // point of attack of the force, link frame [m]
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();   // point of attack of the force, link frame [m]
+  double from = 0.0;                                 // [s]
   double until = 0.0;                                // [s]
 };
 
@@ -191,9 +191,10 @@ struct ToleranceRule {
   Place place;                         // of its channel
 };
 
-/// A property that a run must have, independent of the golden's values. For series: each matching series, and at least
-/// one, is within the bounds in the whole span; with `sometime` in one sample of the span; with `at` at one time. For
-/// events: a matching event happens in the span, or no matching event does. check.h judges a run by it.
+/// A property that a run must have, independent of the golden's values. For series: at least one series matches, and
+/// each matching series is within the bounds in the whole span. With `sometime` it is so in one sample of the span;
+/// with `at`, at one time. For events: a matching event happens in the span, or no matching event does. check.h judges
+/// a run by it.
 struct Expectation {
   enum class Subject { series, event, no_event };
 
@@ -283,7 +284,7 @@ struct Scenario {
 
   /// Whether that camera of that body takes pictures in this run.
   bool runs_camera(const std::string& body, const std::string& camera) const;
-  /// Whether any camera of the bodies does.
+  /// Whether any camera of any body takes pictures.
   bool runs_a_camera() const;
 
   /// Reads and checks the file, and loads the models. All mistakes are reported together, in document order, at most 20
@@ -311,15 +312,15 @@ struct Scenario {
                                 const FileSource& files = {});
 };
 
-/// The `tolerances` of a YAML file. It is a scenario (then nothing else of it is read), or it has no other key.
+/// The `tolerances` of a YAML file: a scenario, of which nothing else is read, or a file without other keys.
 Result<std::vector<ToleranceRule>> load_tolerances(const std::filesystem::path& file);
 
 // Tolerance: the allowed difference of a value from its golden, and the rule that determines it.
 //
 // A number x passes against its golden g if |x - g| <= max(atol, rtol * scale). The scale is the largest |g| of its
-// series; for a vector with elements x, y and z, the largest norm, so that an axis without motion is not judged by its
-// own noise. A number in an array of varying length is in no series: its own |g| is the scale. A scenario states rules
-// (`tolerances:`). A series without a rule has the default of its unit.
+// series. For a vector with elements x, y and z it is the largest norm, so that an axis without motion is not judged by
+// its own noise. A number in an array of varying length is in no series: its own |g| is the scale. A scenario states
+// rules (`tolerances:`). A series without a rule has the default of its unit.
 //
 // A rule may allow for time, with `lead` and `lag`. At time t the golden's values from t - lag to t + lead have a least
 // and a greatest one. x passes if it is within that bound of any value between these two. An orientation passes if it
@@ -334,7 +335,7 @@ struct Tolerance {
   double lead = 0.0;                        // [s]
   double lag = 0.0;                         // [s]
   std::optional<int> ticks = std::nullopt;  // events: allowed distance [ticks]; none: no rule states it
-  double pixel_share = 0.0;  // pictures: share of the pixels that may differ by more than is allowed to each, 0 to 1
+  double pixel_share = 0.0;  // pictures: share of the pixels that may differ by more than pixel_delta, 0 to 1
   double pixel_delta = 0.0;  // pictures: difference of a colour [of 255] that still counts as equal
   /// Pictures: as pixel_share, within any square of 16 x 16 pixels. It separates a missing object from speckle.
   double pixel_window = 0.25;
@@ -344,9 +345,9 @@ struct Tolerance {
   bool allows_for_time() const { return lead > 0.0 || lag > 0.0; }
 };
 
-/// The tolerance of a series without a rule, by its unit. The table also has the measured noise: the largest (`rehearse
-/// golden noise`) of all sample scenarios over ten seconds each, on the plant level, where a difference lasts for 0.1
-/// s:
+/// The tolerance of a series without a rule, by its unit. The table also has the measured noise: the largest of all
+/// sample scenarios (`rehearse golden noise`). It was measured over ten seconds each, on the plant level, where a
+/// difference lasts for 0.1 s:
 ///
 ///   unit                                    default             noise, and where
 ///   rad, quaternion (an angle [rad])        1e-9                7e-13   the arm with a grasp

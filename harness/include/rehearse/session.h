@@ -60,27 +60,27 @@ class Session {
 Result<PlantSummary> run_plant(const Scenario& scenario, const Trace& recording, const std::filesystem::path& trace,
                                const PlantOptions& options = {});
 
-/// All on which the bits of this scenario's world depend in this process, each with a hash or identifier by its name:
-/// the code of Rehearse, the libraries of the process, its pinned arithmetic, the processor's maker, the scenario
+/// All facts on which the bits of this scenario's world depend in this process, a hash or an identifier under each
+/// name: the code of Rehearse, the libraries of the process, its pinned arithmetic, the processor's maker, the scenario
 /// without its controllers' libraries and the parts that judge runs, models, meshes. The scenario must be as
 /// Scenario::load made it. Fails if the bits may depend on something else: the process isn't pinned, a library has no
 /// build identifier.
 Result<mcap::StringMap> describe_plant(const Scenario& scenario);
 
 /// Runs the scenario and writes the trace, as record() does, but simulates only from the golden's last suitable
-/// checkpoint before the tick `moment` on. The caller knows that the golden is a run of this world, and that its
-/// controllers do the same as the scenario's in all ticks before `moment`. If the golden's part can't be taken as it is
-/// (no checkpoint, events of the world, other state than recorded), everything is simulated.
+/// checkpoint before the tick `moment` on. The golden must be a run of this world, and its controllers must command
+/// the same as the scenario's controllers in all ticks before `moment`. If the golden's part can't be copied (no
+/// checkpoint, events of the world, a different state than recorded), everything is simulated.
 Result<ResumedRun> record_from(const Scenario& scenario, const Trace& golden, std::int64_t moment,
                                const std::filesystem::path& trace, const RecordOptions& options = {});
 
 // Branch: a recording that begins as a copy of a source recording and differs from it from a given moment on.
 //
-// Until the moment it contains the source's states, sensors and frames without change. The controllers, the recorded
-// ones or others, get the source's inputs from tick 0 on, so that their memory is right; their outputs are recorded. At
-// the moment the world has the source's state, and the loop is closed. A branch is a whole recording: it can be
-// replayed, compared and branched from. Its metadata record `rehearse.branch` states its source. Without any change it
-// equals the source, bit for bit. Needs the simulation, like session.h.
+// Until the moment it contains the source's states, sensors and frames without change. The recorded controllers, or
+// others, get the source's inputs from tick 0 on, so that their memory is right; their outputs are recorded. At the
+// moment the world has the source's state, and the loop is closed. A branch is a whole recording: it can be replayed,
+// compared and branched from. Its metadata record `rehearse.branch` states its source. Without any change it equals the
+// source, bit for bit. Needs the simulation, like session.h.
 
 /// "TRACE@3.2s" or "TRACE@tick:640".
 struct BranchPoint {
@@ -92,7 +92,7 @@ struct BranchPoint {
   static Result<BranchPoint> parse(const std::string& text);
 };
 
-/// What differs from the source.
+/// The changes from the source.
 struct BranchOptions : HostOptions {
   /// The recorded scenario file; it names the models' meshes, which no recording contains. The file, its models and
   /// meshes must be unchanged. Empty: the recording is sufficient, if there are no meshes.
@@ -104,18 +104,19 @@ struct BranchOptions : HostOptions {
   /// Inputs that are altered before controllers see them, as ReplayOptions::set; inputs before the moment are altered,
   /// too.
   std::vector<std::string> set;
-  /// Pushes in addition to those of the scenario: "BODY/LINK force=X,Y,Z torque=X,Y,Z at=X,Y,Z @SPAN". None may begin
-  /// before the moment.
+  /// Pushes in addition to the scenario's pushes: "BODY/LINK force=X,Y,Z torque=X,Y,Z at=X,Y,Z @SPAN". No push may
+  /// begin before the moment.
   std::vector<std::string> push;
-  /// Called about every hundredth of the simulated span with the number of ticks done and of all; null: not.
+  /// Called about every hundredth of the simulated span with the number of simulated ticks and the number of all ticks
+  /// of the span; null: never called.
   std::function<void(std::int64_t done, std::int64_t all)> progress;
 };
 
-/// What became of a branch.
+/// The result of record_branch().
 struct BranchSummary {
   RunSummary run;         // the whole recording
-  std::int64_t tick = 0;  // of the moment
-  double time = 0.0;      // of this tick [s]
+  std::int64_t tick = 0;  // tick of the moment
+  double time = 0.0;      // time of this tick [s]
   std::string world;      // a sentence: how the state of the world was restored
   /// Differences of the controllers' outputs before the moment from the source's.
   ReplayReport before;

@@ -15,9 +15,9 @@
 //   /tf                       TFMessage           WAIST/position/x (the child frame), .../orientation/w
 //   /joy                      Joy                 axes/L_STICK_V, buttons/A (by the channel's metadata, else by number)
 //   /tick                     Tick                tick, state_hash, input_hash, output_hash, controller_results/0
-//   any other with a ros2msg schema               the path of each numeric field, but for header and stamp
+//   any other with a ros2msg schema               the path of each numeric field, except header and stamp
 //
-// If two series would get the same name, those of the later channel have its whole topic before the element. Pictures,
+// If two series would get the same name, the later channel's series have its whole topic before the element. Pictures,
 // checkpoints, events and changes of contact have no series. Their bytes can be read by message index, and events() and
 // contact_changes() are decoded.
 //
@@ -56,7 +56,7 @@ struct Event;
 
 /// The part of the loop that produced the differing value.
 enum class Stage {
-  inputs,      // the inputs of a controller differ from the recorded ones
+  inputs,      // the inputs of a controller differ from the recorded inputs
   controller,  // equal inputs, different commands
   physics,     // the state of the simulated bodies
   sensors,     // the measurements of sensors
@@ -80,8 +80,8 @@ struct TraceColumn {
 /// column and a stamp that equals the log time.
 struct TraceRest {
   std::size_t first = 0;    // index of the first message with this rest
-  std::uint64_t hash = 0;   // of the rest
-  mcap::Location location;  // of that message
+  std::uint64_t hash = 0;   // hash of the rest
+  mcap::Location location;  // place of that message
 };
 
 /// A channel and its numbers as a table: a row per message, a column per series, 8 bytes per cell, row after row. If a
@@ -91,11 +91,11 @@ struct TraceChannel {
   std::string type;      // sensor_msgs/msg/JointState; empty without schema
   std::string encoding;  // cdr
   mcap::StringMap metadata;
-  std::vector<std::uint64_t> times;        // log time of each message [ns]
-  std::vector<TraceColumn> columns;        // empty if the channel has no numbers
-  std::vector<std::uint64_t> cells;        // rows() * columns.size() bit patterns
-  std::vector<mcap::Location> locations;   // of each message, for Trace::payload; empty for the types listed above
-  std::vector<std::uint64_t> hashes = {};  // of the bytes of each message
+  std::vector<std::uint64_t> times;       // log time of each message [ns]
+  std::vector<TraceColumn> columns;       // empty if the channel has no numbers
+  std::vector<std::uint64_t> cells;       // rows() * columns.size() bit patterns
+  std::vector<mcap::Location> locations;  // place of each message, for Trace::payload; empty for the types listed above
+  std::vector<std::uint64_t> hashes = {};  // hash of the bytes of each message
   std::vector<TraceRest> rests = {};       // in the order of `first`; empty if no column or no schema is known
   std::size_t earlier = 0;                 // for a piece: number of the channel's messages in earlier pieces
 
@@ -122,7 +122,7 @@ class Trace {
  public:
   enum class Damage {
     refuse,    // a trace that is incomplete is an error
-    tolerate,  // load all undamaged parts; damage() reports the others
+    tolerate,  // load all undamaged parts; damage() reports the rest
   };
   /// Reads the whole file, in one pass, and checks its CRCs. Pictures stay in the file. The messages of a channel are
   /// sorted by their log times; messages of the same time keep their order in the file.
@@ -132,7 +132,7 @@ class Trace {
   static constexpr std::size_t usual_piece_size = std::size_t{4} << 20;  // [bytes]
   /// Loads a file that is larger than the memory. `on_piece` is called with some ticks at a time, in file order, as
   /// soon as their numbers take about `piece_size` bytes. A piece has all attachments and metadata, and the channels
-  /// and series that were met so far. Returns the trace without its tables' rows: all of its channels, series, events
+  /// and series that were found so far. Returns the trace without its tables' rows: all of its channels, series, events
   /// and changes of contact. Damage is reported at the end, after the pieces.
   static Result<Trace> load_in_pieces(const std::filesystem::path& file, const OnPiece& on_piece,
                                       std::size_t piece_size = usual_piece_size);
@@ -177,8 +177,8 @@ class Trace {
   double at(std::string_view series, double time_s) const;
   std::vector<double> values(std::string_view series) const;
   std::vector<double> times(std::string_view series) const;  // [s]
-  /// The exact values of an integer series, signed ones in two's complement; std::invalid_argument for a floating
-  /// series.
+  /// The exact values of an integer series, signed values in two's complement; std::invalid_argument for a
+  /// floating series.
   std::vector<std::uint64_t> integers(std::string_view series) const;
 
   /// The bytes (CDR) of a message of a channel that has locations, read again from the file.

@@ -42,7 +42,7 @@ constexpr AspectGroup surroundings[] = {
     {" getppid getpriority getrlimit ", "the process it runs in", Factor::machine},
     {" getpid gettid ", "the process it runs in", Factor::nothing},  // different in each process
     {" get_current_dir_name getcwd ", "the working folder", Factor::folder},
-    {" getauxval ", "what the kernel says of the processor and the process", std::nullopt},
+    {" getauxval ", "the kernel's data on the processor and the process", std::nullopt},
 };
 
 Aspect surroundings_of(const ObservedCall& call) {
@@ -70,12 +70,12 @@ Aspect aspect_of(const ObservedCall& call) {
   const auto aspect = [&]() -> Aspect {
     switch (call.source) {
       case Source::clock:
-        return {call.function == "getrusage" ? "what the process has used of time and memory" : "the clock",
+        return {call.function == "getrusage" ? "the time and memory that the process has used" : "the clock",
                 Factor::clock};
       case Source::random: return {"random numbers", Factor::random};
       case Source::thread:
         if (is_one_of(call.function, programs)) return {"another program", std::nullopt};
-        return {"which of its threads comes first", Factor::threads};
+        return {"the order of its threads", Factor::threads};
       case Source::file: return file_aspect_of(call);
       case Source::network: return {"the network", std::nullopt};
       case Source::environment: return surroundings_of(call);

@@ -19,8 +19,8 @@ struct Aspect {
 
 Aspect aspect_of(const ObservedCall& call);
 
-/// True for a call on a file that the same controller wrote before this call: the controller knows its content. `calls`
-/// in order of their first occurrence.
+/// True for a call on a file that the same controller wrote before this call, so that it determined the content.
+/// `calls` in order of their first occurrence.
 bool is_of_own_file(const std::vector<ObservedCall>& calls, const ObservedCall& call);
 
 }  // namespace rehearse

@@ -190,9 +190,9 @@ Result<void> Audit::prepare() {
     if (auto found = find_libraries(*scenario); !found) return found;
   evidence_.fixed_addresses = can_fix_addresses();
   if (!evidence_.fixed_addresses) {
-    Diagnostic& remark = report_.remarks.emplace_back(error(
-        "addresses can't be held still here (personality() is forbidden): what depends on them is found, but can't "
-        "be told from what differs by chance"));
+    Diagnostic& remark = report_.remarks.emplace_back(
+        error("addresses can't be kept constant here (personality() is forbidden): a dependence on them is found, but "
+              "can't be distinguished from chance"));
     remark.severity = Severity::note;
   }
   processes_.emplace(options_, trace_);
@@ -394,8 +394,9 @@ void Audit::sum_up() {
     rests_on.insert(rests_on.end(), controller.rests_on.begin(), controller.rests_on.end());
   if (!rests_on.empty()) {
     report_.verdict = fmt::format(
-        "{} gave the same {} commands{}, bit for bit, in {} replays of {:g} s under {}; that rests on what was the "
-        "same "
+        "{} gave the same {} commands{}, bit for bit, in {} replays of {:g} s under {}; this depends on conditions "
+        "that were "
+        "equal "
         "in all of them: {}",
         list_of(names), report_.commands, given, report_.replays, report_.time,
         varied_in(report_.controllers[0].factors), list_of(shortened(rests_on)));

@@ -110,7 +110,7 @@ Result<void> make_audited_replay(const AuditedReplay& work) {
     auto outputs = OutputsWriter::create(folder / fmt::format("{}.outputs", number));
     if (!outputs) return outputs.errors();
     Json result = pass(here, *outputs);
-    if (!outputs->complete()) return error("what the controllers commanded can't be kept: the disk is full");
+    if (!outputs->complete()) return error("the commands of the controllers can't be stored: the disk is full");
     const fs::path file = folder / fmt::format("{}.json", number);
     std::ofstream stream(file);
     stream << result.dump(1, ' ', false, Json::error_handler_t::replace);

@@ -26,7 +26,7 @@ std::optional<std::string> text_at(const Log& log, interposer::TextOffset offset
   return std::string(text, length);
 }
 
-/// Reads texts of the heap, and remembers whether all of them are valid.
+/// Reads texts of the heap, and records whether all of them are valid.
 class Texts {
  public:
   explicit Texts(const Log& log) : log_(log) {}

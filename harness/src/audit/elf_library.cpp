@@ -53,7 +53,7 @@ std::optional<std::string> why_unusable(Elf* elf) {
   if (header.e_type != ET_DYN) return "is not a shared library, but an object file or a program";
   std::size_t sections = 0;
   if (elf_getshdrnum(elf, &sections) != 0) return "is damaged: its table of sections lies outside of the file";
-  if (sections == 0) return "has no table of sections, so it can't be looked at";
+  if (sections == 0) return "has no table of sections, so it can't be scanned";
   return std::nullopt;
 }
 

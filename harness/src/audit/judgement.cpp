@@ -132,7 +132,7 @@ std::vector<FactorResult> judge_factors(const Evidence& evidence, const std::str
   }
   FactorResult& recording = of(Factor::recording);
   if (!evidence.recorded_here) {
-    recording.not_varied = "it was given";
+    recording.not_varied = "the recording was given";
   } else {
     recording.replays = 1;
     recording.first = evidence.plain.passes[0].differs_from_recording;

@@ -58,7 +58,7 @@ class Disassembler {
  public:
   Disassembler() {
     opened_ = cs_open(CS_ARCH_X86, CS_MODE_64, &handle_) == CS_ERR_OK;
-    REHEARSE_ASSERT(opened_, "capstone knows x86");
+    REHEARSE_ASSERT(opened_, "capstone supports x86");
     cs_option(handle_, CS_OPT_SKIPDATA, CS_OPT_ON);  // tables between functions don't end the code
     instruction_ = cs_malloc(handle_);
   }

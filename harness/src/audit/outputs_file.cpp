@@ -27,7 +27,7 @@ struct OutputsHead {
   char magic[8];
   std::uint64_t beats;       // number of begins and ends of calls into controllers
   std::uint64_t names_size;  // of the fields' text [bytes]
-  std::uint64_t fields;      // how many
+  std::uint64_t fields;      // number of fields
   std::uint64_t rows_at;     // offset of the first row
   std::uint64_t rows;        // number of complete rows
   std::int64_t tick;         // of the present call
@@ -45,7 +45,7 @@ Diagnostic unwritable(const fs::path& file, const char* why) {
 }
 
 Diagnostic unreadable(const fs::path& file) {
-  return error(fmt::format("{} is not what a replay of an audit writes", file.string()));
+  return error(fmt::format("{} is not a file of outputs of an audit", file.string()));
 }
 
 void put_text(char* place, std::size_t size, const char* text) {

@@ -86,11 +86,11 @@ class Conclusion {
   std::string reason_of(Factor factor, const Divergence& first) const {
     const std::string where = text_of_place(first);
     switch (factor) {
-      case Factor::threads: return by_call(goes_by(factor), "led to ", where, "which of its threads comes first");
+      case Factor::threads: return by_call(goes_by(factor), "led to ", where, "the order of its threads");
       case Factor::memory:
         return "it depends on uninitialised or freed memory: with other contents of such memory, " + where;
       case Factor::addresses:
-        return "it depends on addresses (as the order or the hash of pointers): with things elsewhere in memory, " +
+        return "it depends on addresses (as the order or the hash of pointers): with data at other places in memory, " +
                where;
       case Factor::clock: return by_call(goes_by(factor), "reached ", where, "the clock");
       case Factor::random: return by_call(goes_by(factor), "reached ", where, "random numbers");
@@ -99,11 +99,12 @@ class Conclusion {
       case Factor::folder: return by_call(goes_by(factor), "reached ", where, "the working folder");
       case Factor::locale: return by_call(goes_by(factor), "reached ", where, "the locale");
       case Factor::again:
-        return "it depends on what an earlier run in the same process left behind (as a static variable): in a second "
+        return "it depends on data that an earlier run in the same process left behind (as a static variable): in a "
+               "second "
                "run, " +
                where;
       case Factor::recording:
-        return "on recorded inputs it commands something else than in the closed loop they were recorded in: " + where;
+        return "its commands on the recorded inputs differ from those in the closed loop of the recording: " + where;
       case Factor::nothing: return chance(where);
     }
     return where;
@@ -158,7 +159,7 @@ class Conclusion {
     const auto is_program = [](const ObservedCall& call) {
       return call.source == Source::thread && !aspect_of(call).factor;
     };
-    // Conditions that are constant in most replays can't cause differences between those.
+    // Conditions that are constant in most replays can't cause differences between these replays.
     const std::vector<Choice> held = {goes_by(Factor::random), goes_by(Factor::clock), goes_by(Factor::machine)};
     if (is_repeatable(evidence_, audit_.controller))
       for (const Choice& choice : held)
@@ -175,8 +176,8 @@ class Conclusion {
     const Choice everything = [](const ObservedCall&) { return true; };
     if (any(everything)) return by_call(everything, "may have reached ", where, "");
     return fmt::format("it differs from one run to the next{}: {}",
-                       evidence_.fixed_addresses ? ", and nothing that it was seen to call explains it"
-                                                 : " (addresses could not be held still)",
+                       evidence_.fixed_addresses ? ", and none of its observed calls explains it"
+                                                 : " (addresses could not be kept constant)",
                        where);
   }
 

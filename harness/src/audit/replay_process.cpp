@@ -274,11 +274,11 @@ Result<ReplayOutcome> ReplayProcesses::outcome(const Child& child) const {
   if (!fs::exists(child.folder / "1.outputs", ignored)) {
     auto said = read_text(child.folder / "output.txt");
     while (said && said->ends_with('\n')) said->pop_back();
-    return error(fmt::format("a process of the audit failed: {}", said ? *said : "it said nothing"),
+    return error(fmt::format("a process of the audit failed: {}", said ? *said : "it wrote no message"),
                  child.settings->valgrind ? "is valgrind installed?" : "");
   }
   for (int number = 1; number <= child.settings->passes; ++number) {
-    // The pass before ended the process.
+    // The previous pass ended the process.
     if (!fs::exists(child.folder / fmt::format("{}.outputs", number), ignored)) break;
     auto pass = read_pass(child, number);
     if (!pass) return pass.errors();

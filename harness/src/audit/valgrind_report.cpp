@@ -37,9 +37,9 @@ std::string words_of(const std::string& kind) {
   if (kind == "UninitValue") return "a value that was never set is used as an address";
   if (kind == "InvalidRead") return "memory is read that is not its own";
   if (kind == "InvalidWrite") return "memory is written that is not its own";
-  if (kind == "InvalidFree" || kind == "MismatchedFree") return "memory is freed that may not be freed so";
+  if (kind == "InvalidFree" || kind == "MismatchedFree") return "memory is freed by a function that may not free it";
   if (kind == "Overlap") return "memory is copied onto itself";
-  if (kind == "InvalidJump") return "a jump leads to where no code is";
+  if (kind == "InvalidJump") return "a jump leads to an address without code";
   return "";
 }
 
@@ -53,7 +53,7 @@ std::string sentence_of(const XMLElement& found, const std::vector<fs::path>& li
   if (!place && !origin_place) return "";
   std::string about = text_in(found, "auxwhat");
   if (!about.empty()) about = (origin_place ? ": " + about + ", in " + *origin_place : ": " + about);
-  return fmt::format("{} in {}{}", words, place ? *place : "what it calls", about);
+  return fmt::format("{} in {}{}", words, place ? *place : "a function that it calls", about);
 }
 
 }  // namespace

@@ -112,7 +112,7 @@ void FolderReader::read_files(const YamlNode& bag) {
     if (!fs::exists(found, ignored)) found = path_ / file.filename();
     if (file.empty() || !fs::exists(found, ignored)) {
       report(*item, fmt::format("it names the file {}, which isn't in the folder", in_quotes(file.string())),
-             "copy it there; or ros2 bag reindex makes a new metadata.yaml of the files that are there");
+             "copy it there; or ros2 bag reindex makes a new metadata.yaml from the existing files");
     } else if (fs::is_directory(found, ignored)) {
       report(*item, fmt::format("it names {}, which is a folder", in_quotes(file.string())), "expected a file");
     } else {
@@ -139,8 +139,8 @@ Result<Folder> FolderReader::read() {
   if (!fs::exists(folder_.metadata, ignored))
     return error_in(
         path_.string(),
-        fmt::format("can't read the trace: it is a directory without {}, which one of rosbag2 has", file_name),
-        "name a file in it; or ros2 bag reindex makes one of the files in the folder");
+        fmt::format("can't read the trace: it is a directory without {}, which a rosbag2 folder has", file_name),
+        "name a file in it; or ros2 bag reindex makes this file from the files in the folder");
   const auto text = read_yaml_file(folder_.metadata, "the metadata of a rosbag2 folder");
   if (!text) return text.errors();
   return parse(*text);

@@ -17,32 +17,32 @@ struct FolderTopic {
   std::string name;
   std::string type;
   std::uint64_t messages = 0;
-  int line = 0;  // in metadata.yaml
+  int line = 0;  // line in metadata.yaml
 };
 
 /// A number that metadata.yaml states.
 struct StatedNumber {
   std::int64_t value = 0;
-  int line = 0;  // in metadata.yaml
+  int line = 0;  // line in metadata.yaml
 };
 
 struct Folder {
   std::filesystem::path metadata;            // metadata.yaml
-  std::vector<std::filesystem::path> files;  // in the order of the recording; all exist
-  int version = 0;                           // of the form of metadata.yaml
+  std::vector<std::filesystem::path> files;  // existing files, in the order of the recording
+  int version = 0;                           // version of the format of metadata.yaml
   std::string storage;                       // "mcap" or "sqlite3"
-  std::string distribution;                  // the ROS distribution that wrote it; empty: not stated
+  std::string distribution;                  // the ROS distribution that wrote the folder; empty: not stated
   bool compressed_messages = false;          // each message is compressed by zstd
-  std::optional<StatedNumber> messages;      // of all files
+  std::optional<StatedNumber> messages;      // number of messages in all files
   std::optional<StatedNumber> start;         // [ns]
   std::optional<StatedNumber> duration;      // [ns]
   std::vector<FolderTopic> topics;
 };
 
-/// Reads the folder's metadata.yaml. Fails, with the line, if it isn't one of rosbag2, names a missing file, or if the
-/// storage or the compression is unknown.
+/// Reads the folder's metadata.yaml. Fails, with the line, if it isn't a metadata.yaml of rosbag2 or names a missing
+/// file, or if the storage or the compression is unknown.
 Result<Folder> read_folder(const std::filesystem::path& folder);
-/// The same for a text in memory, of the folder's metadata.yaml.
+/// Reads the text of the folder's metadata.yaml in the same way.
 Result<Folder> parse_folder(const std::string& text, const std::filesystem::path& folder);
 
 }  // namespace rehearse::bag

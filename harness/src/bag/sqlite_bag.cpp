@@ -13,7 +13,7 @@ namespace rehearse::bag {
 
 namespace {
 
-constexpr int longest_value = 1 << 30;  // [bytes], of a message
+constexpr int longest_value = 1 << 30;  // limit of a message [bytes]
 constexpr std::size_t most_topics = 0xffff;
 constexpr std::size_t most_findings = 20;
 
@@ -158,7 +158,7 @@ Result<void> SqliteBag::for_each_message(const OnMessage& callback) {
     const auto topic = impl_->topic_index.find(sqlite3_column_int64(row, 1));
     const std::int64_t time = sqlite3_column_int64(row, 2);
     if (topic == impl_->topic_index.end()) {
-      leave_out(fmt::format("of the topic {}, which the table 'topics' hasn't", sqlite3_column_int64(row, 1)),
+      leave_out(fmt::format("of the topic {}, which isn't in the table 'topics'", sqlite3_column_int64(row, 1)),
                 message.id);
     } else if (sqlite3_column_type(row, 2) != SQLITE_INTEGER || time < 0) {
       leave_out("whose timestamp is no number of nanoseconds", message.id);

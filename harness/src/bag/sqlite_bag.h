@@ -33,15 +33,15 @@ struct Definition {
 
 /// One message. The data is valid during the callback only.
 struct Message {
-  std::int64_t id = 0;     // of its row
+  std::int64_t id = 0;     // id of its row
   std::size_t topic = 0;   // index into topics()
-  std::uint64_t time = 0;  // [ns], of its arrival at the recorder
+  std::uint64_t time = 0;  // time of its arrival at the recorder [ns]
   std::span<const std::byte> data;
 };
 
 class SqliteBag {
  public:
-  /// Opens a database. Fails if it isn't one, or lacks one of the tables or columns.
+  /// Opens a database. Fails if the file isn't a database, or lacks one of the tables or columns.
   static Result<std::unique_ptr<SqliteBag>> open(const std::filesystem::path& file, const std::string& name);
   ~SqliteBag();
   SqliteBag(const SqliteBag&) = delete;
@@ -49,15 +49,15 @@ class SqliteBag {
 
   int schema_version() const;                                    // 1 to 4
   const std::vector<Topic>& topics() const;                      // in the order of their rows
-  const std::map<std::string, Definition>& definitions() const;  // by type; empty below version 4
+  const std::map<std::string, Definition>& definitions() const;  // by message type; empty below version 4
 
   using OnMessage = std::function<Result<void>(const Message&)>;
-  /// Delivers all messages in the order of their rows, which is that of recording. Rows that are no messages (of an
-  /// unknown topic, without a time or bytes) and a damaged part are reported at the end; all readable messages are
+  /// Delivers all messages in the order of their rows, which is the order of recording. Rows that are no messages (of
+  /// an unknown topic, without a time or bytes) and a damaged part are reported at the end; all readable messages are
   /// delivered before. An error of the callback ends the pass.
   Result<void> for_each_message(const OnMessage& callback);
 
-  /// The findings of SQLite's own check of the whole file; empty: it is whole.
+  /// The findings of SQLite's own check of the whole file; empty: the file is whole.
   std::vector<std::string> examine();
 
  private:

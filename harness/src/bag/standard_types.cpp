@@ -8,8 +8,9 @@ namespace rehearse::bag {
 
 namespace {
 
-/// A type in each line: its name, then its fields, separated by commas. A type without a package is one of the same
-/// package, as in ROS; `Header` is that of std_msgs. As of ROS 2 Humble; later versions agree if no other is stated.
+/// A type in each line: its name, then its fields, separated by commas. A type without a package is a type of the
+/// same package, as in ROS; `Header` is std_msgs/Header. Source: ROS 2 Humble; later versions agree unless a line
+/// states another version.
 constexpr std::string_view all_types = R"(
 builtin_interfaces/Time: int32 sec, uint32 nanosec
 builtin_interfaces/Duration: int32 sec, uint32 nanosec
@@ -179,7 +180,7 @@ const std::map<std::string, Fields, std::less<>>& types() {
   return parsed;
 }
 
-/// The message type of a field, as std_msgs/Header; empty for a primitive one.
+/// The message type of a field, as std_msgs/Header; empty for a primitive type.
 std::string used_type(std::string_view field, std::string_view package) {
   const std::string_view type = field.substr(0, field.find_first_of(" ["));
   if (type == "Header") return "std_msgs/Header";

@@ -46,8 +46,8 @@ CaseRun timed_case(const fs::path& file, const std::string& text, const Campaign
   return run;
 }
 
-/// Keeps the trace of a failure if its case is among the lowest of its verdict. The names of the kept files are all
-/// that is known of the others, because other processes may keep traces there, too.
+/// Keeps the trace of a failure if its case is among the lowest of its verdict. All kept traces are found by the names
+/// of their files, because other processes may keep traces there, too.
 void keep_trace(const Campaign& campaign, const CaseResult& result, const fs::path& trace) {
   std::error_code ignored;
   if (result.passed() || !fs::exists(trace, ignored)) return;
@@ -311,7 +311,7 @@ Result<void> Campaign::check_nominal(const Simulation& simulation) const {
   if (auto same = check_libraries(now->libraries); !same) return same;
   if (now->result.repeats(nominal_)) return {};
   return error_in(
-      folder_.string(), "the nominal run isn't the one with which the campaign began",
+      folder_.string(), "the nominal run has changed since the campaign began",
       "something that it depends on has changed, or it doesn't repeat itself: rehearse audit; begin another "
       "campaign in a new folder");
 }

@@ -90,10 +90,10 @@ Result<void> check_folder(const fs::path& folder) {
   std::error_code failed;
   if (fs::exists(facts_file(folder), failed))
     return error_in(folder.string(), "there is a campaign in this folder",
-                    "go on with it: rehearse sweep resume DIR, or name a new folder");
+                    "continue it: rehearse sweep resume DIR, or name a new folder");
   const bool is_used = std::any_of(fs::directory_iterator(folder, failed), fs::directory_iterator(),
                                    [](const fs::directory_entry& entry) { return entry.path().filename() != "lock"; });
-  if (is_used) return error_in(folder.string(), "there is something else in this folder", "name a new or an empty one");
+  if (is_used) return error_in(folder.string(), "the folder contains other files", "name a new or an empty one");
   fs::create_directories(folder, failed);
   if (failed) return error_in(folder.string(), fmt::format("it can't be made: {}", failed.message()));
   return {};

@@ -78,7 +78,7 @@ ReportTable verdict_table(const Json& report) {
 }
 
 ReportTable failure_table(const Json& report) {
-  ReportTable table{"Failures", "", {"cases", "verdict", "what fails", "for example", "first cases"}, {}};
+  ReportTable table{"Failures", "", {"cases", "verdict", "failure", "for example", "first cases"}, {}};
   for (const Json& failure : report["failures"])
     table.rows.push_back({text_of(failure["count"]), text_of(failure["verdict"]), text_of(failure["reason"]),
                           text_of(failure["sentence"]), list_of(failure["cases"])});
@@ -120,7 +120,7 @@ ReportTable margin_table(const Json& report) {
 }
 
 ReportTable cell_table(const Json& report) {
-  ReportTable table{"Cells that nothing visited",
+  ReportTable table{"Cells that no case visited",
                     "Pairs of parameters in four by four equal parts of their ranges.",
                     {"parameters", "unvisited", "of", "for example"},
                     {}};
@@ -166,7 +166,7 @@ std::string subtitle_of(const Json& report) {
   text += fmt::format("The nominal scenario: {}. ", text_of(report["nominal"]["verdict"]));
   return text + fmt::format("Cases that ran twice, in different processes: {}; {}.", text_of(summary["repeated"]),
                             summary["unrepeated"].empty() ? "each gave the same bits"
-                                                          : "different were " + list_of(summary["unrepeated"]));
+                                                          : "these differed: " + list_of(summary["unrepeated"]));
 }
 
 std::string md_cell(std::string text) {
@@ -270,7 +270,7 @@ std::string pictures_of(const Campaign& campaign, const CaseTable& table, const 
                    fmt::format("{}: {}", variations[i].name, ends_of(table, i)));
   for (std::size_t e = 0; e < table.margins.size(); ++e) {
     const auto is_number = [](double margin) { return std::isfinite(margin); };
-    if (std::none_of(table.margins[e].begin(), table.margins[e].end(), is_number)) continue;  // that of an event
+    if (std::none_of(table.margins[e].begin(), table.margins[e].end(), is_number)) continue;  // the margin of an event
     const Extent extent = extent_of(table.margins[e]);
     const std::string& expectation = campaign.expectations()[e];
     text +=

@@ -178,7 +178,7 @@ Json json_of_summary(const CampaignSummary& summary) {
           {"repeated", summary.repeated},   {"unrepeated", summary.unrepeated}};
 }
 
-/// Two campaigns over the same cases: which flipped.
+/// The cases whose verdict flipped between two campaigns over the same cases.
 Json json_of_change(const CaseTable& now, const CaseTable& before) {
   std::vector<std::int64_t> broken, mended;
   std::int64_t both = 0, same_hash = 0;
@@ -352,9 +352,10 @@ Result<CampaignSummary> write_campaign_report(const Campaign& campaign, const Ca
   Json report = json_of_report(campaign, *table, summary);
   if (against) {
     if (against->digest() != campaign.digest())
-      return error_in(against->folder().string(),
-                      fmt::format("its plan isn't that of {}: their cases can't be paired", campaign.folder().string()),
-                      "run both with the same vary:, --cases and --seed");
+      return error_in(
+          against->folder().string(),
+          fmt::format("its plan differs from that of {}: their cases can't be paired", campaign.folder().string()),
+          "run both with the same vary:, --cases and --seed");
     const auto before = CaseTable::of(*against);
     if (!before) return before.errors();
     report["against"] = json_of_change(*table, *before);

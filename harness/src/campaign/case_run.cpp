@@ -91,7 +91,7 @@ CaseRun run_case(const std::filesystem::path& file, const std::string& text, con
     return made;
   };
   std::error_code ignored;
-  std::filesystem::remove(trace, ignored);  // of the case before
+  std::filesystem::remove(trace, ignored);  // the trace of the previous case
   const auto scenario = Scenario::load_text(text, file);
   if (!scenario) return invalid(scenario.errors());
   RecordOptions recording;

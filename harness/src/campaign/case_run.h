@@ -25,7 +25,7 @@ CaseRun run_case(const std::filesystem::path& file, const std::string& text, con
 /// The result of a case whose process ended without a verdict.
 CaseResult ended_case(std::int64_t number, CaseVerdict verdict, std::string sentence);
 
-/// The sentence with # in the place of each number: failures of one kind have the same.
+/// The sentence with # in the place of each number: equal for failures of one kind.
 std::string without_numbers(std::string_view sentence);
 
 }  // namespace rehearse

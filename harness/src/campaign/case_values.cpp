@@ -23,7 +23,7 @@ namespace {
 /// The share of a standard normal distribution below x.
 double normal_share(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
 
-/// By the nearer tail, in which shares have all their digits.
+/// Computed from the nearer tail, where shares have all their digits.
 double truncated_normal(const Variation& variation, double probability) {
   const double low = (variation.low - variation.mean) / variation.stddev;
   const double high = (variation.high - variation.mean) / variation.stddev;

@@ -38,7 +38,7 @@ Moments moments_of(const std::vector<double>& values) {
   return moments;
 }
 
-/// Of the round's distribution, before truncation.
+/// The moments of the round's distribution, before truncation.
 Moments moments_of(const Variation& variation) {
   if (variation.distribution == Distribution::normal) return {variation.mean, variation.stddev};
   const bool logarithmic = is_logarithmic(variation);

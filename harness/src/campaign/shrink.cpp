@@ -43,7 +43,7 @@ class Shrinker {
   Result<Shrunk> run();
 
  private:
-  /// What became of a try.
+  /// The result of an attempt.
   enum class Tried { fails, is_other, ended };
 
   const std::vector<Variation>& variations() const { return campaign_.scenario().variations; }
@@ -88,7 +88,7 @@ Result<Shrinker::Tried> Shrinker::attempt(const std::vector<std::string>& values
   return fails ? Tried::fails : Tried::is_other;
 }
 
-/// The parameters with these indices have the values of the case, the others are nominal.
+/// Tries a run in which the parameters with these indices have the values of the case, and all others are nominal.
 Result<Shrinker::Tried> Shrinker::attempt(const Indices& differing) {
   std::vector<std::string> values(variations().size());
   for (const std::size_t i : differing) values[i] = case_values_[i];
@@ -154,7 +154,7 @@ Result<bool> Shrinker::bisect(std::size_t index) {
   return true;
 }
 
-/// The run ends soon after the failure.
+/// Cuts the duration, so that the run ends soon after the failure.
 Result<bool> Shrinker::cut_duration() {
   if (!best_.result.tick) return true;
   const double step = campaign_.scenario().time_step;
@@ -190,7 +190,7 @@ Result<Shrunk> Shrinker::run() {
   return best_;
 }
 
-/// Makes the paths of a scenario lead to the same files from another folder.
+/// Rewrites the paths of a scenario, so that they name the same files from another folder.
 Result<std::string> moved_text(const Scenario& scenario, std::string text, const fs::path& folder) {
   std::error_code failed;
   const fs::path from = fs::absolute(fs::path(scenario.file).parent_path(), failed);
@@ -252,7 +252,7 @@ Result<void> write_shrunk(const Campaign& campaign, const Shrunk& shrunk, const 
   if (!again) return again.errors();
   if (again->result.verdict == shrunk.result.verdict && again->result.reason == shrunk.result.reason) return {};
   return error_in(file.string(),
-                  fmt::format("the written scenario ends otherwise: {}: {}", to_string(again->result.verdict),
+                  fmt::format("the written scenario ends differently: {}: {}", to_string(again->result.verdict),
                               again->result.sentence),
                   "does a controller read files beside the scenario? name a file there with -o");
 }

@@ -45,7 +45,7 @@ double mcnemar_exact(std::int64_t one_way, std::int64_t other_way) {
 }
 
 double rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
-  REHEARSE_ASSERT(a.size() == b.size(), "ranks of pairs");
+  REHEARSE_ASSERT(a.size() == b.size(), "both lists have the same length");
   const std::vector<double> x = ranks_of(a), y = ranks_of(b);
   const double mean = 0.5 * static_cast<double>(a.size() + 1);
   double xy = 0.0, xx = 0.0, yy = 0.0;

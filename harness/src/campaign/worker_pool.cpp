@@ -56,7 +56,7 @@ bool WorkerPool::has_room() const {
 
 Result<void> WorkerPool::give(std::int64_t job) {
   const auto free = std::find_if(workers_.begin(), workers_.end(), [](const Worker& worker) { return !worker.job; });
-  REHEARSE_ASSERT(free != workers_.end(), "a job needs a worker without one");
+  REHEARSE_ASSERT(free != workers_.end(), "a job needs a worker without a job");
   if (free->process == 0)
     if (auto started = start(*free); !started) return started;
   free->job = job;
@@ -107,7 +107,7 @@ void WorkerPool::serve(int socket, const std::filesystem::path& folder) const {
 std::optional<WorkerPool::Answer> WorkerPool::wait() {
   std::vector<pollfd> sockets;
   for (const Worker& worker : workers_)
-    sockets.push_back({worker.job ? worker.socket : -1, POLLIN, 0});  // -1 is passed over
+    sockets.push_back({worker.job ? worker.socket : -1, POLLIN, 0});  // poll() ignores -1
   ::poll(sockets.data(), sockets.size(), interval_ms);
   for (std::size_t i = 0; i < workers_.size(); ++i) {
     Worker& worker = workers_[i];
@@ -130,7 +130,7 @@ WorkerPool::Answer WorkerPool::end_of(Worker& worker, bool late) {
   return answer;
 }
 
-/// Returns how it ended. `is_ending`: it has closed its socket.
+/// Ends a worker, and returns how it ended. `is_ending`: it has closed its socket.
 std::string WorkerPool::stop(Worker& worker, bool is_ending) {
   if (worker.process == 0) return {};
   constexpr int patience_ms = 1000;
@@ -157,7 +157,7 @@ void WorkerPool::renew(const std::filesystem::path& folder) {
 }
 
 void WorkerPool::renew_all() {
-  REHEARSE_ASSERT(is_idle(), "workers with jobs stay");
+  REHEARSE_ASSERT(is_idle(), "no worker has a job");
   for (Worker& worker : workers_) stop(worker, false);
 }
 

@@ -24,7 +24,7 @@ class WorkerPool {
   /// The end of a job.
   struct Answer {
     std::int64_t job = 0;
-    std::filesystem::path folder;     // of its worker, who leaves it alone until the next job
+    std::filesystem::path folder;     // of its worker, which doesn't use it until the next job
     std::optional<std::string> text;  // none: the worker ended
     bool late = false;                // it was killed because the job took too long
     std::string end;                  // how the worker ended: "by SIGKILL", "with exit status 1"
@@ -38,14 +38,14 @@ class WorkerPool {
   WorkerPool& operator=(const WorkerPool&) = delete;
 
   bool is_idle() const;   // no worker has a job
-  bool has_room() const;  // a worker has none
+  bool has_room() const;  // a worker has no job
   /// Gives the job to a worker without one. Fails if no process can be started.
   Result<void> give(std::int64_t job);
   /// The next answer; none: there was none for some tenths of a second.
   std::optional<Answer> wait();
   /// The next job of the worker in that folder is made by a new process.
   void renew(const std::filesystem::path& folder);
-  /// So for all workers, of which none may have a job.
+  /// As renew(), for all workers; none may have a job.
   void renew_all();
 
  private:

@@ -18,7 +18,7 @@
 namespace rehearse {
 namespace {
 
-/// What is known of the two levels on which nothing amplifies.
+/// The results of the two levels on which no difference grows.
 struct Evidence {
   LevelState controller = LevelState::skipped;
   LevelState plant = LevelState::skipped;
@@ -45,7 +45,7 @@ class Detective {
   const Suspects& with_;
 };
 
-/// Until the beginning of that tick.
+/// Repeats level plant, up to the beginning of the tick `options.until`. None: the run failed.
 std::optional<Comparison> Detective::plant_again(const Scenario& scenario, const PlantOptions& options) {
   auto again = compare_plant(with_.simulation, scenario, with_.golden, with_.scratch, options);
   std::error_code ignored;
@@ -76,7 +76,7 @@ Evidence Detective::gather(const CheckReport& report) {
   return evidence;
 }
 
-/// What the controllers read beside their inputs that may explain it; empty: nothing is known.
+/// The changed files that the controllers read beside their inputs, for a verdict; empty if there are none.
 std::string files_text(const ReplayReport& replayed) {
   return replayed.changed_files.empty() ? "" : fmt::format("; {}", fmt::join(replayed.changed_files, "; "));
 }
@@ -89,36 +89,38 @@ Blame Detective::controller(const Evidence& evidence) const {
                 files_text(*evidence.replay),
             std::nullopt};
   const Divergence& first = evidence.replay->beyond ? *evidence.replay->beyond : *evidence.replay->first;
-  if (first.stage == Stage::inputs) return {"the golden is not what was recorded: at " + to_string(first), first};
+  if (first.stage == Stage::inputs)
+    return {"the golden differs from the run that was recorded: at " + to_string(first), first};
   if (evidence.replay->same_controllers) return same_controller(first, *evidence.replay);
   return {"the controller changed: fed with the golden's inputs, it differs at " + to_string(first) +
               files_text(*evidence.replay),
           first};
 }
 
-/// The library is the recorded one, and commands otherwise.
+/// The verdict for a controller whose library is the recorded one, but whose commands differ.
 Blame Detective::same_controller(const Divergence& first, const ReplayReport& replayed) const {
   const auto unrepeated = first_unrepeated_tick(with_.golden.file(), with_.host);
   if (unrepeated && *unrepeated)
-    return {
-        fmt::format("the controller is no function of its inputs: it is the one that was recorded, and two replays of "
-                    "the golden differ from each other at tick {}; fed with the golden's inputs, it differs at {}; it "
-                    "depends on uninitialised memory, the clock or chance, and `rehearse audit` tells on which",
-                    **unrepeated, to_string(first)),
-        first};
+    return {fmt::format("the controller is no function of its inputs: it is the recorded one, but two replays of the "
+                        "golden differ from each other at tick {}; fed with the golden's inputs, it differs at {}; it "
+                        "depends on uninitialised memory, the clock or chance; `rehearse audit` finds the cause",
+                        **unrepeated, to_string(first)),
+            first};
   const std::string files = files_text(replayed);
-  return {fmt::format(
-              "something beside the controller's inputs has changed since the recording: it is the one that was "
-              "recorded, and two replays agree with each other, but fed with the golden's inputs it differs at {}{}",
-              to_string(first),
-              files.empty() ? "; `rehearse audit` tells whether it depends on files, variables or uninitialised memory"
-                            : files),
-          first};
+  return {
+      fmt::format(
+          "something beside the controller's inputs has changed since the recording: the controller is the recorded "
+          "one, and two replays agree with each other, but fed with the golden's inputs it differs at {}{}",
+          to_string(first),
+          files.empty() ? "; `rehearse audit` reports whether it depends on files, variables or uninitialised memory"
+                        : files),
+      first};
 }
 
-/// What sensors and cameras tell follows from the state, and may leave its tolerance before the state does. Where bits
-/// can be trusted to be the same, other bits in the state before that tell that the physics changed. Since the last
-/// sample of a golden that keeps samples, the hash of the state tells; it also depends on the seed.
+/// The first difference of the state before `place`, if it shows that the physics changed; null: there is none.
+/// Measurements of sensors and cameras follow from the state, and may leave their tolerances before the state does.
+/// With equal arithmetic, different bits in the state show a change of the physics. After the last sample of a golden
+/// that contains samples, the hash of the state shows it, which also depends on the seed.
 const Divergence* state_before(const Divergence& place, const Comparison& comparison, const Trace& golden) {
   if (place.stage == Stage::physics) return nullptr;
   const auto samples = RunFacts::of(golden).state_rate;
@@ -135,7 +137,7 @@ const Divergence* state_before(const Divergence& place, const Comparison& compar
   return before;
 }
 
-/// Whether the noise of the recorded scenario, instead of this one's, gives what was recorded.
+/// True if the world agrees with the golden under the noise of the recorded scenario, instead of this one's.
 bool Detective::is_noise(const Divergence& place, const Scenario& recorded) {
   const auto noisy = [](const Scenario& scenario) {
     return std::any_of(scenario.bodies.begin(), scenario.bodies.end(), [](const ScenarioBody& body) {
@@ -157,12 +159,12 @@ bool is_mesh(const Shape& shape) {
   return mesh && !mesh->heightmap;
 }
 
-/// The attachments that aren't what they were; "" if none.
+/// The changed attachments; "" if there are none.
 std::string changed_files(const Comparison& comparison) {
   return fmt::format("{}", fmt::join(comparison.changed_files, ", "));
 }
 
-/// What made the plant differ: the noise, the files, or the programs.
+/// The cause of a difference of the plant: the noise, the files, or the programs.
 std::string Detective::origin(const Divergence& place, const Comparison& comparison) {
   const std::string files = changed_files(comparison);
   const auto recorded = recorded_scenario(with_.golden);
@@ -171,10 +173,11 @@ std::string Detective::origin(const Divergence& place, const Comparison& compari
     const auto stated = RunFacts::of(with_.golden).seed;
     const std::string seed = stated ? std::to_string(*stated) : "?";
     return seed == std::to_string(with_.scenario.seed)
-               ? "; it is the noise that changed: with that of the golden it agrees"
+               ? "; the noise changed: with the golden's noise, the world agrees"
                : fmt::format(
-                     "; it is the random stream of the noise: with the golden's seed {} instead of {} it agrees", seed,
-                     with_.scenario.seed);
+                     "; the random stream of the noise changed: with the golden's seed {} instead of {}, the world "
+                     "agrees",
+                     seed, with_.scenario.seed);
   }
   if (files.empty()) return "; scenario and models are what they were: the simulation itself changed";
   const bool has_meshes = std::any_of(recorded->bodies.begin(), recorded->bodies.end(), [](const ScenarioBody& body) {
@@ -187,8 +190,8 @@ std::string Detective::origin(const Divergence& place, const Comparison& compari
   options.until = place.tick;
   const auto again = plant_again(*recorded, options);
   if (!again) return fmt::format("; changed since it was recorded: {}", files);
-  return again->within ? fmt::format("; it is because of {}: as recorded, it agrees", files)
-                       : fmt::format("; {} changed too, but as recorded it differs as well", files);
+  return again->within ? fmt::format("; the cause is {}: with the recorded version, the world agrees", files)
+                       : fmt::format("; {} changed, too, but with the recorded version the world also differs", files);
 }
 
 Blame Detective::plant(const Evidence& evidence) {
@@ -208,7 +211,7 @@ Blame Detective::plant(const Evidence& evidence) {
           place};
 }
 
-/// Neither part differs by itself, but the whole does.
+/// The verdict if no part differs alone, but the closed loop does.
 Blame Detective::loop(const Comparison& comparison, const Evidence& evidence) const {
   const Divergence& first = *comparison.first;
   const bool both_known = evidence.controller == LevelState::equal && evidence.plant != LevelState::skipped;
@@ -216,25 +219,24 @@ Blame Detective::loop(const Comparison& comparison, const Evidence& evidence) co
   const Divergence& bit = *comparison.first_bit;
   const bool follows_state = state_before(first, comparison, with_.golden) != nullptr;
   if (bit.stage == Stage::inputs || (first.stage == Stage::inputs && !follows_state))
-    return {"the controller was fed with something else than it was recorded: the run " + verdict(comparison), first};
+    return {"the controller got other inputs than in the golden: the run " + verdict(comparison), first};
   if (evidence.plant == LevelState::within)
-    return {
-        fmt::format("no part changed beyond its tolerance, but the loop amplifies what did: the run {} (bits differ "
-                    "since tick {})",
-                    verdict(comparison), bit.tick),
-        first};
-  Divergence place = first;  // the world does as it is commanded: what it does otherwise, it was commanded otherwise
+    return {fmt::format("no part changed beyond its tolerance, but the loop amplifies small changes: the run {} (bits "
+                        "differ since tick {})",
+                        verdict(comparison), bit.tick),
+            first};
+  Divergence place = first;  // the world follows its commands: if it differs, they differed
   place.stage = Stage::controller;
   if (!comparison.changed_files.empty())
-    return {fmt::format("the controller goes by what changed in {}: with the golden's own it repeats its recorded "
-                        "commands, with that of now it doesn't; the run differs at {}",
+    return {fmt::format("the controller depends on a change in {}: with the golden's version, it repeats its recorded "
+                        "commands, with the present one it doesn't; the run differs at {}",
                         changed_files(comparison), to_string(place)),
             place};
   const auto unrepeated = first_unrepeated_tick(with_.actual, with_.host);
   if (unrepeated && *unrepeated)
     return {
         fmt::format("the controller is no function of its inputs: two replays of this run differ from each other at "
-                    "tick {}; the run differs at {}; `rehearse audit` tells what it depends on",
+                    "tick {}; the run differs at {}; `rehearse audit` finds the cause",
                     **unrepeated, to_string(place)),
         place};
   return {"the controller repeats the golden's commands and the world follows them, but the run " + verdict(comparison),
@@ -246,7 +248,7 @@ std::string nothing_differs(const CheckReport& report) {
   std::string sentence;
   if (report.controller != LevelState::skipped)
     sentence = fmt::format("the controller repeats {} recorded ticks {}", report.replay->ticks,
-                           report.replay->equal() ? "bit for bit" : "within tolerance, computed otherwise");
+                           report.replay->equal() ? "bit for bit" : "within tolerance, with different arithmetic");
   if (report.plant == LevelState::skipped) return sentence;
   if (report.plant == LevelState::proved) return sentence + "; the world is the one that made the golden";
   return fmt::format("{}{}the world under the recorded commands: {}", sentence, sentence.empty() ? "" : "; ",

@@ -1,5 +1,5 @@
-// Blame: which part of the loop a check points to. What the levels leave open is found by doing parts of the run again,
-// up to the tick in which it differs first.
+// Blame: the part of the loop that caused a difference. If the levels leave this open, parts of the run are repeated,
+// up to the tick of its first difference.
 #pragma once
 
 #include <rehearse/check.h>
@@ -10,14 +10,14 @@
 
 namespace rehearse {
 
-/// What a check was made with.
+/// The inputs of a check.
 struct Suspects {
   const Scenario& scenario;
   const Trace& golden;
   const Simulation& simulation;
-  HostOptions host;               // of replays
+  HostOptions host;               // options of replays
   std::filesystem::path actual;   // the trace of level closed
-  std::filesystem::path scratch;  // a trace of parts done again; removed
+  std::filesystem::path scratch;  // a trace of repeated parts; removed
 };
 
 struct Blame {
@@ -25,8 +25,8 @@ struct Blame {
   std::optional<Divergence> place;
 };
 
-/// Of a check whose levels are known. A level that nobody asked for is done up to the first difference, if closed
-/// differs.
+/// The result for a check whose levels have results. If level closed differs, levels that were not requested are made
+/// up to the first difference.
 Blame find_guilty(const Suspects& suspects, const CheckReport& report);
 
 }  // namespace rehearse

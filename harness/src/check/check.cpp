@@ -29,7 +29,7 @@ LevelState state_of(const Comparison& comparison) {
   return comparison.within ? LevelState::within : LevelState::differs;
 }
 
-/// Reads all of it for its damage, and its events.
+/// Reads the whole recording, to find its damage and its events.
 Result<Trace> load_without_messages(const fs::path& file) {
   return Trace::load_in_pieces(file, [](const Trace&) {});
 }
@@ -54,8 +54,8 @@ struct Check {
   const Simulation& simulation;
   CheckReport report;
   bool world_is_known = false;                       // it makes the golden under the golden's commands
-  std::optional<NoiseFloor> noise = std::nullopt;    // that was measured of the golden
-  std::optional<Trace> whole_golden = std::nullopt;  // if noise was measured of it: it is known by all of its numbers
+  std::optional<NoiseFloor> noise = std::nullopt;    // the measured noise of the golden
+  std::optional<Trace> whole_golden = std::nullopt;  // if its noise was measured: for the hash of its numbers
 
   fs::path plant_trace() const { return actual.parent_path() / "plant" / actual.filename(); }
   Result<void> check_controller();
@@ -92,7 +92,7 @@ Result<void> Check::check_controller() {
   return {};
 }
 
-/// The world is known to make the golden. What this leaves open is simulated.
+/// Without a simulation: it is proved that the world makes the golden. Levels that remain unproved are simulated later.
 Result<void> Check::check_proved() {
   if (options.plant) report.plant = LevelState::proved;
   if (options.controller || options.closed)
@@ -105,7 +105,7 @@ Result<void> Check::check_proved() {
     results = *std::move(judged);
   }
   report.proved = (repeats || (!options.controller && !options.closed)) && !first_violation(results);
-  if (!options.controller) {  // nobody asked for it
+  if (!options.controller) {  // not requested
     report.controller = LevelState::skipped;
     report.replay.reset();
     report.controller_problem.clear();
@@ -115,17 +115,17 @@ Result<void> Check::check_proved() {
   if (options.closed) report.closed = LevelState::proved;
   report.verdict =
       options.closed || options.controller
-          ? "proved without simulating: the world is the one that made the golden, and the controllers command what "
-            "they commanded"
+          ? "proved without simulating: the world is the one that made the golden, and the controllers repeat its "
+            "commands"
           : "proved without simulating: the world is the one that made the golden";
   if (!report.expectations.empty()) report.verdict += "; " + verdict(report.expectations);
   return {};
 }
 
-/// Every bit of the golden was compared: this world makes it.
+/// Stores a certificate if every bit of the golden was compared and is equal.
 Result<void> Check::certify(const Proof& proof) {
   if (report.closed != LevelState::equal || report.run->ending()) return {};
-  if (report.horizon) {  // only what comes before it was compared
+  if (report.horizon) {  // only the time before the horizon was compared
     const auto compared = compare(golden.file(), actual, scenario.tolerances, {});
     if (!compared) return compared.errors();
     if (!compared->equal) return {};
@@ -186,7 +186,8 @@ Result<void> Check::check_closed() {
   return {};
 }
 
-/// No tick is compared; but the run may become the next golden, and is judged by what is expected of it.
+/// Reports a changed time step. No tick is compared, but the run may become the next golden, so its expectations are
+/// judged.
 Result<void> Check::tell_time_step(const Divergence& change) {
   report.verdict =
       fmt::format("the scenario's time step changed: it is {} s, and the golden's {} s; nothing was compared",
@@ -204,7 +205,7 @@ Result<void> Check::tell_time_step(const Divergence& change) {
   return {};
 }
 
-/// The runs were compared up to the end of the shorter one.
+/// Reports a changed duration. The runs were compared up to the end of the shorter one.
 void Check::tell_duration(const Divergence& change, const Trace& fresh) {
   const std::string sentence =
       fmt::format("the scenario's duration changed: it is {} s, and the golden's {} s", change.actual, change.expected);
@@ -216,8 +217,8 @@ void Check::tell_duration(const Divergence& change, const Trace& fresh) {
   tell_files(fresh, *report.comparison, actual, "this run");
 }
 
-/// Tolerances are for what changed. Where nothing did, or where a run doesn't repeat itself, other bits are chance, and
-/// a golden that is met by chance certifies nothing.
+/// Tests whether a run within tolerance repeats itself. Tolerances allow for changes. If nothing changed, or if a run
+/// doesn't repeat itself, different bits are chance, and a golden that is met by chance proves nothing.
 Result<void> Check::test_reproduction() {
   if (report.closed != LevelState::within || report.comparison->words_alone) return {};
   const auto fresh = Trace::load(actual);
@@ -231,8 +232,8 @@ Result<void> Check::test_reproduction() {
     report.first = found->first ? found->first : bit;
   } else if (report.comparison->same_origin) {
     report.verdict = fmt::format(
-        "the golden isn't certified, though this run is within its tolerances: it names these very programs, files and "
-        "controllers, and yet this run, which repeats itself, isn't the golden's, bit for bit: {}",
+        "the golden isn't certified, though this run is within its tolerances: it states the same programs, files and "
+        "controllers, but this run, which repeats itself, has different bits: {}",
         to_string(bit));
     report.first = bit;
   } else {
@@ -243,14 +244,14 @@ Result<void> Check::test_reproduction() {
   return {};
 }
 
-/// What the comparison left open, or found right, may be wrong all the same.
+/// Adds the expectations to the verdict. A run that is within tolerance, or was not compared, may violate them.
 void Check::judge_by_expectations(const Trace& fresh) {
   if (report.expectations.empty()) return;
   const std::string judged = verdict(report.expectations);
   const ExpectationResult* violation = first_violation(report.expectations);
   const bool is_alone = violation && report.within();
   const bool failed = report.run && report.run->ending();
-  // a run that a controller ended is not as expected because of that
+  // a run that a controller ended violates expectations because of that
   report.verdict = violation && !failed ? judged + "; " + report.verdict : report.verdict + "; " + judged;
   if (is_alone) report.first = divergence_of(*violation, fresh);
   if (violation) report.closed = LevelState::differs;
@@ -263,7 +264,7 @@ void Check::tell_files(const Trace& fresh, const Comparison& comparison, const f
                   picture_lines(write_picture_differences(golden, fresh, comparison, scenario.tolerances, file)));
 }
 
-/// Names the part that changed.
+/// Sets the verdict that names the part that changed.
 void Check::blame() {
   const Blame found = find_guilty({scenario, golden, simulation, with_controllers_of(scenario, options.run), actual,
                                    plant_trace().concat(".again")},
@@ -271,11 +272,11 @@ void Check::blame() {
   report.verdict = found.sentence;
   report.first = found.place;
   if (report.first || !report.comparison) return;
-  report.first = report.comparison->first;  // a part that couldn't be tried alone has no place of its own
+  report.first = report.comparison->first;  // a part that couldn't be compared alone has no place
   if (report.first && !report.controller_problem.empty()) report.first->stage = Stage::controller;
 }
 
-/// A golden without a measurement is fine.
+/// Loads the measured noise of the golden. A golden without a measurement is valid.
 Result<void> Check::find_noise() {
   const fs::path file = noise_file_of(golden.file());
   std::error_code ignored;
@@ -291,7 +292,7 @@ Result<void> Check::find_noise() {
   return {};
 }
 
-/// What the noise says of the tolerances.
+/// Adds remarks on tolerances that don't agree with the measured noise.
 void Check::judge_tolerances() {
   if (!noise) return;
   std::vector<const Comparison*> comparisons;
@@ -315,7 +316,7 @@ Result<void> Check::make_closed_loop() {
   return {};
 }
 
-/// Makes the levels that aren't known yet.
+/// Makes the levels that aren't proved.
 Result<void> Check::simulate() {
   if (auto done = find_noise(); !done) return done;
   if (options.closed)
@@ -334,19 +335,19 @@ Result<void> Check::simulate() {
   return {};
 }
 
-/// Why the golden's world doesn't follow its commands, or isn't what was read of it: then only its controllers can be
-/// checked. Empty: it can be simulated again.
+/// The reason why the golden's world can't be simulated again: then only its controllers can be checked. Empty: it can
+/// be simulated again.
 std::string why_no_world(const Trace& golden) {
   const RunFacts run = RunFacts::of(golden);
   if (run.is_of_log) return "the golden was recorded from a log: there is no physics to repeat";
   const std::optional<BranchOrigin>& origin = run.branch;
   if (origin && !origin->simulated) return "the golden is a replay: its world didn't follow its commands";
   if (origin && !origin->set.empty())
-    return "the golden is a branch whose inputs were altered: nothing makes them again";
+    return "the golden is a branch with altered inputs: a simulation doesn't make them again";
   return {};
 }
 
-/// A branch was pushed beside what its scenario says.
+/// Adds the pushes of a branch to those of its scenario.
 Result<Scenario> with_pushes_of(const std::optional<BranchOrigin>& origin, Scenario scenario) {
   if (!origin) return scenario;
   for (const std::string& text : origin->push) {
@@ -399,7 +400,7 @@ void leave_out_levels(const Trace& golden, CheckOptions& options, CheckReport& r
   }
 }
 
-/// A share of what is proved is simulated all the same.
+/// Simulates a share of the proved checks as well.
 Result<CheckReport> sampled(Check check) {
   const auto chosen = is_sampled(check.scenario.name, check.options.sampled);
   if (!chosen) return chosen.errors();
@@ -409,7 +410,7 @@ Result<CheckReport> sampled(Check check) {
   auto again = check_scenario(check.scenario, check.golden.file(), check.actual, simulating, check.simulation);
   if (!again) return again;
   if (again->equal()) return std::move(check.report);
-  again->verdict = "the proof was wrong: by it nothing has changed since the golden, but simulated: " + again->verdict;
+  again->verdict = "the proof was wrong: it found no change since the golden, but simulated: " + again->verdict;
   again->closed = LevelState::differs;
   return again;
 }
@@ -419,7 +420,7 @@ Result<CheckReport> sampled(Check check) {
 Result<CheckReport> check_scenario(const Scenario& plain, const fs::path& golden, const fs::path& actual,
                                    const CheckOptions& asked, const Simulation& simulation) {
   const auto outline = Trace::outline(golden);
-  if (!outline) {  // a pass over all of it finds what is damaged
+  if (!outline) {  // a pass over the whole file finds the damage
     const auto whole = load_without_messages(golden);
     return whole ? outline.errors() : whole.errors();
   }

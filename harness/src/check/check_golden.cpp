@@ -1,4 +1,4 @@
-// A scenario against the golden that it names, and that golden's life.
+// Compares a scenario with the golden that it names, and writes or replaces that golden.
 #include <fmt/format.h>
 #include <rehearse/compare.h>
 
@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A run that no golden speaks of: what the scenario expects of it is all there is to judge.
+/// Judges a run without a golden, by the expectations of its scenario alone.
 Result<CheckReport> check_by_expectations(const Scenario& scenario, const fs::path& actual, const CheckOptions& options,
                                           const Simulation& simulation) {
   CheckReport report;
@@ -36,7 +36,7 @@ Result<CheckReport> check_by_expectations(const Scenario& scenario, const fs::pa
   return report;
 }
 
-/// Whether a run that is to become a golden repeats itself. If not, the report says so.
+/// True if a run that is to become a golden repeats itself. If it doesn't, the reason is in the report.
 Result<bool> certify_candidate(const Scenario& scenario, const fs::path& actual, const HostOptions& host,
                                const Simulation& simulation, CheckReport& report) {
   const auto candidate = Trace::load(actual);
@@ -52,13 +52,13 @@ Result<bool> certify_candidate(const Scenario& scenario, const fs::path& actual,
   return false;
 }
 
-/// The command that stops in the controller whose failure ended a run, on a line of its own; nothing for a refusal,
-/// which no tick repeats, and nothing in CI, whose disk a person doesn't reach.
+/// The command that stops in the controller whose failure ended a run, on its own line. Empty for a refusal, which no
+/// tick repeats, and in CI, where a person can't reach the disk.
 std::string debugging_advice(const RunSummary& summary, const fs::path& run) {
   return is_ci() || !summary.failure ? "" : fmt::format("\nstop there in gdb: rehearse replay {} --gdb", run.string());
 }
 
-/// There is no golden yet: the run becomes it, or waits to be.
+/// There is no golden yet: the run becomes the golden, or stays pending.
 Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, GoldenMode mode,
                                  const CheckOptions& options, const Simulation& simulation) {
   const fs::path actual = store.pending_file(scenario.golden);
@@ -89,7 +89,7 @@ Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, G
   return report;
 }
 
-/// No golden is named, but something is expected.
+/// Checks a scenario that names no golden, but has expectations.
 Result<CheckReport> check_without_golden(const Scenario& scenario, const fs::path& actual, const CheckOptions& options,
                                          const Simulation& simulation) {
   auto report = check_by_expectations(scenario, actual, options, simulation);
@@ -98,14 +98,14 @@ Result<CheckReport> check_without_golden(const Scenario& scenario, const fs::pat
   return report;
 }
 
-/// What becomes of a run that waits.
+/// Accepts a pending run, or adds advice to the report.
 Result<void> settle_pending(const Scenario& scenario, GoldenStore& store, GoldenMode mode, const HostOptions& host,
                             const Simulation& simulation, CheckReport& report) {
   const std::string& name = scenario.golden;
   if (report.run && report.run->ending()) {
     report.message += debugging_advice(*report.run, store.pending_file(name));
   } else if (first_violation(report.expectations)) {
-    report.message += fmt::format("\nif it is right, {} expects what is wrong", scenario.file);
+    report.message += fmt::format("\nif the run is right, correct the expectations in {}", scenario.file);
   } else if (mode == GoldenMode::accept) {
     auto certified = certify_candidate(scenario, store.pending_file(name), host, simulation, report);
     if (!certified) return certified.errors();
@@ -119,7 +119,7 @@ Result<void> settle_pending(const Scenario& scenario, GoldenStore& store, Golden
   return {};
 }
 
-/// Compares a golden with its digest. Files that agreed before, to the same programs, agree now.
+/// Compares a golden with its digest. Files that agreed before, according to the same programs, agree now.
 Result<void> check_digest(const Scenario& scenario, const GoldenStore& store,
                           const std::optional<fs::path>& certificates) {
   const auto golden = hash_of_file(store.trace_file(scenario.golden));
@@ -130,7 +130,7 @@ Result<void> check_digest(const Scenario& scenario, const GoldenStore& store,
   const std::string agreement = fmt::format("digest: {}\nprograms: {}\n", hash_text(*digest), programs);
   if (known.has(agreement)) return {};
   if (auto agrees = store.check_digest(scenario.golden); !agrees) return agrees;
-  (void)known.add(agreement);  // without it the next check reads both again
+  (void)known.add(agreement);  // without the certificate, the next check reads both files again
   return {};
 }
 
@@ -142,8 +142,8 @@ Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, G
   if (name.empty() && options.closed && !scenario.expectations.empty())
     return check_without_golden(scenario, store.pending_file(scenario.name), options, simulation);
   if (name.empty()) {
-    Diagnostic finding = error("the scenario names no golden to compare with, and expects nothing of a run",
-                               "golden: Suite.Test, or expect: what has to be true");
+    Diagnostic finding = error("the scenario names no golden to compare with, and has no expectations",
+                               "golden: Suite.Test, or expect: with the conditions of a run");
     finding.file = scenario.file;
     return finding;
   }

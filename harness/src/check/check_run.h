@@ -13,22 +13,24 @@ namespace rehearse {
 Result<RunSummary> make_run(const Scenario& scenario, const std::filesystem::path& actual, const RecordOptions& options,
                             const Simulation& simulation);
 
-/// The same in a world that is known to make the golden. `replayed`: the scenario's controllers on the golden's inputs;
-/// the run is simulated only from a checkpoint before their first other command. Null: nothing is known.
+/// Records the scenario in a world that is proved to make the golden. `replayed`: the scenario's controllers on the
+/// golden's inputs; the run is simulated only from a checkpoint before their first different command. Null: the whole
+/// run is simulated.
 Result<ResumedRun> make_run(const Scenario& scenario, const Trace& golden, const ReplayReport* replayed,
                             const std::filesystem::path& actual, const RecordOptions& options,
                             const Simulation& simulation);
 
-/// For replays of any recording: the controllers of the scenario as it is now, whatever the recording names.
+/// Options for replays of any recording: the controllers of the present scenario, independent of those in the
+/// recording.
 HostOptions with_controllers_of(const Scenario& scenario, const HostOptions& given);
 
-/// Feeds controllers with the golden's inputs, until that time [s]. Their commands have to be the same bits, unless the
-/// arithmetic isn't: a controller that calls sin() then commands other last bits, and is judged within tolerance.
+/// Feeds controllers with the golden's inputs, until this time [s]. Their commands must have equal bits, unless the
+/// arithmetic differs. Then a controller that calls sin() commands different last bits, and is judged within tolerance.
 Result<ReplayReport> replay_golden(const Scenario& scenario, const Trace& golden, const HostOptions& host,
                                    std::optional<double> until = std::nullopt);
 LevelState state_of(const ReplayReport& replayed);
 
-/// Whether a run repeats itself; what the world does meanwhile is written beside it, and removed.
+/// Tests whether a run repeats itself. The output of the world is written beside `file`, and removed.
 Result<Reproduction> try_reproduction(const Scenario& scenario, const Trace& run, const std::filesystem::path& file,
                                       const HostOptions& host, const Simulation& simulation);
 

@@ -1,4 +1,4 @@
-// Whether a check compared anything at all: one that didn't has found nothing wrong, and nothing right. Internal.
+// Whether a check compared anything. A check that compared nothing is neither right nor wrong. Internal.
 #pragma once
 
 #include <rehearse/check.h>

@@ -84,7 +84,7 @@ Result<JudgedRecording> judge_recording(const std::vector<Expectation>& expectat
 }
 
 const ExpectationResult* first_violation(const std::vector<ExpectationResult>& results) {
-  // that something never came is known only in the end
+  // only the end of a run shows that something never came
   const auto known_at = [](const ExpectationResult& result) {
     const bool at_once = result.first && !result.expectation.sometime;
     return at_once ? result.first->time : std::numeric_limits<double>::infinity();

@@ -18,10 +18,10 @@ namespace {
 
 std::uint64_t to_ns(double seconds) { return static_cast<std::uint64_t>(std::llround(seconds * 1e9)); }
 
-/// Nanoseconds are what a trace has; a double of them may have more digits.
+/// A trace has nanoseconds; a double of them may have more digits.
 std::string time_text(double seconds) { return fmt::format("{:.12g} s", seconds); }
 
-/// The span of time that counts, both ends included [ns].
+/// The judged span of time, both ends included [ns].
 struct Span {
   std::uint64_t from = 0;
   std::uint64_t until = std::numeric_limits<std::uint64_t>::max();
@@ -34,7 +34,7 @@ Span span_of(const Expectation& expectation) {
   return span;
 }
 
-/// How a number of the expectation is told, with its unit.
+/// A number as the expectation states numbers, with its unit.
 std::string number_text(double value, const std::string& unit, const Expectation& expectation) {
   if (expectation.degrees && unit == "rad") return fmt::format("{:.6g} deg", value * 180.0 / std::numbers::pi);
   return fmt::format("{:.6g}{}{}", value, unit.empty() ? "" : " ", unit);
@@ -52,7 +52,7 @@ std::string span_text(const Expectation& e) {
   if (e.at_end) return " at the end";
   if (e.at) return fmt::format(" at {} s", *e.at);
   std::string text = e.sometime ? " at some time" : "";
-  const bool is_told = e.since && e.from == e.since;  // as the time since when it changes
+  const bool is_told = e.since && e.from == e.since;  // as the beginning of the change
   if (e.from && e.until && !is_told) return text + fmt::format(" from {} s until {} s", *e.from, *e.until);
   if (e.until) return text + fmt::format(" until {} s", *e.until);
   if (e.from && !is_told) return text + fmt::format(" from {} s on", *e.from);
@@ -77,7 +77,7 @@ std::string event_text(const msg::Event& event) {
   return fmt::format("{} {}: {}", event.severity, event.source, event.text);
 }
 
-/// How far a value is out of the bounds; not above 0 if it is right. NaN is as far as can be.
+/// The distance of a value from the bounds, outside of them; not above 0 if the value is right. Infinity for NaN.
 double excess_of(const Expectation& e, double value) {
   constexpr double infinite = std::numeric_limits<double>::infinity();
   if (std::isnan(value)) return infinite;
@@ -93,7 +93,7 @@ bool is_right(const Expectation& e, double excess) { return e.near ? excess <= 0
 
 }  // namespace
 
-/// Of a moment all samples up to it, of a span those in it.
+/// True for the samples that count: for a moment all samples up to it, for a span all samples in it.
 bool SeriesJudge::is_asked_for(std::uint64_t time) const {
   if (expectation_->at_end) return true;
   if (expectation_->at) return time <= to_ns(*expectation_->at);
@@ -144,7 +144,7 @@ bool SeriesJudge::finish() {
     return false;
   }
   if (moment ? !latest_ : !any_) {
-    problem = moment ? "there is no sample then or before" : "there is no sample in that span";
+    problem = moment ? "there is no sample at that time or before" : "there is no sample in that span";
     return false;
   }
   if (moment) {
@@ -235,7 +235,7 @@ std::vector<ExpectationResult> ExpectationJudge::finish(const Trace& last) {
   return results;
 }
 
-/// Why the run can't say what is asked, if it is too short for that.
+/// The reason why the run is too short for the expectation; empty if it isn't.
 std::string ExpectationJudge::missing_time(const Expectation& e) const {
   const double wanted = std::max({e.at.value_or(0.0), e.until.value_or(0.0), e.from.value_or(0.0)});
   if (to_ns(wanted) <= end_time_ && !(e.at_end && ended_early_)) return {};
@@ -259,7 +259,7 @@ void ExpectationJudge::judge_events(const Case& found, ExpectationResult& result
     result.sentence = fmt::format("expected {}: {}", result.text, reason.empty() ? "there is none" : reason);
 }
 
-/// The first violation of several series counts.
+/// Counts a violating series. The earliest violation of several series is kept.
 void ExpectationJudge::take(const SeriesJudge& judge, const std::string& name, const std::string& unit,
                             ExpectationResult& result, Tally& tally) {
   ++tally.violating;
@@ -294,7 +294,7 @@ void ExpectationJudge::judge_series(Case& found, const Trace& last, ExpectationR
   if (!result.holds) result.sentence = fmt::format("expected {}: {}", result.text, what);
 }
 
-/// What isn't as expected; empty if all is.
+/// The violation in words; empty if the expectation holds.
 std::string ExpectationJudge::violation_of(ExpectationResult& result, const Tally& tally, const Trace& last) const {
   const Expectation& e = result.expectation;
   if (tally.found == 0) {
@@ -303,7 +303,7 @@ std::string ExpectationJudge::violation_of(ExpectationResult& result, const Tall
   }
   const std::string reason = missing_time(e);
   if (!reason.empty() && (e.at || e.at_end)) {
-    result.first = result.worst = std::nullopt;  // what is there last says nothing
+    result.first = result.worst = std::nullopt;  // the last sample is from an earlier time
     return reason;
   }
   if (!result.first) return reason.empty() ? tally.problem : reason;
@@ -312,7 +312,7 @@ std::string ExpectationJudge::violation_of(ExpectationResult& result, const Tall
   if (e.sometime) text += "never, the nearest is ";
   text += sample_text(*result.first, tally.first_unit, e);
   if (result.worst->tick != result.first->tick) text += ", at worst " + sample_text(*result.worst, tally.first_unit, e);
-  if (tally.violating > 1) text += fmt::format("; so {} of {} series", tally.violating, tally.found);
+  if (tally.violating > 1) text += fmt::format("; {} of {} series violate this", tally.violating, tally.found);
   return text;
 }
 

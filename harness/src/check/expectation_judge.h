@@ -16,15 +16,15 @@
 
 namespace rehearse {
 
-/// One series of a run under one expectation; the run comes in pieces.
+/// Judges one series of a run by one expectation. The run comes in pieces.
 class SeriesJudge {
  public:
   explicit SeriesJudge(const Expectation& expectation) : expectation_(&expectation) {}
 
   void take(const TraceChannel& channel, std::size_t column);
-  /// False if it doesn't hold; then `first`, or `problem` if it is a matter of no sample.
+  /// False if the expectation doesn't hold. Then `first` is set, or `problem` if there is no violating sample.
   bool finish();
-  /// Sets the ticks of `first` and `worst`, which aren't known before all pieces are.
+  /// Sets the ticks of `first` and `worst`, which are known only after all pieces.
   void set_ticks(const TickClock& clock);
 
   std::optional<ViolatingSample> first, worst;
@@ -41,7 +41,7 @@ class SeriesJudge {
   std::optional<ViolatingSample> latest_;  // for a moment: the latest sample at it or before
   std::uint64_t latest_time_ = 0;
   bool any_ = false, any_right_ = false;
-  std::optional<ViolatingSample> nearest_;  // to the bounds, of those out of them
+  std::optional<ViolatingSample> nearest_;  // sample out of the bounds that is nearest to them
   double worst_excess_ = 0.0, nearest_excess_ = 0.0;
 };
 
@@ -56,7 +56,7 @@ class ExpectationJudge {
   void take(const Trace& piece);
   /// False if the run has no ticks, or no series for an expectation: then the results depend on all of its channels.
   bool found_all() const;
-  /// `last`: the last piece, for what is of the whole run.
+  /// `last`: the last piece, which also contains the data of the whole run.
   std::vector<ExpectationResult> finish(const Trace& last);
 
  private:
@@ -68,12 +68,12 @@ class ExpectationJudge {
     std::map<std::string, JudgedSeries, std::less<>> series;  // those that match
     std::optional<msg::Event> event;                          // the first that matches
   };
-  /// What the series that match have come to.
+  /// Summary of the series that match.
   struct Tally {
     std::int64_t found = 0, violating = 0;
-    std::string unit;        // of all of them; empty if there are several
-    std::string first_unit;  // of the one that is violated first
-    std::string problem;     // of it, if it is a matter of no sample
+    std::string unit;        // of all series; empty if there are several units
+    std::string first_unit;  // of the series with the first violation
+    std::string problem;     // of that series, if it has no violating sample
   };
 
   void take_times(const Trace& piece);
@@ -89,7 +89,7 @@ class ExpectationJudge {
                    ExpectationResult& result, Tally& tally);
 
   const std::vector<Expectation>& expectations_;
-  std::vector<Case> cases_;  // like expectations_
+  std::vector<Case> cases_;  // by index in expectations_
   TickClock clock_;
   std::uint64_t earliest_ = std::numeric_limits<std::uint64_t>::max(), latest_ = 0;  // of all messages [ns]
   std::uint64_t end_time_ = 0;                                                       // of the last tick [ns]

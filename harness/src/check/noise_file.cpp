@@ -15,7 +15,7 @@ constexpr int file_version = 1;
 constexpr Range any_difference{0.0, 1e300};
 constexpr Range any_time{0.0, 1e9, "[s]"};
 
-/// Three digits: more of them mean nothing, and would make every measurement another file.
+/// Three digits: more have no meaning, and would change the file with every measurement.
 std::string short_text(double number) { return fmt::format("{:.3g}", number); }
 
 void emit_perturbation(YAML::Emitter& out, const Perturbation& perturbation) {
@@ -60,7 +60,7 @@ void read_levels(Findings& findings, const YamlNode& list, Perturbation& perturb
 Perturbation read_perturbation(Findings& findings, const YamlNode& node) {
   Perturbation perturbation;
   const Keys keys(findings, node, "a perturbation", {"name", "not_made", "levels", "horizon"});
-  keys.require("name", "what was done");
+  keys.require("name", "the name of the perturbation");
   keys.text("name", perturbation.name);
   keys.text("not_made", perturbation.not_made);
   keys.number("horizon", any_time, perturbation.horizon);
@@ -72,7 +72,7 @@ ChannelNoise read_channel(Findings& findings, const YamlNode& node) {
   ChannelNoise noise;
   const Keys keys(findings, node, "a channel's noise", {"channel", "unit", "controller", "plant", "tolerance"});
   keys.require("channel", "a topic");
-  keys.require("tolerance", "the tightest that was in force");
+  keys.require("tolerance", "the tightest tolerance in force");
   keys.text("channel", noise.channel);
   keys.text("unit", noise.unit);
   keys.number("controller", any_difference, noise.controller);
@@ -87,7 +87,7 @@ void read_file(Findings& findings, const YamlNode& root, NoiseFloor& noise) {
   if (!keys.is_map()) return;
   int version = file_version;
   if (keys.require("noise", "the version of the file's form, 1")) keys.integer("noise", 1, file_version, version);
-  keys.require("recording", "the hash of the recording that it was measured around");
+  keys.require("recording", "the hash of the recording that was perturbed");
   keys.text("scenario", noise.scenario);
   keys.text("recording", noise.recording);
   keys.number("duration", any_time, noise.duration);
@@ -100,7 +100,7 @@ void read_file(Findings& findings, const YamlNode& root, NoiseFloor& noise) {
     if (items)
       for (const YamlNodePtr& item : *items) read(*item);
   };
-  each("perturbations", "a list of what was done",
+  each("perturbations", "a list of perturbations",
        [&](const YamlNode& node) { noise.perturbations.push_back(read_perturbation(findings, node)); });
   each("channels", "a list of channels with their noise",
        [&](const YamlNode& node) { noise.channels.push_back(read_channel(findings, node)); });
@@ -127,7 +127,7 @@ std::string to_yaml(const NoiseFloor& noise) {
   out << YAML::Key << "channels" << YAML::Value << YAML::BeginSeq;
   for (const ChannelNoise& channel : noise.channels) emit_channel(out, channel);
   out << YAML::EndSeq << YAML::EndMap;
-  REHEARSE_ASSERT(out.good(), "what is emitted is YAML");
+  REHEARSE_ASSERT(out.good(), "the emitted text is YAML");
   return std::string(out.c_str(), out.size()) + "\n";
 }
 

@@ -1,4 +1,4 @@
-// What a noise floor says of tolerances, horizons and differences.
+// Remarks on tolerances, estimated horizons and noise of series, from a noise floor.
 #include "noise_floor.h"
 
 #include <fmt/format.h>
@@ -23,7 +23,7 @@ struct Doubt {
   int count = 0;
 };
 
-/// `badness` is larger where the doubt is.
+/// Keeps the channel with the largest `badness`.
 void keep_worst(Doubt& doubt, const ChannelNoise& of, double tolerance, double noise, double badness) {
   if (++doubt.count > 1 && badness <= doubt.badness) return;
   doubt.badness = badness;
@@ -32,7 +32,7 @@ void keep_worst(Doubt& doubt, const ChannelNoise& of, double tolerance, double n
   doubt.noise = noise;
 }
 
-/// The tightest tolerance of each channel's units, as the comparisons found them.
+/// The tightest tolerance of each unit of each channel, as the comparisons applied them.
 std::map<std::pair<std::string, std::string>, double> tolerances_in(const std::vector<const Comparison*>& comparisons) {
   std::map<std::pair<std::string, std::string>, double> tightest;
   const auto take = [&](const std::vector<ChannelComparison>& channels) {
@@ -61,7 +61,7 @@ void compare_provenance(const NoiseFloor& noise, const Trace& golden, std::vecto
                                     measured->second, recorded->second, again));
   }
   if (noise.recording != hash_of_recording(golden))
-    remarks.push_back(fmt::format("the noise was measured around another recording than this golden; {}", again));
+    remarks.push_back(fmt::format("the noise was measured for a different recording than this golden; {}", again));
 }
 
 }  // namespace
@@ -121,7 +121,7 @@ std::vector<std::string> noise_remarks(const NoiseFloor& noise, const Trace& gol
   Doubt below, above;
   for (const ChannelNoise& channel : noise.channels) {
     const auto found = tolerances.find({channel.channel, channel.unit});
-    if (found == tolerances.end() || channel.unit == "of 255") continue;  // how many pixels differ is what counts
+    if (found == tolerances.end() || channel.unit == "of 255") continue;  // the share of pixels is judged
     const double tolerance = found->second;
     const double measured = std::max(channel.controller.value_or(0.0), channel.plant.value_or(0.0));
     const double floor = noise.of_unit(channel.unit);

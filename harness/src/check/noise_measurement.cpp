@@ -1,4 +1,4 @@
-// Measuring noise: run, perturb, compare.
+// Measures noise: perturbs runs and compares them with the recording.
 #include <fmt/format.h>
 #include <rehearse/pin.h>
 
@@ -32,9 +32,9 @@ class NoiseMeasurement {
  private:
   struct Step {
     Perturbation perturbation;
-    std::optional<std::uint32_t> nudge;  // else a process of its own
+    std::optional<std::uint32_t> nudge;  // none: made by a process of its own
     EnvironmentChanges environment;
-    bool of_mathematics = false;  // it has none if the process computes the same bits
+    bool of_mathematics = false;  // no perturbation if the process computes equal bits
   };
 
   void list_channels();
@@ -66,7 +66,7 @@ ChannelNoise& NoiseMeasurement::place(const std::string& channel, const std::str
   return added;
 }
 
-/// All that is compared, with the tolerances in force: what stays the same under all perturbations is listed too.
+/// Lists all compared channels with the tolerances in force, also those that no perturbation changes.
 void NoiseMeasurement::list_channels() {
   CompareOptions what;
   what.stages = {Stage::physics, Stage::sensors, Stage::renderer, Stage::controller};
@@ -85,7 +85,7 @@ bool NoiseMeasurement::has_pictures() const {
                      [](const TraceChannel& channel) { return is_picture(channel) && channel.messages() > 0; });
 }
 
-/// What is to be done, and what this machine has nothing for.
+/// The perturbations, including those that can't be made on this machine.
 std::vector<NoiseMeasurement::Step> NoiseMeasurement::plan() const {
   std::vector<Step> steps;
   const auto add = [&](std::string name, bool controller, bool closed) -> Step& {
@@ -198,7 +198,7 @@ Result<void> NoiseMeasurement::in_another_process(Step& step) {
   const auto outcome = run_perturbed_process(options_.program, run, step.environment);
   if (!outcome) return outcome.errors();
   if (step.of_mathematics && outcome->same_mathematics)
-    perturbation.not_made = "this processor has nothing that the C library would use: the same bits without the pin";
+    perturbation.not_made = "without the pin, the C library computes the same bits on this processor";
   for (const auto& [where, difference] : outcome->commands) {
     std::optional<double>& noise = place(where.first, where.second).controller;
     noise = std::max(noise.value_or(0.0), difference);

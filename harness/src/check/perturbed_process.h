@@ -1,4 +1,4 @@
-// A perturbed run in a process of its own, and what it hands back. Internal to the measurement of noise.
+// A perturbed run in a process of its own, and its results. Internal to the measurement of noise.
 #pragma once
 
 #include <rehearse/compare.h>
@@ -14,7 +14,7 @@
 namespace rehearse {
 
 struct PerturbedOutcome {
-  bool same_mathematics = false;  // its C library computes the bits that this process's does
+  bool same_mathematics = false;  // its C library computes the same bits as this process's
   std::map<std::pair<std::string, std::string>, double> commands;  // largest difference by topic and unit
   std::optional<Divergence> beyond;                                // the first command beyond tolerance
 };

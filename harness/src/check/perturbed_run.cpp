@@ -20,7 +20,7 @@ using Json = nlohmann::json;
 
 constexpr const char* report_file = "report.json";
 
-/// The bits that the C library's functions give: two variants of them differ in about one of 10^4 results.
+/// The hash of results of the C library's functions: two variants of them differ in about one of 10^4 results.
 std::uint64_t hash_of_mathematics() {
   constexpr int arguments = 50000;
   std::uint64_t hash = 0;
@@ -32,7 +32,8 @@ std::uint64_t hash_of_mathematics() {
   return hash;
 }
 
-/// The recorded inputs into the controllers; how far their commands are from the recorded ones.
+/// Feeds the controllers with the recorded inputs, and reports the largest differences of their commands from the
+/// recorded ones.
 Result<void> replay_into(const PerturbedRun& run, const Scenario& scenario, Json& report) {
   std::map<std::pair<std::string, std::string>, double> largest;
   ReplayOptions options;

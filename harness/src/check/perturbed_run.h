@@ -1,5 +1,5 @@
-// PerturbedRun: a recording run again on all levels by a process whose arithmetic is another one. The measurement of
-// noise (noise_floor.h) starts such processes; the command gives them their work.
+// PerturbedRun: repeats a recording on some levels, in a process with different arithmetic. The measurement of noise
+// (noise_floor.h) starts these processes with the command `golden noise --perturbed`.
 #pragma once
 
 #include <rehearse/check.h>
@@ -12,13 +12,13 @@ namespace rehearse {
 struct PerturbedRun {
   std::filesystem::path scenario;
   std::filesystem::path recording;
-  std::filesystem::path folder;  // for what comes of it: plant.mcap, closed.mcap, report.json
+  std::filesystem::path folder;  // for the results: plant.mcap, closed.mcap, report.json
   double duration = 0.0;         // [s]
   bool controller = false, plant = false, closed = false;
   HostOptions host;
 };
 
-/// Does the work, in this process. Fails if the scenario can't be loaded or a run can't be made.
+/// Makes the runs in this process. Fails if the scenario can't be loaded or a run can't be made.
 Result<void> make_perturbed_run(const PerturbedRun& run, const Simulation& simulation);
 
 }  // namespace rehearse

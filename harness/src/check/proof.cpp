@@ -31,7 +31,7 @@ std::set<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-/// The names of the facts that only one of the plants has, or that have another value.
+/// The names of the facts that only one of the plants has, or whose values differ.
 std::vector<std::string> changed_facts(const std::string& before, const std::string& now) {
   const std::set<std::string> left = lines_of(before), right = lines_of(now);
   std::vector<std::string> lines;
@@ -42,7 +42,7 @@ std::vector<std::string> changed_facts(const std::string& before, const std::str
   return names;
 }
 
-/// Why the golden's facts leave its run open; empty: they don't.
+/// The reason why the facts of the golden allow no proof; empty: they allow it.
 std::string objection_to_golden(const Trace& golden) {
   const RunFacts run = RunFacts::of(golden);
   if (!run.time_step || run.provenances != 1 || run.is_of_log || run.branch)
@@ -52,7 +52,8 @@ std::string objection_to_golden(const Trace& golden) {
   return "";
 }
 
-/// Why the samples of the golden's state aren't enough; empty: they are, or it has the state of all ticks.
+/// The reason why the samples of the golden's state aren't enough; empty: they are, or the golden contains the state of
+/// all ticks.
 std::string objection_to_samples(const Scenario& scenario, const Trace& golden) {
   const auto kept = RunFacts::of(golden).state_rate;
   if (!kept) return "";
@@ -88,7 +89,8 @@ std::string Proof::objection_to(const Scenario& scenario, const Trace& golden, c
   return certificates_->has(plant_) ? "" : changes();
 }
 
-/// The certified plant with the fewest changes is the one that was changed.
+/// The changes since a check simulated the golden, as a sentence. Of several certified plants, the one with the fewest
+/// changes counts.
 std::string Proof::changes() const {
   std::optional<std::vector<std::string>> fewest;
   for (const std::string& certified : certificates_->all()) {
@@ -107,7 +109,7 @@ std::string Proof::changes() const {
 Result<void> Proof::certify() const {
   if (plant_.empty() || holds_) return {};
   const auto hash = hash_of_file(golden_file_);
-  if (!hash || *hash != golden_) return {};  // accepted anew during the simulation
+  if (!hash || *hash != golden_) return {};  // a new golden was accepted during the simulation
   return certificates_->add(plant_);
 }
 

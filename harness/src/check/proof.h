@@ -1,8 +1,8 @@
 // Proof: whether the physics of a golden need not be simulated again.
 //
 // A check that simulates the closed loop and gets the golden, bit for bit, shows that this world, under the golden's
-// commands, makes the golden. It stores this as a file: a certificate for the golden's bytes and for all on which the
-// world's bits depend (session.h: describe_plant). With a certificate, the plant level needs no simulation. If the
+// commands, makes the golden. It stores this as a file: a certificate for the golden's bytes and for all facts on which
+// the world's bits depend (session.h: describe_plant). With a certificate, the plant level needs no simulation. If the
 // controllers also repeat the golden's commands on its inputs, the closed loop is the golden by induction over the
 // ticks: equal commands make equal inputs, and equal inputs make equal commands.
 #pragma once
@@ -23,9 +23,9 @@ class Proof {
   /// Searches the certificate. `golden`: without messages.
   Proof(const Scenario& scenario, const Trace& golden, const CheckOptions& options, const Simulation& simulation);
 
-  /// The world is known to make the golden under the golden's commands.
+  /// True if a certificate states that the world makes the golden under the golden's commands.
   bool holds() const { return holds_; }
-  /// A sentence: why it isn't known. Empty if it holds, or if no proof was wanted.
+  /// A sentence: the reason why there is no proof. Empty if there is a proof, or if none was wanted.
   const std::string& objection() const { return objection_; }
   /// Stores the certificate, unless the golden's file has changed. The caller has simulated the whole closed loop, and
   /// every bit was the golden's.
@@ -39,7 +39,7 @@ class Proof {
   std::optional<Certificates> certificates_;
   std::filesystem::path golden_file_;
   std::uint64_t golden_ = 0;  // hash of its bytes
-  std::string plant_;         // facts, a line each; empty: they aren't known
+  std::string plant_;         // facts, a line each; empty: unknown
   bool holds_ = false;
   std::string objection_;
 };

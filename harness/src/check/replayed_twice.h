@@ -1,4 +1,4 @@
-// Replays a recording twice: whether controllers repeat themselves is seen, not guessed.
+// Replays a recording twice, which shows whether its controllers repeat themselves.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -10,8 +10,8 @@
 
 namespace rehearse {
 
-/// The first tick in which two replays of the recording give other outputs; none: they give the same bits in all ticks.
-/// Fails if the recording can't be replayed.
+/// The first tick in which two replays of the recording have different outputs; none: they have equal bits in all
+/// ticks. Fails if the recording can't be replayed.
 Result<std::optional<std::int64_t>> first_unrepeated_tick(const std::filesystem::path& recording,
                                                           const HostOptions& host);
 

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Ticks from which and until which the simulation is run again.
+/// The spans that are simulated again: first tick, and end.
 std::vector<std::pair<std::int64_t, std::int64_t>> sample_spans(const Trace& recording, double time_step, int wanted) {
   std::vector<std::int64_t> ends;  // checkpoints, and the end of the recording
   const auto tick_of = [&](std::uint64_t time) {
@@ -36,7 +36,7 @@ std::vector<std::pair<std::int64_t, std::int64_t>> sample_spans(const Trace& rec
   return spans;
 }
 
-/// One recording on trial.
+/// The test of one recording.
 struct Trial {
   const Scenario& scenario;
   const Trace& recording;
@@ -62,7 +62,7 @@ Result<void> Trial::replay_controllers() {
   return {};
 }
 
-/// Returns why no checkpoint could be used; empty if they could.
+/// Simulates one span and compares it. Returns the reason why no checkpoint could be used; empty if one was used.
 Result<std::string> Trial::simulate(std::int64_t from, std::optional<std::int64_t> until) {
   PlantOptions running;
   running.from = from;
@@ -106,7 +106,7 @@ std::string Trial::text() const {
   if (result.first && (result.first->stage == Stage::controller || result.first->stage == Stage::inputs))
     return fmt::format(
         "the recording doesn't repeat itself: fed with its inputs, the controller differs at {}; `rehearse audit` "
-        "tells what it depends on",
+        "finds the cause",
         to_string(*result.first));
   if (result.first)
     return fmt::format("the recording doesn't repeat itself: under its commands, the world differs at {}",

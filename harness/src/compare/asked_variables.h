@@ -1,5 +1,5 @@
-// Which of the controllers' variables are compared. They are a controller's inside, and nobody's promise: only those
-// that a tolerance rule names as what they are, by a pattern with "/variable/" in it, decide anything.
+// The controllers' variables that are compared. Variables are internals of a controller: they affect a verdict only if
+// a tolerance rule names them by a pattern with "/variable/" in it.
 #pragma once
 
 #include <rehearse/scenario.h>

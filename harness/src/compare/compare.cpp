@@ -24,7 +24,7 @@ bool ChannelFindings::count(double difference, double tolerance, bool beyond) {
   ++result_.differing;
   if (beyond) ++result_.beyond;
   const double times = times_tolerance(difference, tolerance);
-  // written so that a difference of NaN (a number against NaN) is the worst there is
+  // a difference of NaN (a number against NaN) fails these comparisons, so it is the worst
   const bool worse = !(times <= worst_times_) || (times == worst_times_ && !(difference <= worst_difference_));
   return worse || !result_.first_bit || (beyond && !result_.first);
 }
@@ -58,7 +58,7 @@ void ChannelFindings::mark(const Divergence& divergence) {
 
 namespace {
 
-/// The order in which things cause each other within one tick.
+/// The order of cause and effect of the stages within one tick.
 int rank_of(Stage stage) {
   switch (stage) {
     case Stage::physics: return 0;
@@ -100,7 +100,7 @@ Divergence place_of(const ComparedTraces& traces, const TraceChannel& channel, s
       !traces.clock.has(time) && traces.actual_clock.has(time) ? traces.actual_clock : traces.clock;
   Divergence divergence;
   divergence.tick = clock.tick_at(time);
-  if (traces.clock.empty() && traces.actual_clock.empty()) {  // not recorded by us: which message it is
+  if (traces.clock.empty() && traces.actual_clock.empty()) {  // no recording of Rehearse: the index of the message
     const auto message = std::lower_bound(channel.times.begin(), channel.times.end(), time);
     divergence.tick = static_cast<std::int64_t>(channel.earlier) + (message - channel.times.begin());
   }
@@ -112,7 +112,8 @@ Divergence place_of(const ComparedTraces& traces, const TraceChannel& channel, s
 
 namespace {
 
-/// Ticks that both runs have. The message that closes a run holds the state after the last tick, and is none itself.
+/// The number of ticks that both runs have. The message that closes a run contains the state after the last tick, and
+/// is no tick itself.
 std::int64_t compared_ticks(const ComparedTraces& traces) {
   std::int64_t messages = 0;
   for (std::size_t i = 0; i < traces.clock.size(); ++i) {
@@ -131,14 +132,14 @@ Agreement agreement_of(const Comparison& comparison) {
   return all_noise ? Agreement::in_noise : Agreement::within;
 }
 
-/// Sums up what was found in the channels.
+/// Sums up the findings of all channels.
 void conclude(Comparison& comparison, std::vector<ChannelComparison> channels) {
   const auto take = [](std::optional<Divergence>& best, const std::optional<Divergence>& other) {
     if (other && (!best || comes_before(*other, *best))) best = other;
   };
   const auto badness = [](const Divergence& d) {
     if (std::isnan(d.difference)) return std::numeric_limits<double>::infinity();
-    if (d.difference > 0.0 && d.tolerance == 0.0) return 1.0;  // what has to be exact can't be worse than anything
+    if (d.difference > 0.0 && d.tolerance == 0.0) return 1.0;  // exact: as bad as a value at its tolerance
     return times_tolerance(d.difference, d.tolerance);
   };
   std::set<std::string> differing;
@@ -172,15 +173,15 @@ void conclude(Comparison& comparison, std::vector<ChannelComparison> channels) {
       [](const ChannelComparison& a, const ChannelComparison& b) { return comes_before(*a.first_bit, *b.first_bit); });
 }
 
-/// A part of the loop that is compared makes some of the channel's values. Checkpoints are compared by the state's
-/// hash; a run of some parts only needs none.
+/// True if a compared stage makes some of the channel's values. Checkpoints are compared by the state's hash; a
+/// comparison of some stages leaves them out.
 bool takes(const CompareOptions& options, const TraceChannel& channel) {
-  if (channel.type == msg::Tick::type_name) return true;  // each element decides
+  if (channel.type == msg::Tick::type_name) return true;  // decided for each element
   if (channel.type == msg::Checkpoint::type_name) return options.stages.empty();
   return options.takes(stage_of(channel.topic));
 }
 
-/// Nothing is compared, and this is why.
+/// The result if nothing is compared, with the reason.
 Comparison refusal(const Diagnostic& reason) {
   Comparison comparison;
   comparison.agreement = Agreement::beyond;
@@ -191,7 +192,7 @@ Comparison refusal(const Diagnostic& reason) {
   return comparison;
 }
 
-/// Where the windows of two runs end: before ticks, so that none is divided.
+/// The ends of the windows of two runs. A window ends before a tick, so that no tick is divided.
 class WindowBorders {
  public:
   WindowBorders(const ComparedTraces& traces, std::uint64_t first, std::uint64_t last, std::size_t window_size)
@@ -201,7 +202,7 @@ class WindowBorders {
     step_ = static_cast<std::uint64_t>(static_cast<double>(last - first) / windows) + 1;
   }
 
-  /// The end of the window that begins there, inclusive [ns].
+  /// The end of the window that begins at this time, inclusive [ns].
   std::uint64_t after(std::uint64_t begin) const {
     if (end_ - begin <= step_) return end_;
     const TickClock& clock = traces_.clock.empty() ? traces_.actual_clock : traces_.clock;
@@ -236,7 +237,7 @@ class RunComparer {
               const CompareOptions& options);
 
   const ComparedTraces& traces() const { return traces_; }
-  /// The channels to be found in the windows.
+  /// The channels that the windows have to contain.
   std::vector<PairedChannel> channels() const;
   /// No window will contain the messages before that second [ns], which are equal.
   void skip_to(std::uint64_t second);
@@ -249,7 +250,7 @@ class RunComparer {
   ComparedTraces traces_;
   Comparison comparison_;
   std::vector<ChannelComparison> results_;
-  std::vector<ChannelComparison> of_events_;  // after the values: of two findings of a tick, a value tells more
+  std::vector<ChannelComparison> of_events_;  // after the values: of two findings in one tick, a value is reported
   std::deque<ChannelComparer> comparers_;     // in the golden's order
   std::optional<VariablesRemark> variables_;
 };
@@ -314,7 +315,7 @@ Comparison RunComparer::finish() {
     const TraceChannel& channel = comparer.channel().golden;
     ChannelComparison result = comparer.finish();
     if (is_picture(channel)) comparison_.pictures += result.values;
-    const bool by_hash = channel.type == msg::Checkpoint::type_name;  // nobody looked into it: it isn't equal either
+    const bool by_hash = channel.type == msg::Checkpoint::type_name;  // not compared itself, so not reported as equal
     if (!by_hash || result.first_bit) results_.push_back(std::move(result));
   }
   if (std::string remark = variables_->text(); !remark.empty()) comparison_.remarks.push_back(std::move(remark));
@@ -330,7 +331,7 @@ Comparison RunComparer::finish() {
 
 namespace {
 
-/// A trace with those messages of its state that the other run has, too.
+/// The trace with only those messages of its state that the other run has, too; none: the trace itself.
 Result<std::optional<Trace>> samples_of(const Trace& trace, const Trace& other) {
   const auto rate = RunFacts::of(other).state_rate;
   if (!rate || RunFacts::of(trace).state_rate == rate) return std::optional<Trace>();
@@ -366,7 +367,8 @@ Comparison compare(const Trace& golden, const Trace& actual, const std::vector<T
 
 namespace {
 
-/// A recording that is read in pieces; `samples`: the rate of the other's state, if it is no whole recording.
+/// A recording that is read in pieces; `samples`: the rate of the other recording's state, if that contains only
+/// samples of it.
 struct SurveyedFile {
   SurveyedFile(const std::filesystem::path& file, const std::optional<StateRate>& samples,
                const std::vector<ToleranceRule>& rules, std::vector<WatchedLimit> limits, std::size_t piece_size,
@@ -414,7 +416,7 @@ TraceWindows windows_from(std::uint64_t second, const RunSurvey& run,
   return {run.whole(), indices, start};
 }
 
-/// Reads what differs in two recordings once more, and compares it.
+/// Reads the differing parts of two recordings once more, and compares them.
 Result<void> compare_windows(RunComparer& comparer, std::size_t window_size) {
   const ComparedTraces& traces = comparer.traces();
   std::vector<const TraceChannel*> of_golden, of_actual;

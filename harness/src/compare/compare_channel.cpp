@@ -45,19 +45,19 @@ MatchedChannel match(const ComparedTraces& traces, const Window& window, const T
   return matched;
 }
 
-/// A checkpoint is what the state's hash is made of; events are compared as sequences.
+/// True for channels whose values are compared elsewhere: checkpoints by the state's hash, events as sequences.
 bool is_compared_elsewhere(const TraceChannel& channel) {
   return channel.type == msg::Checkpoint::type_name || channel.type == msg::Event::type_name ||
          channel.type == msg::ContactChange::type_name;
 }
 
-/// The same contact, told from its other side: the scenario has its bodies in another order.
+/// True if both report one contact with its links in reverse order: the scenario lists its bodies in a different order.
 bool is_contact_reversed(const msg::ContactChange& a, const msg::ContactChange& b) {
   return a.stamp.to_ns() == b.stamp.to_ns() && a.tick == b.tick && a.begins == b.begins && a.link == b.other &&
          a.other == b.link;
 }
 
-/// Events whose bytes differ where their judge found nothing: what differs there is no part of a sequence.
+/// Compares the fields of events whose sequences are equal but whose bytes differ.
 class EventFieldJudge final : public PartJudge {
  public:
   EventFieldJudge(const ComparedTraces& traces, const PairedChannel& channel, ChannelFindings& findings)
@@ -71,7 +71,7 @@ class EventFieldJudge final : public PartJudge {
           is_contact_reversed(traces_.golden.contact_changes()[channel.golden.earlier + golden],
                               traces_.actual.contact_changes()[channel.actual.earlier + actual])) {
         Divergence divergence = place_of(traces_, channel.golden, channel.golden.times[golden]);
-        divergence.note = "names the two links in the other order";
+        divergence.note = "the two links are in reverse order";
         findings_.mark(divergence);
         continue;
       }
@@ -110,7 +110,7 @@ bool ChannelComparer::has_another_form() {
   const bool both_spoke = golden_survey.messages > 0 && actual_survey.messages > 0;
   if (golden.type == actual.type && (!both_spoke || golden.columns.empty() == actual.columns.empty())) return false;
   Divergence divergence = place_of(traces_, golden, golden_survey.messages > 0 ? golden_survey.first_time : 0);
-  divergence.note = golden.type == actual.type ? "one trace has numbers here, the other has none"
+  divergence.note = golden.type == actual.type ? "only one of the traces has numbers here"
                                                : fmt::format("is of type {}, expected {}", actual.type, golden.type);
   findings_.structure(divergence);
   return true;

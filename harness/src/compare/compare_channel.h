@@ -1,4 +1,4 @@
-// ChannelComparer: a channel of two runs, window after window. Internal.
+// ChannelComparer: compares a channel of two runs, window after window. Internal.
 #pragma once
 
 #include <memory>
@@ -12,15 +12,15 @@ namespace rehearse {
 /// Compares a channel that both runs have, window after window.
 class ChannelComparer {
  public:
-  /// `differing_events`: the judge of events found something there.
+  /// `differing_events`: the comparison of events found a difference on this channel.
   ChannelComparer(const ComparedTraces& traces, const PairedChannel& channel, bool differing_events);
   ChannelComparer(const ChannelComparer&) = delete;
   ChannelComparer& operator=(const ChannelComparer&) = delete;
 
   const PairedChannel& channel() const { return channel_; }
-  /// Something is to be found in the messages.
+  /// True if the messages have to be read.
   bool needs_windows() const { return needs_windows_; }
-  /// No window will contain the first messages, which are equal.
+  /// Counts the first messages, which are equal and which no window will contain.
   void take_equal(std::uint64_t messages);
   void take(const Window& window);
   ChannelComparison finish();

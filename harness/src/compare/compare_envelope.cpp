@@ -18,14 +18,13 @@ Quaternion plus(const Quaternion& a, const Quaternion& b) {
   return {a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]};
 }
 
-/// The angle [rad] from q to the nearest orientation between `from` and `to`, which are turned into each other the
-/// short way.
+/// The angle from q to the nearest orientation on the shortest rotation from `from` to `to` [rad].
 double distance_from_turn(const Quaternion& from, Quaternion to, Quaternion q) {
   const double at_ends = std::fmin(angle_between(from, q), angle_between(to, q));
   if (dot(from, to) < 0.0) to = scaled(to, -1.0);
   const Quaternion across = plus(to, scaled(from, -dot(from, to) / dot(from, from)));
   if (!(norm_of(across) > 0.0)) return at_ends;
-  // in the plane of the two: how far along, and how far off
+  // in the plane of `from` and `to`: the angle along the rotation; then the part of q outside the plane
   const Quaternion x = scaled(from, 1.0 / norm_of(from)), y = scaled(across, 1.0 / norm_of(across));
   if (dot(x, q) < 0.0) q = scaled(q, -1.0);
   const double along = std::atan2(dot(y, q), dot(x, q)), all = std::atan2(dot(y, to), dot(x, to));
@@ -60,7 +59,7 @@ Envelope::Envelope(const TraceChannel& channel, std::size_t column, double lead,
   const std::size_t rows = channel.rows();
   least_.assign(rows, std::numeric_limits<double>::infinity());
   greatest_.assign(rows, -std::numeric_limits<double>::infinity());
-  // rows that may still be the least (greatest) of a span that is to come, their values ascending (descending)
+  // rows that may still be the least (greatest) of a later span, by ascending (descending) value
   std::deque<std::size_t> low, high;
   std::size_t entered = 0;
   for (std::size_t row = 0; row < rows; ++row) {

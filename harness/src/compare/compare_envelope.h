@@ -1,5 +1,5 @@
-// All that a golden is from a little before a message to a little after it: what a value may be that may come early or
-// late. Internal.
+// The values of a golden shortly before and after a message: the range for a value that may come early or late.
+// Internal.
 #pragma once
 
 #include <rehearse/trace.h>
@@ -17,15 +17,16 @@ using Quaternion = std::array<double, 4>;  // x, y, z, w
 
 double norm_of(const Quaternion& q);
 
-/// The angle of the rotation from one to the other, 0 to pi [rad]. Their norms don't matter.
+/// The angle of the rotation from a to b, 0 to pi [rad]. The norms of a and b have no influence.
 double angle_between(const Quaternion& a, const Quaternion& b);
 
-/// The least and the greatest value of a column around each row. What isn't finite is no part of it.
+/// The least and the greatest value of a column around each row. Numbers that aren't finite are left out.
 class Envelope {
  public:
-  /// Around a row: the rows whose times are from its own minus `lag` to its own plus `lead` [s]; its own always.
+  /// The rows around a row have times from its time minus `lag` to its time plus `lead` [s], and include the row
+  /// itself.
   Envelope(const TraceChannel& channel, std::size_t column, double lead, double lag);
-  /// How far a value is outside of it; 0 within. NaN if the envelope is empty.
+  /// The distance of a value from the envelope; 0 within it. NaN if the envelope is empty.
   double distance(std::size_t row, double value) const;
 
  private:
@@ -36,8 +37,8 @@ class Envelope {
 std::pair<std::size_t, std::size_t> rows_around(const std::vector<std::uint64_t>& times, std::size_t row, double lead,
                                                 double lag);
 
-/// How far an orientation is from the path that the golden's takes over the rows around a row: straight on from each to
-/// the next [rad].
+/// The angle between an orientation and the golden's path over the rows around a row [rad]. The path is the shortest
+/// rotation from each of these rows to the next.
 double distance_from_path(const std::vector<std::uint64_t>& times, std::size_t row, double lead, double lag,
                           const std::function<Quaternion(std::size_t row)>& golden, const Quaternion& actual);
 

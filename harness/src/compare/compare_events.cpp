@@ -1,4 +1,4 @@
-// Events against each other: contacts, limits and refusals as sequences that begin and end, messages as text.
+// Comparison of events: contacts, limits and refusals as sequences that begin and end, messages as text.
 #include <fmt/format.h>
 #include <rehearse/messages.h>
 
@@ -12,17 +12,17 @@
 namespace rehearse {
 namespace {
 
-constexpr std::size_t most_differences = 1000;  // that are listed
+constexpr std::size_t most_differences = 1000;  // number of listed differences
 
-constexpr double never = std::numeric_limits<double>::infinity();  // how far off what only one of the runs has is
+constexpr double never = std::numeric_limits<double>::infinity();  // distance of an event that only one run has
 
-/// How far off an event may be if no rule says.
+/// The allowed distance of an event without a rule [ticks].
 int default_ticks(EventKind kind) { return kind == EventKind::refusal ? 0 : 1; }
 
-/// What has happened, for a person.
 std::string_view verb_of(const EventEdge& edge) { return edge.begins ? "begins" : "ends"; }
 
-/// Judges one sequence.
+/// Judges one sequence of events, and blanks the numbers between events that are early or late within a rule's
+/// tolerance.
 class SequenceJudge {
  public:
   SequenceJudge(ComparedTraces& traces, const std::string& name, const EventSequence& sequence,
@@ -54,7 +54,7 @@ class SequenceJudge {
     return pair.golden ? sequence_.golden[*pair.golden] : sequence_.actual[*pair.actual];
   }
 
-  /// Two events that only one trace has and that undo each other within what an event may be off.
+  /// True for two events that only one trace has, a beginning and an end or the reverse, within the allowed distance.
   bool is_short(const std::vector<EventPair>& pairs, std::size_t i) const {
     if (i + 1 == pairs.size() || (pairs[i + 1].golden && pairs[i + 1].actual)) return false;
     if (pairs[i].golden.has_value() != pairs[i + 1].golden.has_value()) return false;
@@ -80,7 +80,7 @@ class SequenceJudge {
   }
 
   void judge_lone(const EventEdge& edge, bool missing) {
-    // its partner may come after the end of what is compared
+    // its partner may come after the end of the compared time
     const bool at_end = last_tick() - edge.tick < allowed_;
     tell_lone(
         edge, missing, !at_end, never,
@@ -143,17 +143,17 @@ bool say_the_same(const msg::Event& a, const msg::Event& b) {
   return a.severity == b.severity && a.source == b.source && a.text == b.text;
 }
 
-/// A controller's own line, which no rule asks to compare.
+/// True for a controller's own line that no rule compares.
 bool is_mere_word(const msg::Event& event, const std::vector<ToleranceRule>& rules) {
   return event.severity == to_string(Severity::note) && std::ranges::none_of(rules, [&](const ToleranceRule& rule) {
            return rule.channel.starts_with("events/") && matches(rule.channel, "events/" + event.source);
          });
 }
 
-/// Messages of one kind, one after the other: the first that isn't the golden's.
+/// Compares the messages of one kind in their order, and reports the first that differs from the golden's.
 class MessageJudge {
  public:
-  enum class Kind { judged, words };  // words differ without being wrong
+  enum class Kind { judged, words };  // a difference of words fails nothing
 
   MessageJudge(const ComparedTraces& traces, Kind kind, ChannelFindings& findings,
                std::vector<EventDifference>& differences)
@@ -170,10 +170,10 @@ class MessageJudge {
     findings_.result().values += static_cast<std::int64_t>(i);
     const bool expected = i < golden.size() && golden[i].stamp.to_ns() <= traces_.end;
     const bool there = i < actual.size() && actual[i].stamp.to_ns() <= traces_.end;
-    if (!expected && !there) return;  // only one of the runs came so far
+    if (!expected && !there) return;  // neither run has a further message
     const msg::Event& event = there && (!expected || actual[i].tick <= golden[i].tick) ? actual[i] : golden[i];
     const bool both_say_it = i < golden.size() && i < actual.size() && say_the_same(golden[i], actual[i]);
-    if (both_say_it && there != expected && is_near(golden[i], actual[i])) return;  // once after the end
+    if (both_say_it && there != expected && is_near(golden[i], actual[i])) return;  // one comes after the end
     ++findings_.result().values;
     ++findings_.result().differing;
     Divergence divergence = place_of_event(event);
@@ -197,7 +197,7 @@ class MessageJudge {
     return events;
   }
 
-  /// Whether they are no further from each other than a rule allows; counts them as differing.
+  /// True if both are within a rule's tolerance in time. Counts them as differing.
   bool is_near(const msg::Event& golden, const msg::Event& actual) {
     const int allowed = tolerance_of("events/" + golden.source, "", traces_.rules).ticks.value_or(0);
     if (std::abs(golden.tick - actual.tick) > allowed) return false;
@@ -217,7 +217,7 @@ class MessageJudge {
     return divergence;
   }
 
-  /// What became of the golden's message, if it is to be found later.
+  /// The reason of a difference, if one of the two messages comes later in the other run; else empty.
   static std::string reason(const std::vector<msg::Event>& golden, const std::vector<msg::Event>& actual,
                             std::size_t i) {
     if (i >= golden.size() || i >= actual.size() || say_the_same(golden[i], actual[i])) return "";
@@ -226,9 +226,9 @@ class MessageJudge {
                          [&](const msg::Event& other) { return say_the_same(event, other); });
     };
     const bool golden_later = comes_in(actual, golden[i]), actual_later = comes_in(golden, actual[i]);
-    if (golden_later && actual_later) return ": the order is another one";
+    if (golden_later && actual_later) return ": the order is different";
     if (golden_later) return ": it is extra";
-    return actual_later ? ": that one is missing" : "";
+    return actual_later ? ": the expected one is missing" : "";
   }
 
   const ComparedTraces& traces_;

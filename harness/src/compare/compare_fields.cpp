@@ -56,13 +56,13 @@ std::uint64_t bits_of(const ros2msg::Value& value) {
                                                     : value.unsigned_integer;
 }
 
-/// How the bytes of a point cloud are divided.
+/// The layout of the bytes of a point cloud.
 struct PointLayout {
   std::size_t step = 0, count = 0;                           // bytes a point; points
   std::vector<std::pair<std::string, std::size_t>> numbers;  // name and offset of each float32
 };
 
-/// No points if its numbers aren't in this machine's byte order.
+/// The layout has no points if the cloud's numbers aren't in this machine's byte order.
 PointLayout layout_of(const Fields& cloud, std::size_t bytes) {
   PointLayout layout;
   std::map<std::string, msg::PointField> parts;
@@ -133,7 +133,7 @@ bool FieldJudge::compare(std::size_t golden_message, mcap::Bytes expected, mcap:
 void FieldJudge::compare_field(const Fields& all, const MessageField& golden, const MessageField& actual) {
   using Kind = ros2msg::Value::Kind;
   const ros2msg::Value &expected = golden.value, &other = actual.value;
-  if (expected.kind != other.kind) return report(golden.path, "is a value of another kind than in the golden");
+  if (expected.kind != other.kind) return report(golden.path, "is a value of a different kind than in the golden");
   if (expected.kind == Kind::blob) return compare_bytes(all, golden, actual);
   if (expected.kind == Kind::floating)
     return compare_numbers(golden.path, expected.number, other.number, unit_of(channel_.golden.metadata, golden.path));
@@ -158,10 +158,10 @@ void FieldJudge::compare_bytes(const Fields& all, const MessageField& golden, co
   if (expected.size() != other.size())
     return report(golden.path, fmt::format("has {} bytes, expected {}", other.size(), expected.size()));
   const auto first = std::mismatch(expected.begin(), expected.end(), other.begin()).first;
-  report(golden.path, fmt::format("has other bytes than the golden's from byte {} on", first - expected.begin()));
+  report(golden.path, fmt::format("differs from the golden's bytes from byte {} on", first - expected.begin()));
 }
 
-/// Takes the numbers out of the points' bytes. Distances have columns, where they are judged.
+/// Compares the numbers in the points' bytes, and sets them to 0 there. Distances have columns and are judged there.
 void FieldJudge::compare_points(const Fields& all, std::vector<std::byte>& golden, std::vector<std::byte>& actual) {
   const PointLayout layout = layout_of(all, golden.size());
   for (std::size_t point = 0; point < layout.count; ++point) {
@@ -183,7 +183,8 @@ void FieldJudge::compare_numbers(const std::string& path, double expected, doubl
   report(std::move(divergence), beyond);
 }
 
-/// An array that is shorter in one of the messages. How many contacts there are is a column.
+/// Reports a field that only one of the messages has. Fields of contacts with a column are left out: the number of
+/// contacts is a column.
 void FieldJudge::report_lone(const MessageField& field, std::string note) {
   if (channel_.golden.type == msg::Contacts::type_name && is_held(field)) return;
   report(field.path, std::move(note));
@@ -191,7 +192,7 @@ void FieldJudge::report_lone(const MessageField& field, std::string note) {
 
 bool FieldJudge::is_held(const MessageField& field) const {
   ros2msg::Value value = field.value;
-  value.path = field.path;  // its own was the decoder's
+  value.path = field.path;  // the value's own path was a view of the decoder's text
   return decoders_->held.holds(value);
 }
 
@@ -212,7 +213,7 @@ void FieldJudge::report(Divergence divergence, bool beyond) {
   found_ = true;
   divergence.stage = stage_of(divergence.channel, divergence.element);
   if (!traces_.options.takes(divergence.stage)) return;
-  if (!channel_.golden.columns.empty()) ++findings_.result().values;  // else the message is counted as one
+  if (!channel_.golden.columns.empty()) ++findings_.result().values;  // else the message counts as one value
   if (traces_.options.on_difference)
     traces_.options.on_difference({window_->golden, window_->place(), message_, {}, beyond, 0});
   if (findings_.count(divergence.difference, divergence.tolerance, beyond)) findings_.describe(divergence, beyond);
@@ -221,13 +222,13 @@ void FieldJudge::report(Divergence divergence, bool beyond) {
 void FieldJudge::report_encoding(std::size_t golden_message) {
   message_ = golden_message;
   Divergence divergence = place({});
-  divergence.note = "the message has other bytes than the golden's, though all its values are equal";
+  divergence.note = "the message's bytes differ from the golden's, although all its values are equal";
   report(std::move(divergence), false);
 }
 
 void FieldJudge::report_bytes(std::size_t golden_message) {
   message_ = golden_message;
-  report(std::string(), "the message has other bytes than the golden's");
+  report(std::string(), "the message's bytes differ from the golden's");
 }
 
 std::uint64_t distance_of_integers(CellKind kind, std::uint64_t a, std::uint64_t b) {
@@ -258,7 +259,8 @@ void put_cells(Divergence& divergence, CellKind kind, std::uint64_t expected, st
 
 namespace {
 
-/// Whether the numbers of two messages are the same bits, whatever their order: then something else has to differ.
+/// True if the numbers of two messages have the same bits, in any order of columns. Then other data of the messages
+/// must differ.
 bool same_row(const MatchedChannel& channel, std::size_t golden, std::size_t actual) {
   const TraceChannel &a = channel.golden, &b = channel.actual;
   if (a.columns.size() != b.columns.size()) return false;

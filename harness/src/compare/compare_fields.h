@@ -1,4 +1,4 @@
-// Messages against each other field by field. Internal.
+// Comparison of messages field by field. Internal.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -19,20 +19,21 @@ struct MessageField {
   ros2msg::Value value;  // without its path
 };
 
-/// Judges the values of messages that have no column: numbers by tolerance, all else exactly. Names each that differs.
+/// Judges the values of messages that have no column: numbers by tolerance, all others exactly. Reports each value that
+/// differs.
 class FieldJudge {
  public:
   FieldJudge(const ComparedTraces& traces, const PairedChannel& channel, ChannelFindings& findings);
   ~FieldJudge();
 
-  /// The messages that follow are of this window.
+  /// The messages of the following calls are in this window.
   void begin(const MatchedChannel& window) { window_ = &window; }
-  /// Compares two messages, but for the field `left_out`. True if a value differs; false too if the schema isn't known.
+  /// Compares two messages except the field `left_out`. True if a value differs; false also if the schema is unknown.
   bool compare(std::size_t golden_message, mcap::Bytes expected, mcap::Bytes actual, std::string_view left_out = {});
   bool knows_values() const { return decoders_ != nullptr; }
-  /// A message has other bytes, and no judge found where: nothing fails, but the messages aren't equal.
+  /// Reports a message whose bytes differ although its values are equal: nothing fails, but the messages aren't equal.
   void report_encoding(std::size_t golden_message);
-  /// A message has other bytes, and its values aren't known.
+  /// Reports a message whose bytes differ and whose values are unknown.
   void report_bytes(std::size_t golden_message);
 
  private:
@@ -53,8 +54,8 @@ class FieldJudge {
   const PairedChannel& channel_;
   ChannelFindings& findings_;
   const MatchedChannel* window_ = nullptr;
-  std::unique_ptr<Decoders> decoders_;  // null: a schema isn't known
-  std::size_t message_ = 0;             // of the golden, at hand
+  std::unique_ptr<Decoders> decoders_;  // null: a schema is unknown
+  std::size_t message_ = 0;             // index of the compared message of the golden
   bool found_ = false;
 };
 

@@ -1,5 +1,4 @@
-// Tables of numbers against each other. Most rows of most comparisons are equal, so bytes are compared before numbers
-// are.
+// Comparison of tables of numbers. Most rows are equal, so the bytes of a row are compared before its numbers.
 #include <fmt/format.h>
 #include <rehearse/messages.h>
 
@@ -19,7 +18,7 @@
 namespace rehearse {
 namespace {
 
-/// A series of both tables and how it is judged.
+/// A series of both tables, and its tolerances.
 struct Column {
   std::size_t golden = 0;
   std::size_t actual = 0;
@@ -27,14 +26,14 @@ struct Column {
   std::string element;
   std::string unit;
   double tolerance = 0.0;
-  double noise = -1.0;  // below it nothing means anything; negative: not known
+  double noise = -1.0;  // noise floor: a difference up to it is noise; negative: unknown
   double lead = 0.0;    // [s]
   double lag = 0.0;     // [s]
   bool hash = false;
   bool wraps = false;
-  const std::vector<BlankedSpan>* blanked = nullptr;   // when it isn't judged; null: it always is
-  std::shared_ptr<const Envelope> envelope = nullptr;  // made when it is needed first
-  double largest = 0.0;                                // difference so far; NaN stays
+  const std::vector<BlankedSpan>* blanked = nullptr;   // times without judgement; null: none
+  std::shared_ptr<const Envelope> envelope = nullptr;  // made at its first use
+  double largest = 0.0;                                // difference so far; NaN is kept
 };
 
 /// Four columns x, y, z, w that are one orientation.
@@ -52,8 +51,8 @@ bool is_hash(const TraceChannel& channel, std::string_view element) {
   return channel.type == msg::Tick::type_name && element.ends_with("_hash");
 }
 
-/// A point that touches a link: one of the runs may never have had so many. The count says so, in the tick in which
-/// they come apart.
+/// True for the points of contacts: one of the runs may have fewer points. Then the count of contacts differs in the
+/// same tick.
 bool may_be_missing(const TraceChannel& channel) { return channel.type == msg::Contacts::type_name; }
 
 /// Judges the rows of one channel.
@@ -87,8 +86,8 @@ class NumberJudge final : public PartJudge {
   const ComparedTraces& traces_;
   const PairedChannel& paired_;
   ChannelFindings& findings_;
-  const MatchedChannel* window_ = nullptr;  // that is judged
-  std::vector<Column> columns_;             // but those of orientations
+  const MatchedChannel* window_ = nullptr;  // the judged window
+  std::vector<Column> columns_;             // except those of orientations
   std::vector<Orientation> orientations_;
   bool same_columns_ = true;
 };
@@ -103,7 +102,7 @@ bool NumberJudge::takes(const TraceChannel& channel, std::string_view element) c
          traces_.options.takes(stage_of(channel.topic, element));
 }
 
-/// All that one of the traces lacks is one finding.
+/// Reports all elements with this note as one finding.
 void NumberJudge::report_lone(const TraceChannel& channel, const ChannelSurvey& survey,
                               const std::vector<std::string>& elements, const std::string& note) {
   constexpr std::size_t most_named = 3;
@@ -158,10 +157,10 @@ void NumberJudge::match_columns() {
     find_tolerance(column);
   }
   if (!may_be_missing(golden))
-    for (const TraceColumn& column : actual.columns)  // in their own order
+    for (const TraceColumn& column : actual.columns)  // in this trace's order
       if (of_actual.count(column.element) && takes(actual, column.element)) extra.push_back(column.element);
   report_lone(golden, paired_.golden_survey, missing, "is missing");
-  report_lone(golden, paired_.golden_survey, of_another_kind, "is a number of another kind than in the golden");
+  report_lone(golden, paired_.golden_survey, of_another_kind, "is a number of a different kind than in the golden");
   report_lone(actual, paired_.actual_survey, extra, "is extra: the golden hasn't it");
   group_orientations();
 }
@@ -241,7 +240,7 @@ void keep_larger(double& largest, double difference) {
   if (!(difference <= largest)) largest = std::isnan(largest) ? largest : difference;
 }
 
-/// The numbers with their place, element, stage and unit.
+/// Adds place, element, stage and unit to the numbers.
 Divergence NumberJudge::place(const Column& column, std::size_t golden_row, Divergence numbers) const {
   Divergence place = place_of(traces_, window_->golden, window_->golden.times[golden_row]);
   numbers.tick = place.tick;
@@ -260,7 +259,7 @@ bool is_blanked(const std::vector<BlankedSpan>* spans, std::uint64_t time) {
                               [time](const BlankedSpan& span) { return span.from <= time && time <= span.until; });
 }
 
-/// Counts a cell whose bits differ; true if it is to be described. Takes back `beyond` where it isn't judged.
+/// Counts a cell whose bits differ; true if it has to be described. Sets `beyond` to false if the cell isn't judged.
 bool NumberJudge::count(const Column& column, std::size_t golden_row, double difference, bool& beyond) {
   if (difference <= column.noise) ++findings_.result().in_noise;
   if (beyond && is_blanked(column.blanked, window_->golden.times[golden_row])) {
@@ -269,7 +268,7 @@ bool NumberJudge::count(const Column& column, std::size_t golden_row, double dif
     ++findings_.result().blanked;
     if (!findings_.result().first_bit) {
       Divergence divergence = place(column, golden_row);
-      divergence.note = "isn't judged: an event beside it is off by what it may be";
+      divergence.note = "isn't judged: an event nearby is early or late within its tolerance";
       findings_.mark(divergence);
     }
     return false;
@@ -280,16 +279,16 @@ bool NumberJudge::count(const Column& column, std::size_t golden_row, double dif
 void NumberJudge::mark_hash(const Column& column, std::size_t golden_row) {
   if (findings_.result().first_bit) return;
   Divergence divergence = place(column, golden_row);
-  divergence.note = "is another hash";
+  divergence.note = "is a different hash";
   findings_.mark(divergence);
 }
 
-/// To whoever wants to know of each.
+/// Passes a differing value to CompareOptions::on_difference.
 void NumberJudge::tell(std::size_t golden_row, std::vector<std::size_t> columns, bool beyond) const {
   traces_.options.on_difference({window_->golden, window_->place(), golden_row, std::move(columns), beyond, 0});
 }
 
-/// How far a number is from all that the golden is within lead and lag.
+/// The distance of a number from all values of the golden within lead and lag.
 double NumberJudge::beside(Column& column, std::size_t golden_row, double actual) const {
   if (!column.envelope)
     column.envelope = std::make_shared<Envelope>(window_->golden, column.golden, column.lead, column.lag);
@@ -307,7 +306,7 @@ void NumberJudge::compare_cell(Column& column, std::size_t golden_row, std::size
   bool beyond = true;
   if (column.kind == CellKind::floating) {
     const double expected = std::bit_cast<double>(expected_bits), actual = std::bit_cast<double>(actual_bits);
-    if (may_be_missing(window_->golden) && std::isnan(expected) != std::isnan(actual)) return;  // the count tells
+    if (may_be_missing(window_->golden) && std::isnan(expected) != std::isnan(actual)) return;  // see may_be_missing()
     difference = difference_between(expected, actual);
     if (column.wraps) difference = std::abs(std::remainder(difference, turn));
     beyond = !(difference <= column.tolerance);
@@ -315,7 +314,7 @@ void NumberJudge::compare_cell(Column& column, std::size_t golden_row, std::size
     if (beyond && (column.lead > 0.0 || column.lag > 0.0) && std::isfinite(difference)) {
       const double from_envelope = beside(column, golden_row, actual);
       beyond = !(from_envelope <= column.tolerance);
-      if (!beyond) difference = from_envelope;  // what is judged is what is told
+      if (!beyond) difference = from_envelope;  // the judged difference is reported
     }
   } else {
     difference = static_cast<double>(distance_of_integers(column.kind, expected_bits, actual_bits));
@@ -380,7 +379,7 @@ void NumberJudge::compare_orientation(Orientation& orientation, std::size_t gold
   compare_norms(orientation, golden_row, expected, actual);
 }
 
-/// The angle says nothing of a quaternion that is no rotation.
+/// Compares the norms: the angle has no meaning for a quaternion that is no rotation.
 void NumberJudge::compare_norms(const Orientation& orientation, std::size_t golden_row, const Quaternion& expected,
                                 const Quaternion& actual) {
   const double norm = norm_of(actual), wanted = norm_of(expected);

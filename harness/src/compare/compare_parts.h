@@ -1,4 +1,4 @@
-// What the parts of a comparison share. Internal to compare*.cpp.
+// Declarations that the parts of a comparison share. Internal to compare*.cpp.
 #pragma once
 
 #include <rehearse/compare.h>
@@ -26,39 +26,40 @@ struct BlankedSpan {
   std::uint64_t until = 0;
 };
 
-/// Two runs and what decides how they are compared.
+/// Two runs, and the rules and options of their comparison.
 struct ComparedTraces {
   const RunSurvey& golden_run;
   const RunSurvey& actual_run;
   const std::vector<ToleranceRule>& rules;
   const CompareOptions& options;
-  // of the surveys; their tables have rows only if they are whole in memory
+  // of the surveys; their tables have rows only if the whole traces are in memory
   const Trace& golden = golden_run.whole();
   const Trace& actual = actual_run.whole();
   const TickClock& clock = golden_run.clock;
   const TickClock& actual_clock = actual_run.clock;
   /// The last time that is compared: both runs reached it [ns].
   std::uint64_t end = std::numeric_limits<std::uint64_t>::max();
-  bool one_goes_on = false;   // beyond that time, where the other has but the state that closes it
-  bool another_step = false;  // their clocks run at different speed: numbers of ticks mean nothing
-  /// By the name of a body, in the order of time.
+  bool one_goes_on = false;   // after `end`, where the other run has only its closing state
+  bool another_step = false;  // the time steps differ: numbers of ticks aren't comparable
+  /// The spans without judgement by the name of a body, in the order of time.
   std::map<std::string, std::vector<BlankedSpan>, std::less<>> blanked = {};
 
-  /// A tick that only one of the runs has, or the end of one, is one finding: no message of it is another.
+  /// True if only one run has a tick at this time, or if one run ends there. This is one finding of its own, so the
+  /// messages of the tick are no findings.
   bool in_a_lone_tick(std::uint64_t time) const {
     if (clock.empty() || actual_clock.empty()) return false;
     return clock.has(time) != actual_clock.has(time) || (one_goes_on && time == end);
   }
 };
 
-/// A channel of both runs, of their surveys.
+/// A channel of both runs, with its surveys.
 struct PairedChannel {
   const TraceChannel& golden;
   const TraceChannel& actual;
   const ChannelSurvey& golden_survey;
   const ChannelSurvey& actual_survey;
 
-  /// No message differs, nor its time.
+  /// True if all messages and their times are equal.
   bool is_equal() const { return golden_survey == actual_survey; }
   /// All messages before this time are equal [ns]: the beginning of a second.
   std::uint64_t equal_until() const { return rehearse::equal_until(golden_survey, actual_survey); }
@@ -75,7 +76,7 @@ struct Window {
   std::pair<std::size_t, std::size_t> messages(const TraceChannel& channel) const;
 };
 
-/// The table of a window for one of the channels of the whole.
+/// The table in a window for a channel of the whole trace.
 const TraceChannel& table_in(const Trace& window, const Trace& whole, const TraceChannel& channel);
 
 /// A channel of both runs in a window, its messages matched by time.
@@ -97,13 +98,13 @@ class ChannelFindings {
   explicit ChannelFindings(ChannelComparison& result) : result_(result) {}
   /// Counts a value whose bits differ. True if it has to be described: it is the first, the first beyond, or the worst.
   bool count(double difference, double tolerance, bool beyond);
-  /// The place of what was just counted.
+  /// Stores the description of the value that was counted last.
   void describe(const Divergence& divergence, bool beyond);
-  /// Something that isn't a matter of two values: missing, extra, of another kind. Fails the channel.
+  /// Stores a difference other than of two values: missing, extra, of a different kind. Fails the channel.
   void structure(const Divergence& divergence);
-  /// The same of what counts before all else of the same tick and stage.
+  /// Like structure(), for a difference that precedes all others of the same tick and stage.
   void structure_before(const Divergence& divergence);
-  /// Other bits, but nothing that passes or fails: a hash, or a value that isn't judged.
+  /// Stores a difference of bits that fails nothing: of a hash, or of a value that isn't judged.
   void mark(const Divergence& divergence);
   ChannelComparison& result() { return result_; }
 
@@ -116,26 +117,26 @@ class ChannelFindings {
 /// Order of causes: by tick, then by stage. Equal places keep the order in which they were found.
 bool comes_before(const Divergence& a, const Divergence& b);
 
-/// The column of that element, or columns.size().
+/// The index of the element's column, or columns.size().
 std::size_t column_of(const TraceChannel& channel, std::string_view element);
 
-/// The name by which rules know a column. A transform is named by its frame, like the pose of a link.
+/// The name of a column in tolerance rules. A transform is named by its frame, like the pose of a link.
 const std::string& series_of(const TraceChannel& channel, const TraceColumn& column);
 
-/// By the rules and its unit; of integers, which are exact, none.
+/// The tolerance of a column by the rules and its unit; none for integers, which are exact.
 Tolerance column_tolerance(const TraceChannel& channel, std::size_t column, const std::vector<ToleranceRule>& rules);
 
-/// The name by which rules know the messages of a channel that has no columns: its topic without the first slash.
+/// The name in tolerance rules for a channel without columns: its topic without the first slash.
 std::string_view series_of(const TraceChannel& channel);
 
-/// A divergence of that channel, or of a window's table of it, at that time, without values.
+/// A divergence without values, at a time on this channel or on a window's table of it.
 Divergence place_of(const ComparedTraces& traces, const TraceChannel& channel, std::uint64_t time);
 
-/// What control() returned is compared as events.
+/// True for the results of control(), which are compared as events.
 bool is_result_of_control(const TraceChannel& channel, std::string_view element);
 
-/// Two cells that aren't the same: what they are and how far apart. Integers beyond 2^53, where doubles have gaps, in
-/// words.
+/// Sets the values of two different cells, and their difference. Integers beyond 2^53, where doubles have gaps, are
+/// also stated in the note.
 void put_cells(Divergence& divergence, CellKind kind, std::uint64_t expected, std::uint64_t actual);
 std::uint64_t distance_of_integers(CellKind kind, std::uint64_t a, std::uint64_t b);
 /// The difference that put_numbers() writes: 0 for two NaN.
@@ -146,47 +147,48 @@ class PartJudge {
  public:
   virtual ~PartJudge() = default;
   virtual void take(const MatchedChannel& window) = 0;
-  /// So many pairs of messages that are equal.
+  /// Counts pairs of messages that are equal.
   virtual void take_equal(std::int64_t /*pairs*/) {}
   virtual void finish() {}
 };
 
 std::unique_ptr<PartJudge> judge_numbers(const ComparedTraces& traces, const PairedChannel& channel,
                                          ChannelFindings& findings);
-/// What has no column in the tables of numbers.
+/// Judges the values without a column in the tables of numbers.
 std::unique_ptr<PartJudge> judge_rests(const ComparedTraces& traces, const PairedChannel& channel,
                                        ChannelFindings& findings);
 std::unique_ptr<PartJudge> judge_payloads(const ComparedTraces& traces, const PairedChannel& channel,
                                           ChannelFindings& findings);
-/// Fields of events that are no part of a sequence.
+/// Judges the fields of events that are no part of a sequence.
 std::unique_ptr<PartJudge> judge_event_fields(const ComparedTraces& traces, const PairedChannel& channel,
                                               ChannelFindings& findings);
 bool is_picture(const TraceChannel& channel);
-/// Of a camera's colours or distances.
+/// The tolerance of a camera's colours or distances.
 Tolerance picture_tolerance(const TraceChannel& channel, const std::vector<ToleranceRule>& rules);
 
-/// Makes an entry of the comparison's channels; what it returns holds until the next call.
+/// Makes an entry of the comparison's channels. The returned reference is valid until the next call.
 using AddChannel = std::function<ChannelComparison&(const std::string& topic)>;
 
-/// Sets traces.end. One run may be longer than the other: everything is compared up to the shorter one's end, and this
-/// says so. And the ticks that only one of them has.
+/// Sets traces.end: everything is compared up to the end of the shorter run. Reports runs of different length, and
+/// ticks that only one of them has.
 void compare_ticks(ComparedTraces& traces, ChannelComparison& result);
-/// What only one trace has, one entry for each body, controller, device or channel. `takes` tells which are compared.
+/// Reports the channels that only one trace has, with one entry for each body, controller, device or channel. `takes`:
+/// true for channels that are compared.
 void compare_lone_channels(const ComparedTraces& traces, const std::function<bool(const TraceChannel&)>& takes,
                            const AddChannel& add, std::vector<std::string>& remarks);
-/// Sequences of events. Sets traces.blanked.
+/// Compares the sequences of events, and sets traces.blanked.
 void compare_events(ComparedTraces& traces, const AddChannel& add, std::vector<EventDifference>& differences);
 
-/// A variable of a controller that no rule names, or commands that moved the world before a branch began.
+/// True for a variable of a controller that no rule names, and for commands that moved the world before a branch began.
 bool isnt_compared(const TraceChannel& channel, const std::vector<ToleranceRule>& rules);
-/// Finds where such variables aren't the same in both.
+/// Finds differences of the variables that no rule names.
 class VariablesRemark {
  public:
   explicit VariablesRemark(const ComparedTraces& traces);
-  /// The channels to look at.
+  /// The channels that the windows have to contain.
   const std::vector<PairedChannel>& channels() const { return channels_; }
   void take(const Window& window);
-  /// Empty: they are the same.
+  /// The remark; empty if all are equal.
   std::string text() const;
 
  private:
@@ -198,12 +200,12 @@ class VariablesRemark {
   void find_lone(const Trace& of, const RunSurvey& run, const Trace& other, const char* which);
 
   const ComparedTraces& traces_;
-  std::vector<PairedChannel> channels_;             // that may differ
-  std::vector<std::optional<std::size_t>> orders_;  // like channels_; none: it was found to differ
+  std::vector<PairedChannel> channels_;             // channels that may differ
+  std::vector<std::optional<std::size_t>> orders_;  // by index in channels_; none: it differs
   std::vector<Found> found_;
 };
 
-/// What the two were recorded of and with that isn't the same: changed_files, same_arithmetic, remarks, explanation.
+/// Compares the provenance of both traces: sets changed_files, same_arithmetic, same_origin, remarks and explanation.
 void compare_provenance(const ComparedTraces& traces, Comparison& comparison);
 /// Rules that match nothing in either trace.
 Diagnostics unmatched_rules(const ComparedTraces& traces);

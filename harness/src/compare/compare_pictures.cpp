@@ -1,4 +1,4 @@
-// Messages without series: pictures by their pixels, all else field by field.
+// Comparison of messages without series: pictures by their pixels, all others field by field.
 #include <fmt/format.h>
 #include <rehearse/messages.h>
 
@@ -24,21 +24,21 @@ class PictureJudge {
     tolerance_ = picture_tolerance(channel.golden, traces.rules);
   }
 
-  /// The pictures that follow are of this window.
+  /// The pictures of the following calls are in this window.
   void begin(const MatchedChannel& window) { window_ = &window; }
 
-  /// How two pictures of other bytes differ.
+  /// The result for two pictures with different bytes.
   enum class Finding {
-    failed,  // they have other moments, sizes or forms
-    pixels,  // some differ
-    none,    // not by their pixels
+    failed,  // times, sizes or formats differ, or one can't be read
+    pixels,  // some pixels differ
+    none,    // all pixels are equal
   };
 
   Finding compare(std::size_t golden_index, std::span<const std::byte> expected, std::span<const std::byte> actual) {
     const auto golden = read_picture(channel_.golden.type, expected);
     const auto other = read_picture(channel_.actual.type, actual);
     if (!golden || !other)
-      return fail(golden_index, fmt::format("the picture {} is of a form that can't be compared",
+      return fail(golden_index, fmt::format("the picture {} has a format that can't be compared",
                                             golden ? "of this run" : "of the golden"));
     if (golden->stamp != other->stamp)
       return fail(golden_index,
@@ -58,7 +58,7 @@ class PictureJudge {
   }
 
  private:
-  /// True if some differ.
+  /// True if some pixels differ.
   bool compare_pixels(std::size_t golden_index, const RecordedPicture& golden, const RecordedPicture& actual) {
     const PixelDifferences found = pixel_differences(golden, actual, tolerance_);
     if (found.differing == 0) return false;
@@ -79,18 +79,18 @@ class PictureJudge {
     divergence.note = fmt::format("{} differ, by up to {:g}{}", share_text(found.differing, golden.pixels()),
                                   found.largest, golden.depths.empty() ? " of 255" : " m");
     if (too_many)
-      divergence.note += fmt::format("; {} by more than is allowed, and {:.3g} % may",
+      divergence.note += fmt::format("; {} by more than a pixel's tolerance; allowed: {:.3g} %",
                                      share_text(found.beyond, golden.pixels()), 100.0 * tolerance_.pixel_share);
     if (by_window)
-      divergence.note +=
-          fmt::format("; {:.3g} % of the {} x {} pixels at ({}, {}) by more than is allowed, and {:.3g} % may",
-                      100.0 * found.densest, PixelDifferences::window, PixelDifferences::window, found.densest_x,
-                      found.densest_y, 100.0 * tolerance_.pixel_window);
+      divergence.note += fmt::format(
+          "; {:.3g} % of the {} x {} pixels at ({}, {}) by more than a pixel's tolerance; allowed: {:.3g} %",
+          100.0 * found.densest, PixelDifferences::window, PixelDifferences::window, found.densest_x, found.densest_y,
+          100.0 * tolerance_.pixel_window);
     findings_.describe(divergence, beyond);
     return true;
   }
 
-  /// To whoever wants to know of each.
+  /// Passes a differing picture to CompareOptions::on_difference.
   void tell(std::size_t golden_index, bool beyond, std::size_t pixels) const {
     if (traces_.options.on_difference)
       traces_.options.on_difference(
@@ -164,7 +164,7 @@ class PayloadJudge final : public PartJudge {
     const auto actual = channel.window.actual.payload(channel.actual, actual_index);
     if (!expected || !actual) {
       Divergence divergence = place_of(traces_, channel.golden, channel.golden.times[golden_index]);
-      divergence.note = "can't be read again: " + (expected ? actual : expected).errors()[0].message;
+      divergence.note = "the message can't be read again: " + (expected ? actual : expected).errors()[0].message;
       return findings_.structure(divergence);
     }
     auto found = PictureJudge::Finding::none;

@@ -1,5 +1,5 @@
-// What two recordings were made of and with: which parts of the loop may differ for that alone, and what can't be
-// compared.
+// Comparison of the provenance of two recordings. It finds the parts of the loop that may differ because of a change,
+// and recordings that can't be compared.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <rehearse/mcap.h>
@@ -15,12 +15,13 @@
 namespace rehearse {
 namespace {
 
-/// A fact of a recording's provenance and the parts of the loop whose values it decides. The one place that knows.
+/// A fact of a recording's provenance, and the parts of the loop whose values it influences. Only this list states
+/// them.
 struct Fact {
-  std::string_view key;  // in the metadata record `rehearse`; one that ends with a dot stands for all that begin so
+  std::string_view key;  // in the metadata record `rehearse`; with a dot at its end: all keys with this beginning
   std::string_view name;
   std::vector<Stage> decides;
-  bool arithmetic = false;  // it decides how numbers are rounded
+  bool arithmetic = false;  // it influences the rounding of numbers
 };
 
 const std::vector<Stage> every_stage{Stage::physics, Stage::sensors, Stage::renderer, Stage::inputs, Stage::controller};
@@ -48,7 +49,7 @@ const std::vector<Fact>& known_facts() {
   return known;
 }
 
-/// Of these nobody needs to hear: they are compared as such, or describe the file.
+/// True for facts without a remark: they are compared themselves, or describe the file.
 bool is_of_no_interest(const std::string& key) {
   return key == facts::trace_version || key == facts::trace_revision || key == facts::scenario ||
          key == facts::programs;
@@ -67,7 +68,7 @@ struct Change {
   bool arithmetic = false;
 };
 
-/// With the same code pinned on both, no bit depends on the processor.
+/// True if both pin the same code: then no bit depends on the processor.
 bool is_pinned_alike(const mcap::StringMap& before, const mcap::StringMap& now) {
   for (const char* key : {facts::pinned_mathematics, facts::pinned_renderer})
     if (stated(before, key).empty() || stated(before, key) != stated(now, key)) return false;
@@ -76,7 +77,8 @@ bool is_pinned_alike(const mcap::StringMap& before, const mcap::StringMap& now) 
 
 bool says_yes(const std::string& fact) { return fact.starts_with("yes"); }
 
-/// Of a process that was pinned and one that wasn't this alone is said, not each variable; why one wasn't is no matter.
+/// True for facts of pinning without a remark. If only one of the processes was pinned, this is the only remark,
+/// without each variable. The reason why a process wasn't pinned gets no remark.
 bool is_said_otherwise(const std::string& key, const mcap::StringMap& before, const mcap::StringMap& now) {
   const std::string then = stated(before, facts::pinned), here = stated(now, facts::pinned);
   if (then.empty() || here.empty()) return false;
@@ -102,11 +104,12 @@ std::vector<Change> changed_facts(const Trace& golden, const Trace& actual, cons
     change.arithmetic = fact->arithmetic;
   }
   if (const std::string build = stated(*now, facts::build); !build.empty() && before->count(facts::build) == 0)
-    changes.push_back({"the build", "as ours", build, every_stage, true});
+    changes.push_back({"the build", "usual flags", build, every_stage, true});
   return changes;
 }
 
-/// Every fact is the golden's, and so are the programs, bit by bit. The processor counts unless it is pinned away.
+/// True if all facts are equal, including the programs, bit by bit. The processor counts, unless both pin the same
+/// code.
 bool same_facts(const Trace& golden, const Trace& actual) {
   const auto before = RunFacts::of(golden).provenance, now = RunFacts::of(actual).provenance;
   if (!before || !now || before->count(facts::programs) == 0) return false;
@@ -148,9 +151,8 @@ std::vector<std::string> remarks_of(const Trace& actual, const std::vector<std::
                                     const std::vector<Change>& changes) {
   std::vector<std::string> remarks;
   for (const std::string& name : files)
-    remarks.push_back(actual.find_attachment(name)
-                          ? fmt::format("{} is not what it was when the golden was recorded", name)
-                          : fmt::format("{} was part of the golden's run only", name));
+    remarks.push_back(actual.find_attachment(name) ? fmt::format("{} has changed since the golden was recorded", name)
+                                                   : fmt::format("only the golden's run contained {}", name));
   for (const Change& change : changes) {
     std::string remark = fmt::format("{} was \"{}\" and is ", change.name, change.before);
     remark += change.now.empty() ? "not stated" : fmt::format("\"{}\"", change.now);
@@ -160,7 +162,7 @@ std::vector<std::string> remarks_of(const Trace& actual, const std::vector<std::
   return remarks;
 }
 
-/// What of all that changed can explain a difference that this part of the loop made.
+/// The changes that can explain a difference on this stage of the loop.
 std::string explanation_of(Stage stage, std::vector<std::string> reasons, const std::vector<Change>& changes) {
   constexpr std::size_t most = 3;
   for (const Change& change : changes)
@@ -211,8 +213,8 @@ Diagnostics unmatched_rules(const ComparedTraces& traces) {
     warning.line = rule.place.line;
     warning.column = rule.place.column;
     warning.message =
-        fmt::format("the tolerance of '{}' holds for nothing: neither trace has such a channel", rule.channel);
-    warning.hint = "a golden's digest lists their names, as SR1/RLEG_KNEE/q";
+        fmt::format("the tolerance of '{}' applies to nothing: neither trace has such a channel", rule.channel);
+    warning.hint = "a golden's digest lists the names, for example SR1/RLEG_KNEE/q";
   }
   return warnings;
 }

@@ -1,4 +1,4 @@
-// What a comparison found, in words and as a table.
+// The findings of a comparison, in words and as a table.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ std::string counted(std::int64_t count, const char* noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
-/// Files that aren't ours have no ticks: then places are numbers of messages.
+/// False for files that are no recordings of Rehearse: their places are numbers of messages.
 bool has_ticks(const Comparison& comparison) {
   const auto is_a_tick = [](const std::optional<Divergence>& d) { return d && d->channel == run_topics::tick; };
   return comparison.ticks > 0 || is_a_tick(comparison.first) || is_a_tick(comparison.first_bit);
@@ -33,7 +33,7 @@ std::string place_text(const Comparison& comparison, const Divergence& d) {
   return fmt::format("{}, {}{}{}", when_text(comparison, d), d.channel, d.element.empty() ? "" : " ", d.element);
 }
 
-/// Channels of one kind whose numbers mean the same: one line of the table.
+/// One line of the table: channels of one kind, with the same quantities.
 struct Row {
   Stage stage = Stage::physics;
   std::string name;                                // of the channels: a pattern
@@ -43,7 +43,8 @@ struct Row {
   const ChannelComparison* worst = nullptr;
 };
 
-/// The topic with a star for whose it is: "/SR1/*/wrench", "/SR1/Walker/input/*/pose".
+/// The topic with a star in place of the segment by which channels of one kind differ: "/SR1/*/wrench",
+/// "/SR1/Walker/input/*/pose".
 std::string pattern_of(const std::string& topic) {
   const std::string_view whose = distinguishing_segment(topic);
   if (whose.empty()) return topic;
@@ -62,7 +63,7 @@ std::string name_of(const ChannelComparison& channel) {
   return pattern_of(channel.channel) + (channel.of_events ? " events" : "");
 }
 
-/// One line for each pattern, by the first difference in it.
+/// One line for each pattern, in the order of the first differences.
 std::vector<Row> rows_of(const Comparison& comparison) {
   std::vector<Row> rows;
   std::map<std::pair<int, std::string>, std::size_t> known;
@@ -71,7 +72,7 @@ std::vector<Row> rows_of(const Comparison& comparison) {
     const auto [at, is_new] = known.emplace(std::pair(static_cast<int>(channel.stage), name), rows.size());
     if (is_new) rows.emplace_back();
     Row& row = rows[at->second];
-    if (row.channels.empty()) row.stage = channel.first_bit->stage;  // of /tick, whichever hash it is
+    if (row.channels.empty()) row.stage = channel.first_bit->stage;  // of /tick: the stage of the hash
     row.name = name;
     if (row.channels.empty() || row.channels.back()->channel != channel.channel) row.count += channel.channels;
     row.channels.push_back(&channel);
@@ -88,7 +89,7 @@ std::vector<Row> rows_of(const Comparison& comparison) {
   return rows;
 }
 
-/// The middle of what is too long is left out; no character of UTF-8 is cut.
+/// The text without its middle, if it is longer than `most`. No character of UTF-8 is cut.
 std::string shortened(const std::string& text, std::size_t most) {
   if (text.size() <= most) return text;
   const auto is_inside = [&text](std::size_t at) { return (static_cast<unsigned char>(text[at]) & 0xc0) == 0x80; };
@@ -98,16 +99,16 @@ std::string shortened(const std::string& text, std::size_t most) {
   return text.substr(0, head) + "..." + text.substr(tail);
 }
 
-/// Whose of the pattern's star it is, as far as the pattern doesn't say.
+/// The element; for a row of several channels after the segment in place of the pattern's star.
 std::string element_of(const Row& row, const Divergence& d) {
   if (row.count == 1 || row.channels.size() == 1) return d.element;
   const std::string whose(distinguishing_segment(d.channel));
   return d.element.empty() ? whose : whose + " " + d.element;
 }
 
-/// The element, then what can't be done without: how much and when.
+/// The element, then the difference and its tick. Only the element is shortened; a note is shortened as a whole.
 std::string worst_text(const Row& row, std::size_t width, const char* tick) {
-  constexpr std::size_t least = 12;  // of the element
+  constexpr std::size_t least = 12;  // characters of the element
   const ChannelComparison& channel = *row.worst;
   const Divergence& worst = channel.worst ? *channel.worst : channel.first ? *channel.first : *channel.first_bit;
   const std::string element = element_of(row, worst);
@@ -131,7 +132,7 @@ std::string rows_text(const std::vector<Row>& rows, const char* tick) {
                        values, differing, beyond, worst);
   };
   std::string text = line("stage", "channel", tick, "values", "differ", "beyond",
-                          fmt::format("worst: by how much @{}, x tolerance", tick));
+                          fmt::format("worst: difference @{}, x tolerance", tick));
   for (std::size_t i = 0; i < std::min(rows.size(), rows_shown); ++i) {
     const Row& row = rows[i];
     const std::size_t used = 2 + 10 + 1 + width + 4 * 9 + 2;
@@ -188,7 +189,7 @@ std::string remarks_text(const std::vector<std::string>& remarks) {
 
 std::string blanked_text(const Comparison& comparison) {
   if (comparison.blanked == 0) return "";
-  return fmt::format("; {} beside events that are off by what they may be {} not judged",
+  return fmt::format("; {} near events that are early or late within their tolerance {} not judged",
                      counted(comparison.blanked, "value"), comparison.blanked == 1 ? "was" : "were");
 }
 
@@ -213,8 +214,7 @@ std::string verdict(const Comparison& comparison) {
     return fmt::format("{}; the controllers' lines differ from tick {} on", counts, comparison.first_bit->tick);
   const std::string since = fmt::format("bits differ from {} on", place_text(comparison, *comparison.first_bit));
   const std::string how = comparison.agreement == Agreement::in_noise ? "within the noise floor" : "within tolerance";
-  if (!comparison.worst)
-    return fmt::format("{}: every value is the same, but {}{}", how, since, blanked_text(comparison));
+  if (!comparison.worst) return fmt::format("{}: all values are equal, but {}{}", how, since, blanked_text(comparison));
   const Divergence& worst = *comparison.worst;
   return fmt::format("{}: {} of {} values differ, the worst by {:.2g} of its tolerance ({}); {}{}", how,
                      comparison.differing, comparison.values, times_tolerance(worst.difference, worst.tolerance),

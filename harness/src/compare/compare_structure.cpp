@@ -1,4 +1,4 @@
-// What only one of two traces has: ticks, bodies, controllers, devices, channels.
+// Finds ticks, bodies, controllers, devices and channels that only one of two traces has.
 #include <fmt/format.h>
 #include <rehearse/messages.h>
 
@@ -44,7 +44,7 @@ void compare_lengths(ComparedTraces& traces, ChannelFindings& findings) {
   findings.structure(divergence);
 }
 
-/// The ticks of one clock that the other hasn't; one finding at the first of them, with its neighbours.
+/// Reports the ticks that only one clock has: one finding at the first of them, with its neighbours.
 void compare_clocks(const ComparedTraces& traces, bool missing, ChannelFindings& findings) {
   const TickClock& of = missing ? traces.clock : traces.actual_clock;
   const TickClock& other = missing ? traces.actual_clock : traces.clock;
@@ -57,7 +57,7 @@ void compare_clocks(const ComparedTraces& traces, bool missing, ChannelFindings&
   while (after < of.size() && !other.has(of.time(after))) ++after;
   const std::size_t run = after - first;
   Divergence divergence = place_of_tick(of, of.time(first));
-  divergence.stage = Stage::physics;  // the state of the bodies, first of all, is not there
+  divergence.stage = Stage::physics;  // the state of the bodies is the first value that is missing
   const auto tick_text = [&](std::size_t index) { return fmt::format("tick {}", of.tick_at(of.time(index))); };
   std::string neighbours = first == 0 ? "the first" : "after " + tick_text(first - 1);
   neighbours += after == of.size() ? ", the last" : ", before " + tick_text(after);
@@ -65,12 +65,12 @@ void compare_clocks(const ComparedTraces& traces, bool missing, ChannelFindings&
                              : fmt::format("ticks {} to {} are {}", divergence.tick, of.tick_at(of.time(after - 1)),
                                            missing ? "missing" : "extra: the golden hasn't them");
   divergence.note += " (" + neighbours + ")";
-  if (lone.size() > run) divergence.note += fmt::format("; with others later {} in all", lone.size());
+  if (lone.size() > run) divergence.note += fmt::format("; with later ticks {} in all", lone.size());
   findings.structure(divergence);
   (missing ? findings.result().missing : findings.result().extra) = static_cast<std::int64_t>(lone.size());
 }
 
-/// Where two clocks run at different speed, every tick but the first is somewhere else, which is one finding.
+/// Reports different time steps, in which every tick but the first has a different time, as one finding.
 bool has_another_step(const ComparedTraces& traces, ChannelFindings& findings) {
   if (traces.clock.size() < 2 || traces.actual_clock.size() < 2) return false;
   const std::string before = RunFacts::of(traces.golden).stated(facts::time_step),
@@ -97,7 +97,7 @@ void compare_ticks(ComparedTraces& traces, ChannelComparison& result) {
 
 namespace {
 
-/// Channels of one trace that the other hasn't, as far as they are compared.
+/// The compared channels that only one of the traces has.
 class LoneChannels {
  public:
   LoneChannels(const ComparedTraces& traces, bool missing, const std::function<bool(const TraceChannel&)>& takes)
@@ -116,7 +116,7 @@ class LoneChannels {
     while (!lone_.empty()) {
       const TraceChannel& channel = *lone_.front();
       if (channel.type == msg::ContactChange::type_name && is_older_than_contacts()) {
-        remarks.push_back(fmt::format("the {} was recorded before contacts were: {} is not compared",
+        remarks.push_back(fmt::format("the {} was recorded by a version without contacts: {} is not compared",
                                       missing_ ? "run" : "golden", channel.topic));
         lone_.erase(lone_.begin());
         continue;
@@ -133,7 +133,7 @@ class LoneChannels {
   }
 
  private:
-  /// What is missing as a whole: all channels whose topics begin like this.
+  /// A body, controller, link or device that is missing: all channels whose topics have this beginning.
   struct Group {
     std::string prefix;  // with the slash at its end; a whole topic for a channel of its own
     std::string what;    // "body 'SR1'"; empty: a channel
@@ -144,7 +144,7 @@ class LoneChannels {
     return other.provenance && other.trace_revision < revision_of_contacts;
   }
 
-  /// Whether the other trace has nothing that begins like this.
+  /// True if no topic of the other trace has this beginning.
   bool lacks(const std::string& prefix) const {
     return std::none_of(other_.channels().begin(), other_.channels().end(),
                         [&](const TraceChannel& channel) { return channel.topic.starts_with(prefix); });
@@ -166,7 +166,7 @@ class LoneChannels {
                                name.body, controls ? name.controller : name.owner)};
   }
 
-  /// Takes the channels that begin like this away; returns how many there were.
+  /// Removes the channels whose topics have this beginning, and returns their number.
   std::size_t take(const std::string& prefix) {
     return std::erase_if(lone_, [&](const TraceChannel* channel) {
       return prefix.ends_with('/') ? channel->topic.starts_with(prefix) : channel->topic == prefix;

@@ -1,4 +1,4 @@
-// Controllers' variables that nobody asked to compare: what they do is remarked, and decides nothing.
+// Controllers' variables that no rule compares: their differences are a remark, and fail nothing.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ bool is_variable(const TraceChannel& channel) {
   return channel.type == msg::Float64::type_name && ChannelName::parse(channel.topic).kind == ChannelKind::variable;
 }
 
-/// The time of the first message of a window that isn't the same in both [ns]; none: they are the same.
+/// The time of the first message of a window that differs [ns]; none: all are equal.
 std::optional<std::uint64_t> first_difference(const Window& window, const TraceChannel& a, const TraceChannel& b) {
   auto [row, end] = window.messages(a);
   auto [other, other_end] = window.messages(b);
@@ -73,10 +73,10 @@ std::string VariablesRemark::text() const {
     return std::pair(a.time, a.order) < std::pair(b.time, b.order);
   });
   const std::size_t others = found_.size() - 1;
-  return fmt::format("controllers' variables, which no rule asks to compare: {}{}", first->text,
+  return fmt::format("controllers' variables, which no rule compares: {}{}", first->text,
                      others == 0   ? ""
-                     : others == 1 ? ", and one more isn't the same"
-                                   : fmt::format(", and {} more aren't the same", others));
+                     : others == 1 ? ", and one more differs"
+                                   : fmt::format(", and {} more differ", others));
 }
 
 }  // namespace rehearse

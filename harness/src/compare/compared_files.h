@@ -1,4 +1,4 @@
-// The comparison of two recordings, together with the recordings.
+// The comparison of two recordings, together with the second recording.
 #pragma once
 
 #include <rehearse/compare.h>
@@ -14,8 +14,8 @@ struct ComparedFiles {
   Trace actual;  // without messages, as Trace::load_in_pieces() returns it; an outline if nothing was compared
 };
 
-/// As compare() of two files, which reads each of them whole. `on_actual` gets the pieces of the second one, with those
-/// messages that are compared; null: nothing is called.
+/// Like compare() of two files, which reads each of them whole. `on_actual` gets the pieces of the second file, with
+/// the messages that are compared; null: nothing is called.
 Result<ComparedFiles> compare_files(const std::filesystem::path& golden, const std::filesystem::path& actual,
                                     const std::vector<ToleranceRule>& rules, const CompareOptions& options = {},
                                     const Trace::OnPiece& on_actual = {},

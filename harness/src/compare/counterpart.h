@@ -1,4 +1,4 @@
-// Which channel of one trace is compared with which of the other. Internal.
+// The pairs of channels of two traces that are compared. Internal.
 #pragma once
 
 #include <rehearse/trace.h>
@@ -7,8 +7,8 @@
 
 namespace rehearse {
 
-/// The channel of `other` with the topic of `channel`, which is one of `of`; null if there is none. Of several with
-/// that topic the first goes with the first, the second with the second.
+/// The channel of `other` with the topic of `channel`, which is one of `of`; null if there is none. Of several channels
+/// with this topic, the first is paired with the first, the second with the second.
 inline const TraceChannel* counterpart(const Trace& of, const TraceChannel& channel, const Trace& other) {
   const auto earlier = std::count_if(of.channels().data(), &channel,
                                      [&](const TraceChannel& before) { return before.topic == channel.topic; });

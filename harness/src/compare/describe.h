@@ -1,4 +1,4 @@
-// A divergence in words, wherever it is. Internal.
+// A divergence in words, with a given text for its place. Internal.
 #pragma once
 
 #include <rehearse/compare.h>
@@ -7,8 +7,8 @@
 
 namespace rehearse {
 
-/// Channel, element, expected and actual after the words for its place: "tick 3 (0.003 s)". Of files without ticks the
-/// stage means nothing and is left out.
+/// The text of the place ("tick 3 (0.003 s)"), then channel, element, expected and actual. `with_stage`: false for
+/// files without ticks, where the stage has no meaning.
 std::string describe(const Divergence& divergence, const std::string& place, bool with_stage);
 
 }  // namespace rehearse

@@ -13,7 +13,7 @@
 namespace rehearse {
 namespace {
 
-/// Doubles in their order as integers; 0 and -0 share a place.
+/// An integer in the order of the doubles; 0 and -0 have the same one.
 std::int64_t ordinal(double value) {
   const auto bits = std::bit_cast<std::int64_t>(value);
   return bits >= 0 ? bits : std::numeric_limits<std::int64_t>::min() - bits;
@@ -62,8 +62,7 @@ double times_tolerance(double difference, double tolerance) {
 
 namespace {
 
-/// Two numbers as a person reads them: with as many digits as tell them apart, 4 to 7, and all of those before the
-/// point.
+/// Two numbers for a person: with as many digits as distinguish them, 4 to 7, and all digits before the point.
 std::pair<std::string, std::string> texts_of(double a, double b) {
   std::pair<std::string, std::string> texts;
   const double larger = std::max(std::abs(a), std::abs(b));
@@ -75,7 +74,7 @@ std::pair<std::string, std::string> texts_of(double a, double b) {
   return texts;
 }
 
-/// Exact as long as a person would count them.
+/// The exact number up to a million; beyond, two digits.
 std::string ulps_text(std::uint64_t ulps) {
   constexpr std::uint64_t countable = 1'000'000;
   if (ulps == 1) return "1 ULP";

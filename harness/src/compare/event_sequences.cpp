@@ -73,8 +73,8 @@ void EdgeFinder::take(const Trace& piece) {
 }
 
 void EdgeFinder::take_limits(const TraceChannel& channel) {
-  // A joint that rests on its stop goes a little to and fro: it has left a limit when it is this far from it, of the
-  // span between the two.
+  // A joint at its stop oscillates a little. It has left a limit at this distance from it, relative to the span between
+  // both limits.
   constexpr double leaving = 1e-3;
   for (const WatchedLimit& limit : limits_) {
     if (limit.topic != channel.topic) continue;
@@ -93,7 +93,7 @@ void EdgeFinder::take_limits(const TraceChannel& channel) {
   }
 }
 
-/// The message that closes a run has no results.
+/// The message that closes a run contains no results of control().
 void EdgeFinder::take_refusals(const TraceChannel& channel) {
   const std::size_t tick = column_of(channel, "tick");
   const auto closes = [&](std::size_t row) {
@@ -155,7 +155,7 @@ class SequenceMaker {
     for (const msg::ContactChange& change : changes) {
       const std::uint64_t time = change.stamp.to_ns();
       if (time > end_) break;
-      const std::string reversed = "contacts/" + change.other + "/" + change.link;  // the scenario's order is another
+      const std::string reversed = "contacts/" + change.other + "/" + change.link;  // of a different order of bodies
       const bool is_known = sequences_.count(reversed) > 0;
       EventSequence& sequence = sequences_[is_known ? reversed : "contacts/" + change.link + "/" + change.other];
       if (is_known) {
@@ -176,7 +176,7 @@ class SequenceMaker {
     for (const WatchedLimit& limit : golden_.edges.limits()) {
       if (limit.topic == channel.topic)
         add("limits/" + body + "/" + limit.element,
-            {EventKind::limit, channel.topic, limit.element, "being at its limit", {body}});
+            {EventKind::limit, channel.topic, limit.element, "the stop at the limit", {body}});
     }
   }
 
@@ -184,7 +184,7 @@ class SequenceMaker {
     for (const TraceColumn& column : channel.columns) {
       if (!is_result_of_control(channel, column.element)) continue;
       if (actual_.edges.find(channel.topic, column.element))
-        add(column.element, {EventKind::refusal, channel.topic, column.element, "false from control()", {}});
+        add(column.element, {EventKind::refusal, channel.topic, column.element, "the result false of control()", {}});
     }
   }
 
@@ -219,8 +219,8 @@ EventSequences event_sequences(const RunSurvey& golden, const RunSurvey& actual,
 
 namespace {
 
-/// Which of the longer sequence's events remain alone: the table of the cheapest way to pair the first s of the shorter
-/// one after having left out d of the longer.
+/// Finds the events of the longer sequence that remain alone, with a table of costs: the lowest cost of pairing the
+/// first s events of the shorter sequence if d events of the longer one are left out before.
 class Aligner {
  public:
   Aligner(const std::vector<EventEdge>& shorter, const std::vector<EventEdge>& longer)
@@ -231,7 +231,7 @@ class Aligner {
     return (shorter_.size() + 1) * (left_out_ + 1) <= most_cells;
   }
 
-  /// By event of the longer one, its partner in the shorter one; none: it remains alone.
+  /// By event of the longer sequence: its partner in the shorter one; none: it remains alone.
   std::vector<std::optional<std::size_t>> partners() const {
     const std::size_t width = left_out_ + 1;
     constexpr double unreachable = std::numeric_limits<double>::infinity();
@@ -276,7 +276,7 @@ std::vector<EventPair> align(const std::vector<EventEdge>& golden, const std::ve
   std::vector<std::optional<std::size_t>> partners;
   if (const Aligner aligner(shorter, longer); aligner.fits()) {
     partners = aligner.partners();
-  } else {  // thousands more in the one than in the other: where they come apart is what counts
+  } else {  // one has thousands more than the other: only their first difference matters
     partners.resize(longer.size());
     for (std::size_t i = 0; i < shorter.size(); ++i) partners[i] = i;
   }
@@ -286,7 +286,7 @@ std::vector<EventPair> align(const std::vector<EventEdge>& golden, const std::ve
   };
   for (std::size_t l = 0; l < longer.size(); ++l) {
     const auto s = partners[l];
-    if (s && shorter[*s].begins != longer[l].begins) {  // nothing fits: both are alone
+    if (s && shorter[*s].begins != longer[l].begins) {  // no possible pair: both remain alone
       pair(l, std::nullopt);
       pair(std::nullopt, s);
     } else {

@@ -20,10 +20,10 @@ using Rgb = std::array<std::uint8_t, 3>;
 
 constexpr Rgb beyond_color{230, 30, 30}, within_color{240, 200, 40}, nothing_color{40, 60, 140},
     gap_color{255, 255, 255};
-constexpr int gap = 4;          // between two of the three [pixels]
-constexpr double dimmed = 0.3;  // brightness of what is the same
+constexpr int gap = 4;          // between two of the three pictures [pixels]
+constexpr double dimmed = 0.3;  // brightness of equal pixels
 
-/// The least and the greatest distance that was found.
+/// The least and the greatest distance in both pictures [m].
 std::pair<float, float> span_of(const RecordedPicture& golden, const RecordedPicture& actual) {
   float least = std::numeric_limits<float>::infinity(), greatest = 0.0f;
   for (const RecordedPicture* picture : {&golden, &actual}) {
@@ -79,7 +79,7 @@ Image side_by_side(const RecordedPicture& golden, const RecordedPicture& actual,
   return image;
 }
 
-/// Of the first message at that time; none if there is none, or none that has a picture.
+/// The picture of the first message at this time; none if there is no message, or if it contains no picture.
 std::optional<RecordedPicture> picture_at(mcap::Reader& recording, const TraceChannel& channel, double time) {
   std::vector<std::uint16_t> ids;
   for (const auto& [id, described] : recording.channels())
@@ -90,7 +90,7 @@ std::optional<RecordedPicture> picture_at(mcap::Reader& recording, const TraceCh
     picture = read_picture(channel.type, message.data);
     return false;
   };
-  // Whoever compared the recordings has reported their damage.
+  // The comparison of the recordings has reported their damage.
   if (!ids.empty()) static_cast<void>(recording.for_each_message(look, ids));
   return picture && picture->pixels() > 0 ? picture : std::nullopt;
 }
@@ -104,7 +104,7 @@ std::string file_name(const fs::path& recording, std::string topic) {
   return prefix_of(recording) + topic + ".png";
 }
 
-/// What we write has one of these before its .png.
+/// True for names that file_name() gives to a camera's channel.
 bool is_ours(const std::string& name, const std::string& prefix) {
   return name.starts_with(prefix) && (name.ends_with(".image.png") || name.ends_with(".depth.png"));
 }

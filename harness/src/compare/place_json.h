@@ -1,5 +1,4 @@
-// A Divergence on its way from one of our processes to another. What is shown to people and programs is to_json() of
-// compare.h.
+// A Divergence as JSON between two processes of Rehearse. For people and other programs see to_json() of compare.h.
 #pragma once
 
 #include <rehearse/compare.h>
@@ -10,7 +9,7 @@
 
 namespace rehearse {
 
-/// JSON has no infinity and no NaN.
+/// JSON has no infinity and no NaN: a large number replaces them.
 inline double finite(double value) { return std::isfinite(value) ? value : 1e300; }
 
 inline nlohmann::json json_of_place(const std::optional<Divergence>& place) {

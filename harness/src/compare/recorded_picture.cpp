@@ -68,7 +68,7 @@ void compare_depths(const RecordedPicture& golden, const RecordedPicture& actual
   }
 }
 
-/// Counts the pixels beyond in every square by sums over all that is above and to the left.
+/// Counts the pixels beyond in every square, by sums over all pixels above and to the left.
 void find_densest(int width, int height, PixelDifferences& found) {
   const int wide = std::min(width, PixelDifferences::window), high = std::min(height, PixelDifferences::window);
   const std::size_t stride = static_cast<std::size_t>(width) + 1;
@@ -106,7 +106,7 @@ std::optional<RecordedPicture> read_picture(std::string_view message_type, std::
 
 PixelDifferences pixel_differences(const RecordedPicture& golden, const RecordedPicture& actual,
                                    const Tolerance& tolerance) {
-  REHEARSE_ASSERT(golden.same_size(actual), "only pictures of one size have differences pixel by pixel");
+  REHEARSE_ASSERT(golden.same_size(actual), "only pictures of the same size have differences pixel by pixel");
   PixelDifferences found;
   found.states.resize(golden.pixels(), PixelState::same);
   if (golden.depths.empty())

@@ -1,4 +1,4 @@
-// RecordedPicture: what a camera saw, out of a recording, and how two of them differ pixel by pixel.
+// RecordedPicture: a camera's picture from a recording, and the differences of two pictures pixel by pixel.
 #pragma once
 
 #include <rehearse/scenario.h>
@@ -24,13 +24,13 @@ struct RecordedPicture {
   bool same_size(const RecordedPicture& other) const;
 };
 
-/// From the bytes of a CompressedImage (PNG or JPEG) or an Image (rgb8, 32FC1); nullopt if they are something else.
+/// From the bytes of a CompressedImage (PNG or JPEG) or an Image (rgb8, 32FC1); nullopt for other bytes.
 std::optional<RecordedPicture> read_picture(std::string_view message_type, std::span<const std::byte> payload);
 
-enum class PixelState : std::uint8_t { same, within, beyond };  // beyond: by more than is allowed to each
+enum class PixelState : std::uint8_t { same, within, beyond };  // beyond: by more than a pixel's tolerance
 
 struct PixelDifferences {
-  static constexpr int window = 16;  // side of the squares that are looked at [pixels]
+  static constexpr int window = 16;  // side of the examined squares [pixels]
 
   std::vector<PixelState> states;  // one a pixel
   std::size_t differing = 0;       // pixels, those beyond included
@@ -45,8 +45,8 @@ struct PixelDifferences {
   }
 };
 
-/// Of two pictures of the same size. A colour may differ by pixel_delta, a distance by the tolerance at the expected
-/// one; where only one of them found anything, a silhouette has moved: that is beyond any tolerance.
+/// Compares two pictures of the same size. A colour may differ by pixel_delta, a distance by the tolerance at the
+/// expected distance. If only one picture has a distance, a silhouette has moved: the pixel is beyond any tolerance.
 PixelDifferences pixel_differences(const RecordedPicture& golden, const RecordedPicture& actual,
                                    const Tolerance& tolerance);
 

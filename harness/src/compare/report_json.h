@@ -1,4 +1,4 @@
-// Verdicts as JSON: what the reports of comparisons and checks have in common. Internal.
+// Verdicts as JSON: functions that the reports of comparisons and checks share. Internal.
 #pragma once
 
 #include <rehearse/compare.h>
@@ -16,7 +16,7 @@ nlohmann::ordered_json json_of(const std::optional<Divergence>& divergence);
 /// An object as to_json(Comparison).
 nlohmann::ordered_json json_of(const Comparison& comparison);
 
-/// NaN and infinities, which JSON hasn't, as strings.
+/// NaN and infinities, which JSON doesn't have, as strings.
 inline nlohmann::ordered_json number_json(double value) {
   if (std::isnan(value)) return "NaN";
   if (std::isinf(value)) return value > 0 ? "Infinity" : "-Infinity";

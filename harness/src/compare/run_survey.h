@@ -1,5 +1,5 @@
-// RunSurvey: what a comparison has to know of a whole run before it judges a part of it. One pass over the run finds
-// it. Internal.
+// RunSurvey: data of a whole run that a comparison needs before it judges a part of the run. One pass over the run
+// collects it. Internal.
 #pragma once
 
 #include <rehearse/scenario.h>
@@ -15,7 +15,7 @@
 
 namespace rehearse {
 
-/// All messages of a channel.
+/// A summary of all messages of a channel.
 struct ChannelSurvey {
   std::uint64_t messages = 0;
   std::uint64_t first_time = std::numeric_limits<std::uint64_t>::max();  // [ns]
@@ -24,7 +24,7 @@ struct ChannelSurvey {
   std::uint64_t hash = 0;  // of times and bytes
   bool in_order = true;    // by time
 
-  /// A second in which there are messages, and all messages before it.
+  /// A second with messages, and the number and the hash of all messages before it.
   struct Second {
     std::uint64_t begin = 0;  // [ns]
     std::uint64_t messages = 0;
@@ -34,7 +34,7 @@ struct ChannelSurvey {
   std::vector<Second> seconds;
 
   void take(const TraceChannel& piece);
-  /// The messages before the beginning of a second [ns].
+  /// The number of messages before the beginning of a second [ns].
   std::uint64_t messages_before(std::uint64_t second) const;
   bool operator==(const ChannelSurvey&) const = default;
 };
@@ -49,7 +49,7 @@ constexpr std::uint64_t second_of(std::uint64_t time) {
 std::uint64_t equal_until(const ChannelSurvey& a, const ChannelSurvey& b);
 
 struct RunSurvey {
-  /// Of a run without messages; take() adds them. `rules` must outlive this.
+  /// A survey without messages; take() adds them. `rules` must outlive this.
   RunSurvey(const std::vector<ToleranceRule>& rules, std::vector<WatchedLimit> limits)
       : edges(std::move(limits)), rules_(&rules) {}
 
@@ -58,7 +58,7 @@ struct RunSurvey {
   void finish(const Trace& whole);
 
   const Trace& whole() const { return *whole_; }
-  /// Of one of whole().channels().
+  /// The index of one of whole().channels().
   std::size_t index_of(const TraceChannel& channel) const;
   const ChannelSurvey& of(const TraceChannel& channel) const;
   /// The scale of a column, if it is judged by a relative tolerance; else 0.
@@ -66,7 +66,7 @@ struct RunSurvey {
 
   TickClock clock;
   EdgeFinder edges;
-  std::size_t size = 0;  // of all numbers [bytes], about
+  std::size_t size = 0;  // of all numbers, approximate [bytes]
 
  private:
   struct Scale {
@@ -77,7 +77,7 @@ struct RunSurvey {
 
   const std::vector<ToleranceRule>* rules_;
   const Trace* whole_ = nullptr;
-  std::vector<ChannelSurvey> channels_;     // like whole().channels()
+  std::vector<ChannelSurvey> channels_;     // by index in whole().channels()
   std::vector<std::vector<Scale>> scales_;  // by channel, then column
 };
 

@@ -62,10 +62,10 @@ std::string changed_controllers(const Scenario& scenario, const Trace& recording
   const std::set<std::string> now = controllers_of(scenario), then = controllers_of(recording);
   for (const std::string& label : then)
     if (now.count(label) == 0)
-      return fmt::format("{} has no controller '{}', and the golden has", scenario.name, label);
+      return fmt::format("{} has no controller '{}', but the golden has it", scenario.name, label);
   for (const std::string& label : now)
     if (then.count(label) == 0)
-      return fmt::format("{} has a controller '{}', and the golden hasn't", scenario.name, label);
+      return fmt::format("{} has a controller '{}' that the golden doesn't have", scenario.name, label);
   return "";
 }
 

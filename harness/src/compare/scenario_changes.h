@@ -1,4 +1,4 @@
-// What a scenario says otherwise than the recording it is compared with, where that alone decides what can be compared.
+// Changes of a scenario since its recording that limit the comparison.
 #pragma once
 
 #include <rehearse/compare.h>
@@ -10,13 +10,15 @@
 
 namespace rehearse {
 
-/// Two runs whose ticks have other lengths have no tick in common. None: the time step is the recorded one.
+/// A changed time step: two runs with different time steps have no tick in common. None: the time step is the recorded
+/// one.
 std::optional<Divergence> changed_time_step(const Scenario& scenario, const Trace& recording);
 
-/// The last tick that both runs have, if one is longer than the other. None: the duration is the recorded one.
+/// A changed duration, at the last tick that both runs have. None: the duration is the recorded one.
 std::optional<Divergence> changed_duration(const Scenario& scenario, const Trace& recording);
 
-/// The first controller that only one of the two has, in a sentence. Empty: both have the same, by BODY/NAME.
+/// The first controller that only one of the two has, in a sentence. Empty: both have the same controllers, by
+/// BODY/NAME.
 std::string changed_controllers(const Scenario& scenario, const Trace& recording);
 
 }  // namespace rehearse

@@ -27,7 +27,7 @@ void add_all(NumberRange& range, const std::vector<double>& values) {
     if (std::isfinite(value)) range.add(value);
 }
 
-/// What the canvas shows of both: numbers by their place on it.
+/// The ranges of time and values on the canvas, and the column or row of a number.
 struct Axes {
   NumberRange time, value;
   std::size_t columns = 0, rows = 0;
@@ -36,7 +36,7 @@ struct Axes {
     const double share = time.high > time.low ? (at - time.low) / (time.high - time.low) : 0.0;
     return std::min(columns - 1, static_cast<std::size_t>(std::max(0.0, share * static_cast<double>(columns))));
   }
-  /// From the top.
+  /// Rows are counted from the top.
   std::size_t row_of(double of) const {
     // halves first: the span of two finite numbers may not be finite
     const double span = value.high / 2 - value.low / 2, above = value.high / 2 - of / 2;
@@ -135,7 +135,7 @@ std::string plot(const Curve& golden, const Curve& run, std::optional<double> ma
     add_all(axes.time, curve->times);
     add_all(axes.value, curve->values);
   }
-  if (axes.value.empty() || axes.time.empty()) return "  no number in either of them can be drawn\n";
+  if (axes.value.empty() || axes.time.empty()) return "  neither curve has a number that can be drawn\n";
   axes.columns = std::max<std::size_t>(size.width, label_width + 12) - label_width - 2;
   axes.rows = std::max<std::size_t>(size.height, 2);
   const std::vector<NumberRange> of_golden = ranges_of(golden, axes), of_run = ranges_of(run, axes);
@@ -189,7 +189,7 @@ Curve difference_of(const Curve& golden, const Curve& run) {
   return difference;
 }
 
-/// The two curves, or, if they would look the same, their difference.
+/// The two curves, or, if they would look equal, their difference.
 std::string draw(const std::string& series, const Curve& golden, const Curve& run, double mark) {
   const PlotSize size;
   NumberRange values, differences;

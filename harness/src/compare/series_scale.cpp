@@ -45,7 +45,7 @@ SeriesScales scales_of(const std::filesystem::path& recording, const std::vector
       }
     }
   };
-  // Whoever reads the recording for its ticks reports its damage.
+  // The pass that reads the ticks reports damage of the recording.
   static_cast<void>(Trace::load_in_pieces(recording, add));
   return scales;
 }

@@ -55,7 +55,7 @@ void TickClock::put_in_order() {
   for (const auto& [time, tick] : ticks) add(time, tick);
 }
 
-/// The latest one that doesn't begin after a time; null: there is none.
+/// The latest stretch that begins at or before a time; null: there is none.
 const TickClock::Stretch* TickClock::stretch_at(std::uint64_t time) const {
   const auto after = std::ranges::upper_bound(stretches_, time, {}, &Stretch::time);
   return after == stretches_.begin() ? nullptr : &*std::prev(after);

@@ -1,4 +1,4 @@
-// TickClock: which tick a time belongs to, by a trace's /tick channel. Internal.
+// TickClock: the ticks that times belong to, from a trace's /tick channel. Internal.
 #pragma once
 
 #include <rehearse/trace.h>
@@ -10,27 +10,27 @@
 
 namespace rehearse {
 
-/// The times of all ticks of a run. Ticks at equal distances take the same memory, however many they are.
+/// The times of all ticks of a run. Ticks at equal distances take the same memory, independent of their number.
 class TickClock {
  public:
   TickClock() = default;
   explicit TickClock(const Trace& trace);
   /// Adds the next piece of a run.
   void take(const Trace& piece);
-  /// Sorts by time what the pieces of a file had in another order.
+  /// Sorts the ticks by time, if the pieces of a file contained them in a different order.
   void put_in_order();
 
   bool empty() const { return stretches_.empty(); }
   std::size_t size() const { return empty() ? 0 : stretches_.back().earlier + stretches_.back().count; }
   std::uint64_t first_time() const { return stretches_.front().time; }       // [ns]
   std::uint64_t last_time() const { return stretches_.back().last_time(); }  // [ns]
-  /// Of a tick, by its place in the order of time [ns].
+  /// The time of a tick, by its index in the order of time [ns].
   std::uint64_t time(std::size_t index) const;
-  /// Of the first tick at or after a time [ns].
+  /// The time of the first tick at or after a time [ns].
   std::optional<std::uint64_t> next_time(std::uint64_t time) const;
-  /// Of the latest tick at or before the time; counts from 0 without ticks.
+  /// The number of the latest tick at or before the time, or 0. Ticks without recorded numbers count from 0.
   std::int64_t tick_at(std::uint64_t time) const;
-  /// Whether a tick begins at that time.
+  /// True if a tick begins at this time.
   bool has(std::uint64_t time) const;
 
  private:
@@ -40,7 +40,7 @@ class TickClock {
     std::int64_t tick = 0;   // the first
     std::size_t earlier = 0;
     std::size_t count = 1;
-    std::uint64_t step = 0;  // [ns]; 0 if it has but one time
+    std::uint64_t step = 0;  // [ns]; 0 if all its ticks have one time
 
     std::uint64_t last_time() const { return time + step * (count - 1); }
     /// The index of the latest tick at or before a time that isn't before the first.

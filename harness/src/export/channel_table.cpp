@@ -17,7 +17,7 @@
 namespace rehearse {
 namespace {
 
-constexpr std::size_t max_columns = 65'536;  // of a table
+constexpr std::size_t max_columns = 65'536;  // limit of a table
 
 template <class Number>
 void append_number(std::string& line, Number number) {
@@ -44,7 +44,7 @@ void append_bits(std::string& line, CellKind kind, std::uint64_t bits) {
   }
 }
 
-/// points/*/tag of points/12/tag
+/// The path with * for each number of an element: points/*/tag for points/12/tag.
 std::string pattern_of(std::string_view path) {
   std::string pattern;
   for (std::size_t begin = 0; begin <= path.size();) {
@@ -132,7 +132,7 @@ class FieldTable final : public ChannelTable {
   std::set<std::string> left_out_;
 };
 
-/// The table of a type whose numbers have series: first these, then all other fields.
+/// The table of a type whose numbers have series: first the series, then all other fields.
 class WholeTable final : public ChannelTable {
  public:
   WholeTable(std::unique_ptr<ChannelTable> series, std::unique_ptr<ChannelTable> fields)

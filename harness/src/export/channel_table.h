@@ -29,7 +29,7 @@ class ChannelTable {
   static Result<std::unique_ptr<ChannelTable>> make(const mcap::Channel& channel, const mcap::Schema* schema,
                                                     bool bytes = false);
 
-  /// Reads a message; columns that occur first in it are added. False if it doesn't fit its schema.
+  /// Reads a message; columns that occur first in it are added. False if the message doesn't fit its schema.
   virtual bool read(mcap::Bytes payload) = 0;
   /// Appends the cells of the last message, each after a comma; empty cells for columns that were added later.
   virtual void append_row(std::string& line) const = 0;
@@ -38,7 +38,7 @@ class ChannelTable {
   virtual std::set<std::string> left_out() const = 0;
 };
 
-/// A channel whose numbers have names as in a Trace. Its single row is that of the last message.
+/// A channel whose numbers have names as in a Trace. Its single row contains the numbers of the last message.
 class SeriesTable final : public ChannelTable {
  public:
   /// Null if the messages have no series. `any_schema`: also types without a specific table in trace.h.
@@ -57,7 +57,7 @@ class SeriesTable final : public ChannelTable {
   ChannelRows rows_;
   std::unique_ptr<ros2msg::Decoder> decoder_;  // null: the schema is unknown
   std::unique_ptr<HeldValues> held_;
-  std::set<std::string> left_out_;  // of the first message
+  std::set<std::string> left_out_;  // fields of the first message without a column
   bool has_read_ = false;
 };
 

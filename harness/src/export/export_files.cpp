@@ -45,7 +45,7 @@ Result<void> make_folder(const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder, problem);
   if (std::filesystem::is_directory(folder, problem)) return {};
   return error(fmt::format("can't make the folder {}: {}", folder.string(),
-                           problem ? problem.message() : "there is something else of that name"));
+                           problem ? problem.message() : "a file has that name"));
 }
 
 namespace {

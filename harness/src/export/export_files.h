@@ -52,7 +52,7 @@ class LineFiles {
   Result<void> flush();
 
   std::map<std::filesystem::path, std::string> held_;
-  std::size_t size_ = 0;  // of all held lines
+  std::size_t size_ = 0;  // size of all lines that aren't written yet [bytes]
 };
 
 }  // namespace rehearse

@@ -32,7 +32,7 @@ std::vector<const mcap::Channel*> picture_channels(const ExportSource& source, E
   return channels;
 }
 
-/// Calls back with the pictures of these channels; a message that is no picture is noted.
+/// Calls back with the pictures of these channels; a message that is no picture is reported.
 Result<void> for_each_picture(ExportSource& source, const std::vector<const mcap::Channel*>& channels,
                               const std::function<Result<void>(const mcap::Message&, const PictureFile&)>& callback) {
   std::set<std::uint16_t> chosen;
@@ -57,7 +57,7 @@ std::string picture_name(std::int64_t number, std::string_view extension) {
   return fmt::format("{:06}.{}", number, extension);
 }
 
-/// Checks for existing files. The extension isn't known before the picture is: both are checked.
+/// Checks for existing files. The extension is unknown before the picture is read: both are checked.
 Result<void> check_album(const Album& album, std::int64_t number) {
   for (const auto& [extension, magic, kind] :
        {std::tuple("png", png_magic, "PNG"), std::tuple("jpg", jpeg_magic, "JPEG")}) {
@@ -76,13 +76,13 @@ Result<ExportReport> export_frames(const std::filesystem::path& trace, const std
   source->expect_passes(1);
   ExportReport report;
   const auto channels = picture_channels(*source, report);
-  if (channels.empty()) return error(fmt::format("{}: no topic that is chosen has pictures", trace.string()));
+  if (channels.empty()) return error(fmt::format("{}: no selected topic has pictures", trace.string()));
   std::map<std::uint16_t, Album> albums;
   TopicNames names;
   for (const mcap::Channel* channel : channels) {
     const std::string name = names.name_for(channel->topic);
     albums[channel->id] = {{folder / (name + ".csv"), channel->topic, 0, 3, 0}, folder / name};
-    if (const auto allowed = check_replaceable(folder / (name + ".csv"), table_magic, "table of ours"); !allowed)
+    if (const auto allowed = check_replaceable(folder / (name + ".csv"), table_magic, "table of Rehearse"); !allowed)
       return allowed.errors();
   }
   LineFiles files;
@@ -128,9 +128,9 @@ Result<ExportReport> export_video(const std::filesystem::path& trace, const std:
   if (channels.size() != 1) {
     std::string found;
     for (const mcap::Channel* channel : channels) found += (found.empty() ? "" : ", ") + channel->topic;
-    return error(fmt::format("{}: a video is of one topic with pictures; {} chosen", trace.string(),
+    return error(fmt::format("{}: a video is of one topic with pictures; {} selected", trace.string(),
                              channels.empty() ? "none is" : found + " are"),
-                 "--topics chooses it");
+                 "--topics selects it");
   }
   std::int64_t count = 0;
   std::uint64_t first = 0, last = 0;

@@ -28,7 +28,7 @@ class ExportSource {
   void expect_passes(int passes) { passes_ = passes; }
 
   const Diagnostics& damage() const { return damage_; }
-  /// Stores a problem that concerns a single message; the first fifty.
+  /// Stores a problem that concerns a single message; only the first fifty are stored.
   void note(const mcap::Channel& channel, std::string message);
 
  private:

@@ -94,12 +94,12 @@ class JoinedTable {
     std::unique_ptr<SeriesTable> table;
     std::size_t columns = 0;
     bool is_tick = false;
-    bool is_there = false;  // in the present row
+    bool is_there = false;  // the present row has a message of the channel
   };
 
   std::vector<Part> parts_;
   std::map<std::uint16_t, std::size_t> by_channel_;
-  std::optional<std::uint64_t> time_;  // of the present row [ns]
+  std::optional<std::uint64_t> time_;  // time of the present row [ns]
   bool has_ticks_ = false;
 };
 
@@ -192,7 +192,7 @@ Result<ExportReport> export_tables(const std::filesystem::path& trace, const std
   for (auto& [id, output] : *outputs) {
     output.topic.file = folder / (names.name_for(output.topic.topic) + ".csv");
     output.topic.columns = 1 + static_cast<std::int64_t>(output.table->columns().size());
-    if (const auto allowed = check_replaceable(output.topic.file, table_magic, "table of ours"); !allowed)
+    if (const auto allowed = check_replaceable(output.topic.file, table_magic, "table of Rehearse"); !allowed)
       return allowed.errors();
   }
   if (const auto made = make_folder(folder); !made) return made.errors();
@@ -225,13 +225,13 @@ Result<ExportReport> export_joined(const std::filesystem::path& trace, const std
                                    const ExportOptions& options) {
   auto source = ExportSource::open(trace, options);
   if (!source) return source.errors();
-  if (const auto allowed = check_replaceable(file, table_magic, "table of ours"); !allowed) return allowed.errors();
+  if (const auto allowed = check_replaceable(file, table_magic, "table of Rehearse"); !allowed) return allowed.errors();
   ExportReport report;
   auto joined = JoinedTable::learn(*source, report);
   if (!joined) return joined.errors();
   if (!joined->has_ticks()) {
-    return error(fmt::format("{}: nothing that is chosen is a tick, so there are no rows to join by", trace.string()),
-                 "choose /tick too; of a file without ticks, one table a topic can be had");
+    return error(fmt::format("{}: no selected message is a tick, so there are no rows to join by", trace.string()),
+                 "select /tick too; a file without ticks can be exported as one table for each topic");
   }
   LineFiles files;
   if (const auto begun = files.begin(file, joined->heading_line()); !begun) return begun.errors();

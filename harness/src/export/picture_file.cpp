@@ -19,7 +19,7 @@ namespace {
 struct PixelForm {
   std::string_view encoding;
   int channels = 1;
-  int bytes = 1;  // per channel
+  int bytes = 1;  // bytes per channel
   int color_type = PNG_COLOR_TYPE_GRAY;
   bool is_bgr = false;
   bool is_distance = false;  // float32 [m]
@@ -38,7 +38,7 @@ constexpr std::array<PixelForm, 11> pixel_forms{{{"rgb8", 3, 1, PNG_COLOR_TYPE_R
 
 constexpr std::uint32_t largest_side = 65'535;  // [pixels]
 
-/// [mm], as ROS represents distances in 16 bits.
+/// The distance in 16 bits [mm], as ROS represents it.
 std::uint16_t millimetres(float metres) {
   const double scaled = std::round(static_cast<double>(metres) * 1000.0);
   if (!std::isfinite(metres) || scaled <= 0.0) return 0;
@@ -109,7 +109,7 @@ Result<PictureFile> from_image(std::span<const std::byte> payload) {
   const std::uint64_t used = std::uint64_t{image.width} * static_cast<std::uint64_t>(form->channels * form->bytes);
   if (image.width > largest_side || image.height > largest_side || image.step < used ||
       image.data.size() < std::uint64_t{image.step} * (image.height - 1) + used) {
-    return error(fmt::format("a picture says {} x {} pixels of {} in rows of {} bytes, and has {} bytes", image.width,
+    return error(fmt::format("a picture states {} x {} pixels of {} in rows of {} bytes, but has {} bytes", image.width,
                              image.height, image.encoding, image.step, image.data.size()));
   }
   std::vector<std::uint8_t> row;

@@ -2,12 +2,12 @@
 //
 // A table has a line of column names, each with its unit in brackets if the file states it, and a line per message: log
 // time [s] to the nanosecond, then values, separated by commas, quoted as in RFC 4180. A number has enough digits to be
-// read back with the same bits; NaN, Infinity and -Infinity are written so; booleans are 1 and 0. A cell without a
-// value in a message is empty; for the types that trace.h lists it is NaN. Those types have columns with the names of
-// their series. All types then have a column for each further field, named by its path, texts included. Bytes have
-// a column only if it is asked for: else the report lists such fields.
+// read back with the same bits; NaN, Infinity and -Infinity are written as these words; booleans are 1 and 0. A cell
+// without a value in a message is empty; for the types that trace.h lists it is NaN. Those types have columns with the
+// names of their series. All types then have a column for each further field, named by its path, texts included. Bytes
+// have a column only if it is requested: else the report lists the fields of bytes.
 //
-// Files are read twice, first for the columns, and never held in memory: memory grows with columns, not with messages.
+// Files are read twice, first for the columns, and never kept in memory: memory grows with columns, not with messages.
 // A file that exists is replaced only if it is of the same kind; this is checked for all tables before anything is
 // written.
 #pragma once
@@ -25,23 +25,23 @@ namespace rehearse {
 struct ExportOptions {
   mcap::Selection selection;
   bool bytes = false;  // tables have columns of bytes, in base64
-  /// Called with the number of messages done and of all; both passes count.
+  /// Called with the number of exported messages and the number of all messages; both passes count.
   std::function<void(std::int64_t, std::int64_t)> progress;
 };
 
 /// The files written for one topic.
 struct ExportedTopic {
-  std::filesystem::path file;  // the table; for pictures the table of their times
+  std::filesystem::path file;  // the table; of pictures: the table of their times
   std::string topic;           // empty: all topics
   std::int64_t rows = 0;
-  std::int64_t columns = 0;   // time included
-  std::int64_t pictures = 0;  // in the folder beside the table, with the same name
+  std::int64_t columns = 0;   // number of columns, time included
+  std::int64_t pictures = 0;  // number of pictures, in the folder beside the table with the table's name
 };
 
 /// Fields of a topic's messages without a column.
 struct LeftOutFields {
   std::string topic;
-  std::vector<std::string> fields;  // with * for the number of an element
+  std::vector<std::string> fields;  // paths, with * for the number of an element
 };
 
 /// The reason why nothing was written for a topic.
@@ -54,7 +54,7 @@ struct ExportReport {
   std::vector<ExportedTopic> written;
   std::vector<SkippedTopic> skipped;
   std::vector<LeftOutFields> left_out;
-  Diagnostics damage;  // of the file, and messages that don't fit their schemas; all else was written
+  Diagnostics damage;  // damage of the file, and messages that don't fit their schemas; all other data was written
 };
 
 /// Writes a table for each topic, into a folder that is made if it doesn't exist.

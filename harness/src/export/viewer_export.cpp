@@ -53,7 +53,7 @@ std::optional<std::string> with_frames(const std::string& urdf, const std::strin
   return printer.CStr();
 }
 
-/// The element of a geometry that URDF has; empty for others.
+/// The URDF element of a geometry; empty if URDF has no such geometry.
 std::string urdf_of(const Geometry& geometry) {
   if (const auto* box = std::get_if<Box>(&geometry))
     return fmt::format("<box size=\"{} {} {}\"/>", box->size.x(), box->size.y(), box->size.z());
@@ -158,7 +158,7 @@ class ViewerExport {
   std::map<std::string, std::string> parents_;  // frames of links, by frames of their children
   std::uint64_t start_ = 0;                     // log time of the first message [ns]
   std::optional<std::uint16_t> rosout_;
-  std::map<std::uint16_t, std::uint16_t> markers_;  // channel of the markers, by that of the contacts
+  std::map<std::uint16_t, std::uint16_t> markers_;  // channel of the markers, by the channel of the contacts
   std::vector<std::byte> bytes_;
 };
 
@@ -224,7 +224,7 @@ void ViewerExport::add_arrow(const msg::Header& header, const msg::Point& from, 
                   {from.x + force.x * arrow_scale, from.y + force.y * arrow_scale, from.z + force.z * arrow_scale}};
 }
 
-/// The messages that are made of one of the recording.
+/// Writes the messages that are derived from a message of the recording.
 Result<void> ViewerExport::take(const mcap::Message& message, std::string_view type) {
   CdrReader cdr(message.data);
   if (type == msg::Event::type_name) {
@@ -259,7 +259,7 @@ Result<void> ViewerExport::take(const mcap::Message& message, std::string_view t
   return put(markers->second, message.log_time, array);
 }
 
-/// Viewers take a link's parent from its description, and forget poses in which it has another one.
+/// Viewers take a link's parent from its description, and discard poses with a different parent.
 Result<void> ViewerExport::copy(const mcap::Message& message, std::string_view type, std::uint16_t channel) {
   ++report_.messages;
   mcap::Bytes data = message.data;
@@ -316,7 +316,7 @@ Result<ViewerReport> ViewerExport::run() {
   if (options_.contacts && markers_.empty()) {
     report_.remarks.push_back(
         error("there are no markers of contacts: the recording has no contact forces",
-              "controllers that enable LinkContactState, and contact sensors, have them recorded"));
+              "they are recorded for controllers that enable LinkContactState, and for contact sensors"));
     report_.remarks.back().severity = Severity::warning;
   }
   return report_;

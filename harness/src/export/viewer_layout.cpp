@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* colors[] = {"#4e98e2", "#f5774d", "#f7df71", "#5cd6a9", "#61cbff", "#a395e2"};
-constexpr std::size_t most_curves = 12;  // of a plot
+constexpr std::size_t most_curves = 12;  // limit of a plot
 
 /// The parts of a recording that a layout shows.
 struct Shown {
@@ -34,7 +34,7 @@ struct Shown {
       if (topic.ends_with(end)) found.push_back(topic);
     return found;
   }
-  /// The first body with a controller; else the first one.
+  /// The first body with a controller; else the first body.
   const ScenarioBody& robot() const {
     for (const ScenarioBody& body : scenario.bodies)
       if (!body.controllers.empty()) return body;
@@ -58,8 +58,8 @@ std::vector<std::string> joint_names(const ScenarioBody& body) {
   return names;
 }
 
-/// The 3D panel: every description is shown, and the camera follows the robot. Viewers hide /robot_description until
-/// they are asked for it, and show other descriptions only in a layer of their own.
+/// The 3D panel: every description is shown, and the camera follows the robot. Viewers hide /robot_description by
+/// default, and show each other description only in a separate layer.
 Json panel_3d(const Shown& shown) {
   const ScenarioBody& robot = shown.robot();
   Json topics = Json::object(), layers = Json::object();

@@ -18,14 +18,14 @@ namespace {
 
 constexpr std::size_t channels_listed = 10, remarks_listed = 3;  // with the verdict at most fifteen lines
 
-/// Infinite if no difference is allowed.
+/// The difference in multiples of its tolerance; infinite if no difference is allowed.
 double times_tolerance_of(const Divergence& worst) {
   if (!(worst.tolerance > 0.0)) return std::numeric_limits<double>::infinity();
   return worst.difference / worst.tolerance;
 }
 
-/// Worst first: channels with missing or extra messages, then by multiples of the tolerance. Equal ones keep the order
-/// of their first difference.
+/// Worst first: channels with missing or extra messages, then by multiples of the tolerance. Equally bad channels keep
+/// the order of their first difference.
 bool is_worse(const ChannelComparison& a, const ChannelComparison& b) {
   const auto badness = [](const ChannelComparison& channel) {
     return channel.worst ? times_tolerance_of(*channel.worst) : std::numeric_limits<double>::infinity();
@@ -89,8 +89,8 @@ Result<std::string> date_of_today() {
 std::vector<std::string> moved_lines(const Comparison& comparison) {
   std::vector<ChannelComparison> channels;
   for (const ChannelComparison& channel : comparison.channels) {
-    const bool follows =
-        channel.channel == run_topics::tick || channel.channel == run_topics::transforms;  // computed from the others
+    // computed from other channels
+    const bool follows = channel.channel == run_topics::tick || channel.channel == run_topics::transforms;
     if (!follows || channel.missing > 0 || channel.extra > 0) channels.push_back(channel);
   }
   std::stable_sort(channels.begin(), channels.end(), is_worse);

@@ -22,7 +22,8 @@ namespace {
 
 using Out = std::back_insert_iterator<std::string>;
 
-/// Five digits, and none below the tolerance of the unit: a line changes only if the run changes.
+/// The number with at most five digits, none of them below the tolerance of the unit: a line changes only if the run
+/// changes.
 std::string number_text(double value, const std::string& series, const std::string& unit) {
   if (!std::isfinite(value)) return fmt::format("{}", value);
   const double least = tolerance_of(series, unit, {}).atol;

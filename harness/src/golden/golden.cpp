@@ -47,7 +47,7 @@ Result<void> check_version_of(const fs::path& golden) {
 }
 
 /// Claims a golden for a recording of this process, by the golden's file and the recording's bytes. False: a different
-/// one has claimed it.
+/// recording has claimed it.
 bool claim(const fs::path& golden, std::uint64_t content) {
   static std::map<fs::path, std::uint64_t> claims;
   return claims.emplace(golden.lexically_normal(), content).first->second == content;
@@ -120,7 +120,7 @@ Result<void> GoldenStore::check_digest(const std::string& name) const {
   const bool interrupted = fs::exists(digest_file(name).string() + ".new", ignored);
   if (stated && stated->starts_with("digest ") && !stated->starts_with(digest_form)) {
     Diagnostic older = error(fmt::format("the digest of {} is in an older form", trace_file(name).string()),
-                             "REHEARSE_GOLDEN=accept writes it anew, and leaves the recording as it is");
+                             "REHEARSE_GOLDEN=accept writes it anew, and doesn't change the recording");
     older.file = digest_file(name).string();
     return older;
   }
@@ -160,10 +160,10 @@ GoldenResult GoldenStore::settle(const std::string& name, const Trace& actual, c
   const auto content = hash_of_file(actual.file());
   if (!content) return {false, text_of(content.errors()), std::nullopt, false};
   const auto own = has(name) ? hash_of_file(trace_file(name)) : content;
-  const bool is_copy = has(name) && own && *own == *content;  // of the golden: it is any recording's that repeats it
+  const bool is_copy = has(name) && own && *own == *content;  // a copy of the golden needs no claim
   if (!is_copy && !claim(trace_file(name), *content)) {
     result.message = fmt::format(
-        "golden '{}' was claimed before by another recording of this process: give each its own "
+        "golden '{}' was claimed before by another recording of this process: give each recording its own "
         "test",
         name);
     return result;

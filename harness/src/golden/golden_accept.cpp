@@ -35,7 +35,7 @@ bool is_same_run(const Trace& golden, const Trace& run, const Comparison& compar
                              [&](const char* fact) { return of_golden.stated(fact) == of_run.stated(fact); });
 }
 
-/// A comparison with the run's own tolerances, for the verdict; none if they can't be read.
+/// A comparison with the run's own tolerances, for the verdict; without tolerances if they can't be read.
 Comparison compare_by_its_tolerances(const Trace& golden, const Trace& run) {
   const auto rules = tolerances_of(run);
   return compare(golden, run, rules ? *rules : std::vector<ToleranceRule>());
@@ -52,9 +52,10 @@ Result<Trace> load_run(const fs::path& file) {
   if (!trace) return trace;
   if (const auto known = check_trace_version(trace->metadata(), trace->file()); !known) return known.errors();
   const auto outcome = RunFacts::of(*trace).outcome;
-  if (!outcome) return error(fmt::format("{} is no finished recording, so it can be no golden", file.string()));
+  if (!outcome) return error(fmt::format("{} isn't a finished recording, so it can't become a golden", file.string()));
   if (outcome->failure)
-    return error(fmt::format("the run in {} failed, so it can be no golden: {}", file.string(), *outcome->failure));
+    return error(
+        fmt::format("the run in {} failed, so it can't become a golden: {}", file.string(), *outcome->failure));
   return trace;
 }
 
@@ -87,7 +88,7 @@ Result<void> GoldenStore::find_pending(const std::string& name) const {
   const std::vector<std::string> others = pending();
   std::string hint;
   for (std::size_t i = 0; i < std::min<std::size_t>(3, others.size()); ++i)
-    hint += (hint.empty() ? "what waits: " : ", ") + others[i];
+    hint += (hint.empty() ? "waiting: " : ", ") + others[i];
   if (others.size() > 3) hint += ", ...";
   return error(fmt::format("nothing waits to be accepted as '{}': there is no {}", name, waiting.string()), hint);
 }
@@ -167,7 +168,7 @@ Result<Accepted> GoldenStore::accept_pending(const std::string& name, const Sele
   if (selection.is_all()) return accept_pending(name);
   if (auto found = find_pending(name); !found) return found.errors();
   if (!has(name))
-    return error(fmt::format("there is no golden {}, so there is nothing to keep a part of", trace_file(name).string()),
+    return error(fmt::format("there is no golden {}, so no part of it can be kept", trace_file(name).string()),
                  "accept all of the run");
   const auto golden = Trace::load(trace_file(name));
   if (!golden) return golden.errors();
@@ -223,7 +224,7 @@ Result<void> GoldenStore::remove(const std::string& name, const fs::path& to) {
   const bool both = fs::is_regular_file(trace, failed) && fs::is_regular_file(digest, failed);
   if (name.find('/') != std::string::npos || !both || !begins_with(trace, "\x89MCAP") ||
       !begins_with(digest, "digest "))
-    return error(fmt::format("{} and {} aren't a recording and its digest, and are left alone", trace.string(),
+    return error(fmt::format("{} and {} aren't a recording and its digest, so they aren't removed", trace.string(),
                              digest.string()));
   const auto take_away = [&](const fs::path& file) {
     if (to.empty())
@@ -235,7 +236,7 @@ Result<void> GoldenStore::remove(const std::string& name, const fs::path& to) {
     take_away(file);
     if (failed) return error(fmt::format("{} can't be removed: {}", file.string(), failed.message()));
   }
-  // It has no meaning without its golden.
+  // The noise file has no meaning without its golden.
   if (fs::exists(noise_file_of(trace), failed)) take_away(noise_file_of(trace));
   return {};
 }

@@ -47,7 +47,7 @@ std::string_view name_in_map(std::string_view text) {
   return {};
 }
 
-/// `golden: NAME` or `golden: {name: NAME}` at the beginning of a line, the key quoted or not.
+/// Finds `golden: NAME` or `golden: {name: NAME}` at the beginning of a line, the key quoted or not.
 void find_in_scenario(std::string_view text, const std::string& file, Owners& owners) {
   constexpr std::string_view key = "golden:";
   for (std::size_t at = 0; at < text.size();) {

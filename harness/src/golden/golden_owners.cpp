@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A file for each golden, a line for each test.
+/// The folder with a file for each golden, which has a line for each test.
 fs::path owners_folder(const fs::path& pending) { return pending / ".owners"; }
 
 std::vector<std::string> lines_of(const fs::path& file) {

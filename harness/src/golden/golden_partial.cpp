@@ -56,11 +56,11 @@ Result<Scenario> scenario_to_run(const Trace& recording, const std::vector<fs::p
     scenario->duration = own->duration;
     return scenario;
   }
-  return error("no scenario file is what this run was recorded of, and its meshes are needed to run it again",
+  return error("no scenario file equals this run's scenario, and its meshes are needed to run it again",
                "accept all of the run, or record it again");
 }
 
-/// The libraries that execute the candidate; they may differ from the run's, and become those of the candidate.
+/// The libraries that execute the candidate; they may differ from the run's, and become the candidate's.
 Result<mcap::StringMap> controllers_of(const Trace& run, const HostOptions& options) {
   const auto reader = mcap::Reader::open(run.file());
   if (!reader) return reader.errors();
@@ -86,12 +86,12 @@ Result<std::optional<Divergence>> first_of_plant(const fs::path& candidate, cons
   return level->comparison.first_bit;
 }
 
-/// The first place where the candidate doesn't follow from itself when it is executed again; none if there is none.
+/// The first place where the candidate doesn't follow from itself when it is executed again; nullopt if there is no
+/// such place.
 Result<std::optional<std::string>> first_break(const fs::path& candidate, const Reexecution& again) {
   if (!again.run_plant)
     return std::optional<std::string>(
-        "what is kept isn't as it is in this run, and without physics nothing shows that it goes together with what is "
-        "accepted");
+        "the kept part differs from this run, and without physics nothing shows that it fits the accepted part");
   ReplayOptions options;
   static_cast<HostOptions&>(options) = again.host;
   const auto commands = replay(candidate, options);
@@ -100,10 +100,9 @@ Result<std::optional<std::string>> first_break(const fs::path& candidate, const 
   if (!plant) return plant.errors();
   if (commands->failure) return std::optional<std::string>(commands->failure->message);
   if (commands->first && !(*plant && comes_before(**plant, *commands->first)))
-    return std::optional("fed with its inputs, the controllers command something else, first at " +
+    return std::optional("with its inputs, the controllers give other commands, first at " +
                          to_string(*commands->first));
-  if (*plant)
-    return std::optional("fed with its commands, the world does something else, first at " + to_string(**plant));
+  if (*plant) return std::optional("with its commands, the world moves differently, first at " + to_string(**plant));
   return std::optional<std::string>();
 }
 
@@ -124,8 +123,8 @@ Result<fs::path> make_partial(const Trace& golden, const Trace& run, const Selec
   if (!candidate) return candidate.errors();
   if (!candidate->anything_moves())
     return error(fmt::format("nothing of {} differs from the golden", to_string(selection)),
-                 candidate->is_the_run() ? "nor does anything else"
-                                         : "what differs: " + joined(candidate->moved_but_kept(), companions_named));
+                 candidate->is_the_run() ? "nothing else differs either"
+                                         : "different: " + joined(candidate->moved_but_kept(), companions_named));
   if (candidate->is_the_run()) return fs::path(run.file());
   if (const auto& start = candidate->other_start()) return refusal(*start, *candidate);
 

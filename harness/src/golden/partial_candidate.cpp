@@ -26,7 +26,7 @@ std::uint64_t nanoseconds(double seconds) {
   return static_cast<std::uint64_t>(std::llround(std::clamp(seconds * 1e9, 0.0, most)));
 }
 
-/// True for topics that are computed from other messages of their tick: they follow these.
+/// True for topics that are computed from other messages of their tick: they come from the source of those messages.
 bool is_derived(std::string_view topic) {
   const ChannelKind kind = ChannelName::parse(topic).kind;
   return kind == ChannelKind::tick || kind == ChannelKind::checkpoint || kind == ChannelKind::transforms ||
@@ -119,8 +119,8 @@ void PartialCandidate::choose_part(const TraceChannel& channel, const Selection&
 /// Fails if mixing would require new times or new messages.
 Result<void> PartialCandidate::compare_structure(const Trace& golden, const Trace& run) const {
   if (tick_times(golden) != tick_times(run))
-    return error(fmt::format("the run has {} ticks and the golden {}, or at other times: no part of one fits into the "
-                             "other",
+    return error(fmt::format("the run has {} ticks and the golden {}, or their times differ: no part of one fits into "
+                             "the other",
                              run.ticks(), golden.ticks()),
                  "accept all of the run");
   for (const auto& [topic, part] : parts_) {
@@ -129,10 +129,10 @@ Result<void> PartialCandidate::compare_structure(const Trace& golden, const Trac
     if ((part.whole && from_ == 0 && until_ == std::numeric_limits<std::uint64_t>::max()) ||
         topic == run_topics::events)
       continue;
-    return error(fmt::format("the channel {} {}, so the golden can't keep it as it is", topic,
+    return error(fmt::format("the channel {} {}, so the golden can't keep it unchanged", topic,
                              !of_run      ? "isn't in the run"
                              : !of_golden ? "isn't in the golden"
-                                          : "is of another type in the run"),
+                                          : "has another type in the run"),
                  fmt::format("accept it too: --channel '{}'", topic));
   }
   return {};
@@ -151,7 +151,7 @@ Result<void> PartialCandidate::mix_tick(std::vector<Message> run, std::vector<Me
       if (!used[i] && golden[i].topic == message.topic) return used[i] = true, &golden[i];
     return nullptr;
   };
-  std::vector<std::pair<Message, const Message*>> derived;  // with the golden's
+  std::vector<std::pair<Message, const Message*>> derived;  // each with the golden's message
   for (Message& message : run) {
     const Message* of_golden = counterpart(message);
     if (is_derived(message.topic)) {
@@ -264,8 +264,8 @@ void PartialCandidate::follow_tick(Message& message, const Message& golden, Tick
 
 void PartialCandidate::note_mixed(std::uint64_t time, std::string_view kept, std::string_view accepted) {
   if (!mixed_)
-    mixed_ = fmt::format("at {} s {} is kept and {} is accepted, and they are made together", seconds_of(time), kept,
-                         accepted);
+    mixed_ = fmt::format("at {} s {} is kept and {} is accepted, but both must come from one run", seconds_of(time),
+                         kept, accepted);
 }
 
 Result<void> PartialCandidate::write(const Trace& run, const mcap::StringMap& controllers,

@@ -21,7 +21,7 @@ namespace rehearse {
 /// differences that are not selected. All messages are in memory.
 class PartialCandidate {
  public:
-  /// Fails if the two can't be mixed (different ticks, different channels), or if a pattern matches nothing.
+  /// Fails if golden and run can't be mixed (different ticks, different channels), or if a pattern matches nothing.
   static Result<PartialCandidate> make(const Trace& golden, const Trace& run, const Selection& selection);
 
   /// True if a selected message differs from the golden.
@@ -30,30 +30,30 @@ class PartialCandidate {
   bool is_the_run() const { return moved_but_kept_.empty(); }
   /// Topics with kept messages that differ in the run, by their first difference.
   const std::vector<std::string>& moved_but_kept() const { return moved_but_kept_; }
-  /// The reason why it doesn't begin as a run of its scenario; none if it does.
+  /// The reason why the candidate doesn't begin as a run of its scenario; nullopt if it does.
   const std::optional<std::string>& other_start() const { return other_start_; }
-  /// The place where messages that depend on each other come from both the golden and the run; none if there is no such
-  /// place.
+  /// The place where messages that depend on each other come from both the golden and the run; nullopt if there is no
+  /// such place.
   const std::optional<std::string>& mixed() const { return mixed_; }
 
   /// Writes the candidate, with the run's attachments, outcome and provenance; the entries of `controllers` replace
-  /// those of the provenance.
+  /// entries of the provenance.
   Result<void> write(const Trace& run, const mcap::StringMap& controllers, const std::filesystem::path& file) const;
 
  private:
   struct Message {
-    std::string_view topic;  // of run_ or golden_
+    std::string_view topic;  // a text in topics_
     std::uint64_t time = 0;  // [ns]
     std::vector<std::byte> data;
   };
   /// The selected part of a channel.
   struct Part {
     bool whole = false;
-    std::set<std::string> elements;  // of a JointState, if not whole
+    std::set<std::string> elements;  // selected elements of a JointState, if not whole
   };
   /// The sources of differing messages, of one stage in one tick.
   struct Sources {
-    std::string_view run, golden;  // a topic; empty: no differing message came from it
+    std::string_view run, golden;  // a topic with a differing message from the source; empty: none
   };
   struct TickSources {
     std::array<Sources, 5> stages;  // by Stage
@@ -75,7 +75,7 @@ class PartialCandidate {
   std::map<std::string, Part, std::less<>> parts_;  // by topic
   std::uint64_t from_ = 0, until_ = 0;              // [ns]
   std::vector<Message> messages_;
-  std::set<std::string, std::less<>> topics_;  // messages refer to these
+  std::set<std::string, std::less<>> topics_;  // the texts to which messages refer
   std::vector<std::string> moved_but_kept_;
   bool anything_moves_ = false;
   bool first_tick_ = true;

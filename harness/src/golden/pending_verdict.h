@@ -1,5 +1,5 @@
-// The verdict of the check on a pending run, stored beside its trace. A person reads it to decide, and it is written
-// into the golden.
+// The verdict of the check on a pending run, stored beside its trace. A person reads it before a decision. An
+// acceptance writes it into the golden.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -9,7 +9,7 @@
 
 namespace rehearse {
 
-/// Writes it beside the trace, as NAME.verdict. Fails if it can't be written, or the trace can't be read.
+/// Writes the verdict beside the trace, as NAME.verdict. Fails if it can't be written, or if the trace can't be read.
 Result<void> keep_verdict(const std::filesystem::path& trace, const std::string& verdict);
 
 /// The stored verdict. Empty: no check has judged this trace, byte by byte.

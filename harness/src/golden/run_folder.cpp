@@ -111,7 +111,7 @@ Result<std::string> WaitingRun::publish(std::string& text) {
   std::string told;
   const fs::path ours = folder() / trace_.filename();
   if (written_meanwhile && fs::exists(ours, failed) && fs::exists(trace_, failed) && !same_content(trace_, ours))
-    told = fmt::format("another run left other bits in {} while this one went on; now this run waits there",
+    told = fmt::format("another run has written other bits to {} during this run; this run has replaced them",
                        trace_.string());
   if (!written_meanwhile || fs::exists(ours, failed)) {
     for (const fs::path& old : {trace_, pending_ / "plant" / trace_.filename()}) {

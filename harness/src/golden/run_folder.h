@@ -1,4 +1,4 @@
-// Separate folders for parallel runs, so that none finds the files of another. Internal.
+// Separate folders for parallel runs, so that no run finds the files of another run. Internal.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -9,7 +9,7 @@
 
 namespace rehearse {
 
-/// Locks a folder for one process at a time, during its lifetime. Waits for the others. Creates the folder if it
+/// Locks a folder for one process at a time, during its lifetime. Waits for other processes. Creates the folder if it
 /// doesn't exist.
 class FolderLock {
  public:
@@ -22,8 +22,8 @@ class FolderLock {
   int descriptor_;
 };
 
-/// A folder inside another that no other run uses; it is removed with its contents. A folder left by a killed process
-/// is removed by the next run there.
+/// A folder inside another folder for one run; it is removed with its contents. The next run there removes the folder
+/// of a killed process.
 class RunFolder {
  public:
   static Result<RunFolder> make(const std::filesystem::path& parent);
@@ -44,14 +44,14 @@ class RunFolder {
 /// pictures, a report) are moved to the pending folder.
 class WaitingRun {
  public:
-  /// `pending`: the pending folder. `name`: of the golden.
+  /// `pending`: the pending folder. `name`: name of the golden.
   static Result<WaitingRun> begin(const std::filesystem::path& pending, const std::string& name);
 
   const std::filesystem::path& folder() const { return folder_.path(); }
 
-  /// Moves the files in the folder. If there is no trace, the pending one from before the run is removed, because it is
-  /// out of date. Paths in `text` are adapted. Returns a message if another run of this golden wrote there meanwhile;
-  /// else empty.
+  /// Moves the files in the folder. If there is no trace, removes the pending trace from before the run, which is out
+  /// of date. Paths in `text` are adapted. Returns a message if another run of this golden wrote there meanwhile; else
+  /// empty.
   Result<std::string> publish(std::string& text);
 
  private:

@@ -19,7 +19,7 @@ bool needs_all_ticks(const Scenario& scenario, const TraceColumn& column) {
          });
 }
 
-/// A recording of an earlier version doesn't state the devices that controllers read: then all may be.
+/// A recording of an earlier version doesn't state the devices that controllers read: then any device may be read.
 bool may_be_read(const RunFacts& facts, const ChannelName& name) {
   const bool is_of_device = !name.owner.empty() && !name.is_of_link();
   return is_of_device && (!facts.devices_read || facts.devices_read->contains(name.body + "/" + name.owner));

@@ -40,7 +40,7 @@ struct HostedController {
   bool optional = false;  // the run continues if it refuses
 
   std::shared_ptr<ControllerLibrary> library;
-  /// Null: the run has no joystick. It holds slots whose code is in the library.
+  /// Null: the run has no joystick. It contains slots whose code is in the library.
   std::unique_ptr<HostJoystick> joystick;
   std::unique_ptr<cnoid::SimpleController> controller;
   std::unique_ptr<ControllerIo> io;
@@ -101,7 +101,7 @@ class ControllerHost {
   const std::vector<HostedController>& controllers() const { return controllers_; }
   /// Files that the controllers have opened to read, as "BODY/NAME: file" and their content.
   std::map<std::string, std::string> files_read() const;
-  /// The content of those that a recording contains, by the names of the attachments (input_copies.h).
+  /// The contents of the files that a recording contains, by the names of the attachments (input_copies.h).
   const std::map<std::string, std::string>& input_copies() const { return input_copies_; }
   /// Hashes of all inputs and of all outputs of the controllers in this tick.
   std::uint64_t input_hash(const Observation& seen) const;
@@ -109,7 +109,7 @@ class ControllerHost {
 
   /// The first failure that ends the run: a controller threw, crashed, hung or refused.
   const std::optional<Diagnostic>& failure() const { return failure_; }
-  /// How the call ended that is the failure; returned: it is no failed call.
+  /// The end of the call that failed; returned: the failure is no failed call.
   CallEnd failed_by() const { return failed_by_; }
   /// True if a controller that isn't optional refused to configure, initialise or start; failure() then reports this.
   bool any_refused() const { return refused_; }

@@ -58,9 +58,9 @@ std::vector<fs::path> built_folders(const fs::path& project, const std::string& 
   return folders;
 }
 
-/// The folders in which a controller is searched by its name: folders named by the user, the builds of the project, and
-/// the folder of this installation. A program that runs from a build of the project uses controllers of that build
-/// alone: others may be made with different compilers, or with sanitizers.
+/// The folders in which a controller is searched by its name: the user's folders, the builds of the project, the folder
+/// of this installation. A program that runs from a build of the project uses controllers of that build alone. Other
+/// controllers may be made with different compilers, or with sanitizers.
 std::vector<fs::path> search_folders(const std::string& name, const fs::path& directory) {
   const fs::path own = own_library_folder() / "rehearse" / "controllers";
   std::vector<fs::path> folders = stated_folders();
@@ -103,8 +103,7 @@ std::string readable(std::string message) {
 }
 
 /// The changes that the library made to the process while it was loaded. A library that is in memory already makes no
-/// changes; then those of its first load are returned, so that the remarks of a run don't depend on earlier runs in the
-/// process.
+/// changes. Then the changes of its first load are returned, so that the remarks of a run don't depend on earlier runs.
 std::vector<std::string> remarks_on_loading(const std::string& name, const std::string& content_hash,
                                             const CallOutcome& outcome) {
   static auto& told = *new std::map<std::string, std::vector<std::string>>;
@@ -175,7 +174,7 @@ Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::pat
   const std::string name = "controller library '" + file.filename().string() + "'";
   if (const auto before = interrupted_libraries().find(absolute); before != interrupted_libraries().end())
     return error(name + " can't be loaded again in this process: before, it " + before->second,
-                 "its static objects are in pieces; another process can load it");
+                 "its static objects are incomplete; another process can load it");
   std::string problem;
   // Its static objects are constructed here: code of the library's author.
   ProcessGuard::instance().begin(library->threads_, true);

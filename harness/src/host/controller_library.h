@@ -17,7 +17,7 @@ class SimpleController;
 namespace rehearse {
 
 /// Finds the file of a library. `name` with a slash or the ending .so is a path, relative to `directory`, else to the
-/// working directory. Any other name is searched as NAME.so and libNAME.so in three places: the folders of
+/// working directory. Any other name is searched as NAME.so and libNAME.so in three places. These are the folders of
 /// REHEARSE_CONTROLLER_PATH (separated by colons), the builds of the project (the newest first), and
 /// lib/rehearse/controllers beside this library. The project is that of `directory` or of the working directory. A
 /// program that was built in the project searches its own build alone. Fails with the list of searched places.

@@ -33,11 +33,11 @@ extern "C" {
 
 extern rehearse::DebugPlace rehearse_now;
 
-/// Set by a debugger: rehearse_at_tick() is called from that tick on, in that run and those after it.
+/// Set by a debugger: rehearse_at_tick() is called from that tick on, in that run and all later ones.
 extern volatile long rehearse_stop_run;
 extern volatile long rehearse_stop_tick;
 
-/// A place for breakpoints. Has no effect.
+/// Does nothing: a place for breakpoints.
 void rehearse_at_tick(long tick, const char* controller, cnoid::SimpleController* object);
 
 }  // extern "C"

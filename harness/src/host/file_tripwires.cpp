@@ -12,9 +12,9 @@
 
 namespace {
 
-/// The functions that would be called without these replacements. They are looked up when this library is loaded: a
-/// look-up takes the lock of the dynamic linker, and a call that was ended while a library was loaded holds this lock
-/// for ever.
+/// The functions that would be called without these replacements. They are looked up when this library is loaded,
+/// because a look-up takes the lock of the dynamic linker. A call that was ended while a library was loaded holds this
+/// lock for ever.
 struct NextFunctions {
 #define REHEARSE_MEMBER(function) \
   decltype(&(::function)) function##_ = reinterpret_cast<decltype(&(::function))>(dlsym(RTLD_NEXT, #function));

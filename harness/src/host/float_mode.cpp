@@ -22,7 +22,7 @@ const char* name_of_rounding(unsigned int bits) {
   }
 }
 
-/// `masked`: a bit that is 0 enables a trap of the processor.
+/// Adds the enabled traps of the processor. `masked`: a bit that is 0 enables a trap.
 void add_traps(unsigned int masked, std::vector<std::string>& deeds) {
   constexpr const char* names[] = {"invalid operations", "denormal numbers", "division by zero",
                                    "overflow",           "underflow",        "inexact results"};

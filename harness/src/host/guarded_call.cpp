@@ -105,7 +105,7 @@ class Watchdog {
     if (!watchdog_) watchdog_ = new Watchdog;
     return *watchdog_;
   }
-  /// A forked process has no thread of the one before.
+  /// A forked process lacks its parent's watchdog thread.
   static void forget() { watchdog_ = nullptr; }
 
   void begin(double limit) {

@@ -36,8 +36,8 @@ CallOutcome guarded_call(const std::function<void()>& code, double limit);
 /// Installs the signal handlers that end calls. The first guarded_call() does so at the latest.
 void prepare_guarded_calls();
 
-/// Must be called in a process that was forked to make guarded calls of its own, outside of a guarded call: the thread
-/// that limits their time isn't in it.
+/// Must be called outside of a guarded call in a process that was forked to make guarded calls of its own. The thread
+/// that limits their time isn't in such a process.
 void watch_calls_after_fork();
 
 /// Must be called when code of a controller has been loaded. Such code stays in memory until the process ends. Its

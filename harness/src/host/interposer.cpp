@@ -95,7 +95,7 @@ Result<fs::path> interposer_library() {
   const fs::path file = own_library_folder() / library_name;
   std::error_code ignored;
   if (fs::is_regular_file(file, ignored)) return file;
-  return error("the interposer isn't there: " + file.string(), "it is installed beside Rehearse's other libraries");
+  return error("the interposer is missing: " + file.string(), "it is installed beside Rehearse's other libraries");
 }
 
 Result<std::map<std::string, std::optional<std::string>>> interposer_environment(const InterposerSettings& settings) {

@@ -2,8 +2,9 @@
 // system.
 //
 // It logs the calls (audit/call_log.h), and replaces the system's answers if requested: a different time, different
-// random numbers, different thread schedules. It does so only for calls made by a controller: on the thread that called
-// it, during the call, with the controller's own code on the stack; and on threads that it created.
+// random numbers, different thread schedules. It does so only for calls made by a controller. These are calls on the
+// thread that called it, during the call, with the controller's own code on the stack; and calls on threads that it
+// created.
 #pragma once
 
 #include <rehearse/diagnostic.h>

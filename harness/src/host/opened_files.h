@@ -1,9 +1,9 @@
 // Files that controllers open to read. These are inputs that a recording doesn't contain, so it contains their names
 // and hashes.
 //
-// The C library's functions that open files lead through replacements (file_tripwires.cpp). They note the name in a
-// fixed table, without a lock or the heap, because a call may be ended at any instruction. The content of the file is
-// read after the call.
+// Replacements of the C library's functions that open files (file_tripwires.cpp) note the name in a fixed table. They
+// use neither a lock nor the heap, because a call may be ended at any instruction. The content of the file is read
+// after the call.
 #pragma once
 
 #include <string>

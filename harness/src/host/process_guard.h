@@ -2,9 +2,9 @@
 //
 // A controller runs in the host's process and may change its state: the working directory, signal handlers, the locale,
 // file descriptors. Comparing all of this around each call of control() would cost more than the call. So functions
-// that change it lead through replacements (process_tripwires.cpp). The first of them in a guarded call stores the
-// state of the process, and put_right() compares after the call. Calls that aren't made in every tick are always
-// checked; this also finds changes made past those functions.
+// that change it have replacements (process_tripwires.cpp). The first of them in a guarded call stores the state of the
+// process, and put_right() compares after the call. Calls that aren't made in every tick are always checked; this also
+// finds changes made past those functions.
 //
 // Two resources of a run are protected in advance: signals that end a call, and protected file descriptors.
 #pragma once

@@ -39,10 +39,10 @@ namespace {
 using rehearse::ProcessGuard;
 using rehearse::ThreadCount;
 
-/// The functions that would be called without these replacements. They are looked up when this library is loaded: a
-/// look-up takes the lock of the dynamic linker, and a call that was ended while a library was loaded or unloaded holds
-/// this lock for ever. A macro instead of a template, because clang gives functions that return and functions that
-/// don't the same type name.
+/// The functions that would be called without these replacements. They are looked up when this library is loaded,
+/// because a look-up takes the lock of the dynamic linker. A call that was ended while a library was loaded or unloaded
+/// holds this lock for ever. A macro instead of a template, because clang gives functions that return and functions
+/// that don't the same type name.
 #define REHEARSE_TRIPWIRES(FUNCTION)                                                                                  \
   FUNCTION(exit)                                                                                                      \
   FUNCTION(_exit) FUNCTION(_Exit) FUNCTION(quick_exit) FUNCTION(chdir) FUNCTION(fchdir) FUNCTION(umask)               \
@@ -262,7 +262,8 @@ pid_t fork() noexcept {
 /// As fork(): a caller of vfork() must not return before the child has ended, so the real vfork() can't be called here.
 pid_t vfork() noexcept { return fork(); }
 
-/// Passes six words on, as the C library does, whatever the caller gave; the sanitizer would object to the others.
+/// Passes on six words, as the C library does, whatever number the caller gave; AddressSanitizer would report the
+/// missing ones.
 __attribute__((no_sanitize("address"))) long syscall(long number, ...) noexcept {
   va_list more;
   va_start(more, number);

@@ -18,14 +18,14 @@ struct ContactProperties {
 
 class ContactMaterials {
  public:
-  /// Adds a table; what it states goes before what is there.
+  /// Adds a table; its entries replace earlier ones.
   void read(const YamlNode& root, body::Document& document);
 
   /// The pair that Choreonoid's own table begins with: Default with itself has the friction 0.5.
   void add_default_pair() { pairs_[{"Default", "Default"}] = {}; }
 
-  /// What applies between two materials. Of a pair that isn't listed: the geometric mean of both roughnesses, and of
-  /// what both viscosities leave; a name that no table has counts as Default.
+  /// Friction and restitution between two materials. If the pair isn't listed, the friction is the geometric mean of
+  /// both roughnesses, and the restitution that of 1 minus each viscosity. A name that no table has counts as Default.
   ContactProperties between(const std::string& a, const std::string& b) const;
 
   bool has(const std::string& name) const { return materials_.contains(name); }
@@ -42,7 +42,7 @@ class ContactMaterials {
   std::map<std::array<std::string, 2>, ContactProperties> pairs_;  // names ascending
 };
 
-/// The name by which tables know a material: without a name, and `default`, it is Default.
+/// The name of a material in the tables: Default for an empty name and for `default`, else unchanged.
 std::string material_name(const std::string& written);
 
 }  // namespace rehearse::import

@@ -45,7 +45,7 @@ constexpr Reason reasons[] = {
     {"MulticopterSimulatorItem", "the forces of rotors and of air aren't simulated", true},
     {"SubmersibleSimulatorItem", "the forces of water aren't simulated", true},
     {"SimulatorItem", "another simulator item is taken", false},
-    {"SceneItem", "is drawn and never touched", false},
+    {"SceneItem", "is drawn and has no contacts", false},
     {"LightingItem", "belongs to the display", false},
     {"CameraItem", "belongs to the display", false},
     {"VisualizerItem", "belongs to the display", false},
@@ -62,7 +62,7 @@ constexpr Reason reasons[] = {
 };
 
 const Reason& reason_of(const std::string& type) {
-  static constexpr Reason unknown{"", "its class is not known here", true};
+  static constexpr Reason unknown{"", "its class is unknown", true};
   const auto found = std::find_if(std::begin(reasons), std::end(reasons),
                                   [&](const Reason& reason) { return type.ends_with(reason.ending); });
   return found == std::end(reasons) ? unknown : *found;
@@ -87,9 +87,9 @@ std::optional<fs::path> ProjectReader::find_file(const std::string& written, con
     return !fs::exists(options_.share / rest, ignored) && fs::exists(in_checkout, ignored) ? in_checkout
                                                                                            : options_.share / rest;
   }
-  document().error(at, fmt::format("{} is below ${{{}}}, and where that is isn't known", in_quotes(written), variable),
+  document().error(at, fmt::format("{} is below ${{{}}}, whose folder is unknown", in_quotes(written), variable),
                    variable == "SHARE" ? "--share DIR: Choreonoid's share folder, which has default/materials.yaml"
-                                       : "only ${SHARE} and ${PROJECT_DIR} are known here");
+                                       : "only ${SHARE} and ${PROJECT_DIR} have a value");
   return std::nullopt;
 }
 

@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 
 constexpr double least = 1e-12;  // smaller displacements and angles are zero
 
-/// By Choreonoid's index of a joint: the link that it moves. Joints with an id first, then the others in the order of
-/// links, those of free links too.
+/// The link that a joint with Choreonoid's index moves. Joints with an id come first, then all others in the order of
+/// links, including the joints of free links.
 int link_of_joint(const Model& model, int index) {
   std::map<int, int> by_id;
   std::vector<int> others;
@@ -116,7 +116,7 @@ void ProjectReader::read_model(Mapping& keys, ProjectBody& body) {
   model_errors_.insert(model_errors_.end(), model.errors().begin(), model.errors().end());
 }
 
-/// A mesh file is a body of one fixed link: a .body around it is written.
+/// Writes a .body file around a mesh file: a body of one fixed link.
 void ProjectReader::wrap_mesh(const fs::path& mesh, ProjectBody& body) {
   body.model_file = body.name + ".body";
   files_[body.model_file] = fmt::format(
@@ -125,7 +125,8 @@ void ProjectReader::wrap_mesh(const fs::path& mesh, ProjectBody& body) {
       yaml_text(body.name), yaml_text(seen_from_folder(mesh)));
 }
 
-/// The run begins at the initial pose: without one at the world's origin, wherever the project shows the body.
+/// Reads the pose at which the run begins: the initial pose, else the world's origin, wherever the project shows the
+/// body.
 void ProjectReader::read_pose(Mapping& keys, ProjectBody& body) {
   body.pose.translation() =
       keys.vector({"initial_root_translation", "initialRootPosition"}).value_or(Eigen::Vector3d::Zero());
@@ -183,7 +184,7 @@ void ProjectReader::read_root(Mapping& keys, ProjectBody& body) {
                        "jointType: free of the root link in the model's file");
 }
 
-/// A body below another that is attached to it is where the project shows it.
+/// A body that is attached to the body above it has the pose that the project shows.
 void ProjectReader::attach(const ProjectItem& item, Mapping& keys, ProjectBody& body) {
   const bool is_attached =
       keys.flag({"enable_attachment"}).value_or(false) || keys.text({"parent_body_linkage"}).value_or("") == "attached";
@@ -251,7 +252,7 @@ ProjectController ProjectReader::read_controller(const ProjectItem& item, std::s
     if (child->type != "SimpleControllerItem") continue;
     if (item.parent->type == "SimpleControllerItem")
       document().error(*child->node, fmt::format("the controller {} is a child of a child", in_quotes(child->name)),
-                       "a scenario's controllers have children, which have none");
+                       "a scenario's controllers have children, but these have none");
     else
       controller.children.push_back(read_controller(*child, names));
   }

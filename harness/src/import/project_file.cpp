@@ -36,7 +36,7 @@ void read_item(const YamlNode& node, ProjectFile& file, ProjectItem& item) {
   }
 }
 
-/// The time bar, which says how long and how fine a run is when its simulator doesn't.
+/// Reads the time bar, whose length and rate apply if the simulator item has none.
 void read_time_bar(const YamlNode& toolbars, ProjectFile& file) {
   Mapping bars(toolbars, "the toolbars", file.document);
   const YamlNode* bar = bars.find({"TimeBar"});

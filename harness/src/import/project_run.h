@@ -1,4 +1,4 @@
-// What a project simulates, before it is written as a scenario.
+// The run of a project, before it is written as a scenario.
 #pragma once
 
 #include <rehearse/model.h>
@@ -58,17 +58,17 @@ struct ProjectSettings {
   const ProjectItem* simulator = nullptr;  // null: the project has none
   double time_step = 0.001;                // [s]
   double duration = 0.0;                   // [s]
-  std::string why_so_long;                 // why it is that long, for a comment
+  std::string why_so_long;                 // reason of the duration, for a comment
   bool ends_when_done = false;
   std::string options;
   std::vector<std::pair<std::string, std::string>> solver;  // keys of a scenario's solver, as they are written
   std::optional<Eigen::Vector3d> gravity;                   // [m/s²]; nullopt: the usual one
-  double friction = 1.0;                                    // of the simulator item: of belts
+  double friction = 1.0;                                    // of the simulator item: friction of belts
   double belt_depth = 0.005;                                // belts don't drive deeper contacts [m]; 0: they do
   bool joint_limits = false;
   bool is_planar = false;
   bool is_kinematic = false;
-  std::optional<std::vector<std::string>> cameras;  // patterns of names that a GLVisionSimulatorItem names
+  std::optional<std::vector<std::string>> cameras;  // patterns of names in a GLVisionSimulatorItem
   bool has_vision = false;
 };
 
@@ -101,7 +101,7 @@ class ProjectReader {
   ProjectController read_controller(const ProjectItem& item, std::set<std::string>& names);
 
   // import.cpp
-  /// The place of a file that the project names; reports it if its variable isn't known.
+  /// The file that the project names; an unknown variable in its path is reported.
   std::optional<std::filesystem::path> find_file(const std::string& written, const YamlNode& at);
   std::string seen_from_folder(const std::filesystem::path& file) const;
   std::string unique_name(const std::string& wanted, std::set<std::string>& names) const;

@@ -60,7 +60,7 @@ void ProjectReader::read_settings() {
   settings_.time_step = 1.0 / file_.frame_rate;
   if (settings_.simulator == nullptr) {
     settings_.duration = options_.duration.value_or(file_.max_time);
-    settings_.why_so_long = options_.duration ? "" : "as the time bar says";
+    settings_.why_so_long = options_.duration ? "" : "as in the time bar";
     if (options_.simulator.empty())
       document().warning(*world_->node, "the project has no simulator item; step and length are those of the time bar",
                          "--duration S changes the length");

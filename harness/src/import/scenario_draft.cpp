@@ -54,7 +54,7 @@ class ScenarioDraft {
   void write_materials();
   void line(const std::string& text) { text_ += text + "\n"; }
 
-  /// The material of a link by which contacts are decided.
+  /// The material of a link that decides its contacts.
   std::string material_of(const Link& link) const {
     return link.joint.type == JointType::track ? belt : material_name(link.material);
   }
@@ -205,7 +205,7 @@ std::string ScenarioDraft::write(const std::string& name, const std::string& pro
     line(fmt::format("\ncameras: [{}]", fmt::join(*settings_.cameras, ", ")));
   const auto has_controllers = [](const ProjectBody& body) { return !body.controllers.empty(); };
   if (std::any_of(bodies_.begin(), bodies_.end(), has_controllers))
-    line("\njoystick: []    # at rest; a project doesn't say what a person does with it");
+    line("\njoystick: []    # at rest; a project contains no moves of it");
   return std::move(text_);
 }
 

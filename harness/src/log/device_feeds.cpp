@@ -216,7 +216,7 @@ class RangeFeed : public BulkFeed {
     return {};
   }
 
-  /// Remarks once: beams are matched by their number, independent of their angles.
+  /// Adds a remark, once, if the angles differ: beams are matched by their number, independent of their angles.
   void compare_angles(const msg::LaserScan& scan, const RangeSensor& sensor, const std::string& name) {
     const double lower = static_cast<double>(scan.angle_min), step = static_cast<double>(scan.angle_increment);
     const double allowed = std::max(sensor.yaw.step() / 2, 1e-3);
@@ -227,7 +227,7 @@ class RangeFeed : public BulkFeed {
         source().place, error(fmt::format("the scans on '{}' go from {:.4g} to {:.4g} rad, and the model's '{}' from "
                                           "{:.4g} to {:.4g}",
                                           source().topic, lower, upper, name, sensor.yaw.lower, sensor.yaw.upper),
-                              "beams are taken by their numbers")));
+                              "beams are matched by their numbers")));
     remark.severity = Severity::warning;
   }
 
@@ -238,7 +238,7 @@ class RangeFeed : public BulkFeed {
   MessageReader<msg::PointCloud2> cloud_;
 };
 
-/// Compares the messages of a camera about itself with the model; controllers don't get them.
+/// Compares the camera_info messages with the model's camera; controllers don't get them.
 class CameraInfoFeed : public DeviceFeed {
  public:
   CameraInfoFeed(const DeviceSource& source, const Model& model, const ros2msg::Schema& schema)
@@ -272,7 +272,7 @@ class CameraInfoFeed : public DeviceFeed {
                           "'{}' {} x {} and {:.5g}",
                           source().topic, info.width, info.height, measured, name, camera.width, camera.height,
                           focal_length),
-              "a controller is told of the model's")));
+              "a controller gets the values of the model")));
     remark.severity = Severity::warning;
   }
 

@@ -199,7 +199,7 @@ class RootFeed : public LogFeed {
       if (!message) return misfit(payload);
       const auto found = std::find_if(message->transforms.begin(), message->transforms.end(),
                                       [this](const auto& one) { return one.child_frame_id == source_.frame; });
-      if (found == message->transforms.end()) return {};  // of other frames
+      if (found == message->transforms.end()) return {};  // transforms of other frames
       const msg::Vector3& place = found->transform.translation;
       pose = {{place.x, place.y, place.z}, found->transform.rotation};
     } else if (source_.has_covariance) {

@@ -115,7 +115,7 @@ void ClockEstimate::add(std::int64_t stamp, std::int64_t log_time) {
   least_ = std::min(least_, delay);
   most_ = std::max(most_, delay);
   const Point point{static_cast<double>(stamp - first_stamp_), static_cast<double>(delay - first_delay_)};
-  if (!hull_.empty() && point.x <= hull_.back().x) return;  // stamps go on, but for a few late messages
+  if (!hull_.empty() && point.x <= hull_.back().x) return;  // stamps increase, except for a few late messages
   ++count_;
   sum_x_ += point.x;
   const auto is_above = [&] {  // the last point is above the line from the one before it to the new one

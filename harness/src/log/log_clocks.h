@@ -2,7 +2,7 @@
 //
 // Times of messages are the log's, or those of their header.stamp. If a map uses both, stamps are converted to the
 // log's clock. The offset and the drift between the clocks follow from the delays of all messages, log time minus
-// stamp: the line below all delays that is nearest to their mean, which is an edge of their lower convex hull.
+// stamp. They are those of the line below all delays that is nearest to their mean: an edge of their lower convex hull.
 #pragma once
 
 #include <rehearse/diagnostic.h>

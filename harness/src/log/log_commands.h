@@ -47,10 +47,10 @@ class CommandReader {
   std::unique_ptr<Readers> readers_;
 };
 
-/// The member for what a controller commands in that field; null: it isn't q, dq or u of a joint.
+/// The member for a command field; null: the field isn't q, dq or u of a joint.
 std::optional<double> CommandedJoint::*commanded_part(const IoField& field);
 
-/// Keeps the larger magnitudes of both; numbers that aren't finite are ignored.
+/// Raises the magnitudes in `largest` to those of `joints` where these are larger; ignores numbers that aren't finite.
 void keep_largest(CommandedJoints& largest, const CommandedJoints& joints);
 
 /// Facts of a whole log for the comparison of its commands.
@@ -76,9 +76,9 @@ class LogCommands {
   /// Adds the next message; it must not be earlier than the one before it. Fails with the reason if it can't be read.
   Result<void> take(std::int64_t time, mcap::Bytes payload);
 
-  /// True if at least three of four ticks have a command: one without it lacks it.
+  /// True if at least three of four ticks have a command. Then a tick without a command lacks a message.
   bool come_each_tick() const { return 4 * facts_.messages >= 3 * ticks_.size(); }
-  /// False: the tick is before the first message, or after the last.
+  /// True if the tick is neither before the first message nor after the last one.
   bool covers(std::int64_t tick) const;
   /// The commands of a tick, not before those that were read last; earlier ones are dropped. Null: no message can be
   /// attributed to the tick. On a grid it is the last message from the tick until the next. If ticks are messages, it
@@ -107,7 +107,7 @@ class LogCommands {
   const CommandFacts facts_;
   const int shift_;
   CommandReader reader_;
-  std::vector<double> tolerances_;  // by number, once they are known
+  std::vector<double> tolerances_;  // by number; empty before the first comparison
   std::deque<Sample> samples_;
 };
 

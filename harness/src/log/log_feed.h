@@ -46,7 +46,7 @@ class LogFeed {
   virtual std::vector<UnreadableMessage> take_unreadable() { return {}; }
   /// The joints without a message while others of the topic had some.
   virtual std::vector<SilentJoint> silent_joints() const { return {}; }
-  /// The names of those whose silence became a gap since the last call.
+  /// The names of the joints whose silence became a gap since the last call.
   virtual std::vector<std::string> take_silences() { return {}; }
   /// Remarks on the messages, each once.
   virtual Diagnostics take_remarks() { return {}; }

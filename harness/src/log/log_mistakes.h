@@ -15,7 +15,7 @@ namespace rehearse {
 /// Names that never occur, several names or sources of one joint, commands of which no message can be read.
 Diagnostics mistakes_in_names(const std::vector<MappedSource>& sources, const LogSurvey& survey, const Model& model);
 
-/// Fails if the log has none of the numbers that the controllers command; a remark names those that it lacks.
+/// Fails if the log has none of the numbers that the controllers command; a remark names the missing ones.
 Result<void> check_commands(const ControllerHost& host, const Model& model, const CommandSource& source,
                             const SourceSurvey& survey, Diagnostics& remarks);
 

@@ -117,7 +117,7 @@ void LogObservations::add_gap_event(Fed& fed, std::int64_t tick, std::string wha
                            fed.gap_events == max_gap_events ? "; further gaps of it are counted only" : "");
 }
 
-/// Computes the poses of links from the joints and the root link; velocities are known for the root alone.
+/// Computes the poses of links from the joints and the root link; velocities are available for the root alone.
 void LogObservations::place_links() {
   BodyObservation& body = seen_.bodies[0];
   Eigen::Isometry3d root = Eigen::Isometry3d::Identity();

@@ -28,8 +28,8 @@ class LogObservations final : public ObservationSource {
   /// A tick may need messages that are later than it by less than this [ns].
   std::int64_t lookahead() const { return lookahead_; }
   const LogTicks& ticks() const { return ticks_; }
-  /// True if the controller may have had another message in the last tick: one is missing in the log, or came so near
-  /// to the tick that it may belong to the one before or after.
+  /// True if the controller may have had another message in the last tick. Either one is missing in the log, or one
+  /// came so near to the tick that it may belong to the tick before or after.
   bool may_miss_input() const;
 
   /// Adds the next message in the order of the log, with its time [ns].

@@ -52,7 +52,7 @@ std::pair<std::uintmax_t, fs::file_time_type> state_of(const fs::path& file) {
   return {fs::file_size(file, ignored), fs::last_write_time(file, ignored)};
 }
 
-/// The hash of all bytes of a file; of the files that a rosbag2 folder names.
+/// The hash of all bytes of a file, or of the files that a rosbag2 folder names.
 Result<std::string> hash_of(const fs::path& log) {
   std::vector<fs::path> files{log};
   std::error_code ignored;
@@ -173,13 +173,13 @@ Result<void> LogReplayer::make_ticks(std::int64_t start, std::int64_t end) {
   if (ticks > most)
     return in_file(log_.name(), error(fmt::format("it has {:.0f} s, and a recording has at most {:.0f}",
                                                   ticks * map_.time_step, Scenario::max_duration),
-                                      "say until when: --until"));
+                                      "limit the time: --until"));
   if (ticks < 1.0) return in_file(log_.name(), error("there is no tick to replay", "look at --until"));
   ticks_ = static_cast<std::int64_t>(ticks);
   return {};
 }
 
-/// The nominal time step has to be that of the messages: missing ones are found by it.
+/// Fails unless the nominal time step is the interval of the messages: missing messages are found by it.
 Result<void> LogReplayer::check_interval() const {
   const auto source = std::find_if(sources_.begin(), sources_.end(), [this](const MappedSource& mapped) {
     return mapped.source->topic == map_.tick->topic;
@@ -237,7 +237,7 @@ Result<void> LogReplayer::run_ticks_before(std::int64_t time) {
   return {};
 }
 
-/// Makes the first tick: its posture becomes the scenario's, and the inputs of the controller are known only now.
+/// Makes the first tick: its posture becomes the scenario's, and the inputs of the controller are determined only now.
 Result<void> LogReplayer::begin() {
   const BodyObservation& seen = observations_->look_first();
   if (Diagnostics unreadable = observations_->unreadable_sources(); !unreadable.empty()) return unreadable;
@@ -363,7 +363,7 @@ Result<void> LogReplayer::finish() {
   if (report_.has_commands && report_.values == 0 && !report_.failure) {
     Diagnostic& remark = report_.remarks.emplace_back(
         at(map_.commands->place,
-           error(fmt::format("nothing was compared: '{}' has none of what the controller commands in these ticks",
+           error(fmt::format("nothing was compared: '{}' has no number that the controller commands in these ticks",
                              map_.commands->topic),
                  "look at its joints and quantities, and at shift")));
     remark.severity = Severity::warning;
@@ -416,7 +416,7 @@ std::vector<LogMap> LogReplayer::maps_with_other_ticks() const {
 }
 
 /// Replays a log again with other ticks, up to some ticks after the first difference. Sets the report's timing to the
-/// first with which nine of ten ticks that differ agree.
+/// first ticks with which nine of ten ticks that differ agree.
 void try_other_ticks(mcap::Reader& log, const std::vector<LogMap>& maps, const std::shared_ptr<const Model>& model,
                      const std::vector<LogTopic>& topics, LogReplayOptions options, LogReplayReport& report) {
   constexpr double ticks_after = 2000, most_ticks = 100'000;
@@ -446,7 +446,7 @@ Result<LogReplayReport> replay_log(const fs::path& log, const fs::path& trace, c
   auto reader = mcap::Reader::open(log);
   if (!reader) return reader.errors();
   const std::vector<LogTopic> topics = topics_of(**reader);
-  if (topics.empty()) return in_file(log.string(), error("it holds no channel", "expected a ROS 2 bag"));
+  if (topics.empty()) return in_file(log.string(), error("it contains no channel", "expected a ROS 2 bag"));
   UrdfOptions urdf;
   urdf.meshes = UrdfOptions::Meshes::skip;  // nothing collides, and nothing is rendered
   auto model = load_model(options.model, urdf);

@@ -34,8 +34,8 @@ struct LogReplayOptions : HostOptions {
   std::function<void(std::int64_t done, std::int64_t all)> progress;
 };
 
-/// Spans in which values at ticks were older than the map allows; the last value was held. Times are seconds from the
-/// first tick on.
+/// Spans in which values at ticks were older than the map allows; the ticks used the last value. Times are seconds from
+/// the first tick on.
 struct LogGaps {
   double worst_age = 0.0;          // largest age of a value at a tick [s]
   double worst_age_at = 0.0;       // time of that tick [s]
@@ -74,8 +74,8 @@ struct LogTopicReport : LogGaps {
   /// Messages that were replaced between two ticks, or came before the first or after the last.
   std::int64_t skipped = 0;
   std::int64_t out_of_order = 0;  // messages after one of a later log time in the file
-  std::int64_t same_stamp = 0;    // messages with the time of the one before them
-  std::int64_t backwards = 0;     // messages with an earlier time than the one before them; they are not used
+  std::int64_t same_stamp = 0;    // messages with the time of the previous message
+  std::int64_t backwards = 0;     // messages with an earlier time than the previous message; they are not used
   std::int64_t unreadable = 0;    // messages that can't be read; they are not used
   std::vector<LogUnreadable> unreadable_for;  // the first reasons, in the order of their first messages
   std::vector<SilentJoint> silent_joints;
@@ -93,7 +93,7 @@ struct LogTickReport {
   double interval = 0.0;          // between two messages, median [s]
   double rate = 0.0;              // of the messages [Hz], estimated from all of them
   double drift = 0.0;             // of their interval from time_step, relative
-  double jitter = 0.0;            // nine of ten messages are so near to their regular times [s]
+  double jitter = 0.0;            // nine of ten messages are within this time of their regular times [s]
   double phase = 0.0;             // of the ticks after the messages [s]; negative: before
   std::int64_t missing = 0;       // ticks whose message is missing
   std::optional<double> latency;  // from a tick to its command, median [s]
@@ -102,12 +102,12 @@ struct LogTickReport {
 
 /// A timing of the commands at which nine of ten ticks that differ agree.
 struct LogTiming {
-  /// The log has the commands so many ticks later; none: at the tick before or after, or see tick_topic.
+  /// The log has the commands this number of ticks later; none: at the tick before or after, or see tick_topic.
   std::optional<int> shift;
-  /// Other ticks, with which the log was replayed again: each message of this topic. Empty: the map's.
+  /// Other ticks, with which the log was replayed again: each message of this topic. Empty: the map's ticks.
   std::string tick_topic;
   double time_step = 0.0;  // with tick_topic [s]
-  std::int64_t ticks = 0;  // compared so; without shift and topic, the ticks that differ
+  std::int64_t ticks = 0;  // ticks compared with this timing; without shift and topic, the ticks that differ
   std::int64_t different = 0;
 };
 
@@ -118,7 +118,7 @@ struct JoystickMove {
   std::vector<std::pair<std::string, bool>> buttons;
 };
 
-/// What a log tells of the beginning of its run, and of the joystick.
+/// The beginning of a log's run, and the moves of the joystick.
 struct LogStart {
   struct Root {
     Eigen::Vector3d position = Eigen::Vector3d::Zero();  // [m]
@@ -152,7 +152,7 @@ struct LogReplayReport : Differences {
   LogStart begin;
   double time_step = 0.0;             // of the controller [s]
   std::string body;                   // the robot's name in channels
-  MappedController controller;        // the map's settings of it
+  MappedController controller;        // the map's settings of the controller
   int channels = 0;                   // of the trace
   std::int64_t frames = 0;            // colour pictures in the trace
   std::uintmax_t bytes = 0;           // size of the trace
@@ -166,8 +166,9 @@ struct LogReplayReport : Differences {
   std::int64_t ticks_unknown() const { return ticks_without_command + ticks_in_doubt; }
 };
 
-/// Replays a log and writes the trace. Fails, and writes nothing, if the replay can't begin: a log without messages, a
-/// map that doesn't fit the log or the model, a controller that reads inputs without a source in the map.
+/// Replays a log and writes the trace. Fails, and writes nothing, if the replay can't begin. Reasons are a log without
+/// messages, a map that doesn't fit the log or the model, or a controller that reads inputs without a source in the
+/// map.
 Result<LogReplayReport> replay_log(const std::filesystem::path& log, const std::filesystem::path& trace,
                                    const LogReplayOptions& options);
 

@@ -41,7 +41,7 @@ class Requirements {
  private:
   void miss(const std::string& what, std::string hint) {
     Diagnostic finding =
-        error(fmt::format("controller '{}' reads {}, which nothing in the map gives", label_, what), std::move(hint));
+        error(fmt::format("controller '{}' reads {}, which has no source in the map", label_, what), std::move(hint));
     finding.file = map_.file;
     missing_.push_back(std::move(finding));
   }
@@ -76,7 +76,7 @@ class Requirements {
     const std::string what = fmt::format("{} of joint '{}'", name_of(field.quantity), link.joint.name);
     if (map_.joints.empty()) return miss(what, "joints: the topic of a JointState would give it");
     if (field.quantity == Quantity::dq && given.q)
-      return miss(what, "the messages have no velocity; velocity: differentiate would make it of the positions");
+      return miss(what, "the messages have no velocity; velocity: differentiate would compute it from the positions");
     if (given.q || given.dq || given.u) return miss(what, "the messages have no such values of it");
     const std::vector<std::string> names(strangers_.begin(), strangers_.end());
     const std::vector<std::string> near = near_names(link.joint.name, names);
@@ -100,7 +100,7 @@ class Requirements {
     if (std::holds_alternative<RangeSensor>(device.kind)) key = "ranges";
     const bool never = std::holds_alternative<ContactSensor>(device.kind);
     miss(fmt::format("device '{}'", device.name),
-         never ? "no message of a log has what it measures"
+         never ? "no message of a log has its measurements"
                : fmt::format("{}: {{topic: ..., device: {}}} would give it", key, device.name));
   }
 

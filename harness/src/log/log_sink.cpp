@@ -9,8 +9,8 @@
 
 namespace rehearse {
 
-/// Begins a doubt if the command of this tick or of one of the next may rest on a message that is late, or that the log
-/// doesn't have.
+/// Begins a doubt if the command of this tick or a following one may depend on a message that is late or missing in the
+/// log.
 void LogSink::note_irregularity(std::int64_t tick, bool has_command) {
   const LogTicks& ticks = log_.ticks();
   if (ticks.is_nominal() || !agreed_) return;
@@ -94,7 +94,7 @@ void LogSink::end_doubt() {
       at(map_.tick->place,
          error(fmt::format("the commands differ from tick {} on, after a message that is missing or late",
                            in_doubt_[0].differences[0].tick),
-               "a controller that keeps a state differs then, even if it is the robot's")));
+               "a controller with a state then differs, even if it is the robot's")));
   remark.severity = Severity::warning;
   for (Judged& tick : in_doubt_) report(std::move(tick));
   in_doubt_.clear();

@@ -54,7 +54,8 @@ class LogSink final : public RecordingSink {
   LogReplayReport& report_;
   /// A late message may also be taken for one of a later tick.
   static constexpr int ticks_of_doubt = 5;
-  /// After so many ticks in a row that differ they count: missing or late messages don't explain them.
+  /// After this number of successive ticks that differ, the differences count: missing or late messages don't explain
+  /// them.
   static constexpr std::size_t longest_doubt = 100;
   CommandTiming timing_;
   JoystickReading joystick_;      // at the last tick

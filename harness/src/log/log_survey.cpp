@@ -65,7 +65,7 @@ class JointSurvey {
     if (!commanded) return fail(commanded.errors()[0], found);
     any_read_ = true;
     found.unreadable.reset();
-    idle_ = joint_messages;  // all others have the same joints
+    idle_ = joint_messages;  // later messages have the same joints
     for (std::size_t id = 0; id < commanded->size(); ++id) {
       const CommandedJoint& joint = (*commanded)[id];
       if (joint.q || joint.dq || joint.u)

@@ -44,9 +44,10 @@ struct SourceSurvey {
 
 struct LogSurvey {
   std::vector<SourceSurvey> sources;  // parallel to those of the map
-  /// Times of the messages that make ticks [ns], rising; of two with the same time one. Empty: ticks are a grid.
+  /// Times of the messages that make ticks [ns], rising; messages with the same time count once. Empty: ticks are a
+  /// grid.
   std::vector<std::int64_t> tick_messages;
-  DurationCounts latencies;          // of commands after the last tick's message, if there are such
+  DurationCounts latencies;          // of commands after the last tick's message, if there are any
   std::int64_t latest = 0;           // largest delay of a message's log time after its time [ns]
   CommandedJoints largest_commands;  // magnitudes, if a tolerance of the map is relative; else empty
   Diagnostics damage;                // damage of the log

@@ -1,8 +1,8 @@
-// TickPlan: where the ticks of a map lie relative to the messages of their topic.
+// TickPlan: the times of a map's ticks relative to the messages of their topic.
 //
-// Ticks are the messages, or a grid at their regular times. Those of commands are earlier by the latency of the
-// controller. If the map doesn't state it, each tick is half-way between the last message of an input and the command.
-// Then the input is read in the right tick whatever the jitter of both, up to half of the time between them.
+// Ticks are the messages, or a grid at their regular times. Ticks of a topic of commands are earlier by the latency of
+// the controller. If the map doesn't state it, each tick is half-way between the last message of an input and the
+// command. Then the input is read in the right tick whatever the jitter of both, up to half of the time between them.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -42,7 +42,7 @@ class TickPlan {
   RegularTimes regular_;
   std::int64_t shift_ = 0;    // of the ticks after the messages [ns]
   std::int64_t latency_ = 0;  // [ns]
-  std::string trigger_;       // the input from which the latency was measured, or the grid's
+  std::string trigger_;       // topic of the input from which the latency was measured, or of the grid
   TickWindow of_trigger_, of_others_;
 };
 

@@ -92,7 +92,7 @@ LogTicks LogTicks::at_regular_times(const RegularTimes& times, std::int64_t shif
 RegularTimes regular_times(const std::vector<std::int64_t>& messages, double time_step) {
   RegularTimes times{messages.front(), time_step * 1e9, 0};
   if (messages.size() < 3) return times;
-  // A loop that tracks phase and rate numbers the messages: the numbers go on where some are missing.
+  // A loop that tracks phase and rate numbers the messages: the numbers continue where messages are missing.
   constexpr double phase_gain = 0.1, rate_gain = 0.002;
   double phase = 0.0, rate = 0.0, last = 0.0;  // relative to a grid of the time step [steps]
   std::vector<double> numbers, off;            // of each message; off: from that grid [ns]
@@ -136,7 +136,7 @@ std::int64_t LogTicks::grid_time(std::int64_t origin, std::int64_t ticks) const 
   return origin + static_cast<std::int64_t>(nanoseconds_of(ticks, step_));
 }
 
-/// Few ticks have no message, so that a message's place in the list is hardly before its tick's number.
+/// Few ticks have no message, so that a message's index in the list is hardly less than its tick's number.
 std::vector<LogTicks::Message>::const_iterator LogTicks::message_from(std::int64_t tick) const {
   const auto last = static_cast<std::int64_t>(messages_.size()) - 1;
   auto to = messages_.begin() + std::clamp<std::int64_t>(tick - messages_.front().tick, 0, last);

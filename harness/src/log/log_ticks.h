@@ -33,7 +33,7 @@ class DurationCounts {
 struct RegularTimes {
   std::int64_t origin = 0;  // [ns]
   double period = 0.0;      // [ns]
-  std::int64_t jitter = 0;  // nine of ten messages are so near to their regular times [ns]
+  std::int64_t jitter = 0;  // nine of ten messages are within this time of their regular times [ns]
 };
 
 /// Fits regular times to messages by least squares. Late messages, which are far off, are left out. `messages` are
@@ -57,7 +57,7 @@ class LogTicks {
   static LogTicks at_messages(const std::vector<std::int64_t>& messages, std::int64_t start, double time_step,
                               std::int64_t shift = 0);
 
-  /// The same for a grid of regular times up to `end` [ns].
+  /// As at_messages(), for a grid of regular times up to `end` [ns].
   static LogTicks at_regular_times(const RegularTimes& times, std::int64_t shift, std::int64_t start, std::int64_t end,
                                    double time_step);
 

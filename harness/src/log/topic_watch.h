@@ -36,16 +36,16 @@ class TopicWatch {
   /// Adds the time of the next message in the order of the log [ns]. False: it is earlier than the last message, and
   /// isn't used.
   bool came(std::int64_t time);
-  /// The message of that time, which no tick has read yet, can't be read: it isn't used.
+  /// Rejects the message of that time, which can't be read. No tick may have read it yet.
   void reject(std::int64_t time);
   /// A tick reads the topic; `both_sides`: it also reads the next message.
   enum class Age { none_yet, fresh, held, gap_begins, gap };
   Age look(std::int64_t time, double seconds, bool both_sides);
   /// Messages in that window around a tick may have come before or after it.
   void doubt(const TickWindow& window) { window_ = window; }
-  /// True if the last tick may have had another message. One may be missing: the tick is half a period or more after
-  /// the last one, and the next one is more than one and a half periods after that. Or one is in the window. Messages
-  /// up to a period after the tick have to be there.
+  /// True if the last tick may have had another message. One may be missing: the tick is at least half a period after
+  /// the last one, and the next one is over one and a half periods after that. Or one is in the window. Messages up to
+  /// a period after the tick have to be there.
   bool may_miss() const { return may_miss_; }
   /// Sets all members except names. `start`: the time of tick 0 [ns].
   void report(LogTopicReport& report, std::int64_t start) const;

@@ -44,7 +44,7 @@ class TopicReader {
     if (schema && contents.topic.problem.empty()) decoder_ = std::make_unique<ros2msg::Decoder>(*std::move(schema));
   }
 
-  /// False: enough was read.
+  /// Adds the facts of a message; false: enough messages were read.
   bool take(const mcap::Message& message) {
     if (contents_.messages == most_messages) return false;
     if (contents_.messages++ > 0) intervals_.push_back(static_cast<double>(message.log_time - last_) * 1e-9);

@@ -1,4 +1,4 @@
-// LogContents: the facts of a log's topics that a first map is made of, from the beginning of the log.
+// LogContents: the facts of a log's topics from which a first map is made; they are read from the log's beginning.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -33,13 +33,13 @@ enum class TopicUse {
 struct TopicContents {
   LogTopic topic;
   TopicUse use = TopicUse::other;
-  std::uint64_t messages = 0;       // that were read
+  std::uint64_t messages = 0;       // number of messages that were read
   std::optional<double> interval;   // median distance of two messages [s]
   double unevenness = 0.0;          // largest relative difference of a distance from the median
   std::optional<double> stamp_lag;  // median of log time less header.stamp [s]
   std::string frame;                // header.frame_id of the first message
   std::vector<std::string> names;   // of joints, in order of first use
-  bool has_position = false, has_velocity = false, has_effort = false;  // any message has some
+  bool has_position = false, has_velocity = false, has_effort = false;  // true if any message has one
   std::string encoding;                                                 // of pictures
   std::uint32_t width = 0, height = 0;                                  // of pictures [pixels]
   std::size_t numbers = 0;  // of a message: the beams of a scan, the numbers of an array

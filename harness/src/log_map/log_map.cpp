@@ -46,13 +46,12 @@ void LogMapReader::read(const YamlNode& root) {
   if (const YamlNode* node = keys.find("commands")) read_commands(*node);
   if (const YamlNode* node = keys.find("tick")) read_tick(*node);
   if (const YamlNode* node = keys.find("tolerances")) {
-    Scenario place;  // holds the list, which has the form of a scenario's
+    Scenario place;  // read_tolerances() writes the list into it, in the form of a scenario's tolerances
     place.file = map_.file;
     read_tolerances(findings_, *node, place);
     map_.tolerances = std::move(place.tolerances);
     if (!keys.find("commands"))
-      findings_.error(*node, "'tolerances' without 'commands'",
-                      "they are of commands that the log has: commands: TOPIC");
+      findings_.error(*node, "'tolerances' without 'commands'", "they apply to commands of the log: commands: TOPIC");
   }
   check_something_is_mapped(root);
 }
@@ -105,8 +104,9 @@ void LogMapReader::read_tick(const YamlNode& node) {
   const bool is_of_commands = map_.commands && map_.commands->topic == source.topic;
   source.before_commands = is_of_commands && (latency || source.grid);
   if (latency && !is_of_commands) {
-    findings_.error(*latency, fmt::format("'latency' of '{}', which isn't the topic of the commands", source.topic),
-                    "expected topic: that of commands, which come some time after their ticks");
+    findings_.error(*latency,
+                    fmt::format("'latency' is given for '{}', which isn't the topic of the commands", source.topic),
+                    "expected the topic of the commands, which come some time after their ticks");
   } else if (latency && !(latency->kind == YamlNode::Kind::scalar && latency->text == "measured")) {
     source.latency = read_number(findings_, *latency, "latency", {0.0, Scenario::max_time_step, "[s], or measured"});
   }

@@ -46,7 +46,7 @@ struct LogSource {
 struct TickSource : LogSource {
   bool grid = false;              // evenly spaced, with the rate and the phase of the messages; false: at the messages
   std::optional<double> latency;  // of commands: from the tick to the message [s]; nullopt: measured
-  bool before_commands = false;   // the topic is that of the commands, and ticks are their latency earlier
+  bool before_commands = false;   // the topic contains the commands, and ticks are earlier by the latency
 };
 
 /// Converts the log's name and numbers of a joint to the model's: q = scale * position + offset, dq = scale * velocity,

@@ -54,11 +54,11 @@ class LogMapReader {
   /// The topic of that name that has one of the sets of fields; null, and an error is reported, if there is none.
   const LogTopic* find_topic(const YamlNode& node, std::string_view label, const std::vector<Needs>& needs,
                              std::string_view what, LogSource& source);
-  /// The keys of a source that may also be a topic alone; then none.
+  /// The keys of a source; none if the source is a topic alone.
   std::optional<Keys> keys_of(const YamlNode& node, std::string_view owner,
                               std::initializer_list<std::string_view> known);
-  /// The settings that all sources have: clock, clock_offset and, unless its default is nullopt, max_age; the map's
-  /// where the source has none. Null keys: the source is a topic alone.
+  /// The settings that all sources have: clock, clock_offset and, unless its default is nullopt, max_age. A setting
+  /// that the source lacks is the map's. Null keys: the source is a topic alone.
   void read_source(const Keys* keys, LogSource& source, std::optional<double> max_age);
   void check_clock(const YamlNode& node, const LogTopic& topic, const LogSource& source);
   void read_sampling(const Keys& keys, LogSource& source);

@@ -92,8 +92,8 @@ void LogMapReader::check_clock(const YamlNode& node, const LogTopic& topic, cons
                     "expected clock: log_time, which every message has");
   const auto [first, is_new] = clocks_.emplace(topic.name, std::pair(source.clock, node.line));
   if (!is_new && first->second.first != source.clock)
-    findings_.error(node, fmt::format("'{}' has another clock here", shortened(topic.name)),
-                    fmt::format("expected that of line {}", first->second.second));
+    findings_.error(node, fmt::format("'{}' has a different clock here", shortened(topic.name)),
+                    fmt::format("expected the clock of line {}", first->second.second));
 }
 
 std::optional<Keys> LogMapReader::keys_of(const YamlNode& node, std::string_view owner,
@@ -183,7 +183,7 @@ void LogMapReader::read_joints(const YamlNode& node) {
     if (velocity && velocity->kind == YamlNode::Kind::scalar && velocity->text == "differentiate") {
       source.differentiate = true;
     } else if (velocity && (velocity->kind != YamlNode::Kind::scalar || velocity->text != "message")) {
-      expected(findings_, *velocity, "velocity", "message (what it says) or differentiate (from two positions)");
+      expected(findings_, *velocity, "velocity", "message (the velocity in it) or differentiate (from two positions)");
     }
   }
   const YamlNode* topic = keys ? keys->require("topic", name_of_topic) : &node;
@@ -195,7 +195,7 @@ void LogMapReader::read_joints(const YamlNode& node) {
     findings_.error(*topic, fmt::format("'{}' has no positions to differentiate", source.topic),
                     "expected velocity: message");
   if (!joint_topics_.insert(source.topic).second)
-    findings_.error(*topic, fmt::format("'{}' is a source of joints twice", source.topic), "once is enough");
+    findings_.error(*topic, fmt::format("'{}' is a source of joints twice", source.topic), "name it once");
   map_.joints.push_back(std::move(source));
 }
 
@@ -223,7 +223,7 @@ void LogMapReader::read_root(const YamlNode& node) {
     source.frame = frame ? read_text(findings_, *frame, "frame", "the name of the root link's frame").value_or("")
                          : model_.links[0].name;
   } else if (frame) {
-    findings_.error(*frame, fmt::format("'frame' of '{}', which isn't a TFMessage", source.topic),
+    findings_.error(*frame, fmt::format("'frame' is given for '{}', which isn't a TFMessage", source.topic),
                     "it is for /tf: the child frame of the transform");
   }
   source.has_covariance = found->has("pose/pose/position/x");
@@ -294,7 +294,7 @@ void LogMapReader::read_joystick(const YamlNode& node) {
 
 /// For an array of numbers: reads their joints and their quantity.
 void LogMapReader::read_array_commands(const Keys& keys, CommandSource& source) {
-  const YamlNode* joints = keys.require("joints", "the joints that the numbers are of, in order; ~ for none");
+  const YamlNode* joints = keys.require("joints", "the joint of each number, in order; ~ for none");
   if (joints != nullptr) {
     if (const auto* list = read_list(findings_, *joints, "joints", "a list of joints in the order of the numbers"))
       for (const YamlNodePtr& item : *list) {
@@ -337,17 +337,17 @@ void LogMapReader::read_commands(const YamlNode& node) {
   if (found == nullptr) return;
   source.is_array = !found->has("name/*", text) && !found->has("joint_names/*", text);
   if (source.is_array && !keys) {
-    findings_.error(*topic, fmt::format("'{}' is an array of numbers, of joints that it doesn't name", source.topic),
+    findings_.error(*topic, fmt::format("'{}' is an array of numbers, which doesn't name its joints", source.topic),
                     "expected {topic: ..., joints: [...], quantity: effort}");
   } else if (source.is_array) {
     read_array_commands(*keys, source);
     if (const YamlNode* names = keys->find("names"))
-      findings_.error(*names, "'names' of an array of numbers",
+      findings_.error(*names, "'names' is given for an array of numbers",
                       "expected joints: the joints in the order of the numbers");
   } else if (keys) {
     for (const char* key : {"joints", "quantity"})
       if (const YamlNode* of_arrays = keys->find(key))
-        findings_.error(*of_arrays, fmt::format("'{}' of a topic that names its joints", key),
+        findings_.error(*of_arrays, fmt::format("'{}' is given for a topic that names its joints", key),
                         "it is for arrays of numbers; names: renames joints");
   }
   map_.commands = std::move(source);

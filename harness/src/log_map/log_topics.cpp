@@ -7,7 +7,7 @@
 namespace rehearse {
 namespace {
 
-/// More than any message has; it stops schemas whose types unfold to millions of fields.
+/// More than any message has. The limit rejects schemas whose types unfold to millions of fields.
 constexpr std::size_t max_fields = 10'000;
 
 class FieldList {
@@ -15,7 +15,7 @@ class FieldList {
   FieldList(const ros2msg::Schema& schema, std::map<std::string, FieldContent>& fields)
       : schema_(schema), fields_(fields) {}
 
-  /// False: there are too many fields.
+  /// Adds the fields of a type; false: there are too many.
   bool add(const ros2msg::Definition& definition, const std::string& prefix) {
     for (const ros2msg::FieldDefinition& field : definition.fields) {
       const ros2msg::FieldType& type = field.type;

@@ -28,7 +28,7 @@ struct LogTopic {
 /// A topic with messages of that type. A schema that can't be read is the topic's problem.
 LogTopic log_topic(std::string name, std::string message_encoding, const mcap::Schema* schema);
 
-/// The topics of a log, sorted by name. Channels of one topic are merged; different types of them are its problem.
+/// The topics of a log, sorted by name. Channels of one topic are merged; different types become the topic's problem.
 std::vector<LogTopic> topics_of(const mcap::Reader& log);
 
 }  // namespace rehearse

@@ -144,7 +144,7 @@ std::string MapDraft::names_text(const JointMatch& match) const {
   return text;
 }
 
-/// Sources of joints: the topic that has the most, then those that add some.
+/// Writes the sources of joints: the topic with the most joints, then topics that add some.
 void MapDraft::write_joints() {
   std::set<std::string> missing(joints_.begin(), joints_.end());
   std::vector<std::pair<const TopicContents*, JointMatch>> chosen;
@@ -232,7 +232,8 @@ const TopicContents* MapDraft::find_topic_for(const Device& device, const std::v
   return nullptr;
 }
 
-/// Whether a camera or a range sensor has the size of the log's messages; empty: it has, or it isn't known.
+/// A remark if the size of a camera or a range sensor differs from that of the log's messages; empty: equal, or
+/// unknown.
 std::string MapDraft::remark_on_size(const Device& device, const TopicContents& topic) {
   if (const auto* camera = std::get_if<Camera>(&device.kind);
       camera && topic.width != 0 &&
@@ -247,7 +248,7 @@ std::string MapDraft::remark_on_size(const Device& device, const TopicContents& 
   return "";
 }
 
-/// The line of a device's source; empty if no topic fits it. `devices`: the number of its kind.
+/// The line of a device's source; empty if no topic fits it. `devices`: the number of devices of its kind.
 std::string MapDraft::device_line(const Device& device, TopicUse use, std::size_t devices) {
   const auto is_depth = [](const TopicContents* topic) {
     return topic->encoding.starts_with("32FC1") || topic->encoding.starts_with("16UC1");
@@ -324,8 +325,8 @@ void MapDraft::write_root() {
   }
   line("");
   if (found == nullptr)
-    return line(fmt::format("# root: ...    # the pose of {} is known by no Odometry, nor by a PoseStamped of its name",
-                            root.name));
+    return line(
+        fmt::format("# root: ...    # no Odometry, and no PoseStamped of its name, has the pose of {}", root.name));
   used_.insert(found->topic.name);
   line(fmt::format("root: {}    # {}", yaml_text(found->topic.name), why));
 }
@@ -343,9 +344,10 @@ void MapDraft::write_joystick() {
   line(fmt::format("joystick: {}    # unsure: {}", yaml_text(topics[0]->topic.name), why));
 }
 
-/// The commands: a JointState whose name says so and that has the most joints, else an array of numbers.
+/// Writes the commands: a JointState that its name marks as commands and that has the most joints, else an array of
+/// numbers.
 void MapDraft::write_commands() {
-  if (commands_ == nullptr) return line("\n# commands: ...    # no topic's name says that it has the robot's commands");
+  if (commands_ == nullptr) return line("\n# commands: ...    # no topic has a name for the robot's commands");
   used_.insert(commands_->topic.name);
   line("");
   if (commands_->use == TopicUse::joint_states) {
@@ -367,7 +369,7 @@ void MapDraft::write_unused() {
   bool any = false;
   for (const TopicContents& topic : topics_) {
     if (used_.contains(topic.topic.name) || topic.use == TopicUse::other) continue;
-    if (!any) line("\n# Topics that could be inputs, and that nothing above uses:");
+    if (!any) line("\n# Topics that could be inputs, and are not used above:");
     any = true;
     line(fmt::format("#   {} ({}{}){}", topic.topic.name, topic.topic.type,
                      topic.frame.empty() ? "" : ", frame " + topic.frame,

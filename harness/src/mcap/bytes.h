@@ -28,7 +28,7 @@ class ByteWriter {
     out_.insert(out_.end(), bytes, bytes + sizeof(T));
   }
   void put_bytes(std::span<const std::byte> bytes) { out_.insert(out_.end(), bytes.begin(), bytes.end()); }
-  void put_string(std::string_view text);  // with its length of four bytes
+  void put_string(std::string_view text);  // a length of four bytes, then the text
   void put_map(const std::map<std::string, std::string>& map);
 
   /// Begins a record: opcode, and a length that end_record() fills in.
@@ -70,7 +70,7 @@ class ByteReader {
     bytes_ = bytes_.subspan(count);
     return taken;
   }
-  std::string get_string();  // with its length of four bytes
+  std::string get_string();  // a length of four bytes, then the text
   std::map<std::string, std::string> get_map();
 
   bool ok() const { return ok_; }

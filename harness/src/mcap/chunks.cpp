@@ -37,16 +37,16 @@ std::string ChunkOpener::describe(const OpenedChunk& chunk) const {
   switch (chunk.fault) {
     case OpenedChunk::Fault::none: return {};
     case OpenedChunk::Fault::too_short:
-      return fmt::format("damaged: the chunk at byte {} is too short for what it says", chunk.offset);
+      return fmt::format("damaged: the chunk at byte {} is shorter than its fields state", chunk.offset);
     case OpenedChunk::Fault::too_large:
-      return fmt::format("damaged: the chunk at byte {} says that it holds {} bytes decompressed; {} is the limit",
+      return fmt::format("damaged: the chunk at byte {} states {} bytes decompressed, more than the limit of {}",
                          chunk.offset, chunk.head.uncompressed_size, options_.max_chunk_size);
     case OpenedChunk::Fault::not_decompressed:
       return fmt::format("damaged: the chunk at byte {} can't be decompressed: {}", chunk.offset, chunk.reason);
     case OpenedChunk::Fault::wrong_crc:
       return fmt::format("damaged: the CRC of the chunk at byte {} doesn't match", chunk.offset);
   }
-  REHEARSE_ASSERT(false, "a fault that doesn't exist");
+  REHEARSE_ASSERT(false, "the value is no Fault");
 }
 
 namespace {

@@ -10,9 +10,9 @@ namespace rehearse::mcap {
 /// The records of a chunk, or the reason why they can't be read.
 struct OpenedChunk {
   enum class Fault { none, too_short, too_large, not_decompressed, wrong_crc } fault = Fault::none;
-  std::uint64_t offset = 0;  // of the chunk in the file
-  ChunkHead head;            // unless it is too short
-  Bytes records;             // decompressed; in the buffer, or in the chunk itself
+  std::uint64_t offset = 0;  // offset of the chunk in the file
+  ChunkHead head;            // valid unless the chunk is too short
+  Bytes records;             // decompressed records, in the buffer or in the chunk itself
   std::string reason;        // why the records can't be decompressed
 
   bool ok() const { return fault == Fault::none; }
@@ -37,7 +37,7 @@ class ChunkOpener {
 /// The channels that share chunks in a file, so that a copy separates pictures from numbers as the file did.
 class ChannelGroups {
  public:
-  /// A chunk with messages of these channels.
+  /// Adds a chunk with messages of these channels.
   void add_chunk(std::string_view compression, std::span<const std::uint16_t> channels);
   /// Adds a chunk with messages of unknown channels. Its compression is used for all channels without another chunk.
   void add_chunk(std::string_view compression);
@@ -45,13 +45,14 @@ class ChannelGroups {
 
  private:
   std::uint16_t root_of(std::uint16_t channel) const;
-  std::map<std::uint16_t, std::uint16_t> parent_;     // of each channel; a root is its own parent
-  std::map<std::uint16_t, Compression> compression_;  // by root
+  std::map<std::uint16_t, std::uint16_t> parent_;     // parent of each channel; a root is its own parent
+  std::map<std::uint16_t, Compression> compression_;  // compression of each root
   Compression otherwise_ = Compression::zstd;
 };
 
 /// The groups of a file, from its message indexes; nothing is decompressed. A chunk without an index only determines
-/// the compression of all channels without one. `file`: the view's bytes, whose memory is released, or others.
+/// the compression of all channels without one. `file`: the view's bytes, whose memory is released, or bytes of another
+/// source.
 ChannelGroups groups_of(const FileView& view, Bytes file);
 
 }  // namespace rehearse::mcap

@@ -22,7 +22,7 @@ std::string_view to_string(Compression compression) {
     case Compression::lz4: return "lz4";
     case Compression::zstd: return "zstd";
   }
-  REHEARSE_ASSERT(false, "a compression that doesn't exist");
+  REHEARSE_ASSERT(false, "the value is no Compression");
 }
 
 struct Compressor::State {
@@ -74,13 +74,13 @@ Decompressor::~Decompressor() = default;
 namespace {
 
 Diagnostic wrong_size(std::uint64_t said, std::uint64_t found) {
-  return error(fmt::format("it says that it holds {} bytes decompressed and holds {}", said, found));
+  return error(fmt::format("it states {} bytes decompressed and contains {}", said, found));
 }
 
 Result<Bytes> decompress_zstd(ZSTD_DCtx* context, Bytes compressed, std::uint64_t size, RawBuffer& out) {
   std::byte* target = out.reserve(size);
   const std::size_t got = ZSTD_decompressDCtx(context, target, size, compressed.data(), compressed.size());
-  if (ZSTD_isError(got)) return error(fmt::format("zstd says: {}", ZSTD_getErrorName(got)));
+  if (ZSTD_isError(got)) return error(fmt::format("zstd reports: {}", ZSTD_getErrorName(got)));
   if (got != size) return wrong_size(size, got);
   return Bytes(target, size);
 }
@@ -95,10 +95,10 @@ Result<Bytes> decompress_lz4(LZ4F_dctx* context, Bytes compressed, std::uint64_t
     std::size_t room = size - written;
     std::size_t taken = compressed.size() - read;
     wanted = LZ4F_decompress(context, target + written, &room, compressed.data() + read, &taken, nullptr);
-    if (LZ4F_isError(wanted)) return error(fmt::format("lz4 says: {}", LZ4F_getErrorName(wanted)));
+    if (LZ4F_isError(wanted)) return error(fmt::format("lz4 reports: {}", LZ4F_getErrorName(wanted)));
     written += room;
     read += taken;
-    if (wanted != 0 && room == 0 && taken == 0) return error("its lz4 frame doesn't end where it should");
+    if (wanted != 0 && room == 0 && taken == 0) return error("its lz4 frame doesn't end at the stated size");
   }
   if (written != size || read != compressed.size()) return wrong_size(size, written);
   return Bytes(target, size);
@@ -133,7 +133,7 @@ Result<void> decompress_frames(Bytes compressed, const std::function<bool(Bytes)
     ZSTD_outBuffer out{piece.data(), piece.size(), 0};
     wanted = ZSTD_decompressStream(context.get(), &out, &in);
     if (ZSTD_isError(wanted))
-      return error(fmt::format("damaged at byte {}: zstd says: {}", in.pos, ZSTD_getErrorName(wanted)));
+      return error(fmt::format("damaged at byte {}: zstd reports: {}", in.pos, ZSTD_getErrorName(wanted)));
     if (out.pos > 0 && !take(Bytes(piece).first(out.pos))) return {};
     is_full = out.pos == out.size;
   }

@@ -32,7 +32,7 @@ constexpr std::size_t kept_conversions = 8;
 constexpr std::string_view zstd_magic("\x28\xb5\x2f\xfd", 4);
 /// A file that decompresses to more than this multiple of its size is refused. Logs of joints reach 30.
 constexpr std::uint64_t largest_ratio = 1000;
-constexpr std::uint64_t always_allowed = std::uint64_t{64} << 20;  // decompressed [bytes]
+constexpr std::uint64_t always_allowed = std::uint64_t{64} << 20;  // decompressed size that no ratio limits [bytes]
 constexpr std::uint64_t largest_message = std::uint64_t{1} << 30;  // decompressed [bytes]
 
 bool begins_with(Bytes bytes, std::string_view text) {
@@ -44,7 +44,7 @@ Diagnostic not_kept(const std::string& name, const TemporaryFile& file, std::str
                   "TMPDIR is the folder for temporary files");
 }
 
-/// Large messages that are compressed already, or not worth it, get chunks of their own.
+/// Large messages that are compressed already, or that compression hardly reduces, get chunks of their own.
 ChunkGroup group_of(std::string_view type) {
   for (const std::string_view large : {"Image", "PointCloud", "OccupancyGrid", "Packet"})
     if (type.find(large) != std::string_view::npos) return {1, Compression::none};
@@ -143,7 +143,7 @@ Result<void> LogCopy::add(Reader& log) {
   return written;
 }
 
-/// The definition from the log; else that of the standard packages; else the name alone.
+/// The definition from the log; else the definition of the standard packages; else the name alone.
 std::uint16_t LogCopy::schema_of(const bag::SqliteBag& log, const std::string& type) {
   if (type.empty()) return 0;
   const auto own = log.definitions().find(type);
@@ -176,7 +176,7 @@ Result<void> LogCopy::finish() {
   return done ? done : not_kept(name_, *target_.file, done.errors().front().message);
 }
 
-/// The last conversions, each with the files that it was made of.
+/// The last conversions, each with its source files.
 class Conversions {
  public:
   template <class Make>
@@ -201,7 +201,7 @@ Conversions& conversions() {
   return all;
 }
 
-/// The file's identity, size and time; empty: it can't be known.
+/// The file's identity, size and time; empty if the file's status can't be read.
 std::string identity_of(const fs::path& file) {
   struct stat status {};
   if (::stat(file.c_str(), &status) != 0) return "";
@@ -209,7 +209,7 @@ std::string identity_of(const fs::path& file) {
                      status.st_mtim.tv_nsec);
 }
 
-/// A name of a file for SQLite, which doesn't open nameless ones. A name that was added is removed with the object.
+/// A name of a file for SQLite, which doesn't open nameless files. An added name is removed with the object.
 class DatabaseName {
  public:
   explicit DatabaseName(const fs::path& file) : path_(file) {
@@ -284,7 +284,7 @@ Result<void> convert_compressed(Converted& converted, const std::string& name, B
   return {};
 }
 
-/// The files of a folder become one.
+/// Converts all files of a folder to one file.
 Result<void> join(Converted& converted, const bag::Folder& folder, const std::string& name) {
   converted.form = fmt::format("rosbag2 folder ({} {} of {})", folder.files.size(),
                                folder.files.size() == 1 ? "file" : "files", folder.storage);

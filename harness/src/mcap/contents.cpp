@@ -12,7 +12,7 @@ namespace rehearse::mcap {
 namespace {
 
 void add_too_short(DamageLog& damage, std::string_view what, std::uint64_t offset) {
-  damage.add(fmt::format("damaged: the {} at byte {} is too short for what it says", what, offset));
+  damage.add(fmt::format("damaged: the {} at byte {} is shorter than its fields state", what, offset));
 }
 
 void add_contradiction(DamageLog& damage, std::string_view what, std::uint16_t id, std::uint64_t offset) {
@@ -144,29 +144,29 @@ std::string describe_start(Bytes start) {
   if (start.empty()) return "not an MCAP file: it is empty";
   const std::size_t seen = std::min(start.size(), magic.size());
   if (start.size() < magic.size() && std::equal(start.begin(), start.end(), magic.begin())) {
-    return fmt::format("truncated at byte {}: not even the magic bytes of MCAP are whole", seen);
+    return fmt::format("truncated at byte {}: the magic bytes of MCAP aren't whole", seen);
   }
   if (seen == magic.size() && std::equal(magic.begin(), magic.begin() + version_at, start.begin())) {
-    return "an MCAP file of a version that this reader doesn't know, or damaged in its first eight bytes";
+    return "an MCAP file of a version that this reader doesn't support, or damaged in its first eight bytes";
   }
   switch (container_of(start)) {
     case Container::ros1_bag:
       return "a bag of ROS 1, which isn't read: rosbags-convert --src FILE --dst FOLDER (of the Python package "
              "rosbags) "
-             "makes one of ROS 2, and mcap convert FILE OUT.mcap an MCAP file with messages of ROS 1";
+             "makes a bag of ROS 2, and mcap convert FILE OUT.mcap an MCAP file with messages of ROS 1";
     case Container::sqlite: return "not an MCAP file, but a database: it is read by its name, not as a stream";
     case Container::zstd:
-      return "not an MCAP file, but one compressed by zstd: it is read by its name, or zstd -dc FILE";
+      return "not an MCAP file, but a file compressed by zstd: it is read by its name, or zstd -dc FILE";
     default: return "not an MCAP file: it doesn't begin with the magic bytes \\x89MCAP0\\r\\n";
   }
 }
 
 std::string describe_cut(const CutPlace& cut) {
   if (cut.ends_with_magic) {
-    return fmt::format("damaged at byte {}: what begins there is no record that fits into the file", cut.record);
+    return fmt::format("damaged at byte {}: no record that fits into the file begins there", cut.record);
   }
   if (cut.record < cut.size && cut.zeros_only) {
-    return fmt::format("truncated at byte {}: from there on the file holds zeros only", cut.record);
+    return fmt::format("truncated at byte {}: from there on the file contains zeros only", cut.record);
   }
   return fmt::format("truncated at byte {}: the record that begins at byte {} isn't whole", cut.size, cut.record);
 }
@@ -179,7 +179,7 @@ std::optional<std::uint32_t> read_data_end(const Record& record, DamageLog& dama
   ByteReader in(record.body);
   const auto crc = in.get<std::uint32_t>();
   if (!in.ok() || in.left() != 0) {
-    damage.add(fmt::format("damaged: the DataEnd record at byte {} hasn't its length of 4", record.offset));
+    damage.add(fmt::format("damaged: the DataEnd record at byte {} doesn't have the length 4", record.offset));
     return std::nullopt;
   }
   return crc == 0 ? std::nullopt : std::optional(crc);
@@ -190,11 +190,11 @@ std::optional<Footer> read_footer(const Record& record, std::uint64_t summary_st
   const bool no_summary = summary_start == record.offset;
   const std::uint64_t expected = no_summary ? 0 : summary_start;
   if (!footer) {
-    damage.add(fmt::format("damaged: the Footer at byte {} hasn't its length of 20", record.offset));
+    damage.add(fmt::format("damaged: the Footer at byte {} doesn't have the length 20", record.offset));
     return std::nullopt;
   }
   if (footer->summary_start != expected && !(no_summary && footer->summary_start == record.offset)) {
-    damage.add(fmt::format("damaged: the Footer at byte {} says that the summary begins at byte {}, it does at byte {}",
+    damage.add(fmt::format("damaged: the Footer at byte {} states a summary at byte {}, but it begins at byte {}",
                            record.offset, footer->summary_start, expected));
     return std::nullopt;
   }

@@ -13,7 +13,7 @@ class DamageLog {
   void add(std::string message);
   /// Adds the damage of another log.
   void add(const DamageLog& other);
-  /// Adds the damage of the files that this one was made of.
+  /// Adds the damage of the files that were converted to this file.
   void add(const Diagnostics& of_sources);
   const Diagnostics& list() const { return list_; }
   const std::string& file() const { return file_; }
@@ -65,9 +65,9 @@ std::string describe_start(Bytes start);
 /// The place where the records end before DataEnd and Footer.
 struct CutPlace {
   std::uint64_t record = 0;      // offset of the first incomplete record
-  std::uint64_t size = 0;        // of the file
+  std::uint64_t size = 0;        // size of the file [bytes]
   bool ends_with_magic = false;  // the file ends with the magic bytes
-  bool zeros_only = false;       // from `record` on
+  bool zeros_only = false;       // all bytes from `record` on are zeros
 };
 std::string describe_cut(const CutPlace& cut);
 

@@ -23,10 +23,10 @@ Diagnostic in_file(const std::filesystem::path& file, std::string message) {
 
 /// The place where a file is cut.
 struct Cut {
-  std::uint64_t kept_end = 0;  // of the data section [bytes]
-  std::uint32_t left_out = 0;  // number of metadata records after it
+  std::uint64_t kept_end = 0;  // end of the kept part of the data section [bytes]
+  std::uint32_t left_out = 0;  // number of the omitted metadata records after it
   std::uint64_t data_end = 0;  // offset of DataEnd
-  std::uint32_t data_crc = 0;  // as stated in DataEnd; 0: none
+  std::uint32_t data_crc = 0;  // CRC that DataEnd states; 0: none
   std::uint64_t summary_start = 0;
 };
 

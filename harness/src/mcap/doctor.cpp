@@ -65,7 +65,7 @@ bool Doctor::skip_damage() {
   const auto next = begin < file_.size() ? resync_.find(begin + 1) : std::nullopt;
   damaged_ = true;
   if (next) {
-    fail({begin, {}}, fmt::format("what stands there is no record; the next one begins at byte {}", *next));
+    fail({begin, {}}, fmt::format("the bytes there are no record; the next record begins at byte {}", *next));
     pass_.go_on_at(*next);
     return true;
   }
@@ -75,9 +75,10 @@ bool Doctor::skip_damage() {
   else if (is_all_zero(rest))
     fail({begin, {}}, fmt::format("truncated: from there to the end at byte {} are zeros only", file_.size()));
   else
-    fail({begin, {}}, fmt::format("truncated: the record that begins there isn't whole, and none comes behind it up to "
-                                  "the end at byte {}",
-                                  file_.size()));
+    fail({begin, {}},
+         fmt::format("truncated: the record that begins there isn't whole, and no record follows up to the "
+                     "end at byte {}",
+                     file_.size()));
   return false;
 }
 
@@ -88,7 +89,7 @@ void Doctor::examine_record(const Record& record) {
   if (record.opcode != op::message_index) leave_chunk();
   if (!is_known(record.opcode)) {
     if (!is_private(record.opcode))
-      add(Severity::note, place, fmt::format("a {}, which version 0 doesn't know", name_of(record.opcode)));
+      add(Severity::note, place, fmt::format("a {}, which version 0 doesn't define", name_of(record.opcode)));
     return;
   }
   if (!check_fields(record, place)) return;
@@ -104,14 +105,14 @@ void Doctor::examine_record(const Record& record) {
     case op::message_index: return examine_message_index(record);
     case op::attachment: return examine_attachment(record);
     case op::metadata: return examine_metadata(record);
-    default: fail(place, fmt::format("a {} may not stand in the data section", name_of(record.opcode)));
+    default: fail(place, fmt::format("a {} isn't allowed in the data section", name_of(record.opcode)));
   }
 }
 
 bool Doctor::check_fields(const Record& record, Place place) {
   const LayoutCheck check = check_layout(record.opcode, record.body);
   if (!check.whole) {
-    fail(place, fmt::format("the {} is too short for what it says: it has {} bytes", name_of(record.opcode),
+    fail(place, fmt::format("the {} is shorter than its fields state: it has {} bytes", name_of(record.opcode),
                             record.body.size()));
     damaged_ = true;
     return false;
@@ -133,7 +134,7 @@ void Doctor::examine_header(const Record& record) {
   ByteReader in(record.body);
   into_.profile = in.get_string();
   into_.library = in.get_string();
-  if (into_.library.empty()) add(Severity::warning, place, "the Header doesn't say which library wrote the file");
+  if (into_.library.empty()) add(Severity::warning, place, "the Header doesn't name the library that wrote the file");
   if (into_.profile.empty()) add(Severity::note, place, "the Header names no profile");
 }
 
@@ -144,7 +145,7 @@ void Doctor::examine_schema(const Record& record, Place place) {
   const auto [known, added] = schemas_.try_emplace(schema->id, *schema, place.offset);
   if (!added) {
     if (known->second.first != *schema)
-      fail(place, fmt::format("Schema {} is defined otherwise than at byte {}", schema->id, known->second.second));
+      fail(place, fmt::format("Schema {} differs from its definition at byte {}", schema->id, known->second.second));
     return;
   }
   if (schema->name.empty()) add(Severity::warning, place, fmt::format("Schema {} has no name", schema->id));
@@ -170,7 +171,7 @@ void Doctor::examine_channel(const Record& record, Place place) {
   const std::uint16_t id = channel->id;
   if (const auto known = channels_.find(id); known != channels_.end()) {
     if (known->second.channel != *channel)
-      fail(place, fmt::format("Channel {} is defined otherwise than at byte {}", id, known->second.offset));
+      fail(place, fmt::format("Channel {} differs from its definition at byte {}", id, known->second.offset));
     return;
   }
   if (channel->schema_id != 0 && !schemas_.contains(channel->schema_id))
@@ -193,7 +194,7 @@ void Doctor::examine_channel_profile(const Channel& channel, Place place) {
       warn(fmt::format("has messages of the encoding {}; the profile ros2 has cdr",
                        in_quotes(channel.message_encoding)));
     if (!channel.metadata.contains("offered_qos_profiles"))
-      warn("has no offered_qos_profiles in its metadata, which the profile ros2 asks for");
+      warn("has no offered_qos_profiles in its metadata, which the profile ros2 requires");
   } else if (into_.profile == "ros1" && channel.message_encoding != "ros1") {
     warn(
         fmt::format("has messages of the encoding {}; the profile ros1 has ros1", in_quotes(channel.message_encoding)));

@@ -20,8 +20,8 @@ namespace rehearse::mcap {
 
 /// A place in the file.
 struct Place {
-  std::uint64_t offset = 0;             // of a record, in the file
-  std::optional<std::uint64_t> inside;  // in the decompressed records of the chunk that is at `offset`
+  std::uint64_t offset = 0;             // offset of a record in the file
+  std::optional<std::uint64_t> inside;  // offset in the decompressed records of the chunk at `offset`
 };
 
 struct Finding {
@@ -39,7 +39,7 @@ class Findings {
 
   void add(Severity severity, Place place, std::string message);
 
-  /// In the order of discovery; of each severity up to the limit.
+  /// The findings in the order of discovery, of each severity up to the limit.
   const std::vector<Finding>& list() const { return list_; }
   /// The number of all findings of a severity, listed or not.
   std::uint64_t count(Severity severity) const { return counts_[static_cast<std::size_t>(severity)]; }
@@ -63,7 +63,7 @@ class ContentCheck {
   /// Called with attachments without their data.
   virtual void attachment(const Attachment& attachment, Findings& findings) = 0;
   virtual void metadata(const Metadata& metadata, Findings& findings) = 0;
-  /// Called after the last record. `size` of the file [bytes].
+  /// Called after the last record. `size`: size of the file [bytes].
   virtual void end(std::uint64_t size, Findings& findings) = 0;
 };
 
@@ -71,7 +71,7 @@ struct DoctorOptions {
   /// A chunk whose stated decompressed size is larger isn't examined [bytes].
   std::uint64_t max_chunk_size = std::uint64_t{1} << 30;
   ContentCheck* content = nullptr;  // null: contents aren't examined
-  /// Called now and then with the number of bytes passed and of all; null: not.
+  /// Called now and then with the number of passed bytes and the number of all bytes; null: never called.
   std::function<void(std::uint64_t done, std::uint64_t all)> progress;
 };
 
@@ -85,7 +85,7 @@ struct Examination {
   std::uint64_t messages = 0;
 };
 
-/// Fails if the file can't be read, or if its start isn't that of an MCAP file: then nothing can be examined.
+/// Fails if the file can't be read, or doesn't begin like an MCAP file: then nothing can be examined.
 Result<Examination> examine(const std::filesystem::path& file, const DoctorOptions& options = {});
 /// Examines bytes; `name` is their name in a failure.
 Result<Examination> examine_bytes(Bytes bytes, const std::string& name, const DoctorOptions& options = {});

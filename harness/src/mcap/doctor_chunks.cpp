@@ -37,11 +37,11 @@ void Doctor::examine_chunk(const Record& record) {
   chunk_entries_.clear();
   damaged_ = damaged_ || !opened.ok();
   if (head.start_time > head.end_time)
-    fail(place, fmt::format("the Chunk says that it begins at {} ns and ends before, at {} ns", head.start_time,
-                            head.end_time));
+    fail(place,
+         fmt::format("the Chunk states an end before its start: from {} ns to {} ns", head.start_time, head.end_time));
   if (opened.fault == Fault::too_large)
-    fail(place, fmt::format("the Chunk says that it holds {} bytes decompressed; {} is the limit",
-                            head.uncompressed_size, options_.max_chunk_size));
+    fail(place, fmt::format("the Chunk states {} bytes decompressed, more than the limit of {}", head.uncompressed_size,
+                            options_.max_chunk_size));
   if (opened.fault == Fault::not_decompressed)
     fail(place, fmt::format("the Chunk can't be decompressed: {}", opened.reason));
   if (opened.fault == Fault::wrong_crc) fail(place, "the CRC of the Chunk doesn't match");
@@ -55,11 +55,11 @@ void Doctor::examine_chunk_records(Bytes records, const Chunk& chunk) {
     const Place place{chunk.offset, record.offset};
     if (!is_known(record.opcode)) {
       if (!is_private(record.opcode))
-        add(Severity::note, place, fmt::format("a {}, which version 0 doesn't know", name_of(record.opcode)));
+        add(Severity::note, place, fmt::format("a {}, which version 0 doesn't define", name_of(record.opcode)));
       continue;
     }
     if (record.opcode != op::schema && record.opcode != op::channel && record.opcode != op::message) {
-      fail(place, fmt::format("a {} may not stand in a Chunk", name_of(record.opcode)));
+      fail(place, fmt::format("a {} isn't allowed in a Chunk", name_of(record.opcode)));
       continue;
     }
     if (!check_fields(record, place)) continue;
@@ -82,7 +82,7 @@ void Doctor::examine_chunk_records(Bytes records, const Chunk& chunk) {
   }
   if (chunk.start_time != first || chunk.end_time != last)
     fail({chunk.offset, {}},
-         fmt::format("the Chunk says that its messages are from {} ns to {} ns, and they are from {} ns to {} ns",
+         fmt::format("the Chunk states messages from {} ns to {} ns, but they are from {} ns to {} ns",
                      chunk.start_time, chunk.end_time, first, last));
   std::stable_sort(chunk_entries_.begin(), chunk_entries_.end(),
                    [](const IndexEntry& a, const IndexEntry& b) { return a.channel < b.channel; });
@@ -112,7 +112,7 @@ void Doctor::compare_index(const Record& record, std::uint16_t channel, Bytes en
   const auto there = entries_of(chunk_entries_, channel);
   if (there.empty() && entries.empty()) {
     if (!channels_.contains(channel)) return fail(place, fmt::format("{}: the channel isn't defined", name));
-    return add(Severity::note, place, fmt::format("{} is empty, and so needless", name));
+    return add(Severity::note, place, fmt::format("{} is empty, and therefore unnecessary", name));
   }
   std::vector<IndexEntry> stated;
   for (ByteReader in(entries); in.left() > 0;) {
@@ -127,20 +127,21 @@ void Doctor::compare_index(const Record& record, std::uint16_t channel, Bytes en
       ++next;
     }
     if (next == there.end() || next->offset != entry.offset) {
-      fail(place, fmt::format("{} names byte {} of the Chunk, where no message of that channel is, or names it twice",
-                              name, entry.offset));
+      fail(place, fmt::format("{} lists byte {} of the Chunk twice, or no message of that channel is there", name,
+                              entry.offset));
       continue;
     }
     if (next->log_time != entry.log_time)
-      fail(place, fmt::format("{} says that the message at byte {} of the Chunk is of {} ns, and it is of {} ns", name,
-                              entry.offset, entry.log_time, next->log_time));
+      fail(place,
+           fmt::format("{}: the message at byte {} of the Chunk has the stated time {} ns and the actual time {} ns",
+                       name, entry.offset, entry.log_time, next->log_time));
     ++next;
   }
   for (; next != there.end(); ++next)
     fail(place, fmt::format("{} lacks the message at byte {} of the Chunk", name, next->offset));
 }
 
-/// Called after the last message index of the chunk: checks that there is one for each channel.
+/// Called after the last message index of the chunk: checks that each channel has a message index.
 void Doctor::leave_chunk() {
   if (!std::exchange(at_chunk_, false) || !chunk_is_open_) return;
   const ExaminedChunk& chunk = chunks_.back();

@@ -26,17 +26,17 @@ struct ExaminedChannel {
   bool in_chunks = false;  // some of its messages are in chunks
   std::uint64_t last_time = 0;
   std::uint32_t last_sequence = 0;
-  std::uint64_t back_in_time = 0;  // messages that are earlier than the one before
-  Place back_at;                   // the first of them
+  std::uint64_t back_in_time = 0;  // number of messages that are earlier than their predecessor
+  Place back_at;                   // place of the first of these messages
   std::uint64_t back_by = 0;       // largest step back [ns]
-  std::uint64_t jumps = 0;         // jumps of its sequence numbers
+  std::uint64_t jumps = 0;         // number of jumps of its sequence numbers
   Place jump_at;
 };
 
 /// An attachment or metadata record.
 struct ExaminedRecord {
   std::uint64_t length = 0;  // length of the record with its header
-  Attachment attachment;     // without data; for metadata the name and the offset only
+  Attachment attachment;     // the attachment without data; for metadata only name and offset
   std::uint64_t data_size = 0;
 
   std::uint64_t offset() const { return attachment.offset; }
@@ -99,27 +99,28 @@ class Doctor {
   // The state of the pass so far.
   bool headed_ = false;
   bool damaged_ = false;  // some record couldn't be examined: counts can't be compared
-  std::map<std::uint16_t, std::pair<Schema, std::uint64_t>> schemas_;  // with their offsets
+  std::map<std::uint16_t, std::pair<Schema, std::uint64_t>> schemas_;  // with the offsets of their definitions
   std::map<std::uint16_t, ExaminedChannel> channels_;
   std::vector<ExaminedChunk> chunks_;  // in file order
   std::vector<ExaminedRecord> attachments_;
   std::vector<ExaminedRecord> metadata_;
   std::uint64_t loose_messages_ = 0;
-  std::uint64_t loose_at_ = 0;  // the first of them
+  std::uint64_t loose_at_ = 0;  // offset of the first message outside of chunks
   std::uint64_t messages_ = 0;
   std::uint64_t first_time_ = ~std::uint64_t{0};
   std::uint64_t last_time_ = 0;
-  std::optional<std::uint64_t> summary_begin_;  // after DataEnd
+  std::optional<std::uint64_t> summary_begin_;  // offset of the first byte after DataEnd
 
   // The chunk of the following message indexes; at_chunk_ false: there is none.
   bool at_chunk_ = false;
-  bool chunk_is_open_ = false;             // its messages are known
-  std::vector<IndexEntry> chunk_entries_;  // by channel, then offset
+  bool chunk_is_open_ = false;             // the chunk was decompressed, and its messages read
+  std::vector<IndexEntry> chunk_entries_;  // sorted by channel, then offset
 
   // The state of the summary's examination.
   std::vector<std::pair<std::uint8_t, std::pair<std::uint64_t, std::uint64_t>>> groups_;  // opcode, begin, end
   std::map<std::uint16_t, std::uint64_t> repeated_schemas_, repeated_channels_;           // with their offsets
-  std::vector<bool> indexed_chunks_, indexed_attachments_, indexed_metadata_;  // parallel to chunks_ and so on
+  // parallel to chunks_, attachments_ and metadata_
+  std::vector<bool> indexed_chunks_, indexed_attachments_, indexed_metadata_;
   std::optional<std::uint64_t> statistics_at_;
   bool offsets_begun_ = false;
 };

@@ -25,13 +25,14 @@ class Comparison {
 
   template <class T>
   void compare(std::string_view field, const T& stated, const T& there) {
-    if (stated != there) text_ += fmt::format("{} {} {}, which is {}", text_.empty() ? "" : ";", field, stated, there);
+    if (stated != there)
+      text_ += fmt::format("{} {} {} in place of {}", text_.empty() ? "" : ";", field, stated, there);
   }
   void compare_text(std::string_view field, std::string_view stated, std::string_view there) {
     if (stated != there) compare<std::string>(field, in_quotes(stated), in_quotes(there));
   }
-  /// Empty: there are no differences.
-  std::string sentence() const { return text_.empty() ? "" : what_ + " says:" + text_; }
+  /// The differences as a sentence; empty if there are none.
+  std::string sentence() const { return text_.empty() ? "" : what_ + " states:" + text_; }
 
  private:
   std::string what_;
@@ -55,9 +56,9 @@ void Doctor::examine_summary(const Record& footer) {
   examine_footer(footer);
   const std::uint64_t end = end_of(footer);
   const Bytes tail = file_.subspan(end);
-  if (!begins_with_magic(tail)) return fail({end, {}}, "the magic bytes that end a file aren't there");
+  if (!begins_with_magic(tail)) return fail({end, {}}, "the magic bytes at the end of the file are missing");
   if (tail.size() > magic.size())
-    fail({end + magic.size(), {}}, fmt::format("{} bytes behind the end of the file", tail.size() - magic.size()));
+    fail({end + magic.size(), {}}, fmt::format("{} bytes after the end of the file", tail.size() - magic.size()));
 }
 
 void Doctor::examine_footer(const Record& record) {
@@ -69,14 +70,14 @@ void Doctor::examine_footer(const Record& record) {
   const bool empty = summary_begin == record.offset;
   const bool starts_right = footer->summary_start == summary_begin || (empty && footer->summary_start == 0);
   if (!starts_right)
-    fail(place, fmt::format("the Footer says that the summary begins at byte {}, and it does at byte {}",
-                            footer->summary_start, empty ? 0 : summary_begin));
+    fail(place, fmt::format("the Footer states a summary at byte {}, but it begins at byte {}", footer->summary_start,
+                            empty ? 0 : summary_begin));
   std::uint64_t offsets_begin = 0;
   for (const auto& [opcode, span] : groups_)
     if (opcode == op::summary_offset && offsets_begin == 0) offsets_begin = span.first;
   if (footer->summary_offset_start != offsets_begin &&
       !(offsets_begin == 0 && footer->summary_offset_start == record.offset))
-    fail(place, fmt::format("the Footer says that the summary offsets begin at byte {}, and they do at byte {}",
+    fail(place, fmt::format("the Footer states summary offsets at byte {}, but they begin at byte {}",
                             footer->summary_offset_start, offsets_begin));
   if (footer->summary_crc == 0) return;
   const Bytes covered = file_.subspan(summary_begin, record.offset + footer_covered - summary_begin);
@@ -88,7 +89,7 @@ void Doctor::examine_summary_record(const Record& record) {
   const Place place{record.offset, {}};
   examine_grouping(record);
   if (offsets_begun_ && record.opcode != op::summary_offset)
-    fail(place, fmt::format("a {} behind the first Summary Offset", name_of(record.opcode)));
+    fail(place, fmt::format("a {} after the first Summary Offset", name_of(record.opcode)));
   switch (record.opcode) {
     case op::schema:
     case op::channel: return examine_repeated(record);
@@ -100,9 +101,9 @@ void Doctor::examine_summary_record(const Record& record) {
     default: break;
   }
   if (is_known(record.opcode))
-    fail(place, fmt::format("a {} may not stand in the summary", name_of(record.opcode)));
+    fail(place, fmt::format("a {} isn't allowed in the summary", name_of(record.opcode)));
   else if (!is_private(record.opcode))
-    add(Severity::note, place, fmt::format("a {}, which version 0 doesn't know", name_of(record.opcode)));
+    add(Severity::note, place, fmt::format("a {}, which version 0 doesn't define", name_of(record.opcode)));
 }
 
 void Doctor::examine_grouping(const Record& record) {
@@ -115,7 +116,7 @@ void Doctor::examine_grouping(const Record& record) {
       std::any_of(groups_.begin(), groups_.end(), [&](const auto& group) { return group.first == record.opcode; });
   if (again)
     fail({record.offset, {}},
-         fmt::format("the summary isn't grouped: a {} again, behind records of other kinds", name_of(record.opcode)));
+         fmt::format("the summary isn't grouped: a {} again, after records of other kinds", name_of(record.opcode)));
   groups_.push_back({record.opcode, {record.offset, end}});
 }
 
@@ -125,13 +126,13 @@ void Doctor::examine_repeated(const Record& record) {
   const auto compare = [&](std::string_view kind, const auto& repeated, std::string_view name, const auto* known,
                            std::uint64_t known_at) {
     const std::string what =
-        fmt::format("the summary has {} {} {}, and the data section hasn't", kind, repeated.id, in_quotes(name));
+        fmt::format("the summary has {} {} {}, but the data section doesn't", kind, repeated.id, in_quotes(name));
     if (known == nullptr && !damaged_ && into_.library.starts_with("libmcap"))
       add(Severity::note, place, what + ": as rosbag2 writes topics without messages (seen with libmcap 1.1.0)");
     else if (known == nullptr && !damaged_)
       fail(place, what);
     if (known != nullptr && *known != repeated)
-      fail(place, fmt::format("{} {} is defined otherwise than at byte {}", kind, repeated.id, known_at));
+      fail(place, fmt::format("{} {} differs from its definition at byte {}", kind, repeated.id, known_at));
   };
   if (record.opcode == op::schema) {
     const auto schema = parse_schema(record.body);
@@ -218,10 +219,9 @@ void Doctor::examine_statistics(const Record& record) {
   if (!stated->channel_message_counts.empty()) {
     for (const auto& [id, channel] : channels_)
       if (!repeated_channels_.contains(id))
-        fail(place,
-             fmt::format("the Statistics count messages by channel, but no Channel {} {} stands before them in the "
-                         "summary",
-                         id, in_quotes(channel.channel.topic)));
+        fail(place, fmt::format("the Statistics count messages by channel, but no Channel {} {} precedes them in the "
+                                "summary",
+                                id, in_quotes(channel.channel.topic)));
   }
   if (damaged_) return;  // not all records could be counted
   Comparison comparison("the record of statistics");
@@ -256,12 +256,12 @@ void Doctor::examine_summary_offset(const Record& record) {
   const auto group =
       std::find_if(groups_.begin(), groups_.end(), [&](const auto& candidate) { return candidate.first == opcode; });
   if (group == groups_.end() || opcode == op::summary_offset)
-    return fail(place,
-                fmt::format("a Summary Offset of a group of {} records, which the summary hasn't", name_of(opcode)));
+    return fail(place, fmt::format("a Summary Offset of a group of {} records, which the summary doesn't have",
+                                   name_of(opcode)));
   const auto [there, end] = group->second;
   if (begin != there || length != end - there)
     fail(place,
-         fmt::format("the Summary Offset of the group of {} records says {} bytes at byte {}; they are {} bytes at "
+         fmt::format("the Summary Offset of the group of {} records states {} bytes at byte {}; they are {} bytes at "
                      "byte {}",
                      name_of(opcode), length, begin, end - there, there));
 }
@@ -284,8 +284,8 @@ void Doctor::tell_what_summary_lacks() {
   if (loose_messages_ > 0)
     add(Severity::warning, {loose_at_, {}},
         fmt::format(
-            "{} messages stand outside of Chunks, from here on, although the file has a Chunk Index: readers that "
-            "go by it won't find them",
+            "{} messages are outside of Chunks, from here on, although the file has a Chunk Index: readers that use "
+            "the index don't find them",
             loose_messages_));
   for (const auto& [id, channel] : channels_) {
     if (!channel.in_chunks) continue;

@@ -25,11 +25,11 @@ Result<Draft> Draft::begin(const fs::path& target, std::span<const fs::path> sou
   if (fs::exists(status) && !fs::is_regular_file(status))
     return refuse(target, "can't be written: it is no regular file", "name a file; it is written whole or not at all");
   fs::path file = fs::is_symlink(fs::symlink_status(target, ignored)) ? fs::weakly_canonical(target, ignored) : target;
-  if (file.empty()) return refuse(target, "can't be written: the link leads nowhere");
+  if (file.empty()) return refuse(target, "can't be written: the target of the link doesn't exist");
   fs::path draft = file.string() + ".part";
   for (const fs::path& source : sources)
     if (fs::equivalent(source, file, ignored) || fs::equivalent(source, draft, ignored))
-      return refuse(target, "won't be written over: it is what is read", "name another file");
+      return refuse(target, "can't be replaced: it is also an input", "name another file");
   return Draft(std::move(file), std::move(draft));
 }
 

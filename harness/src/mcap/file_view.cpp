@@ -37,7 +37,7 @@ Result<Input> Input::open(const std::filesystem::path& file) {
   if (opened < 0) {
     std::error_code ignored;
     if (problem == ENXIO && std::filesystem::is_socket(file, ignored))
-      return input.unreadable("it is a socket's file", "- reads what comes by standard input");
+      return input.unreadable("it is a socket's file", "- reads standard input");
     return input.unreadable(std::strerror(problem));
   }
   if (auto fine = input.look(); !fine) return fine.errors();
@@ -85,7 +85,7 @@ struct Watched {
 
 std::array<Watched, 256> watched;
 std::mutex changing;
-struct sigaction outside {};  // the handler before this one
+struct sigaction outside {};  // the previous handler
 std::uintptr_t page_size = 0;
 
 Watched* find_watched(std::uintptr_t address) {
@@ -108,7 +108,7 @@ void survive(int signal_number, siginfo_t* info, void* context) {
   }
   if ((outside.sa_flags & SA_SIGINFO) != 0) return outside.sa_sigaction(signal_number, info, context);
   if (outside.sa_handler != SIG_DFL && outside.sa_handler != SIG_IGN) return outside.sa_handler(signal_number);
-  ::sigaction(SIGBUS, &outside, nullptr);  // then the fault repeats
+  ::sigaction(SIGBUS, &outside, nullptr);  // the access is repeated, and the previous handler gets its fault
 }
 
 void install() {
@@ -148,7 +148,7 @@ Diagnostic failure(const std::string& name, std::string_view what, int problem) 
 /// Stores the input to its end.
 Result<std::shared_ptr<const TemporaryFile>> keep(Input& input) {
   const auto kept = std::make_shared<TemporaryFile>();
-  const std::string keeping = fmt::format("keep what comes in {}", kept->folder());
+  const std::string keeping = fmt::format("store the input in {}", kept->folder());
   if (kept->descriptor() < 0) return failure(input.name(), keeping, errno);
   std::vector<std::byte> piece(std::size_t{1} << 18);
   while (true) {

@@ -79,10 +79,10 @@ class FileView {
 };
 
 /// True if bytes of a mapped file were read that a different program had truncated. Such a read raises SIGBUS, which
-/// would end the process. If more than 256 files are open, the others aren't watched.
+/// would end the process. At most 256 open files are watched.
 bool was_cut(Bytes mapped);
 
-/// Called now and then with the number of bytes passed and of all; null: not.
+/// Called now and then with the number of passed bytes and the number of all bytes; null: never called.
 using Progress = std::function<void(std::uint64_t done, std::uint64_t all)>;
 
 /// Reports the progress of a pass from front to back, and releases the memory of passed bytes. So a large file takes no

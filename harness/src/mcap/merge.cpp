@@ -29,8 +29,8 @@ struct OpenSource {
   ChannelSet all{{}};
   DamageLog damage{""};
   std::unique_ptr<MessageOrder> order;
-  std::vector<std::uint16_t> ids = std::vector<std::uint16_t>(0x10000);  // in the target, by ids in the source
-  Message next;                                                          // its channel is null if there is none left
+  std::vector<std::uint16_t> ids = std::vector<std::uint16_t>(0x10000);  // ids in the target by ids in the source
+  Message next;  // the next message; its channel is null after the last message
   bool started = false;
 
   /// Reads the next message.
@@ -101,8 +101,7 @@ void Merger::define(OpenSource& source, int index) {
     channels_.try_emplace(key, source.ids[id]);
     ++merged_.channels;
     if (++definitions_[topic] == 2 && !options_.keep_apart)
-      merged_.remarks.push_back(
-          fmt::format("{} isn't defined alike everywhere: it has several channels", in_quotes(topic)));
+      merged_.remarks.push_back(fmt::format("{} has several definitions: it has a channel for each", in_quotes(topic)));
   }
 }
 
@@ -116,14 +115,14 @@ Result<void> Merger::write_extras() {
     for (const Attachment& attachment : reader.attachments()) {
       ++merged_.attachments;
       if (++names["the attachment " + in_quotes(attachment.name)] == 2)
-        merged_.remarks.push_back(fmt::format("the attachment {} is there more than once", in_quotes(attachment.name)));
+        merged_.remarks.push_back(fmt::format("the attachment {} occurs more than once", in_quotes(attachment.name)));
       if (auto done = copy(attachment, writer_); !done) return done;
     }
     for (const Metadata& metadata : reader.metadata()) {
       ++merged_.metadata;
       if (++names["the metadata record " + in_quotes(metadata.name)] == 2)
         merged_.remarks.push_back(
-            fmt::format("the metadata record {} is there more than once", in_quotes(metadata.name)));
+            fmt::format("the metadata record {} occurs more than once", in_quotes(metadata.name)));
       if (auto done = writer_.add_metadata(metadata.name, metadata.values); !done) return done;
     }
   }
@@ -167,7 +166,7 @@ Result<Merged> Merger::run() {
 Result<Merged> merge(const std::vector<MergeSource>& sources, const std::filesystem::path& target,
                      const MergeOptions& options) {
   REHEARSE_ASSERT(!sources.empty() && sources.size() < 0x4000,
-                  "something is merged, and not more than groups have room for");
+                  "there is at least one source, and the ids of groups suffice for all");
   std::vector<std::unique_ptr<OpenSource>> open;
   std::vector<std::filesystem::path> files;
   for (const MergeSource& source : sources) {

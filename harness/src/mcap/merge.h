@@ -19,8 +19,8 @@ struct MergeSource {
 struct MergeOptions {
   /// Every source keeps separate channels. Otherwise channels with equal definitions become one.
   bool keep_apart = false;
-  /// Called now and then with the number of messages written and of all, if the sources' statistics state it; null:
-  /// not.
+  /// Called now and then with the number of written messages and the number of all messages, if the sources'
+  /// statistics state it; null: never called.
   std::function<void(std::uint64_t done, std::uint64_t all)> progress;
 };
 
@@ -34,10 +34,10 @@ struct Merged {
 
 /// Writes `target`, under a temporary name until it is complete. It contains all messages by log time, then in the
 /// order of the sources, then as in their files, with their bytes, numbers and both times; and the attachments and
-/// metadata of all. Channels with equal topic, encoding, schema and metadata become one. Other channels with equal
-/// topics stay separate, and are reported. The profile is that of all sources if they agree, else empty. A metadata
-/// record `rehearse.merge` names the sources. Private records aren't kept. Chunks that overlap in time are held in
-/// memory. Fails, and writes nothing, if a source is damaged, or if `target` can't be written.
+/// metadata of all sources. Channels with equal topic, encoding, schema and metadata become one. Other channels with
+/// equal topics stay separate, and are reported. The profile is that of all sources if they agree, else empty. A
+/// metadata record `rehearse.merge` names the sources. Private records aren't kept. Chunks that overlap in time are
+/// kept in memory. Fails, and writes nothing, if a source is damaged, or if `target` can't be written.
 Result<Merged> merge(const std::vector<MergeSource>& sources, const std::filesystem::path& target,
                      const MergeOptions& options = {});
 

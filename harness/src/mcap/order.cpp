@@ -78,7 +78,7 @@ void MessageOrder::choose_ahead() {
 }
 
 void MessageOrder::read_ahead() {
-  constexpr std::uint64_t large = std::uint64_t{16} << 20;  // [bytes]: of such chunks one at a time
+  constexpr std::uint64_t large = std::uint64_t{16} << 20;  // larger chunks are opened one at a time [bytes]
   while (next_ahead_ < std::min(next_chunk_ + ahead_.size(), chunks_.size())) {
     if (worker_.pending() > 0 && chunks_[next_ahead_].size > large) return;
     choose_ahead();
@@ -113,8 +113,8 @@ void MessageOrder::open_next_chunk() {
   passed_.pass(now.place.offset);
   if (has_advanced_) read_ahead();
   if (now.body.empty()) {
-    // The walk has found it: a different process truncates the file.
-    damage_.add(fmt::format("damaged: the chunk at byte {} is gone", now.place.offset));
+    // The walk has found this chunk: since then a different process has truncated the file.
+    damage_.add(fmt::format("damaged: the chunk at byte {} is missing", now.place.offset));
     return;
   }
   if (!now.opened.ok()) {
@@ -187,7 +187,7 @@ bool MessageOrder::next(Record& record) {
   run.prefetch();
   RecordWalker walker(run.records, run.order[run.next].offset);
   if (!walker.next(record)) {  // collect() has read it before
-    damage_.add("damaged: messages are gone");
+    damage_.add("damaged: messages are missing");
     return false;
   }
   record.chunk = run.chunk;

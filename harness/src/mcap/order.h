@@ -14,13 +14,13 @@ namespace rehearse::mcap {
 /// A message that is not delivered yet.
 struct Waiting {
   std::uint64_t log_time = 0;
-  std::uint64_t offset = 0;  // of its record, in the file or in the decompressed chunk
+  std::uint64_t offset = 0;  // offset of its record, in the file or in the decompressed chunk
 };
 
 /// A sequence of messages sorted by time: a decompressed chunk, or all messages outside of chunks.
 struct Run {
   std::optional<std::uint64_t> chunk;
-  Bytes mapped;  // the chunk's record, if its records are those in the mapped file
+  Bytes mapped;  // the chunk's record, if the chunk isn't compressed and its records are read from the mapped file
   RawBuffer buffer;
   Bytes records;
   std::vector<Waiting> order;
@@ -29,7 +29,7 @@ struct Run {
   bool done() const { return next == order.size(); }
   std::uint64_t time() const { return order[next].log_time; }
   std::uint64_t file_offset() const { return chunk.value_or(order[next].offset); }
-  /// Loads the message after the next one into the cache of this processor: the worker wrote it on another one.
+  /// Loads the message after the next one into the cache of this processor: the worker wrote it on another processor.
   void prefetch() const;
 };
 
@@ -37,10 +37,10 @@ struct Run {
 struct ChunkAhead {
   Chunk place;
   std::unique_ptr<Run> run;
-  Bytes body;  // of the chunk's record; empty: the record is gone
+  Bytes body;  // body of the chunk's record; empty: the record is missing
   OpenedChunk opened;
-  std::vector<Record> definitions;  // all of its records but messages
-  bool in_span = true;              // its messages are in the time that it states
+  std::vector<Record> definitions;  // all records of the chunk except messages
+  bool in_span = true;              // its messages are in the span of time that the chunk states
   bool is_whole = true;             // its last record is complete
 };
 
@@ -48,7 +48,7 @@ struct ChunkAhead {
 /// its first message and released after its last.
 class MessageOrder {
  public:
-  /// All three must outlive it. Messages before `from` [ns] are left out.
+  /// The three objects must outlive this. Messages before `from` [ns] are left out.
   MessageOrder(Reader::Impl& reader, const ChannelSet& channels, DamageLog& damage, std::uint64_t from = 0);
   MessageOrder(const MessageOrder&) = delete;
   MessageOrder& operator=(const MessageOrder&) = delete;
@@ -57,7 +57,7 @@ class MessageOrder {
   bool next(Record& record);
   /// Checks the CRC of the data section; if it doesn't match, finds the damage in chunks of other channels too.
   void check_data_crc();
-  /// Removes that message.
+  /// Removes the message that next() returned.
   void advance();
 
  private:
@@ -78,19 +78,19 @@ class MessageOrder {
   const std::uint64_t from_;  // [ns]
   DamageLog& damage_;
   PassedBytes passed_;         // includes the bytes between chunks
-  std::vector<Chunk> chunks_;  // with messages to deliver; by start time, then offset
-  std::vector<Chunk> others_;  // without
+  std::vector<Chunk> chunks_;  // chunks with messages to deliver, by start time, then offset
+  std::vector<Chunk> others_;  // chunks without messages to deliver
   std::size_t next_chunk_ = 0;
-  std::size_t next_ahead_ = 0;               // the next one to begin
-  bool has_advanced_ = false;                // more than the first message is wanted
+  std::size_t next_ahead_ = 0;               // index of the next chunk to open ahead
+  bool has_advanced_ = false;                // a message after the first is requested
   std::vector<std::unique_ptr<Run>> heap_;   // the earliest on top
   std::vector<std::unique_ptr<Run>> spare_;  // kept for their memory
   std::uint64_t held_ = 0;                   // bytes of open chunks
-  const bool counts_;                        // the CRC of the data section is wanted
+  const bool counts_;                        // the CRC of the data section is computed
   // used by the worker while calls are pending
   ChunkOpener opener_;
   std::array<ChunkAhead, 2> ahead_;  // chunk i of chunks_ is at i % 2
-  std::size_t next_open_ = 0;        // of chunks_
+  std::size_t next_open_ = 0;        // index in chunks_ of the next chunk to open
   DataCrc data_crc_;
   QuietWorker worker_;
 };

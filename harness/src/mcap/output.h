@@ -20,7 +20,7 @@ namespace rehearse::mcap {
 
 /// A deferred message of a chunk: its record has no data so far.
 struct PutOff {
-  std::size_t entry = 0;  // of the chunk's index
+  std::size_t entry = 0;  // its entry in the chunk's index
   std::function<std::vector<std::byte>()> compose;
 };
 
@@ -28,9 +28,10 @@ struct PutOff {
 struct ChunkData {
   std::vector<std::byte> records;
   std::vector<IndexEntry> index;
-  std::vector<PutOff> put_off;   // in the order of their entries
-  std::size_t held = 0;          // memory held by these [bytes]
-  std::uint64_t first_time = 0;  // of the first message in file order: determines when the chunk is finished by age
+  std::vector<PutOff> put_off;  // in the order of their entries
+  std::size_t held = 0;         // memory of the deferred messages [bytes]
+  /// Log time of the first message in file order: determines when the chunk is finished by age.
+  std::uint64_t first_time = 0;
   std::uint64_t start_time = 0;
   std::uint64_t end_time = 0;
   Compression compression = Compression::none;
@@ -52,8 +53,8 @@ struct RawJob {
   enum class Kind { plain, attachment, metadata };
   Kind kind = Kind::plain;
   std::vector<std::byte> bytes;
-  Attachment attachment;        // kind attachment; without its data, whose size is below
-  std::uint64_t data_size = 0;  // kind attachment
+  Attachment attachment;        // kind attachment; without its data
+  std::uint64_t data_size = 0;  // kind attachment: size of its data [bytes]
   std::string metadata_name;    // kind metadata
 };
 

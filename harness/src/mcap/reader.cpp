@@ -62,11 +62,11 @@ void Reader::Impl::take_in_chunk(const Record& record) {
   chunk_channels_.emplace_back();
 }
 
-/// The index belongs to the chunk before it.
+/// The record is a message index of the chunk before it.
 void Reader::Impl::take_in_message_index(const Record& record) {
   ByteReader in(record.body);
   const auto channel = in.get<std::uint16_t>();
-  const auto size = in.get<std::uint32_t>();  // of the entries
+  const auto size = in.get<std::uint32_t>();  // size of the entries [bytes]
   if (chunk_channels_.empty() || !in.ok()) return;
   indexed_[channel] += size / index_entry_size;
   ChunkChannels& before = chunk_channels_.back();
@@ -143,7 +143,7 @@ bool Reader::Impl::check_data_crc(DamageLog& damage, DataCrc begun) {
 Result<void> Reader::Impl::verdict(const DamageLog& pass) const {
   Diagnostics all;
   if (was_cut(bytes_))
-    all.push_back(damaged("another program cut the file while it was read: what is missing was read as zeros"));
+    all.push_back(damaged("another program cut the file while it was read: the missing bytes were read as zeros"));
   all.insert(all.end(), damage_.list().begin(), damage_.list().end());
   all.insert(all.end(), pass.list().begin(), pass.list().end());
   if (all.empty()) return {};
@@ -157,7 +157,7 @@ Result<void> Reader::Impl::for_each_message(const OnMessage& callback, const Cha
   Delivery delivery{contents_, damage, chunk_opener_, pass_buffer_, channels, callback, no_records};
   MappedPass pass(file_, bytes_.first(frame_.data_end));
   const bool by_index = indexes_list_all_messages();
-  std::size_t chunk = 0;  // of chunks_
+  std::size_t chunk = 0;  // index in chunks_
   Record record;
   while (pass.next(record)) {
     bool more = true;

@@ -22,7 +22,7 @@ class DataCrc {
     crc_ = crc32(data_.subspan(end_, end - end_), crc_);
     end_ = end;
   }
-  std::uint64_t end() const { return end_; }  // of the included bytes
+  std::uint64_t end() const { return end_; }  // end of the included bytes
   std::uint32_t value() const { return crc_; }
 
  private:
@@ -67,7 +67,7 @@ class Reader::Impl {
   DataCrc data_crc() const { return DataCrc(bytes_.first(frame_.data_end)); }
   /// False, and adds to `damage`, if the data section's CRC doesn't match; computed once.
   bool check_data_crc(DamageLog& damage) { return check_data_crc(damage, data_crc()); }
-  bool check_data_crc(DamageLog& damage, DataCrc begun);  // of which a part is computed
+  bool check_data_crc(DamageLog& damage, DataCrc begun);  // `begun`: a part of the CRC is computed
   /// All damage found by opening and by a pass.
   Result<void> verdict(const DamageLog& pass) const;
   Diagnostic damaged(std::string message) const;
@@ -106,12 +106,12 @@ class Reader::Impl {
   void learn_from_chunks();
   void learn_from_chunk(const Chunk& place);
 
-  std::map<std::uint16_t, std::uint64_t> indexed_;  // number of messages by channel, by the message indexes
+  std::map<std::uint16_t, std::uint64_t> indexed_;  // number of messages of each channel in the message indexes
   RawBuffer pass_buffer_;
   RawBuffer at_buffer_;  // for message_at(): the chunk that was read last
   Bytes at_records_;
-  Bytes at_body_;               // of that chunk's record
-  std::uint64_t at_chunk_ = 0;  // 0: none
+  Bytes at_body_;               // body of that chunk's record
+  std::uint64_t at_chunk_ = 0;  // offset of that chunk; 0: none
   std::optional<bool> data_crc_matches_;
 };
 

@@ -13,11 +13,11 @@ namespace {
 
 enum class Kind {
   number,      // `width` bytes
-  text,        // with a length of four bytes
-  bytes,       // with a length of four bytes
-  long_bytes,  // with a length of eight bytes
-  text_map,    // map of texts, with a length of four bytes
-  array,       // array of elements of `width` bytes, with a length of four bytes
+  text,        // text after a length of four bytes
+  bytes,       // bytes after a length of four bytes
+  long_bytes,  // bytes after a length of eight bytes
+  text_map,    // map of texts, after a length of four bytes
+  array,       // array of elements of `width` bytes, after a length of four bytes
   rest,        // all remaining bytes
 };
 

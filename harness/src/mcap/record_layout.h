@@ -19,9 +19,10 @@ std::string name_of(std::uint8_t opcode);
 
 /// The result of comparing a body with the fields of its kind.
 struct LayoutCheck {
-  bool whole = false;                 // every field is complete, and every length in it fits
-  std::size_t extra = 0;              // after the last field [bytes]
-  std::vector<std::string> problems;  // of the fields: "its topic is not UTF-8"; empty unless the body is whole
+  bool whole = false;     // every field is complete, and every length in it fits
+  std::size_t extra = 0;  // number of bytes after the last field
+  /// Problems of the fields, as "its topic is not UTF-8"; empty unless the body is whole.
+  std::vector<std::string> problems;
 
   /// True if nothing is missing, wrong or left over.
   bool exact() const { return whole && extra == 0 && problems.empty(); }

@@ -68,7 +68,7 @@ Bytes StreamPass::begin() {
   return start;
 }
 
-/// Reads until `count` bytes are held. The memory grows with the received bytes, never with `count` alone.
+/// Reads until `count` bytes are buffered. The memory grows with the received bytes, never with `count` alone.
 Bytes StreamPass::look(std::uint64_t count) {
   while (end_ - begin_ < count && !ended_) {
     if (end_ == buffer_.capacity()) make_room();
@@ -85,7 +85,7 @@ void StreamPass::move_on(std::uint64_t count) {
   if (begin_ == end_) begin_ = end_ = 0;
 }
 
-/// Moves the held bytes to the front if that frees half of the buffer; otherwise doubles the buffer.
+/// Moves the buffered bytes to the front if that frees half of the buffer; otherwise doubles the buffer.
 void StreamPass::make_room() {
   const std::size_t held = end_ - begin_;
   if (buffer_.capacity() > 0 && held <= buffer_.capacity() / 2) {
@@ -101,7 +101,7 @@ void StreamPass::make_room() {
 }
 
 bool StreamPass::find(Record& record) {
-  constexpr std::uint64_t chunk_frame = 4096;  // more than the size of a chunk's fields beside its records
+  constexpr std::uint64_t chunk_frame = 4096;  // more than the size of a chunk's fields except its records
   while (true) {
     const Bytes head = look(record_head);
     if (head.size() < record_head) return false;
@@ -119,7 +119,7 @@ bool StreamPass::find(Record& record) {
   }
 }
 
-/// Skips a record that is too large to hold. False: it is incomplete.
+/// Skips a record that is too large for the buffer. False: the record is incomplete.
 bool StreamPass::leave_out(std::uint64_t length) {
   const std::uint64_t offset = passed();
   cut_record_ = offset;
@@ -133,7 +133,7 @@ bool StreamPass::leave_out(std::uint64_t length) {
     pass(piece);
   }
   cut_record_.reset();
-  damage_.add(fmt::format("the record at byte {} has {} bytes; no more than {} are held of a stream: it was left out",
+  damage_.add(fmt::format("the record at byte {} was left out: it has {} bytes, more than the limit of {} for a stream",
                           offset, length, most_held_));
   return true;
 }
@@ -164,7 +164,7 @@ CutPlace StreamPass::look_at_cut() {
 Frame read_frame(RecordPass& pass, bool check_crcs, Contents& contents, DamageLog& damage,
                  const std::function<bool(const Record&)>& take, const Reader::OnRecord& seen) {
   Frame frame;
-  std::optional<std::uint64_t> summary;  // its offset
+  std::optional<std::uint64_t> summary;  // offset of the summary
   Contents said;                         // contents of the summary; used, with its damage, if its CRC matches
   DamageLog said_damage(damage.file());
   bool says_channels = false;

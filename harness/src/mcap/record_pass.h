@@ -72,7 +72,7 @@ class MappedPass final : public RecordPass {
 /// Fills the front of the given bytes, and returns the number of bytes: at least one; 0 is the end.
 using ReadBytes = std::function<Result<std::size_t>(std::span<std::byte>)>;
 
-/// The pass over a stream. It holds one record in memory. A record larger than `most_held` is left out and reported to
+/// The pass over a stream. It keeps one record in memory. A record larger than `most_held` is left out and reported to
 /// `damage`.
 class StreamPass final : public RecordPass {
  public:
@@ -99,14 +99,14 @@ class StreamPass final : public RecordPass {
   std::size_t end_ = 0;
   bool ended_ = false;
   Diagnostics failure_;
-  std::vector<std::byte> last_bytes_;        // of the omitted record
+  std::vector<std::byte> last_bytes_;        // last bytes of the omitted record
   std::optional<std::uint64_t> cut_record_;  // offset of a record that was omitted when the stream ended
 };
 
 /// The parts of a file around its messages.
 struct Frame {
   std::uint64_t data_end = 0;  // offset of DataEnd, of a Footer without one, or of the first incomplete record
-  std::optional<std::uint32_t> data_crc;  // as stated in DataEnd
+  std::optional<std::uint32_t> data_crc;  // CRC that DataEnd states
   bool summary_has_channels = false;
 };
 

@@ -46,15 +46,15 @@ struct Footer {
 /// The fields of a ChunkIndex record.
 struct ChunkIndex {
   Chunk chunk;
-  std::uint64_t length = 0;          // of the chunk's record [bytes]
-  std::uint64_t indexes_length = 0;  // of the message indexes after it [bytes]
+  std::uint64_t length = 0;          // length of the chunk's record [bytes]
+  std::uint64_t indexes_length = 0;  // length of the message indexes after it [bytes]
   Bytes places;                      // channel (2 bytes) and offset in the file (8) of each message index
 };
 
 /// The place of a record, as an AttachmentIndex or a MetadataIndex states it.
 struct RecordPlace {
   std::uint64_t offset = 0;
-  std::uint64_t length = 0;  // with its header [bytes]
+  std::uint64_t length = 0;  // length of the record with its header [bytes]
 };
 
 /// A parsed attachment, and the bytes that its CRC covers.
@@ -85,7 +85,7 @@ class RecordWalker {
   explicit RecordWalker(Bytes range, std::uint64_t start = 0) : range_(range), offset_(start) {}
 
   bool next(Record& record);
-  /// Offset of the next record; after the last whole one: the end of the walk.
+  /// Offset of the next record; after the last whole record: the end of the walk.
   std::uint64_t offset() const { return offset_; }
   bool at_end() const { return offset_ == range_.size(); }
 
@@ -101,13 +101,13 @@ inline Bytes bytes_of(const Record& record) {
 /// Offset after the record.
 inline std::uint64_t end_of(const Record& record) { return record.offset + record_head + record.body.size(); }
 
-// Each parses the body of a record; nullopt if the body is shorter than its fields state.
+// Each function parses the body of a record. It returns nullopt if the body is shorter than its fields state.
 std::optional<Schema> parse_schema(Bytes body);
 std::optional<Channel> parse_channel(Bytes body);
 std::optional<MessageHead> parse_message_head(Bytes body);
 std::optional<ChunkHead> parse_chunk(Bytes body);
 std::optional<ChunkHead> parse_cut_chunk(Bytes body);  // its records end with the body, independent of the stated size
-/// The fields before the records. `size`: of the records, as the chunk states it [bytes].
+/// The fields before the records. `size`: size of the records that the chunk states [bytes].
 std::optional<ChunkHead> parse_chunk_front(Bytes body, std::uint64_t& size);
 std::optional<AttachmentRecord> parse_attachment(Bytes body);
 std::optional<Metadata> parse_metadata(Bytes body);
@@ -116,7 +116,7 @@ std::optional<Footer> parse_footer(Bytes body);
 std::optional<ChunkIndex> parse_chunk_index(Bytes body);
 std::optional<RecordPlace> parse_record_place(Bytes body);
 
-// Each appends a whole record.
+// Each function appends a whole record.
 void put_header(ByteWriter& out, std::string_view profile, std::string_view library);
 void put_schema(ByteWriter& out, const Schema& schema);
 void put_channel(ByteWriter& out, const Channel& channel);
@@ -124,7 +124,7 @@ void put_attachment(ByteWriter& out, const Attachment& attachment, bool with_crc
 void put_metadata(ByteWriter& out, std::string_view name, const StringMap& values);
 void put_statistics(ByteWriter& out, const Statistics& statistics);
 void put_chunk_index(ByteWriter& out, const ChunkIndex& index);
-/// `length` of the record at `offset`, with its header [bytes].
+/// `length`: length of the record at `offset`, with its header [bytes].
 void put_metadata_index(ByteWriter& out, std::uint64_t offset, std::uint64_t length, std::string_view name);
 
 }  // namespace rehearse::mcap

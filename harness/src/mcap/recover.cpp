@@ -89,7 +89,7 @@ class SavedPass {
     }
   }
 
-  /// Passes the messages that seem whole in it.
+  /// Passes the messages of a damaged chunk that seem whole.
   bool pass_damaged_chunk(const SavedRun& run) {
     const auto head = parse_cut_chunk(file_.subspan(run.begin + record_head, run.end - run.begin - record_head));
     REHEARSE_ASSERT(head, "the first pass parsed it");
@@ -245,11 +245,11 @@ Result<void> examine_written(const std::filesystem::path& written, const std::fi
   if (!examination) return examination.errors();
   for (const Finding& finding : examination->findings.list())
     if (finding.severity == Severity::error)
-      return about(target, fmt::format("what was saved isn't a valid file, so it isn't kept: at byte {}: {}",
+      return about(target, fmt::format("the saved file isn't valid, so it isn't kept: at byte {}: {}",
                                        finding.place.offset, finding.message));
   if (examination->messages != recovery.messages)
-    return about(target, fmt::format("{} messages were saved, and {} are in the file: it isn't kept", recovery.messages,
-                                     examination->messages));
+    return about(target, fmt::format("{} messages were saved, but {} are in the file, so it isn't kept",
+                                     recovery.messages, examination->messages));
   return {};
 }
 

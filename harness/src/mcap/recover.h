@@ -28,7 +28,8 @@ struct RecoverOptions {
   bool trust_damaged = false;
   /// A chunk whose stated decompressed size is larger is lost [bytes].
   std::uint64_t max_chunk_size = std::uint64_t{1} << 30;
-  /// Called now and then with the number of bytes passed and of all, in two passes; null: not.
+  /// Called now and then, in two passes, with the number of passed bytes and the number of all bytes; null: never
+  /// called.
   std::function<void(std::uint64_t done, std::uint64_t all)> progress;
 };
 
@@ -42,21 +43,22 @@ struct LostBytes {
 /// The messages of one channel.
 struct RecoveredChannel {
   std::string topic;
-  std::uint64_t saved = 0;  // messages
-  std::uint64_t lost = 0;   // as far as the remaining statistics and indexes state it
+  std::uint64_t saved = 0;  // number of saved messages
+  std::uint64_t lost = 0;   // number of lost messages, as far as the remaining statistics and indexes state it
 };
 
 struct Recovery {
-  std::uint64_t size = 0;                                     // of the source [bytes]
-  std::uint64_t messages = 0, attachments = 0, metadata = 0;  // saved
+  std::uint64_t size = 0;                                     // size of the source [bytes]
+  std::uint64_t messages = 0, attachments = 0, metadata = 0;  // numbers of saved records
   std::uint64_t lost_bytes = 0;
   std::vector<LostBytes> lost;                         // in order; the first thousand
   std::vector<std::string> remarks;                    // sentences: other differences from the source
   std::map<std::uint16_t, RecoveredChannel> channels;  // by their ids in the source
-  std::uint64_t lost_messages = 0;                     // as far as it is known; 0: none, or unknown
+  std::uint64_t lost_messages = 0;                     // 0: none, or an unknown number
   bool loss_is_known = false;                          // the source's statistics exist, so lost_messages is exact
   std::uint64_t first_time = 0, last_time = 0;         // log times of the saved messages [ns]
-  std::optional<std::uint64_t> source_last_time;       // of the last message in the source, if statistics exist [ns]
+  /// Log time of the last message in the source, if statistics exist [ns].
+  std::optional<std::uint64_t> source_last_time;
 
   /// True if nothing is missing: the source was whole.
   bool is_whole() const { return lost.empty() && remarks.empty(); }

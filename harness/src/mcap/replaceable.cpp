@@ -8,7 +8,7 @@ namespace rehearse {
 
 Result<void> check_replaceable(const std::filesystem::path& file, std::string_view magic, std::string_view kind) {
   if (file == "-")
-    return error("'-' is no file: nothing is written to standard output", "name a file; './-' is one of that name");
+    return error("'-' is no file: nothing is written to standard output", "name a file; './-' is a file of that name");
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored))
     return error(fmt::format("can't write {}: it is a directory", file.string()));

@@ -15,7 +15,7 @@ namespace rehearse::mcap {
 
 namespace {
 
-/// Device and inode; for a file that isn't open none.
+/// Device and inode; zeros for a file that isn't open.
 std::pair<std::uint64_t, std::uint64_t> identity_of(int file) {
   struct stat status {};
   if (::fstat(file, &status) != 0) return {};
@@ -53,7 +53,7 @@ class FileSink : public Sink {
 Result<void> FileSink::write(Bytes bytes) {
   if (!bytes.empty() && !is_our_file())
     return error("the trace can't be written any further: something in this process has closed its file descriptor",
-                 "what was written before is whole; does a controller close what it hasn't opened?");
+                 "the data written before are whole; does a controller close a file that it hasn't opened?");
   while (!bytes.empty()) {
     const ssize_t written = ::write(file_, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
@@ -67,8 +67,8 @@ Result<void> FileSink::read_back(std::uint64_t offset, std::span<std::byte> targ
   while (!target.empty()) {
     const ssize_t got = is_our_file() ? ::pread(file_, target.data(), target.size(), static_cast<off_t>(offset)) : 0;
     if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return error(fmt::format("can't read what was written of the trace: {}", std::strerror(errno)));
-    if (got == 0) return error("can't read what was written of the trace: it is no longer there");
+    if (got < 0) return error(fmt::format("can't read the written part of the trace: {}", std::strerror(errno)));
+    if (got == 0) return error("can't read the written part of the trace: it is missing");
     offset += static_cast<std::uint64_t>(got);
     target = target.subspan(static_cast<std::size_t>(got));
   }
@@ -96,7 +96,7 @@ class MemorySink : public Sink {
   std::vector<std::byte>& out_;
 };
 
-/// Locks out other writers until the descriptor is closed. False: there is one. True if files can't be locked.
+/// Locks out other writers until the descriptor is closed. False: another writer exists. True if files can't be locked.
 bool lock(int file) { return ::flock(file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK; }
 
 /// The existing ordinary file of that name, locked against other writers.
@@ -172,13 +172,13 @@ Result<std::unique_ptr<Sink>> open_file_sink(const std::filesystem::path& file) 
     failure.file = file.string();
     return failure;
   };
-  const auto other_writer = [&] { return refuse("another writer is at this file", "name another file, or wait"); };
+  const auto other_writer = [&] { return refuse("another writer has opened this file", "name another file, or wait"); };
   FileThere there(file);
   if (there.being_written()) return other_writer();
   std::error_code none;
   std::filesystem::path place = std::filesystem::canonical(file, none);  // resolves links
   int opened = none ? -1 : replace(place);
-  const bool is_new = opened >= 0;  // it replaces the other file, and is locked
+  const bool is_new = opened >= 0;  // it replaces the existing file, and is locked
   there.release();
   if (!is_new) opened = create(file);
   if (opened < 0) return refuse(fmt::format("can't create the trace: {}", std::strerror(errno)));

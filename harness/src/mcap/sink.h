@@ -25,7 +25,7 @@ class Sink {
   virtual int descriptor() const { return -1; }
 };
 
-/// A file, created or emptied. A file with one name that belongs to this user is replaced by a new one with the same
+/// A file, created or emptied. A file with one name that belongs to this user is replaced by a new file with the same
 /// permissions. So readers keep the old contents. Links, pipes and devices are written into.
 Result<std::unique_ptr<Sink>> open_file_sink(const std::filesystem::path& file);
 

@@ -1,7 +1,7 @@
 // Reads MCAP from front to back: from a pipe, a socket, standard input, or a file that is still being written.
 //
 // A StreamReader reads bytes as they arrive and never goes back. A message is delivered when its chunk is complete; one
-// record and one decompressed chunk are held in memory. It reports the same damage as a Reader, in file order, and
+// record and one decompressed chunk are kept in memory. It reports the same damage as a Reader, in file order, and
 // checks every CRC. There is one difference: a message before the definition of its channel is reported and left out.
 // Internal.
 #pragma once

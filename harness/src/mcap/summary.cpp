@@ -79,12 +79,12 @@ class ReadBack {
   std::uint64_t data_size_;
   const std::function<void(Bytes)>& out_;
   std::optional<ChunkIndex> chunk_;
-  std::vector<std::byte> places_;  // of its message indexes
+  std::vector<std::byte> places_;  // places of its message indexes
   std::vector<std::byte> records_;
 };
 
 Result<void> ReadBack::run() {
-  const Diagnostic changed = error("can't finish the trace: somebody else has changed it meanwhile");
+  const Diagnostic changed = error("can't finish the trace: another program has changed it meanwhile");
   // The front of a record with all necessary fields: a chunk's head with the longest name of a compression.
   std::array<std::byte, record_head + 8 + 8 + 8 + 4 + (4 + 4) + 8> start;
   for (std::uint64_t offset = magic.size(); offset < data_size_;) {

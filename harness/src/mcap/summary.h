@@ -28,10 +28,10 @@ class SummaryComposer {
 
   const FileForm form_;
   const Write write_;
-  std::uint64_t start_ = 0;         // of the summary in the file
-  std::uint64_t offset_;            // of the next byte
-  std::uint32_t crc_ = 0;           // of the summary so far
-  std::vector<std::byte> offsets_;  // whole records
+  std::uint64_t start_ = 0;         // offset of the summary in the file
+  std::uint64_t offset_;            // offset of the next byte
+  std::uint32_t crc_ = 0;           // CRC of the summary so far
+  std::vector<std::byte> offsets_;  // whole SummaryOffset records
 };
 
 /// Collects the ChunkIndex records of a file for the summary. An hour with cameras has half a million. So above a

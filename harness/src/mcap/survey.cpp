@@ -72,7 +72,7 @@ void Survey::walk() {
     pass_.go_on_at(magic.size());
   } else {
     const std::uint64_t first = resync_.find(0).value_or(file_.size());
-    lose(0, first, "what stands there is no beginning of an MCAP file");
+    lose(0, first, "the bytes there aren't the beginning of an MCAP file");
     pass_.go_on_at(first);
   }
   Record record;
@@ -99,7 +99,7 @@ bool Survey::ends_file(const Record& record) {
   if (record.opcode != op::footer || !parse_footer(record.body)) return false;
   const std::uint64_t end = end_of(record);
   if (!begins_with_magic(file_.subspan(end))) return false;
-  lose(end + magic.size(), file_.size(), "what stands behind the file's end");
+  lose(end + magic.size(), file_.size(), "the bytes after the file's end");
   return true;
 }
 
@@ -134,7 +134,7 @@ Survey::Fault Survey::judge(const Record& record) {
     return {};
   }
   const LayoutCheck layout = check_layout(record.opcode, record.body);
-  if (!layout.whole) return fmt::format("a {} that is too short for what it says", name_of(record.opcode));
+  if (!layout.whole) return fmt::format("a {} that is shorter than its fields state", name_of(record.opcode));
   if (is_overwritten(record, layout)) return fmt::format("a {} that is partly overwritten", name_of(record.opcode));
   switch (record.opcode) {
     case op::header: {
@@ -159,18 +159,18 @@ void Survey::finish_data(const Record& data_end) {
   in_summary_ = true;
   if (stated != 0 && stated != pass_.crc() && recovery_.lost.empty())
     recovery_.remarks.push_back(
-        "the CRC of the data section doesn't match, and those of its parts do: something between them isn't what was "
-        "written");
+        "the CRC of the data section doesn't match, and the CRCs of its parts do: the bytes between them have "
+        "changed");
 }
 
 /// Reads a Schema or Channel; ignores any other record.
 Survey::Fault Survey::learn(const Record& record) {
   if (record.opcode != op::schema && record.opcode != op::channel) return {};
   const auto keep = [this, kind = name_of(record.opcode)](auto& known, const auto& parsed) -> Fault {
-    if (!parsed) return fmt::format("a {} that is too short for what it says", kind);
+    if (!parsed) return fmt::format("a {} that is shorter than its fields state", kind);
     const auto [place, added] = known.try_emplace(parsed->id, *parsed);
     if (place->second == *parsed) return {};
-    return fmt::format("a {} {} that is defined otherwise {}", kind, parsed->id,
+    return fmt::format("a {} {} that is defined differently {}", kind, parsed->id,
                        summary_decides_ ? "in the summary" : "before");
   };
   if (record.opcode == op::channel) return keep(contents.channels, parse_channel(record.body));
@@ -181,7 +181,7 @@ Survey::Fault Survey::learn(const Record& record) {
 
 Survey::Fault Survey::judge_attachment(const Record& record) const {
   const auto attachment = parse_attachment(record.body);
-  if (!attachment) return "an Attachment that is too short for what it says";
+  if (!attachment) return "an Attachment that is shorter than its fields state";
   if (attachment->crc == 0 || attachment->crc == crc32(attachment->covered)) return {};
   return fmt::format("an Attachment, {}, whose CRC doesn't match", in_quotes(attachment->attachment.name));
 }
@@ -190,9 +190,9 @@ Survey::Fault Survey::judge_chunk(const Record& record) {
   const OpenedChunk chunk = opener_.open(record, buffer_);
   switch (chunk.fault) {
     case OpenedChunk::Fault::none: break;
-    case OpenedChunk::Fault::too_short: return "a Chunk that is too short for what it says";
+    case OpenedChunk::Fault::too_short: return "a Chunk that is shorter than its fields state";
     case OpenedChunk::Fault::too_large:
-      return fmt::format("a Chunk that says it holds {} bytes decompressed", chunk.head.uncompressed_size);
+      return fmt::format("a Chunk that states {} bytes decompressed", chunk.head.uncompressed_size);
     case OpenedChunk::Fault::not_decompressed: return "a Chunk that can't be decompressed: " + chunk.reason;
     case OpenedChunk::Fault::wrong_crc: return "a Chunk whose CRC doesn't match";
   }

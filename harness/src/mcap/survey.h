@@ -50,8 +50,8 @@ class Survey {
   ChunkOpener opener_;
   RawBuffer buffer_;
   bool summary_decides_ = false;  // definitions of a summary whose CRC matches were read
-  bool in_summary_ = false;       // after DataEnd
-  bool chunk_was_lost_ = false;   // the following message indexes belong to it
+  bool in_summary_ = false;       // the pass is after DataEnd
+  bool chunk_was_lost_ = false;   // the following message indexes belong to a lost chunk
   std::uint64_t private_records_ = 0;
 };
 

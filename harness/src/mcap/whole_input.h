@@ -5,10 +5,10 @@
 
 namespace rehearse::mcap {
 
-/// The damage of a source; its first diagnostic gets a hint what to do.
+/// The damage of a source; its first diagnostic gets the hint to recover the file.
 inline Diagnostics with_recover_hint(Diagnostics damage) {
   if (!damage.empty() && damage.front().hint.empty())
-    damage.front().hint = "rehearse recover makes a whole file of what is there";
+    damage.front().hint = "rehearse recover makes a whole file of the undamaged data";
   return damage;
 }
 

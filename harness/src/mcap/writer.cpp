@@ -47,8 +47,8 @@ class Writer::Impl {
   };
   struct ChannelState {
     std::size_t group = 0;
-    std::uint64_t count = 0;       // messages
-    bool defined_in_open = false;  // in the open chunk of its group
+    std::uint64_t count = 0;       // number of messages
+    bool defined_in_open = false;  // its definition is in the open chunk of its group
   };
 
   static std::size_t index_of(std::uint16_t channel) { return static_cast<std::uint16_t>(channel - 1); }
@@ -67,7 +67,7 @@ class Writer::Impl {
   const WriterOptions options_;
   std::vector<Schema> schemas_;
   std::multimap<std::string, std::uint16_t, std::less<>> schemas_by_name_;
-  std::vector<Channel> channels_;     // index_of
+  std::vector<Channel> channels_;     // at index_of(id)
   std::vector<ChannelState> states_;  // parallel to channels_
   std::vector<Group> groups_;
   std::uint64_t next_deadline_ = no_time;       // log time at which the first chunk must be finished
@@ -86,7 +86,7 @@ std::uint16_t Writer::Impl::add_schema(std::string_view name, std::string_view e
     if (schema.encoding == encoding && schema.data == data) return schema.id;
   }
   if (schemas_.size() == most_schemas) {
-    output_.fail(error(fmt::format("the schema {} is one too many: a file holds {}", name, most_schemas)));
+    output_.fail(error(fmt::format("the schema {} is one too many: a file contains at most {}", name, most_schemas)));
     return 0;
   }
   schemas_.push_back(
@@ -104,7 +104,8 @@ std::uint16_t Writer::Impl::add_schema(std::string_view name, std::string_view e
 std::uint16_t Writer::Impl::add_channel(Channel channel, ChunkGroup group) {
   REHEARSE_ASSERT(channel.schema_id <= schemas_.size(), "a channel's schema is added before it");
   if (channels_.size() == most_channels) {
-    output_.fail(error(fmt::format("the channel {} is one too many: a file holds {}", channel.topic, most_channels)));
+    output_.fail(
+        error(fmt::format("the channel {} is one too many: a file contains at most {}", channel.topic, most_channels)));
     return channels_.back().id;
   }
   if (options_.profile == "ros2") channel.metadata.try_emplace("offered_qos_profiles");

@@ -9,7 +9,7 @@
 
 namespace rehearse {
 
-/// The header is not changed.
+/// Replaces the contacts of the message; its header is not changed.
 inline void put_contacts(const std::vector<ContactReading>& contacts, msg::Contacts& message) {
   message.contacts.resize(contacts.size());
   for (std::size_t i = 0; i < contacts.size(); ++i) {

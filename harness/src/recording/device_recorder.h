@@ -36,7 +36,7 @@ class DeviceRecorder {
   const Device* device_;
   std::string frame_;
   // channels; 0: none
-  std::uint16_t measured_ = 0;  // values or ranges
+  std::uint16_t measured_ = 0;  // channel of values or ranges
   std::uint16_t color_ = 0;
   std::uint16_t info_ = 0;
   std::uint16_t depth_ = 0;

@@ -33,7 +33,7 @@ std::string build_id(const dl_phdr_info& library) {
 
 std::string file_name(std::string_view path) { return std::string(path.substr(path.rfind('/') + 1)); }
 
-/// Adds the names of the files of a library and of those that its dynamic section names.
+/// Adds the file names of a library and of the libraries that its dynamic section names.
 Result<void> add_needed(const char* library, std::set<std::string>& names) {
   void* handle = ::dlopen(library, RTLD_NOW | RTLD_LOCAL);  // stays loaded
   link_map* map = nullptr;

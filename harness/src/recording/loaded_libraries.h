@@ -16,8 +16,8 @@ struct LoadedLibrary {
 /// The libraries by the names of their files. The program is the entry with the empty name.
 std::map<std::string, LoadedLibrary> loaded_libraries();
 
-/// The library of that name ("libOSMesa.so.8") and all that it needs, which are loaded if they aren't yet. Fails if one
-/// can't be loaded.
+/// The library of that name ("libOSMesa.so.8") and all libraries that it needs; they are loaded if necessary. Fails if
+/// a library can't be loaded.
 Result<std::map<std::string, LoadedLibrary>> load_library(const std::string& name);
 
 }  // namespace rehearse

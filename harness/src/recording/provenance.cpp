@@ -43,8 +43,9 @@ std::string compiler() {
 #endif
 }
 
-/// A hash over the loaded libraries whose code influences bits: those of Rehearse, and those that they compute with.
-/// OSMesa is among them only if it draws: a run before may have loaded it. Empty if one has no build identifier.
+/// A hash over the loaded libraries whose code influences bits: Rehearse's libraries, and the libraries that they
+/// compute with. OSMesa is included only if it draws, because an earlier run may have loaded it. Empty if a library has
+/// no build identifier.
 std::string programs(bool draws) {
   constexpr std::string_view deciding[] = {"librehearse_model.",
                                            "librehearse_world.",
@@ -76,7 +77,7 @@ std::string environment(const char* variable) {
   return value ? value : "";
 }
 
-/// The tunables of the processor. The user's other tunables influence no bit and are no fact of a recording.
+/// The tunables of the processor. The user's other tunables influence no bit and aren't recorded.
 std::string tunables_of_the_processor() {
   std::string all = environment("GLIBC_TUNABLES"), kept;
   for (std::size_t begin = 0; begin < all.size();) {

@@ -15,11 +15,11 @@ namespace rehearse {
 mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host, const std::string& physics,
                            const std::string& renderer);
 
-/// The reason why the last bits of this process (`here`: its provenance()) may differ from those of a recording with
-/// the facts `recorded`: "libc was "glibc 2.36" and is ...". Empty: the bits are equal.
+/// The reason why the last bits of this process (`here`: its provenance()) may differ from the last bits of a recording
+/// with the facts `recorded`: "libc was "glibc 2.36" and is ...". Empty: the bits are equal.
 std::string other_arithmetic(const mcap::StringMap& recorded, const mcap::StringMap& here);
 
-/// The controllers' files alone.
+/// Only the controllers' files.
 mcap::StringMap controller_facts(const ControllerHost& host);
 
 }  // namespace rehearse

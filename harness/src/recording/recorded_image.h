@@ -7,12 +7,12 @@
 
 namespace rehearse {
 
-/// The picture's own file, if it came as one: a log's JPEG as a PNG would be four times as large, and encoding it would
-/// take most of the time of a replay. Else a PNG. The format of a JPEG ends with the hash of the decoded pixels.
+/// The picture's own file, if it has one; else a PNG. A log's JPEG as a PNG would be four times as large, and its
+/// encoding would take most of the time of a replay. The format of a JPEG ends with the hash of the decoded pixels.
 msg::CompressedImage message_of(const msg::Header& header, const Image& image);
 
-/// Decodes the picture of a message; its file is kept in it. Fails if it can't be decoded, and if libjpeg decodes other
-/// pixels on this machine than in the recorded run.
+/// Decodes the picture of a message; the picture keeps its file. Fails if it can't be decoded, or if libjpeg decodes
+/// other pixels on this machine than in the recorded run.
 Result<Image> image_of(msg::CompressedImage message);
 
 }  // namespace rehearse

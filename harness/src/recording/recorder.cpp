@@ -26,7 +26,7 @@ constexpr double transforms_per_second = 30.0;  // for viewers: other channels c
 
 std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }
 
-/// Adds the bounds that the simulation enforces for the joints of this body because the scenario says so.
+/// Adds the bounds that the simulation enforces for the joints of this body because the scenario requests it.
 void add_limits(const ScenarioBody& body, mcap::StringMap& metadata) {
   const auto state = [&metadata](const std::string& element, double lower, double upper) {
     if (std::isfinite(lower) || std::isfinite(upper))
@@ -41,13 +41,13 @@ void add_limits(const ScenarioBody& body, mcap::StringMap& metadata) {
 
 struct ControllerChannels {
   SideRecorder input, output;
-  std::vector<std::uint16_t> contacts;  // by the controller's contact links
-  std::vector<std::uint16_t> devices;   // by device index; 0: none
+  std::vector<std::uint16_t> contacts;  // channels by the controller's contact links
+  std::vector<std::uint16_t> devices;   // channels by device index; 0: none
   VariableRecorder variables = {};
 };
 
 struct BodyChannels {
-  /// A link that no joint places.
+  /// A link whose pose isn't determined by joints.
   struct FreeLink {
     int link = 0;
     std::uint16_t pose = 0, twist = 0;
@@ -98,7 +98,7 @@ struct Recorder::Impl : TraceOutput {
   const Scenario& scenario;
   std::vector<BodyChannels> bodies;
   std::vector<ControllerChannels> controllers;
-  mcap::StringMap devices_read;  // by BODY/DEVICE: labels of controllers
+  mcap::StringMap devices_read;  // labels of the controllers that read a device, by BODY/DEVICE
   std::optional<ContactRecorder> contact_recorder;
   std::uint16_t tick_channel = 0, transform_channel = 0, checkpoint_channel = 0, event_channel = 0;
   std::uint16_t joystick_channel = 0;   // 0: none
@@ -142,7 +142,7 @@ Result<std::unique_ptr<Recorder>> Recorder::create(const std::filesystem::path& 
 
 namespace {
 
-/// Of the file that a model was read from: a URDF, a .body file, or a heightmap.
+/// The media type of the file that a model was read from: a URDF, a .body file, or a heightmap.
 const char* media_type_of(const ScenarioBody& body) {
   const Link& root = body.model->links.front();
   const Mesh* mesh = root.visuals.empty() ? nullptr : std::get_if<Mesh>(&root.visuals.front().geometry);

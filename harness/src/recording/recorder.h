@@ -75,16 +75,16 @@ class Recorder {
   Result<void> record_tick(std::int64_t tick, const ControllerHost* host, const TickHashes& hashes);
   // Copies parts of a different recording, for a run that begins with it.
 
-  /// Copies the bytes of a message, to a topic that is added like the other's if it is missing.
+  /// Copies the bytes of a message to a topic. A missing topic is added like the topic of the other recording.
   Result<void> copy(const mcap::Message& message, const mcap::Schema& schema, const std::string& topic);
-  /// Records readings that differ here, instead of copies of such messages.
+  // Record readings that differ from the other recording, instead of copies of its messages.
   Result<void> record_measured_joints(std::int64_t tick, int body, const std::vector<JointReading>& joints);
   Result<void> record_reading(std::int64_t tick, int body, int device, const DeviceReading& reading);
   Result<void> record_joystick(std::int64_t tick, const JoystickReading& reading);
 
   Result<void> record_checkpoint(std::int64_t tick, std::span<const std::byte> state);
   Result<void> record_events(const std::vector<msg::Event>& events);
-  /// `outcome` states how the run ended; the trace is complete afterwards.
+  /// Writes the `outcome`, the end of the run; the trace is complete afterwards.
   Result<void> close(const RunOutcome& outcome);
 
   const RecordingSize& size() const;

@@ -22,7 +22,8 @@ mcap::StringMap joint_metadata(ChannelKind kind, const Model& model, const std::
 
 class SideRecorder {
  public:
-  /// Adds the channels of one side of the controller `label`. `metadata`: of each channel, in addition to units.
+  /// Adds the channels of one side of the controller `label`. `metadata`: metadata of each channel, in addition to
+  /// units.
   SideRecorder(TraceOutput& output, const std::string& label, ChannelSide side, const Model& model,
                const IoLayout& layout, mcap::StringMap metadata = {});
   /// Records the numbers of a tick, in the order of the layout.
@@ -33,9 +34,9 @@ class SideRecorder {
  private:
   /// The place of a number of the layout in the message of joints.
   struct Slot {
-    int offset;  // in the layout
+    int offset;  // offset in the layout
     std::vector<double> msg::JointState::*array;
-    std::size_t index;  // in the array
+    std::size_t index;  // index in the array
   };
   struct LinkChannel {
     std::uint16_t channel;
@@ -50,7 +51,7 @@ class SideRecorder {
   msg::JointState joint_message_;
   std::vector<Slot> slots_;
   msg::JointAccelerations acceleration_message_;
-  std::vector<int> acceleration_offsets_;  // by index in the message; -1: not enabled
+  std::vector<int> acceleration_offsets_;  // offsets in the layout, by index in the message; -1: not enabled
   std::vector<LinkChannel> links_;
 };
 

@@ -33,8 +33,8 @@ struct TraceOutput {
   double time_step;                      // [s]
   std::unique_ptr<mcap::Writer> writer;  // null: channels are listed, and nothing is written
   RecordingSize size;
-  std::map<std::string, std::uint16_t> by_topic;       // channels
-  std::map<std::string, mcap::StringMap> listed = {};  // their metadata by topic, if nothing is written
+  std::map<std::string, std::uint16_t> by_topic;       // ids of channels
+  std::map<std::string, mcap::StringMap> listed = {};  // metadata of channels by topic, if nothing is written
 
   /// Adds a channel for messages of type T, which is the type of the name's kind. Returns its id, which is never 0. Its
   /// metadata is the units of that kind, and `metadata`.
@@ -63,7 +63,7 @@ struct TraceOutput {
   }
 
   /// Writes a message that takes long to make: it is made on the writer's thread, from data that doesn't change any
-  /// more. `held`: size of the memory that is held until then [bytes].
+  /// more. `held`: size of the memory that is used until then [bytes].
   template <class T>
   Result<void> write_later(std::uint16_t to, std::int64_t tick, std::size_t held, std::function<T()> make) {
     ++size.messages;

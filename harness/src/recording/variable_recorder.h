@@ -18,7 +18,7 @@ class VariableRecorder {
                      const ControllerVariables& variables);
 
  private:
-  std::vector<std::uint16_t> channels_;  // by variable; 0: none yet
+  std::vector<std::uint16_t> channels_;  // channel of each variable; 0: none yet
 };
 
 }  // namespace rehearse

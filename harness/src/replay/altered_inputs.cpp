@@ -20,7 +20,7 @@
 namespace rehearse {
 namespace {
 
-/// The elements of a device's values, by their number.
+/// The elements (name and unit) of a device's values, by index.
 std::span<const ChannelElement> value_elements(const Device& device) {
   const std::span<const ChannelElement> of_imu = elements_of(ChannelKind::imu);
   if (std::holds_alternative<ForceSensor>(device.kind)) return elements_of(ChannelKind::wrench);
@@ -31,7 +31,7 @@ std::span<const ChannelElement> value_elements(const Device& device) {
   return {};
 }
 
-/// A number behind the text, "3" of "ranges/3".
+/// The number after the text `before`: 3 for "ranges/3" and "ranges/".
 std::optional<std::size_t> number_behind(std::string_view text, std::string_view before) {
   if (!text.starts_with(before)) return std::nullopt;
   text.remove_prefix(before.size());
@@ -73,7 +73,7 @@ std::optional<std::size_t> contact_element(std::string_view name) {
 
 }  // namespace
 
-/// All that have a name of their own; not the beams of range sensors, points of contact and numbers of lights.
+/// All inputs with a name of their own: no beams of range sensors, points of contact or numbers of lights.
 void AlteredInputs::add_names(const Scenario& scenario, std::vector<std::pair<std::string, Target>>& names) {
   for (std::size_t b = 0; b < scenario.bodies.size(); ++b) {
     const ScenarioBody& body = scenario.bodies[b];
@@ -136,7 +136,8 @@ std::optional<AlteredInputs::Target> AlteredInputs::find(const std::string& seri
   return std::nullopt;
 }
 
-/// Names that may have been meant: that are like it as a whole, or but for the body, or some that end like it.
+/// Names that the user may have meant: similar names, else names that are similar without the body, else up to three
+/// names with the same last part.
 std::string AlteredInputs::near_inputs(const std::string& series, const Scenario& scenario) {
   std::vector<std::pair<std::string, Target>> known;
   add_names(scenario, known);
@@ -156,9 +157,9 @@ std::string AlteredInputs::near_inputs(const std::string& series, const Scenario
     for (std::size_t i = 0; i < names.size() && near.size() < 3; ++i)
       if (std::find(near_rests.begin(), near_rests.end(), rests[i]) != near_rests.end()) near.push_back(names[i]);
   }
-  if (!near.empty()) return fmt::format("near it: {}", fmt::join(near, ", "));
+  if (!near.empty()) return fmt::format("similar inputs: {}", fmt::join(near, ", "));
   if (alike.empty()) alike.assign(names.begin(), names.begin() + std::min<std::ptrdiff_t>(3, std::ssize(names)));
-  return fmt::format("there is, for instance: {}", fmt::join(alike, ", "));
+  return fmt::format("inputs are, for example: {}", fmt::join(alike, ", "));
 }
 
 Result<AlteredInputs::Alteration> AlteredInputs::parse_one(const std::string& text, const Scenario& scenario) {
@@ -167,7 +168,7 @@ Result<AlteredInputs::Alteration> AlteredInputs::parse_one(const std::string& te
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
     return error_at({text, 0, text.size()},
-                    "that alters nothing: expected SERIES=VALUE, SERIES+=VALUE or SERIES*=VALUE");
+                    "this alters nothing: expected SERIES=VALUE, SERIES+=VALUE or SERIES*=VALUE");
   std::size_t end_of_name = equals;
   if (text[equals - 1] == '+' || text[equals - 1] == '*') found.operation = text[--end_of_name];
   const std::string series = text.substr(0, end_of_name);
@@ -197,7 +198,7 @@ Result<AlteredInputs::Alteration> AlteredInputs::parse_one(const std::string& te
   if (!span) return span.errors();
   if (span->first >= scenario.ticks())
     return error_at({text, at + 1, text.size() - at - 1},
-                    fmt::format("the run ends at tick {}, before that", scenario.ticks() - 1));
+                    fmt::format("the run ends before that, at tick {}", scenario.ticks() - 1));
   found.span = *span;
   return found;
 }
@@ -217,7 +218,7 @@ Result<AlteredInputs> AlteredInputs::parse(const std::vector<std::string>& texts
 }
 
 bool AlteredInputs::is_read(const Target& target, const ControllerHost& host) {
-  if (target.body < 0) return true;  // whoever asks for a joystick has it
+  if (target.body < 0) return true;  // any controller may read the joystick
   for (const HostedController& hosted : host.controllers()) {
     if (!hosted.running || hosted.body != target.body) continue;
     const auto is_target = [&](int owner) { return owner == target.owner; };
@@ -248,9 +249,9 @@ Result<void> AlteredInputs::check_read_by(const ControllerHost& host) const {
   for (const Alteration& alteration : alterations_) {
     if (is_read(alteration.target, host)) continue;
     const std::size_t end = alteration.text.find('=') - (alteration.operation == '=' ? 0 : 1);
-    findings.push_back(
-        error_at({alteration.text, 0, end},
-                 fmt::format("no controller reads '{}': to alter it changes nothing", alteration.text.substr(0, end))));
+    findings.push_back(error_at(
+        {alteration.text, 0, end},
+        fmt::format("no controller reads '{}': its alteration has no effect", alteration.text.substr(0, end))));
   }
   if (!findings.empty()) return findings;
   return {};
@@ -324,8 +325,8 @@ Diagnostics AlteredInputs::unused() const {
   Diagnostics warnings;
   for (const Alteration& alteration : alterations_) {
     if (alteration.used) continue;
-    Diagnostic& warning = warnings.emplace_back(error(
-        fmt::format("'{}' altered nothing: there was no such tick, or nothing was measured then", alteration.text)));
+    Diagnostic& warning = warnings.emplace_back(error(fmt::format(
+        "'{}' altered nothing: its ticks weren't run, or the sensor measured nothing in them", alteration.text)));
     warning.severity = Severity::warning;
   }
   return warnings;

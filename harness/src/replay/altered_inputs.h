@@ -1,8 +1,9 @@
-// AlteredInputs: what controllers read, other than it was. "Walker/KNEE/q=0.3@tick:1200..1300": the series, what
-// becomes of its number, and when.
+// AlteredInputs: changes of the values that controllers read. "Walker/KNEE/q=0.3@tick:1200..1300" states the series,
+// the new value and the ticks.
 //
-// Series are named as in a trace: of a body's joints, links and devices, and of the joystick. A name of a controller's
-// input (Walker/Gait/input/KNEE/q) means the same quantity of its body: all controllers of a body read one.
+// Series are named as in a trace: series of a body's joints, links and devices, and of the joystick. The name of a
+// controller's input (Walker/Gait/input/KNEE/q) means that quantity of its body: all controllers of a body read the
+// same value.
 #pragma once
 
 #include <rehearse/io.h>
@@ -21,21 +22,22 @@ namespace rehearse {
 
 class AlteredInputs {
  public:
-  /// SERIES=VALUE, SERIES+=VALUE or SERIES*=VALUE, then @SPAN or nothing, which is all ticks; a VALUE is a number,
-  /// which of an angle may end in deg, or nan, or inf. Each mistake is an error with its place in the text.
+  /// Parses SERIES=VALUE, SERIES+=VALUE or SERIES*=VALUE, each with or without @SPAN; without a span all ticks are
+  /// altered. VALUE is a number, nan or inf; an angle may end in deg. Each mistake is an error with its place in the
+  /// text.
   static Result<AlteredInputs> parse(const std::vector<std::string>& texts, const Scenario& scenario);
 
-  /// The first tick in which any of them acts; 0 if there are none.
+  /// The first tick with an alteration; 0 if there are no alterations.
   std::int64_t begins() const;
   bool empty() const { return alterations_.empty(); }
-  /// Fails for what none of the controllers reads; they have been initialised.
+  /// Fails for inputs that no controller reads. The controllers must be initialised.
   Result<void> check_read_by(const ControllerHost& host) const;
-  /// In the order in which they were given.
+  /// Makes the alterations of the tick, in the order of the texts.
   void apply(std::int64_t tick, Observation& observation);
-  /// A warning for each that changed nothing so far: the run has no such tick, or the sensor said nothing then.
+  /// A warning for each alteration without effect so far: the run lacks its ticks, or the sensor measured nothing then.
   Diagnostics unused() const;
 
-  /// What a tick's alterations, of whatever tick, can reach.
+  // True if an alteration of any tick changes these inputs.
   bool alters_joints(int body) const;
   bool alters_device(int body, int device) const;
   bool alters_joystick() const;
@@ -46,10 +48,10 @@ class AlteredInputs {
   struct Target {
     Kind kind = Kind::joint;
     int body = 0;
-    int owner = 0;                    // joint id, link or device index
-    std::size_t element = 0;          // by kind: of the quantity, of the values, beam, axis
+    int owner = 0;                    // joint id, link index or device index
+    std::size_t element = 0;          // by kind: index of the quantity's element, of the value, beam, axis or button
     std::size_t contact = 0;          // number of the contact point
-    Quantity quantity = Quantity::q;  // of joints and links
+    Quantity quantity = Quantity::q;  // for joints and links
     bool is_angle = false;            // [rad]
   };
   struct Alteration {
@@ -57,7 +59,7 @@ class AlteredInputs {
     Target target;
     char operation = '=';  // '=', '+', '*'
     double operand = 0.0;
-    std::optional<TickSpan> span;  // none: all
+    std::optional<TickSpan> span;  // nullopt: all ticks
     bool used = false;
   };
 

@@ -33,7 +33,7 @@ CopyingSink::Part CopyingSink::part_of(const mcap::Channel& channel) const {
   return is_hosted ? Part::controller : Part::state;
 }
 
-/// What is recorded of a reading that is another one here.
+/// True if the channel records a reading that is altered here.
 bool CopyingSink::is_altered(const std::string& topic) const {
   const ChannelName name = ChannelName::parse(topic);
   if (name.kind == ChannelKind::joystick) return altered_.alters_joystick();
@@ -63,10 +63,10 @@ Result<void> CopyingSink::copy(RecordingSource& from, Run& run, std::optional<st
   if (run.interruption()) return *run.interruption();
   if (!end || run.tick() >= *end || host_.failure()) return {};
   if (!from.damage().empty()) return from.damage();
-  return in_recording(source_, error(fmt::format("it has {} ticks, and tick {} is wanted", run.tick(), *end)));
+  return in_recording(source_, error(fmt::format("it has {} ticks, but tick {} is requested", run.tick(), *end)));
 }
 
-/// Before its tick is emitted.
+/// Takes a message of the source before its tick is emitted.
 Result<void> CopyingSink::take(const mcap::Message& message) {
   const std::uint16_t id = message.channel->id;
   const mcap::Schema* schema = source_.schema_of(*message.channel);

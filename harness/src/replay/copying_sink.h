@@ -1,5 +1,5 @@
-// CopyingSink: a recording that begins as another one, or repeats it. The source's states, sensors and frames are
-// copied as they are, and what the controllers do on its inputs is recorded anew.
+// CopyingSink: writes a recording that begins like another recording, or repeats it completely. The source's states,
+// sensors and frames are copied unchanged; the controllers' outputs for these inputs are recorded anew.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -18,21 +18,21 @@ namespace rehearse {
 
 class CopyingSink final : public RecordingSink {
  public:
-  /// The host has been initialised and started, the recorder has its channels. `remarks` as in RecordingSink. All must
-  /// outlive this.
+  /// The host must be initialised and started, and the recorder must have its channels. `remarks` as in RecordingSink.
+  /// All references must outlive this.
   CopyingSink(const Scenario& scenario, mcap::Reader& source, const ControllerHost& host, Recorder& recorder,
               const AlteredInputs& altered, Diagnostics* remarks = nullptr);
 
-  /// What the source's controllers commanded is kept as well, on topics with `acted`: see BranchOrigin::acted_until.
-  /// `source_until`: that of the source itself.
+  /// Also copies the commands of the source's controllers, to topics with `acted`: see BranchOrigin::acted_until.
+  /// `source_until`: the acted_until of the source itself.
   void keep_acted(std::optional<std::int64_t> until, std::optional<std::int64_t> source_until);
 
-  /// Lets the run, whose sink this is, make all ticks before `end`, or all there are. Fails if the source can't be read
-  /// up to there; a controller's failure is the host's to tell.
+  /// Lets the run, whose sink this is, make all ticks before `end`; without `end`, all ticks of the source. Fails if
+  /// the source can't be read up to there; the host reports a controller's failure.
   Result<void> copy(RecordingSource& from, Run& run, std::optional<std::int64_t> end);
 
   Result<void> emit(const Moment& now) override;
-  /// True if the controllers' outputs were the recorded ones in all ticks of copy(), by their hashes.
+  /// True if the hashes of the controllers' outputs were the recorded hashes in all ticks of copy().
   bool same_outputs() const { return same_outputs_; }
 
  private:
@@ -50,7 +50,7 @@ class CopyingSink final : public RecordingSink {
   std::vector<bool> is_copied_;  // by channel id
   std::vector<Part> parts_;      // by channel id
   std::optional<std::int64_t> acted_until_, source_acted_until_;
-  const RecordingSource* from_ = nullptr;  // of copy()
+  const RecordingSource* from_ = nullptr;  // argument of copy()
   bool same_outputs_ = true;
 };
 

@@ -21,14 +21,14 @@ bool DeviceMessage::decode(T& message) const {
   return msg::decode(reader, message);
 }
 
-/// The time that the sensor stated, as exactly the number that it was when it was recorded [s].
+/// The sensor's time of measurement, bit for bit the number that was recorded [s].
 double DeviceMessage::measured_at(const msg::Time& stamp) const {
   const double seconds = static_cast<double>(stamp.to_ns()) * 1e-9;
   return time_of(std::llround(seconds / time_step_), time_step_);
 }
 
 Diagnostic DeviceMessage::mismatch() const {
-  return error(fmt::format("a message on {} at {} ns is not what device '{}' measures", message_.channel->topic,
+  return error(fmt::format("a message on {} at {} ns is not a measurement of device '{}'", message_.channel->topic,
                            message_.log_time, device_.name));
 }
 
@@ -74,7 +74,7 @@ bool DeviceMessage::read_inertial(DeviceReading& reading) const {
   return true;
 }
 
-/// A sensor that was switched off has no distances.
+/// A message of a sensor that was switched off contains no distances.
 bool DeviceMessage::read_ranges(const RangeSensor& laser, DeviceReading& reading) const {
   std::vector<float> ranges;
   if (kind_ == ChannelKind::scan) {
@@ -97,7 +97,7 @@ Result<void> DeviceMessage::read_color(DeviceReading& reading) const {
   if (!decode(color)) return mismatch();
   reading.measured_at = measured_at(color.header.stamp);
   reading.image = nullptr;
-  if (color.data.empty()) {  // it was switched off
+  if (color.data.empty()) {  // the camera was switched off
     reading.depth = nullptr;
     return {};
   }

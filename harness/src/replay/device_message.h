@@ -1,4 +1,4 @@
-// DeviceMessage: a recorded message of a device, as the reading that it was made of.
+// DeviceMessage: converts a recorded message of a device back to the device's reading.
 #pragma once
 
 #include <rehearse/io.h>
@@ -12,7 +12,7 @@ namespace rehearse {
 
 class DeviceMessage {
  public:
-  /// All must outlive this. `kind`: of the message's channel; `time_step` [s].
+  /// All references must outlive this. `kind`: kind of the message's channel; `time_step` [s].
   DeviceMessage(const Device& device, ChannelKind kind, const mcap::Message& message, double time_step)
       : device_(device), kind_(kind), message_(message), time_step_(time_step) {}
 

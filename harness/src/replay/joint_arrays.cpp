@@ -8,7 +8,7 @@
 namespace rehearse {
 namespace {
 
-constexpr std::size_t after_stamp = 12;  // four bytes of encapsulation, then seconds and nanoseconds
+constexpr std::size_t after_stamp = 12;  // offset after four bytes of encapsulation, seconds and nanoseconds
 
 }  // namespace
 

@@ -23,7 +23,7 @@ class JointArrays {
   const std::vector<double>& position() const { return arrays_[0]; }
   const std::vector<double>& velocity() const { return arrays_[1]; }
   const std::vector<double>& effort() const { return arrays_[2]; }
-  /// True if the last read() found different names or numbers of values than the one before it, or was the first.
+  /// True if the last read() was the first, or found other names or numbers of values than the read() before.
   /// Otherwise the values are at the same addresses.
   bool layout_changed() const { return layout_changed_; }
 

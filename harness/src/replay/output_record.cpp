@@ -15,7 +15,8 @@ std::string text_of_flag(const OutputField& field, bool actual) {
   if (field.element == "told")
     return actual ? "the device is commanded, expected no command" : "the device isn't commanded, expected a command";
   if (field.element.starts_with("running"))
-    return actual ? "the controller takes part, and isn't expected to" : "the controller doesn't take part as expected";
+    return actual ? "the controller takes part, but is expected not to"
+                  : "the controller doesn't take part as expected";
   return fmt::format("control() of '{}' returned {}, expected {}", field.controller, actual, !actual);
 }
 

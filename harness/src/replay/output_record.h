@@ -1,5 +1,5 @@
-// OutputRecord: all that the controllers of a run gave in one tick, as a row of 64-bit words whose layout is known. Two
-// rows are compared as bytes; the layout says what a word is.
+// OutputRecord: all outputs of a run's controllers in one tick, as a row of 64-bit words with a fixed layout. Two rows
+// are compared as bytes; the layout states the meaning of each word.
 #pragma once
 
 #include <rehearse/replay.h>
@@ -16,16 +16,16 @@ namespace rehearse {
 
 /// The place of a field in a recording, without tick and time.
 Divergence place_of(const OutputField& field);
-/// The difference of two words of a field; none if their bits are equal. Tick and time are the caller's to fill in.
+/// The difference of two words of a field; nullopt if their bits are equal. The caller fills in tick and time.
 std::optional<Divergence> difference(const OutputField& field, std::uint64_t expected, std::uint64_t actual);
 
 class OutputRecord {
  public:
-  /// The controllers have started. Both must outlive this.
+  /// The controllers must have started. Both references must outlive this.
   OutputRecord(const ControllerHost& host, const Scenario& scenario);
 
   const std::vector<OutputField>& fields() const { return fields_; }
-  /// What was given in the tick that the host has just finished, one word for each field.
+  /// The outputs of the tick that the host has just finished, one word for each field.
   const std::vector<std::uint64_t>& row();
 
  private:
@@ -33,15 +33,15 @@ class OutputRecord {
   void add_outputs(const HostedController& hosted, const Model& model);
   void add_devices(const HostedController& hosted, const Model& model);
 
-  /// Where the devices of a controller's body stand in the row.
+  /// The words of one device in the row.
   struct DevicePlace {
-    std::size_t begin = 0;  // of the word that says whether it was told anything; its values follow
-    std::size_t values = 0;
+    std::size_t begin = 0;   // index of the word that is 1 if the device was commanded; its values follow
+    std::size_t values = 0;  // number of values
   };
 
   const ControllerHost& host_;
   std::vector<OutputField> fields_;
-  std::vector<bool> has_outputs_;                  // by controller: it started
+  std::vector<bool> has_outputs_;                  // by controller: true if it started
   std::vector<std::vector<DevicePlace>> devices_;  // by controller, then by device
   std::vector<std::uint64_t> row_;
 };

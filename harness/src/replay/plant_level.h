@@ -1,4 +1,4 @@
-// The plant level of a check: a golden's commands into the world, and what comes of it against the golden.
+// The plant level of a check: simulates the world with the golden's commands, and compares the result with the golden.
 #pragma once
 
 #include <rehearse/compare.h>
@@ -15,16 +15,16 @@ namespace rehearse {
 struct PlantLevel {
   PlantSummary run;
   Trace trace;            // without messages
-  Comparison comparison;  // of stages_of_plant, up to PlantOptions::until
+  Comparison comparison;  // comparison of stages_of_plant, up to PlantOptions::until
 };
 
 /// The stages of a run that need no controller.
 inline const std::vector<Stage> stages_of_plant{Stage::physics, Stage::sensors, Stage::renderer};
 
-/// Noise by series, as CompareOptions::noise_floors.
+/// Noise floor of each series, as in CompareOptions::noise_floors.
 using NoiseOfSeries = std::map<std::string, double, std::less<>>;
 
-/// Writes the run's trace to `file`, whose folder is made if there is none.
+/// Writes the run's trace to `file`, whose folder is made if it is missing.
 Result<PlantLevel> compare_plant(const Simulation& simulation, const Scenario& scenario, const Trace& golden,
                                  const std::filesystem::path& file, const PlantOptions& options,
                                  const NoiseOfSeries& noise = {});

@@ -13,9 +13,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view of_share = "share/";  // below the prefix of copies
+constexpr std::string_view of_share = "share/";  // folder below the prefix of copies
 
-/// A name that leads out of its folder is nobody's copy.
+/// False for a name that leads out of its folder: it isn't the name of a copy.
 bool is_inside(const fs::path& name) {
   for (const fs::path& part : name)
     if (part == "..") return false;

@@ -10,9 +10,9 @@
 
 namespace rehearse {
 
-/// While it exists, controllers find the recorded copies of files that aren't there: shareDirPath() is a folder with
-/// copies, and motions that are missing elsewhere are read from it by their names. A file that is there is read as it
-/// is, so that its change is noticed.
+/// While this object exists, controllers find the recorded copies of missing files: shareDirPath() is a folder with
+/// copies, and motions that are missing elsewhere are read from it by their names. An existing file is read unchanged,
+/// so that a change since the recording is noticed.
 class RecordedFiles {
  public:
   explicit RecordedFiles(const mcap::Reader& recording);
@@ -24,7 +24,7 @@ class RecordedFiles {
   void set(const char* variable, const std::filesystem::path& value);
 
   std::filesystem::path folder_;                              // empty: nothing is missing
-  std::map<std::string, std::optional<std::string>> before_;  // environment variables that were changed
+  std::map<std::string, std::optional<std::string>> before_;  // former values of the changed environment variables
 };
 
 }  // namespace rehearse

@@ -21,16 +21,16 @@ Eigen::Vector3d vector(const msg::Vector3& v) { return {v.x, v.y, v.z}; }
 
 }  // namespace
 
-/// Where the messages of one channel go.
+/// The destination of the messages of one channel.
 struct RecordedInputs::Feed {
   ChannelKind kind = ChannelKind::joints;  // measured joints are joints
-  int body = -1;                           // -1: of none
-  int link = -1, device = -1;              // index; -1: of none
+  int body = -1;                           // index; -1: no body
+  int link = -1, device = -1;              // index; -1: no link, no device
   JointArrays joints;
-  std::vector<int> joint_ids;                             // by index in the message; -1: no such joint
+  std::vector<int> joint_ids;                             // joint id by index in the message; -1: no such joint
   std::vector<std::pair<const double*, double*>> copies;  // from the message to the observation
   std::string topic;
-  /// For inputs of a controller: the numbers that it reads, by array of the message, then by index.
+  /// For inputs of a controller: true for the numbers that it reads, by array of the message, then by index.
   std::optional<std::array<std::vector<bool>, 3>> read;
 
   const std::vector<double>& array(std::size_t index) const {
@@ -119,11 +119,11 @@ void RecordedInputs::add(std::uint16_t id, const ChannelName& name, const std::s
     feed.device = body->model->find_device(name.owner);
     if (feed.device >= 0 && feed.kind != ChannelKind::camera_info) keep();
   } else if (name.owner.empty() && of_body == (feed.kind == ChannelKind::joints)) {
-    keep();  // of a controller's side the accelerations alone, which the body's channels don't have
+    keep();  // of a controller's channels only the accelerations, which the body's channels don't have
   }
 }
 
-/// The joints that a controller read, as its first inputs state them: others are NaN.
+/// Adds the joints that a controller read, by its first inputs: the values of other joints are NaN there.
 void RecordedInputs::add_joints_read(mcap::Reader& reader, std::uint16_t id, const ChannelName& name) {
   const auto body = std::ranges::find(scenario_.bodies, name.body, &ScenarioBody::name);
   mcap::OrderedMessages messages(reader, std::span(&id, 1));
@@ -145,7 +145,7 @@ bool RecordedInputs::feeds(const Feed& feed, int body, const IoField& field) con
   return feed.link < 0 ? feed.has(field) : feed.link == field.link;
 }
 
-/// True if a controller's input has that value of a joint.
+/// True if a controller's input contains that value of a joint.
 bool RecordedInputs::has_input(int body, const IoField& field) const {
   return std::any_of(feeds_.begin(), feeds_.end(),
                      [&](const auto& entry) { return entry.second->read && feeds(*entry.second, body, field); });
@@ -236,7 +236,7 @@ Result<void> RecordedInputs::accept(const mcap::Message& message) {
       body.contacts[feed.link] = contacts_of(contacts);
       break;
     }
-    default: break;  // add() keeps no others
+    default: break;  // add() keeps no other kinds
   }
   if (fits) return {};
   return error(fmt::format("a message on {} at {} ns is not of its type", feed.topic, message.log_time));

@@ -1,4 +1,4 @@
-// RecordedInputs: a trace's messages turned back into the observations that the controllers saw.
+// RecordedInputs: converts a trace's messages back to the observations of the controllers.
 #pragma once
 
 #include <rehearse/io.h>
@@ -19,21 +19,21 @@ namespace rehearse {
 
 class RecordedInputs {
  public:
-  /// Finds the channels of `reader` that hold something of the scenario's bodies. Both must outlive this.
+  /// Finds the channels of `reader` that contain data of the scenario's bodies. Both references must outlive this.
   RecordedInputs(const Scenario& scenario, mcap::Reader& reader);
   ~RecordedInputs();
 
-  /// The channels that contain the values that the host's controllers read: accept() needs these, and no others. For
-  /// joints these are the controllers' inputs, and the state of the body only for values that no input has.
-  /// `whole_state`: the state of all joints of these bodies, for an observation that is recorded.
+  /// The channels that contain the values that the host's controllers read: accept() needs only these channels. For
+  /// joints they are the controllers' inputs, and the state of the body only for values that no input has.
+  /// `whole_state`: adds the state of all joints of these bodies, for an observation that is recorded.
   std::vector<std::uint16_t> channels_read_by(const ControllerHost& host, bool whole_state) const;
-  /// Whether the trace holds a quantity of a link, or what a device measured.
+  // True if the trace contains the quantity of a link, the device's measurements, the link's contacts, or the joystick.
   bool has(int body, const IoField& field) const;
   bool has_device(int body, int device) const;
   bool has_contacts(int body, int link) const;
   bool has_joystick() const;
 
-  /// A new tick begins: nothing is fresh.
+  /// Begins a new tick: no reading of a device is fresh.
   void begin_tick();
   /// Takes a message into the observation. An error names topic and time if its bytes don't fit.
   Result<void> accept(const mcap::Message& message);

@@ -27,7 +27,7 @@ bool read_numbers(CdrReader& reader, std::vector<double>& values) {
   return true;
 }
 
-/// The numbers of a message; `names`: of joints, if it is one of accelerations.
+/// Reads the numbers of a message; `names` gets the joints of a message of accelerations.
 bool read_values(ChannelKind kind, mcap::Bytes payload, std::vector<double>& values, std::vector<std::string>& names) {
   CdrReader reader(payload);
   switch (kind) {
@@ -76,7 +76,7 @@ void RecordedOutputs::add_channel(const mcap::Channel& channel, const ChannelNam
   channels_.push_back(channel.id);
 }
 
-/// Which words are compared if the recording lacks them.
+/// Finds the words that are compared although the recording lacks them.
 void RecordedOutputs::sort_words() {
   for (const HostedController& hosted : host_.controllers()) {
     for (std::size_t word = 0; word < fields_.size(); ++word) {
@@ -101,7 +101,7 @@ std::size_t RecordedOutputs::word_of(const std::string& channel, const std::stri
   return found == words_.end() ? none : found->second;
 }
 
-/// A number may lack a field if it is NaN: then it isn't commanded in the recording either.
+/// With `may_lack_field`, a NaN needs no field: then the recorded controller didn't command it either.
 void RecordedOutputs::add_pair(Channel& channel, const double& expected, std::string element, bool may_lack_field) {
   const std::size_t word = word_of(channel.topic, element);
   if (word == none && may_lack_field && std::isnan(expected)) return;
@@ -183,7 +183,7 @@ std::int64_t RecordedOutputs::compare(const std::vector<std::uint64_t>& row, con
   for (const Word& at : unpaired_) {
     if (!at.hosted->running) continue;
     Divergence found = place_of(fields_[at.word]);
-    found.note = "the controller commands it now, and did not in the recording";
+    found.note = "the controller commands it now, but didn't in the recording";
     differs(std::move(found));
   }
   for (std::size_t i = 0; i < results.size(); ++i) {
@@ -193,7 +193,7 @@ std::int64_t RecordedOutputs::compare(const std::vector<std::uint64_t>& row, con
   return compared + std::ssize(results);
 }
 
-/// A number that no controller commands now.
+/// The difference for a recorded number that no controller commands now.
 Divergence RecordedOutputs::lone(const Channel& channel, const Pair& pair) const {
   Divergence found = place_of({channel.hosted->label, channel.topic, pair.element});
   put_numbers(found, *pair.expected, not_recorded, unit_of(channel.metadata, pair.element));

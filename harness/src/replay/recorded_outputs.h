@@ -22,7 +22,8 @@ namespace rehearse {
 
 class RecordedOutputs {
  public:
-  /// Finds the output channels of the controllers, which have started. `fields`: of the rows. All must outlive this.
+  /// Finds the output channels of the controllers, which must have started. `fields`: the fields of the rows. All
+  /// references must outlive this.
   RecordedOutputs(const ControllerHost& host, const std::vector<OutputField>& fields, const mcap::Reader& trace);
 
   const std::vector<std::uint16_t>& channels() const { return channels_; }
@@ -31,12 +32,12 @@ class RecordedOutputs {
   Result<void> accept(const mcap::Message& message);
 
   using OnDifference = std::function<void(Divergence&&)>;
-  /// Calls `differs` for each number whose bits differ in the row of the tick: recorded ones by channel, then those
-  /// that only the row has, then results of control(). Tick and time are the caller's to fill in. Returns how many
-  /// recorded values were compared. `results`: the recorded ones of control(), by controller.
+  /// Calls `differs` for each number whose bits differ in the row of the tick: recorded numbers by channel, then
+  /// numbers that only the row has, then results of control(). The caller fills in tick and time. Returns the number of
+  /// compared recorded values. `results`: the recorded results of control(), by controller.
   std::int64_t compare(const std::vector<std::uint64_t>& row, const std::vector<bool>& results,
                        const OnDifference& differs);
-  /// Calls `differs` for each controller whose commands act a tick later, or earlier, than the recorded ones.
+  /// Calls `differs` for each controller whose commands act a tick later, or earlier, than the recorded commands.
   void compare_delays(const OnDifference& differs) const;
 
  private:
@@ -44,8 +45,8 @@ class RecordedOutputs {
 
   /// A recorded number and its word in the row.
   struct Pair {
-    const double* expected;  // where accept() puts it
-    std::size_t word;        // none: no controller commands it now
+    const double* expected;  // address to which accept() writes it
+    std::size_t word;        // its index; none: no controller commands the number now
     std::string element;
   };
   struct Channel {
@@ -53,15 +54,15 @@ class RecordedOutputs {
     ChannelKind kind = ChannelKind::other;
     mcap::StringMap metadata;
     const HostedController* hosted = nullptr;
-    std::size_t told = none;  // the word that is 1 if the device was commanded; none: the channel is no device's
-    bool here = false;        // had a message in this tick
-    bool was_here = false;    // in the tick of unpaired_
+    std::size_t told = none;  // the word that is 1 if the device was commanded; none: the channel isn't a device's
+    bool here = false;        // the channel had a message in this tick
+    bool was_here = false;    // the channel had a message in the tick of unpaired_
     JointArrays joints;
-    std::vector<std::string> names;  // of joint accelerations
-    std::vector<double> values;      // of all kinds but joints
+    std::vector<std::string> names;  // joints of a channel of accelerations
+    std::vector<double> values;      // values of a channel of any kind but joints
     std::vector<Pair> pairs;
   };
-  /// A word of the row, and the controller that it belongs to.
+  /// A word of the row, and its controller.
   struct Word {
     std::size_t word;
     const HostedController* hosted;
@@ -81,14 +82,14 @@ class RecordedOutputs {
 
   const ControllerHost& host_;
   const std::vector<OutputField>& fields_;
-  std::map<std::pair<std::string, std::string>, std::size_t> words_;  // by channel and element
+  std::map<std::pair<std::string, std::string>, std::size_t> words_;  // index of the word by channel and element
   std::vector<std::uint16_t> channels_;
   std::map<std::uint16_t, Channel> by_id_;
-  std::vector<Word> commands_;             // words of numbers, except those of devices
-  std::vector<Word> untold_;               // words that are 1 if a device was commanded, of devices that never were
-  std::vector<std::size_t> result_words_;  // by controller
-  bool new_pairs_ = true;                  // since unpaired_ was made
-  std::vector<Word> unpaired_;             // of commands_: those that no message of the tick contains
+  std::vector<Word> commands_;  // words of numbers, except those of devices
+  std::vector<Word> untold_;    // words that are 1 if a device was commanded, of devices without recorded commands
+  std::vector<std::size_t> result_words_;  // word of the result of control(), by controller
+  bool new_pairs_ = true;                  // pairs were added since unpaired_ was made
+  std::vector<Word> unpaired_;             // words of commands_ that no message of the tick contains
 };
 
 }  // namespace rehearse

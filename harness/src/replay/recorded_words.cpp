@@ -12,7 +12,7 @@
 namespace rehearse {
 namespace {
 
-/// Events of the world and of a log aren't the host's.
+/// Adds an event of the host or its controllers; ignores events of the world and of a log.
 void add_event(RunningHash& events, const msg::Event& event) {
   if (event.source == "world" || event.source == "log") return;
   CdrWriter cdr;
@@ -68,7 +68,7 @@ void RecordedWords::say(const std::vector<msg::Event>& events) {
 }
 
 void RecordedWords::begin_tick(const OnDifference& differs) {
-  if (std::exchange(begun_, true)) end(differs);  // what is said before the first tick is its own
+  if (std::exchange(begun_, true)) end(differs);  // lines before the first tick belong to the first tick
   recorded_ = std::exchange(coming_, {});
   for (auto& [id, variable] : variables_) variable.this_tick = std::exchange(variable.value, std::nullopt);
 }
@@ -104,7 +104,7 @@ std::int64_t RecordedWords::compare_variables(const OnDifference& differs) const
     if (recorded && now)
       put_numbers(found, *recorded, *now);
     else
-      found.note = now ? "is set now, and wasn't in the recording" : "was set in the recording, and isn't now";
+      found.note = now ? "is set now, but wasn't in the recording" : "was set in the recording, but isn't now";
     differs(std::move(found));
   }
   return static_cast<std::int64_t>(pairs.size());

@@ -1,5 +1,5 @@
-// RecordedWords: what the controllers of a recording said beside their commands, lines to os() and variables, to be
-// compared with what they say now.
+// RecordedWords: the lines to os() and the variables that the controllers of a recording wrote. They are compared with
+// the lines and variables of the replay.
 #pragma once
 
 #include <rehearse/compare.h>
@@ -26,30 +26,30 @@ class RecordedWords {
   const std::vector<std::uint16_t>& channels() const { return channels_; }
   /// Takes a message of one of channels(). An error names topic and time if its bytes don't fit.
   Result<void> accept(const mcap::Message& message);
-  /// What happened now.
+  /// Takes the host's events of the replay.
   void say(const std::vector<msg::Event>& events);
 
   using OnDifference = std::function<void(Divergence&&)>;
-  /// The messages since the last call are those of a tick that is about to be controlled. Lines that are said between
-  /// two ticks are the earlier one's: calls `differs` with the first line of that one that isn't the same now.
+  /// Begins a tick, whose messages have been accepted since the last call; its controllers run after this call. Lines
+  /// between two ticks belong to the earlier tick: calls `differs` with the first different line of that tick.
   void begin_tick(const OnDifference& differs);
-  /// The same of the last tick.
+  /// Compares the lines of the last tick in the same way.
   void end(const OnDifference& differs);
-  /// Calls `differs` for each variable of this tick that isn't the same bits now. Tick and time are the caller's to
-  /// fill in. Returns how many were compared.
+  /// Calls `differs` for each variable of this tick whose bits differ now. The caller fills in tick and time. Returns
+  /// the number of compared variables.
   std::int64_t compare_variables(const OnDifference& differs) const;
-  /// Lines compared so far.
+  /// Number of lines compared so far.
   std::int64_t lines() const { return lines_; }
-  /// True if all events of the host and its controllers so far, with tick and severity, are the recorded ones.
+  /// True if all events of the host and its controllers so far, with tick and severity, are the recorded events.
   bool same_events() const { return recorded_events_.value() == said_events_.value(); }
 
  private:
   struct Variable {
     std::string topic;
-    std::optional<double> value;      // in the messages since begin_tick()
-    std::optional<double> this_tick;  // in the tick that is controlled
+    std::optional<double> value;      // last value in the messages since begin_tick()
+    std::optional<double> this_tick;  // recorded value in the tick whose controllers run
   };
-  using Lines = std::vector<std::string>;  // "SR1/Walker: text"
+  using Lines = std::vector<std::string>;  // elements as "SR1/Walker: text"
   bool is_line(const msg::Event& event) const;
 
   const ControllerHost& host_;

@@ -86,23 +86,24 @@ Result<bool> RecordingSource::observe(Moment& now) {
   return true;
 }
 
-/// A controller is what all ticks before made of it. So none may be missing: the recording was cut, or some of it was
-/// lost.
+/// The error for a missing tick: the recording was cut or damaged. All ticks before determine a controller's
+/// state, so none of them may be missing.
 Diagnostic RecordingSource::gap(std::int64_t expected) const {
   return in_recording(
       recording_,
       expected == 0
           ? error(fmt::format(
-                      "its first tick is {}: what was before isn't in it, and controllers can't begin in the middle",
+                      "its first tick is {}: the ticks before are missing, and controllers can't begin in the middle",
                       tick_.tick),
                   "replay the whole recording, with --from")
-          : error(fmt::format(
-                      "tick {} follows tick {}: what was between isn't in it, and controllers can't go on without",
-                      tick_.tick, expected - 1),
-                  fmt::format("replay it up to there: --until {:g}", time_of(expected, scenario_.time_step))));
+          : error(
+                fmt::format(
+                    "tick {} follows tick {}: the ticks between are missing, and controllers can't go on without them",
+                    tick_.tick, expected - 1),
+                fmt::format("replay it up to there: --until {:g}", time_of(expected, scenario_.time_step))));
 }
 
-/// The recorded world has moved by itself.
+/// The recording contains the next state of the world: nothing is simulated.
 Result<bool> RecordingSource::advance(Moment& now, Commander& commands) {
   commands.act_late(now);
   inputs_.begin_tick();

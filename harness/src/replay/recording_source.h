@@ -1,4 +1,4 @@
-// RecordingSource: what is observed comes from a recording, tick by tick, as its controllers saw it.
+// RecordingSource: reads the observations of a run from a recording, tick by tick.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -23,14 +23,14 @@ class RecordingSource final : public ObservationSource {
   using Take = std::function<Result<void>(const mcap::Message&)>;
   static constexpr std::uint64_t no_end = std::numeric_limits<std::uint64_t>::max();
 
-  /// The host's controllers have been initialised: what they read is taken. What `altered` says is altered before they
-  /// do. All must outlive this.
+  /// The host's controllers must be initialised: only the values that they read are taken. The alterations of `altered`
+  /// are made before the controllers read. All references must outlive this.
   RecordingSource(const Scenario& scenario, mcap::Reader& recording, const ControllerHost& host,
                   AlteredInputs& altered);
 
   const RecordedInputs& inputs() const { return inputs_; }
   bool alters() const { return !altered_.empty(); }
-  /// The channels that observations and ticks are in; without ticks nothing can be observed.
+  /// The channels of the observations and of the ticks; without ticks nothing can be observed.
   const std::vector<std::uint16_t>& channels() const { return channels_; }
   bool has_ticks() const { return tick_channel_ != 0; }
   /// The run ends before the first tick at this time or later [ns].
@@ -38,7 +38,7 @@ class RecordingSource final : public ObservationSource {
 
   /// Reads the messages of `channels` (all if empty) before `before` [ns] in order, hands each to `take` and lets the
   /// run make a step for each tick whose messages have all been read. Fails if the run does, or if a message isn't of
-  /// its type. What the reader finds damaged is damage(): the run is made up to there.
+  /// its type. damage() returns the damage that the reader finds: the run is made up to there.
   Result<void> drive(Run& run, const Take& take, std::span<const std::uint16_t> channels = {},
                      std::uint64_t before = no_end);
   const Diagnostics& damage() const { return damage_; }
@@ -46,7 +46,7 @@ class RecordingSource final : public ObservationSource {
   Result<bool> observe(Moment& now) override;
   Result<bool> advance(Moment& now, Commander& commands) override;
 
-  /// What the recording says of the tick that was observed last.
+  /// The recorded data of the tick that was observed last.
   const msg::Tick& recorded() const { return tick_; }
   /// The message that ends a complete recording: the state after its last tick.
   const std::optional<msg::Tick>& last_state() const { return last_state_; }
@@ -66,7 +66,7 @@ class RecordingSource final : public ObservationSource {
   std::vector<bool> is_observed_;  // by channel id
   std::uint16_t tick_channel_ = 0;
   std::uint64_t until_ = no_end;  // [ns]
-  std::uint64_t time_ = 0;        // of the messages that are being read [ns]
+  std::uint64_t time_ = 0;        // log time of the messages that are being read [ns]
   msg::Tick tick_;
   bool tick_here_ = false;  // /tick had a message at time_
   bool cut_short_ = false;
@@ -75,7 +75,7 @@ class RecordingSource final : public ObservationSource {
   Diagnostics damage_;
 };
 
-/// Names the recording as the file that a finding is about, if it names none.
+/// Names the recording as the file of a finding that names no file.
 Diagnostic in_recording(const mcap::Reader& recording, Diagnostic finding);
 
 }  // namespace rehearse

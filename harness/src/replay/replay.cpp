@@ -29,7 +29,7 @@ void warn(ReplayReport& report, Diagnostics findings) {
   }
 }
 
-/// Fails if what the controllers read isn't known.
+/// Fails if inputs of the controllers weren't recorded.
 Result<void> check_inputs(const mcap::Reader& recording, const Scenario& scenario, const ControllerHost& host,
                           const RecordingSource& source) {
   if (!source.has_ticks()) return in_recording(recording, error("it has no ticks: nothing of the run was recorded"));
@@ -38,13 +38,12 @@ Result<void> check_inputs(const mcap::Reader& recording, const Scenario& scenari
   return {};
 }
 
-/// What is damaged behind the part that was wanted doesn't matter.
+/// True if the requested part was replayed: damage after it has no effect.
 bool is_enough(const ReplayOptions& options, const RecordingSource& source, double reached) {
   return source.was_cut_short() || (options.until && reached >= *options.until);
 }
 
-/// Lets the run make all ticks. What ends it early, or is left out of it, is an error or, if damage is tolerated, a
-/// warning.
+/// Lets the run make all ticks. An early end or omitted data is an error or, if damage is tolerated, a warning.
 Result<void> replay_ticks(Run& run, RecordingSource& source, ReplayComparison& comparison, const Scenario& scenario,
                           const ReplayOptions& options, Damage damage, ReplayReport& report) {
   std::vector<std::uint16_t> channels = source.channels();

@@ -83,8 +83,9 @@ void ReplayComparison::compare(const Moment& now, const std::vector<std::uint64_
   report_.ticks_different += report_.values_different > before ? 1 : 0;
 }
 
-/// A controller that reads more or less than the recorded one has other hashes from the first tick on: then they tell
-/// nothing. Else another hash later on means that the recorded inputs are not those of the run.
+/// Compares the hashes of the inputs. A controller that reads more or fewer values than the recorded controller has
+/// other hashes from the first tick on: then a comparison of them has no meaning. Else a different hash in a later tick
+/// means that the recorded inputs differ from the inputs of the run.
 void ReplayComparison::compare_inputs(const Moment& now) {
   if (reads_the_same_ && !*reads_the_same_) return;
   const bool same = host_.input_hash(*now.read) == source_.recorded().input_hash;
@@ -95,12 +96,12 @@ void ReplayComparison::compare_inputs(const Moment& now) {
   found.channel = run_topics::tick;
   found.element = "input_hash";
   found.stage = Stage::inputs;
-  found.note = "what the recording holds of the inputs is not what the controllers were fed with when it was made";
+  found.note = "the recorded inputs differ from those that the controllers got when the recording was made";
   differs(std::move(found));
-  reads_the_same_ = false;  // said once
+  reads_the_same_ = false;  // reported once
 }
 
-/// By the name that the series has in a trace. What isn't a matter of two numbers may not differ at all.
+/// The tolerance by the name of the series in a trace; 0 for a difference that isn't between two numbers.
 double ReplayComparison::tolerance_for(const Divergence& found) const {
   if (!options_.tolerances || !found.note.empty()) return 0.0;
   const Tolerance tolerance = tolerance_of(series_name(found.channel, found.element), found.unit, *options_.tolerances);
@@ -116,7 +117,7 @@ void ReplayComparison::differs(Divergence&& found) {
   report_.add(std::move(found));
 }
 
-/// Those that a rule asks for are compared like commands.
+/// Variables that a rule of tolerances names are compared like commands.
 void ReplayComparison::compare_variables() {
   report_.words.variables += words_.compare_variables([this](Divergence&& found) {
     if (!asks_for_variable(found.channel.substr(1), scenario_.tolerances))
@@ -142,7 +143,7 @@ void ReplayComparison::take_events() {
     for (const msg::Event& event : events) options_.on_event(event);
 }
 
-/// A line is found when the next tick begins, or the replay ends.
+/// Compares the lines of the last tick. The lines of an earlier tick are compared when the next tick begins.
 void ReplayComparison::end_lines() {
   const std::int64_t last = host_.failure() ? source_.recorded().tick : std::max<std::int64_t>(0, report_.ticks - 1);
   words_.end([&](Divergence&& found) { word_differs(std::move(found), last); });

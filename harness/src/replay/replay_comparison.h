@@ -1,4 +1,4 @@
-// ReplayComparison: what controllers do in a replay beside what they did in the recording, tick by tick.
+// ReplayComparison: compares the outputs of controllers in a replay with the recorded outputs, tick by tick.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -21,21 +21,21 @@ namespace rehearse {
 
 class ReplayComparison final : public Sink {
  public:
-  /// The controllers have started. Differences go into the report. All references must outlive this. `scales`: of the
-  /// recorded commands, for the tolerances of the options.
+  /// The controllers must have started. Differences are added to the report. All references must outlive this.
+  /// `scales`: the scales of the recorded commands, for the tolerances of the options.
   ReplayComparison(const ReplayOptions& options, const Scenario& scenario, mcap::Reader& recording,
                    ControllerHost& host, const RecordingSource& source, SeriesScales scales, ReplayReport& report);
 
-  /// The channels that it compares.
+  /// The channels that are compared.
   const std::vector<std::uint16_t>& channels() const { return channels_; }
-  /// A message of the tick that is emitted next; of other channels, too.
+  /// Takes a message of the tick that is emitted next; ignores messages of channels that aren't compared.
   Result<void> take(const mcap::Message& message);
   Result<void> emit(const Moment& now) override;
-  /// Events since the last call.
+  /// Takes the host's events since the last call.
   void take_events();
-  /// No line follows in the recording or here.
+  /// Compares the last lines: no line follows in the recording or in the replay.
   void end_lines();
-  /// True if hashes and events of all ticks so far are the recorded ones.
+  /// True if hashes and events of all ticks so far are the recorded hashes and events.
   bool repeats_all() const { return !report_.first_other_hash && words_.same_events(); }
 
  private:
@@ -62,7 +62,7 @@ class ReplayComparison final : public Sink {
   enum class Reader { none, words, outputs };
   std::vector<Reader> reader_of_;       // by channel id
   const std::uint64_t from_;            // [ns]
-  std::optional<bool> reads_the_same_;  // as when it was recorded; decided at the first tick
+  std::optional<bool> reads_the_same_;  // controllers read the recorded set of inputs; decided at the first tick
 };
 
 }  // namespace rehearse

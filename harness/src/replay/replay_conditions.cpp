@@ -16,7 +16,7 @@ Diagnostics unrecorded_inputs(const mcap::Reader& recording, const Scenario& sce
   Diagnostics missing;
   if (scenario.joystick && !inputs.has_joystick())
     missing.push_back(
-        in_recording(recording, error("the run has a joystick, but what it did was not recorded: there is no /joy",
+        in_recording(recording, error("the run has a joystick, but its input was not recorded: there is no /joy",
                                       "record the scenario again")));
   for (const HostedController& hosted : host.controllers()) {
     if (!hosted.running) continue;
@@ -60,16 +60,16 @@ bool has_channels_of(const mcap::Reader& recording, const Scenario& scenario, co
   std::erase_if(here, [&](const auto& entry) { return !is_of_side(ChannelName::parse(entry.first)); });
   for (const auto& [id, channel] : recording.channels()) {
     const ChannelName name = ChannelName::parse(channel.topic);
-    // the channel of a device's commands is added by the first of them
+    // the channel of a device's commands is added by the first command
     if (!is_of_side(name) || name.kind == ChannelKind::device_state) continue;
     there[channel.topic] = channel.metadata;
-    there[channel.topic].erase("offered_qos_profiles");  // the writer's
+    there[channel.topic].erase("offered_qos_profiles");  // added by the writer
   }
   return here == there;
 }
 
-/// What a run ended by a failure would have read later isn't known. A recording from before files were recorded says
-/// nothing of what was in them.
+/// If a failure ended the run, the files that it would have read later are unknown. Recordings from before files were
+/// recorded don't contain the content of files.
 std::vector<std::string> changed_files(const mcap::Reader& recording, const ControllerHost& host) {
   const std::optional<mcap::StringMap> recorded = RunFacts::of(recording).files;
   std::vector<std::string> changes;
@@ -82,7 +82,7 @@ std::vector<std::string> changed_files(const mcap::Reader& recording, const Cont
     else if (is_known)
       changes.push_back(fmt::format("{} has changed since the recording", file));
     else
-      changes.push_back(fmt::format("{} is read, and the recording doesn't say what was in it", file));
+      changes.push_back(fmt::format("{} is read, but the recording doesn't state its content", file));
   }
   return changes;
 }
@@ -92,17 +92,16 @@ Diagnostics other_arithmetic_than(const mcap::Reader& recording, const Scenario&
   if (!recorded) return {};
   const std::string other = other_arithmetic(*recorded, provenance(scenario, nullptr, "", ""));
   if (other.empty()) return {};
-  return {error(fmt::format("this process may round otherwise than the one that recorded: {}", other),
-                "last bits may differ for that alone; rehearse check compares within tolerance then")};
+  return {error(fmt::format("this process may round differently than the process that recorded: {}", other),
+                "last bits may differ for this reason alone; rehearse check compares within tolerance then")};
 }
 
 Diagnostics other_clock_than(const mcap::Reader& recording) {
   if (!virtualised_seed(recording) || !virtualisation().empty()) return {};
   return {in_recording(
-      recording,
-      error("its controllers were given simulated time and seeded random numbers, and here they are given the "
-            "system's: their commands may differ for that",
-            "rehearse replay gives them what they had"))};
+      recording, error("its controllers got simulated time and seeded random numbers, but here they get the system's: "
+                       "their commands may differ for this reason",
+                       "rehearse replay gives them simulated time and seeded numbers"))};
 }
 
 }  // namespace rehearse

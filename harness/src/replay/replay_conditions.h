@@ -1,5 +1,5 @@
-// What decides whether a replay can repeat its recording: that its inputs were recorded, and that controllers, files
-// and arithmetic are what they were.
+// The conditions under which a replay repeats its recording: all inputs were recorded, and controllers, files and
+// arithmetic are unchanged.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -14,19 +14,20 @@
 
 namespace rehearse {
 
-/// What controllers read that the recording hasn't: an error each. The controllers have been initialised.
+/// An error for each input that controllers read and the recording lacks. The controllers must be initialised.
 Diagnostics unrecorded_inputs(const mcap::Reader& recording, const Scenario& scenario, const ControllerHost& host,
                               const RecordedInputs& inputs);
-/// BODY/NAME of the controllers whose libraries aren't the recorded ones, by their hashes.
+/// BODY/NAME of the controllers whose libraries differ from the recorded libraries, by their hashes.
 std::vector<std::string> other_controllers(const mcap::Reader& recording, const ControllerHost& host);
-/// True if a recording of these controllers would have the channels of inputs and outputs that this one has, with their
-/// metadata. The controllers have been initialised.
+/// True if a recording of these controllers would have the same channels of inputs and outputs as `recording`, with
+/// equal metadata. The controllers must be initialised.
 bool has_channels_of(const mcap::Reader& recording, const Scenario& scenario, const ControllerHost& host);
-/// Files that controllers read and that have changed since the recording, or may have: a sentence each.
+/// A sentence for each file that controllers read and that has changed since the recording, or may have changed.
 std::vector<std::string> changed_files(const mcap::Reader& recording, const ControllerHost& host);
-/// What may have made the last bits differ, if it isn't the controllers.
+/// Differences of this process's arithmetic that may change last bits without a change of the controllers.
 Diagnostics other_arithmetic_than(const mcap::Reader& recording, const Scenario& scenario);
-/// That the recorded controllers had simulated time and random numbers, and these here have the system's.
+/// An error if the recorded controllers got simulated time and random numbers, and the controllers here get the
+/// system's.
 Diagnostics other_clock_than(const mcap::Reader& recording);
 
 }  // namespace rehearse

@@ -7,13 +7,13 @@
 
 namespace rehearse {
 
-/// What becomes of the replay of a recording that is cut or damaged.
+/// The treatment of a recording that is cut or damaged.
 enum class Damage {
-  refuse,    // it fails, unless the damage is behind the part that is replayed
-  tolerate,  // it ends where something is missing; the report's remarks say so
+  refuse,    // the replay fails, unless the damage is after the replayed part
+  tolerate,  // the replay ends at the first missing tick; the report's remarks contain the damage
 };
 
-/// As replay(). `scenario` is that of the recording.
+/// Replays like replay(). `scenario`: the recording's scenario.
 Result<ReplayReport> replay_recording(mcap::Reader& recording, const Scenario& scenario, const ReplayOptions& options,
                                       Damage damage = Damage::refuse);
 

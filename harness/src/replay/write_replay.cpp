@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What engine and renderer made of the recorded world is the recording's, not this process's.
+/// The provenance of this process, with the engine and the renderer of the recording: they made the recorded world.
 mcap::StringMap facts_of(const Scenario& scenario, const ControllerHost& host, const mcap::Reader& recording) {
   mcap::StringMap stated = provenance(scenario, &host, "", "");
   const RunFacts recorded = RunFacts::of(recording);
@@ -75,7 +75,7 @@ Result<void> write_replay(const fs::path& recording, const fs::path& trace, cons
   const StandardFloatMode float_mode;
   std::error_code ignored;
   if (fs::equivalent(recording, trace, ignored)) {
-    Diagnostic same = error("that is the recording itself", "name another file for the replay");
+    Diagnostic same = error("it is the recording itself", "name another file for the replay");
     same.file = trace.string();
     return same;
   }

@@ -66,7 +66,7 @@ Result<SourceTrace> SourceTrace::load(const fs::path& file, const fs::path& scra
     if (!filtered) return filtered.errors();
     if (filtered->messages == 0)
       return error_in(file.string(), "nothing was recorded in the span that is asked for",
-                      "rehearse info tells how long it is");
+                      "rehearse info states its length");
   }
   auto trace = Trace::load(is_part ? scratch : file, Trace::Damage::tolerate);
   if (!trace) return trace.errors();
@@ -92,7 +92,7 @@ struct TickRange {
 
 /// A sentence about the end of a run; empty: it ended regularly.
 std::string outcome_of(const RunFacts& run) {
-  return run.outcome ? run.outcome->failure.value_or("") : "the recording was cut: nothing says how the run ended";
+  return run.outcome ? run.outcome->failure.value_or("") : "the recording was cut: it lacks the end of the run";
 }
 
 ReportJson json_of(const CallStack& stack) {
@@ -130,7 +130,7 @@ ReportJson run_json(const ReportedRun& run, std::string_view role, const fs::pat
       {"remarks", std::move(remarks)}};
 }
 
-/// [s]; for a recording whose scenario can't be read, by its clock.
+/// The time step [s]; for a recording whose scenario can't be read, by its clock.
 double time_step_of(const ReportedRun& run, const std::optional<Scenario>& scenario) {
   if (scenario) return scenario->time_step;
   constexpr double usual = 0.001;
@@ -342,7 +342,7 @@ void ReportMaker::request_call_stack(const Places& places) {
   summary_.omitted.push_back("There is no call stack: no command of a controller differs");
 }
 
-/// Null: none was requested, or there is none, which becomes an omission.
+/// The call stack. Null: none was requested, or there is none, which becomes an omission.
 ReportJson ReportMaker::call_stack_json() {
   if (!call_stack_.valid()) return nullptr;
   const Result<CallStack> stack = call_stack_.get();
@@ -355,7 +355,7 @@ void ReportMaker::omit_damage() {
   for (const ReportedRun* run : {&std::as_const(actual_), golden()}) {
     if (!run || run->trace.damage().empty()) continue;
     const Diagnostics& damage = run->trace.damage();
-    summary_.omitted.push_back(fmt::format("{} is not whole, and what is lost is not shown: {}{}",
+    summary_.omitted.push_back(fmt::format("{} is incomplete, and lost data is not shown: {}{}",
                                            run == &actual_ ? "The recording" : "The golden", damage[0].message,
                                            damage.size() > 1 ? fmt::format(", and {} more", damage.size() - 1) : ""));
   }

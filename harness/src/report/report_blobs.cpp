@@ -15,7 +15,7 @@
 namespace rehearse {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "arrays are stored as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "arrays are stored with the bytes that they have in memory");
 
 // Measured with ten seconds of a humanoid: level 6 and samples of 16384 elements make the report 0.3 percent smaller,
 // and take twice the time.
@@ -127,7 +127,7 @@ NumberArray array_of(std::span<const std::uint32_t> numbers_) { return numbers<s
 
 BlobWriter::BlobWriter(Put put)
     : put_(std::move(put)), compressor_(libdeflate_alloc_compressor(compression_level), &libdeflate_free_compressor) {
-  REHEARSE_ASSERT(compressor_ != nullptr, "libdeflate has memory");
+  REHEARSE_ASSERT(compressor_ != nullptr, "libdeflate could allocate memory");
 }
 
 BlobWriter::~BlobWriter() = default;
@@ -151,7 +151,7 @@ ReportJson BlobWriter::bytes(ByteSpan bytes) {
 }
 
 ReportJson BlobWriter::array(const NumberArray& array, const NumberArray* base) {
-  REHEARSE_ASSERT(!base || base->bytes.size() == array.bytes.size(), "elements of a base stand beside the array's");
+  REHEARSE_ASSERT(!base || base->bytes.size() == array.bytes.size(), "a base has as many bytes as the array");
   const std::size_t count = array.count();
   if (count == 0) return {{"type", array.type}, {"count", 0}, {"constant", 0}};
   if (is_constant(array)) {

@@ -19,7 +19,7 @@ std::string_view name_of(Expectation::Subject subject) {
   return names[static_cast<std::size_t>(subject)];
 }
 
-/// The interval of the series' values that hold; without bounds if it isn't one interval, or moves with the run.
+/// The interval of the series' valid values; without bounds if it isn't one interval, or moves with the run.
 std::pair<Bound, Bound> bounds_of(const Expectation& expectation) {
   if (expectation.since) return {};
   Bound low = expectation.above, high = expectation.below;

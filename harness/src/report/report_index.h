@@ -22,13 +22,13 @@ struct TestResult {
   std::vector<std::uint8_t> picture;  // PNG of the robot at that tick; empty: none
 };
 
-/// Keeps the result as FOLDER/TEST.KIND.report.json, instead of an earlier one. The caller must hold the folder.
+/// Keeps the result as FOLDER/TEST.KIND.report.json, instead of an earlier one. The caller must have locked the folder.
 void keep_result(const std::filesystem::path& folder, const TestResult& result);
 /// Removes a kept result.
 void drop_result(const std::filesystem::path& folder, const std::string& test, const std::string& kind);
 
-/// Makes FOLDER/index.html of all kept results: failed ones first. The caller must hold the folder. Without a failed
-/// test and without an existing index none is made, unless `always`. Returns the index; none: there is none.
+/// Makes FOLDER/index.html of all kept results: failed ones first. The caller must have locked the folder. Without a
+/// failed test and without an existing index none is made, unless `always`. Returns the index; none: there is none.
 std::optional<std::filesystem::path> refresh_index(const std::filesystem::path& folder, bool always = false);
 
 }  // namespace rehearse

@@ -56,7 +56,7 @@ Result<fs::path> report_page() {
   if (const fs::path page = beside_library({REHEARSE_PAGE_IN_BUILD, REHEARSE_PAGE_INSTALLED}); !page.empty())
     return page;
   return error(
-      "the page of reports was not built: Node.js, npm, or what npm fetches for it, was missing when Rehearse was "
+      "the page of reports was not built: Node.js, npm, or a package of npm was missing when Rehearse was "
       "configured",
       "install nodejs and npm, run npm ci in tools/report, then configure and build again; tools/setup does the first "
       "two");

@@ -29,7 +29,7 @@ class PictureWriter {
     int width = 0, height = 0;        // [pixels]; 0: not yet known
     std::size_t lost = 0;             // number of pictures that can't be shown
     std::string why;                  // the reason for the first of these
-    std::vector<float> drawn_depths;  // of the picture before; depths are often unchanged
+    std::vector<float> drawn_depths;  // of the previous picture; depths are often unchanged
     ReportJson drawn;
   };
   Album survey(const TraceChannel* actual, const TraceChannel* golden);

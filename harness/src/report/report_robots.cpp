@@ -145,11 +145,11 @@ void RobotWriter::write_body(const ScenarioBody& body) {
     omitted_.push_back(fmt::format("{} {} of {} {}: {}{}.", meshes.size(), meshes.size() == 1 ? "mesh" : "meshes",
                                    body.name, what, fmt::join(names, ", "), more ? ", ..." : ""));
   };
-  tell(missing_, "can't be had on this machine, and something simpler is drawn instead");
-  tell(changed_, "aren't what was recorded, and are drawn as they are now");
+  tell(missing_, "can't be found on this machine, and simpler shapes are drawn instead");
+  tell(changed_, "changed after the recording, and the present shapes are drawn");
 }
 
-/// Seven names; null: no series moves it.
+/// The names of the seven series of a link's pose; null: no series moves the link.
 ReportJson RobotWriter::pose_series(const ScenarioBody& body, const Link& link) {
   const std::string topic = ChannelName::of_owner(body.name, link.name, ChannelKind::pose).topic();
   const TraceChannel* channel = run_.trace.find_channel(topic);
@@ -265,7 +265,7 @@ void RobotWriter::add_shape(ReportJson& shapes, const Shape& shape) {
     shapes.back()["checker"] = {{"color", color_json(shape.checker->color)}, {"size", shape.checker->size}};
 }
 
-/// Its index among the meshes. A mesh with colours of its own is a separate mesh for each colour of a shape.
+/// The index of a mesh in the report. A mesh with colours of its own is a separate mesh for each colour of a shape.
 int RobotWriter::mesh_of(const MeshData& mesh, const Shape& shape) {
   const bool has_colors = std::any_of(mesh.parts.begin(), mesh.parts.end(),
                                       [](const MeshPart& part) { return part.color || part.texture; });

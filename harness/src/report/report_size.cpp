@@ -135,11 +135,10 @@ Result<void> check_report_size(std::span<const fs::path> traces, const fs::path&
   begin = std::max(begin, 0.0);
   std::string command = "rehearse report";
   for (const fs::path& trace : traces) command += " " + trace.string();
-  Diagnostic refusal =
-      error(fmt::format("the report would have about {}, and browsers open no more than {} with pleasure",
-                        megabytes(bytes), megabytes(most)),
-            fmt::format("take a part of it: {} -o {} --from {:g} --until {:g}", command, report.string(), begin,
-                        begin + length));
+  Diagnostic refusal = error(fmt::format("the report would have about {}, and browsers open files above {} slowly",
+                                         megabytes(bytes), megabytes(most)),
+                             fmt::format("take a part of it: {} -o {} --from {:g} --until {:g}", command,
+                                         report.string(), begin, begin + length));
   refusal.file = traces[0].string();
   return refusal;
 }

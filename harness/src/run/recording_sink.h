@@ -18,8 +18,8 @@ class RecordingSink : public Sink {
   /// Recorder and remarks must outlive this.
   explicit RecordingSink(Recorder& recorder, Diagnostics* remarks = nullptr) : recorder_(recorder), remarks_(remarks) {}
 
-  /// Contacts in the ticks before `before` count as contacts from before the run. Contacts are known after a step. So
-  /// in a run that begins in the middle, the first known contacts are recorded as no change.
+  /// Contacts in the ticks before `before` count as contacts from before the run. Contacts are known only after a step:
+  /// a run that begins in the middle doesn't record its first known contacts as changes.
   void take_contacts_for_known(std::int64_t before) { known_before_ = before; }
 
   Result<void> emit(const Moment& now) override;

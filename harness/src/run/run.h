@@ -9,7 +9,7 @@
 //   branch            RecordingSource, then   HostedCommands         CopyingSink, then
 //                     WorldSource                                    RecordingSink
 //   log               LogObservations         HostedCommands         LogSink
-//   ControllerBench   what the test sets      HostedCommands         what the test reads
+//   ControllerBench   set by the test         HostedCommands         read by the test
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -37,10 +37,10 @@ struct Moment {
   const Observation* seen = nullptr;  // the observation to record
   /// The observation for the controllers: differs where joints have noise or are altered.
   const Observation* read = nullptr;
-  std::uint64_t state_hash = 0;                     // of the world; 0: there is no world
+  std::uint64_t state_hash = 0;                     // hash of the world's state; 0: there is no world
   const std::vector<LinkPair>* touching = nullptr;  // link pairs in contact in the last step; null: unknown
   std::vector<std::byte> checkpoint{};              // the world's state, in ticks that have a checkpoint; else empty
-  std::vector<msg::Event> events{};                 // of the source
+  std::vector<msg::Event> events{};                 // events of the source
 
   // set by the commander
   ControllerHost* host = nullptr;  // host of the called controllers; null: none were called
@@ -97,7 +97,8 @@ class Run {
   void change(ObservationSource& source, Sink& sink, std::int64_t end);
   /// The tick of the last step() is the last.
   void end() { end_ = tick_; }
-  /// `report` is called about every hundredth of `all` ticks with the number of ticks done since this call; null: not.
+  /// `report` is called about every hundredth of `all` ticks with the number of ticks made since this call; null:
+  /// never.
   void report_progress(Progress report, std::int64_t all);
 
   /// Makes one tick. False: the run was already over, or ends in this tick. Fails if the source or the sink fails.
@@ -113,7 +114,7 @@ class Run {
   /// The source could not continue after tick() - 1.
   bool broke_down() const { return broke_down_; }
 
-  Command command;  // moves the world
+  Command command;  // the command that moves the world
 
  private:
   const double time_step_;  // [s]

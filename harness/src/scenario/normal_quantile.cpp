@@ -58,7 +58,7 @@ double ratio(const Coefficients& above, const Coefficients& below, double x) {
 }  // namespace
 
 double normal_quantile(double probability) {
-  REHEARSE_ASSERT(probability > 0.0 && probability < 1.0, "a quantile is asked of a probability between 0 and 1");
+  REHEARSE_ASSERT(probability > 0.0 && probability < 1.0, "the probability of a quantile is between 0 and 1");
   const double q = probability - 0.5;
   if (std::abs(q) <= 0.425) return q * ratio(central_above, central_below, 0.180625 - q * q);
   const double r = std::sqrt(-std::log(q < 0.0 ? probability : 1.0 - probability));

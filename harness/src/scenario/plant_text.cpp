@@ -11,7 +11,7 @@
 namespace rehearse {
 namespace {
 
-/// Keys of the scenario whose values don't change what its world does. All others count, also those of later versions.
+/// Keys of the scenario that have no effect on its world. All other keys count, also those of later versions.
 constexpr std::string_view judging[] = {"name",   "golden",   "tolerances", "horizon",
                                         "expect", "simulate", "options",    "vary"};
 /// Keys of a controller. Its name and its place in the list count: controllers are called in this order.

@@ -12,7 +12,7 @@ namespace rehearse {
 /// behave equally under equal commands.
 Result<std::string> plant_text(const Scenario& scenario);
 
-/// True if the scenario has `simulate: always`: a check simulates what it could prove.
+/// True if the scenario has `simulate: always`: a check simulates the run even if it could prove the result.
 bool always_simulates(const Scenario& scenario);
 
 }  // namespace rehearse

@@ -1,6 +1,6 @@
 // A project: the folder of scenarios, their goldens and their controllers.
 //
-// The command, the tests and RehearseControllers.cmake share this rule: the project of a file is the nearest folder
+// The command, the tests and RehearseControllers.cmake share this rule. The project of a file is the nearest folder
 // above it that has a folder `golden`, else the nearest that has a CMakeLists.txt. Its scenarios are the *.yaml below
 // `scenarios` and `fixtures/scenarios`, its goldens are in `golden`. Its controllers are in `lib/rehearse/controllers`
 // of its builds, which are the folders `build*`.

@@ -67,7 +67,7 @@ void read_clock(Findings& findings, const Keys& keys, Scenario& scenario) {
   const Range steps{Scenario::min_time_step, Scenario::max_time_step, "[s]"};
   keys.number("time_step", steps, scenario.time_step);
   const Range durations{0.0, Scenario::max_duration, "[s]", true};
-  const YamlNode* node = keys.require("duration", "how long the run lasts [s]");
+  const YamlNode* node = keys.require("duration", "the length of the run [s]");
   if (node == nullptr) return;
   const auto duration = read_number(findings, *node, "duration", durations);
   if (!duration) return;
@@ -169,7 +169,7 @@ void read_light(Findings& findings, const YamlNode& node, Look& look) {
   for (const char* key : {"beam_width", "cut_off_angle"})
     if (const YamlNode* found = keys.find(key); found != nullptr && !lamp.light.cone)
       findings.error(*found, fmt::format("{} is given without direction", key),
-                     "a light without one shines everywhere");
+                     "a light without direction shines in all directions");
   look.lights.push_back(lamp);
 }
 
@@ -191,7 +191,7 @@ void read_look(Findings& findings, const YamlNode& node, Look& look) {
 /// Only a check reads the value: always_simulates().
 void read_simulate(Findings& findings, const YamlNode& node) {
   if (node.kind != YamlNode::Kind::scalar || (node.text != "always" && node.text != "unproved"))
-    expected(findings, node, "simulate", "always, or unproved: only what a check can't prove");
+    expected(findings, node, "simulate", "always, or unproved (only runs that a check can't prove)");
 }
 
 // False if the rest of the file can't be checked: it isn't a scenario, or has a different version.
@@ -229,7 +229,7 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   keys.flag("lever_arms", scenario.lever_arms);
   if (const YamlNode* node = keys.find("solver")) read_solver(findings, *node, scenario.solver);
   if (const YamlNode* node = keys.find("record")) read_record(findings, *node, scenario);
-  if (const YamlNode* node = keys.require("bodies", "a list of what is in the world"))
+  if (const YamlNode* node = keys.require("bodies", "a list of the bodies in the world"))
     read_bodies(findings, *node, models, files, scenario);
   read_materials(findings, keys.find("materials"), keys.find("pairs"), scenario);
   if (const YamlNode* node = keys.find("joints")) read_connections(findings, *node, scenario);
@@ -317,7 +317,7 @@ Result<std::vector<ToleranceRule>> load_tolerances(const std::filesystem::path& 
   const Result<YamlNodePtr> root = parse_yaml(std::move(*text), file.string());
   if (!root) return root.errors();
   Findings findings(file.string());
-  Scenario scenario;  // holds the list
+  Scenario scenario;  // read_tolerances() writes the list into it
   scenario.file = file.string();
   if ((*root)->kind != YamlNode::Kind::map) {
     expected(findings, **root, "the file", "a map with a list of tolerances");

@@ -201,9 +201,9 @@ void BodyReader::read_model(const Keys& keys, ScenarioBody& body) {
 
 void BodyReader::refuse_keys_of_a_file(const Keys& keys) {
   const std::tuple<std::string_view, const char*, const char*> of_a_file[] = {
-      {"packages", "are", "they say where a model's meshes are"},
-      {"default_mass", "is", "mass is what a shape weighs"},
-      {"allow_missing_meshes", "is", "it leaves out the shapes of meshes that can't be had"},
+      {"packages", "are", "they are the directories of a model's meshes"},
+      {"default_mass", "is", "the mass of a shape is stated by mass"},
+      {"allow_missing_meshes", "is", "it leaves out the shapes of missing meshes"},
   };
   for (const auto& [key, verb, hint] : of_a_file)
     if (const YamlNode* node = keys.find(key))
@@ -237,7 +237,7 @@ std::shared_ptr<const Model> BodyReader::load_model(const YamlNode& node, const 
                                                     const UrdfOptions& options) {
   if (packages_.emplace(file, options.packages).first->second != options.packages)
     findings_.error(node, fmt::format("the model '{}' has other packages in a body above", shortened(file, 500)),
-                    "a recording holds a model once: give both bodies the same packages");
+                    "a recording contains a model once: give both bodies the same packages");
   const auto [known, is_new] =
       models_.emplace(std::tuple(file, options.fixed_root, options.kinematic, options.default_mass,
                                  options.allow_missing_meshes, options.contact),
@@ -404,7 +404,7 @@ void BodyReader::read_velocities(const Keys& keys, ScenarioBody& body) {
   if (joints != nullptr) read_joint_velocities(findings_, *joints, body);
 }
 
-// The pose and the materials that the scenario may replace.
+// Sets the pose and the materials of the model, which the scenario may replace.
 void BodyReader::place_as_model(ScenarioBody& body) {
   const std::vector<Link>& links = body.model->links;
   body.position = links.front().joint.origin.translation();

@@ -61,7 +61,7 @@ void read_type(Findings& findings, const YamlNode& node, Connection& connection)
   expected(findings, node, "type", "fixed, revolute, prismatic or spherical");
 }
 
-/// Its name is unique: states are matched by it.
+/// Adds a connection. Its name must be unique, because states are matched by it.
 void add(Findings& findings, const YamlNode& node, const Keys& keys, const char* kind, Connection connection,
          Scenario& scenario) {
   const YamlNode* name = keys.find("name");

@@ -73,7 +73,7 @@ bool ExpectationReader::read_subject(const Keys& keys, const YamlNode& node, Exp
     const YamlNode* subject = keys.find(subjects[i]);
     if (subject == nullptr) continue;
     if (found != nullptr) {
-      findings_.error(node, "an expectation of two things in one", "expected one of channel, event and no_event");
+      findings_.error(node, "an expectation has two subjects", "expected one of channel, event and no_event");
       return false;
     }
     found = subject;
@@ -97,8 +97,8 @@ void ExpectationReader::refuse_of_events(const Keys& keys) const {
   for (const NamedEntry& entry : keys.entries()) {
     for (const std::string_view key : {"above", "below", "near", "within", "abs", "since", "at", "sometime"})
       if (entry.name == key)
-        findings_.error(*entry.key, fmt::format("'{}' of an event", key),
-                        "an event happens or doesn't; from and until say when");
+        findings_.error(*entry.key, fmt::format("'{}' is given for an event", key),
+                        "an event has no values; from and until limit its time");
   }
 }
 
@@ -122,11 +122,11 @@ void ExpectationReader::read_bounds(const Keys& keys, const YamlNode& node, Expe
   const YamlNode *near = keys.find("near"), *within = keys.find("within");
   if (!above && !below && !near && !within) {
     if (!has_unknown_key(keys))  // an unknown key may be a misspelt subject
-      findings_.error(node, "an expectation without a bound", "expected above, below, or near and within");
+      findings_.error(node, "an expectation has no bound", "expected above, below, or near and within");
   } else if (near && !within) {
-    findings_.error(*near, "'near' without 'within'", "expected within: D, how far from it is right");
+    findings_.error(*near, "'near' without 'within'", "expected within: D, the allowed distance from it");
   } else if (within && !near) {
-    findings_.error(*within, "'within' without 'near'", "expected near: X, of which the value is within that distance");
+    findings_.error(*within, "'within' without 'near'", "expected near: X, from which the distance is measured");
   } else if (near && (above || below)) {
     findings_.error(above ? *above : *below, fmt::format("'{}' beside 'near'", above ? "above" : "below"),
                     "either near and within, or above and below");
@@ -135,7 +135,7 @@ void ExpectationReader::read_bounds(const Keys& keys, const YamlNode& node, Expe
   }
 }
 
-/// There must be values between the bounds.
+/// Reports bounds that no value can satisfy.
 void ExpectationReader::check_bounds(const Keys& keys, const Expectation& expectation) const {
   if (expectation.above && expectation.below && *expectation.above >= *expectation.below)
     findings_.error(*keys.find("above"), fmt::format("above is {}, which is not less than below", *expectation.above),
@@ -201,7 +201,7 @@ void ExpectationReader::read_since(const Keys& keys, Expectation& expectation) c
 }  // namespace
 
 void read_expectations(Findings& findings, const YamlNode& node, Scenario& scenario) {
-  const auto* list = read_list(findings, node, "expect", "a list of what has to be true of a run");
+  const auto* list = read_list(findings, node, "expect", "a list of properties that a run must have");
   if (list == nullptr) return;
   ExpectationReader reader(findings, scenario);
   for (const YamlNodePtr& entry : *list) reader.read_entry(*entry);

@@ -22,7 +22,7 @@ ControlKind kind_of(std::string_view one, std::string_view many, const Names& na
   return {one, many, {names.begin(), names.end()}};
 }
 
-/// Removes the endings of Choreonoid's enumerators; `axes:` and `buttons:` state the same.
+/// Removes the endings of Choreonoid's enumerators, which repeat the keys `axes` and `buttons`.
 std::string_view without_suffix(std::string_view name) {
   for (const std::string_view suffix : {"_AXIS", "_BUTTON"})
     if (name.ends_with(suffix)) name.remove_suffix(suffix.size());
@@ -70,8 +70,9 @@ void JoystickReader::read_entry(const YamlNode& node) {
   for (const NamedEntry& named : controls(keys, "buttons", "a map of BUTTON: true or false")) read_button(named, entry);
   check_use(keys, node);
   if (entry.at && entry.says && !entry.changes)
-    findings_.warning(node, fmt::format("nothing changes at {} s: all that is named is so already", *entry.at),
-                      "a position is held, and a button stays pressed, until another entry names it");
+    findings_.warning(
+        node, fmt::format("nothing changes at {} s: all named axes and buttons have these values already", *entry.at),
+        "an axis keeps its position, and a button stays pressed, until another entry names it");
 }
 
 /// Checks that an entry names a control, and an axis if it takes time; a misspelt key may have been meant as one.
@@ -87,7 +88,8 @@ void JoystickReader::check_use(const Keys& keys, const YamlNode& node) const {
     findings_.error(node, "a joystick entry names no axis and no button",
                     "expected axes: {L_STICK_V: -1} or buttons: {A: true}");
   } else if (const YamlNode* over = keys.find("over"); over != nullptr && !names_axes) {
-    findings_.error(*over, "'over' without 'axes'", "it says how long axes take; a button changes at once");
+    findings_.error(*over, "'over' without 'axes'",
+                    "it is the duration of a move of an axis; a button changes at once");
   }
 }
 
@@ -154,7 +156,7 @@ void JoystickReader::unknown(const NamedEntry& named, const ControlKind& wanted,
 }
 
 void JoystickReader::told_twice(const NamedEntry& named, double at) const {
-  findings_.error(*named.key, fmt::format("'{}' is named twice at {} s", named.name, at), "once is enough");
+  findings_.error(*named.key, fmt::format("'{}' is named twice at {} s", named.name, at), "name it once");
 }
 
 }  // namespace
@@ -162,7 +164,7 @@ void JoystickReader::told_twice(const NamedEntry& named, double at) const {
 void read_joystick(Findings& findings, const YamlNode& node, Scenario& scenario) {
   JoystickScript& script = scenario.joystick.emplace();
   const auto* list =
-      read_list(findings, node, "joystick", "a list of what happens when; [] is one that nobody touches");
+      read_list(findings, node, "joystick", "a list of moves and presses with their times; [] is a joystick at rest");
   if (list == nullptr) return;
   JoystickReader reader(findings, scenario.duration, script);
   for (const YamlNodePtr& entry : *list) reader.read_entry(*entry);

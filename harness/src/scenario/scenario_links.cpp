@@ -14,8 +14,8 @@ void read_mass(Findings& findings, const YamlNode& node, Link& link) {
   const auto mass = read_number(findings, node, "mass", any_mass);
   if (!mass) return;
   if (link.inertial.mass <= 0.0)
-    return findings.error(node, fmt::format("mass is given for the link '{}', which has none", link.name),
-                          "its inertia isn't known; the model's file may state both");
+    return findings.error(node, fmt::format("mass is given for the link '{}', which has no mass", link.name),
+                          "its inertia is unknown; the model's file may state both");
   link.inertial.inertia *= *mass / link.inertial.mass;
   link.inertial.mass = *mass;
 }
@@ -24,7 +24,7 @@ void read_mass(Findings& findings, const YamlNode& node, Link& link) {
 
 void read_links(Findings& findings, const YamlNode& node, ScenarioBody& body) {
   if (node.kind != YamlNode::Kind::map) return expected(findings, node, "links", "a map of LINK: {mass: ..., ...}");
-  auto model = std::make_shared<Model>(*body.model);  // other bodies keep that of the file
+  auto model = std::make_shared<Model>(*body.model);  // other bodies keep the model of the file
   for (const NamedEntry& entry : read_entries(findings, node)) {
     const auto index = find_link(findings, *entry.key, entry.name, body);
     const Keys keys(findings, *entry.value, "a link", {"mass", "friction", "restitution"});

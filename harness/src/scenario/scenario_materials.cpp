@@ -46,7 +46,7 @@ void read_materials(Findings& findings, const YamlNode& node, std::vector<std::s
     expected(findings, node, "materials", "a map of BODY: MATERIAL or BODY/LINK: MATERIAL");
     return;
   }
-  std::vector<std::pair<NamedEntry, std::string>> of_bodies;  // after those of links, which go before them
+  std::vector<std::pair<NamedEntry, std::string>> of_bodies;  // set last: a link with its own entry keeps it
   for (const NamedEntry& entry : read_entries(findings, node)) {
     const auto material = read_name(findings, *entry.value, "a material");
     if (!material) continue;
@@ -74,7 +74,7 @@ std::optional<std::array<std::string, 2>> read_between(Findings& findings, const
     materials[i] = name.value_or("");
     const bool is_known = std::find(known.begin(), known.end(), materials[i]) != known.end();
     if (name && !is_known)
-      findings.error(*node.items[i], fmt::format("nothing is of the material '{}'", shortened(*name)),
+      findings.error(*node.items[i], fmt::format("no link has the material '{}'", shortened(*name)),
                      name_hint(*name, known, "materials"));
     is_right &= name && is_known;
   }
@@ -100,7 +100,7 @@ void read_pair(Findings& findings, const YamlNode& node, const std::vector<std::
     findings.error(
         *between,
         fmt::format("a second pair of '{}' and '{}'", shortened(pair.materials[0]), shortened(pair.materials[1])),
-        "expected one for two materials");
+        "expected one pair for two materials");
   scenario.pairs.push_back(std::move(pair));
 }
 

@@ -69,14 +69,13 @@ NoiseReader::NoiseReader(Findings& findings, Scenario& scenario) : findings_(fin
   }
 }
 
-/// The targets that match the rule's pattern; none, and an error is reported, if there are none.
+/// The targets that match the rule's pattern; if there are none, an error is reported and the result is none.
 std::optional<std::vector<const Target*>> NoiseReader::find_targets(const Keys& keys, const YamlNode& node) const {
   const YamlNode* sensor = keys.find("sensor");
   const YamlNode* joint = keys.find("joint");
   if ((sensor == nullptr) == (joint == nullptr)) {
     findings_.error(node,
-                    sensor == nullptr ? "noise of nothing: it names neither a sensor nor a joint"
-                                      : "noise of a sensor and of a joint in one",
+                    sensor == nullptr ? "noise names neither a sensor nor a joint" : "noise names a sensor and a joint",
                     "expected one of sensor: Body/Sensor and joint: Body/Joint");
     return std::nullopt;
   }
@@ -110,7 +109,7 @@ Noise NoiseReader::read_noise(const NamedEntry& entry, int axes) const {
     }
   }
   if (keys.find("stddev") == nullptr && keys.find("bias") == nullptr)
-    findings_.error(*entry.value, fmt::format("the noise of {} says nothing", entry.name),
+    findings_.error(*entry.value, fmt::format("the noise of {} has neither 'stddev' nor 'bias'", entry.name),
                     "expected {stddev: S, bias: B}, one of them or both");
   return noise;
 }
@@ -167,7 +166,7 @@ void NoiseReader::read_rule(const YamlNode& node) {
   if (const YamlNode* place = keys.find("dropout"); place != nullptr && keys.find("joint") != nullptr)
     findings_.error(*place, "joints have no dropout", "each tick has a reading of every joint");
   if (keys.entries().size() == 1)
-    findings_.error(node, "noise that says nothing",
+    findings_.error(node, "noise has neither a quantity nor a dropout",
                     "expected a quantity, as in range: {stddev: 0.01}, or dropout: 0.1");
   for (const Target* target : *targets) give(*target, given, dropout);
 }
@@ -175,7 +174,7 @@ void NoiseReader::read_rule(const YamlNode& node) {
 }  // namespace
 
 void read_noise(Findings& findings, const YamlNode& node, Scenario& scenario) {
-  const auto* list = read_list(findings, node, "noise", "a list of what is added to which sensors and joints");
+  const auto* list = read_list(findings, node, "noise", "a list of noise of sensors and joints");
   if (list == nullptr) return;
   NoiseReader reader(findings, scenario);
   for (const YamlNodePtr& rule : *list) reader.read_rule(*rule);

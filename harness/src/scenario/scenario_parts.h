@@ -10,7 +10,7 @@
 namespace rehearse {
 
 /// The `bodies` list with its models, each requested once. A body with a mistake is added nevertheless, so that indices
-/// and names of references stay valid; its model is null if the model is the mistake.
+/// and names of references stay valid. Its model is null if the model is the mistake.
 void read_bodies(Findings& findings, const YamlNode& node, const Scenario::ModelSource& models,
                  const Scenario::FileSource& files, Scenario& scenario);
 

@@ -47,7 +47,8 @@ void read_push(Findings& findings, const YamlNode& node, Scenario& scenario) {
   keys.vector3("torque", any_torque, push.torque);
   keys.vector3("at", any_position, push.point);
   if (const YamlNode* at = keys.find("at"); at != nullptr && keys.find("force") == nullptr)
-    findings.error(*at, "'at' without 'force'", "it says where the force acts; a torque acts on the link as a whole");
+    findings.error(*at, "'at' without 'force'",
+                   "it is the point where the force acts; a torque acts on the link as a whole");
   if (const auto span = read_span(findings, keys, scenario, "push")) {
     push.from = span->from;
     push.until = span->until;
@@ -60,7 +61,7 @@ void read_camera(Findings& findings, const YamlNode& node, const Scenario& scena
   const auto name = read_text(findings, node, "a camera", "Body/Camera");
   if (!name) return;
   if (std::find(cameras.begin(), cameras.end(), *name) != cameras.end())
-    findings.error(node, fmt::format("the camera '{}' is listed twice", *name), "once is enough");
+    findings.error(node, fmt::format("the camera '{}' is listed twice", *name), "list it once");
   const std::string body_name = name->substr(0, name->find('/'));
   if (body_name.size() == name->size()) {
     expected(findings, node, "a camera", "Body/Camera");
@@ -104,7 +105,7 @@ void read_tolerance(Findings& findings, const YamlNode& node, Scenario& scenario
   scenario.tolerances.push_back(std::move(rule));
 }
 
-/// Rate of its measurements [Hz]; 0 for devices that measure in every step, and for cameras that don't run.
+/// Rate of a device's measurements [Hz]; 0 for devices that measure in every step, and for cameras that don't run.
 double rate_of(const Device& device, const ScenarioBody& body, const Scenario& scenario) {
   if (const auto* laser = std::get_if<RangeSensor>(&device.kind)) return laser->scan_rate;
   const auto* camera = std::get_if<Camera>(&device.kind);
@@ -181,7 +182,7 @@ void check_rates(Findings& findings, const YamlNode& bodies, const Scenario& sce
           fmt::format("{}/{} is to measure at {:.6g} Hz, but there are {:.6g} steps in a second: it measures "
                       "in each of them",
                       body.name, device.name, rate, 1.0 / scenario.time_step),
-          "its update_rate stands in the model");
+          "its update_rate is in the model");
     }
   }
 }

@@ -59,7 +59,7 @@ std::string name_of(const YamlNode& element) {
   return {};
 }
 
-/// The node below `node`; null: there is none, and `names` has those that are there.
+/// The node below `node`; null: there is none, and `names` has the existing names.
 const YamlNode* node_below(const YamlNode& node, const Step& step, std::vector<std::string>& names) {
   names.clear();
   if (step.name.empty())
@@ -146,7 +146,7 @@ void VariationReader::read_bounds(const Keys& keys, Variation& variation, Distri
   variation.low = (*bounds)[0];
   variation.high = (*bounds)[1];
   if (variation.low >= variation.high)
-    findings_.error(node, fmt::format("{} ends at {}, where it begins or before", label, variation.high),
+    findings_.error(node, fmt::format("{} ends at {}, which is not above its beginning", label, variation.high),
                     "expected [LOW, HIGH]");
 }
 
@@ -168,7 +168,7 @@ void VariationReader::read_normal(const YamlNode& node, Variation& variation) {
                         variation.high < variation.mean - farthest * variation.stddev;
   if (is_empty && keys.find("from") && keys.find("to"))
     findings_.error(node,
-                    fmt::format("normal has nothing from {} to {}: its mean is {}, its deviation {}", variation.low,
+                    fmt::format("normal has no values from {} to {}: its mean is {}, its deviation {}", variation.low,
                                 variation.high, variation.mean, variation.stddev),
                     "expected from below to, within 8 deviations of the mean");
 }

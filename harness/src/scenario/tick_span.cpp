@@ -69,7 +69,7 @@ Result<TickSpan> parse_span(std::string_view text, std::size_t begin, double tim
     ticks.last = std::llround(std::ceil(*last / time_step - rounding)) - 1;
     if (dots == std::string_view::npos) ticks.first = ticks.last = std::llround(*first / time_step);
   }
-  if (ticks.last < ticks.first) return wrong("holds no tick");
+  if (ticks.last < ticks.first) return wrong("contains no tick");
   return ticks;
 }
 

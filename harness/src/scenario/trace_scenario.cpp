@@ -21,7 +21,7 @@ const mcap::Attachment* find_attachment(const mcap::Reader& trace, const std::st
 Result<Scenario> scenario_of(const mcap::Reader& trace) {
   const RunFacts run = RunFacts::of(trace);
   if (run.provenances > 1)
-    return error_in(trace.name(), "it holds several recordings, merged into one", "take them one by one");
+    return error_in(trace.name(), "it contains several recordings, merged into one file", "use them one by one");
   const mcap::Attachment* source = find_attachment(trace, "scenario.yaml");
   if (!run.provenance || !source)
     return error_in(trace.name(),

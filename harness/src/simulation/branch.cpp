@@ -92,7 +92,7 @@ Result<void> Branch::set_end() {
                                               "at {:g} s",
                                               origin_.time, scenario_->duration),
                        too_long ? fmt::format("expected at most {:g} s", Scenario::max_duration)
-                                : "say until when: --until S, or for how long: --duration S"));
+                                : "state the end, --until S, or the length, --duration S"));
 }
 
 Result<void> Branch::add_pushes() {
@@ -103,7 +103,7 @@ Result<void> Branch::add_pushes() {
       findings.insert(findings.end(), push.errors().begin(), push.errors().end());
     } else if (push->from < origin_.time) {
       findings.push_back(
-          error(fmt::format("the push '{}' begins at {:g} s, before the moment {:g} s: what happened until then "
+          error(fmt::format("the push '{}' begins at {:g} s, before the moment {:g} s: the time before it "
                             "is recorded already",
                             text, push->from, origin_.time)));
     } else {
@@ -184,7 +184,7 @@ Result<void> Branch::lead_world(ClosedLoop& loop) {
   Diagnostic& remark = summary_.run.remarks.emplace_back(
       error(fmt::format("led by the recorded commands, the world at tick {} isn't the recorded one, bit for bit",
                         origin_.tick),
-            "another version or another arithmetic recorded it, or it doesn't repeat itself: rehearse check tells"));
+            "another version or another arithmetic recorded it, or it doesn't repeat itself: run rehearse check"));
   remark.severity = Severity::warning;
   return {};
 }

@@ -44,7 +44,7 @@ Result<void> take_meshes(BranchSource& source, const std::filesystem::path& scen
     for (const ScenarioBody& body : scenario.bodies)
       if (!text_of(body.model_file + ".meshes").empty())
         return in_recording(*source.reader,
-                            error(fmt::format("{} has meshes, which a recording doesn't hold", body.model_file),
+                            error(fmt::format("{} has meshes, which a recording doesn't contain", body.model_file),
                                   "name the scenario that was recorded as well: rehearse record SCENARIO "
                                   "--from-checkpoint TRACE@..."));
     return {};
@@ -52,7 +52,7 @@ Result<void> take_meshes(BranchSource& source, const std::filesystem::path& scen
   auto loaded = Scenario::load(scenario_file);
   if (!loaded) return loaded.errors();
   const auto other = [&](const std::string& what) {
-    Diagnostic finding = error(fmt::format("{} isn't what {} was recorded of", what, source.reader->name()));
+    Diagnostic finding = error(fmt::format("{} has changed since {} was recorded", what, source.reader->name()));
     finding.file = scenario_file.string();
     return finding;
   };
@@ -74,8 +74,8 @@ Result<void> check_simulated(const BranchSource& source) {
   const bool of_a_log = RunFacts::of(source.recording).is_of_log;
   if (!of_a_log && (!source.origin || source.origin->simulated)) return {};
   return in_recording(*source.reader,
-                      error(of_a_log ? "it was recorded from a log: there is no world to go on with"
-                                     : "it is a replay: its world didn't follow its commands, and can't go on",
+                      error(of_a_log ? "it was recorded from a log, and has no world that can continue"
+                                     : "it is a replay: its world didn't follow its commands, and can't continue",
                             "branch from the recording of a simulation"));
 }
 

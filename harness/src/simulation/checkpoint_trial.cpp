@@ -13,7 +13,7 @@ void CheckpointTrial::begin(std::int64_t number, std::span<const std::byte> stat
   if (!tried || !finding_.empty()) return;
   if (!twin_) {
     auto world = World::create(world_settings(scenario_), world_bodies(scenario_));
-    REHEARSE_ASSERT(world, "what makes one world makes a second");
+    REHEARSE_ASSERT(world, "a second world can be made like the first");
     twin_ = std::move(*world);
   }
   const auto restored = twin_->restore(state);

@@ -1,6 +1,6 @@
 // CheckpointTrial: tests whether the checkpoints of a run are exact.
 //
-// Some of them are restored into a second world, which then makes the same step as the run's own: the states after it
+// Some of them are restored into a second world, which then makes the same step as the run's own. The states after it
 // must have equal bits. It tests the first checkpoint and those whose number is a power of two. So a long run costs a
 // dozen additional steps, not a second run.
 #pragma once

@@ -40,7 +40,7 @@ std::int64_t lead_of(const Scenario& scenario) {
         longest = std::max(longest, 1.0 / laser->scan_rate);
     }
   }
-  constexpr std::int64_t for_contacts = 2;  // contacts are known after a step
+  constexpr std::int64_t for_contacts = 2;  // contacts exist after a step
   return std::llround(std::ceil(2.0 * longest / scenario.time_step)) + for_contacts;
 }
 
@@ -53,7 +53,7 @@ Result<LedWorld> lead_world(const Scenario& scenario, const Trace& recording, st
   RecordedCheckpoints checkpoints(recording, scenario);
   const auto restored = begin_at_checkpoint(checkpoint, plant, checkpoints, *commands, leading.command);
   if (!restored) return restored.errors();
-  REHEARSE_ASSERT(*restored, "it was chosen from those there are");
+  REHEARSE_ASSERT(*restored, "the checkpoint was chosen from the recorded ones");
   if (auto led = leading.go(); !led) return led.errors();
   if (leading.interruption()) return *leading.interruption();
   if (!leading.broke_down()) return LedWorld{std::move(leading.command), sink.state_hash};

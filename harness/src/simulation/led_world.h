@@ -21,13 +21,13 @@ struct LedWorld {
   std::uint64_t hash_before = 0;  // of the world's state, one tick before the moment
 };
 
-/// Moves a new world to its state at the beginning of the tick `moment`, with all pending captures: from the recorded
-/// checkpoint at tick `checkpoint` (0: from the start) on by the recorded commands. The recorder gets nothing but the
-/// contacts, which count as existing. Fails if the simulation explodes on the way or a signal ends it.
+/// Moves a new world to its state at the beginning of the tick `moment`, with all pending captures. It starts from the
+/// recorded checkpoint at tick `checkpoint` (0: from the start) and moves by the recorded commands. The recorder gets
+/// nothing but the contacts, which count as existing. Fails if the simulation explodes on the way or a signal ends it.
 Result<LedWorld> lead_world(const Scenario& scenario, const Trace& recording, std::int64_t checkpoint,
                             std::int64_t moment, Plant& plant, WorldSource& world, Recorder& recorder);
 
-/// Replaces the drives of a command by those of another.
+/// Replaces the drives of a command by the drives of another command.
 void take_drives(const Command& drives, Command& command);
 
 }  // namespace rehearse

@@ -41,8 +41,8 @@ class Plant {
   /// exploded.
   bool step(Command& command);
   /// Applies the commands of controllers to devices, given in a tick (-1: before the run); they act from the next tick
-  /// on. A light's new state is its reading there, for controllers that enabled it. The commands in `command` are no
-  /// longer fresh afterwards.
+  /// on. A light's new state is its reading in that tick, for controllers that enabled it. The commands in `command`
+  /// are no longer fresh afterwards.
   void obey(std::int64_t tick, Command& command);
 
   /// The world has been set to the state at the beginning of this tick. Cameras and range sensors capture from there on

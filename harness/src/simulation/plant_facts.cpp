@@ -24,7 +24,7 @@ extern char** environ;
 namespace rehearse {
 namespace {
 
-/// The libraries with which the program began: before a controller was loaded, which has its symbols for itself.
+/// The libraries with which the program began. Controllers are loaded later, and no other code uses their symbols.
 const std::map<std::string, LoadedLibrary> libraries_at_start = loaded_libraries();
 
 std::string hexadecimal(std::string_view bytes) {
@@ -41,8 +41,8 @@ bool is_own(const std::string& name) {
   return name.starts_with("librehearse_") && !name.starts_with("librehearse_interposer");
 }
 
-/// Adds the libraries outside of Rehearse, the program included: it may replace functions of libraries. If a camera
-/// runs, those of the renderer are among them. Fails for a library without build identifier.
+/// Adds the libraries outside of Rehearse and the program, which may replace functions of libraries. If a camera runs,
+/// the renderer's libraries are among them. Fails for a library without build identifier.
 Result<void> add_libraries(const Scenario& scenario, mcap::StringMap& plant) {
   std::map<std::string, LoadedLibrary> libraries = libraries_at_start;
   if (scenario.runs_a_camera()) {
@@ -61,7 +61,7 @@ Result<void> add_libraries(const Scenario& scenario, mcap::StringMap& plant) {
   return {};
 }
 
-/// The vendor of the processor, and whether a program emulates it. By CPUID, which an emulator answers itself.
+/// The vendor of the processor, and whether a program emulates it. Read by CPUID, which an emulator answers itself.
 std::string processor() {
   unsigned a = 0, registers[3] = {};
   char vendor[13] = {}, hypervisor[13] = {}, brand[49] = {};

@@ -98,7 +98,7 @@ Result<bool> RecordedCheckpoints::restore(std::int64_t tick, World& world) {
     return finding;
   }
   if (world.tick() == tick) return true;
-  return error(fmt::format("the checkpoint of tick {} holds the state of tick {}", tick, world.tick()));
+  return error(fmt::format("the checkpoint of tick {} contains the state of tick {}", tick, world.tick()));
 }
 
 std::vector<std::int64_t> RecordedCheckpoints::ticks() const {

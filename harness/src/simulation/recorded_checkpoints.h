@@ -38,7 +38,7 @@ class RecordedCheckpoints {
 
   const Trace& recording_;
   const Scenario& scenario_;
-  std::unique_ptr<TraceWindows> messages_;  // of the checkpoints; null: the recording holds its messages
+  std::unique_ptr<TraceWindows> messages_;  // of the checkpoints; null: the recording's messages are in memory
   const TraceChannel* channel_;
   /// The world of these states, without shapes; null: it is the scenario's world.
   std::unique_ptr<World> recorded_world_;

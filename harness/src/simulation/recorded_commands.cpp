@@ -103,7 +103,7 @@ Result<void> RecordedCommands::add(const ChannelName& name, int body, bool delay
   source.delayed = stated == channel.metadata.end() ? delay : stated->second != "false";
   source.before_the_run = channel.metadata.count("since") > 0;
   const auto unknown = [&](const char* what) {
-    return error(fmt::format("the recorded '{}' commands {} '{}', which '{}' hasn't", name.controller, what, name.owner,
+    return error(fmt::format("the recorded '{}' commands {} '{}', which '{}' lacks", name.controller, what, name.owner,
                              commanded.name));
   };
   if (name.kind == ChannelKind::joints) {
@@ -138,7 +138,7 @@ Result<void> RecordedCommands::add_joints(Source& source) {
     const std::string quantity = element.substr(slash + 1), joint = element.substr(0, slash);
     const int link = model.find_joint(joint);
     if (link < 0 || model.links[link].joint.id < 0) {
-      findings.push_back(error(fmt::format("the recording commands joint '{}', which '{}' hasn't", joint,
+      findings.push_back(error(fmt::format("the recording commands joint '{}', which '{}' lacks", joint,
                                            scenario_.bodies[source.body].name)));
       continue;
     }
@@ -165,7 +165,7 @@ Command RecordedCommands::initial() const {
   return command;
 }
 
-/// True for the commands that moved the world: in a branch different ones before its begin and after it.
+/// True for the commands that moved the world: in a branch, different commands before its begin and after it.
 bool RecordedCommands::is_used(const Source& source, std::int64_t tick) const {
   return source.is_acted == (tick < acted_until_);
 }
@@ -176,7 +176,7 @@ void RecordedCommands::set_drives(std::int64_t tick, Command& command) const {
   for (const Source& source : sources_) {
     if (!is_used(source, tick)) continue;
     std::vector<JointCommand>& joints = command.bodies[source.body].joints;
-    // The last controller determines it.
+    // The last controller determines the drive.
     for (const JointCell& cell : source.cells) joints[cell.joint].drive = drive_none;
     for (const JointCell& cell : source.cells) joints[cell.joint].drive |= cell.drive;
   }

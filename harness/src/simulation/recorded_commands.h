@@ -69,7 +69,7 @@ class RecordedCommands final : public Commander {
 
   const Scenario& scenario_;
   const Trace& trace_;
-  std::unique_ptr<TraceWindows> windows_;  // null: the trace holds its messages
+  std::unique_ptr<TraceWindows> windows_;  // null: the trace's messages are in memory
   std::uint64_t window_end_ = 0;           // [ns]
   std::vector<Source> sources_;            // in the order of the controllers
   std::int64_t acted_until_ = 0;           // tick

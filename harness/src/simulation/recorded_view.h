@@ -15,8 +15,8 @@ namespace rehearse {
 /// recording lacks is drawn at its start. `width`, `height`: [pixels]. Fails if nothing can be drawn.
 Result<Image> draw_recorded(const Scenario& scenario, const Trace& recording, std::int64_t tick, int width, int height);
 
-/// Such a picture as PNG, for a list of reports; empty if it can't be drawn, or in a process that was forked after the
-/// first drawing, where the renderer's threads don't exist.
+/// The picture of draw_recorded() as PNG, for a list of reports. Empty if it can't be drawn, or in a process that was
+/// forked after the first drawing, where the renderer's threads don't exist.
 std::vector<std::uint8_t> thumbnail_of(const Scenario& scenario, const Trace& recording, std::int64_t tick);
 
 }  // namespace rehearse

@@ -1,4 +1,4 @@
-// record_from(): a closed loop whose first part is known.
+// record_from(): a closed loop whose first part is taken from a golden.
 #include <rehearse/mcap.h>
 #include <rehearse/session.h>
 
@@ -63,7 +63,7 @@ Result<std::optional<RunSummary>> resume(const Scenario& scenario, const Trace& 
   return std::optional<RunSummary>(*std::move(summary));
 }
 
-/// Events of the world are in their order among those of the controllers only in a run that is made.
+/// Events of the world have their order among events of the controllers only in a run that is made.
 bool has_events_of_world(const Trace& golden) {
   return std::any_of(golden.events().begin(), golden.events().end(),
                      [](const msg::Event& event) { return event.source == "world"; });

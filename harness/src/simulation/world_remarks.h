@@ -1,4 +1,4 @@
-// WorldRemarks: what a user should know of the steps of a world, as events of the run.
+// WorldRemarks: remarks on the steps of a world, as events of the run.
 #pragma once
 
 #include <rehearse/io.h>
@@ -17,13 +17,13 @@ class WorldRemarks {
   /// The scenario must outlive this.
   explicit WorldRemarks(const Scenario& scenario);
 
-  /// Adds the events of the step before `tick`: steps that a solver didn't solve, joints beyond their limits, and what
-  /// connected or separated. Of the first two kinds the first event is a warning, and so a remark of the run; the next
-  /// is a note that follows when it is twice as bad.
+  /// Adds the events of the step before `tick`: steps that a solver didn't solve, joints beyond their limits, and links
+  /// that connected or separated. For the first two kinds the first event is a warning, and so a remark of the run. The
+  /// next event is a note that follows when it is twice as bad.
   void observe(std::int64_t tick, const World& world, const Observation& seen, std::vector<msg::Event>& events);
 
  private:
-  /// How far a joint is beyond its limits, and what of it was reported [rad] or [m].
+  /// The excess of a joint beyond its limits, in the last step and as reported last [rad] or [m].
   struct Excess {
     double last = 0.0;
     double reported = 0.0;

@@ -19,7 +19,7 @@ namespace rehearse {
 
 class WorldSource : public ObservationSource {
  public:
-  /// What the user should know of the steps becomes events (WorldRemarks). Both must outlive this.
+  /// Remarks on the steps become events (WorldRemarks). Both must outlive this.
   WorldSource(const Scenario& scenario, Plant& plant)
       : scenario_(scenario), plant_(plant), remarks_(scenario), trial_(scenario) {}
 

@@ -28,7 +28,7 @@ class ContactHistory {
 
   bool is_recorded() const { return channel_.has_value(); }
   const std::vector<std::string>& links() const { return links_; }
-  /// The pairs in contact, and those that changed at that time.
+  /// The pairs in contact, and the pairs whose contact changed at that time.
   std::vector<Pair> at(std::uint64_t time);
   bool touching(const std::vector<std::size_t>& links, const std::vector<std::size_t>& others, std::uint64_t time);
 

@@ -11,7 +11,7 @@
 namespace rehearse {
 
 bool Expression::holds(ExpressionSource& source, std::int64_t tick) const {
-  REHEARSE_ASSERT(type() == Type::boolean, "only what is true or false holds");
+  REHEARSE_ASSERT(type() == Type::boolean, "the expression is true or false");
   return evaluate(root_, source, tick) != 0.0;
 }
 

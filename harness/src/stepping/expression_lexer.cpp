@@ -58,7 +58,7 @@ Result<ExpressionToken> ExpressionLexer::number() {
   double value = 0.0;
   const auto read = std::from_chars(text_.data() + at_, text_.data() + text_.size(), value);
   at_ = static_cast<std::size_t>(read.ptr - text_.data());
-  if (read.ec != std::errc()) return expression_error(text_, begin, "this number is beyond what a double can hold");
+  if (read.ec != std::errc()) return expression_error(text_, begin, "this number is beyond the range of a double");
   std::size_t unit = at_;
   while (unit < text_.size() && is_blank(text_[unit])) ++unit;
   std::size_t end = unit;
@@ -71,7 +71,7 @@ Result<ExpressionToken> ExpressionLexer::number() {
     at_ = end;
   } else if (!word.empty() && unit == at_) {
     return expression_error(text_, unit, fmt::format("'{}' is no unit", word),
-                            "deg and rad may follow a number; a name that begins with a digit stands in quotes");
+                            "deg and rad may follow a number; a name that begins with a digit is written in quotes");
   }
   ExpressionToken made = token(ExpressionToken::Kind::number, begin);
   made.number = value;
@@ -106,11 +106,11 @@ Result<ExpressionToken> ExpressionLexer::symbol() {
   const std::string hint = c == '='   ? "equality is written =="
                            : c == '&' ? "and is written &&"
                            : c == '|' ? "or is written ||"
-                                      : "a name with other characters stands in quotes";
+                                      : "a name with other characters is written in quotes";
   const bool prints = c > ' ' && c < 0x7f;
   return expression_error(text_, begin,
-                          prints ? fmt::format("'{}' means nothing here", c)
-                                 : fmt::format("the byte {:#04x} means nothing here", static_cast<unsigned char>(c)),
+                          prints ? fmt::format("'{}' has no meaning here", c)
+                                 : fmt::format("the byte {:#04x} has no meaning here", static_cast<unsigned char>(c)),
                           hint);
 }
 

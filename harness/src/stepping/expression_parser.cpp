@@ -277,7 +277,7 @@ ExpressionParser::Made ExpressionParser::arithmetic_call(const ExpressionToken& 
     if (!argument || !demand(*argument, Type::number, word.text)) return std::nullopt;
     of[i] = *argument;
   }
-  if (!expect(")", fmt::format("after what {} takes", word.text))) return std::nullopt;
+  if (!expect(")", fmt::format("after the arguments of {}", word.text))) return std::nullopt;
   return add(op, op == Op::is_nan ? Type::boolean : Type::number, word.begin, last_end_, of[0], of[1]);
 }
 
@@ -289,7 +289,7 @@ ExpressionParser::Made ExpressionParser::shift_call(const ExpressionToken& word,
   const Made of = any_of();
   if (!of) return std::nullopt;
   if (op == Op::delta && !demand(*of, Type::number, word.text)) return std::nullopt;
-  if (!expect(")", fmt::format("after what {} takes", word.text))) return std::nullopt;
+  if (!expect(")", fmt::format("after the arguments of {}", word.text))) return std::nullopt;
   const Type type = op == Op::changed ? Type::boolean : expression_.nodes_[*of].type;
   return add(op, type, word.begin, last_end_, *of);
 }
@@ -306,7 +306,7 @@ ExpressionParser::Made ExpressionParser::side_call(const ExpressionToken& word, 
     return fail(name.begin, "there is only one value of this: it is no command of a controller that was replayed",
                 "recorded and replayed are for series like SR1/SR1Minimum/output/KNEE/u");
   node.side = side;
-  if (!expect(")", fmt::format("after what {} takes", word.text))) return std::nullopt;
+  if (!expect(")", fmt::format("after the arguments of {}", word.text))) return std::nullopt;
   expression_.nodes_[*made].begin = word.begin;
   expression_.nodes_[*made].end = last_end_;
   return made;

@@ -25,7 +25,7 @@ class RecordedTicks {
   /// A row of numbers and its time.
   struct Row {
     std::uint64_t time = never;  // log time [ns]
-    std::uint64_t until = 0;     // it is known to be the latest row up to this time [ns]
+    std::uint64_t until = 0;     // there is no later row up to this time [ns]
     std::uint64_t used = 0;
     std::vector<std::uint64_t> cells;
   };
@@ -33,7 +33,7 @@ class RecordedTicks {
   /// Reads the names of all series from a few messages of each channel.
   explicit RecordedTicks(MessageFinder& finder);
   /// Adds the variables that the controllers set in a replay. A variable that the recording lacks becomes a new series;
-  /// the others are the replayed rows of their channels.
+  /// all others are the replayed rows of their channels.
   void add_replayed(MessageFinder& variables);
 
   std::size_t channels() const { return sources_.size(); }

@@ -144,7 +144,7 @@ std::unique_ptr<ReplayedOutputs> ReplayedOutputs::make(mcap::Reader& trace, cons
   if (!report) {
     made->remarks_ = report.errors();
     for (Diagnostic& remark : made->remarks_) remark.severity = Severity::warning;
-    made->remarks_.push_back(warning("the controllers can't be replayed: what is shown is what was recorded"));
+    made->remarks_.push_back(warning("the controllers can't be replayed: all shown values are recorded ones"));
     return made;
   }
   if (!report->other_controllers.empty())

@@ -72,8 +72,9 @@ Result<void> SteppedTrace::Impl::find_ticks() {
   if (last_tick_ < first_tick_) return nothing;
   if (first_tick_ > 1 && contacts_.is_recorded()) {  // tick 1 has the pairs that touch from the beginning
     Diagnostic& remark = remarks_.emplace_back(in_trace(
-        reader, error(fmt::format("it begins at tick {}: what touched before isn't in it, only what changes since",
-                                  first_tick_))));
+        reader,
+        error(fmt::format("it begins at tick {}: it lacks earlier contacts, and has only later changes of contact",
+                          first_tick_))));
     remark.severity = Severity::warning;
   }
   return {};
@@ -203,7 +204,7 @@ Result<std::vector<std::size_t>> SteppedTrace::find_links(std::string_view name)
   ContactHistory& contacts = impl_->contacts_;
   if (!contacts.is_recorded())
     return error("the recording has no contacts",
-                 "recordings of this version have; of logs of robots nobody knows them");
+                 "recordings of this version have contacts; replays of robots' logs have none");
   std::vector<std::size_t> of_body;
   for (std::size_t i = 0; i < contacts.links().size(); ++i)
     if (contacts.links()[i].starts_with(std::string(name) + "/")) of_body.push_back(i);

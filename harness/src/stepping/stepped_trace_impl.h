@@ -33,7 +33,7 @@ class SteppedTrace::Impl {
   }
   static bool is_command(std::string_view topic) { return ChannelName::parse(topic).side == ChannelSide::output; }
   ViewChannel channel_at(std::size_t channel, std::int64_t tick, const RecordedTicks::Row& row);
-  /// Sets the members that follow from its topic.
+  /// Sets the members of a channel that follow from its topic.
   static void classify(ViewChannel& shown);
   /// Cached for the last requested ticks.
   const std::vector<Divergence>& differences(std::int64_t tick);

@@ -132,7 +132,7 @@ class SteppedTrace : public ExpressionSource {
   const std::vector<std::string>& series_names();
   const std::string& series_name(std::size_t series) const;
   std::string series_unit(std::size_t series) const;
-  /// Those that match the pattern, or a name or ending as an expression has it. Fails if there is none.
+  /// The series that match the pattern, or a name or ending as an expression has it. Fails if there is none.
   Result<std::vector<std::size_t>> find_all_series(std::string_view pattern);
 
   /// The cameras' topics.

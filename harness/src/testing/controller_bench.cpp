@@ -157,7 +157,7 @@ void ControllerBench::Impl::observe_joystick() {
 
 void ControllerBench::Impl::require_joystick(std::string_view what) const {
   if (!seen.joystick)
-    throw std::logic_error(fmt::format("there is no {}: the options of the bench say that there is no joystick", what));
+    throw std::logic_error(fmt::format("there is no {}: the options of the bench exclude a joystick", what));
 }
 
 void ControllerBench::Impl::observe_device(std::size_t index, std::int64_t tick) {

@@ -134,7 +134,8 @@ std::string text_of(const CheckReport& report, const fs::path& golden, const std
   text += fmt::format("golden: {}\n{}", golden.string(), report.message);
   if (report.closed != LevelState::differs) return text;
   if (const ExpectationResult* violation = first_violation(report.expectations))
-    return text + fmt::format("\nif it is right, {} expects what is wrong", violation->expectation.place.file);
+    return text +
+           fmt::format("\nif the run is right, correct the expectations in {}", violation->expectation.place.file);
   return text + '\n' + acceptance_advice(name);
 }
 
@@ -226,7 +227,7 @@ TestVerdict match_golden(const Trace& trace, const std::string& test, const Matc
 TestVerdict hold_expectations(const Trace& trace, const std::string& test) {
   const auto scenario = scenario_in(trace);
   if (!scenario) return {false, to_string(scenario.errors())};
-  if (scenario->expectations.empty()) return {false, "the scenario expects nothing of a run: it has no 'expect:'"};
+  if (scenario->expectations.empty()) return {false, "the scenario has no expectations: it has no 'expect:'"};
   const auto results = judge_expectations(scenario->expectations, trace);
   const std::string violations = violation_lines(results);
   TestVerdict verdict{violations.empty(), violations.empty() ? "" : violations.substr(1)};

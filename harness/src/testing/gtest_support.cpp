@@ -111,11 +111,10 @@ TestVerdict replay_and_compare(const GoldenStore& store, const std::string& name
                                store.trace_file(name).string())};
   if (!report->first) return {true, ""};
   first = report->first;
-  return {false,
-          fmt::format("fed with the inputs of {}, the controller commands something else in {} of {} ticks, first at "
-                      "{}{}",
-                      store.trace_file(name).string(), report->ticks_different, report->ticks,
-                      to_string(*report->first), remarks_text(*report))};
+  return {false, fmt::format("on the inputs of {}, the controller's commands differ in {} of {} ticks, first at "
+                             "{}{}",
+                             store.trace_file(name).string(), report->ticks_different, report->ticks,
+                             to_string(*report->first), remarks_text(*report))};
 }
 
 }  // namespace

@@ -41,11 +41,11 @@ Result<RunSummary> simulate_proved(const Scenario& scenario, const fs::path& gol
   const auto compared = compare(golden, file, scenario.tolerances, {});
   if (!compared) return compared.errors();
   if (compared->equal) return run;
-  return error(fmt::format("the proof was wrong: by it nothing has changed since {}, but simulated: {}",
-                           golden.string(), verdict(*compared)));
+  return error(fmt::format("the proof was wrong: it found no change since {}, but simulated: {}", golden.string(),
+                           verdict(*compared)));
 }
 
-/// Makes the run of a world that is known to make the golden.
+/// Makes a run whose world is proved to make the golden.
 Result<RunSummary> make_known(const Scenario& scenario, const std::string& test, const fs::path& file, int sampled,
                               Recorded& recorded) {
   const auto golden = Trace::load_in_pieces(recorded.golden, [](const Trace&) {});

@@ -21,8 +21,8 @@ Simulation simulation();
 /// The folder of certificates (check.h).
 std::filesystem::path certificates_of(const GoldenStore& store);
 
-/// Records the scenario into `file`. If the golden of that test is proved (check.h), the file is a copy of it instead;
-/// if only its beginning is proved, the rest is simulated. REHEARSE_PROOF is obeyed.
+/// Records the scenario into `file`. If the golden of that test is proved (check.h), the file is a copy of it instead.
+/// If only its beginning is proved, the rest is simulated. REHEARSE_PROOF is obeyed.
 Result<RunSummary> make_recording(const Scenario& scenario, const std::string& test, const std::filesystem::path& file);
 
 /// The rule that allows no difference.

@@ -29,7 +29,7 @@ struct ComparedTest {
 
 /// Writes traces/TEST.html in the output folder if the test failed (REHEARSE_REPORT=always: after every test; never:
 /// after none), or TEST.KIND.html for another kind than "golden". Keeps the result for the index. Returns lines for the
-/// test's message, each after a newline; nothing fails because of it.
+/// test's message, each after a newline. A report that can't be written fails no test.
 std::string keep_test_report(const Trace& trace, const std::string& test, const std::string& kind,
                              const TestVerdict& verdict, const ComparedTest& compared);
 

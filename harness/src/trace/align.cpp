@@ -21,11 +21,11 @@
 namespace rehearse {
 namespace {
 
-constexpr std::size_t most_samples = 20'000;        // of a series during the search
-constexpr double least_correlation = 0.5;           // below it two series aren't alike
-constexpr std::int64_t rare_distance = 50'000'000;  // [ns]: half the usual distance of topics with few messages
+constexpr std::size_t most_samples = 20'000;        // limit of a series during the search
+constexpr double least_correlation = 0.5;           // two series with a lower correlation aren't similar
+constexpr std::int64_t rare_distance = 50'000'000;  // half the usual distance of topics with few messages [ns]
 
-using Times = std::map<std::string, std::vector<std::int64_t>>;  // by topic, sorted [ns]
+using Times = std::map<std::string, std::vector<std::int64_t>>;  // times of messages by topic, sorted [ns]
 
 struct Sample {
   std::int64_t time = 0;  // [ns]
@@ -123,7 +123,7 @@ std::vector<double> resampled(const std::vector<Sample>& samples, double step) {
   return values;
 }
 
-/// The correlation of a[i] with b[i - lag] where both exist; nothing if fewer than half of the shorter one overlap.
+/// The correlation of a[i] with b[i - lag] where both exist; nullopt if less than half of the shorter series overlaps.
 std::optional<double> correlation_at(const std::vector<double>& a, const std::vector<double>& b, std::ptrdiff_t lag) {
   const auto size_a = static_cast<std::ptrdiff_t>(a.size()), size_b = static_cast<std::ptrdiff_t>(b.size());
   const std::ptrdiff_t begin = std::max<std::ptrdiff_t>(0, lag), end = std::min(size_a, size_b + lag);
@@ -184,11 +184,12 @@ Result<void> align_by_series(mcap::Reader& first, mcap::Reader& second, const st
     const auto here = correlation_at(values_a, values_b, lag);
     if (here && (!best || *here > *best)) best = here, best_lag = lag;
   }
-  if (!best) return error(fmt::format("the series '{}' doesn't vary in one of the logs", series), "name another one");
+  if (!best)
+    return error(fmt::format("the series '{}' doesn't vary in one of the logs", series), "name a different series");
   if (*best < least_correlation)
     return error(
-        fmt::format("the series '{}' isn't alike in both logs: its correlation is at most {:.2f}", series, *best),
-        "name another one, or start");
+        fmt::format("the series '{}' isn't similar in both logs: its correlation is at most {:.2f}", series, *best),
+        "name a different series, or start");
   const double coarse = static_cast<double>(a->front().time - b->front().time) + static_cast<double>(best_lag) * step;
   alignment.offset = std::llround(refined(*a, *b, coarse, step));
   alignment.correlation = best;
@@ -208,7 +209,8 @@ Result<void> align_by_start(const Times& first, const Times& second, Alignment& 
   return {};
 }
 
-/// The new times of a topic's messages: those of the matched ones, in order.
+/// The new times of a topic's messages in the second log: the times of the matched messages in the first log, else the
+/// old times plus the offset.
 std::vector<std::int64_t> matched_times(const std::vector<std::int64_t>& first, const std::vector<std::int64_t>& second,
                                         Alignment& alignment, std::vector<std::int64_t>& distances) {
   const std::int64_t limit = median_interval(first) / 2;
@@ -261,7 +263,7 @@ class StampMover {
         seconds_at = value.bytes;
       } else if (ends_as(value.path, "stamp/nanosec") && !seconds_at.empty()) {
         const std::int64_t stamp = seconds * second_ + static_cast<std::int64_t>(value.unsigned_integer);
-        if (stamp == 0 || stamp + by < 0) return;  // 0 is no time
+        if (stamp == 0 || stamp + by < 0) return;  // 0: no time was set
         put(seconds_at, static_cast<std::uint32_t>((stamp + by) / second_));
         put(value.bytes, static_cast<std::uint32_t>((stamp + by) % second_));
       }
@@ -278,7 +280,7 @@ Result<void> write_moved(mcap::Reader& log, mcap::Writer& writer,
                          std::map<std::string, std::vector<std::int64_t>> times, Alignment& alignment) {
   std::map<std::uint16_t, std::uint16_t> ids;
   std::map<std::uint16_t, StampMover> movers;
-  std::map<std::string, std::size_t> next;  // by topic: the next of its times
+  std::map<std::string, std::size_t> next;  // index of the next time, by topic
   for (const auto& [id, channel] : log.channels()) {
     const mcap::Schema* schema = log.schema_of(channel);
     ids[id] = writer.add_channel(mcap::copy(schema, writer), channel.topic, channel.message_encoding, channel.metadata);

@@ -56,12 +56,13 @@ void compare_topics(const bag::Folder& folder, const CountedLog& found, Diagnost
     const std::uint64_t messages = there == found.topics.end() ? 0 : there->second.messages;
     if (messages != topic.messages)
       findings.push_back(finding(folder, Severity::error, topic.line,
-                                 fmt::format("it states {} messages on {}, and the files have {}", topic.messages,
+                                 fmt::format("it states {} messages on {}, but the files have {}", topic.messages,
                                              in_quotes(topic.name), messages)));
     if (there != found.topics.end() && !there->second.type.empty() && there->second.type != topic.type)
-      findings.push_back(finding(folder, Severity::error, topic.line,
-                                 fmt::format("it states the type {} of {}, and the files {}", in_quotes(topic.type),
-                                             in_quotes(topic.name), in_quotes(there->second.type))));
+      findings.push_back(
+          finding(folder, Severity::error, topic.line,
+                  fmt::format("it states the type {} of {}, but the files have {}", in_quotes(topic.type),
+                              in_quotes(topic.name), in_quotes(there->second.type))));
   }
   for (const auto& [name, topic] : found.topics)
     if (topic.messages > 0 &&
@@ -82,16 +83,16 @@ Diagnostics examine_metadata(const bag::Folder& folder, const std::filesystem::p
   if (folder.messages && static_cast<std::uint64_t>(folder.messages->value) != found.messages)
     findings.push_back(
         finding(folder, Severity::error, folder.messages->line,
-                fmt::format("it states {} messages, and the files have {}", folder.messages->value, found.messages)));
+                fmt::format("it states {} messages, but the files have {}", folder.messages->value, found.messages)));
   compare_topics(folder, found, findings);
   if (found.messages == 0) return findings;
   if (folder.start && static_cast<std::uint64_t>(folder.start->value) != found.first)
     findings.push_back(finding(
         folder, Severity::warning, folder.start->line,
-        fmt::format("it states the start {} ns, and the first message is of {} ns", folder.start->value, found.first)));
+        fmt::format("it states the start {} ns, but the first message is at {} ns", folder.start->value, found.first)));
   if (folder.duration && static_cast<std::uint64_t>(folder.duration->value) != found.last - found.first)
     findings.push_back(finding(folder, Severity::warning, folder.duration->line,
-                               fmt::format("it states a duration of {} ns, and the messages span {} ns",
+                               fmt::format("it states a duration of {} ns, but the messages span {} ns",
                                            folder.duration->value, found.last - found.first)));
   return findings;
 }
@@ -101,9 +102,9 @@ std::optional<Diagnostics> examine_container(const std::filesystem::path& file) 
   if (!view || !view->converted()) return std::nullopt;
   Diagnostics findings = view->converted()->damage;
   const auto bag = bag::SqliteBag::open(file, file.string());
-  if (!bag) return findings;  // compressed: the damage says what is wrong with it
+  if (!bag) return findings;  // a compressed file: the damage states its problem
   for (const std::string& problem : (*bag)->examine())
-    findings.push_back(error_in(file.string(), "SQLite finds: " + problem));
+    findings.push_back(error_in(file.string(), "SQLite reports: " + problem));
   for (const bag::Topic& topic : (*bag)->topics()) {
     if (topic.serialization_format == "cdr") continue;
     findings.push_back(error_in(file.string(),

@@ -1,4 +1,4 @@
-// The doctor's checks of a rosbag2 folder and of its databases, beside those of MCAP files.
+// The doctor's checks of a rosbag2 folder and of its databases, in addition to the checks of MCAP files.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -11,7 +11,8 @@
 namespace rehearse {
 
 /// Compares metadata.yaml with the messages of the folder's files. Errors: other numbers of messages, a topic that is
-/// missing on one side, another type. Warnings: another start or duration. Each has its line. Reads all messages.
+/// missing on one side, another type. Warnings: another start or duration. Each finding has its line. Reads all
+/// messages.
 Diagnostics examine_metadata(const bag::Folder& folder, const std::filesystem::path& path);
 
 /// The findings of a file's own container: SQLite's check of a database, and its topics with another serialization than

@@ -226,7 +226,7 @@ std::string_view body_of_name(std::string_view name) {
 }
 
 const ChannelForm& form_of(ChannelKind kind) {
-  REHEARSE_ASSERT(kind != ChannelKind::other, "nothing is known of a topic that isn't ours");
+  REHEARSE_ASSERT(kind != ChannelKind::other, "only topics of Rehearse have a form");
   return forms[static_cast<std::size_t>(kind)];
 }
 
@@ -279,7 +279,7 @@ mcap::StringMap unit_metadata(ChannelKind kind) {
 }
 
 mcap::ChunkGroup chunk_group_of(const ChannelName& name) {
-  // joints are beside the inputs that repeat them: apart, a recording of a humanoid is 29 % larger
+  // joints share chunks with the inputs that repeat them: in separate chunks, a humanoid's recording is 29 % larger
   if (name.side != ChannelSide::none || name.kind == ChannelKind::joints) return mcap::numbers;
   if (name.kind == ChannelKind::image) return mcap::pictures;
   if (name.kind == ChannelKind::depth) return {2, mcap::Compression::zstd};

@@ -55,7 +55,7 @@ enum class ChannelSide : std::uint8_t {
 struct ChannelName {
   std::string body = {};                 // empty: the channel of the whole run
   std::string controller = {};           // empty: a channel of the body itself
-  ChannelSide side = ChannelSide::none;  // of the controller
+  ChannelSide side = ChannelSide::none;  // side of the controller
   std::string owner = {};                // link, device or variable, which may have a '/' in its name; may be empty
   ChannelKind kind = ChannelKind::other;
   std::string foreign = {};  // only for kind `other`: the whole topic
@@ -70,7 +70,7 @@ struct ChannelName {
 
   /// The topic, which parse() can read; '/' in an owner is written %2F, and '%' is written %25.
   std::string topic() const;
-  /// "BODY/CONTROLLER"; empty: the channel of no controller.
+  /// "BODY/CONTROLLER"; empty: the channel isn't a controller's.
   std::string label() const;
   bool is_of(std::string_view controller_label, ChannelSide of_side) const {
     return side == of_side && label() == controller_label;
@@ -107,9 +107,10 @@ std::string_view body_of_name(std::string_view name);
 
 /// Numbers of a message that share a name and a unit.
 struct ElementGroup {
-  std::string_view name;       // "position"; empty: the whole message
-  std::string_view unit;       // may be empty; for a quantity of joints the unit of a rotational joint
-  std::string_view axes = {};  // "xyz": the elements are position/x, position/y, position/z; empty: one or an array
+  std::string_view name;  // "position"; empty: the whole message
+  std::string_view unit;  // may be empty; for a quantity of joints the unit of a rotational joint
+  /// "xyz": the elements are position/x, position/y, position/z; empty: one element or an array.
+  std::string_view axes = {};
   std::string_view linear_unit = {};  // unit of a prismatic joint
 };
 
@@ -119,12 +120,12 @@ struct ChannelForm {
   /// device, or a variable.
   enum class Level : std::uint8_t { run, body, owner, variable } level;
   std::string_view segment;  // last segment of the topic
-  std::string_view type;     // of the channel's messages
+  std::string_view type;     // type of the channel's messages
   Stage stage;               // stage that makes the values of a channel without side
   std::span<const ElementGroup> groups = {};
 };
 
-/// The row of the table; not for kind `other`.
+/// The row of the table for a kind, which must not be `other`.
 const ChannelForm& form_of(ChannelKind kind);
 
 /// An element of a message and its unit, which may be empty.
@@ -133,7 +134,7 @@ struct ChannelElement {
   std::string_view unit;
 };
 
-/// The elements of kinds whose messages always have the same ones: poses, twists, accelerations, wrenches, IMUs and
+/// The elements of kinds whose messages always have the same elements: poses, twists, accelerations, wrenches, IMUs and
 /// contact sensors, in the order of the message's fields.
 const std::vector<ChannelElement>& elements_of(ChannelKind kind);
 
@@ -146,8 +147,8 @@ std::string_view unit_of_joint(std::string_view quantity, bool linear);
 /// The `unit:` metadata of a channel of that kind; empty for joints, because their units depend on the joints.
 mcap::StringMap unit_metadata(ChannelKind kind);
 
-/// The chunks of a channel's messages. The messages of a stage share chunks: a replay reads those of the controllers,
-/// and needn't decompress the state of the world.
+/// The chunks of a channel's messages. The messages of a stage share chunks: a replay reads the chunks of the
+/// controllers, and needn't decompress the state of the world.
 mcap::ChunkGroup chunk_group_of(const ChannelName& name);
 
 /// The unit that a channel's metadata states for an element: for the element alone, for one of its name's segments, or

@@ -21,11 +21,11 @@ struct FilterOptions {
   bool attachments = true;           // all attachments are kept
   bool metadata = true;              // all metadata records are kept
   std::optional<StateRate> samples;  // of the state only the samples at a rate are kept, and a record states the rate
-  /// For all channels; nullopt: the compression of each channel in the source.
+  /// Compression of all channels; nullopt: the compression of each channel in the source.
   std::optional<Compression> compression;
-  std::optional<int> level;               // of the compression; nullopt: the Writer's
-  std::optional<std::size_t> chunk_size;  // [bytes]; nullopt: the Writer's
-  /// Called now and then with the number of bytes read and of all; null: not.
+  std::optional<int> level;               // level of the compression; nullopt: the Writer's level
+  std::optional<std::size_t> chunk_size;  // [bytes]; nullopt: the Writer's size
+  /// Called now and then with the number of read bytes and the number of all bytes; null: never called.
   std::function<void(std::uint64_t done, std::uint64_t all)> progress;
 
   /// True if something is left out.
@@ -36,7 +36,7 @@ struct FilterOptions {
 
 /// The result of filter().
 struct Filtered {
-  std::uint64_t messages = 0, left_out = 0;  // messages of the source
+  std::uint64_t messages = 0, left_out = 0;  // numbers of messages of the source
   std::uint64_t channels = 0, attachments = 0, metadata = 0;
   std::uint64_t first_time = 0, last_time = 0;  // log times [ns]; 0 without messages
   std::uint64_t bytes = 0;

@@ -28,7 +28,7 @@ std::size_t utf8_length(std::string_view text) {
   for (std::size_t i = 1; i < length; ++i) {
     if ((byte(i) & 0xc0) != 0x80) return 0;
   }
-  // Overlong sequences, halves of UTF-16 pairs, values beyond the last character.
+  // Refuses overlong sequences, halves of UTF-16 pairs, and values beyond the last character.
   if ((head == 0xe0 && byte(1) < 0xa0) || (head == 0xed && byte(1) >= 0xa0)) return 0;
   if ((head == 0xf0 && byte(1) < 0x90) || (head == 0xf4 && byte(1) >= 0x90)) return 0;
   return length;

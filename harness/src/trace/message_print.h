@@ -26,7 +26,8 @@ class MessagePrinter {
   enum class Form { json, line };
   explicit MessagePrinter(Form form) : form_(form) {}
 
-  /// One line with its newline, valid until the next call. `schema`: of the message's channel, null if it has none.
+  /// One line with its newline, valid until the next call. `schema`: the schema of the message's channel; null if it
+  /// has none.
   std::string_view print(const mcap::Message& message, const mcap::Schema* schema);
 
  private:
@@ -34,7 +35,7 @@ class MessagePrinter {
   struct Decoding {
     std::optional<ros2msg::Decoder> decoder;
     bool is_json = false;
-    std::string problem;  // why messages that should be decoded can't be
+    std::string problem;  // reason why messages that should be decoded can't be decoded
   };
   Decoding& decoding_of(const mcap::Channel& channel, const mcap::Schema* schema);
   void print_json(const mcap::Message& message, const mcap::Schema* schema);

@@ -15,7 +15,7 @@ namespace {
 
 struct HeldByType {
   std::string_view type;
-  // Patterns up to the first empty one; for texts: those that name columns.
+  // Patterns up to the first empty pattern; of texts only those that name columns.
   std::array<std::string_view, 5> patterns;
 };
 
@@ -81,7 +81,7 @@ bool MessageRest::take(mcap::Bytes payload, std::uint64_t log_time) {
   return before != bytes_;
 }
 
-/// True if all bytes of the rest are equal to those of the message before. Then the layout is equal, too, because
+/// True if all bytes of the rest are equal to the bytes of the message before. Then the layout is equal, too, because
 /// strings and counts belong to the rest.
 bool MessageRest::is_as_before(mcap::Bytes payload, std::uint64_t log_time) const {
   if (bytes_.empty() || payload.size() != bytes_.size()) return false;

@@ -15,7 +15,7 @@
 
 namespace rehearse {
 
-/// The values of a message type that have a column in its channel's table, or name one. TRACE_FORMAT.md lists the
+/// The values of a message type that have a column in its channel's table, or name a column. TRACE_FORMAT.md lists the
 /// columns of each type.
 class HeldValues {
  public:
@@ -23,7 +23,7 @@ class HeldValues {
   bool holds(const ros2msg::Value& value) const;
 
  private:
-  std::vector<std::string_view> patterns_;  // of paths
+  std::vector<std::string_view> patterns_;  // patterns of paths
   bool any_number_ = false;                 // for a type without specific columns: all numbers except header and stamp
 };
 
@@ -34,7 +34,7 @@ class MessageRest {
   /// Null if the schema isn't ros2msg or can't be parsed.
   static std::unique_ptr<MessageRest> make(const std::string& type, const mcap::Schema* schema);
 
-  /// Reads a message; true if its rest differs from that of the message before, or if there was none.
+  /// Reads a message; true if its rest differs from the rest of the message before, or if it is the first message.
   bool take(mcap::Bytes payload, std::uint64_t log_time);
   /// Treats the next message as the first.
   void forget() { bytes_.clear(); }

@@ -26,8 +26,8 @@ enum class Primitive { boolean, int8, uint8, int16, uint16, int32, uint32, int64
 struct FieldType {
   enum class Shape { single, array, sequence };
   bool is_message = false;
-  Primitive primitive = Primitive::boolean;  // if it isn't a message; `byte` and `char` are uint8
-  std::size_t message = 0;                   // if it is: index into Schema::definitions
+  Primitive primitive = Primitive::boolean;  // the type, unless it is a message; `byte` and `char` are uint8
+  std::size_t message = 0;                   // index into Schema::definitions, if the type is a message
   Shape shape = Shape::single;
   std::uint32_t count = 0;         // array: its length. sequence: at most this many, 0 for no bound
   std::uint32_t string_bound = 0;  // at most this many bytes, 0 for no bound
@@ -60,7 +60,7 @@ struct Schema {
   static Result<Schema> parse(std::string_view type, std::string_view text, std::string file = {});
 };
 
-/// One value of a payload. Elements of arrays are delivered one by one, except those of uint8, which are one blob.
+/// One value of a payload. Elements of arrays are delivered one by one, except arrays of uint8, which are one blob.
 struct Value {
   enum class Kind { signed_integer, unsigned_integer, floating, boolean, text, blob };
   std::string_view path;  // names and element numbers with / between them: transforms/0/header/frame_id
@@ -88,7 +88,7 @@ class Visitor {
   virtual void value(const Value& value) = 0;
 };
 
-/// Decodes payloads of one schema. Not for two threads at a time.
+/// Decodes payloads of one schema. Two threads must not use it at a time.
 class Decoder {
  public:
   explicit Decoder(Schema schema) : schema_(std::move(schema)) {}
@@ -103,12 +103,12 @@ class Decoder {
   /// not ended.
   bool decode(std::span<const std::byte> payload, Visitor& visitor);
 
-  /// The reason why the last decode() failed, as "ends at byte 12, within position/3"; empty if it didn't.
+  /// The reason why the last decode() failed, as "ends at byte 12, within position/3"; empty if it succeeded.
   const std::string& problem() const { return problem_; }
 
  private:
   Schema schema_;
-  std::string path_;  // of the present value; kept for its memory
+  std::string path_;  // path of the present value; a member, so that its memory is reused
   std::string problem_;
 };
 

@@ -28,9 +28,10 @@ class ValuesOnly final : public Visitor {
 
 std::string encapsulation_problem(std::span<const std::byte> payload) {
   const int kind = CdrReader::encapsulation_of(payload);
-  if (kind < 0) return fmt::format("isn't CDR: it has {} bytes, and four come before anything else", payload.size());
+  if (kind < 0)
+    return fmt::format("isn't CDR: it has {} bytes, fewer than the four of the encapsulation", payload.size());
   if (kind == 0x02 || kind == 0x03 || (0x08 <= kind && kind <= 0x0b) || (0x12 <= kind && kind <= 0x15)) {
-    return fmt::format("is CDR of a kind that no ROS message has (encapsulation 0x{:04x}: a type that may change)",
+    return fmt::format("is CDR of a kind that ROS messages don't use (encapsulation 0x{:04x}: a type that may change)",
                        kind);
   }
   return fmt::format("isn't CDR: it begins with 0x{:04x}", kind);
@@ -95,7 +96,7 @@ class Walk {
     if (!type.is_message && type.primitive == Primitive::uint8) return blob(count);
     elements(type, count);
     if (ok() && has_size && reader_.position() - begin != size) {
-      fail(fmt::format("says {} bytes and has {}", size, reader_.position() - begin));
+      fail(fmt::format("states {} bytes and has {}", size, reader_.position() - begin));
     }
   }
 

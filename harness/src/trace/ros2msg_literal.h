@@ -8,7 +8,8 @@
 
 namespace rehearse::ros2msg {
 
-/// The reason why the text is no value of that type, as "'300' is no uint8"; empty if it is one. `type` is no message.
+/// The reason why the text is no value of that type, as "'300' is no uint8"; empty if it is valid. `type` must not be a
+/// message.
 std::string literal_problem(const FieldType& type, std::string_view text);
 
 /// The text; for a quoted string the text between the quotes.

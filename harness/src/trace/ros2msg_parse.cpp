@@ -124,7 +124,7 @@ class Parser {
   std::optional<std::size_t> find_definition(std::string_view type, std::string_view package) const;
   std::optional<std::size_t> add_known(std::string_view type);
   void check_cycles();
-  enum class Mark { unseen, open, done };  // open: an ancestor of the present definition
+  enum class Mark { unseen, open, done };  // open: contains the present definition
   void visit(std::size_t definition, int depth, std::vector<Mark>& marks);
   int line_of(std::size_t definition, std::size_t field) const;
   void complain(int line, std::string message, std::string hint = {});
@@ -138,8 +138,8 @@ class Parser {
   Diagnostics errors_;
   std::vector<std::vector<std::string>> texts_{{}};  // the lines of each definition
   std::optional<std::size_t> repeats_;               // the definition that the present lines repeat
-  std::vector<std::string> repeated_;                // these lines
-  std::optional<std::size_t> service_;               // its request, then its response
+  std::vector<std::string> repeated_;                // lines that repeat this definition
+  std::optional<std::size_t> service_;               // index of its request, which the response follows
   int line_ = 0;
   bool expects_heading_ = false;
 };
@@ -151,7 +151,7 @@ Result<Schema> Parser::parse(std::string_view text) {
     parse_line(trim(without_comment(text.substr(0, end))));
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
   }
-  if (expects_heading_) complain(line_, "the text ends where a line \"MSG: package/Name\" should stand");
+  if (expects_heading_) complain(line_, "the text ends before the expected line \"MSG: package/Name\"");
   end_repeated();
   resolve();
   if (errors_.empty()) check_cycles();
@@ -185,7 +185,7 @@ void Parser::add_definition(std::string name) {
   texts_.emplace_back();
 }
 
-/// The text of a service without its line "SRV:" (seen in rosbag2 0.25): its fields so far are those of the request.
+/// The text of a service without its line "SRV:" (seen in rosbag2 0.25): the fields before belong to the request.
 void Parser::begin_response_of_root() {
   constexpr std::size_t suffix = std::string_view("_Event").size();
   Definition request = std::exchange(current(), {current().name, {}, {}});
@@ -201,7 +201,7 @@ void Parser::begin_response_of_root() {
   add_definition(request.name.substr(0, request.name.size() - suffix) + "_Response");
 }
 
-/// A definition that a schema has twice must be the same both times. rosbag2 writes some so.
+/// Reports a type with two different definitions. Two equal definitions are valid: rosbag2 writes some types twice.
 void Parser::end_repeated() {
   if (repeats_ && repeated_ != texts_[*repeats_])
     complain(line_, fmt::format("type {} is defined twice, differently", schema_.definitions[*repeats_].name));
@@ -209,9 +209,9 @@ void Parser::end_repeated() {
   repeated_.clear();
 }
 
-/// The text of a service (SRV: package/srv/Name, the fields of the request, ---, those of the response), which rosbag2
-/// writes for the events of a service (its version 0.26 has this form), of type package/srv/Name_Event. An event is an
-/// info, and a request or a response.
+/// The text of a service (SRV: package/srv/Name, the request's fields, ---, the response's fields), which rosbag2 0.26
+/// writes for the events of a service, of type package/srv/Name_Event. An event contains an info, and a request or a
+/// response.
 void Parser::begin_service(std::string_view name) {
   const std::string service = canonical_name(name);
   if (schema_.definitions.size() > 1 || !current().fields.empty())
@@ -237,7 +237,7 @@ void Parser::begin_definition(std::string_view line) {
   end_repeated();
   if (line.starts_with(service)) return begin_service(trim(line.substr(service.size())));
   const std::string name = line.starts_with(heading) ? canonical_name(trim(line.substr(heading.size()))) : "";
-  if (name.empty()) complain(line_, "after a line of = signs stands no line \"MSG: package/Name\"");
+  if (name.empty()) complain(line_, "no line \"MSG: package/Name\" follows the line of = signs");
   if (schema_.definitions.size() == max_definitions) {
     return complain(line_, fmt::format("more than {} types in one schema", max_definitions));
   }
@@ -294,7 +294,7 @@ bool Parser::parse_type(std::string_view text, FieldType& type, std::string& mes
     text = "string";
   }
   if (text == "wstring" || text.starts_with("wstring<=")) {
-    return complain(line_, "type wstring can't be decoded: how it is put differs from middleware to middleware"), false;
+    return complain(line_, "type wstring can't be decoded: its encoding depends on the middleware"), false;
   }
   if (const auto primitive = find_primitive(text)) {
     type.primitive = *primitive;
@@ -362,12 +362,12 @@ void Parser::resolve() {
     if (found) {
       schema_.definitions[open.definition].fields[open.field].type.message = *found;
     } else {
-      complain(open.line, fmt::format("type {} is used and not defined", open.type));
+      complain(open.line, fmt::format("type {} is used but not defined", open.type));
     }
   }
 }
 
-/// A bare name is a type of the same package, Header that of std_msgs if there is none.
+/// A name without package is a type of the same package; Header, if that package has none, is std_msgs/Header.
 std::optional<std::size_t> Parser::find_definition(std::string_view type, std::string_view package) const {
   const auto find = [&](std::string_view name) -> std::optional<std::size_t> {
     const auto place = by_name_.find(name);
@@ -421,7 +421,7 @@ void Parser::check_cycles() {
   for (std::size_t i = 0; i < marks.size(); ++i) visit(i, 0, marks);
 }
 
-/// Depth first. A constant limits the depth, so that the stack can't overflow.
+/// Visits definitions depth first. A constant limits the depth, so that the stack can't overflow.
 void Parser::visit(std::size_t definition, int depth, std::vector<Mark>& marks) {
   if (marks[definition] == Mark::done || !errors_.empty()) return;
   marks[definition] = Mark::open;

@@ -10,7 +10,7 @@
 namespace rehearse {
 namespace {
 
-/// The number; none: not stated, or no number.
+/// The number of a key; nullopt: not stated, or not a number.
 template <class Number>
 std::optional<Number> number_of(const mcap::StringMap& metadata, const char* key) {
   const auto found = metadata.find(key);

@@ -26,7 +26,7 @@ namespace records {
 inline constexpr const char* provenance = "rehearse";
 inline constexpr const char* outcome = "rehearse.outcome";
 inline constexpr const char* branch = "rehearse.branch";
-inline constexpr const char* state_rate = "rehearse.state_rate";      // of a golden that keeps samples of the state
+inline constexpr const char* state_rate = "rehearse.state_rate";  // in a golden that keeps only samples of the state
 inline constexpr const char* devices_read = "rehearse.devices_read";  // BODY/DEVICE: the controllers that read it
 inline constexpr const char* files = "rehearse.files";     // files that controllers read: ControllerHost::files_read
 inline constexpr const char* log_topic = "rehearse.log ";  // followed by the topic
@@ -69,7 +69,7 @@ struct RunOutcome {
   std::optional<std::int64_t> ticks = {};   // none: not stated
   bool complete = false;                    // the state after the last tick is recorded as one more message on /tick
   std::optional<std::string> failure = {};  // none: the run reached its end
-  std::optional<std::string> checkpoints = {};  // "none", "exact", or why they aren't; none: not stated
+  std::optional<std::string> checkpoints = {};  // "none", "exact", or why they aren't exact; nullopt: not stated
 
   mcap::StringMap metadata() const;
   static RunOutcome of(const mcap::StringMap& metadata);
@@ -80,12 +80,12 @@ struct BranchOrigin {
   std::string source;      // name of the file and hash of its bytes
   bool simulated = true;   // a simulation from `tick` on; false: a replay, which is recorded throughout
   std::int64_t tick = 0;   // first tick that isn't a copy of the source's
-  double time = 0.0;       // of that tick [s]
-  std::string checkpoint;  // its tick, or why there is none; empty for a replay
+  double time = 0.0;       // time of that tick [s]
+  std::string checkpoint;  // the tick of the source's checkpoint, or why none was used; empty for a replay
   std::vector<std::string> set, push, controllers;  // the changes, as the user stated them
   /// Before this tick the commands of the source's controllers moved the world. They are on topics with `acted` in the
-  /// place of `output`. The commands on `output` are those that the controllers of the branch would have given. None:
-  /// both are equal.
+  /// place of `output`. The commands on `output` are the commands that the controllers of the branch gave, without
+  /// effect. nullopt: both are equal.
   std::optional<std::int64_t> acted_until;
 
   mcap::StringMap metadata() const;
@@ -93,7 +93,7 @@ struct BranchOrigin {
 };
 
 struct RunFacts {
-  std::optional<mcap::StringMap> provenance = {};  // all facts; none: no recording of Rehearse
+  std::optional<mcap::StringMap> provenance = {};  // all facts; nullopt: not a recording of Rehearse
   int provenances = 0;                             // number of records; more than one: several recordings, merged
   std::optional<int> trace_version = {};
   int trace_revision = 1;
@@ -109,10 +109,10 @@ struct RunFacts {
 
   /// A fact of the provenance; empty: not stated.
   std::string stated(const std::string& fact) const;
-  /// True if that controller's library had that hash.
+  /// True if the controller's recorded library had this hash.
   bool had_library(const std::string& controller_label, const std::string& content_hash) const;
-  /// The ticks that were simulated or replayed. `messages`: number of messages on /tick, of which one more states the
-  /// state after the last tick if the run is complete.
+  /// Number of ticks that were simulated or replayed. `messages`: number of messages on /tick; in a complete run the
+  /// last message contains the state after the last tick.
   std::int64_t ticks(std::int64_t messages) const;
 
   /// If a record occurs more than once, the first counts.

@@ -99,8 +99,8 @@ Result<Selector> Selector::of(Selection selection, Reader& reader) {
 
 Result<Selector> Selector::of_stream(Selection selection) {
   if (selection.ticks) {
-    return error("ticks can't be chosen from a pipe: a tick is known when its last message has come",
-                 "write it into a file first, or choose by time");
+    return error("ticks can't be selected from a pipe: a tick is complete only after its last message",
+                 "write the pipe to a file first, or select by time");
   }
   return Selector(std::move(selection));
 }
@@ -118,7 +118,7 @@ Result<void> Selector::check_topics(const Reader& reader) const {
   return {};
 }
 
-/// Finds the times from the first of the ticks to the next one after the last; all messages between belong to the
+/// Finds the times of the first selected tick and of the next tick after the last; all messages between belong to the
 /// ticks.
 Result<void> Selector::find_ticks(Reader& reader) {
   const auto refuse = [&](std::string message) {
@@ -145,8 +145,9 @@ Result<void> Selector::find_ticks(Reader& reader) {
         return true;
       },
       channels));
-  if (!least) return refuse("it has no ticks: no message is one");
-  if (begin == never) return refuse(fmt::format("it has no such ticks, but {} to {}", *least, *greatest));
+  if (!least) return refuse("it has no ticks: no message states a tick");
+  if (begin == never)
+    return refuse(fmt::format("it doesn't have these ticks: it has ticks {} to {}", *least, *greatest));
   begin_ = std::max(begin_, begin);
   if (end != never) end_ = std::min(end_.value_or(never), end);
   return {};

@@ -54,10 +54,10 @@ struct Selection {
 class Selector {
  public:
   /// Finds the times of ticks and moments; reads all messages if the file's summary lacks them. Fails if a pattern
-  /// matches no topic, or if there are no such ticks.
+  /// matches no topic, or if the file has none of the ticks.
   static Result<Selector> of(Selection selection, Reader& reader);
   /// For messages from a pipe: the first message that takes() gets is the file's first. Fails if ticks are selected: a
-  /// tick is known only when its last message has arrived.
+  /// tick is complete only after its last message.
   static Result<Selector> of_stream(Selection selection);
 
   bool takes(const Message& message) { return takes_time(message.log_time) && takes_topic(message.channel->topic); }
@@ -80,7 +80,7 @@ class Selector {
   void begin_at(std::uint64_t first);
 
   Selection selection_;
-  std::optional<std::uint64_t> first_;  // log time of the file's first message, once it is known [ns]
+  std::optional<std::uint64_t> first_;  // log time of the file's first message, after it was read [ns]
   std::uint64_t begin_ = 0;
   std::optional<std::uint64_t> end_;
 };

@@ -1,5 +1,5 @@
 // StateRate: the rate at which a golden keeps the state of the world and the values of sensors, if it is lower than
-// that of the ticks. Inputs and outputs of controllers, hashes, events, checkpoints and pictures are kept at every
+// the rate of the ticks. Inputs and outputs of controllers, hashes, events, checkpoints and pictures are kept at every
 // tick.
 #pragma once
 
@@ -14,17 +14,17 @@ namespace rehearse {
 
 struct StateRate {
   double rate = 0.0;            // [Hz]
-  double time_step = 0.0;       // of the run [s]
+  double time_step = 0.0;       // time step of the run [s]
   std::set<std::string> whole;  // topics of state that are kept at every tick
 
   /// True if the channel has only samples.
   bool reduces(std::string_view topic) const;
-  /// Whether a time [ns] is that of a sample: a multiple of the period since the beginning of the run.
+  /// True if a sample has this time [ns]: a multiple of the period since the beginning of the run.
   bool is_sample(std::uint64_t time) const;
-  /// The last tick with a sample, at or before a tick.
+  /// The last tick with a sample, at or before `tick`.
   std::int64_t last_sample(std::int64_t tick) const { return tick - tick % period(); }
   std::int64_t period() const;  // [ticks]
-  /// True if this has all messages that the other has.
+  /// True if this rate keeps all messages that `other` keeps.
   bool includes(const StateRate& other) const;
 
   mcap::StringMap metadata() const;
@@ -32,7 +32,7 @@ struct StateRate {
   bool operator==(const StateRate&) const = default;
 };
 
-/// True if the topic is one of the world's state or of a sensor's values, other than pictures, scans and /tf.
+/// True if the topic contains the world's state or a sensor's values, except pictures, scans and /tf.
 bool is_state(std::string_view topic);
 
 }  // namespace rehearse

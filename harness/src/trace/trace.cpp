@@ -24,7 +24,7 @@ double TraceChannel::number(std::size_t row_index, std::size_t column) const {
     case CellKind::unsigned_integer:
     case CellKind::boolean: return static_cast<double>(cell);
   }
-  REHEARSE_ASSERT(false, "a kind of cell that doesn't exist");
+  REHEARSE_ASSERT(false, "the value is no CellKind");
 }
 
 const TraceRest* TraceChannel::rest_of(std::size_t message) const {
@@ -33,7 +33,7 @@ const TraceRest* TraceChannel::rest_of(std::size_t message) const {
   return after == rests.begin() ? nullptr : &*std::prev(after);
 }
 
-/// The samples of a series that exists and has at least one.
+/// The samples of a series that exists and has at least one sample.
 struct Trace::Samples {
   const TraceChannel& channel;
   std::size_t column;
@@ -98,7 +98,7 @@ std::string Trace::nearest_series(std::string_view name) const {
 Trace::Samples Trace::samples(std::string_view name) const {
   const auto place = find_series(name);
   if (!place) {
-    throw std::out_of_range(series_.empty() ? fmt::format("{} has no series at all, so none \"{}\"", file_, name)
+    throw std::out_of_range(series_.empty() ? fmt::format("{} has no series at all, so it lacks \"{}\"", file_, name)
                                             : fmt::format("{} has no series \"{}\"; the nearest are {}", file_, name,
                                                           nearest_series(name)));
   }

@@ -85,8 +85,8 @@ void TraceCheck::end(std::uint64_t, mcap::Findings& findings) {
   if (provenances_ > 0) examine_recording(findings);
 }
 
-/// Examines a recording of Rehearse, or a file made from some. Parts that the file states as removed or lost are only
-/// noted.
+/// Examines a recording of Rehearse, or a file made from recordings. Parts that the file states as removed or lost are
+/// reported as notes.
 void TraceCheck::examine_recording(mcap::Findings& findings) const {
   const mcap::Metadata& provenance = metadata_.at(records::provenance);
   const bool cut =
@@ -94,7 +94,7 @@ void TraceCheck::examine_recording(mcap::Findings& findings) const {
   const Severity severity = cut ? Severity::note : Severity::error;
   if (provenances_ > 1)
     findings.add(severity, {provenance.offset, {}},
-                 fmt::format("the file says {} times where it comes from: it holds several recordings", provenances_));
+                 fmt::format("the file has {} records of provenance: it contains several recordings", provenances_));
   if (!provenance.values.contains(facts::trace_version))
     findings.add(Severity::error, {provenance.offset, {}}, "the recording doesn't state its trace_version");
   if (std::find(attachments_.begin(), attachments_.end(), scenario_name) == attachments_.end())
@@ -104,7 +104,8 @@ void TraceCheck::examine_recording(mcap::Findings& findings) const {
       if (name.ends_with(suffix) && std::find(attachments_.begin(), attachments_.end(),
                                               name.substr(0, name.size() - suffix.size())) == attachments_.end())
         findings.add(severity, {provenance.offset, {}},
-                     fmt::format("the recording has the attachment {}, but not what it is about", in_quotes(name)));
+                     fmt::format("the recording has the attachment {}, but not the attachment that it describes",
+                                 in_quotes(name)));
   if (gaps_ > 0)
     findings.add(severity, gap_at_,
                  fmt::format("the ticks have {} {}: tick {} comes after tick {}", gaps_, gaps_ == 1 ? "gap" : "gaps",
@@ -119,13 +120,13 @@ void TraceCheck::examine_outcome(mcap::Findings& findings) const {
   const auto outcome = metadata_.find(records::outcome);
   if (outcome == metadata_.end())
     return findings.add(Severity::error, {metadata_.at(records::provenance).offset, {}},
-                        "the recording doesn't say how the run ended: it was cut off");
+                        "the recording doesn't state the end of the run: it was cut off");
   const RunOutcome stated = RunOutcome::of(outcome->second.values);
   // A complete run has the state after its last tick as one more tick.
   const std::int64_t there = ticks_ - (ticks_ > 0 && stated.complete ? 1 : 0);
   if (stated.ticks != there)
     findings.add(Severity::error, {outcome->second.offset, {}},
-                 fmt::format("the outcome says that the run had {} ticks, and there are {}",
+                 fmt::format("the outcome states {} ticks, but the recording has {}",
                              in_quotes(stated.ticks ? std::to_string(*stated.ticks) : ""), there));
 }
 

@@ -27,8 +27,8 @@ class TraceCheck : public mcap::ContentCheck {
   struct ChannelState {
     std::unique_ptr<ros2msg::Decoder> decoder;  // null: the payloads aren't examined
     bool is_tick = false;
-    std::uint64_t broken = 0;  // payloads that can't be decoded
-    mcap::Place broken_at;     // the first of them
+    std::uint64_t broken = 0;  // number of payloads that can't be decoded
+    mcap::Place broken_at;     // place of the first of these payloads
     std::string topic, type;
   };
 
@@ -38,14 +38,14 @@ class TraceCheck : public mcap::ContentCheck {
   void examine_outcome(mcap::Findings& findings) const;
 
   std::map<std::uint16_t, ChannelState> channels_;  // by id
-  std::vector<std::string> attachments_;            // names
-  std::map<std::string, mcap::Metadata> metadata_;  // by name, the last one of each name
+  std::vector<std::string> attachments_;            // names of attachments
+  std::map<std::string, mcap::Metadata> metadata_;  // the last record of each name
   int provenances_ = 0;
 
-  std::int64_t ticks_ = 0;  // messages on /tick, and their numbers
+  std::int64_t ticks_ = 0;  // number of messages on /tick
   std::int64_t first_tick_ = 0, last_tick_ = 0;
   std::uint64_t gaps_ = 0;
-  mcap::Place gap_at_;  // the first of them
+  mcap::Place gap_at_;  // place of the first gap
   std::int64_t gap_after_ = 0, gap_before_ = 0;
 };
 

@@ -131,7 +131,7 @@ TraceChannel messages_at(const TraceChannel& channel, const std::vector<std::siz
   return taken;
 }
 
-/// Sorts the messages of a channel by their times; those of one time keep their order.
+/// Sorts the messages of a channel by their times; messages of equal times keep their order.
 void put_in_order(TraceChannel& channel) {
   if (std::is_sorted(channel.times.begin(), channel.times.end())) return;
   std::vector<std::size_t> order(channel.messages());

@@ -104,7 +104,7 @@ std::size_t RowWriter::add_column(std::string_view element, CellKind kind) {
 /// Adds columns to all rows so far, the present one included.
 void RowWriter::widen(std::size_t added, CellKind kind) {
   const std::size_t columns = channel_.columns.size();
-  // A row without columns has no cells: then the rows so far are those of the messages before this one.
+  // A row without columns has no cells: then the messages before this message are the rows so far.
   const std::size_t rows = columns == 0 ? channel_.times.size() : channel_.cells.size() / columns;
   empty_row_.insert(empty_row_.end(), added, missing(kind));
   std::vector<std::uint64_t> wider;

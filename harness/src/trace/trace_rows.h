@@ -20,9 +20,9 @@ class RowWriter {
   void put(std::string_view element, double value) {
     put(element, CellKind::floating, std::bit_cast<std::uint64_t>(value));
   }
-  /// The columns `name`/0, `name`/1, ... of the row, its last ones; rows may have different numbers of them.
+  /// Writes the last columns of the row, `name`/0, `name`/1, ...; rows may have different numbers of them.
   void put_array(std::string_view name, std::span<const float> values);
-  /// The next cells of the row, for a caller that knows that the columns are equal to those of the row before.
+  /// The next cells of the row. The columns must be equal to the columns of the row before.
   std::span<std::uint64_t> next_cells(std::size_t count);
 
  private:
@@ -32,7 +32,7 @@ class RowWriter {
   TraceChannel& channel_;
   std::map<std::string, std::size_t, std::less<>> by_name_;
   std::vector<std::uint64_t> empty_row_;
-  std::size_t cursor_ = 0;  // the column after the last one written: nearly always the next to write
+  std::size_t cursor_ = 0;  // the column after the last written column: nearly always the next column to write
   std::size_t array_begin_ = 0, array_size_ = 0;  // the columns of put_array
 };
 
@@ -53,7 +53,7 @@ TraceChannel describe_channel(const mcap::Channel& channel, const mcap::Schema* 
 /// A channel's table and its reader: all rows one after the other, or the row of one message.
 class ChannelRows {
  public:
-  /// `schema` may be null. `columns`: those that the rows are known to have, as an earlier pass found them.
+  /// `schema` may be null. `columns`: the columns of the rows that an earlier pass found.
   ChannelRows(const mcap::Channel& channel, const mcap::Schema* schema, std::vector<TraceColumn> columns = {});
   ChannelRows(const ChannelRows&) = delete;
   ChannelRows& operator=(const ChannelRows&) = delete;

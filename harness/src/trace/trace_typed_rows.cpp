@@ -18,8 +18,8 @@ namespace {
 using Bytes = std::span<const std::byte>;
 
 /// Reads the rows of JointState and JointAccelerations: arrays that belong to an array of names. Names are nearly
-/// always equal to those of the message before. So their bytes are compared and skipped, and the arrays are copied as a
-/// whole.
+/// always equal to the names of the message before. So their bytes are compared and skipped, and the arrays are copied
+/// as a whole.
 class NamedArraysReader : public RowReader {
  public:
   /// `suffixes` name the arrays that follow the names, in order: "/q", "/dq", "/u".
@@ -49,7 +49,7 @@ class NamedArraysReader : public RowReader {
   }
 
  private:
-  /// True if the names are equal to those of the message before.
+  /// True if the names are equal to the names of the message before.
   bool read_names(Bytes payload, CdrReader& reader) {
     const std::size_t start = reader.position();
     if (!name_bytes_.empty() && start % 4 == names_alignment_ && reader.left() >= name_bytes_.size() &&

@@ -23,7 +23,7 @@ namespace rehearse {
 /// The reader of a channel.
 struct ChannelSource {
   ChannelSource(const mcap::Channel& channel, const mcap::Schema* schema, std::vector<TraceColumn> columns = {});
-  /// Only samples are added, if this channel has them.
+  /// From now on adds only samples, if this channel has samples.
   void take_samples(const StateRate* rate);
   /// Adds a message to the table. False: it doesn't fit the schema.
   bool add(const mcap::Message& message);
@@ -48,11 +48,11 @@ class TraceWindows {
   /// beginning. The messages of `channels`, given by their indices in the trace, are read; at least one channel.
   TraceWindows(const Trace& whole, std::span<const std::size_t> channels, const WindowsStart& start = {});
 
-  /// Removes the messages before `keep_from` and reads those up to `until`, inclusive [ns].
+  /// Removes the messages before `keep_from` and reads the messages up to `until`, inclusive [ns].
   void move(std::uint64_t keep_from, std::uint64_t until);
   /// The trace of the present window, without events and changes of contact.
   const Trace& window() const { return trace_; }
-  /// The time of the first message after the window [ns]; none: there is none.
+  /// The time of the first message after the window [ns]; nullopt: no message follows.
   std::optional<std::uint64_t> next_time() const;
   /// Fails with the damage of the messages that were read.
   Result<void> verdict();
@@ -67,7 +67,7 @@ class TraceWindows {
 
 /// As Trace::load(); of the state of the world only the samples at a rate are read.
 Result<Trace> load_samples(const std::filesystem::path& file, const StateRate& rate);
-/// As Trace::load_in_pieces(), likewise.
+/// As Trace::load_in_pieces(); of the state of the world only the samples at a rate are read.
 Result<Trace> load_samples_in_pieces(const std::filesystem::path& file, const StateRate& rate,
                                      const Trace::OnPiece& on_piece, std::size_t piece_size);
 

@@ -190,9 +190,9 @@ TEST(GltfMesh, ReadsItsBufferFromBesideIt) {
   EXPECT_EQ(corners_of(mesh).at(0).normal, -Eigen::Vector3d::UnitY());
   EXPECT_FALSE(mesh.parts[0].color);  // without a material
   folder.write("a b.bin", buffer.substr(0, 20));
-  EXPECT_THAT(mesh_refusal(file), HasSubstr("assimp says: "));
+  EXPECT_THAT(mesh_refusal(file), HasSubstr("assimp reports: "));
   std::filesystem::remove(folder.path() / "a b.bin");
-  EXPECT_THAT(mesh_refusal(file), HasSubstr("assimp says: "));
+  EXPECT_THAT(mesh_refusal(file), HasSubstr("assimp reports: "));
 }
 
 }  // namespace

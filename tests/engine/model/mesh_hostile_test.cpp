@@ -34,8 +34,8 @@ TEST(HostileMesh, IsRefusedInOneLineWithItsName) {
   EXPECT_THAT(refused("a.obj", "v 0 0 0\nf 1 1 1 # x\n"), HasSubstr("a face has the corner '#'"));
   std::string endless = collada("", "");  // for assimp
   endless.replace(endless.find("0 1 2</p>"), 5, "0 x 2");
-  EXPECT_THAT(refused("a.dae", endless), HasSubstr(":10: error: a list of indices <p> holds something else"));
-  EXPECT_THAT(refused("a.gltf", "{}"), HasSubstr("assimp says: "));
+  EXPECT_THAT(refused("a.dae", endless), HasSubstr(":10: error: a list of indices <p> contains something else"));
+  EXPECT_THAT(refused("a.gltf", "{}"), HasSubstr("assimp reports: "));
   EXPECT_THAT(refused("a.dae", "<html/>"), HasSubstr("error: "));
   EXPECT_THAT(refused("a.dae", collada("", "")), HasSubstr("error: "));
 }

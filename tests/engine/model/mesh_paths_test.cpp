@@ -111,7 +111,7 @@ TEST_F(MeshPathsTest, WhatTheUserSaysComesFirstAndIsFinal) {
 TEST_F(MeshPathsTest, WithoutItsPackageAFileAboveIsAGuess) {
   make("ws/meshes/a.stl");
   EXPECT_EQ(find("package://gone/meshes/a.stl"), "ws/meshes/a.stl");
-  EXPECT_EQ(warning, "package 'gone' has no such file; it is taken from ../../meshes/a.stl, a guess");
+  EXPECT_EQ(warning, "package 'gone' doesn't contain the file; it is taken from ../../meshes/a.stl, a guess");
   EXPECT_EQ(find("meshes/a.stl"), "ws/meshes/a.stl");
   EXPECT_EQ(warning, "it is taken from ../../meshes/a.stl, a guess");
 }

@@ -28,7 +28,7 @@ TEST(LenientUrdf, LeavesOutASensorThatItCannotReadAndKeepsTheOthers) {
            {.strict = true});
   EXPECT_THAT(device_names(model), testing::ElementsAre("imu"));
   const std::string report = to_string(model.report);
-  EXPECT_THAT(report, HasSubstr("warning: sensor 'laser' is left out: <min_angle> holds '', not a number"));
+  EXPECT_THAT(report, HasSubstr("warning: sensor 'laser' is left out: <min_angle> contains '', not a number"));
   EXPECT_THAT(report, HasSubstr("warning: a sensor is left out: <sensor> has no name"));
 }
 

@@ -120,7 +120,7 @@ TEST(UrdfReferee, PassesOnWhatUrdfdomComplainsOf) {
   testing::internal::CaptureStdout();
   const std::string said =
       verdict(Draft{}, "<robot name='r'><link name='a'><inertial><mass/></inertial></link></robot>");
-  EXPECT_THAT(said, HasSubstr("error: urdfdom says: "));
+  EXPECT_THAT(said, HasSubstr("error: urdfdom reports: "));
   EXPECT_EQ(testing::internal::GetCapturedStderr() + testing::internal::GetCapturedStdout(), "");  // and prints nothing
 }
 

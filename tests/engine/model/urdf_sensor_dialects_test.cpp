@@ -291,8 +291,9 @@ TEST(UrdfContactSensor, MayReferToTheMergedLink) {
 TEST(UrdfContactSensor, OfShapesOfTwoLinksFeelsWithItsOwnLink) {
   const Model model = with_foot("<collision>collision</collision><collision>toe</collision>", two_balls);
   EXPECT_EQ(only_device(model).link, model.find_link("calf"));
-  EXPECT_THAT(to_string(model.report), HasSubstr("'skin' names collision shapes of several links; all shapes of link "
-                                                 "'calf' feel"));
+  EXPECT_THAT(to_string(model.report),
+              HasSubstr("'skin' names collision shapes of several links; contacts of all shapes of link "
+                        "'calf' count"));
 }
 
 TEST(UrdfContactSensor, ThatNamesEachShapeNamesAll) {

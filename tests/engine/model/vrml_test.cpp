@@ -125,7 +125,7 @@ TEST_F(Vrml, IsRefusedWithTheLineAndTheReason) {
   EXPECT_THAT(refusal("#VRML V1.0 ascii\nCube { }"), HasSubstr("it is VRML 1.0"));
   EXPECT_THAT(refusal("#VRML V2.0 utf8\nShape {\n geometry Box {"),
               HasSubstr("mesh.wrl:3: error: the node 'Box' of line 3"));
-  EXPECT_THAT(refusal("#VRML V2.0 utf8\n\nUSE NOTHING"), HasSubstr(":3: error: USE 'NOTHING': there is no such DEF"));
+  EXPECT_THAT(refusal("#VRML V2.0 utf8\n\nUSE NOTHING"), HasSubstr(":3: error: USE 'NOTHING' has no DEF"));
   EXPECT_THAT(refusal("#VRML V2.0 utf8\nPROTO Wheel [ ] { Group { } }"), HasSubstr(":2: error: PROTO isn't read"));
   EXPECT_THAT(refusal("#VRML V2.0 utf8\nInline { url \"gone.wrl\" }"),
               HasSubstr("its Inline 'gone.wrl' can't be read"));

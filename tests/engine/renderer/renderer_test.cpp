@@ -229,7 +229,7 @@ TEST(RendererDeathTest, RefusesImpossibleCamerasAndShapes) {
   EXPECT_DEATH(make_renderer()->draw(camera_of(0, 5), at_origin), "width is 1 to 8192");
   EXPECT_DEATH(make_renderer()->draw(camera_of(5, 8193), at_origin), "height is 1 to 8192");
   EXPECT_DEATH(make_renderer()->draw(camera_of(5, 5, 3.2), at_origin), "field of view");
-  EXPECT_DEATH(make_renderer()->set_link_pose(0, at_origin), "no such shape");
+  EXPECT_DEATH(make_renderer()->set_link_pose(0, at_origin), "a shape with this number was added");
 }
 
 TEST(LookAt, LooksAlongMinusZWithTheWorldsZUp) {

@@ -138,7 +138,7 @@ TEST(SurfacesThatMakeNoSense, AreRefused) {
   };
   Surface surface;
   surface.friction = -0.1;
-  EXPECT_THAT(refusal(surface), HasSubstr("body 'Slab': the friction of link 'Slab' makes no sense"));
+  EXPECT_THAT(refusal(surface), HasSubstr("body 'Slab': the friction of link 'Slab' is out of its range"));
   surface = {};
   surface.stiffness = 0.0;
   EXPECT_THAT(refusal(surface), HasSubstr("contact stiffness"));

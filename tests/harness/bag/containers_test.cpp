@@ -111,7 +111,7 @@ TEST(Database, ReportsRowsThatAreNoMessagesAndDeliversTheOthers) {
   EXPECT_EQ(messages, 2);
   ASSERT_FALSE(read);
   const std::string text = to_string(read.errors());
-  EXPECT_THAT(text, HasSubstr("a.db3: error: it has 1 message of the topic 9, which the table 'topics' hasn't, the "
+  EXPECT_THAT(text, HasSubstr("a.db3: error: it has 1 message of the topic 9, which isn't in the table 'topics', the "
                               "first in row 2: left out"));
   EXPECT_THAT(text, HasSubstr("whose timestamp is no number of nanoseconds, the first in row 3"));
   EXPECT_THAT(text, HasSubstr("whose data isn't a BLOB, the first in row 4"));

@@ -365,7 +365,7 @@ TEST_F(LogReplay, RefusesAControllerThatReadsWhatNothingGives) {
   log("Trot.StandsUpAndWalksAhead.mcap", robot);
   map("time_step: 0.001\njoints: /joint_states\n");
   const std::string told = refused("TrotController", "quadruped.urdf");
-  EXPECT_THAT(told, HasSubstr("reads the contact points of link 'FL_FOOT', which nothing in the map gives"));
+  EXPECT_THAT(told, HasSubstr("reads the contact points of link 'FL_FOOT', which has no source in the map"));
   EXPECT_THAT(told, Not(HasSubstr("FL_KNEE"))) << "the joints are given";
 }
 

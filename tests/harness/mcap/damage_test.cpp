@@ -107,7 +107,7 @@ TEST(McapDamage, TellsZerosFromRecords) {
   const std::string start = std::to_string(file.bytes.size());
   file.bytes.resize(file.bytes.size() + 1000);  // as a file system leaves them after a power cut
   EXPECT_THAT(complaint_about(file),
-              HasSubstr("truncated at byte " + start + ": from there on the file holds zeros only"));
+              HasSubstr("truncated at byte " + start + ": from there on the file contains zeros only"));
 }
 
 TEST(McapDamage, TellsALengthThatIsWrongFromAFileThatIsCut) {
@@ -142,13 +142,13 @@ TEST(McapDamage, RefusesFilesThatAreNotMcap) {
   EXPECT_EQ(complaint_about(Composer().raw(bytes_of("version https://git-lfs.github.com/spec/v1\n"))),
             "composed.mcap: error: not an MCAP file: it doesn't begin with the magic bytes \\x89MCAP0\\r\\n\n");
   EXPECT_THAT(complaint_about(Composer().raw(bytes_of("\x89MCAP9\r\n"))),
-              HasSubstr("a version that this reader doesn't know"));
+              HasSubstr("a version that this reader doesn't support"));
 }
 
 TEST(McapDamage, DoesNotBelieveAChunkThatSaysItIsHuge) {
   Composer file;
   file.magic().header().chunk(0, 0, Composer().text("?"), "zstd", std::uint64_t{1} << 40).end();
-  EXPECT_THAT(complaint_about(file), HasSubstr("says that it holds 1099511627776 bytes decompressed"));
+  EXPECT_THAT(complaint_about(file), HasSubstr("states 1099511627776 bytes decompressed"));
 }
 
 TEST(McapDamage, SaysThatAChunkIsSmallerThanItSays) {

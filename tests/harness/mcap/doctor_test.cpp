@@ -126,7 +126,7 @@ TEST(McapDoctor, NamesWhatIsWrongWithTheFrame) {
   EXPECT_THAT(errors_of(without_data_end.footer()), HasSubstr("no Data End before the Footer"));
   Composer longer = begin();
   longer.end();
-  EXPECT_THAT(errors_of(longer.raw(bytes_of("more"))), HasSubstr("4 bytes behind the end of the file"));
+  EXPECT_THAT(errors_of(longer.raw(bytes_of("more"))), HasSubstr("4 bytes after the end of the file"));
   Composer zeros = begin();
   zeros.bytes.resize(zeros.bytes.size() + 100);
   EXPECT_THAT(errors_of(zeros), HasSubstr("zeros only"));
@@ -135,12 +135,12 @@ TEST(McapDoctor, NamesWhatIsWrongWithTheFrame) {
 TEST(McapDoctor, NamesWhatIsWrongWithDefinitions) {
   EXPECT_THAT(errors_of(begin().record(3, schema_body(0, "T")).end()), HasSubstr("the Schema 'T' has the id 0"));
   EXPECT_THAT(errors_of(begin().record(3, schema_body(1, "T")).record(3, schema_body(1, "U")).end()),
-              HasSubstr("Schema 1 is defined otherwise than at byte"));
+              HasSubstr("Schema 1 differs from its definition at byte"));
   EXPECT_THAT(errors_of(begin().record(3, schema_body(1, "T", "", "data")).end()),
               HasSubstr("has data but no encoding"));
   EXPECT_THAT(findings_of(begin().record(3, schema_body(1, "")).end()), HasSubstr("warning: Schema 1 has no name"));
   EXPECT_THAT(errors_of(begin().channel(1, "/a").channel(1, "/b").end()),
-              HasSubstr("Channel 1 is defined otherwise than at byte"));
+              HasSubstr("Channel 1 differs from its definition at byte"));
   const Composer of_schema_7 = Composer().put(std::uint16_t{1}).put(std::uint16_t{7}).text("/a").text("cdr").put(0u);
   EXPECT_THAT(errors_of(begin().record(4, of_schema_7).end()),
               HasSubstr("Channel 1 '/a' is of Schema 7, which isn't defined before it"));
@@ -150,7 +150,7 @@ TEST(McapDoctor, NamesWhatIsWrongWithDefinitions) {
   const Composer keys = Composer().text("m").put(static_cast<std::uint32_t>(map.bytes.size())).raw(map.bytes);
   EXPECT_THAT(errors_of(begin().record(0x0c, keys).end()), HasSubstr("has the key 'k' more than once"));
   EXPECT_THAT(errors_of(begin().record(3, Composer().put(std::uint16_t{1}).put(~0u)).end()),
-              HasSubstr("the Schema is too short for what it says: it has 6 bytes"));
+              HasSubstr("the Schema is shorter than its fields state: it has 6 bytes"));
 }
 
 TEST(McapDoctor, NamesWhatIsWrongWithMessages) {
@@ -161,7 +161,7 @@ TEST(McapDoctor, NamesWhatIsWrongWithMessages) {
       back,
       HasSubstr("warning: Channel 1 '/a': the log time goes back from here on, in 1 of 2 messages, by up to 2 ns"));
   EXPECT_THAT(findings_of(begin().record(0x42, Composer().text("x")).end()),
-              HasSubstr("note: a record of opcode 0x42, which version 0 doesn't know"));
+              HasSubstr("note: a record of opcode 0x42, which version 0 doesn't define"));
   EXPECT_THAT(findings_of(begin().record(0x93, Composer().text("x")).end()), Not(HasSubstr("0x93")));
 }
 
@@ -173,15 +173,14 @@ TEST(McapDoctor, NamesWhatIsWrongWithChunks) {
     return errors_of(begin().channel(1, "/a").chunk(start, end, records, compression, size, crc).end());
   };
   EXPECT_EQ(of(5, 5, message), "");
-  EXPECT_THAT(of(5, 6, message),
-              HasSubstr("says that its messages are from 5 ns to 6 ns, and they are from 5 ns to 5 ns"));
+  EXPECT_THAT(of(5, 6, message), HasSubstr("states messages from 5 ns to 6 ns, but they are from 5 ns to 5 ns"));
   EXPECT_THAT(of(5, 5, message, "", {}, 1), HasSubstr("the CRC of the Chunk doesn't match"));
   EXPECT_THAT(of(5, 5, message, "brotli"), HasSubstr("its compression \"brotli\""));
   EXPECT_THAT(of(5, 5, message, "", 7), HasSubstr("can't be decompressed"));
-  EXPECT_THAT(of(5, 5, message, "zstd", std::uint64_t{1} << 40), HasSubstr("is the limit"));
+  EXPECT_THAT(of(5, 5, message, "zstd", std::uint64_t{1} << 40), HasSubstr("more than the limit of"));
   EXPECT_THAT(of(0, 0, Composer().record(0x0c, Composer().text("m").put(0u))),
-              HasSubstr("a Metadata may not stand in a Chunk"));
-  EXPECT_THAT(of(0, 0, Composer().chunk(0, 0, Composer())), HasSubstr("a Chunk may not stand in a Chunk"));
+              HasSubstr("a Metadata isn't allowed in a Chunk"));
+  EXPECT_THAT(of(0, 0, Composer().chunk(0, 0, Composer())), HasSubstr("a Chunk isn't allowed in a Chunk"));
   EXPECT_THAT(of(5, 5, Composer().message(1, 5, "x").put(std::uint8_t{5})), HasSubstr("aren't whole from there on"));
 }
 
@@ -196,9 +195,9 @@ TEST(McapDoctor, ComparesMessageIndexesWithTheirChunk) {
   EXPECT_EQ(of(Composer().record(7, index_body(1, {{6, second}, {5, 0}}))), "");  // in any order
   EXPECT_THAT(of(Composer().record(7, index_body(1, {{5, 0}}))), HasSubstr("lacks the message at byte"));
   EXPECT_THAT(of(Composer().record(7, index_body(1, {{5, 0}, {7, second}}))),
-              HasSubstr("is of 7 ns, and it is of 6 ns"));
+              HasSubstr("has the stated time 7 ns and the actual time 6 ns"));
   EXPECT_THAT(of(Composer().record(7, index_body(1, {{5, 0}, {6, 3}}))),
-              HasSubstr("where no message of that channel is"));
+              HasSubstr("or no message of that channel is there"));
   EXPECT_THAT(of(Composer().record(7, index_body(2, {}))),
               HasSubstr("has messages of channel 1, but no Message Index"));
   EXPECT_THAT(
@@ -231,14 +230,14 @@ TEST(McapDoctor, ComparesTheSummaryWithTheData) {
   const Composer channel = Composer().channel(1, "/a");
   EXPECT_EQ(of(Composer().raw(channel.bytes).raw(statistics(1, 1).bytes)), "");
   EXPECT_THAT(of(Composer().raw(channel.bytes).raw(statistics(2, 1).bytes)),
-              HasSubstr("the record of statistics says: messages 2, which is 1"));
+              HasSubstr("the record of statistics states: messages 2 in place of 1"));
   EXPECT_THAT(of(Composer().raw(channel.bytes).raw(statistics(1, 3).bytes)),
-              HasSubstr("messages of channel 1 3, which is 1"));
-  EXPECT_THAT(of(statistics(1, 1)), HasSubstr("no Channel 1 '/a' stands before them"));
-  EXPECT_THAT(of(Composer().channel(1, "/b")), HasSubstr("Channel 1 is defined otherwise than at byte"));
+              HasSubstr("messages of channel 1 3 in place of 1"));
+  EXPECT_THAT(of(statistics(1, 1)), HasSubstr("no Channel 1 '/a' precedes them"));
+  EXPECT_THAT(of(Composer().channel(1, "/b")), HasSubstr("Channel 1 differs from its definition at byte"));
   EXPECT_THAT(of(Composer().channel(2, "/b")),
-              HasSubstr("the summary has Channel 2 '/b', and the data section hasn't"));
-  EXPECT_THAT(of(Composer().message(1, 5, "x")), HasSubstr("a Message may not stand in the summary"));
+              HasSubstr("the summary has Channel 2 '/b', but the data section doesn't"));
+  EXPECT_THAT(of(Composer().message(1, 5, "x")), HasSubstr("a Message isn't allowed in the summary"));
   EXPECT_THAT(of(Composer().channel(1, "/a").raw(statistics(1, 1).bytes).channel(1, "/a")), HasSubstr("isn't grouped"));
   const Composer nowhere = Composer().record(0x0a, Composer()
                                                        .put(std::uint64_t{3})
@@ -256,7 +255,7 @@ TEST(McapDoctor, GoesOnBehindDamage) {
   const auto at = find_text(bytes, "scenario.yaml");
   std::fill(at - 40, at + 4, std::byte{0});  // the attachment's head, and the bytes before it
   const std::string found = findings_of(bytes);
-  EXPECT_THAT(found, HasSubstr("what stands there is no record; the next one begins at byte"));
+  EXPECT_THAT(found, HasSubstr("the bytes there are no record; the next record begins at byte"));
   const auto examination = mcap::examine_bytes(bytes, "damaged.mcap");
   EXPECT_EQ(examination->messages, 5u);  // all messages are behind the damage
 }

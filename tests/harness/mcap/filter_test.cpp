@@ -171,7 +171,7 @@ TEST(McapMerge, GoesByTimeThenByTheOrderOfTheSources) {
   EXPECT_THAT(words(written), ElementsAre("1a", "2b", "3b", "3a", "3a", "5a", "9b"));
   EXPECT_THAT(written.metadata, ElementsAre("origin", "origin", "rehearse.merge"));
   EXPECT_THAT(written.attachments, ElementsAre("note.txt", "note.txt"));
-  EXPECT_THAT(merged->remarks, ElementsAre(HasSubstr("'note.txt' is there more than once"), HasSubstr("'origin'")));
+  EXPECT_THAT(merged->remarks, ElementsAre(HasSubstr("'note.txt' occurs more than once"), HasSubstr("'origin'")));
 }
 
 TEST(McapMerge, KeepsApartWhatIsDefinedOtherwise) {
@@ -181,7 +181,7 @@ TEST(McapMerge, KeepsApartWhatIsDefinedOtherwise) {
   auto merged = mcap::merge({{a.path(), ""}, {b.path(), ""}}, target.path());
   ASSERT_TRUE(merged);
   EXPECT_EQ(merged->channels, 2u);
-  EXPECT_THAT(merged->remarks[0], HasSubstr("'/t' isn't defined alike everywhere"));
+  EXPECT_THAT(merged->remarks[0], HasSubstr("'/t' has several definitions"));
   const Written written = read_back(target.path());
   EXPECT_EQ(written.profile, "") << "they have none in common";
   EXPECT_EQ(read_back(target.path()).messages.size(), 2u);

@@ -161,7 +161,7 @@ TEST(McapRecover, GoesByTheSummaryWhereDefinitionsDiffer) {
   ASSERT_TRUE(saved.recovery);
   EXPECT_EQ(saved.messages.size(), 5u);
   EXPECT_TRUE(has(saved.messages, {"/numbers", 1, 1000, "one"}));
-  EXPECT_THAT(saved.recovery->lost[0].what, HasSubstr("a Channel 1 that is defined otherwise in the summary"));
+  EXPECT_THAT(saved.recovery->lost[0].what, HasSubstr("a Channel 1 that is defined differently in the summary"));
 }
 
 TEST(McapRecover, LosesAChunkWithoutACrcWhoseLastRecordIsNoneThatItCanBe) {
@@ -231,7 +231,7 @@ TEST(McapRecover, NeverWritesOverWhatItReads) {
   const Buffer before = file.read();
   const auto refused = mcap::recover(file.path(), file.path());
   ASSERT_FALSE(refused);
-  EXPECT_THAT(to_string(refused.errors()), HasSubstr("won't be written over: it is what is read"));
+  EXPECT_THAT(to_string(refused.errors()), HasSubstr("can't be replaced: it is also an input"));
   EXPECT_EQ(file.read(), before);
   EXPECT_THAT(to_string(mcap::recover(file.path(), std::filesystem::temp_directory_path()).errors()),
               HasSubstr("it is a directory"));

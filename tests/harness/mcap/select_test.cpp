@@ -110,7 +110,7 @@ TEST(McapSelect, SaysWhichTicksThereAre) {
   const TempFile file;
   write_ticks(file.path());
   const auto reader = open(file);
-  EXPECT_THAT(taken(*reader, {.ticks = mcap::TickSpan{100, 200}}), ElementsAre(HasSubstr("but 5 to 9")));
+  EXPECT_THAT(taken(*reader, {.ticks = mcap::TickSpan{100, 200}}), ElementsAre(HasSubstr("it has ticks 5 to 9")));
   const TempFile other;
   write_small_file(other.path());
   const auto without = open(other);

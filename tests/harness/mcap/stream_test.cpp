@@ -201,7 +201,8 @@ TEST(McapStream, LeavesOutARecordThatIsTooLargeToHold) {
   const Pass pass = pass_over(*stream_of(file.bytes, 1000, {.max_chunk_size = 10'000}));
   EXPECT_EQ(pass.messages, (std::vector<Seen>{{"/a", 0, 2, "x"}}));
   ASSERT_FALSE(pass.end);
-  EXPECT_THAT(to_string(pass.end.errors()), HasSubstr("has 100022 bytes; no more than 10000 are held of a stream"));
+  EXPECT_THAT(to_string(pass.end.errors()),
+              HasSubstr("it has 100022 bytes, more than the limit of 10000 for a stream"));
 }
 
 TEST(McapStream, TakesNoMemoryForWhatDoesNotCome) {
@@ -320,7 +321,7 @@ TEST(McapInput, APipeForWhichThereIsNoRoomIsRefused) {
   before ? ::setenv("TMPDIR", restored.c_str(), 1) : ::unsetenv("TMPDIR");
   ASSERT_FALSE(reader);
   EXPECT_THAT(to_string(reader.errors()),
-              HasSubstr(": error: can't keep what comes in the folder for temporary files: "));
+              HasSubstr(": error: can't store the input in the folder for temporary files: "));
 }
 
 TEST(McapInput, AFileThatIsMadeUpAsItIsReadIsReadAsAFile) {

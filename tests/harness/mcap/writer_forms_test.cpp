@@ -235,7 +235,7 @@ TEST(McapWriterLimits, Holds65536ChannelsAndSaysThatOneMoreIsTooMany) {
   const auto one_more = writer->add_channel(0, "/one/more", "text");
   const auto written = writer->write(one_more, 2, 2, bytes_of("x"));
   ASSERT_FALSE(written);
-  EXPECT_EQ(written.errors()[0].message, "the channel /one/more is one too many: a file holds 65536");
+  EXPECT_EQ(written.errors()[0].message, "the channel /one/more is one too many: a file contains at most 65536");
   EXPECT_FALSE(writer->close());
 }
 
@@ -246,7 +246,8 @@ TEST(McapWriterLimits, Holds65535SchemasAndSaysThatOneMoreIsTooMany) {
   ASSERT_EQ(writer->add_schema("T7", "ros2msg", ""), 7);
   EXPECT_TRUE(writer->flush());
   EXPECT_EQ(writer->add_schema("U", "ros2msg", ""), 0);
-  EXPECT_THAT(to_string(writer->close().errors()), HasSubstr("the schema U is one too many: a file holds 65535"));
+  EXPECT_THAT(to_string(writer->close().errors()),
+              HasSubstr("the schema U is one too many: a file contains at most 65535"));
 }
 
 TEST(McapWriterTargets, WhoHasTheOldFileOpenKeepsIt) {

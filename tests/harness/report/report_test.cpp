@@ -437,7 +437,7 @@ TEST_F(Report, OfACutRecordingHasWhatIsWhole) {
   const DecodedReport report = written(std::nullopt);
   EXPECT_GT(report["end"], 500);
   EXPECT_LT(report["end"], 3000);
-  EXPECT_THAT(summary_.omitted, Contains(HasSubstr("The recording is not whole")));
+  EXPECT_THAT(summary_.omitted, Contains(HasSubstr("The recording is incomplete")));
   EXPECT_EQ(report["runs"][0]["complete"], false);
   EXPECT_THAT(report["runs"][0]["outcome"].get<std::string>(), HasSubstr("was cut"));
 }
@@ -489,7 +489,7 @@ TEST_F(Report, ThatWouldBeTooLargeIsRefusedWithAPartThatIsNot) {
   ASSERT_TRUE(estimate);
   options_.max_size = *estimate / 2;
   const Diagnostic refused = refusal(folder_ / "actual.mcap");
-  EXPECT_THAT(refused.message, HasSubstr("browsers open no more than"));
+  EXPECT_THAT(refused.message, HasSubstr("browsers open files above"));
   EXPECT_THAT(refused.hint, HasSubstr("--from 0 --until "));
   options_.from = 0.0;
   options_.until = std::stod(refused.hint.substr(refused.hint.find("--until ") + 8));

@@ -89,17 +89,17 @@ TEST_F(BranchTest, AlteredInputsReachTheControllerInTheirSpanAlone) {
 TEST_F(BranchTest, MistakesInAnAlterationAreShownAtTheirPlace) {
   record_hinge();
   EXPECT_THAT(altering_refused("Rig/SHOULDR/q=1"),
-              HasSubstr("there is no input 'Rig/SHOULDR/q'; near it: Rig/SHOULDER/q"));
+              HasSubstr("there is no input 'Rig/SHOULDR/q'; similar inputs: Rig/SHOULDER/q"));
   EXPECT_THAT(altering_refused("Rig/SHOULDR/q=1"), HasSubstr("\n  Rig/SHOULDR/q=1\n  ^~~~~~~~~~~~~"));
   EXPECT_THAT(altering_refused("Rig/RAIL/q=1"), HasSubstr("no controller reads 'Rig/RAIL/q'"));
   EXPECT_THAT(altering_refused("Rig/SHOULDER/q=one"), HasSubstr("'one' is no number, nor an angle"));
   EXPECT_THAT(altering_refused("Rig/SHOULDER/q=one"), HasSubstr("\n                 ^~~"));
   EXPECT_THAT(altering_refused("Rig/SHOULDER/dq=30deg"), HasSubstr("'30deg' is no number"));
-  EXPECT_THAT(altering_refused("Rig/SHOULDER/q"), HasSubstr("that alters nothing"));
-  EXPECT_THAT(altering_refused("Rig/SHOULDER/q=1@tick:9..3"), HasSubstr("'tick:9..3' holds no tick"));
+  EXPECT_THAT(altering_refused("Rig/SHOULDER/q"), HasSubstr("this alters nothing"));
+  EXPECT_THAT(altering_refused("Rig/SHOULDER/q=1@tick:9..3"), HasSubstr("'tick:9..3' contains no tick"));
   EXPECT_THAT(altering_refused("Rig/SHOULDER/q=1@5"), HasSubstr("'5' is no span of time"));
   EXPECT_THAT(altering_refused("Rig/SHOULDER/q=1@tick:x"), HasSubstr("'tick:x' is no span of ticks"));
-  EXPECT_THAT(altering_refused("Rig/SHOULDER/q=1@3s..4s"), HasSubstr("the run ends at tick 199"));
+  EXPECT_THAT(altering_refused("Rig/SHOULDER/q=1@3s..4s"), HasSubstr("the run ends before that, at tick 199"));
 }
 
 TEST_F(BranchTest, AReplayCanBeWrittenAndRepeatsItself) {

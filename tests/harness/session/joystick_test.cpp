@@ -242,7 +242,7 @@ TEST_F(Joysticks, AreNotReplayedIfTheyWereNotRecorded) {
   const auto refused = replay_run({}, "bare.mcap");
   ASSERT_FALSE(refused.ok());
   EXPECT_THAT(to_string(refused.errors()),
-              HasSubstr("bare.mcap: error: the run has a joystick, but what it did was not recorded: there is no /joy "
+              HasSubstr("bare.mcap: error: the run has a joystick, but its input was not recorded: there is no /joy "
                         "(record the scenario again)"));
 }
 

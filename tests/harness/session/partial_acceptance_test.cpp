@@ -58,8 +58,8 @@ TEST_F(PartialAcceptance, OfCommandsWithoutWhatTheyDoIsRefused) {
   record_run(scene("HingePd", "0.2"), "golden.mcap");
   record_run(scene("HingePdChanged", "0.2"));
   const std::string refusal = decided({"Rig/C/output/SHOULDER/u"});
-  EXPECT_THAT(refusal, HasSubstr("no run can produce this golden: fed with its commands, the world does something "
-                                 "else, first at tick 72 (0.07"));
+  EXPECT_THAT(refusal, HasSubstr("no run can produce this golden: with its commands, the world moves differently, "
+                                 "first at tick 72 (0.07"));
   EXPECT_THAT(refusal, HasSubstr("): /Rig/joints SHOULDER/"));
   EXPECT_THAT(refusal, HasSubstr("would have to be accepted as well: /Rig/joints, "));
 }
@@ -75,7 +75,7 @@ TEST_F(PartialAcceptance, OfACameraIsRefusedIfTheControllerCommandsSomethingElse
   record_run(scene("HingePd", "0.2"), "golden.mcap");
   record_run(scene("HingePdChanged", "0.9"));
   EXPECT_THAT(decided({"/Rig/Camera/*"}),
-              AllOf(HasSubstr("fed with its inputs, the controllers command something else, first at tick 70 (0.07 s): "
+              AllOf(HasSubstr("with its inputs, the controllers give other commands, first at tick 70 (0.07 s): "
                               "/Rig/C/output/joints SHOULDER/u"),
                     HasSubstr("would have to be accepted as well: /Rig/C/output/joints")));
 }
@@ -116,7 +116,7 @@ TEST_F(PartialAcceptance, OfNothingThatMovedSaysWhatDid) {
   record_run(scene("HingePd", "0.2"), "golden.mcap");
   record_run(scene("HingePd", "0.9"));
   EXPECT_EQ(decided({"/Rig/joints"}),
-            "nothing of channel /Rig/joints differs from the golden (what differs: /Rig/Camera/image)");
+            "nothing of channel /Rig/joints differs from the golden (different: /Rig/Camera/image)");
   EXPECT_THAT(decided({"/Rig/Camara/*"}), HasSubstr("'/Rig/Camara/*' is no channel and no series"));
 }
 

@@ -138,7 +138,7 @@ TEST_F(PlantRun, NamesCommandsToWhatTheScenarioHasNot) {
   urdf.replace(urdf.find("\"SHOULDER\""), 10, "\"ELBOW\"");
   write("rig.urdf", urdf);
   EXPECT_THAT(problem(run_plant(load(swinging()), recording, path("moved.mcap"))),
-              HasSubstr("the recording commands joint 'SHOULDER', which 'Rig' hasn't"));
+              HasSubstr("the recording commands joint 'SHOULDER', which 'Rig' lacks"));
 }
 
 TEST_F(PlantRun, BeginsAtCheckpointsOnly) {

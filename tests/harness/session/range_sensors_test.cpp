@@ -203,7 +203,7 @@ TEST_F(RangeSensorRuns, RefuseToReplayAScanOfAnotherNumberOfBeams) {
   ASSERT_TRUE((*writer)->close());
   const auto refused = replay_run({}, "other.mcap");
   ASSERT_FALSE(refused.ok());
-  EXPECT_THAT(refused.errors()[0].message, HasSubstr("is not what device 'Flat' measures"));
+  EXPECT_THAT(refused.errors()[0].message, HasSubstr("is not a measurement of device 'Flat'"));
 }
 
 }  // namespace

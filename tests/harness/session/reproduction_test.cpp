@@ -139,7 +139,7 @@ TEST_F(Reproduces, NoControllerThatGoesByChance) {
   const Reproduction result = tried(by_chance(), recording);
   ASSERT_TRUE(result.first.has_value());
   EXPECT_EQ(result.first->tick, 0);
-  EXPECT_THAT(result.verdict, HasSubstr("`rehearse audit` tells"));
+  EXPECT_THAT(result.verdict, HasSubstr("`rehearse audit` finds"));
 }
 
 TEST_F(Reproduces, SaysHowAControllerFails) {
@@ -177,7 +177,7 @@ TEST_F(CheckCertifies, NoGoldenThatTheVerySameProgramsDoNotMake) {
   EXPECT_TRUE(report.comparison->within);
   EXPECT_TRUE(report.comparison->same_origin);
   EXPECT_TRUE(report.not_reproduced);
-  EXPECT_THAT(report.verdict, HasSubstr("it names these very programs, files and controllers"));
+  EXPECT_THAT(report.verdict, HasSubstr("it states the same programs, files and controllers"));
   EXPECT_EQ(report.first->tick, 520);
 }
 

@@ -167,10 +167,10 @@ TEST_F(WordsTest, AComparisonRemarksOnVariablesUnlessARuleAsks) {
   const Comparison unasked = compare(golden, other, {});
   EXPECT_TRUE(unasked.equal) << verdict(unasked);
   EXPECT_EQ(remark_of(unasked),
-            "controllers' variables, which no rule asks to compare: Rig/C/variable/phase differs at tick 1");
+            "controllers' variables, which no rule compares: Rig/C/variable/phase differs at tick 1");
   const Comparison missing = compare(golden, silent, {});
   EXPECT_TRUE(missing.equal) << verdict(missing);
-  EXPECT_THAT(remark_of(missing), HasSubstr("is in the golden only, and 3 more aren't the same"));
+  EXPECT_THAT(remark_of(missing), HasSubstr("is in the golden only, and 3 more differ"));
   EXPECT_THAT(remark_of(compare(silent, golden, {})), HasSubstr("is in the run only"));
   EXPECT_EQ(remark_of(compare(golden, golden, {})), "");
 

@@ -165,7 +165,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"q > 1)", 6, "this parenthesis was never opened"},
         Mistake{"q > 1 q", 7, "the expression should end before 'q'"}, Mistake{"q = 1", 3, "equality is written =="},
         Mistake{"q > 1 & true", 7, "and is written &&"}, Mistake{"q > 1 | true", 7, "or is written ||"},
-        Mistake{"q ; 1", 3, "';' means nothing here"}, Mistake{"* 2", 1, "expected a value before '*'"},
+        Mistake{"q ; 1", 3, "';' has no meaning here"}, Mistake{"* 2", 1, "expected a value before '*'"},
         Mistake{"q + contact(FOOT)", 5, "+ takes a number, and this is true or false"},
         Mistake{"q && true", 1, "&& takes true or false, and this is a number (compare it: x != 0)"},
         Mistake{"!q", 2, "! takes true or false"}, Mistake{"-(q > 1)", 3, "- takes a number"},
@@ -173,7 +173,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"(q > 1) == 2", 12, "== takes true or false"}, Mistake{"1 < q < 3", 7, "comparisons can't be chained"},
         Mistake{"abs(true)", 5, "abs takes a number"},
         Mistake{"min(1)", 6, "expected ',' in min: it takes two numbers"},
-        Mistake{"abs(1, 2)", 6, "expected ')' after what abs takes"},
+        Mistake{"abs(1, 2)", 6, "expected ')' after the arguments of abs"},
         Mistake{"median(1)", 1, "there is no function 'median'"}, Mistake{"delta(true)", 7, "delta takes a number"},
         Mistake{"prev(prev(prev(prev(prev(q)))))", 21, "at most 4 in each other"},
         Mistake{"replayed(q)", 10, "there is only one value of this"},
@@ -182,8 +182,8 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"contact()", 9, "contact takes the names of one or two links"},
         Mistake{"message(step)", 9, "message takes a text in quotes"},
         Mistake{"'KNEE/q > 1", 1, "this quote isn't closed"}, Mistake{"3 + 5m", 6, "'m' is no unit"},
-        Mistake{"1e999", 1, "beyond what a double can hold"}, Mistake{"'ö' + q", 1, "there is no series"},
-        Mistake{"1 + \x01", 5, "the byte 0x01 means nothing here"}));
+        Mistake{"1e999", 1, "beyond the range of a double"}, Mistake{"'ö' + q", 1, "there is no series"},
+        Mistake{"1 + \x01", 5, "the byte 0x01 has no meaning here"}));
 
 TEST_F(ExpressionOf, ACaretStandsUnderThePlace) {
   const std::string text = "KNEE/q > 1 && KNEEE/q < 2";

@@ -181,7 +181,7 @@ TEST_F(Stepped, ALibraryThatIsGoneLeavesWhatWasRecorded) {
   ASSERT_NE(trace, nullptr);
   EXPECT_FALSE(trace->last_replayed());
   EXPECT_THAT(to_string(trace->remarks()),
-              HasSubstr("the controllers can't be replayed: what is shown is what was recorded"));
+              HasSubstr("the controllers can't be replayed: all shown values are recorded ones"));
   EXPECT_FALSE(has_error(trace->remarks()));
   const TickView view = trace->view(50);
   EXPECT_FALSE(view.is_replayed);

@@ -28,16 +28,15 @@ const std::vector<BrokenTrace>& broken_traces() {
       {"trace_flipped_bit.mcap", "error: damaged: the chunk at byte 5087 can't be decompressed"},
       {"trace_wrong_chunk_crc.mcap", "error: damaged: the CRC of the chunk at byte 63 doesn't match"},
       {"trace_chunk_of_a_terabyte.mcap",
-       "error: damaged: the chunk at byte 63 says that it holds 1099511627776 bytes decompressed"},
+       "error: damaged: the chunk at byte 63 states 1099511627776 bytes decompressed"},
       {"trace_bomb.mcap", "error: damaged: the chunk at byte 63 can't be decompressed"},
-      {"trace_length_of_a_terabyte.mcap",
-       "error: damaged at byte 95: what begins there is no record that fits into the file"},
+      {"trace_length_of_a_terabyte.mcap", "error: damaged at byte 95: no record that fits into the file begins there"},
       {"trace_undefined_channel.mcap", "error: damaged: a message at byte 32 is of channel 7, which isn't defined"},
       {"trace_redefined_channel.mcap", "error: damaged: channel 1 is defined a second time at byte 95, differently"},
       {"trace_redefined_schema.mcap", "error: damaged: schema 1 is defined a second time at byte 76, differently"},
       {"trace_two_footers.mcap", "error: damaged at byte 137: the file doesn't end with its magic bytes there"},
       {"trace_footer_points_nowhere.mcap",
-       "error: damaged: the Footer at byte 108 says that the summary begins at byte 1099511627776, it does at byte 0"},
+       "error: damaged: the Footer at byte 108 states a summary at byte 1099511627776, but it begins at byte 0"},
   };
   return table;
 }

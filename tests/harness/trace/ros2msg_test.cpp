@@ -231,7 +231,7 @@ TEST(Ros2msg, SaysWhyItGivesUp) {
     EXPECT_FALSE(decoder.decode(std::as_bytes(std::span(bytes)), [](const ros2msg::Value&) {}));
     return decoder.problem();
   };
-  EXPECT_EQ(problem("uint32 a\n", {0, 1, 0}), "isn't CDR: it has 3 bytes, and four come before anything else");
+  EXPECT_EQ(problem("uint32 a\n", {0, 1, 0}), "isn't CDR: it has 3 bytes, fewer than the four of the encapsulation");
   EXPECT_EQ(problem("uint32 a\n", {'{', '}', 0, 0}), "isn't CDR: it begins with 0x7b7d");
   EXPECT_THAT(problem("uint32 a\n", {0, 3, 0, 0}), HasSubstr("a type that may change"));
   EXPECT_EQ(problem("uint8[] n\nPair[2] p\n===\nMSG: test/Pair\nuint8 a\nuint32 b\n",
@@ -293,7 +293,7 @@ TEST(Ros2msg, GivesUpOnACountThatCannotBe) {
 }
 
 TEST(Ros2msg, NamesTheLineOfAnUnknownType) {
-  EXPECT_EQ(complaint_about("bool a\n\nMystery b\n"), "schema:3: error: type Mystery is used and not defined\n");
+  EXPECT_EQ(complaint_about("bool a\n\nMystery b\n"), "schema:3: error: type Mystery is used but not defined\n");
 }
 
 TEST(Ros2msg, NamesTheLineOfATypeThatContainsItself) {
@@ -324,8 +324,9 @@ TEST(Ros2msg, RefusesConstantsThatAreNone) {
 }
 
 TEST(Ros2msg, MissesTheHeadingAfterASeparator) {
-  EXPECT_THAT(complaint_about("bool a\n===\nbool b\n"), HasSubstr("schema:3: error: after a line of = signs"));
-  EXPECT_THAT(complaint_about("bool a\n===\n"), HasSubstr("the text ends where"));
+  EXPECT_THAT(complaint_about("bool a\n===\nbool b\n"),
+              HasSubstr("schema:3: error: no line \"MSG: package/Name\" follows"));
+  EXPECT_THAT(complaint_about("bool a\n===\n"), HasSubstr("the text ends before the expected line"));
 }
 
 TEST(Ros2msg, SaysAllMistakesInOneGo) {
