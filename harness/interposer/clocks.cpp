@@ -78,78 +78,47 @@ void let_pass(int64_t nanoseconds) {
   for (int layer = 0; layer < 2; ++layer) lead_of(substitution_of_layer(layer)).passed += nanoseconds;
 }
 
-REHEARSE_INTERPOSED(int, clock_gettime, (clockid_t clock, timespec* time)) {
-  if (!watching()) return next_clock_gettime.get()(clock, time);
-  const Caller caller = note(Source::clock, "clock_gettime", name_of(clock), __builtin_return_address(0));
-  const Substitution& substitution = substitution_for(caller);
-  if (!substitution.has_clock) return next_clock_gettime.get()(clock, time);
-  *time = timespec_of(read_clock(substitution, kind_of(clock)));
+REHEARSE_ANSWERED(clock, has_clock, int, clock_gettime, (clockid_t clock, timespec* to), (clock, to), name_of(clock), {
+  *to = timespec_of(read_clock(substitution, kind_of(clock)));
   return 0;
-}
+})
 
-REHEARSE_INTERPOSED(int, timespec_get, (timespec * time, int base)) {
-  if (!watching()) return next_timespec_get.get()(time, base);
-  const Caller caller = note(Source::clock, "timespec_get", "", __builtin_return_address(0));
-  const Substitution& substitution = substitution_for(caller);
-  if (!substitution.has_clock || base != TIME_UTC) return next_timespec_get.get()(time, base);
+REHEARSE_ANSWERED(clock, has_clock, int, timespec_get, (timespec * time, int base), (time, base), "", {
+  if (base != TIME_UTC) return next_timespec_get.get()(time, base);
   *time = timespec_of(read_clock(substitution, ClockKind::date));
   return base;
-}
+})
 
-REHEARSE_INTERPOSED(time_t, time, (time_t * also)) {
-  if (!watching()) return next_time.get()(also);
-  const Caller caller = note(Source::clock, "time", "", __builtin_return_address(0));
-  const Substitution& substitution = substitution_for(caller);
-  if (!substitution.has_clock) return next_time.get()(also);
+REHEARSE_ANSWERED(clock, has_clock, time_t, time, (time_t * also), (also), "", {
   const time_t seconds = timespec_of(read_clock(substitution, ClockKind::date)).tv_sec;
   if (also) *also = seconds;
   return seconds;
-}
+})
 
-REHEARSE_INTERPOSED(int, gettimeofday, (timeval * time, void* zone)) {
-  if (!watching()) return next_gettimeofday.get()(time, zone);
-  const Caller caller = note(Source::clock, "gettimeofday", "", __builtin_return_address(0));
-  const Substitution& substitution = substitution_for(caller);
-  if (!substitution.has_clock || !time) return next_gettimeofday.get()(time, zone);
+REHEARSE_ANSWERED(clock, has_clock, int, gettimeofday, (timeval * time, void* zone), (time, zone), "", {
+  if (!time) return next_gettimeofday.get()(time, zone);
   const timespec now = timespec_of(read_clock(substitution, ClockKind::date));
   *time = {now.tv_sec, now.tv_nsec / 1000};
   return 0;
-}
+})
 
-REHEARSE_INTERPOSED(int, ftime, (timeb * time)) {
-  if (!watching()) return next_ftime.get()(time);
-  const Caller caller = note(Source::clock, "ftime", "", __builtin_return_address(0));
-  const Substitution& substitution = substitution_for(caller);
-  if (!substitution.has_clock) return next_ftime.get()(time);
+REHEARSE_ANSWERED(clock, has_clock, int, ftime, (timeb * time), (time), "", {
   const timespec now = timespec_of(read_clock(substitution, ClockKind::date));
   *time = {now.tv_sec, static_cast<unsigned short>(now.tv_nsec / 1'000'000), 0, 0};
   return 0;
-}
+})
 
-REHEARSE_INTERPOSED(clock_t, clock, ()) {
-  if (!watching()) return next_clock.get()();
-  const Caller caller = note(Source::clock, "clock", "", __builtin_return_address(0));
-  const Substitution& substitution = substitution_for(caller);
-  if (!substitution.has_clock) return next_clock.get()();
-  return read_clock(substitution, ClockKind::processor_time) / (1'000'000'000 / CLOCKS_PER_SEC);
-}
+REHEARSE_ANSWERED(clock, has_clock, clock_t, clock, (), (), "",
+                  return read_clock(substitution, ClockKind::processor_time) / (1'000'000'000 / CLOCKS_PER_SEC);)
 
-REHEARSE_INTERPOSED(clock_t, times, (tms * times)) {
-  if (!watching()) return next_times.get()(times);
-  const Caller caller = note(Source::clock, "times", "", __builtin_return_address(0));
-  const Substitution& substitution = substitution_for(caller);
-  if (!substitution.has_clock) return next_times.get()(times);
+REHEARSE_ANSWERED(clock, has_clock, clock_t, times, (tms * times), (times), "", {
   const int64_t tick = 1'000'000'000 / sysconf(_SC_CLK_TCK);
   if (times) *times = {read_clock(substitution, ClockKind::processor_time) / tick, 0, 0, 0};
   return read_clock(substitution, ClockKind::monotonic) / tick;
-}
+})
 
-REHEARSE_INTERPOSED(int, getrusage, (int who, rusage* usage)) {
-  if (!watching()) return next_getrusage.get()(who, usage);
-  const Caller caller = note(Source::clock, "getrusage", "", __builtin_return_address(0));
-  const Substitution& substitution = substitution_for(caller);
-  const int result = next_getrusage.get()(who, usage);
-  if (!substitution.has_clock || result != 0) return result;
+REHEARSE_ANSWERED(clock, has_clock, int, getrusage, (int who, rusage* usage), (who, usage), "", {
+  if (const int failed = next_getrusage.get()(who, usage)) return failed;
   const timespec now = timespec_of(read_clock(substitution, ClockKind::processor_time));
   const int64_t other = substitution.uptime / 1'000'000'000;  // with a different clock the counts differ, too
   *usage = {};
@@ -160,7 +129,7 @@ REHEARSE_INTERPOSED(int, getrusage, (int who, rusage* usage)) {
   usage->ru_majflt = other % 11;
   usage->ru_nvcsw = 100 + other;
   usage->ru_nivcsw = 10 + other;
-  return result;
-}
+  return 0;
+})
 
 }  // namespace rehearse::interposer

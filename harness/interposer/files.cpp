@@ -218,8 +218,9 @@ REHEARSE_INTERPOSED(int, rename, (const char* from, const char* to)) {
 REHEARSE_NOTED(file, FILE*, tmpfile, (), (), "")
 REHEARSE_NOTED(file, FILE*, tmpfile64, (), (), "")
 
-/// A function whose argument ends in XXXXXX, which is replaced by the chosen letters afterwards.
-#define REHEARSE_MADE_TEMPORARY(result, name, parameters, failed, arguments)             \
+/// A function whose argument ends in XXXXXX, which is replaced by the chosen letters afterwards. `answer` is returned
+/// for `made`, the result for a copy.
+#define REHEARSE_MADE_TEMPORARY(result, name, parameters, arguments, failed, answer)     \
   REHEARSE_INTERPOSED(result, name, parameters) {                                        \
     char* const wanted = path;                                                           \
     if (!watching()) return next_##name.get() arguments;                                 \
@@ -229,22 +230,13 @@ REHEARSE_NOTED(file, FILE*, tmpfile64, (), (), "")
     path = located.text();                                                               \
     const result made = next_##name.get() arguments;                                     \
     if (made != failed) memcpy(wanted + strlen(wanted) - 6, path + strlen(path) - 6, 6); \
-    return made;                                                                         \
+    return answer;                                                                       \
   }
-REHEARSE_MADE_TEMPORARY(int, mkstemp, (char* path), -1, (path))
-REHEARSE_MADE_TEMPORARY(int, mkstemp64, (char* path), -1, (path))
-REHEARSE_MADE_TEMPORARY(int, mkostemp, (char* path, int flags), -1, (path, flags))
+REHEARSE_MADE_TEMPORARY(int, mkstemp, (char* path), (path), -1, made)
+REHEARSE_MADE_TEMPORARY(int, mkstemp64, (char* path), (path), -1, made)
+REHEARSE_MADE_TEMPORARY(int, mkostemp, (char* path, int flags), (path, flags), -1, made)
+REHEARSE_MADE_TEMPORARY(char*, mkdtemp, (char* path), (path), nullptr, made ? wanted : nullptr)
 #undef REHEARSE_MADE_TEMPORARY
-
-REHEARSE_INTERPOSED(char*, mkdtemp, (char* path)) {
-  if (!watching()) return next_mkdtemp.get()(path);
-  const Caller caller = note(Source::file, "mkdtemp", path, __builtin_return_address(0));
-  Located located(caller, AT_FDCWD, path, Use::change);
-  if (!located.is_copy()) return next_mkdtemp.get()(path);
-  if (!next_mkdtemp.get()(located.text())) return nullptr;
-  memcpy(path + strlen(path) - 6, located.text() + strlen(located) - 6, 6);
-  return path;
-}
 
 // Shared memory is a file like any other.
 REHEARSE_INTERPOSED(int, shm_open, (const char* name, int flags, mode_t mode)) {

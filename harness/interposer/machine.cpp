@@ -116,15 +116,11 @@ int open_machine_file(int number, const char* path) {
 
 // NOLINTBEGIN(bugprone-macro-parentheses): a list of arguments has its own
 
-/// A query of the machine: it is logged. For an imaginary machine `answer` answers it, which can use `machine`.
-#define REHEARSE_ASKED(result, name, parameters, arguments, text, ...)                         \
-  REHEARSE_INTERPOSED(result, name, parameters) {                                              \
-    if (!watching()) return next_##name.get() arguments;                                       \
-    const Caller caller = note(Source::environment, #name, text, __builtin_return_address(0)); \
-    const Machine machine{substitution_for(caller).machine};                                   \
-    if (machine.number == 0) return next_##name.get() arguments;                               \
-    __VA_ARGS__                                                                                \
-  }
+/// A query of the machine: it is logged. For an imaginary machine the last arguments answer it. They can use `machine`.
+#define REHEARSE_ASKED(result, name, parameters, arguments, text, ...)               \
+  REHEARSE_ANSWERED(environment, machine, result, name, parameters, arguments, text, \
+                    [[maybe_unused]] const Machine machine{substitution.machine};    \
+                    __VA_ARGS__)
 
 REHEARSE_ASKED(int, get_nprocs, (), (), "", return machine.processors();)
 REHEARSE_ASKED(int, get_nprocs_conf, (), (), "", return machine.processors();)

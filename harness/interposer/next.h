@@ -4,6 +4,8 @@
 #include <dlfcn.h>
 #include <stdlib.h>
 
+#include "watching.h"
+
 namespace rehearse::interposer {
 
 /// The function of this name that would be called without the interposer.
@@ -39,10 +41,20 @@ class Next {
 
 /// A function that is only logged. The call is its last statement, so it is compiled to a jump: the real function sees
 /// its caller's return address.
-#define REHEARSE_NOTED(source, result, name, parameters, arguments, text)                                             \
-  REHEARSE_INTERPOSED(result, name, parameters) {                                                                     \
-    if (::rehearse::interposer::watching())                                                                           \
-      ::rehearse::interposer::note(::rehearse::interposer::Source::source, #name, text, __builtin_return_address(0)); \
-    return next_##name.get() arguments;                                                                               \
+#define REHEARSE_NOTED(source, result, name, parameters, arguments, text)           \
+  REHEARSE_INTERPOSED(result, name, parameters) {                                   \
+    if (watching()) note(Source::source, #name, text, __builtin_return_address(0)); \
+    return next_##name.get() arguments;                                             \
+  }
+
+/// A function that is logged, and answered if the caller's substitution has `aspect` (one of its members). The last
+/// arguments are the statements of the answer, which can use `caller` and `substitution`.
+#define REHEARSE_ANSWERED(source, aspect, result, name, parameters, arguments, text, ...) \
+  REHEARSE_INTERPOSED(result, name, parameters) {                                         \
+    if (!watching()) return next_##name.get() arguments;                                  \
+    const Caller caller = note(Source::source, #name, text, __builtin_return_address(0)); \
+    const Substitution& substitution = substitution_for(caller);                          \
+    if (!substitution.aspect) return next_##name.get() arguments;                         \
+    __VA_ARGS__                                                                           \
   }
 // NOLINTEND(bugprone-macro-parentheses)

@@ -79,16 +79,14 @@ int open_random_file(uint64_t seed) {
   return file;
 }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): a list of arguments has its own
+
 // A function that draws a number: it is logged, and uses a stream if there is a seed.
-#define REHEARSE_DRAWN(result, name, stream, generator, value)                          \
-  REHEARSE_INTERPOSED(result, name, ()) {                                               \
-    if (!watching()) return next_##name.get()();                                        \
-    const Caller caller = note(Source::random, #name, "", __builtin_return_address(0)); \
-    const Substitution& substitution = substitution_for(caller);                        \
-    if (!substitution.has_seed) return next_##name.get()();                             \
-    const uint64_t drawn = draw(substitution, stream, generator);                       \
-    return value;                                                                       \
-  }
+#define REHEARSE_DRAWN(result, name, stream, generator, value)    \
+  REHEARSE_ANSWERED(random, has_seed, result, name, (), (), "", { \
+    const uint64_t drawn = draw(substitution, stream, generator); \
+    return value;                                                 \
+  })
 REHEARSE_DRAWN(int, rand, stream_rand, generator_rand, static_cast<int>(drawn >> 33))
 REHEARSE_DRAWN(long, random, stream_rand, generator_rand, static_cast<long>(drawn >> 33))
 REHEARSE_DRAWN(double, drand48, stream_drand48, generator_drand48, static_cast<double>(drawn >> 16) * 0x1p-48)
@@ -96,83 +94,42 @@ REHEARSE_DRAWN(long, lrand48, stream_lrand48, generator_drand48, static_cast<lon
 REHEARSE_DRAWN(long, mrand48, stream_mrand48, generator_drand48, static_cast<int32_t>(drawn >> 32))
 #undef REHEARSE_DRAWN
 
-REHEARSE_INTERPOSED(uint32_t, arc4random, ()) {
-  if (!watching()) return next_arc4random.get()();
-  const Caller caller = note(Source::random, "arc4random", "", __builtin_return_address(0));
-  const Substitution& substitution = substitution_for(caller);
-  if (!substitution.has_seed) return next_arc4random.get()();
-  return static_cast<uint32_t>(draw(substitution.seed, stream_arc4random) >> 32);
-}
-
-REHEARSE_INTERPOSED(uint32_t, arc4random_uniform, (uint32_t bound)) {
-  if (!watching()) return next_arc4random_uniform.get()(bound);
-  const Caller caller = note(Source::random, "arc4random_uniform", "", __builtin_return_address(0));
-  const Substitution& substitution = substitution_for(caller);
-  if (!substitution.has_seed) return next_arc4random_uniform.get()(bound);
-  return static_cast<uint32_t>((draw(substitution.seed, stream_arc4random) >> 32) * bound >> 32);
-}
-
-REHEARSE_INTERPOSED(void, arc4random_buf, (void* bytes, size_t count)) {
-  if (!watching()) return next_arc4random_buf.get()(bytes, count);
-  const Caller caller = note(Source::random, "arc4random_buf", "", __builtin_return_address(0));
-  const Substitution& substitution = substitution_for(caller);
-  if (!substitution.has_seed) return next_arc4random_buf.get()(bytes, count);
-  fill(substitution.seed, stream_arc4random, bytes, count);
-}
-
-REHEARSE_INTERPOSED(ssize_t, getrandom, (void* bytes, size_t count, unsigned flags)) {
-  if (!watching()) return next_getrandom.get()(bytes, count, flags);
-  const Caller caller = note(Source::random, "getrandom", "", __builtin_return_address(0));
-  const Substitution& substitution = substitution_for(caller);
-  if (!substitution.has_seed) return next_getrandom.get()(bytes, count, flags);
-  fill(substitution.seed, stream_getrandom, bytes, count);
-  return static_cast<ssize_t>(count);
-}
-
-REHEARSE_INTERPOSED(int, getentropy, (void* bytes, size_t count)) {
-  if (!watching()) return next_getentropy.get()(bytes, count);
-  const Caller caller = note(Source::random, "getentropy", "", __builtin_return_address(0));
-  const Substitution& substitution = substitution_for(caller);
-  if (!substitution.has_seed) return next_getentropy.get()(bytes, count);
-  fill(substitution.seed, stream_getrandom, bytes, count);
+REHEARSE_ANSWERED(random, has_seed, uint32_t, arc4random, (), (), "",
+                  return static_cast<uint32_t>(draw(substitution.seed, stream_arc4random) >> 32);)
+REHEARSE_ANSWERED(random, has_seed, uint32_t, arc4random_uniform, (uint32_t bound), (bound), "",
+                  return static_cast<uint32_t>((draw(substitution.seed, stream_arc4random) >> 32) * bound >> 32);)
+REHEARSE_ANSWERED(random, has_seed, void, arc4random_buf, (void* to, size_t count), (to, count), "",
+                  fill(substitution.seed, stream_arc4random, to, count);)
+REHEARSE_ANSWERED(random, has_seed, ssize_t, getrandom, (void* to, size_t count, unsigned flags), (to, count, flags),
+                  "", {
+                    fill(substitution.seed, stream_getrandom, to, count);
+                    return static_cast<ssize_t>(count);
+                  })
+REHEARSE_ANSWERED(random, has_seed, int, getentropy, (void* to, size_t count), (to, count), "", {
+  fill(substitution.seed, stream_getrandom, to, count);
   return 0;
-}
+})
 
-REHEARSE_INTERPOSED(void, srand, (unsigned seed)) {
-  if (watching() && note(Source::random, "srand", Digits(seed), __builtin_return_address(0)).is_controller)
-    set_seed(generator_rand, seed, stream_rand, stream_rand);
-  next_srand.get()(seed);
-}
-
-REHEARSE_INTERPOSED(void, srandom, (unsigned seed)) {
-  if (watching() && note(Source::random, "srandom", Digits(seed), __builtin_return_address(0)).is_controller)
-    set_seed(generator_rand, seed, stream_rand, stream_rand);
-  next_srandom.get()(seed);
-}
-
-REHEARSE_INTERPOSED(void, srand48, (long seed)) {
-  if (watching() && note(Source::random, "srand48", Digits(seed), __builtin_return_address(0)).is_controller)
-    set_seed(generator_drand48, static_cast<uint64_t>(seed), stream_drand48, stream_mrand48);
-  next_srand48.get()(seed);
-}
-
-REHEARSE_INTERPOSED(char*, initstate, (unsigned seed, char* state, size_t size)) {
-  if (watching() && note(Source::random, "initstate", Digits(seed), __builtin_return_address(0)).is_controller)
-    set_seed(generator_rand, seed, stream_rand, stream_rand);
-  return next_initstate.get()(seed, state, size);
-}
-
-REHEARSE_INTERPOSED(unsigned short*, seed48, (unsigned short* seed)) {
-  if (watching() && note(Source::random, "seed48", "", __builtin_return_address(0)).is_controller)
-    set_seed(generator_drand48, words_as_seed(seed, 3), stream_drand48, stream_mrand48);
-  return next_seed48.get()(seed);
-}
-
-REHEARSE_INTERPOSED(void, lcong48, (unsigned short* parameters)) {
-  if (watching() && note(Source::random, "lcong48", "", __builtin_return_address(0)).is_controller)
-    set_seed(generator_drand48, words_as_seed(parameters, 7), stream_drand48, stream_mrand48);
-  next_lcong48.get()(parameters);
-}
+// A function that seeds a generator: it is logged, and a controller's seed is kept. The last arguments are those of
+// set_seed().
+#define REHEARSE_SEEDED(result, name, parameters, arguments, text, ...)                             \
+  REHEARSE_INTERPOSED(result, name, parameters) {                                                   \
+    if (watching() && note(Source::random, #name, text, __builtin_return_address(0)).is_controller) \
+      set_seed(__VA_ARGS__);                                                                        \
+    return next_##name.get() arguments;                                                             \
+  }
+REHEARSE_SEEDED(void, srand, (unsigned seed), (seed), Digits(seed), generator_rand, seed, stream_rand, stream_rand)
+REHEARSE_SEEDED(void, srandom, (unsigned seed), (seed), Digits(seed), generator_rand, seed, stream_rand, stream_rand)
+REHEARSE_SEEDED(char*, initstate, (unsigned seed, char* state, size_t size), (seed, state, size), Digits(seed),
+                generator_rand, seed, stream_rand, stream_rand)
+REHEARSE_SEEDED(void, srand48, (long seed), (seed), Digits(seed), generator_drand48, static_cast<uint64_t>(seed),
+                stream_drand48, stream_mrand48)
+REHEARSE_SEEDED(unsigned short*, seed48, (unsigned short* seed), (seed), "", generator_drand48, words_as_seed(seed, 3),
+                stream_drand48, stream_mrand48)
+REHEARSE_SEEDED(void, lcong48, (unsigned short* parameters), (parameters), "", generator_drand48,
+                words_as_seed(parameters, 7), stream_drand48, stream_mrand48)
+#undef REHEARSE_SEEDED
+// NOLINTEND(bugprone-macro-parentheses)
 
 // std::random_device. It reads its source (the processor, by default) inside of libstdc++, so its own functions are
 // replaced: the constructor with its token, and the drawing of a number.

@@ -16,9 +16,8 @@
 namespace rehearse::interposer {
 namespace {
 
-/// True if the sleep is over: simulated time has passed.
-bool slept(const Caller& caller, int64_t nanoseconds) {
-  if (!substitution_for(caller).has_clock) return false;
+/// Lets simulated time pass. True if the sleep is over.
+bool slept(int64_t nanoseconds) {
   let_pass(nanoseconds);
   if (thread_state.own_thread) return false;
   sched_yield();  // the controller may wait for its own thread
@@ -47,114 +46,61 @@ clockid_t clock_of(const Substitution& substitution, const timespec& deadline) {
   return llabs(to_date) <= llabs(to_uptime) ? CLOCK_REALTIME : CLOCK_MONOTONIC;
 }
 
-/// `wait` gets the real deadline, and returns 0 or an error number.
-template <class Wait>
-int wait_until(const Caller& caller, clockid_t clock, const timespec& deadline, Wait wait) {
-  const Substitution& substitution = substitution_for(caller);
-  if (!substitution.has_clock) return wait(deadline);
-  const int result = wait(real_deadline(substitution, clock, deadline));
-  if (result == ETIMEDOUT) reach(substitution, clock, deadline);
-  return result;
-}
-
 }  // namespace
 
-REHEARSE_INTERPOSED(int, nanosleep, (const timespec* duration, timespec* left)) {
-  if (!watching()) return next_nanosleep.get()(duration, left);
-  const Caller caller = note(Source::clock, "nanosleep", "", __builtin_return_address(0));
-  return slept(caller, nanoseconds_of(*duration)) ? 0 : next_nanosleep.get()(duration, left);
-}
+// NOLINTBEGIN(bugprone-macro-parentheses): a list of arguments has its own
 
-REHEARSE_INTERPOSED(int, clock_nanosleep, (clockid_t clock, int flags, const timespec* when, timespec* left)) {
-  if (!watching()) return next_clock_nanosleep.get()(clock, flags, when, left);
-  const Caller caller = note(Source::clock, "clock_nanosleep", "", __builtin_return_address(0));
-  const Substitution& substitution = substitution_for(caller);
-  if (!substitution.has_clock) return next_clock_nanosleep.get()(clock, flags, when, left);
-  int64_t duration = nanoseconds_of(*when);
-  if (flags & TIMER_ABSTIME) duration -= peek_clock(substitution, kind_of(clock));
-  const timespec relative = timespec_of(duration > 0 ? duration : 0);
-  return slept(caller, duration) ? 0 : next_clock_nanosleep.get()(clock, 0, &relative, left);
-}
+/// A function that sleeps for a number of nanoseconds if `sleeps`.
+#define REHEARSE_SLEPT(result, name, parameters, arguments, sleeps, nanoseconds) \
+  REHEARSE_ANSWERED(clock, has_clock, result, name, parameters, arguments, "", { \
+    if ((sleeps) && slept(nanoseconds)) return 0;                                \
+    return next_##name.get() arguments;                                          \
+  })
+REHEARSE_SLEPT(int, nanosleep, (const timespec* duration, timespec* left), (duration, left), true,
+               nanoseconds_of(*duration))
+REHEARSE_SLEPT(int, usleep, (useconds_t microseconds), (microseconds), true, microseconds * 1000LL)
+REHEARSE_SLEPT(unsigned, sleep, (unsigned seconds), (seconds), true, seconds * 1'000'000'000LL)
+REHEARSE_SLEPT(int, select, (int count, fd_set* read, fd_set* write, fd_set* except, timeval* timeout),
+               (count, read, write, except, timeout), count == 0 && timeout,
+               timeout->tv_sec * 1'000'000'000LL + timeout->tv_usec * 1000LL)
+REHEARSE_SLEPT(int, poll, (pollfd * files, nfds_t count, int timeout), (files, count, timeout),
+               count == 0 && timeout > 0, timeout * 1'000'000LL)
+#undef REHEARSE_SLEPT
 
-REHEARSE_INTERPOSED(int, usleep, (useconds_t microseconds)) {
-  if (!watching()) return next_usleep.get()(microseconds);
-  const Caller caller = note(Source::clock, "usleep", "", __builtin_return_address(0));
-  return slept(caller, microseconds * 1000LL) ? 0 : next_usleep.get()(microseconds);
-}
+REHEARSE_ANSWERED(clock, has_clock, int, clock_nanosleep,
+                  (clockid_t clock, int flags, const timespec* when, timespec* left), (clock, flags, when, left), "", {
+                    int64_t duration = nanoseconds_of(*when);
+                    if (flags & TIMER_ABSTIME) duration -= peek_clock(substitution, kind_of(clock));
+                    const timespec relative = timespec_of(duration > 0 ? duration : 0);
+                    return slept(duration) ? 0 : next_clock_nanosleep.get()(clock, 0, &relative, left);
+                  })
 
-REHEARSE_INTERPOSED(unsigned, sleep, (unsigned seconds)) {
-  if (!watching()) return next_sleep.get()(seconds);
-  const Caller caller = note(Source::clock, "sleep", "", __builtin_return_address(0));
-  return slept(caller, seconds * 1'000'000'000LL) ? 0 : next_sleep.get()(seconds);
-}
-
-REHEARSE_INTERPOSED(int, pthread_cond_timedwait,
-                    (pthread_cond_t * condition, pthread_mutex_t* mutex, const timespec* deadline)) {
-  if (!watching()) return next_pthread_cond_timedwait.get()(condition, mutex, deadline);
-  const Caller caller = note(Source::clock, "pthread_cond_timedwait", "", __builtin_return_address(0));
-  return wait_until(caller, clock_of(substitution_for(caller), *deadline), *deadline,
-                    [&](const timespec& until) { return next_pthread_cond_timedwait.get()(condition, mutex, &until); });
-}
-
-REHEARSE_INTERPOSED(int, pthread_cond_clockwait,
-                    (pthread_cond_t * condition, pthread_mutex_t* mutex, clockid_t clock, const timespec* deadline)) {
-  if (!watching()) return next_pthread_cond_clockwait.get()(condition, mutex, clock, deadline);
-  const Caller caller = note(Source::clock, "pthread_cond_clockwait", "", __builtin_return_address(0));
-  return wait_until(caller, clock, *deadline, [&](const timespec& until) {
-    return next_pthread_cond_clockwait.get()(condition, mutex, clock, &until);
-  });
-}
-
-REHEARSE_INTERPOSED(int, pthread_mutex_timedlock, (pthread_mutex_t * mutex, const timespec* deadline)) {
-  if (!watching()) return next_pthread_mutex_timedlock.get()(mutex, deadline);
-  const Caller caller = note(Source::clock, "pthread_mutex_timedlock", "", __builtin_return_address(0));
-  return wait_until(caller, CLOCK_REALTIME, *deadline,
-                    [&](const timespec& until) { return next_pthread_mutex_timedlock.get()(mutex, &until); });
-}
-
-REHEARSE_INTERPOSED(int, pthread_mutex_clocklock,
-                    (pthread_mutex_t * mutex, clockid_t clock, const timespec* deadline)) {
-  if (!watching()) return next_pthread_mutex_clocklock.get()(mutex, clock, deadline);
-  const Caller caller = note(Source::clock, "pthread_mutex_clocklock", "", __builtin_return_address(0));
-  return wait_until(caller, clock, *deadline,
-                    [&](const timespec& until) { return next_pthread_mutex_clocklock.get()(mutex, clock, &until); });
-}
-
-REHEARSE_INTERPOSED(int, sem_timedwait, (sem_t * semaphore, const timespec* deadline)) {
-  if (!watching()) return next_sem_timedwait.get()(semaphore, deadline);
-  const Caller caller = note(Source::clock, "sem_timedwait", "", __builtin_return_address(0));
-  const int result = wait_until(caller, CLOCK_REALTIME, *deadline, [&](const timespec& until) {
-    return next_sem_timedwait.get()(semaphore, &until) == 0 ? 0 : errno;
-  });
-  if (result == 0) return 0;
-  errno = result;
-  return -1;
-}
-
-REHEARSE_INTERPOSED(int, sem_clockwait, (sem_t * semaphore, clockid_t clock, const timespec* deadline)) {
-  if (!watching()) return next_sem_clockwait.get()(semaphore, clock, deadline);
-  const Caller caller = note(Source::clock, "sem_clockwait", "", __builtin_return_address(0));
-  const int result = wait_until(caller, clock, *deadline, [&](const timespec& until) {
-    return next_sem_clockwait.get()(semaphore, clock, &until) == 0 ? 0 : errno;
-  });
-  if (result == 0) return 0;
-  errno = result;
-  return -1;
-}
-
-REHEARSE_INTERPOSED(int, select, (int count, fd_set* read, fd_set* write, fd_set* except, timeval* timeout)) {
-  if (!watching()) return next_select.get()(count, read, write, except, timeout);
-  const Caller caller = note(Source::clock, "select", "", __builtin_return_address(0));
-  if (count == 0 && timeout && slept(caller, timeout->tv_sec * 1'000'000'000LL + timeout->tv_usec * 1000LL)) return 0;
-  return next_select.get()(count, read, write, except, timeout);
-}
-
-REHEARSE_INTERPOSED(int, poll, (pollfd * files, nfds_t count, int timeout)) {
-  if (!watching()) return next_poll.get()(files, count, timeout);
-  const Caller caller = note(Source::clock, "poll", "", __builtin_return_address(0));
-  if (count == 0 && timeout > 0 && slept(caller, timeout * 1'000'000LL)) return 0;
-  return next_poll.get()(files, count, timeout);
-}
+/// A function that waits until `deadline`, which is a time of `deadlines_clock`. The functions of semaphores return -1
+/// and set errno, the others return the error number.
+#define REHEARSE_WAITED(name, parameters, arguments, deadlines_clock)                              \
+  REHEARSE_ANSWERED(clock, has_clock, int, name, parameters, arguments, "", {                      \
+    const clockid_t by_clock = deadlines_clock;                                                    \
+    const timespec simulated = *deadline, real = real_deadline(substitution, by_clock, simulated); \
+    deadline = &real;                                                                              \
+    const int result = next_##name.get() arguments;                                                \
+    const bool timed_out = result == ETIMEDOUT || (result == -1 && errno == ETIMEDOUT);            \
+    if (timed_out) reach(substitution, by_clock, simulated);                                       \
+    return result;                                                                                 \
+  })
+REHEARSE_WAITED(pthread_cond_timedwait, (pthread_cond_t * condition, pthread_mutex_t* mutex, const timespec* deadline),
+                (condition, mutex, deadline), clock_of(substitution, *deadline))
+REHEARSE_WAITED(pthread_cond_clockwait,
+                (pthread_cond_t * condition, pthread_mutex_t* mutex, clockid_t clock, const timespec* deadline),
+                (condition, mutex, clock, deadline), clock)
+REHEARSE_WAITED(pthread_mutex_timedlock, (pthread_mutex_t * mutex, const timespec* deadline), (mutex, deadline),
+                CLOCK_REALTIME)
+REHEARSE_WAITED(pthread_mutex_clocklock, (pthread_mutex_t * mutex, clockid_t clock, const timespec* deadline),
+                (mutex, clock, deadline), clock)
+REHEARSE_WAITED(sem_timedwait, (sem_t * semaphore, const timespec* deadline), (semaphore, deadline), CLOCK_REALTIME)
+REHEARSE_WAITED(sem_clockwait, (sem_t * semaphore, clockid_t clock, const timespec* deadline),
+                (semaphore, clock, deadline), clock)
+#undef REHEARSE_WAITED
+// NOLINTEND(bugprone-macro-parentheses)
 
 REHEARSE_NOTED(clock, int, timerfd_create, (int clock, int flags), (clock, flags), "")
 REHEARSE_NOTED(clock, int, timer_create, (clockid_t clock, void* event, void* timer), (clock, event, timer), "")

@@ -12,12 +12,6 @@
 namespace rehearse {
 namespace {
 
-Eigen::Isometry3d pose_of_link(const LinkReading& link) {
-  Eigen::Isometry3d pose(link.rotation);
-  pose.pretranslate(link.position);
-  return pose;
-}
-
 /// The floor, and on it, before SR1's eyes, textured meshes of 60000 triangles.
 std::shared_ptr<const Model> with_meshes(const Model& floor) {
   std::vector<std::array<std::uint8_t, 4>> texels;
@@ -93,13 +87,13 @@ class Cameras {
   void add_shapes(const Model& model, const BodyObservation& seen) {
     for (std::size_t i = 0; i < model.links.size(); ++i)
       for (const Shape& shape : model.links[i].visuals)
-        renderer_->set_link_pose(renderer_->add(shape, Color(0.72f, 0.72f, 0.74f, 1.0f)), pose_of_link(seen.links[i]));
+        renderer_->set_link_pose(renderer_->add(shape, Color(0.72f, 0.72f, 0.74f, 1.0f)), pose_of(seen.links[i]));
   }
 
   void add_cameras(const Model& model, const BodyObservation& seen) {
     for (const Device& device : model.devices)
       if (const auto* camera = std::get_if<Camera>(&device.kind))
-        cameras_.emplace_back(*camera, pose_of_link(seen.links[device.link]) * device.pose);
+        cameras_.emplace_back(*camera, pose_of(seen.links[device.link]) * device.pose);
   }
 
   std::unique_ptr<World> world_;

@@ -79,8 +79,8 @@ void read_all(mcap::Bytes bytes, bool check_crcs) {
   }));
   if (last && !reader.message_at(*last)) std::abort();  // a message that a pass delivered can be read again
   if (const auto stream = open_stream(bytes, options)) {
-    const auto touch = [&](const mcap::Record& record) { return sum(record.body) < ~time; };
-    static_cast<void>((*stream)->read({{}, {}, {}, touch}));
+    const auto touch = [&](const mcap::Message& message) { return sum(message.data) < ~time; };
+    static_cast<void>((*stream)->for_each_message(touch));
   }
   for (const auto& attachment : reader.attachments()) static_cast<void>(sum(attachment.data));
   decode_all(reader);

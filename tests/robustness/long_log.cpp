@@ -5,7 +5,7 @@
 #include <chrono>
 
 #include "log/message_reader.h"
-#include "log/picture_codecs.h"
+#include "log/sensor_codecs.h"
 
 namespace rehearse {
 namespace {

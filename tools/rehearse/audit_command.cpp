@@ -84,9 +84,7 @@ void tell(const AuditSettings& settings, const AuditReport& report) {
     tell_controller(controller, report.controllers.size() > 1, settings.verbose);
   for (const std::string& found : report.memory_errors) fmt::print("  valgrind: {}\n", found);
   std::fflush(stdout);  // before related output on stderr
-  for (const Diagnostic& remark : report.remarks)
-    if (!report.failure || remark.message.find(report.failure->message) == std::string::npos)
-      fmt::print(stderr, "{}\n", to_string(remark));
+  tell_remarks(report.remarks, report.failure);
 }
 
 /// Executes the task that a parent process gave to this process.

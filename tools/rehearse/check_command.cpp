@@ -83,10 +83,7 @@ Result<Scenario> scenario_of_a_log(const std::string& file) {
   const auto trace = mcap::Reader::open(file);
   if (!trace) return trace.errors();
   if (RunFacts::of(**trace).is_of_log) return scenario_of(**trace);
-  Diagnostic finding =
-      error("it isn't a recording of a robot's log", "check the scenario, with --golden and this trace");
-  finding.file = file;
-  return finding;
+  return error_in(file, "it isn't a recording of a robot's log", "check the scenario, with --golden and this trace");
 }
 
 Result<std::vector<Scenario>> load(const CheckSettings& settings) {
@@ -123,11 +120,10 @@ Result<void> check_owners(const CheckSettings& settings, const std::vector<Scena
     if (is_new) owners->second = find_golden_owners(*folder, {*folder / ".."});
     const auto known = owners->second.find(scenario.golden);
     if (known == owners->second.end() || known->second.scenarios.size() < 2) continue;
-    Diagnostic finding =
-        error(fmt::format("the golden '{}' isn't this scenario's alone: {}", scenario.golden, known->second.conflict()),
-              "give each a golden of its own");
-    finding.file = scenario.file;
-    return finding;
+    return error_in(
+        scenario.file,
+        fmt::format("the golden '{}' isn't this scenario's alone: {}", scenario.golden, known->second.conflict()),
+        "give each a golden of its own");
   }
   return {};
 }
@@ -306,17 +302,13 @@ Exit run_check(const CheckSettings& settings, const CLI::App& options) {
   std::vector<Json> all;
   if (const Exit ended = check_all(settings, *scenarios, all); ended != Exit::done || interruption() != 0) return ended;
   Exit worst = Exit::done;
-  std::vector<CiCase> cases;
-  for (const Json& outcome : all) {
-    worst = std::max(worst, static_cast<Exit>(outcome["exit"].get<int>()));
-    cases.push_back(ci_case(outcome));
-  }
+  for (const Json& outcome : all) worst = std::max(worst, static_cast<Exit>(outcome["exit"].get<int>()));
   if (settings.json) print(all.size() == 1 ? all[0]["check"] : json_of_checks(all));
   if (!settings.no_report) keep_index(*scenarios, all, !settings.json);
   if (!settings.junit.empty())
-    if (const auto written = write_junit(settings.junit, cases); !written) return refuse(written.errors());
+    if (const auto written = write_junit(settings.junit, all); !written) return refuse(written.errors());
   if (settings.github && !settings.json)
-    if (const auto printed = print_for_github(cases); !printed) return refuse(printed.errors());
+    if (const auto printed = print_for_github(all); !printed) return refuse(printed.errors());
   return worst;
 }
 

@@ -1,26 +1,25 @@
 #include "check_outcome.h"
 
 #include <fmt/format.h>
+#include <tinyxml2.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
+#include <fstream>
 #include <string_view>
 
 #include "check/compared.h"
 #include "golden/run_folder.h"
 #include "report/report_index.h"
+#include "scenario_text.h"
 #include "simulation/recorded_view.h"
 
 namespace rehearse::tool {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool failed(const CheckReport& report) {
-  const bool run_failed = report.run && (report.run->failure || report.run->controller_refused);
-  return run_failed || (report.replay && (report.replay->failure || report.replay->controller_refused));
-}
 
 Json json_of_check(const Checked& checked) {
   Json object = Json::parse(to_json(checked.report));
@@ -64,10 +63,85 @@ std::string_view together(const std::vector<Json>& all, const char* level) {
   return to_string(LevelState::skipped);
 }
 
+/// The result of one scenario in continuous integration.
+struct CiCase {
+  enum class State { passed, differs, failed };  // failed: a controller failed, or nothing was compared
+
+  std::string name;
+  std::string file;  // of the scenario
+  int line = 1;      // of the first violated expectation, else 1
+  State state = State::passed;
+  std::string verdict;   // one sentence
+  std::string details;   // lines
+  std::string report;    // an HTML file; empty: there is none
+  double seconds = 0.0;  // wall time [s]
+};
+
+CiCase ci_case(const Json& outcome) {
+  CiCase one;
+  one.name = outcome["check"]["scenario"];
+  one.file = outcome["check"]["file"];
+  one.verdict = headline(outcome["check"]["verdict"].get<std::string>());
+  one.seconds = outcome["seconds"];
+  one.state = state_of<CiCase::State>(outcome);
+  one.line = outcome["line"];
+  one.details = outcome["details"];
+  one.report = outcome["report"];
+  return one;
+}
+
+std::vector<CiCase> ci_cases(const std::vector<Json>& all) {
+  std::vector<CiCase> cases;
+  for (const Json& outcome : all) cases.push_back(ci_case(outcome));
+  return cases;
+}
+
+std::string environment(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value ? value : "";
+}
+
+std::string replaced(std::string_view text, std::string_view from, std::string_view to) {
+  std::string result;
+  for (std::size_t at = 0; at < text.size();) {
+    const bool found = text.substr(at, from.size()) == from;
+    result += found ? to : text.substr(at, 1);
+    at += found ? from.size() : 1;
+  }
+  return result;
+}
+
+/// A value of a workflow command; `in_property`: between `::error ` and `::`.
+std::string escaped(std::string_view text, bool in_property) {
+  std::string result = replaced(replaced(replaced(text, "%", "%25"), "\r", "%0D"), "\n", "%0A");
+  if (in_property) result = replaced(replaced(result, ":", "%3A"), ",", "%2C");
+  return result;
+}
+
+/// A cell of a Markdown table.
+std::string cell(std::string_view text) { return replaced(replaced(text, "|", "\\|"), "\n", "<br>"); }
+
+const char* word_of(CiCase::State state) {
+  constexpr const char* words[] = {"passed", "differs", "failed"};
+  return words[static_cast<std::size_t>(state)];
+}
+
+std::int64_t count_of(const std::vector<CiCase>& cases, CiCase::State state) {
+  return std::ranges::count(cases, state, &CiCase::state);
+}
+
+std::string summary_of(const std::vector<CiCase>& cases) {
+  std::string text = "### rehearse check\n\n| scenario | | verdict | report |\n| --- | --- | --- | --- |\n";
+  for (const CiCase& one : cases)
+    text += fmt::format("| {} | {} | {} | {} |\n", cell(one.name), word_of(one.state), cell(one.verdict),
+                        cell(fs::path(one.report).filename().string()));
+  return text;
+}
+
 }  // namespace
 
 Exit exit_of(const CheckReport& report) {
-  if (failed(report)) return Exit::controller_failed;
+  if (report.failed()) return Exit::controller_failed;
   if (!compared_anything(report)) return Exit::bad_input;
   return report.within() ? Exit::done : Exit::differs;
 }
@@ -142,19 +216,6 @@ Json json_of_checks(const std::vector<Json>& all) {
           {"scenarios", scenarios}};
 }
 
-CiCase ci_case(const Json& outcome) {
-  CiCase one;
-  one.name = outcome["check"]["scenario"];
-  one.file = outcome["check"]["file"];
-  one.verdict = headline(outcome["check"]["verdict"].get<std::string>());
-  one.seconds = outcome["seconds"];
-  one.state = state_of<CiCase::State>(outcome);
-  one.line = outcome["line"];
-  one.details = outcome["details"];
-  one.report = outcome["report"];
-  return one;
-}
-
 void keep_index(const std::vector<Scenario>& scenarios, const std::vector<Json>& all, bool tells) {
   std::error_code ignored;
   const bool all_passed = std::all_of(all.begin(), all.end(), is_within);
@@ -165,5 +226,62 @@ void keep_index(const std::vector<Scenario>& scenarios, const std::vector<Json>&
   if (!index || all_passed || !tells) return;
   fmt::print("all reports: {}\n", is_ci() ? index->string() : report_link(*index));
 }
+
+Result<void> write_junit(const fs::path& file, const std::vector<Json>& all) {
+  const std::vector<CiCase> cases = ci_cases(all);
+  double seconds = 0.0;
+  for (const CiCase& one : cases) seconds += one.seconds;
+  tinyxml2::XMLPrinter xml;
+  xml.PushHeader(false, true);
+  const auto push_totals = [&] {
+    xml.PushAttribute("tests", static_cast<int64_t>(cases.size()));
+    xml.PushAttribute("failures", static_cast<int64_t>(count_of(cases, CiCase::State::differs)));
+    xml.PushAttribute("errors", static_cast<int64_t>(count_of(cases, CiCase::State::failed)));
+    xml.PushAttribute("time", fmt::format("{:.3f}", seconds).c_str());
+  };
+  xml.OpenElement("testsuites");
+  push_totals();
+  xml.OpenElement("testsuite");
+  xml.PushAttribute("name", "rehearse check");
+  push_totals();
+  for (const CiCase& one : cases) {
+    xml.OpenElement("testcase");
+    xml.PushAttribute("name", one.name.c_str());
+    xml.PushAttribute("classname", "rehearse.check");
+    xml.PushAttribute("time", fmt::format("{:.3f}", one.seconds).c_str());
+    if (one.state != CiCase::State::passed) {
+      xml.OpenElement(one.state == CiCase::State::differs ? "failure" : "error");
+      xml.PushAttribute("message", one.verdict.c_str());
+      xml.PushAttribute("type", word_of(one.state));
+      xml.PushText(fmt::format("{}:{}\n{}", one.file, one.line, one.details).c_str());
+      xml.CloseElement();
+    }
+    xml.CloseElement();
+  }
+  xml.CloseElement();
+  xml.CloseElement();
+  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
+  stream << xml.CStr();
+  stream.close();
+  if (!stream) return error(fmt::format("can't write {}", file.string()), "name a file in a folder that is there");
+  return {};
+}
+
+Result<void> print_for_github(const std::vector<Json>& all) {
+  const std::vector<CiCase> cases = ci_cases(all);
+  for (const CiCase& one : cases)
+    if (one.state != CiCase::State::passed)
+      fmt::print("::error file={},line={}::{}\n", escaped(one.file, true), one.line,
+                 escaped(one.name + ": " + one.verdict, false));
+  const std::string summary = environment("GITHUB_STEP_SUMMARY");
+  if (summary.empty()) return {};
+  std::ofstream stream(summary, std::ios::binary | std::ios::app);
+  stream << summary_of(cases);
+  stream.close();
+  if (!stream) return error(fmt::format("can't write the job's summary {}", summary));
+  return {};
+}
+
+bool is_github() { return environment("GITHUB_ACTIONS") == "true"; }
 
 }  // namespace rehearse::tool

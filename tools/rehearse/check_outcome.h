@@ -6,11 +6,11 @@
 #include <rehearse/report.h>
 #include <rehearse/scenario.h>
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "ci_output.h"
 #include "command.h"
 #include "output.h"
 
@@ -39,10 +39,20 @@ Json outcome_of(const Scenario& scenario, const Checked& checked);
 /// One object for several scenarios: the same members as for one, and each scenario in `scenarios`.
 Json json_of_checks(const std::vector<Json>& all);
 
-CiCase ci_case(const Json& outcome);
-
 /// Lists the results beside the reports, and prints the address of the list. Without a failure an existing list is
 /// renewed, and no new one is made.
 void keep_index(const std::vector<Scenario>& scenarios, const std::vector<Json>& all, bool tells);
+
+/// Writes JUnit's XML, in the form of Jenkins' published schema: a test case for each scenario, whose failure has the
+/// verdict as its message. Fails if the file can't be written.
+Result<void> write_junit(const std::filesystem::path& file, const std::vector<Json>& all);
+
+/// Prints workflow commands of GitHub Actions on stdout: `::error file=...,line=...::VERDICT` for each scenario that
+/// didn't pass. Appends a table of all scenarios to the job's summary, the file that GITHUB_STEP_SUMMARY names, if it
+/// is set.
+Result<void> print_for_github(const std::vector<Json>& all);
+
+/// True if the environment contains GITHUB_ACTIONS=true.
+bool is_github();
 
 }  // namespace rehearse::tool

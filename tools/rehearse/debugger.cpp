@@ -59,13 +59,6 @@ std::vector<NamedController> controllers_of(const Scenario& scenario) {
   return all;
 }
 
-std::vector<char*> pointers_to(std::vector<std::string>& words) {
-  std::vector<char*> pointers;
-  for (std::string& word : words) pointers.push_back(word.data());
-  pointers.push_back(nullptr);
-  return pointers;
-}
-
 /// The tick and the controller at which gdb should stop.
 struct Interesting {
   std::int64_t tick = 0;

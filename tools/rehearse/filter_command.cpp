@@ -2,16 +2,15 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <string>
 
 #include "command.h"
-#include "mcap/replaceable.h"
 #include "options.h"
 #include "output.h"
 #include "output_file.h"
-#include "progress.h"
 #include "trace/filter.h"
 
 namespace rehearse::tool {
@@ -25,8 +24,6 @@ struct FilterSettings {
   bool no_attachments = false, no_metadata = false;
   bool json = false;
 };
-
-std::string count_text(std::uint64_t count, std::string_view noun) { return tool::count_text(count, noun); }
 
 /// Options in the form of text, parsed.
 Result<void> read_selection(FilterSettings& settings) {
@@ -63,7 +60,7 @@ void tell(const FilterSettings& settings, const mcap::Filtered& filtered) {
   fmt::print("from {} to {}\n", time_text(filtered.first_time), time_text(filtered.last_time));
 }
 
-Json filtered_json(const FilterSettings& settings, const mcap::Filtered& filtered) {
+Json result_json(const FilterSettings& settings, const mcap::Filtered& filtered) {
   return {{"file", settings.target},           {"messages", filtered.messages},       {"left_out", filtered.left_out},
           {"channels", filtered.channels},     {"attachments", filtered.attachments}, {"metadata", filtered.metadata},
           {"first_time", filtered.first_time}, {"last_time", filtered.last_time},     {"size", filtered.bytes}};
@@ -71,23 +68,9 @@ Json filtered_json(const FilterSettings& settings, const mcap::Filtered& filtere
 
 Exit run_filter(FilterSettings& settings) {
   if (const auto read = read_selection(settings); !read) return refuse(read.errors());
-  auto output = OutputFile::open(settings.target, settings.json);
-  if (!output) return refuse(output.errors());
-  if (const auto allowed = check_replaceable(output->path(), mcap_magic, "trace"); !allowed)
-    return refuse(allowed.errors());
-  const auto filtered = [&] {
-    StoppableProgress progress("filtering");
-    settings.options.progress = [&](std::uint64_t done, std::uint64_t all) {
-      progress.show(static_cast<std::int64_t>(done), static_cast<std::int64_t>(all));
-    };
-    return mcap::filter(settings.source, output->path(), settings.options);
-  }();
-  if (!filtered) return refuse(filtered.errors());
-  if (settings.json)
-    print(filtered_json(settings, *filtered));
-  else
-    tell(settings, *filtered);
-  return send(*output, Exit::done);
+  return write_trace(settings, "filtering", [&](const std::filesystem::path& trace) {
+    return mcap::filter(settings.source, trace, settings.options);
+  });
 }
 
 std::function<Exit()> declare_filter(CLI::App& options) {

@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "golden_verbs.h"
+#include "model/names.h"
 #include "options.h"
 #include "trace/run_facts.h"
 
@@ -59,11 +60,7 @@ void tell_once(const std::vector<GoldenEntry>& entries,
   constexpr std::size_t named = 3;
   for (const std::string& sentence : order) {
     const std::vector<std::string>& of = names[sentence];
-    std::string who = of.size() == entries.size() ? "all" : "";
-    if (who.empty())
-      for (std::size_t i = 0; i < std::min(named, of.size()); ++i) who += (i == 0 ? "" : ", ") + of[i];
-    if (of.size() < entries.size() && of.size() > named) who += fmt::format(" and {} more", of.size() - named);
-    fmt::print("{}: {}\n", who, sentence);
+    fmt::print("{}: {}\n", of.size() == entries.size() ? "all" : listed(of, named), sentence);
   }
 }
 

@@ -23,7 +23,7 @@ struct InspectSettings {
   UrdfOptions urdf;
 };
 
-Json limit_json(double limit) { return std::abs(limit) == unlimited ? Json(nullptr) : json_of(limit); }
+Json limit_json(double limit) { return std::abs(limit) == unlimited ? Json(nullptr) : number_json(limit); }
 
 /// The joint that a joint with a mimic follows.
 const std::string& leader_name(const Model& model, const Mimic& mimic) {

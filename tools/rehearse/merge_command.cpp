@@ -3,17 +3,16 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "command.h"
 #include "mcap/merge.h"
-#include "mcap/replaceable.h"
 #include "options.h"
 #include "output.h"
 #include "output_file.h"
-#include "progress.h"
 
 namespace rehearse::tool {
 namespace {
@@ -55,7 +54,7 @@ void tell(const MergeSettings& settings, const mcap::Merged& merged) {
   for (const std::string& remark : merged.remarks) fmt::print("  {}\n", remark);
 }
 
-Json merged_json(const MergeSettings& settings, const mcap::Merged& merged) {
+Json result_json(const MergeSettings& settings, const mcap::Merged& merged) {
   return {{"file", settings.target},     {"sources", settings.sources},       {"messages", merged.messages},
           {"channels", merged.channels}, {"attachments", merged.attachments}, {"metadata", merged.metadata},
           {"size", merged.bytes},        {"remarks", merged.remarks}};
@@ -64,23 +63,9 @@ Json merged_json(const MergeSettings& settings, const mcap::Merged& merged) {
 Exit run_merge(MergeSettings& settings) {
   const auto sources = sources_of(settings);
   if (!sources) return refuse(sources.errors());
-  auto output = OutputFile::open(settings.target, settings.json);
-  if (!output) return refuse(output.errors());
-  if (const auto allowed = check_replaceable(output->path(), mcap_magic, "trace"); !allowed)
-    return refuse(allowed.errors());
-  const auto merged = [&] {
-    StoppableProgress progress("merging");
-    settings.options.progress = [&](std::uint64_t done, std::uint64_t all) {
-      progress.show(static_cast<std::int64_t>(done), static_cast<std::int64_t>(all));
-    };
-    return mcap::merge(*sources, output->path(), settings.options);
-  }();
-  if (!merged) return refuse(merged.errors());
-  if (settings.json)
-    print(merged_json(settings, *merged));
-  else
-    tell(settings, *merged);
-  return send(*output, Exit::done);
+  return write_trace(settings, "merging", [&](const std::filesystem::path& trace) {
+    return mcap::merge(*sources, trace, settings.options);
+  });
 }
 
 std::function<Exit()> declare_merge(CLI::App& options) {

@@ -2,39 +2,30 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
-#include <system_error>
 #include <utility>
 #include <vector>
+
+#include "model/text.h"
 
 namespace rehearse::tool {
 namespace {
 
 template <class Number>
 Number parse(const std::string& option, std::string_view text, Number lowest, Number highest, const char* kind) {
-  Number number{};
-  const std::from_chars_result end = std::from_chars(text.data(), text.data() + text.size(), number);
-  const bool complete = end.ec == std::errc() && end.ptr == text.data() + text.size();
-  if (complete && number >= lowest && number <= highest) return number;  // false for NaN
+  const auto number = number_in<Number>(text);
+  if (number && *number >= lowest && *number <= highest) return *number;  // false for NaN
   throw CLI::ValidationError(option, fmt::format("'{}' is not {} from {} to {}", text, kind, lowest, highest));
 }
 
-void take_controller(HostOptions& host, const std::string& text) {
+/// Adds NAME=VALUE to a map; `form`: as the help of `option` shows it.
+template <class Map>
+void take_pair(Map& pairs, const char* option, const char* form, const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
-    throw CLI::ValidationError("--controller", fmt::format("'{}' is not NAME=LIB", text));
+    throw CLI::ValidationError(option, fmt::format("'{}' is not {}", text, form));
   const std::string name = text.substr(0, equals);
-  if (!host.libraries.emplace(name, text.substr(equals + 1)).second)
-    throw CLI::ValidationError("--controller", fmt::format("'{}' is given twice", name));
-}
-
-void take_package(UrdfOptions& urdf, const std::string& text) {
-  const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
-    throw CLI::ValidationError("--package", fmt::format("'{}' is not NAME=DIR", text));
-  const std::string name = text.substr(0, equals);
-  if (!urdf.packages.emplace(name, text.substr(equals + 1)).second)
-    throw CLI::ValidationError("--package", fmt::format("'{}' is given twice", name));
+  if (!pairs.emplace(name, text.substr(equals + 1)).second)
+    throw CLI::ValidationError(option, fmt::format("'{}' is given twice", name));
 }
 
 }  // namespace
@@ -64,7 +55,7 @@ void add_host_options(CLI::App& options, HostOptions& host, std::string* alone) 
   const auto take_all = [&host, alone](const std::vector<std::string>& texts) {
     for (const std::string& text : texts) {
       if (!alone || text.find('=') != std::string::npos) {
-        take_controller(host, text);
+        take_pair(host.libraries, "--controller", "NAME=LIB", text);
       } else if (alone->empty() && !text.empty()) {
         *alone = text;
       } else {
@@ -84,7 +75,7 @@ void add_host_options(CLI::App& options, HostOptions& host, std::string* alone) 
 
 void add_mesh_options(CLI::App& options, UrdfOptions& urdf) {
   const auto take_packages = [&urdf](const std::vector<std::string>& texts) {
-    for (const std::string& text : texts) take_package(urdf, text);
+    for (const std::string& text : texts) take_pair(urdf.packages, "--package", "NAME=DIR", text);
   };
   options
       .add_option_function<std::vector<std::string>>("--package", take_packages,

@@ -6,43 +6,25 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <iterator>
 
+#include "model/text.h"
 #include "progress.h"
 
 namespace rehearse::tool {
-namespace {
 
-/// The number of UTF-8 characters.
 std::size_t width_of(std::string_view text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }));
 }
-
-/// Length in bytes of the first character of `text`; 0 if it isn't valid UTF-8.
-std::size_t character_length(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xc2 && first < 0xe0 ? 2 : first >= 0xe0 && first < 0xf0 ? 3 : 4;
-  if (first < 0xc2 || first > 0xf4 || text.size() < length) return 0;
-  for (std::size_t i = 1; i < length; ++i)
-    if ((byte(i) & 0xc0) != 0x80) return 0;
-  const bool too_long = (first == 0xe0 && byte(1) < 0xa0) || (first == 0xf0 && byte(1) < 0x90);
-  const bool no_character = (first == 0xed && byte(1) > 0x9f) || (first == 0xf4 && byte(1) > 0x8f);
-  return too_long || no_character ? 0 : length;
-}
-
-}  // namespace
 
 std::string plain_text(std::string_view text) {
   std::string plain;
   while (!text.empty()) {
     const auto first = static_cast<unsigned char>(text[0]);
-    const std::size_t length = character_length(text);
+    const std::size_t length = utf8_length(text);
     const bool control =
         first < 0x20 || first == 0x7f || (length == 2 && first == 0xc2 && static_cast<unsigned char>(text[1]) < 0xa0);
     if (length == 0 || control) {
@@ -58,16 +40,6 @@ std::string plain_text(std::string_view text) {
     }
   }
   return plain;
-}
-
-Json json_of(double number) {
-  if (std::isnan(number)) return "NaN";
-  if (std::isinf(number)) return number > 0.0 ? "Infinity" : "-Infinity";
-  return number;
-}
-
-Json json_of(const std::optional<Divergence>& divergence) {
-  return divergence ? Json::parse(to_json(*divergence)) : Json(nullptr);
 }
 
 Json json_of(const Diagnostics& diagnostics) {
@@ -153,6 +125,12 @@ std::string file_size_text(std::uintmax_t bytes) {
     ++unit;
   }
   return fmt::format("{:.1f} {}", amount, units[unit]);
+}
+
+void tell_remarks(const Diagnostics& remarks, const std::optional<Diagnostic>& failure) {
+  for (const Diagnostic& remark : remarks)
+    if (!failure || remark.message.find(failure->message) == std::string::npos)
+      fmt::print(stderr, "{}\n", to_string(remark));
 }
 
 std::string time_text(std::uint64_t time_ns) {

@@ -1,7 +1,6 @@
 // Output of verbs: text for people, JSON for programs, and files, which don't replace files of a different kind.
 #pragma once
 
-#include <rehearse/compare.h>
 #include <rehearse/diagnostic.h>
 
 #include <concepts>
@@ -13,14 +12,12 @@
 #include <string_view>
 #include <vector>
 
+#include "compare/report_json.h"
+
 namespace rehearse::tool {
 
 using Json = nlohmann::ordered_json;
 
-/// JSON has no NaN and no infinities: they become the strings "NaN", "Infinity" and "-Infinity".
-Json json_of(double number);
-/// Null for nullopt; else as to_json(Divergence).
-Json json_of(const std::optional<Divergence>& divergence);
 Json json_of(const Diagnostics& diagnostics);
 
 /// The version of the JSON objects' form: it increases if a member is removed or changes its meaning.
@@ -34,6 +31,9 @@ void print(const Json& object);
 
 /// Text from an input file, in a form for a terminal: control characters and bytes that aren't UTF-8 as \xNN.
 std::string plain_text(std::string_view text);
+
+/// The number of characters of UTF-8 text.
+std::size_t width_of(std::string_view text);
 
 /// Breaks text into lines of at most `width` columns. `indent` spaces come before each line but the first, which begins
 /// at that column already.
@@ -58,6 +58,9 @@ std::string count_text(std::int64_t count, std::string_view noun);
 std::string count_text(std::integral auto count, std::string_view noun) {
   return count_text(static_cast<std::int64_t>(count), noun);
 }
+
+/// Prints remarks on stderr, except those that contain the message of the failure.
+void tell_remarks(const Diagnostics& remarks, const std::optional<Diagnostic>& failure);
 
 /// A log time as text: seconds, or a date if the number is too large for a simulation.
 std::string time_text(std::uint64_t time_ns);

@@ -11,8 +11,6 @@
 #include <fstream>
 #include <utility>
 
-#include "progress.h"
-
 namespace rehearse::tool {
 
 Result<OutputFile> OutputFile::open(const std::string& named, bool json) {

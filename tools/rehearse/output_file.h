@@ -3,12 +3,16 @@
 
 #include <rehearse/diagnostic.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "command.h"
+#include "mcap/replaceable.h"
+#include "output.h"
+#include "progress.h"
 #include "scratch_folder.h"
 
 namespace rehearse::tool {
@@ -39,5 +43,28 @@ class OutputFile {
 
 /// Sends the file and returns the verb's exit status, or that of bad input after an error.
 Exit send(const OutputFile& output, Exit exit);
+
+/// Writes a trace to `settings.target`, by `make` with the path of the file, and shows the progress of `doing`. Prints
+/// the result by result_json(settings, result) if `settings.json` is set, else by tell(settings, result).
+template <class Settings, class Make>
+Exit write_trace(Settings& settings, const char* doing, Make make) {
+  auto output = OutputFile::open(settings.target, settings.json);
+  if (!output) return refuse(output.errors());
+  if (const auto allowed = check_replaceable(output->path(), mcap_magic, "trace"); !allowed)
+    return refuse(allowed.errors());
+  const auto made = [&] {
+    StoppableProgress progress(doing);
+    settings.options.progress = [&](std::uint64_t done, std::uint64_t all) {
+      progress.show(static_cast<std::int64_t>(done), static_cast<std::int64_t>(all));
+    };
+    return make(output->path());
+  }();
+  if (!made) return refuse(made.errors());
+  if (settings.json)
+    print(result_json(settings, *made));
+  else
+    tell(settings, *made);
+  return send(*output, Exit::done);
+}
 
 }  // namespace rehearse::tool

@@ -1,4 +1,4 @@
-// rehearse record: records one closed-loop run in a trace.
+// rehearse record: records one closed-loop run, or with --from-checkpoint a branch of a recording, in a trace.
 #include <fmt/format.h>
 #include <rehearse/check.h>
 #include <rehearse/session.h>
@@ -12,12 +12,12 @@
 #include <string>
 #include <utility>
 
-#include "branch_recording.h"
 #include "command.h"
 #include "debugger.h"
 #include "host/interposer.h"
 #include "host/interruption.h"
 #include "host/supervise.h"
+#include "host/virtualised.h"
 #include "mcap/replaceable.h"
 #include "model/clock.h"
 #include "model_scenario.h"
@@ -28,6 +28,13 @@
 
 namespace rehearse::tool {
 namespace {
+
+/// The options of a branch.
+struct BranchSettings {
+  std::string from;   // "TRACE@3.2s"; empty: not a branch
+  std::string trace;  // empty: named like the source, in the working directory
+  BranchOptions options;
+};
 
 struct RecordSettings {
   std::string scenario;
@@ -126,7 +133,43 @@ Exit run_in_gdb(const RecordSettings& settings, const Scenario& scenario, const 
   return become_gdb(settings.debugger, words_without_debugger("record", options), settings.tick);
 }
 
-/// Records a branch of a recording.
+void tell_branch(const BranchSettings& settings, const BranchSummary& branch, double seconds) {
+  fmt::print("branched off {} at tick {} ({:g} s): {}\n", settings.from.substr(0, settings.from.rfind('@')),
+             branch.tick, branch.time, branch.world);
+  const ReplayReport& before = branch.before;
+  if (before.ticks > 0)
+    fmt::print("before it the controllers, on the recorded inputs, {}\n",
+               before.equal() ? "repeat their commands bit for bit" : "differ first at " + to_string(*before.first));
+  fmt::print("{} simulated from there, in {:.2f} s\n", count_text(branch.run.ticks - branch.tick, "tick"), seconds);
+  fmt::print("{}, {}, {}{} in {}\n", count_text(branch.run.ticks, "tick"), count_text(branch.run.channels, "channel"),
+             count_text(branch.run.frames, "camera frame"),
+             branch.run.bytes > 0 ? ", " + file_size_text(branch.run.bytes) : "", settings.trace);
+}
+
+/// Executes the branch and prints its report.
+Exit record_branch_of(BranchSettings settings) {
+  const auto from = BranchPoint::parse(settings.from);
+  if (!from) return refuse(error("--from-checkpoint: " + from.errors()[0].message));
+  if (settings.trace.empty()) settings.trace = from->trace.stem().string() + ".branch.mcap";
+  if (const auto allowed = check_replaceable(settings.trace, mcap_magic, "trace"); !allowed)
+    return refuse(allowed.errors());
+  if (const auto ready = virtualise_process_like(from->trace.string()); !ready) return refuse(ready.errors());
+  InterposerWatch watch;
+  if (is_interposed()) settings.options.watch = &watch;
+  const Stopwatch stopwatch;
+  const auto branch = [&] {
+    Progress progress("branching");
+    settings.options.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
+    return record_branch(*from, settings.trace, settings.options);
+  }();
+  if (!branch) return refuse(branch.errors());
+  tell_branch(settings, *branch, stopwatch.seconds());
+  std::fflush(stdout);  // before related output on stderr
+  tell_remarks(branch->run);
+  return branch->run.failure || branch->run.controller_refused ? Exit::controller_failed : Exit::done;
+}
+
+/// Records a branch of a recording. Refuses options that a branch can't have.
 Exit run_branch(RecordSettings& settings) {
   for (const auto& [said, option] : {std::pair(settings.seed.has_value(), "--seed"),
                                      {settings.no_frames, "--no-frames"},
@@ -219,6 +262,11 @@ Exit record_scenario(RecordSettings& settings, const Scenario& scenario, const s
   return exit;
 }
 
+/// True if an option was given that has a meaning only with --from-checkpoint.
+bool is_about_a_branch(const BranchSettings& settings) {
+  return settings.options.until || !settings.options.set.empty() || !settings.options.push.empty();
+}
+
 Exit run_record(RecordSettings& settings, const CLI::App& options) {
   if (!settings.branch.from.empty()) return run_branch(settings);
   if (const auto whole = check_model_options(settings); !whole) return refuse(whole.errors());
@@ -237,6 +285,28 @@ Exit run_record(RecordSettings& settings, const CLI::App& options) {
   supervise_process();
   end_runs_on_signals();
   return record_scenario(settings, *scenario, trace);
+}
+
+/// Declares --from-checkpoint, --until, --set and --push.
+void add_branch_options(CLI::App& options, BranchSettings& settings) {
+  options
+      .add_option(
+          "--from-checkpoint", settings.from,
+          "begin as this recording and go on from the moment, as TRACE@3.2s or TRACE@tick:640; scenario and models "
+          "are the recording's (SCENARIO only if these have meshes), --duration counts from the moment")
+      ->type_name("TRACE@MOMENT");
+  add_number(options, "--until", "of a branch: the end as time of the run [s]", 0.0, Scenario::max_duration,
+             [&settings](double until) { settings.options.until = until; });
+  options
+      .add_option("--set", settings.options.set,
+                  "of a branch: alter inputs of controllers, as 'Walker/KNEE/q+=0.05@3.2s..3.4s'; repeatable")
+      ->type_name("SERIES=VALUE")
+      ->allow_extra_args(false);
+  options
+      .add_option("--push", settings.options.push,
+                  "of a branch: push a link, as 'Walker/TRUNK force=0,0,50 @3.2s..3.3s'; torque=, at=; repeatable")
+      ->type_name("PUSH")
+      ->allow_extra_args(false);
 }
 
 std::function<Exit()> declare_record(CLI::App& options) {

@@ -3,16 +3,15 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
 
 #include "command.h"
 #include "mcap/recover.h"
-#include "mcap/replaceable.h"
 #include "options.h"
 #include "output.h"
 #include "output_file.h"
-#include "progress.h"
 
 namespace rehearse::tool {
 namespace {
@@ -67,7 +66,7 @@ void tell(const RecoverSettings& settings, const mcap::Recovery& recovery) {
   tell_lost_messages(recovery);
 }
 
-Json recovery_json(const RecoverSettings& settings, const mcap::Recovery& recovery) {
+Json result_json(const RecoverSettings& settings, const mcap::Recovery& recovery) {
   Json lost = Json::array(), channels = Json::array();
   for (const mcap::LostBytes& span : recovery.lost)
     lost.push_back({{"begin", span.begin}, {"end", span.end}, {"what", span.what}});
@@ -89,23 +88,9 @@ Json recovery_json(const RecoverSettings& settings, const mcap::Recovery& recove
 }
 
 Exit run_recover(RecoverSettings& settings) {
-  auto output = OutputFile::open(settings.target, settings.json);
-  if (!output) return refuse(output.errors());
-  if (const auto allowed = check_replaceable(output->path(), mcap_magic, "trace"); !allowed)
-    return refuse(allowed.errors());
-  const auto recovery = [&] {
-    StoppableProgress progress("recovering");
-    settings.options.progress = [&](std::uint64_t done, std::uint64_t all) {
-      progress.show(static_cast<std::int64_t>(done), static_cast<std::int64_t>(all));
-    };
-    return mcap::recover(settings.source, output->path(), settings.options);
-  }();
-  if (!recovery) return refuse(recovery.errors());
-  if (settings.json)
-    print(recovery_json(settings, *recovery));
-  else
-    tell(settings, *recovery);
-  return send(*output, Exit::done);
+  return write_trace(settings, "recovering", [&](const std::filesystem::path& trace) {
+    return mcap::recover(settings.source, trace, settings.options);
+  });
 }
 
 std::function<Exit()> declare_recover(CLI::App& options) {

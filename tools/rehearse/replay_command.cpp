@@ -84,12 +84,6 @@ void tell(const ReplaySettings& settings, const ReplayReport& report, double sec
              report.values_different, count_text(report.values, "commanded number"));
 }
 
-void tell_replay_remarks(const ReplayReport& report) {
-  for (const Diagnostic& remark : report.remarks)
-    if (!report.failure || remark.message.find(report.failure->message) == std::string::npos)
-      fmt::print(stderr, "{}\n", to_string(remark));
-}
-
 /// Continues in gdb with the same arguments.
 Exit run_in_gdb(const ReplaySettings& settings, const CLI::App& options) {
   const std::vector<std::string> words = words_without_debugger("replay", options);
@@ -178,7 +172,7 @@ Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
   } else {
     tell(settings, *report, stopwatch.seconds());
     std::fflush(stdout);  // before related output on stderr
-    tell_replay_remarks(*report);
+    tell_remarks(report->remarks, report->failure);
   }
   if (report->failure || report->controller_refused) return Exit::controller_failed;
   if (report->equal() && report->values == 0) return Exit::bad_input;

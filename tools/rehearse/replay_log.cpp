@@ -232,12 +232,6 @@ void tell(const LogSettings& settings, const LogReplayReport& report, double sec
              report.values_different, count_text(report.values, "commanded number"));
 }
 
-void tell_log_remarks(const LogReplayReport& report) {
-  for (const Diagnostic& remark : report.remarks)
-    if (!report.failure || remark.message.find(report.failure->message) == std::string::npos)
-      fmt::print(stderr, "{}\n", to_string(remark));
-}
-
 }  // namespace
 
 Exit replay_log_of(LogSettings settings) {
@@ -271,7 +265,7 @@ Exit replay_log_of(LogSettings settings) {
   } else {
     tell(settings, *report, stopwatch.seconds());
     std::fflush(stdout);  // before related output on stderr
-    tell_log_remarks(*report);
+    tell_remarks(report->remarks, report->failure);
   }
   if (report->failure || report->controller_refused) return Exit::controller_failed;
   if (is_of_nothing(*report)) return Exit::bad_input;

@@ -78,7 +78,7 @@ Exit print_watched(const TickSettings& settings, SteppedTrace& trace) {
       const double value = trace.value(column.series, tick, column.side);
       if (settings.json) {
         const bool replayed = column.side == CommandSide::replayed;
-        object[replayed ? "replayed" : "values"][trace.series_name(column.series)] = json_of(value);
+        object[replayed ? "replayed" : "values"][trace.series_name(column.series)] = number_json(value);
       } else {
         line += fmt::format(", {:>{}}", cell(value), widths[i]);
       }
@@ -119,7 +119,7 @@ Exit print_when(const TickSettings& settings, SteppedTrace& trace) {
     if (settings.json) {
       Json operands = Json::object();
       for (const Expression::Operand& operand : expression->operands())
-        operands[operand.text] = json_of(expression->number_of(operand, trace, span.first));
+        operands[operand.text] = number_json(expression->number_of(operand, trace, span.first));
       print_line({{"tick", span.first},
                   {"time", trace.time_at(span.first)},
                   {"ticks", length},
@@ -152,13 +152,10 @@ Exit print_when(const TickSettings& settings, SteppedTrace& trace) {
 
 Exit print_tick(const TickSettings& settings, SteppedTrace& trace) {
   const std::int64_t tick = settings.tick ? *settings.tick : trace.tick_at(*settings.at);
-  if (tick > trace.last_tick() || tick < trace.first_tick()) {
-    Diagnostic finding = error(fmt::format("nothing is recorded at {} s", *settings.at),
-                               fmt::format("its ticks are {} to {}, up to {:.10g} s", trace.first_tick(),
-                                           trace.last_tick(), trace.time_at(trace.last_tick())));
-    finding.file = trace.file();
-    return refuse(finding);
-  }
+  if (tick > trace.last_tick() || tick < trace.first_tick())
+    return refuse(error_in(trace.file(), fmt::format("nothing is recorded at {} s", *settings.at),
+                           fmt::format("its ticks are {} to {}, up to {:.10g} s", trace.first_tick(), trace.last_tick(),
+                                       trace.time_at(trace.last_tick()))));
   TickParts parts;
   parts.full = settings.full;
   for (const std::string& pattern : settings.watch) {
@@ -196,9 +193,7 @@ Result<void> check_usage(const TickSettings& settings) {
 
 void tell_remarks(const SteppedTrace& trace) {
   std::fflush(stdout);
-  for (const Diagnostic& remark : trace.remarks())
-    if (!trace.failure() || remark.message.find(trace.failure()->message) == std::string::npos)
-      fmt::print(stderr, "{}\n", to_string(remark));
+  tell_remarks(trace.remarks(), trace.failure());
   if (trace.failure())
     fmt::print(stderr, "{}\nthe replay ended at tick {}: from there on commands are those of the recording\n",
                to_string(*trace.failure()), trace.last_replayed().value_or(-1) + 1);

@@ -4,6 +4,8 @@
 
 #include <cstdio>
 
+#include "output.h"
+
 namespace rehearse::tool {
 namespace {
 
@@ -24,9 +26,7 @@ void tell_warnings(const Scenario& scenario) {
 }
 
 void tell_remarks(const RunSummary& summary) {
-  for (const Diagnostic& remark : summary.remarks)
-    if (!summary.failure || remark.message.find(summary.failure->message) == std::string::npos)
-      fmt::print(stderr, "{}\n", to_string(remark));
+  tell_remarks(summary.remarks, summary.failure);
   if (summary.failure) fmt::print(stderr, "{}\n", to_string(*summary.failure));
 }
 

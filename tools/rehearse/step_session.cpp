@@ -4,7 +4,6 @@
 #include <rehearse/compare.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -13,6 +12,7 @@
 #include <set>
 
 #include "mcap/replaceable.h"
+#include "model/text.h"
 #include "output.h"
 #include "tick_print.h"
 
@@ -32,27 +32,19 @@ std::string_view take_word(std::string_view& text) {
   return word;
 }
 
-template <class T>
-std::optional<T> number(std::string_view text) {
-  T value{};
-  const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (read.ec != std::errc() || read.ptr != text.data() + text.size() || text.empty()) return std::nullopt;
-  return value;
-}
-
 /// "1200", "3.2s", "start", "end", "+5", "-5".
 std::optional<std::int64_t> place(std::string_view text, std::int64_t here, const SteppedTrace& trace) {
   if (text == "start") return trace.first_tick();
   if (text == "end") return trace.last_tick();
   constexpr double longest = 1e9;  // [s]
   if (text.ends_with('s')) {
-    const auto time = number<double>(text.substr(0, text.size() - 1));
+    const auto time = number_in<double>(text.substr(0, text.size() - 1));
     if (!time || !(*time >= 0.0) || *time > longest) return std::nullopt;
     return trace.tick_at(*time);
   }
   constexpr std::int64_t farthest = std::int64_t{1} << 60;
   const bool goes_on = text.starts_with('+');
-  const auto tick = number<std::int64_t>(goes_on ? text.substr(1) : text);
+  const auto tick = number_in<std::int64_t>(goes_on ? text.substr(1) : text);
   if (!tick || *tick > farthest || *tick < -farthest) return std::nullopt;
   return goes_on || text.starts_with('-') ? here + *tick : *tick;
 }
@@ -205,7 +197,7 @@ StepSession::Answer StepSession::move(std::int64_t by) {
 StepSession::Answer StepSession::next(Words rest) {
   constexpr std::int64_t most = 1'000'000'000'000;
   if (rest.empty()) return move(1);
-  const auto count = number<std::int64_t>(rest);
+  const auto count = number_in<std::int64_t>(rest);
   if (!count || *count < 1 || *count > most)
     return refuse(error(fmt::format("'{}' is no number of ticks", plain_text(rest))));
   return move(*count);
@@ -218,7 +210,7 @@ StepSession::Answer StepSession::back(Words rest) {
   const std::string_view word = take_word(of);
   if (std::string_view("until").starts_with(word)) return search(of, Direction::backwards);
   if (std::string_view("continue").starts_with(word)) return to_happening(Direction::backwards);
-  const auto count = number<std::int64_t>(rest);
+  const auto count = number_in<std::int64_t>(rest);
   if (!count || *count < 1 || *count > most)
     return refuse(error(fmt::format("'{}' is no number of ticks", plain_text(rest)),
                         "back, back N, back until EXPR, back continue"));
@@ -260,12 +252,11 @@ StepSession::Answer StepSession::search(Words text, Direction direction) {
 StepSession::Answer StepSession::until(Words rest) { return search(rest, Direction::forwards); }
 
 StepSession::Answer StepSession::to_happening(Direction direction) {
-  const bool on = direction == Direction::forwards;
-  const auto found = on ? trace_.next_happening(tick_) : trace_.happening_before(tick_);
+  const auto found = trace_.happening(tick_, direction);
   if (found) {
     arrive(*found);
   } else {
-    fmt::print("nothing more happens {} here; still at {}\n", on ? "after" : "before",
+    fmt::print("nothing more happens {} here; still at {}\n", direction == Direction::forwards ? "after" : "before",
                tick_text(tick_, trace_.time_at(tick_)));
   }
   return Answer::done;

@@ -20,7 +20,7 @@ Json json_of_result(const Campaign& campaign, const CaseResult& result) {
   Json margins = Json::array();
   for (std::size_t i = 0; i < std::min(result.margins.size(), campaign.expectations().size()); ++i)
     margins.push_back({{"expectation", campaign.expectations()[i]},
-                       {"margin", result.margins[i] ? json_of(*result.margins[i]) : Json(nullptr)}});
+                       {"margin", result.margins[i] ? number_json(*result.margins[i]) : Json(nullptr)}});
   return {{"verdict", std::string(to_string(result.verdict))},
           {"sentence", result.sentence},
           {"tick", result.tick ? Json(*result.tick) : Json(nullptr)},

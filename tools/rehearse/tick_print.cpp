@@ -14,11 +14,6 @@ namespace {
 
 constexpr std::size_t most_rows = 12;  // of a channel without joints
 
-std::size_t width_of(std::string_view text) {
-  return static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
-}
-
 std::string number_text(double value) { return std::isnan(value) ? "NaN" : fmt::format("{:.7g}", value); }
 
 std::string delta_text(const ViewValue& value) {
@@ -207,33 +202,16 @@ Json json_of(const ViewValue& value) {
   Json object{{"series", value.series},
               {"element", value.element},
               {"unit", value.unit},
-              {"value", tool::json_of(value.value)},
-              {"changed", value.changed()},
-              {"delta", value.before ? tool::json_of(value.value - *value.before) : Json(nullptr)}};
-  object["replayed"] = value.replayed ? tool::json_of(*value.replayed) : Json(nullptr);
+              {"value", number_json(value.value)},
+              {"changed", value.changed()}};
+  object["delta"] = value.before ? number_json(value.value - *value.before) : Json(nullptr);
+  object["replayed"] = value.replayed ? number_json(*value.replayed) : Json(nullptr);
   if (value.replayed) object["ulps"] = value.ulps;
   return object;
 }
 
-std::string_view word_for(ViewChannel::Kind kind) {
-  switch (kind) {
-    case ViewChannel::Kind::input: return "input";
-    case ViewChannel::Kind::output: return "output";
-    case ViewChannel::Kind::state: return "state";
-    case ViewChannel::Kind::sensor: return "sensor";
-    case ViewChannel::Kind::other: break;
-  }
-  return "other";
-}
-
-std::string_view word_for(ViewMessage::Where where) {
-  switch (where) {
-    case ViewMessage::Where::both: return "both";
-    case ViewMessage::Where::recorded: return "recorded";
-    case ViewMessage::Where::replayed: break;
-  }
-  return "replayed";
-}
+constexpr const char* kind_names[] = {"input", "output", "state", "sensor", "other"};  // by ViewChannel::Kind
+constexpr const char* where_names[] = {"both", "recorded", "replayed"};                // by ViewMessage::Where
 
 }  // namespace
 
@@ -340,14 +318,16 @@ Json json_of(const TickView& view, const TickParts& parts) {
     for (const ViewValue& value : channel.values)
       if (is_shown(value, parts)) values.push_back(json_of(value));
     if (!values.empty())
-      channels.push_back(
-          {{"topic", channel.topic}, {"owner", channel.owner}, {"kind", word_for(channel.kind)}, {"values", values}});
+      channels.push_back({{"topic", channel.topic},
+                          {"owner", channel.owner},
+                          {"kind", kind_names[static_cast<std::size_t>(channel.kind)]},
+                          {"values", values}});
   }
   for (const ViewMessage& message : view.messages)
     messages.push_back({{"source", message.source},
                         {"severity", message.severity},
                         {"text", message.text},
-                        {"in", word_for(message.where)}});
+                        {"in", where_names[static_cast<std::size_t>(message.where)]}});
   for (const ViewContact& contact : view.contacts)
     contacts.push_back({{"link", contact.link},
                         {"other", contact.other},
@@ -355,7 +335,7 @@ Json json_of(const TickView& view, const TickParts& parts) {
                         {"changed", contact.began || !contact.touches}});
   for (const ViewPicture& picture : view.pictures)
     pictures.push_back({{"topic", picture.topic}, {"bytes", picture.bytes}});
-  for (const Divergence& difference : view.differences) differences.push_back(tool::json_of(std::optional(difference)));
+  for (const Divergence& difference : view.differences) differences.push_back(rehearse::json_of(difference));
   return {{"tick", view.tick},    {"time", view.time},    {"replayed", view.is_replayed}, {"channels", channels},
           {"messages", messages}, {"contacts", contacts}, {"pictures", pictures},         {"differences", differences}};
 }

@@ -48,6 +48,12 @@ Diagnostic error(std::string message, std::string hint = {});
 /// Returns a diagnostic of severity error about a file; `file` is its name as the user gave it.
 Diagnostic error_in(std::string file, std::string message, std::string hint = {});
 
+/// Returns a diagnostic of severity warning without a place.
+Diagnostic warning(std::string message, std::string hint = {});
+
+/// Adds the findings to the remarks, each with severity warning.
+void append_as_warnings(Diagnostics findings, Diagnostics& remarks);
+
 /// True if any diagnostic has the severity error.
 bool has_error(const Diagnostics& diagnostics);
 

@@ -93,6 +93,17 @@ struct LinkReading {
   Eigen::Vector3d angular_acceleration = Eigen::Vector3d::Zero();  // [rad/s²]
 };
 
+/// The pose with that position [m] and rotation, a unit quaternion.
+inline Eigen::Isometry3d pose_of(const Eigen::Vector3d& position, const Eigen::Quaterniond& rotation) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = rotation.toRotationMatrix();
+  pose.translation() = position;
+  return pose;
+}
+
+/// The pose of the link's frame.
+inline Eigen::Isometry3d pose_of(const LinkReading& link) { return pose_of(link.position, link.rotation); }
+
 /// The last measurement of a device, and whether it is new since the last tick.
 /// `values` by kind: ForceSensor force [N] then torque about the sensor's origin [N·m]; Gyro angular velocity [rad/s];
 /// Accelerometer specific force [m/s²]; Imu angular velocity then specific force; ContactSensor number of points, then

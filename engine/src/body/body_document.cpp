@@ -1,7 +1,6 @@
 #include "body_document.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
@@ -11,6 +10,7 @@
 #include <string_view>
 
 #include "mesh/mesh_input.h"
+#include "model/names.h"
 #include "model/text.h"
 
 namespace rehearse::body {
@@ -73,10 +73,8 @@ void Document::passed_over(const YamlNode& at, const std::string& kind, const st
 void Document::tell_passed() {
   constexpr std::size_t most = 30;
   for (const auto& [kind, passed] : passed_) {
-    std::vector<std::string> keys(passed.keys.begin(), passed.keys.end());
-    const std::string more = keys.size() > most ? fmt::format(" and {} more", keys.size() - most) : "";
-    keys.resize(std::min(keys.size(), most));
-    findings_.note(passed.line, fmt::format("keys of {} without effect here: {}{}", kind, fmt::join(keys, ", "), more));
+    const std::vector<std::string> keys(passed.keys.begin(), passed.keys.end());
+    findings_.note(passed.line, fmt::format("keys of {} without effect here: {}", kind, listed(keys, most)));
   }
 }
 

@@ -4,7 +4,6 @@
 #include <png.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <csetjmp>
 #include <cstring>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "mesh_input.h"
+#include "model/text.h"
 
 namespace rehearse {
 namespace {
@@ -21,8 +21,7 @@ namespace {
 using Eigen::Vector3d;
 
 Diagnostic at(const std::string& name, std::string message, std::string hint, int line = 0, int column = 0) {
-  Diagnostic finding = error(std::move(message), std::move(hint));
-  finding.file = name;
+  Diagnostic finding = error_in(name, std::move(message), std::move(hint));
   finding.line = line;
   finding.column = column;
   return finding;
@@ -127,12 +126,11 @@ Result<void> read_line(std::string_view line, const std::string& name, int numbe
     if (line.empty()) return {};
     const std::string_view word = line.substr(0, line.find_first_of(between));
     const int column = static_cast<int>(line.data() - begin) + 1;
-    double value = 0.0;
-    const auto [end, problem] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (problem != std::errc() || end != word.data() + word.size() || !std::isfinite(value))
+    const auto value = number_in<double>(word);
+    if (!value || !std::isfinite(*value))
       return at(name, fmt::format("'{}' is no height", word.substr(0, 40)), "expected a finite number [m]", number,
                 column);
-    heights.push_back(value);
+    heights.push_back(*value);
     line.remove_prefix(word.size());
   }
 }

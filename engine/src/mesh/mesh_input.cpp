@@ -14,12 +14,6 @@
 namespace rehearse {
 namespace {
 
-Diagnostic of_file(const std::filesystem::path& file, std::string message, std::string hint = {}) {
-  Diagnostic diagnostic = error(std::move(message), std::move(hint));
-  diagnostic.file = file.string();
-  return diagnostic;
-}
-
 /// A stream of bytes in memory. It is in the list of open streams during its lifetime.
 class Stream : public Assimp::MemoryIOStream {
  public:
@@ -43,17 +37,17 @@ Result<std::string> read_mesh_file(const std::filesystem::path& file) {
     absent.file = file.string();
     return absent;
   }
-  if (std::filesystem::is_directory(status)) return of_file(file, "it is a directory");
-  if (!std::filesystem::is_regular_file(status)) return of_file(file, "it is not a file that can be read");
+  if (std::filesystem::is_directory(status)) return error_in(file.string(), "it is a directory");
+  if (!std::filesystem::is_regular_file(status)) return error_in(file.string(), "it is not a file that can be read");
   const auto size = std::filesystem::file_size(file, problem);
   if (!problem && size > max_mesh_bytes) {
-    return of_file(file, fmt::format("it has {} bytes, more than {} MiB", size, max_mesh_bytes >> 20));
+    return error_in(file.string(), fmt::format("it has {} bytes, more than {} MiB", size, max_mesh_bytes >> 20));
   }
   std::ifstream stream(file, std::ios::binary);
   std::string bytes(problem ? 0 : size, '\0');
   stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   if (problem || !stream.good() || static_cast<std::size_t>(stream.gcount()) != bytes.size()) {
-    return of_file(file, "it can't be read", "look at its permissions");
+    return error_in(file.string(), "it can't be read", "look at its permissions");
   }
   return bytes;
 }

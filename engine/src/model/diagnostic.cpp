@@ -51,6 +51,19 @@ Diagnostic error_in(std::string file, std::string message, std::string hint) {
   return diagnostic;
 }
 
+Diagnostic warning(std::string message, std::string hint) {
+  Diagnostic diagnostic = error(std::move(message), std::move(hint));
+  diagnostic.severity = Severity::warning;
+  return diagnostic;
+}
+
+void append_as_warnings(Diagnostics findings, Diagnostics& remarks) {
+  for (Diagnostic& finding : findings) {
+    finding.severity = Severity::warning;
+    remarks.push_back(std::move(finding));
+  }
+}
+
 bool has_error(const Diagnostics& diagnostics) {
   return std::any_of(diagnostics.begin(), diagnostics.end(),
                      [](const Diagnostic& diagnostic) { return diagnostic.severity == Severity::error; });

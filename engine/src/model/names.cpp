@@ -32,6 +32,13 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
+std::string listed(const std::vector<std::string>& words, std::size_t most) {
+  const auto shown = static_cast<std::ptrdiff_t>(std::min(words.size(), most));
+  std::string text = fmt::format("{}", fmt::join(words.begin(), words.begin() + shown, ", "));
+  if (words.size() > most) text += fmt::format(" and {} more", words.size() - most);
+  return text;
+}
+
 std::vector<std::string> near_names(std::string_view wanted, const std::vector<std::string>& names) {
   constexpr std::size_t longest = 100;  // limits the time for a hostile key
   if (wanted.size() > longest) return {};
@@ -54,10 +61,7 @@ std::string name_hint(std::string_view wanted, const std::vector<std::string>& n
   if (names.empty()) return fmt::format("there are no {}", kind);
   const std::vector<std::string> near = near_names(wanted, names);
   if (!near.empty()) return fmt::format("did you mean '{}'?", fmt::join(near, "' or '"));
-  const auto shown = static_cast<std::ptrdiff_t>(std::min(names.size(), max_names_listed));
-  std::string hint = fmt::format("known {}: {}", kind, fmt::join(names.begin(), names.begin() + shown, ", "));
-  if (names.size() > max_names_listed) hint += fmt::format(" and {} more", names.size() - max_names_listed);
-  return hint;
+  return fmt::format("known {}: {}", kind, listed(names, max_names_listed));
 }
 
 }  // namespace rehearse

@@ -3,7 +3,6 @@
 #include <string>
 
 #include "model/capture_cycle.h"
-#include "model/link_pose.h"
 
 namespace rehearse {
 namespace {

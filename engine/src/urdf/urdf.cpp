@@ -149,26 +149,20 @@ std::optional<Model> read_robot(const std::string& text, const std::filesystem::
   return model;
 }
 
-Diagnostic file_error(const std::filesystem::path& file, std::string message) {
-  Diagnostic diagnostic = error(std::move(message));
-  diagnostic.file = file.string();
-  return diagnostic;
-}
-
 }  // namespace
 
 Result<Model> load_urdf(const std::filesystem::path& file, const UrdfOptions& options) {
   std::error_code problem;
   const auto status = std::filesystem::status(file, problem);
-  if (!std::filesystem::exists(status)) return file_error(file, "there is no such file");
-  if (!std::filesystem::is_regular_file(status)) return file_error(file, "this is not a file that can be read");
+  if (!std::filesystem::exists(status)) return error_in(file.string(), "there is no such file");
+  if (!std::filesystem::is_regular_file(status)) return error_in(file.string(), "this is not a file that can be read");
   const auto size = std::filesystem::file_size(file, problem);
   if (!problem && size > max_urdf_bytes) {
-    return file_error(file, fmt::format("the file has {} bytes, more than {} MiB", size, max_urdf_bytes >> 20));
+    return error_in(file.string(), fmt::format("the file has {} bytes, more than {} MiB", size, max_urdf_bytes >> 20));
   }
   std::ifstream stream(file, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (!stream.is_open() || stream.bad()) return file_error(file, "the file can't be read");
+  if (!stream.is_open() || stream.bad()) return error_in(file.string(), "the file can't be read");
   return parse_urdf(text, file.string(), options);
 }
 

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <tinyxml2.h>
 
-#include <charconv>
 #include <set>
 
 namespace rehearse::urdf {
@@ -24,13 +23,9 @@ std::optional<int> take_ending(std::string_view& name) {
   const std::size_t place = name.rfind(ending);
   if (place == std::string_view::npos) return std::nullopt;
   const std::string_view rest = name.substr(place + ending.size());
-  int number = 0;
-  if (!rest.empty()) {
-    const auto [end, problem] = std::from_chars(rest.data() + 1, rest.data() + rest.size(), number);
-    const bool is_number = rest.size() > 1 && rest.front() == '_' && problem == std::errc() &&
-                           end == rest.data() + rest.size() && number >= 0;
-    if (!is_number) return std::nullopt;
-  }
+  std::optional<int> number = 0;
+  if (!rest.empty()) number = rest.front() == '_' ? number_in<int>(rest.substr(1)) : std::nullopt;
+  if (!number || *number < 0) return std::nullopt;
   name = name.substr(0, place);
   return number;
 }

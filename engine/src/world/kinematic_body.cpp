@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/link_pose.h"
 #include "ode_math.h"
 
 namespace rehearse {
@@ -26,9 +25,7 @@ Vector3d turned(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
 KinematicBody::KinematicBody(dWorldID world, WorldBody body, double time_step)
     : SimulatedBody(std::move(body)), time_step_(time_step) {
   for (const double q : description().joints) joints_.push_back({q, 0.0, 0.0, 0.0});
-  Isometry3d root = Isometry3d::Identity();
-  root.linear() = description().rotation.toRotationMatrix();
-  root.translation() = description().position;
+  const Isometry3d root = pose_of(description().position, description().rotation);
   for (const Isometry3d& pose : forward_kinematics(model(), root, description().joints)) {
     LinkReading& link = links_.emplace_back();
     link.position = pose.translation();

@@ -18,9 +18,7 @@ OdeBody::OdeBody(dWorldID world, WorldBody body, double time_step)
   dVector3 gravity;
   dWorldGetGravity(world, gravity);
   gravity_ = vector(gravity);
-  Isometry3d root = Isometry3d::Identity();
-  root.linear() = description().rotation.toRotationMatrix();
-  root.translation() = description().position;
+  const Isometry3d root = pose_of(description().position, description().rotation);
   const auto zero_posture = forward_kinematics(model(), root, std::vector<double>(model().joints.size(), 0.0));
 
   const RigidGroups groups = group_links(model());

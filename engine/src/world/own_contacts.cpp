@@ -61,10 +61,8 @@ void SimulatedBody::pair_own_shapes() {
   std::string names;
   for (const auto& [link, other] : overlapping)
     names += (names.empty() ? "'" : ", '") + links[link].name + "' and '" + links[other].name + "'";
-  Diagnostic remark = error("body '" + description_.name + "': these links overlap when all joints are at zero, so " +
-                            "they don't touch each other: " + names);
-  remark.severity = Severity::warning;
-  remarks_.push_back(std::move(remark));
+  remarks_.push_back(warning("body '" + description_.name + "': these links overlap when all joints are at zero, so " +
+                             "they don't touch each other: " + names));
 }
 
 }  // namespace rehearse

@@ -197,10 +197,7 @@ const Observation& World::sense() const {
 std::vector<float> World::measure_ranges(int body, int device) const {
   const Device& of = impl_->bodies.at(body)->description().model->devices.at(device);
   const LinkReading& link = sense().bodies[body].links[of.link];
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = link.rotation.toRotationMatrix();
-  pose.translation() = link.position;
-  return measure_beams(std::get<RangeSensor>(of.kind), pose * of.pose, impl_->bodies, body, of.link);
+  return measure_beams(std::get<RangeSensor>(of.kind), pose_of(link) * of.pose, impl_->bodies, body, of.link);
 }
 
 void World::watch(int body, int link) {

@@ -150,9 +150,7 @@ std::string_view advice(const std::string& text, int line) {
 
 Result<std::string> read_yaml_file(const std::filesystem::path& path, const std::string& what) {
   const auto failed = [&path](std::string message, std::string hint) {
-    Diagnostic diagnostic = error(std::move(message), std::move(hint));
-    diagnostic.file = path.string();
-    return diagnostic;
+    return error_in(path.string(), std::move(message), std::move(hint));
   };
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored))

@@ -84,9 +84,11 @@ std::string_view to_string(AuditedCall::Reached reached);
 
 /// A finding in the file of a controller's library: an instruction or a function that it can call.
 struct AuditedCode {
-  std::string kind;
-  std::int64_t count = 0;
-  std::string function, place, sentence;
+  std::string kind;        // "fast_math_startup", "fused_arithmetic", "processor_query", "imported_source", ...
+  std::int64_t count = 0;  // instructions; 1 for a start-up function or an import
+  std::string function;    // the first function that contains one, demangled; of an import: the imported function
+  std::string place;       // "filter.cpp:31", without debug information "BadFilter.so+0x1139"; of an import: empty
+  std::string sentence;    // for a person, complete
 };
 
 struct ControllerAudit {

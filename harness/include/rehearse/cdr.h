@@ -6,7 +6,7 @@
 // form of XCDR version 2. In this form values of eight bytes are aligned to multiples of four. Writer and reader reuse
 // their memory for all messages.
 //
-// msg::encode, msg::decode and msg::schema_text use one list of a struct's fields, T::for_each_field(), so they always
+// msg::encode, msg::decode and msg::schema_text use one list of a struct's fields, REHEARSE_FIELDS, so they always
 // agree. The structs are in messages.h.
 #pragma once
 
@@ -18,7 +18,9 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace rehearse {
@@ -217,13 +219,34 @@ class CdrReader {
 
 }  // namespace rehearse
 
+/// Lists the fields of a message struct, in the order of its schema. Each field has the name of its member. The struct
+/// also has a type_name:
+///
+///   struct Temperature {
+///     static constexpr std::string_view type_name = "my_msgs/msg/Temperature";
+///     rehearse::msg::Header header;
+///     double kelvin = 0.0;
+///     REHEARSE_FIELDS(header, kelvin)
+///   };
+///
+/// Types of fields: numbers, bool, std::string, message structs, std::vector of these, std::array of numbers.
+#define REHEARSE_FIELDS(...)                                    \
+  static constexpr std::string_view field_names = #__VA_ARGS__; \
+  auto tied() { return std::tie(__VA_ARGS__); }                 \
+  auto tied() const { return std::tie(__VA_ARGS__); }
+
 namespace rehearse::msg {
 
-/// A struct that lists its fields: any struct of messages.h.
+/// A struct with a type_name and REHEARSE_FIELDS: any struct of messages.h.
 template <class T>
 concept MessageStruct = requires {
   T::type_name;
+  T::field_names;
 };
+
+/// Calls `visit(name, field)` for each field of the message, in order; name is a std::string_view.
+template <class T, class Visit>
+void for_each_field(T& message, Visit&& visit);
 
 /// Appends the message to the writer; begin with writer.reset().
 template <MessageStruct T>
@@ -238,6 +261,21 @@ template <MessageStruct T>
 std::string schema_text();
 
 namespace detail {
+
+/// The names of a list that is separated by commas.
+template <std::size_t count>
+constexpr std::array<std::string_view, count> names_in(std::string_view list) {
+  std::array<std::string_view, count> names;
+  for (std::string_view& name : names) {
+    list.remove_prefix(list.find_first_not_of(", "));
+    name = list.substr(0, list.find_first_of(", "));
+    list.remove_prefix(name.size());
+  }
+  return names;
+}
+
+template <MessageStruct T>
+inline constexpr auto field_names = names_in<std::tuple_size_v<decltype(std::declval<T&>().tied())>>(T::field_names);
 
 template <CdrNumber T>
 void encode_value(T value, CdrWriter& writer) {
@@ -300,14 +338,23 @@ void decode_value(CdrReader& reader, std::vector<T>& values) {
 
 }  // namespace detail
 
+template <class T, class Visit>
+void for_each_field(T& message, Visit&& visit) {
+  const auto visit_all = [&visit](auto&... field) {
+    [[maybe_unused]] auto name = detail::field_names<std::remove_const_t<T>>.begin();
+    (visit(*name++, field), ...);
+  };
+  std::apply(visit_all, message.tied());
+}
+
 template <MessageStruct T>
 void encode(const T& message, CdrWriter& writer) {
-  T::for_each_field(message, [&](const char*, const auto& field) { detail::encode_value(field, writer); });
+  for_each_field(message, [&](std::string_view, const auto& field) { detail::encode_value(field, writer); });
 }
 
 template <MessageStruct T>
 bool decode(CdrReader& reader, T& message) {
-  T::for_each_field(message, [&](const char*, auto& field) { detail::decode_value(reader, field); });
+  for_each_field(message, [&](std::string_view, auto& field) { detail::decode_value(reader, field); });
   return reader.ok();
 }
 
@@ -341,10 +388,10 @@ class SchemaComposer {
     const std::size_t index = definitions_.size();
     definitions_.push_back({T::type_name, {}});
     T message;
-    T::for_each_field(message, [&](const char* name, const auto& field) {
-      definitions_[index].fields += type_text(field) + " " + name + "\n";
+    for_each_field(message, [&](std::string_view name, const auto& field) {
+      definitions_[index].fields += type_text(field).append(" ").append(name).append("\n");
     });
-    T::for_each_field(message, [&](const char*, const auto& field) { add_used(field); });
+    for_each_field(message, [&](std::string_view, const auto& field) { add_used(field); });
   }
 
   template <class T>

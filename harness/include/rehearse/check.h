@@ -168,6 +168,7 @@ struct CheckReport {
 
   bool equal() const;   // every compared level is equal
   bool within() const;  // no level differs
+  bool failed() const;  // a controller failed or refused to take part, or the simulation exploded
 };
 
 /// Compares the present behaviour of a scenario with a golden recording. The fresh trace is written to `actual`, the

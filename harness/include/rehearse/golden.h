@@ -176,9 +176,10 @@ class GoldenStore {
   GoldenResult settle(const std::string& name, const Trace& actual, const std::vector<ToleranceRule>& rules,
                       GoldenMode mode, const SettleOptions& options = {});
 
-  /// The verdict of the last check of the pending run of that name, a sentence; acceptances state it. Empty: no
-  /// verdict.
+  /// The verdict of the last check of the pending run of that name, a sentence; acceptances state it. Empty: no check
+  /// has judged this trace, byte by byte.
   std::string pending_verdict(const std::string& name) const;
+  /// Stores the verdict beside the pending trace. Fails if it can't be written, or if the trace can't be read.
   Result<void> keep_pending_verdict(const std::string& name, const std::string& verdict) const;
 
   /// The names of the pending runs.

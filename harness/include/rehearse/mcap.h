@@ -177,51 +177,50 @@ class Writer {
   /// Appends to bytes that outlive the Writer, and that the caller doesn't touch before close() or flush() has
   /// returned.
   static std::unique_ptr<Writer> create_in_memory(std::vector<std::byte>& out, WriterOptions options = {});
-  ~Writer();
+  virtual ~Writer() = default;
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 
   /// Adds a schema and returns its id (from 1). The same name, encoding and data return the same id again. A file can
   /// contain 65535 schemas; for one more it returns 0, and every later call returns an error.
-  std::uint16_t add_schema(std::string_view name, std::string_view encoding, std::string_view data);
+  virtual std::uint16_t add_schema(std::string_view name, std::string_view encoding, std::string_view data) = 0;
 
   /// Adds a channel and returns its id (from 1). `schema` is 0 or an id of add_schema. A file can contain 65536
   /// channels, the last with the id 0; after one more every later call returns an error.
-  std::uint16_t add_channel(std::uint16_t schema, std::string_view topic, std::string_view message_encoding,
-                            StringMap metadata = {}, ChunkGroup group = numbers);
+  virtual std::uint16_t add_channel(std::uint16_t schema, std::string_view topic, std::string_view message_encoding,
+                                    StringMap metadata = {}, ChunkGroup group = numbers) = 0;
 
   /// Copies the message into the open chunk of its channel's group. Takes tens of nanoseconds, unless the queue is
   /// full. `sequence`: for messages that already have a number; else they are counted from 0 on each channel.
-  Result<void> write(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns, Bytes data,
-                     std::optional<std::uint32_t> sequence = {});
+  virtual Result<void> write(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns,
+                             Bytes data, std::optional<std::uint32_t> sequence = {}) = 0;
 
   /// Adds a message that takes long to compose, as a picture to encode. The Writer's thread calls `compose` once, when
   /// the chunk is finished. Its result must depend only on data that doesn't change; it throws nothing. `held`: size of
   /// the memory that it keeps until then [bytes].
-  Result<void> write_later(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns,
-                           std::size_t held, std::function<std::vector<std::byte>()> compose);
+  virtual Result<void> write_later(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns,
+                                   std::size_t held, std::function<std::vector<std::byte>()> compose) = 0;
 
   /// Adds an attachment. Unknown times are 0, never the wall clock's time.
-  Result<void> add_attachment(std::string_view name, std::string_view media_type, Bytes data,
-                              std::uint64_t log_time_ns = 0, std::uint64_t create_time_ns = 0);
+  virtual Result<void> add_attachment(std::string_view name, std::string_view media_type, Bytes data,
+                                      std::uint64_t log_time_ns = 0, std::uint64_t create_time_ns = 0) = 0;
 
-  Result<void> add_metadata(std::string_view name, const StringMap& values);
+  virtual Result<void> add_metadata(std::string_view name, const StringMap& values) = 0;
 
   /// Finishes the open chunks and waits until all of them are in the file. It changes the bytes of the file, because
   /// the chunks end here. For use before a step that may crash the process.
-  Result<void> flush();
+  virtual Result<void> flush() = 0;
 
   /// Finishes the open chunks, writes the summary and closes the file. No data may be added afterwards; a second
   /// close() returns the result of the first.
-  Result<void> close();
+  virtual Result<void> close() = 0;
 
   /// The file descriptor until close(); -1 in memory.
-  int descriptor() const;
+  virtual int descriptor() const = 0;
 
  private:
-  class Impl;
-  explicit Writer(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  Writer() = default;
+  friend class FileWriter;
 };
 
 /// The way in which a Reader finds the contents of a file.
@@ -237,14 +236,6 @@ struct ReaderOptions {
   std::uint64_t max_chunk_size = std::uint64_t{1} << 30;
 };
 
-/// A record of the file.
-struct Record {
-  std::uint8_t opcode = 0;
-  Bytes body;                          // without opcode and length; valid during the callback only
-  std::uint64_t offset = 0;            // offset of its opcode, in the file or in the decompressed records of the chunk
-  std::optional<std::uint64_t> chunk;  // offset in the file of the chunk that contains it, if any
-};
-
 /// Reads one log: an MCAP file, a rosbag2 folder with all of its files, a database of rosbag2 (.db3), or such a file
 /// compressed by zstd. All but the first are converted to an MCAP file in the folder for temporary files (TMPDIR).
 /// open() fails only if nothing can be read: the file doesn't exist, is no log or is not a file (a device). A pipe
@@ -253,7 +244,6 @@ struct Record {
 class Reader {
  public:
   using OnMessage = std::function<bool(const Message&)>;  // false: stop
-  using OnRecord = std::function<bool(const Record&)>;    // false: stop
 
   /// Maps the file in its present size, and reads its outermost records. It reads no chunks, except for channels if
   /// there is no summary.

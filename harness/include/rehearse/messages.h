@@ -1,8 +1,8 @@
 // The messages of a trace: plain structs with the names and fields of ROS 2.
 //
-// Each struct lists its fields once, in for_each_field(). encode(), decode() and the schema text use this list, so they
-// always agree. encode() and decode() don't allocate once strings and vectors have reached their size. The package
-// rehearse_msgs belongs to this project; harness/TRACE_FORMAT.md describes its types.
+// Each struct lists its fields once, in REHEARSE_FIELDS (cdr.h). encode(), decode() and the schema text use this list,
+// so they always agree. encode() and decode() don't allocate once strings and vectors have reached their size. The
+// package rehearse_msgs belongs to this project; harness/TRACE_FORMAT.md describes its types.
 #pragma once
 
 #include <rehearse/cdr.h>
@@ -20,30 +20,20 @@ struct Time {
   static constexpr std::string_view type_name = "builtin_interfaces/msg/Time";
   std::int32_t sec = 0;
   std::uint32_t nanosec = 0;
+  REHEARSE_FIELDS(sec, nanosec)
 
   /// From nanoseconds, as log times are.
   static Time from_ns(std::uint64_t ns) {
     return {static_cast<std::int32_t>(ns / 1'000'000'000), static_cast<std::uint32_t>(ns % 1'000'000'000)};
   }
   std::uint64_t to_ns() const { return static_cast<std::uint64_t>(sec) * 1'000'000'000 + nanosec; }
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("sec", self.sec);
-    visit("nanosec", self.nanosec);
-  }
 };
 
 struct Header {
   static constexpr std::string_view type_name = "std_msgs/msg/Header";
   Time stamp;
   std::string frame_id;  // the frame of the quantities
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("stamp", self.stamp);
-    visit("frame_id", self.frame_id);
-  }
+  REHEARSE_FIELDS(stamp, frame_id)
 };
 
 struct Vector3 {
@@ -51,13 +41,7 @@ struct Vector3 {
   double x = 0.0;
   double y = 0.0;
   double z = 0.0;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("x", self.x);
-    visit("y", self.y);
-    visit("z", self.z);
-  }
+  REHEARSE_FIELDS(x, y, z)
 };
 
 /// [m]
@@ -66,13 +50,7 @@ struct Point {
   double x = 0.0;
   double y = 0.0;
   double z = 0.0;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("x", self.x);
-    visit("y", self.y);
-    visit("z", self.z);
-  }
+  REHEARSE_FIELDS(x, y, z)
 };
 
 struct Quaternion {
@@ -81,74 +59,42 @@ struct Quaternion {
   double y = 0.0;
   double z = 0.0;
   double w = 1.0;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("x", self.x);
-    visit("y", self.y);
-    visit("z", self.z);
-    visit("w", self.w);
-  }
+  REHEARSE_FIELDS(x, y, z, w)
 };
 
 struct Pose {
   static constexpr std::string_view type_name = "geometry_msgs/msg/Pose";
   Point position;
   Quaternion orientation;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("position", self.position);
-    visit("orientation", self.orientation);
-  }
+  REHEARSE_FIELDS(position, orientation)
 };
 
 struct Twist {
   static constexpr std::string_view type_name = "geometry_msgs/msg/Twist";
   Vector3 linear;   // [m/s]
   Vector3 angular;  // [rad/s]
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("linear", self.linear);
-    visit("angular", self.angular);
-  }
+  REHEARSE_FIELDS(linear, angular)
 };
 
 struct Accel {
   static constexpr std::string_view type_name = "geometry_msgs/msg/Accel";
   Vector3 linear;   // [m/s²]
   Vector3 angular;  // [rad/s²]
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("linear", self.linear);
-    visit("angular", self.angular);
-  }
+  REHEARSE_FIELDS(linear, angular)
 };
 
 struct Wrench {
   static constexpr std::string_view type_name = "geometry_msgs/msg/Wrench";
   Vector3 force;   // [N]
   Vector3 torque;  // [N·m]
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("force", self.force);
-    visit("torque", self.torque);
-  }
+  REHEARSE_FIELDS(force, torque)
 };
 
 struct Transform {
   static constexpr std::string_view type_name = "geometry_msgs/msg/Transform";
   Vector3 translation;  // [m]
   Quaternion rotation;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("translation", self.translation);
-    visit("rotation", self.rotation);
-  }
+  REHEARSE_FIELDS(translation, rotation)
 };
 
 /// The pose of the frame child_frame_id in the header's frame.
@@ -157,71 +103,41 @@ struct TransformStamped {
   Header header;
   std::string child_frame_id;
   Transform transform;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("header", self.header);
-    visit("child_frame_id", self.child_frame_id);
-    visit("transform", self.transform);
-  }
+  REHEARSE_FIELDS(header, child_frame_id, transform)
 };
 
 struct PoseStamped {
   static constexpr std::string_view type_name = "geometry_msgs/msg/PoseStamped";
   Header header;
   Pose pose;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("header", self.header);
-    visit("pose", self.pose);
-  }
+  REHEARSE_FIELDS(header, pose)
 };
 
 struct TwistStamped {
   static constexpr std::string_view type_name = "geometry_msgs/msg/TwistStamped";
   Header header;
   Twist twist;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("header", self.header);
-    visit("twist", self.twist);
-  }
+  REHEARSE_FIELDS(header, twist)
 };
 
 struct AccelStamped {
   static constexpr std::string_view type_name = "geometry_msgs/msg/AccelStamped";
   Header header;
   Accel accel;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("header", self.header);
-    visit("accel", self.accel);
-  }
+  REHEARSE_FIELDS(header, accel)
 };
 
 struct WrenchStamped {
   static constexpr std::string_view type_name = "geometry_msgs/msg/WrenchStamped";
   Header header;
   Wrench wrench;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("header", self.header);
-    visit("wrench", self.wrench);
-  }
+  REHEARSE_FIELDS(header, wrench)
 };
 
 struct TFMessage {
   static constexpr std::string_view type_name = "tf2_msgs/msg/TFMessage";
   std::vector<TransformStamped> transforms;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("transforms", self.transforms);
-  }
+  REHEARSE_FIELDS(transforms)
 };
 
 /// Each array is empty or as long as `name`. NaN: not given for this joint.
@@ -232,15 +148,7 @@ struct JointState {
   std::vector<double> position;  // [rad] or [m]
   std::vector<double> velocity;  // [rad/s] or [m/s]
   std::vector<double> effort;    // [N·m] or [N]
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("header", self.header);
-    visit("name", self.name);
-    visit("position", self.position);
-    visit("velocity", self.velocity);
-    visit("effort", self.effort);
-  }
+  REHEARSE_FIELDS(header, name, position, velocity, effort)
 };
 
 /// A covariance whose first element is -1: the quantity is not measured.
@@ -253,17 +161,8 @@ struct Imu {
   std::array<double, 9> angular_velocity_covariance{};
   Vector3 linear_acceleration;  // [m/s²]
   std::array<double, 9> linear_acceleration_covariance{};
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("header", self.header);
-    visit("orientation", self.orientation);
-    visit("orientation_covariance", self.orientation_covariance);
-    visit("angular_velocity", self.angular_velocity);
-    visit("angular_velocity_covariance", self.angular_velocity_covariance);
-    visit("linear_acceleration", self.linear_acceleration);
-    visit("linear_acceleration_covariance", self.linear_acceleration_covariance);
-  }
+  REHEARSE_FIELDS(header, orientation, orientation_covariance, angular_velocity, angular_velocity_covariance,
+                  linear_acceleration, linear_acceleration_covariance)
 };
 
 struct Image {
@@ -275,17 +174,7 @@ struct Image {
   std::uint8_t is_bigendian = 0;
   std::uint32_t step = 0;  // bytes per row
   std::vector<std::uint8_t> data;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("header", self.header);
-    visit("height", self.height);
-    visit("width", self.width);
-    visit("encoding", self.encoding);
-    visit("is_bigendian", self.is_bigendian);
-    visit("step", self.step);
-    visit("data", self.data);
-  }
+  REHEARSE_FIELDS(header, height, width, encoding, is_bigendian, step, data)
 };
 
 struct CompressedImage {
@@ -293,13 +182,7 @@ struct CompressedImage {
   Header header;
   std::string format;  // as png
   std::vector<std::uint8_t> data;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("header", self.header);
-    visit("format", self.format);
-    visit("data", self.data);
-  }
+  REHEARSE_FIELDS(header, format, data)
 };
 
 struct RegionOfInterest {
@@ -309,15 +192,7 @@ struct RegionOfInterest {
   std::uint32_t height = 0;
   std::uint32_t width = 0;
   bool do_rectify = false;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("x_offset", self.x_offset);
-    visit("y_offset", self.y_offset);
-    visit("height", self.height);
-    visit("width", self.width);
-    visit("do_rectify", self.do_rectify);
-  }
+  REHEARSE_FIELDS(x_offset, y_offset, height, width, do_rectify)
 };
 
 /// The matrices are by rows; see the ROS documentation of the type.
@@ -334,21 +209,14 @@ struct CameraInfo {
   std::uint32_t binning_x = 0;
   std::uint32_t binning_y = 0;
   RegionOfInterest roi;
+  REHEARSE_FIELDS(header, height, width, distortion_model, d, k, r, p, binning_x, binning_y, roi)
+};
 
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("header", self.header);
-    visit("height", self.height);
-    visit("width", self.width);
-    visit("distortion_model", self.distortion_model);
-    visit("d", self.d);
-    visit("k", self.k);
-    visit("r", self.r);
-    visit("p", self.p);
-    visit("binning_x", self.binning_x);
-    visit("binning_y", self.binning_y);
-    visit("roi", self.roi);
-  }
+/// A number, as the value of a controller's variable.
+struct Float64 {
+  static constexpr std::string_view type_name = "std_msgs/msg/Float64";
+  double data = 0.0;
+  REHEARSE_FIELDS(data)
 };
 
 /// The state of a joystick. The joystick's driver defines the numbers of axes and buttons.
@@ -357,13 +225,7 @@ struct Joy {
   Header header;
   std::vector<float> axes;
   std::vector<std::int32_t> buttons;  // 1 while pressed
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("header", self.header);
-    visit("axes", self.axes);
-    visit("buttons", self.buttons);
-  }
+  REHEARSE_FIELDS(header, axes, buttons)
 };
 
 /// Distances in one plane; angles increase to the left, about the frame's +z from its +x.
@@ -379,20 +241,8 @@ struct LaserScan {
   float range_max = 0.0f;        // [m]
   std::vector<float> ranges;     // [m]; +inf: nothing was found
   std::vector<float> intensities;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("header", self.header);
-    visit("angle_min", self.angle_min);
-    visit("angle_max", self.angle_max);
-    visit("angle_increment", self.angle_increment);
-    visit("time_increment", self.time_increment);
-    visit("scan_time", self.scan_time);
-    visit("range_min", self.range_min);
-    visit("range_max", self.range_max);
-    visit("ranges", self.ranges);
-    visit("intensities", self.intensities);
-  }
+  REHEARSE_FIELDS(header, angle_min, angle_max, angle_increment, time_increment, scan_time, range_min, range_max,
+                  ranges, intensities)
 };
 
 /// One quantity of each point of a PointCloud2.
@@ -403,14 +253,7 @@ struct PointField {
   std::uint32_t offset = 0;   // offset in the point [bytes]
   std::uint8_t datatype = 0;  // float32 in recordings
   std::uint32_t count = 0;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("name", self.name);
-    visit("offset", self.offset);
-    visit("datatype", self.datatype);
-    visit("count", self.count);
-  }
+  REHEARSE_FIELDS(name, offset, datatype, count)
 };
 
 struct PointCloud2 {
@@ -424,19 +267,7 @@ struct PointCloud2 {
   std::uint32_t row_step = 0;    // bytes per row
   std::vector<std::uint8_t> data;
   bool is_dense = false;  // every point is valid
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("header", self.header);
-    visit("height", self.height);
-    visit("width", self.width);
-    visit("fields", self.fields);
-    visit("is_bigendian", self.is_bigendian);
-    visit("point_step", self.point_step);
-    visit("row_step", self.row_step);
-    visit("data", self.data);
-    visit("is_dense", self.is_dense);
-  }
+  REHEARSE_FIELDS(header, height, width, fields, is_bigendian, point_step, row_step, data, is_dense)
 };
 
 /// One per tick: hashes by which two runs are compared quickly.
@@ -448,16 +279,7 @@ struct Tick {
   std::uint64_t input_hash = 0;          // hash of all inputs of controllers
   std::uint64_t output_hash = 0;         // hash of all commands of controllers
   std::vector<bool> controller_results;  // the results of control(), in scenario order
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("stamp", self.stamp);
-    visit("tick", self.tick);
-    visit("state_hash", self.state_hash);
-    visit("input_hash", self.input_hash);
-    visit("output_hash", self.output_hash);
-    visit("controller_results", self.controller_results);
-  }
+  REHEARSE_FIELDS(stamp, tick, state_hash, input_hash, output_hash, controller_results)
 };
 
 /// The numbers of a device for which ROS has no message type.
@@ -465,12 +287,7 @@ struct DeviceState {
   static constexpr std::string_view type_name = "rehearse_msgs/msg/DeviceState";
   Header header;
   std::vector<double> values;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("header", self.header);
-    visit("values", self.values);
-  }
+  REHEARSE_FIELDS(header, values)
 };
 
 /// A point where a link touches an object, in the frame of the message that contains it.
@@ -481,15 +298,7 @@ struct Contact {
   Vector3 force;     // force of the other object on the link [N]
   Vector3 velocity;  // velocity of the link's point relative to the other object's point [m/s]
   double depth = 0;  // depth of the overlap [m]
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("position", self.position);
-    visit("normal", self.normal);
-    visit("force", self.force);
-    visit("velocity", self.velocity);
-    visit("depth", self.depth);
-  }
+  REHEARSE_FIELDS(position, normal, force, velocity, depth)
 };
 
 /// All contacts of a link.
@@ -497,12 +306,7 @@ struct Contacts {
   static constexpr std::string_view type_name = "rehearse_msgs/msg/Contacts";
   Header header;
   std::vector<Contact> contacts;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("header", self.header);
-    visit("contacts", self.contacts);
-  }
+  REHEARSE_FIELDS(header, contacts)
 };
 
 /// The measurement of a contact sensor.
@@ -511,13 +315,7 @@ struct ContactForce {
   Header header;
   std::uint32_t count = 0;  // number of contact points
   Vector3 force;            // force on the link, sum over all points [N]
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("header", self.header);
-    visit("count", self.count);
-    visit("force", self.force);
-  }
+  REHEARSE_FIELDS(header, count, force)
 };
 
 /// Both arrays have the same length. NaN: the joint has no value.
@@ -526,13 +324,7 @@ struct JointAccelerations {
   Header header;
   std::vector<std::string> name;
   std::vector<double> acceleration;  // [rad/s²] or [m/s²]
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("header", self.header);
-    visit("name", self.name);
-    visit("acceleration", self.acceleration);
-  }
+  REHEARSE_FIELDS(header, name, acceleration)
 };
 
 /// A single event: a controller failed, a push began.
@@ -543,15 +335,7 @@ struct Event {
   std::string severity;  // note, warning or error
   std::string source;    // as SR1/SR1Minimum
   std::string text;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("stamp", self.stamp);
-    visit("tick", self.tick);
-    visit("severity", self.severity);
-    visit("source", self.source);
-    visit("text", self.text);
-  }
+  REHEARSE_FIELDS(stamp, tick, severity, source, text)
 };
 
 /// Two links begin or end to touch.
@@ -562,15 +346,7 @@ struct ContactChange {
   std::string link;       // as SR1/RLEG_ANKLE_R
   std::string other;
   bool begins = false;  // true: the contact begins; false: it ends
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("stamp", self.stamp);
-    visit("tick", self.tick);
-    visit("link", self.link);
-    visit("other", self.other);
-    visit("begins", self.begins);
-  }
+  REHEARSE_FIELDS(stamp, tick, link, other, begins)
 };
 
 /// The complete state of the simulation, from which a run can continue.
@@ -580,14 +356,7 @@ struct Checkpoint {
   std::int64_t tick = 0;
   std::string format;  // name and version of the layout of data
   std::vector<std::uint8_t> data;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("stamp", self.stamp);
-    visit("tick", self.tick);
-    visit("format", self.format);
-    visit("data", self.data);
-  }
+  REHEARSE_FIELDS(stamp, tick, format, data)
 };
 
 }  // namespace rehearse::msg

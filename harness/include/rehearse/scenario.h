@@ -342,7 +342,6 @@ struct Tolerance {
 
   /// The largest difference that passes, for a series with that scale.
   double bound(double scale) const { return std::max(atol, rtol * scale); }
-  bool allows_for_time() const { return lead > 0.0 || lag > 0.0; }
 };
 
 /// The tolerance of a series without a rule, by its unit. The table also has the measured noise: the largest of all

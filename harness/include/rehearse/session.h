@@ -29,6 +29,8 @@ namespace rehearse {
 Result<RunSummary> record(const Scenario& scenario, const std::filesystem::path& trace,
                           const RecordOptions& options = {});
 
+struct ClosedLoop;
+
 /// One run, stepped tick by tick.
 class Session {
  public:
@@ -47,9 +49,8 @@ class Session {
   Result<RunSummary> finish();
 
  private:
-  struct Impl;
-  explicit Session(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  explicit Session(std::unique_ptr<ClosedLoop> loop);
+  std::unique_ptr<ClosedLoop> loop_;
 };
 
 /// Runs the scenario's world under the recorded commands and writes the results into a trace: state, sensors, frames

@@ -8,10 +8,6 @@ namespace {
 
 using Source = ObservedCall::Source;
 
-bool is_one_of(std::string_view word, std::string_view words) {
-  return words.find(" " + std::string(word) + " ") != std::string_view::npos;
-}
-
 /// Functions that change something, and whose result states only success.
 constexpr std::string_view deeds =
     " alarm bind chdir chmod clearenv close close_range closefrom dlopen exit fchdir fchmodat initstate kill lcong48 "
@@ -65,6 +61,10 @@ Aspect file_aspect_of(const ObservedCall& call) {
 }
 
 }  // namespace
+
+bool is_one_of(std::string_view word, std::string_view words) {
+  return words.find(" " + std::string(word) + " ") != std::string_view::npos;
+}
 
 Aspect aspect_of(const ObservedCall& call) {
   const auto aspect = [&]() -> Aspect {

@@ -19,6 +19,9 @@ struct Aspect {
 
 Aspect aspect_of(const ObservedCall& call);
 
+/// True if `words` contains the word; each of them is between spaces.
+bool is_one_of(std::string_view word, std::string_view words);
+
 /// True for a call on a file that the same controller wrote before this call, so that it determined the content.
 /// `calls` in order of their first occurrence.
 bool is_of_own_file(const std::vector<ObservedCall>& calls, const ObservedCall& call);

@@ -47,7 +47,6 @@ class Audit {
                           std::vector<std::pair<CodePlace, bool>>& tried);
   Result<void> run_valgrind();
   Result<void> judge();
-  void take_code(ControllerAudit& controller) const;
   bool calls_can_hide() const;
   void sum_up();
   void tell(const std::string& what, int more) {
@@ -68,14 +67,6 @@ class Audit {
 };
 
 bool is_trace(const fs::path& file) { return file.extension() != ".yaml" && file.extension() != ".yml"; }
-
-std::vector<std::string> words_of(const AuditOptions& options) {
-  std::vector<std::string> words;
-  for (const auto& [name, library] : options.libraries)
-    words.insert(words.end(), {"--controller", fmt::format("{}={}", name, library)});
-  words.insert(words.end(), {"--call-limit", fmt::format("{}", options.call_limit)});
-  return words;
-}
 
 /// The reason why the recording is incomplete: a controller's effect on the process that recorded it.
 std::string why_cut_off(const fs::path& log, int status) {
@@ -98,7 +89,9 @@ Result<void> Audit::record() {
   trace_ = recording_of_audit(options_.scratch);
   std::vector<std::string> words{options_.recorder.string(), "record", fs::absolute(subject_).string(), "-o",
                                  trace_.string()};
-  for (const std::string& word : words_of(options_)) words.push_back(word);
+  for (const auto& [name, library] : options_.libraries)
+    words.insert(words.end(), {"--controller", fmt::format("{}={}", name, library)});
+  words.insert(words.end(), {"--call-limit", fmt::format("{}", options_.call_limit)});
   if (options_.until) words.insert(words.end(), {"--duration", fmt::format("{}", *options_.until)});
   const fs::path log = options_.scratch / "recording.calls", output = options_.scratch / "recording.txt";
   auto changes = interposer_environment({log, options_.scratch / "copies", plain_replay(options_).everywhere, {}, {}});
@@ -196,7 +189,7 @@ Result<void> Audit::prepare() {
     remark.severity = Severity::note;
   }
   processes_.emplace(options_, trace_);
-  processes_->on_progress = [this](int) {
+  processes_->on_progress = [this] {
     ++done_;
     tell(what_, 0);
   };
@@ -255,8 +248,7 @@ Result<void> Audit::ask_places(const std::vector<ObservedCall>& seen, const std:
                                std::vector<std::pair<CodePlace, bool>>& tried) {
   std::vector<ReplaySettings> settings;
   for (const Factor factor : {Factor::clock, Factor::random, Factor::machine}) {
-    const FactorResult* result = find_factor(factors, factor);
-    if (!result || !result->first) continue;
+    if (!differs_under(factors, factor)) continue;
     std::vector<const ObservedCall*> places;
     for (const ObservedCall& call : seen) {
       const auto same = [&](const ObservedCall* known) { return known->place == call.place; };
@@ -279,14 +271,6 @@ Result<void> Audit::ask_places(const std::vector<ObservedCall>& seen, const std:
         difference(evidence_.still.passes[0], (*outcomes)[i].passes[0], evidence_.time_step, controller).has_value();
   }
   return {};
-}
-
-void Audit::take_code(ControllerAudit& controller) const {
-  const auto scan = scan_library(controller.library);
-  if (!scan) return;
-  for (const LibraryFinding& finding : scan->findings)
-    controller.code.push_back(
-        {std::string(to_string(finding.kind)), finding.count, finding.function, finding.place, finding.sentence});
 }
 
 Result<void> Audit::run_valgrind() {
@@ -319,10 +303,7 @@ Result<void> Audit::judge() {
     conclude(evidence_, seen, controller);
     controller.rests_on = what_it_rests_on(evidence_, seen, controller);
   }
-  for (const std::string& liberty : liberties_of(calls_of(evidence_, ""))) {
-    Diagnostic& remark = report_.remarks.emplace_back(error(liberty));
-    remark.severity = Severity::warning;
-  }
+  for (const std::string& liberty : liberties_of(calls_of(evidence_, ""))) report_.remarks.push_back(warning(liberty));
   return {};
 }
 
@@ -416,7 +397,7 @@ Result<AuditReport> Audit::run() {
     ControllerAudit& controller = report_.controllers.emplace_back();
     controller.controller = library.label;
     controller.library = library.file;
-    take_code(controller);
+    if (auto code = scan_library(library.file)) controller.code = *std::move(code);
   }
   if (!report_.failure)
     if (auto done = run_experiments(); !done) return done.errors();

@@ -103,9 +103,9 @@ std::string text_of(const ObservedCall& call) { return call.function + "(" + cal
 
 std::string place_of(const ObservedCall& call) {
   const Symbols symbols(call.place.module);
-  if (!symbols.is_in_system_header(call.place.offset)) return symbols.describe(call.place.offset);
+  if (!symbols.find(call.place.offset).is_systems) return symbols.describe(call.place.offset);
   for (const std::uint64_t address : call.outer)
-    if (!symbols.is_in_system_header(address)) return symbols.describe(address);
+    if (!symbols.find(address).is_systems) return symbols.describe(address);
   return symbols.describe(call.place.offset);
 }
 

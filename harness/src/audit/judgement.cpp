@@ -22,35 +22,6 @@ void keep_earlier(std::optional<Divergence>& first, std::optional<Divergence> fo
   if (found && (!first || found->tick < first->tick)) first = std::move(found);
 }
 
-class FactorJudge {
- public:
-  FactorJudge(const Evidence& evidence, const std::string& controller) : evidence_(evidence), controller_(controller) {}
-
-  FactorResult judge(const Experiment& experiment, const std::vector<ReplayOutcome>& outcomes) const {
-    FactorResult result;
-    result.factor = experiment.factor;
-    result.not_varied = experiment.not_varied;
-    for (const ReplayOutcome& outcome : outcomes) {
-      result.replays += static_cast<int>(outcome.passes.size());
-      if (experiment.factor == Factor::nothing)
-        keep_earlier(result.first, compare(evidence_.plain.passes[0], outcome.passes[0]));
-      else if (experiment.factor != Factor::again)
-        keep_earlier(result.first, compare(evidence_.still.passes[0], outcome.passes[0]));
-      else if (outcome.passes.size() > 1)
-        keep_earlier(result.first, compare(outcome.passes[0], outcome.passes[1]));
-    }
-    return result;
-  }
-
-  std::optional<Divergence> compare(const ReplayPass& expected, const ReplayPass& actual) const {
-    return difference(expected, actual, evidence_.time_step, controller_);
-  }
-
- private:
-  const Evidence& evidence_;
-  const std::string& controller_;
-};
-
 /// The difference between the still replay and its repetition in a different process.
 std::optional<Divergence> still_difference(const Evidence& evidence, const std::string& controller) {
   std::optional<Divergence> first;
@@ -102,11 +73,30 @@ const FactorResult* find_factor(const std::vector<FactorResult>& factors, Factor
   return found == factors.end() ? nullptr : &*found;
 }
 
+bool differs_under(const std::vector<FactorResult>& factors, Factor factor) {
+  const FactorResult* result = find_factor(factors, factor);
+  return result && result->first;
+}
+
 std::vector<FactorResult> judge_factors(const Evidence& evidence, const std::string& controller) {
-  const FactorJudge judge(evidence, controller);
+  const ReplayPass &plain = evidence.plain.passes[0], &still = evidence.still.passes[0];
+  const auto compare = [&](const ReplayPass& expected, const ReplayPass& actual) {
+    return difference(expected, actual, evidence.time_step, controller);
+  };
   std::vector<FactorResult> results;
-  for (std::size_t i = 0; i < evidence.experiments.size(); ++i)
-    results.push_back(judge.judge(evidence.experiments[i], evidence.outcomes[i]));
+  for (std::size_t i = 0; i < evidence.experiments.size(); ++i) {
+    const Factor factor = evidence.experiments[i].factor;
+    FactorResult& result = results.emplace_back(FactorResult{factor, 0, evidence.experiments[i].not_varied, {}});
+    for (const ReplayOutcome& outcome : evidence.outcomes[i]) {
+      result.replays += static_cast<int>(outcome.passes.size());
+      if (factor == Factor::nothing)
+        keep_earlier(result.first, compare(plain, outcome.passes[0]));
+      else if (factor != Factor::again)
+        keep_earlier(result.first, compare(still, outcome.passes[0]));
+      else if (outcome.passes.size() > 1)
+        keep_earlier(result.first, compare(outcome.passes[0], outcome.passes[1]));
+    }
+  }
   const auto of = [&](Factor factor) -> FactorResult& {
     for (FactorResult& result : results)
       if (result.factor == factor) return result;
@@ -128,14 +118,14 @@ std::vector<FactorResult> judge_factors(const Evidence& evidence, const std::str
     // Filled memory is compared with unchanged memory, if no other change of the still replay causes the difference.
     const bool explained = std::any_of(results.begin(), results.end(),
                                        [](const FactorResult& result) { return result.first.has_value(); });
-    if (!explained) of(Factor::memory).first = judge.compare(evidence.plain.passes[0], evidence.still.passes[0]);
+    if (!explained) of(Factor::memory).first = compare(plain, still);
   }
   FactorResult& recording = of(Factor::recording);
   if (!evidence.recorded_here) {
     recording.not_varied = "the recording was given";
   } else {
     recording.replays = 1;
-    recording.first = evidence.plain.passes[0].differs_from_recording;
+    recording.first = plain.differs_from_recording;
     if (recording.first && !recording.first->channel.starts_with("/" + controller + "/")) recording.first.reset();
   }
   std::sort(results.begin(), results.end(),
@@ -166,15 +156,6 @@ AuditedCall describe(const ObservedCall& call, const Evidence& evidence) {
   if (contents.size() > 1) described.note = "its content changed between two runs";
   return described;
 }
-
-namespace {
-
-bool differs_under(const std::vector<FactorResult>& factors, Factor factor) {
-  const FactorResult* result = find_factor(factors, factor);
-  return result && result->first;
-}
-
-}  // namespace
 
 void judge_calls(const Evidence& evidence, const std::vector<ObservedCall>& seen, ControllerAudit& audit,
                  const std::vector<std::pair<CodePlace, bool>>& tried) {
@@ -214,7 +195,6 @@ void judge_calls(const Evidence& evidence, const std::vector<ObservedCall>& seen
 
 std::vector<std::string> what_it_rests_on(const Evidence& evidence, const std::vector<ObservedCall>& seen,
                                           const ControllerAudit& audit) {
-  using Kind = LibraryFinding::Kind;
   std::vector<std::string> things;
   const auto add = [&](std::string thing) {
     if (std::find(things.begin(), things.end(), thing) == things.end()) things.push_back(std::move(thing));
@@ -229,37 +209,28 @@ std::vector<std::string> what_it_rests_on(const Evidence& evidence, const std::v
   const bool hidden = evidence.plain.log.hidden_calls || evidence.still.log.hidden_calls;
   for (const AuditedCode& code : audit.code) {
     const std::string where = code.sentence.substr(code.sentence.find(": ") + 2);
-    if (code.kind == to_string(Kind::processor_query) || code.kind == to_string(Kind::approximation))
+    if (code.kind == to_string(CodeKind::processor_query) || code.kind == to_string(CodeKind::approximation))
       add("the processor (" + where + ")");
-    if (code.kind == to_string(Kind::direct_syscall) && hidden)
+    if (code.kind == to_string(CodeKind::direct_syscall) && hidden)
       add("system calls that can't be watched (" + where + ")");
   }
   return things;
 }
 
 std::vector<std::string> liberties_of(const std::vector<ObservedCall>& calls) {
-  static const std::pair<const char*, const char*> deeds[] = {
-      {"exit", "ends the process"},
-      {"_exit", "ends the process"},
-      {"_Exit", "ends the process"},
-      {"quick_exit", "ends the process"},
-      {"abort", "ends the process"},
-      {"close", "closes a file descriptor that isn't its own"},
-      {"close_range", "closes file descriptors that aren't its own"},
-      {"closefrom", "closes file descriptors that aren't its own"},
-      {"chdir", "changes the working folder of the whole process"},
-      {"fchdir", "changes the working folder of the whole process"},
-      {"signal", "changes how the whole process takes a signal"},
-      {"sigaction", "changes how the whole process takes a signal"},
-      {"setlocale", "changes the locale of the whole process"},
-      {"setenv", "changes the environment of the whole process"},
-      {"putenv", "changes the environment of the whole process"},
-      {"unsetenv", "changes the environment of the whole process"}};
+  constexpr std::pair<std::string_view, std::string_view> deeds[] = {
+      {" exit _exit _Exit quick_exit abort ", "ends the process"},
+      {" close ", "closes a file descriptor that isn't its own"},
+      {" close_range closefrom ", "closes file descriptors that aren't its own"},
+      {" chdir fchdir ", "changes the working folder of the whole process"},
+      {" signal sigaction ", "changes how the whole process takes a signal"},
+      {" setlocale ", "changes the locale of the whole process"},
+      {" setenv putenv unsetenv ", "changes the environment of the whole process"}};
   std::vector<std::string> sentences;
   std::set<std::pair<std::string, std::string>> told;
   for (const ObservedCall& call : calls) {
     const auto deed = std::find_if(std::begin(deeds), std::end(deeds),
-                                   [&](const auto& known) { return call.function == known.first; });
+                                   [&](const auto& known) { return is_one_of(call.function, known.first); });
     if (deed == std::end(deeds)) continue;
     if (call.function == "setlocale" && call.argument.find("NULL") != std::string::npos) continue;  // a query only
     if (!told.emplace(call.controller, call.function).second) continue;

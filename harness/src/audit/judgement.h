@@ -38,6 +38,8 @@ std::vector<FactorResult> judge_factors(const Evidence& evidence, const std::str
 bool is_repeatable(const Evidence& evidence, const std::string& controller);
 
 const FactorResult* find_factor(const std::vector<FactorResult>& factors, Factor factor);
+/// True if the replays under this factor differ.
+bool differs_under(const std::vector<FactorResult>& factors, Factor factor);
 
 /// Describes the call with all findings, before its effect on commands is known.
 AuditedCall describe(const ObservedCall& call, const Evidence& evidence);

@@ -1,21 +1,153 @@
 #include "library_scan.h"
 
 #include <capstone/capstone.h>
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <gelf.h>
 
 #include <algorithm>
-#include <array>
+#include <cerrno>
+#include <cstring>
 #include <map>
 #include <set>
 
-#include "elf_library.h"
-#include "sources.h"
+#include "model/file_descriptor.h"
 #include "symbols.h"
 
 namespace rehearse {
 namespace {
 
-using Kind = LibraryFinding::Kind;
+namespace fs = std::filesystem;
+using Kind = CodeKind;
+
+struct CodeSection {
+  std::uint64_t address = 0;  // virtual
+  std::vector<std::uint8_t> bytes;
+};
+
+/// A shared library as a file.
+struct ElfLibrary {
+  std::vector<CodeSection> code;
+  std::vector<std::uint64_t> startup;  // addresses of the functions that run when it is loaded
+  std::vector<std::string> imports;    // undefined symbols, as mangled
+};
+
+/// The opened file.
+class ElfFile {
+ public:
+  explicit ElfFile(const fs::path& path) : descriptor_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
+    elf_version(EV_CURRENT);
+    if (is_open()) elf_ = elf_begin(descriptor_, ELF_C_READ, nullptr);
+  }
+  ~ElfFile() { elf_end(elf_); }
+  ElfFile(const ElfFile&) = delete;
+  ElfFile& operator=(const ElfFile&) = delete;
+  bool is_open() const { return descriptor_ >= 0; }
+  Elf* get() const { return elf_; }
+
+ private:
+  FileDescriptor descriptor_;
+  Elf* elf_ = nullptr;
+};
+
+struct Section {
+  Elf_Scn* handle = nullptr;
+  GElf_Shdr header{};
+  std::string_view name;
+  Elf_Data* data = nullptr;  // null: the file has no bytes for it
+};
+
+std::optional<std::string> why_unusable(Elf* elf) {
+  GElf_Ehdr header;
+  if (!elf || elf_kind(elf) != ELF_K_ELF || !gelf_getehdr(elf, &header)) return "is not a shared library";
+  if (gelf_getclass(elf) != ELFCLASS64) return "is a library for 32-bit processors";
+  if (header.e_machine != EM_X86_64) return "is a library for another kind of processor than x86-64";
+  if (header.e_type != ET_DYN) return "is not a shared library, but an object file or a program";
+  std::size_t sections = 0;
+  if (elf_getshdrnum(elf, &sections) != 0) return "is damaged: its table of sections lies outside of the file";
+  if (sections == 0) return "has no table of sections, so it can't be scanned";
+  return std::nullopt;
+}
+
+/// All sections with their bytes; none if one of them is outside of the file.
+std::optional<std::vector<Section>> sections_of(Elf* elf) {
+  std::size_t names = 0;
+  if (elf_getshdrstrndx(elf, &names) != 0) return std::nullopt;
+  std::vector<Section> sections;
+  for (Elf_Scn* handle = nullptr; (handle = elf_nextscn(elf, handle));) {
+    Section& section = sections.emplace_back();
+    section.handle = handle;
+    if (!gelf_getshdr(handle, &section.header)) return std::nullopt;
+    const char* name = elf_strptr(elf, names, section.header.sh_name);
+    if (!name) return std::nullopt;
+    section.name = name;
+    if (section.header.sh_type == SHT_NOBITS || section.header.sh_size == 0) continue;
+    section.data = elf_getdata(handle, nullptr);
+    if (!section.data) return std::nullopt;
+  }
+  return sections;
+}
+
+bool holds(const Section& section, std::uint64_t address) {
+  return address >= section.header.sh_addr && address - section.header.sh_addr < section.header.sh_size;
+}
+
+std::vector<std::uint64_t> startup_functions(const std::vector<Section>& sections) {
+  const auto is_table = [](const Section& section) {
+    return section.header.sh_type == SHT_INIT_ARRAY || section.name == ".ctors";
+  };
+  std::vector<std::uint64_t> functions;
+  for (const Section& section : sections) {
+    if (section.name == ".init") functions.push_back(section.header.sh_addr);
+    if (section.header.sh_type != SHT_RELA || !section.data || section.header.sh_entsize == 0) continue;
+    const int count = static_cast<int>(section.header.sh_size / section.header.sh_entsize);
+    for (int i = 0; i < count; ++i) {
+      GElf_Rela relocation;
+      if (!gelf_getrela(section.data, i, &relocation) || GELF_R_TYPE(relocation.r_info) != R_X86_64_RELATIVE) continue;
+      const auto in_table = [&](const Section& table) { return is_table(table) && holds(table, relocation.r_offset); };
+      if (std::any_of(sections.begin(), sections.end(), in_table))
+        functions.push_back(static_cast<std::uint64_t>(relocation.r_addend));
+    }
+  }
+  return functions;
+}
+
+std::vector<std::string> imported_symbols(Elf* elf, const std::vector<Section>& sections) {
+  std::vector<std::string> names;
+  for (const Section& section : sections) {
+    if (section.header.sh_type != SHT_DYNSYM || !section.data || section.header.sh_entsize == 0) continue;
+    const int count = static_cast<int>(section.header.sh_size / section.header.sh_entsize);
+    for (int i = 0; i < count; ++i) {
+      GElf_Sym symbol;
+      if (!gelf_getsym(section.data, i, &symbol) || symbol.st_shndx != SHN_UNDEF) continue;
+      const char* name = elf_strptr(elf, section.header.sh_link, symbol.st_name);
+      if (name && *name) names.emplace_back(name);
+    }
+  }
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
+}
+
+/// Fails if the file isn't a shared library for x86-64, or if its parts are outside of the file.
+Result<ElfLibrary> read_library(const fs::path& path) {
+  const std::string name = "controller library '" + path.filename().string() + "' ";
+  const ElfFile file(path);
+  if (!file.is_open()) return error(fmt::format("{}can't be read: {}", name, std::strerror(errno)));
+  if (auto problem = why_unusable(file.get())) return error(name + *problem);
+  const auto sections = sections_of(file.get());
+  if (!sections) return error(name + "is damaged: a section of it lies outside of the file");
+
+  ElfLibrary library;
+  for (const Section& section : *sections) {
+    if (!(section.header.sh_flags & SHF_EXECINSTR) || !section.data || section.name.starts_with(".plt")) continue;
+    const auto* bytes = static_cast<const std::uint8_t*>(section.data->d_buf);
+    library.code.push_back({section.header.sh_addr, {bytes, bytes + section.data->d_size}});
+  }
+  library.startup = startup_functions(*sections);
+  library.imports = imported_symbols(file.get(), *sections);
+  return library;
+}
 
 constexpr std::string_view kind_names[] = {"fast_math_startup", "float_mode_change",  "fused_arithmetic",
                                            "approximation",     "time_stamp_counter", "hardware_random",
@@ -57,8 +189,8 @@ std::optional<Kind> kind_of(std::string_view mnemonic) {
 class Disassembler {
  public:
   Disassembler() {
-    opened_ = cs_open(CS_ARCH_X86, CS_MODE_64, &handle_) == CS_ERR_OK;
-    REHEARSE_ASSERT(opened_, "capstone supports x86");
+    const bool opened = cs_open(CS_ARCH_X86, CS_MODE_64, &handle_) == CS_ERR_OK;
+    REHEARSE_ASSERT(opened, "capstone supports x86");
     cs_option(handle_, CS_OPT_SKIPDATA, CS_OPT_ON);  // tables between functions don't end the code
     instruction_ = cs_malloc(handle_);
   }
@@ -81,7 +213,6 @@ class Disassembler {
 
  private:
   csh handle_ = 0;
-  bool opened_ = false;
   cs_insn* instruction_ = nullptr;
 };
 
@@ -178,49 +309,37 @@ std::string sentence_of(Kind kind, const Spot& spot, const std::string& where) {
   return {};
 }
 
-LibraryFinding finding_of(Kind kind, const Spot& spot, const Symbols& symbols) {
-  LibraryFinding finding;
-  finding.kind = kind;
-  finding.count = spot.count;
-  finding.function = symbols.function_at(spot.first);
-  finding.place = symbols.line_at(spot.first);
-  const std::string where = symbols.describe(spot.first);
-  if (finding.place.empty()) finding.place = symbols.address_text(spot.first);
-  finding.sentence = sentence_of(kind, spot, where);
-  return finding;
+AuditedCode finding_of(Kind kind, const Spot& spot, const Symbols& symbols) {
+  const auto at = symbols.find(spot.first);
+  return {std::string(to_string(kind)), spot.count, at.function,
+          at.line.empty() ? symbols.address_text(spot.first) : at.line,
+          sentence_of(kind, spot, symbols.describe(spot.first))};
 }
 
-void add_imports(const ElfLibrary& library, std::vector<LibraryFinding>& findings) {
+void add_imports(const ElfLibrary& library, std::vector<AuditedCode>& findings) {
   std::map<std::string, ObservedCall::Source> sources;  // one function may be imported as several symbols
   for (const std::string& symbol : library.imports)
     if (auto found = source_of_symbol(symbol)) sources.emplace(std::move(found->name), found->source);
-  for (const auto& [name, source] : sources) {
-    LibraryFinding& finding = findings.emplace_back();
-    finding.kind = Kind::imported_source;
-    finding.source = source;
-    finding.count = 1;
-    finding.function = name;
-    finding.sentence = fmt::format("it can call {} ({})", name, to_string(source));
-  }
+  for (const auto& [name, source] : sources)
+    findings.push_back({std::string(to_string(Kind::imported_source)), 1, name, "",
+                        fmt::format("it can call {} ({})", name, to_string(source))});
 }
 
 }  // namespace
 
-Result<LibraryScan> scan_library(const std::filesystem::path& file) {
-  const auto library = ElfLibrary::load(file);
+Result<std::vector<AuditedCode>> scan_library(const fs::path& file) {
+  const auto library = read_library(file);
   if (!library) return library.errors();
   const Symbols symbols(file);
-  LibraryScan scan;
-  scan.is_stripped = library->is_stripped;
-  scan.has_debug_information = symbols.has_lines();
+  std::vector<AuditedCode> findings;
   const auto startup = StartupSearch(*library).find();
-  if (startup) scan.findings.push_back(finding_of(Kind::fast_math_startup, {1, *startup, "ldmxcsr"}, symbols));
+  if (startup) findings.push_back(finding_of(Kind::fast_math_startup, {1, *startup, "ldmxcsr"}, symbols));
   for (const auto& [kind, spot] : remarkable_instructions(*library, startup))
-    scan.findings.push_back(finding_of(kind, spot, symbols));
-  add_imports(*library, scan.findings);
-  return scan;
+    findings.push_back(finding_of(kind, spot, symbols));
+  add_imports(*library, findings);
+  return findings;
 }
 
-std::string_view to_string(LibraryFinding::Kind kind) { return kind_names[static_cast<int>(kind)]; }
+std::string_view to_string(CodeKind kind) { return kind_names[static_cast<int>(kind)]; }
 
 }  // namespace rehearse

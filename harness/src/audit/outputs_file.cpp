@@ -9,7 +9,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <sstream>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "model/clock.h"
@@ -20,13 +20,15 @@ namespace rehearse {
 
 namespace fs = std::filesystem;
 
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(OutputField, controller, channel, element, unit, kind)
+
 constexpr char file_magic[8] = {'R', 'H', 'A', 'U', 'D', 'I', 'T', '1'};
 
-/// The header of the file. After it: the fields as text, a line each, then the rows.
+/// The header of the file. After it: the fields as CBOR, then the rows.
 struct OutputsHead {
   char magic[8];
   std::uint64_t beats;       // number of begins and ends of calls into controllers
-  std::uint64_t names_size;  // of the fields' text [bytes]
+  std::uint64_t names_size;  // of the fields' CBOR [bytes]
   std::uint64_t fields;      // number of fields
   std::uint64_t rows_at;     // offset of the first row
   std::uint64_t rows;        // number of complete rows
@@ -37,6 +39,8 @@ struct OutputsHead {
 };
 
 namespace {
+
+using Json = nlohmann::json;
 
 constexpr std::size_t first_size = 1 << 16;
 
@@ -52,33 +56,6 @@ void put_text(char* place, std::size_t size, const char* text) {
   const std::size_t length = std::min(size - 1, std::strlen(text));
   std::memcpy(place, text, length);
   place[length] = '\0';
-}
-
-/// Names contain no tabs and no line ends: in a URDF they are attributes, which have spaces instead.
-std::string text_of(const std::vector<OutputField>& fields) {
-  std::string text;
-  for (const OutputField& field : fields)
-    text += fmt::format("{}\t{}\t{}\t{}\t{}\n", field.controller, field.channel, field.element, field.unit,
-                        static_cast<int>(field.kind));
-  return text;
-}
-
-std::vector<OutputField> fields_of(const std::string& text) {
-  std::vector<OutputField> fields;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    OutputField field;
-    std::istringstream words(line);
-    std::string kind;
-    std::getline(words, field.controller, '\t');
-    std::getline(words, field.channel, '\t');
-    std::getline(words, field.element, '\t');
-    std::getline(words, field.unit, '\t');
-    std::getline(words, kind);
-    field.kind = kind == "0" ? CellKind::floating : CellKind::boolean;
-    fields.push_back(std::move(field));
-  }
-  return fields;
 }
 
 }  // namespace
@@ -125,12 +102,12 @@ bool OutputsWriter::grow(std::size_t size) {
 }
 
 void OutputsWriter::begin(const std::vector<OutputField>& fields) {
-  const std::string text = text_of(fields);
-  const std::size_t rows_at = (sizeof(OutputsHead) + text.size() + 7) / 8 * 8;
+  const std::vector<std::uint8_t> names = Json::to_cbor(fields);
+  const std::size_t rows_at = (sizeof(OutputsHead) + names.size() + 7) / 8 * 8;
   complete_ = complete_ && grow(rows_at);
   if (!complete_) return;
-  std::memcpy(memory_ + sizeof(OutputsHead), text.data(), text.size());
-  head().names_size = text.size();
+  std::memcpy(memory_ + sizeof(OutputsHead), names.data(), names.size());
+  head().names_size = names.size();
   head().rows_at = rows_at;
   head().fields = fields.size();
 }
@@ -173,9 +150,13 @@ Result<Outputs> Outputs::read(const fs::path& file) {
   const std::uint64_t words = head.rows * (head.fields + 1);
   if (head.names_size > size || head.rows_at > size || words > (size - head.rows_at) / sizeof(std::uint64_t))
     return unreadable(file);
-  std::string text(head.names_size, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  outputs.fields_ = fields_of(text);
+  std::string names(head.names_size, '\0');
+  stream.read(names.data(), static_cast<std::streamsize>(names.size()));
+  try {
+    outputs.fields_ = Json::from_cbor(names).get<std::vector<OutputField>>();
+  } catch (const Json::exception&) {
+    return unreadable(file);
+  }
   outputs.words_.resize(words);
   stream.seekg(static_cast<std::streamoff>(head.rows_at));
   stream.read(reinterpret_cast<char*>(outputs.words_.data()),

@@ -11,7 +11,6 @@ namespace rehearse {
 namespace {
 
 using Source = ObservedCall::Source;
-using Kind = LibraryFinding::Kind;
 
 std::string number_text(double number, const std::string& unit) {
   return fmt::format("{}", number) + (unit.empty() ? "" : " " + unit);
@@ -34,7 +33,7 @@ class Conclusion {
   void draw() {
     if (found_by_file() || found_by_factors()) return;
     for (const AuditedCode& code : audit_.code)
-      if (code.kind == to_string(Kind::fast_math_startup)) {
+      if (code.kind == to_string(CodeKind::fast_math_startup)) {
         audit_.deterministic = false;
         audit_.reason = code.sentence;
         return;
@@ -42,21 +41,18 @@ class Conclusion {
   }
 
  private:
-  bool differs_under(Factor factor) const {
-    const FactorResult* result = find_factor(audit_.factors, factor);
-    return result && result->first;
-  }
-
   /// A file with different content in each run, which the controller didn't write itself just before.
   bool found_by_file() {
     std::size_t changed = 0;
     while (changed < seen_.size() && (seen_[changed].source != Source::file || audit_.calls[changed].note.empty() ||
                                       is_of_own_file(seen_, seen_[changed])))
       ++changed;
-    if (changed == seen_.size() || differs_under(Factor::clock) || differs_under(Factor::random)) return false;
+    if (changed == seen_.size() || differs_under(audit_.factors, Factor::clock) ||
+        differs_under(audit_.factors, Factor::random))
+      return false;
     const AuditedCall& call = audit_.calls[changed];
     for (const Factor factor : {Factor::nothing, Factor::again}) {
-      if (!differs_under(factor)) continue;
+      if (!differs_under(audit_.factors, factor)) continue;
       audit_.deterministic = false;
       audit_.depends_on = factor;
       audit_.first = find_factor(audit_.factors, factor)->first;
@@ -72,12 +68,11 @@ class Conclusion {
     for (const Factor factor :
          {Factor::threads, Factor::memory, Factor::addresses, Factor::clock, Factor::random, Factor::machine,
           Factor::environment, Factor::folder, Factor::locale, Factor::nothing, Factor::again, Factor::recording}) {
-      const FactorResult* result = find_factor(audit_.factors, factor);
-      if (!result || !result->first) continue;
+      if (!differs_under(audit_.factors, factor)) continue;
       audit_.deterministic = false;
       audit_.depends_on = factor;
-      audit_.first = result->first;
-      audit_.reason = reason_of(factor, *result->first);
+      audit_.first = find_factor(audit_.factors, factor)->first;
+      audit_.reason = reason_of(factor, *audit_.first);
       return true;
     }
     return false;
@@ -146,8 +141,8 @@ class Conclusion {
   }
 
   std::optional<std::string> by_processor(const std::string& where) const {
-    for (const auto& [kind, words] : {std::pair{Kind::time_stamp_counter, "the processor's clock"},
-                                      {Kind::hardware_random, "the processor's random numbers"}})
+    for (const auto& [kind, words] : {std::pair{CodeKind::time_stamp_counter, "the processor's clock"},
+                                      {CodeKind::hardware_random, "the processor's random numbers"}})
       for (const AuditedCode& code : audit_.code)
         if (code.kind == to_string(kind)) return fmt::format("it depends on {}: {}; {}", words, code.sentence, where);
     return std::nullopt;
@@ -171,7 +166,7 @@ class Conclusion {
       if (any(choice)) return by_call(choice, "reached ", where, "");
     if (evidence_.plain.log.hidden_calls)
       for (const AuditedCode& code : audit_.code)
-        if (code.kind == to_string(Kind::direct_syscall))
+        if (code.kind == to_string(CodeKind::direct_syscall))
           return fmt::format("it differs from one run to the next, and {}; {}", code.sentence, where);
     const Choice everything = [](const ObservedCall&) { return true; };
     if (any(everything)) return by_call(everything, "may have reached ", where, "");

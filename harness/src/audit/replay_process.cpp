@@ -52,10 +52,8 @@ void change_environment(EnvironmentChanges& changes, const fs::path& home) {
   for (int i = 0; i < 100; ++i) changes[fmt::format("AUDIT_FILLER_{}", i)] = std::string(1000, 'x');
 }
 
-std::string tunables(const ReplaySettings& settings) {
-  std::string pinned;
-  for (const auto& [name, value] : pinned_environment())
-    if (name == "GLIBC_TUNABLES") pinned = value;
+/// The tunables of malloc(), a colon after each.
+std::string memory_tunables(const ReplaySettings& settings) {
   std::string memory;
   // Without its cache malloc() fills every block that it returns or frees; trimmed blocks would come back as zeros.
   if (settings.fill != 0)
@@ -63,7 +61,7 @@ std::string tunables(const ReplaySettings& settings) {
                           std::size_t{1} << 40, settings.fill);
   if (settings.padding != 0)
     memory += "glibc.malloc.top_pad=1048576:glibc.malloc.mmap_threshold=60000:glibc.malloc.arena_max=1:";
-  return memory + pinned;
+  return memory;
 }
 
 std::string sentence_of_death(int status, const std::optional<UnfinishedCall>& call) {
@@ -84,9 +82,8 @@ struct ReplayProcesses::Child {
   pid_t process = 0;
   int status = 0;
   bool killed = false;
-  Clock::time_point begin = Clock::now(), last_looked = begin, last_beat = begin;
+  Clock::time_point last_looked = Clock::now(), last_beat = last_looked;
   std::uint64_t beat = 0;
-  double seconds = 0.0;
 };
 
 ReplayProcesses::ReplayProcesses(const AuditOptions& options, fs::path trace)
@@ -130,7 +127,7 @@ Result<std::vector<std::string>> ReplayProcesses::environment(const ReplaySettin
   if (settings.other_environment) change_environment(changes, folder_of(settings));
   for (const auto& [name, value] : pinned_environment()) changes[name] = value;
   if (options_.virtualise) changes.merge(virtualised_environment(options_.seed));
-  changes["GLIBC_TUNABLES"] = tunables(settings);
+  changes["GLIBC_TUNABLES"] = memory_tunables(settings) + changes["GLIBC_TUNABLES"].value_or("");
   if (!settings.valgrind) {
     const auto watched = interposer_environment({folder_of(settings) / "calls", folder_of(settings) / "copies",
                                                  settings.everywhere, settings.only, settings.there});
@@ -164,11 +161,8 @@ Result<ReplayProcesses::Child> ReplayProcesses::start(const ReplaySettings& sett
 /// replay itself, or a thread of theirs never ends.
 bool ReplayProcesses::has_ended(Child& child) const {
   const pid_t ended = waitpid(child.process, &child.status, WNOHANG);
+  if (ended != 0 && !(ended < 0 && errno == EINTR)) return true;
   const Clock::time_point now = Clock::now();
-  if (ended != 0 && !(ended < 0 && errno == EINTR)) {
-    child.seconds = std::chrono::duration<double>(now - child.begin).count();
-    return true;
-  }
   if (now - child.last_looked < heartbeat_interval) return false;
   child.last_looked = now;
   std::uint64_t beat = 0;
@@ -213,25 +207,13 @@ Result<std::vector<ReplayOutcome>> ReplayProcesses::run(const std::vector<Replay
       if (!result && problems.empty()) problems = result.errors();
       if (result) outcomes[child->number] = *std::move(result);
       child = running.erase(child);
-      if (on_progress) on_progress(++done_);
+      if (on_progress) on_progress();
     }
     if (!problems.empty() && running.empty()) return problems;
     std::this_thread::sleep_for(poll_interval);
   }
   return outcomes;
 }
-
-namespace {
-
-Diagnostic diagnostic_of(const Json& json) {
-  Diagnostic diagnostic = error(json.at("message"), json.at("hint"));
-  diagnostic.file = json.at("file");
-  diagnostic.line = json.at("line");
-  diagnostic.column = json.at("column");
-  return diagnostic;
-}
-
-}  // namespace
 
 Result<ReplayPass> ReplayProcesses::read_pass(const Child& child, int number) const {
   auto outputs = Outputs::read(child.folder / fmt::format("{}.outputs", number));
@@ -241,7 +223,6 @@ Result<ReplayPass> ReplayProcesses::read_pass(const Child& child, int number) co
   const fs::path file = child.folder / fmt::format("{}.json", number);
   const auto text = read_text(file);
   if (!text) {  // the process ended before it wrote anything
-    pass.hung = child.killed;
     const auto& call = pass.outputs.unfinished();
     pass.failure = !child.killed ? sentence_of_death(child.status, call)
                    : call        ? fmt::format("controller '{}' hung in {}() at tick {}: its process had to be killed",
@@ -251,16 +232,13 @@ Result<ReplayPass> ReplayProcesses::read_pass(const Child& child, int number) co
   }
   const Json report = Json::parse(*text, nullptr, false);
   try {
-    if (!report.at("problem").is_null()) return diagnostic_of(report.at("problem"));
+    if (!report.at("problem").is_null()) return report.at("problem").get<Diagnostic>();
     if (!report.at("failure").is_null()) pass.failure = report.at("failure").get<std::string>();
-    pass.hung = pass.failure && pass.failure->find(" did not return within ") != std::string::npos;
     pass.refused = report.at("refused");
     pass.differs_from_recording = place_of_json(report.at("differs_from_recording"));
     if (!report.at("undefined").is_null()) pass.undefined = report.at("undefined");
-    for (const Json& remark : report.at("remarks")) {
-      Diagnostic& added = pass.remarks.emplace_back(error(remark.at("text")));
-      if (remark.at("warning")) added.severity = Severity::warning;
-    }
+    for (const Json& remark : report.at("remarks"))
+      pass.remarks.push_back(remark.at("warning") ? warning(remark.at("text")) : error(remark.at("text")));
   } catch (const Json::exception& wrong) {
     return error(fmt::format("{}: a replay's report can't be read: {}", file.string(), wrong.what()));
   }
@@ -269,7 +247,6 @@ Result<ReplayPass> ReplayProcesses::read_pass(const Child& child, int number) co
 
 Result<ReplayOutcome> ReplayProcesses::outcome(const Child& child) const {
   ReplayOutcome outcome;
-  outcome.seconds = child.seconds;
   std::error_code ignored;
   if (!fs::exists(child.folder / "1.outputs", ignored)) {
     auto said = read_text(child.folder / "output.txt");

@@ -37,7 +37,6 @@ struct ReplaySettings {
 struct ReplayPass {
   Outputs outputs;
   std::optional<std::string> failure;  // a controller threw, crashed or hung; or the process ended in it
-  bool hung = false;                   // it stopped responding; the process was killed
   bool refused = false;
   std::optional<Divergence> differs_from_recording;  // the first command that differs from the recorded one
   std::string undefined;                             // under valgrind: the first number that was never set
@@ -48,7 +47,6 @@ struct ReplayOutcome {
   std::vector<ReplayPass> passes;
   CallLog log;
   std::string valgrind_report;  // XML
-  double seconds = 0.0;         // wall time [s]
 };
 
 /// Runs replays of one trace, two processes at a time.
@@ -59,8 +57,8 @@ class ReplayProcesses {
   /// The outcomes in the order of the settings. Fails if a process can't be started, if a controller can't be loaded,
   /// or if the trace lacks its inputs.
   Result<std::vector<ReplayOutcome>> run(const std::vector<ReplaySettings>& settings);
-  /// Called with the number of processes that have ended.
-  std::function<void(int done)> on_progress;
+  /// Called when a process has ended; null: nothing is called.
+  std::function<void()> on_progress;
 
  private:
   struct Child;
@@ -74,7 +72,6 @@ class ReplayProcesses {
 
   const AuditOptions& options_;
   std::filesystem::path trace_;
-  int done_ = 0;
 };
 
 }  // namespace rehearse

@@ -1,4 +1,5 @@
-#include "sources.h"
+// The system functions whose answers aren't inputs of a controller.
+#include "library_scan.h"
 
 namespace rehearse {
 namespace {

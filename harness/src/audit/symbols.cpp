@@ -180,23 +180,12 @@ Symbols::Found Symbols::find(std::uint64_t address) const {
   return found;
 }
 
-std::string Symbols::function_at(std::uint64_t address) const { return find(address).function; }
-
-std::string Symbols::line_at(std::uint64_t address) const { return find(address).line; }
-
 std::string Symbols::describe(std::uint64_t address) const {
   const Found found = find(address);
   const std::string line = found.line.empty() ? address_text(address) : found.line;
   return found.function.empty() ? line : fmt::format("{} ({})", found.function, line);
 }
 
-bool Symbols::is_in_system_header(std::uint64_t address) const { return find(address).is_systems; }
-
 std::string Symbols::address_text(std::uint64_t address) const { return fmt::format("{}+{:#x}", name_, address); }
-
-bool Symbols::has_lines() const {
-  Dwarf_Addr bias = 0;
-  return module_ && dwfl_module_nextcu(module_, nullptr, &bias) != nullptr;
-}
 
 }  // namespace rehearse

@@ -16,27 +16,20 @@ class Symbols {
  public:
   explicit Symbols(const std::filesystem::path& file);
 
-  /// The function at a virtual address, demangled: "Filter::update()". For inlined functions the innermost that isn't
-  /// in a header of the system.
-  std::string function_at(std::uint64_t address) const;
-  /// "filter.cpp:31", of the same function.
-  std::string line_at(std::uint64_t address) const;
+  struct Found {
+    /// Demangled: "Filter::update()". For inlined functions the innermost that isn't in a header of the system.
+    std::string function;
+    std::string line;         // of the same function: "filter.cpp:31"
+    bool is_systems = false;  // the line is in a header of the compiler or of another package
+  };
+  /// The function and the line at a virtual address.
+  Found find(std::uint64_t address) const;
   /// "Filter::update() (filter.cpp:31)", or a part of it if information is missing, at least "BadFilter.so+0x1139".
   std::string describe(std::uint64_t address) const;
-  /// True if its line is in a header of the compiler or of another package; false if it has no line.
-  bool is_in_system_header(std::uint64_t address) const;
   /// "BadFilter.so+0x1139"
   std::string address_text(std::uint64_t address) const;
-  bool has_lines() const;
 
  private:
-  struct Found {
-    std::string function;
-    std::string line;
-    bool is_systems = false;
-  };
-  Found find(std::uint64_t address) const;
-
   struct Close {
     void operator()(Dwfl* session) const;
   };

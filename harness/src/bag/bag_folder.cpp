@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 
 #include "model/text.h"
 #include "yaml/yaml_tree.h"
@@ -61,11 +60,9 @@ class FolderReader {
 /// A whole number of at least 0; nullopt without a node.
 std::optional<StatedNumber> FolderReader::number(const YamlNode* node, std::string_view what) {
   if (node == nullptr) return std::nullopt;
-  StatedNumber number;
-  number.line = node->line;
   const std::string text = text_of(node);
-  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), number.value);
-  if (problem == std::errc() && end == text.data() + text.size() && number.value >= 0) return number;
+  const auto value = number_in<std::int64_t>(text);
+  if (value && *value >= 0) return StatedNumber{*value, node->line};
   report(*node, fmt::format("{} is {}", what, text.empty() ? "no number" : in_quotes(text)),
          "expected a whole number of at least 0");
   return std::nullopt;
@@ -152,7 +149,7 @@ Result<Folder> FolderReader::parse(const std::string& text) {
   const YamlNode* bag = find(root->get(), top_key);
   if (bag == nullptr || bag->kind != YamlNode::Kind::map)
     return wrong(**root, fmt::format("it has no map '{}'", top_key), "expected the metadata of a rosbag2 folder");
-  if (const auto version = number(find(bag, "version"), "version")) folder_.version = static_cast<int>(version->value);
+  number(find(bag, "version"), "version");  // only to report a mistake in it
   read_storage(*bag);
   read_compression(*bag);
   read_files(*bag);
@@ -160,7 +157,6 @@ Result<Folder> FolderReader::parse(const std::string& text) {
   folder_.messages = number(find(bag, "message_count"), "message_count");
   folder_.start = number(find(find(bag, "starting_time"), "nanoseconds_since_epoch"), "starting_time");
   folder_.duration = number(find(find(bag, "duration"), "nanoseconds"), "duration");
-  folder_.distribution = text_of(find(bag, "ros_distro"));
   if (!problems_.empty()) return problems_;
   return folder_;
 }

@@ -29,9 +29,7 @@ struct StatedNumber {
 struct Folder {
   std::filesystem::path metadata;            // metadata.yaml
   std::vector<std::filesystem::path> files;  // existing files, in the order of the recording
-  int version = 0;                           // version of the format of metadata.yaml
   std::string storage;                       // "mcap" or "sqlite3"
-  std::string distribution;                  // the ROS distribution that wrote the folder; empty: not stated
   bool compressed_messages = false;          // each message is compressed by zstd
   std::optional<StatedNumber> messages;      // number of messages in all files
   std::optional<StatedNumber> start;         // [ns]

@@ -124,8 +124,7 @@ Result<void> SqliteBag::Impl::read_topics() {
   while ((status = sqlite3_step(row)) == SQLITE_ROW) {
     if (topics.size() == most_topics) return wrong(fmt::format("it has more than {} topics", most_topics));
     topic_index[sqlite3_column_int64(row, 0)] = topics.size();
-    topics.push_back(
-        {sqlite3_column_int64(row, 0), text_at(row, 1), text_at(row, 2), text_at(row, 3), text_at(row, 4)});
+    topics.push_back({text_at(row, 1), text_at(row, 2), text_at(row, 3), text_at(row, 4)});
   }
   if (status != SQLITE_DONE) return failed("its topics can't be read");
   return {};

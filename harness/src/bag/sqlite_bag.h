@@ -19,7 +19,6 @@
 namespace rehearse::bag {
 
 struct Topic {
-  std::int64_t id = 0;
   std::string name;
   std::string type;                  // as sensor_msgs/msg/JointState
   std::string serialization_format;  // as cdr

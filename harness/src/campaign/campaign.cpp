@@ -12,10 +12,10 @@
 #include <utility>
 
 #include "campaign_folder.h"
+#include "case_run.h"
 #include "case_values.h"
 #include "golden/run_folder.h"
 #include "host/interruption.h"
-#include "lone_run.h"
 #include "result_lines.h"
 #include "worker_pool.h"
 

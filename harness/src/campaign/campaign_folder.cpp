@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -18,7 +17,7 @@
 #include "case_values.h"
 #include "csv_text.h"
 #include "golden/golden_files.h"
-#include "lone_run.h"
+#include "model/text.h"
 #include "result_lines.h"
 #include "trace/hashing.h"
 
@@ -119,10 +118,7 @@ fs::path kept_trace_file(const fs::path& folder, const CaseResult& result) {
 std::optional<std::int64_t> case_of_kept_trace(const fs::path& file, CaseVerdict verdict) {
   const std::string name = file.stem().string(), prefix = fmt::format("{}-", to_string(verdict));
   if (!name.starts_with(prefix) || file.extension() != ".mcap") return std::nullopt;
-  std::int64_t number = 0;
-  const char* const end = name.data() + name.size();
-  const auto [at, status] = std::from_chars(name.data() + prefix.size(), end, number);
-  return status == std::errc() && at == end ? std::optional(number) : std::nullopt;
+  return number_in<std::int64_t>(std::string_view(name).substr(prefix.size()));
 }
 
 Result<CampaignLock> CampaignLock::take(const fs::path& folder, bool shared) {
@@ -132,12 +128,6 @@ Result<CampaignLock> CampaignLock::take(const fs::path& folder, bool shared) {
   if (::flock(lock.descriptor_, (shared ? LOCK_SH : LOCK_EX) | LOCK_NB) != 0)
     return error_in(folder.string(), "another process works on this campaign", "wait for its end, or stop it");
   return lock;
-}
-
-CampaignLock::CampaignLock(CampaignLock&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
-
-CampaignLock::~CampaignLock() {
-  if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 /// Writes and reads the facts.

@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <string>
 
+#include "model/file_descriptor.h"
+
 namespace rehearse {
 
 inline constexpr int campaign_version = 1;
@@ -27,13 +29,10 @@ bool are_same(const CampaignOptions& a, const CampaignOptions& b);
 class CampaignLock {
  public:
   static Result<CampaignLock> take(const std::filesystem::path& folder, bool shared);
-  CampaignLock(CampaignLock&& other) noexcept;
-  CampaignLock& operator=(CampaignLock&&) = delete;
-  ~CampaignLock();
 
  private:
   explicit CampaignLock(int descriptor) : descriptor_(descriptor) {}
-  int descriptor_;
+  FileDescriptor descriptor_;
 };
 
 }  // namespace rehearse

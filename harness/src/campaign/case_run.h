@@ -22,6 +22,11 @@ struct CaseRun {
 CaseRun run_case(const std::filesystem::path& file, const std::string& text, const CampaignOptions& options,
                  const std::filesystem::path& trace, const Simulation& simulation);
 
+/// Runs a scenario with this text in a process of its own. `file`: the place to which its paths are relative. `trace`:
+/// the file of its recording; empty: it is not kept. Fails if a signal interrupts it.
+Result<CaseRun> run_alone(const Campaign& campaign, const std::string& text, const std::filesystem::path& file,
+                          const std::filesystem::path& trace, const Simulation& simulation);
+
 /// The result of a case whose process ended without a verdict.
 CaseResult ended_case(std::int64_t number, CaseVerdict verdict, std::string sentence);
 

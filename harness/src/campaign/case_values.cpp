@@ -4,17 +4,15 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numbers>
 #include <optional>
 
 #include "csv_text.h"
 #include "model/names.h"
+#include "model/text.h"
 #include "scenario/normal_quantile.h"
-#include "stepping/expression.h"
 #include "trace/hashing.h"
 
 namespace rehearse {
@@ -40,20 +38,13 @@ std::string text_of(const Variation& variation, double value) {
   return fmt::format("{:.0f}", value);
 }
 
-std::optional<double> number_in(std::string_view text) {
-  double value = 0.0;
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (status != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 /// The parameters as the series of an expression.
 class Parameters final : public ExpressionSource {
  public:
   explicit Parameters(std::vector<std::string> names) : names_(std::move(names)), values_(names_.size()) {}
 
   void set(std::size_t index, std::string_view text) {
-    values_[index] = number_in(text).value_or(std::numeric_limits<double>::quiet_NaN());
+    values_[index] = number_in<double>(text).value_or(std::numeric_limits<double>::quiet_NaN());
   }
 
   Result<std::size_t> find_series(std::string_view name) override {
@@ -79,41 +70,22 @@ class Parameters final : public ExpressionSource {
   std::vector<double> values_;
 };
 
-class DrawnValues final : public CaseValues {
- public:
-  DrawnValues(const Scenario& scenario, std::uint64_t seed) : scenario_(scenario), seed_(seed) {}
+}  // namespace
 
-  Result<void> prepare();
-  std::vector<std::string> of(std::int64_t number) const override;
-  std::vector<std::string> with_links(std::vector<std::string> values) const override;
-  Result<std::int64_t> round() const override;
-  Result<void> check_bounds() const override;
-
- private:
-  const std::vector<Variation>& variations() const { return scenario_.variations; }
-  Result<void> read_column(const Variation& variation, std::vector<std::string>& rows) const;
-  Result<void> parse_link(std::size_t index);
-  std::string drawn(std::size_t index, std::int64_t number) const;
-  std::vector<std::string> extremes(std::size_t index) const;
-
-  const Scenario scenario_;  // a copy
-  const std::uint64_t seed_;
-  std::vector<std::vector<std::string>> lists_;  // by variation: values of choices, grids and files
-  std::map<std::size_t, Expression> links_;      // by variation
-};
-
-Result<void> DrawnValues::prepare() {
-  for (std::size_t i = 0; i < variations().size(); ++i) {
-    lists_.push_back(variations()[i].values);
-    if (variations()[i].distribution == Distribution::from_file)
-      if (auto read = read_column(variations()[i], lists_.back()); !read) return read;
-    if (variations()[i].distribution == Distribution::linked)
-      if (auto parsed = parse_link(i); !parsed) return parsed;
+Result<std::shared_ptr<const CaseValues>> CaseValues::make(const Scenario& scenario, std::uint64_t seed) {
+  const std::shared_ptr<CaseValues> made(new CaseValues(scenario, seed));
+  for (std::size_t i = 0; i < made->variations().size(); ++i) {
+    const Variation& variation = made->variations()[i];
+    made->lists_.push_back(variation.values);
+    if (variation.distribution == Distribution::from_file)
+      if (auto read = made->read_column(variation, made->lists_.back()); !read) return read.errors();
+    if (variation.distribution == Distribution::linked)
+      if (auto parsed = made->parse_link(i); !parsed) return parsed.errors();
   }
-  return {};
+  return std::shared_ptr<const CaseValues>(made);
 }
 
-Result<void> DrawnValues::read_column(const Variation& variation, std::vector<std::string>& rows) const {
+Result<void> CaseValues::read_column(const Variation& variation, std::vector<std::string>& rows) const {
   const std::filesystem::path file = std::filesystem::path(scenario_.file).parent_path() / variation.file;
   const auto table = read_csv(file);
   if (!table) return table.errors();
@@ -132,7 +104,7 @@ Result<void> DrawnValues::read_column(const Variation& variation, std::vector<st
   return {};
 }
 
-Result<void> DrawnValues::parse_link(std::size_t index) {
+Result<void> CaseValues::parse_link(std::size_t index) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < index; ++i) names.push_back(variations()[i].name);
   Parameters parameters(names);
@@ -149,7 +121,7 @@ Result<void> DrawnValues::parse_link(std::size_t index) {
   return {};
 }
 
-std::string DrawnValues::drawn(std::size_t index, std::int64_t number) const {
+std::string CaseValues::drawn(std::size_t index, std::int64_t number) const {
   const Variation& variation = variations()[index];
   const double random = uniform_number(seed_, number, variation.name);
   const std::vector<std::string>& list = lists_[index];
@@ -171,13 +143,13 @@ std::string DrawnValues::drawn(std::size_t index, std::int64_t number) const {
   return {};
 }
 
-std::vector<std::string> DrawnValues::of(std::int64_t number) const {
+std::vector<std::string> CaseValues::of(std::int64_t number) const {
   std::vector<std::string> values;
   for (std::size_t i = 0; i < variations().size(); ++i) values.push_back(drawn(i, number));
   return with_links(std::move(values));
 }
 
-std::vector<std::string> DrawnValues::with_links(std::vector<std::string> values) const {
+std::vector<std::string> CaseValues::with_links(std::vector<std::string> values) const {
   if (links_.empty()) return values;
   std::vector<std::string> names;
   for (const Variation& variation : variations()) names.push_back(variation.name);
@@ -190,7 +162,7 @@ std::vector<std::string> DrawnValues::with_links(std::vector<std::string> values
   return values;
 }
 
-Result<std::int64_t> DrawnValues::round() const {
+Result<std::int64_t> CaseValues::round() const {
   double size = 1.0;
   std::int64_t grids = 1, rows = 1;
   for (std::size_t i = 0; i < variations().size(); ++i) {
@@ -208,7 +180,7 @@ Result<std::int64_t> DrawnValues::round() const {
 }
 
 /// The values that are most likely to be wrong.
-std::vector<std::string> DrawnValues::extremes(std::size_t index) const {
+std::vector<std::string> CaseValues::extremes(std::size_t index) const {
   const Variation& variation = variations()[index];
   constexpr std::size_t most = 100;
   std::vector<std::string> values = lists_[index];
@@ -218,7 +190,7 @@ std::vector<std::string> DrawnValues::extremes(std::size_t index) const {
   return values;
 }
 
-Result<void> DrawnValues::check_bounds() const {
+Result<void> CaseValues::check_bounds() const {
   Diagnostics wrong;
   for (std::size_t i = 0; i < variations().size(); ++i) {
     for (const std::string& value : extremes(i)) {
@@ -237,8 +209,6 @@ Result<void> DrawnValues::check_bounds() const {
   }
   return wrong.empty() ? Result<void>() : Result<void>(wrong);
 }
-
-}  // namespace
 
 double uniform_number(std::uint64_t seed, std::int64_t number, std::string_view name) {
   static_assert(std::endian::native == std::endian::little);
@@ -272,12 +242,6 @@ void steer(Variation& variation, const SteeredParameter& steered) {
   variation.distribution = Distribution::normal;
   variation.mean = steered.mean;
   variation.stddev = steered.stddev;
-}
-
-Result<std::shared_ptr<const CaseValues>> CaseValues::make(const Scenario& scenario, std::uint64_t seed) {
-  auto values = std::make_shared<DrawnValues>(scenario, seed);
-  if (auto prepared = values->prepare(); !prepared) return prepared.errors();
-  return std::shared_ptr<const CaseValues>(std::move(values));
 }
 
 }  // namespace rehearse

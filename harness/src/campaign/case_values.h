@@ -4,11 +4,15 @@
 #include <rehearse/campaign.h>
 #include <rehearse/scenario.h>
 
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "stepping/expression.h"
 
 namespace rehearse {
 
@@ -28,17 +32,30 @@ class CaseValues {
 
   /// Reads the files of values, and parses linked expressions.
   static Result<std::shared_ptr<const CaseValues>> make(const Scenario& scenario, std::uint64_t seed);
-  virtual ~CaseValues() = default;
 
   /// One value for each variation.
-  virtual std::vector<std::string> of(std::int64_t number) const = 0;
+  std::vector<std::string> of(std::int64_t number) const;
   /// The values with those of linked parameters computed again. Empty values are nominal.
-  virtual std::vector<std::string> with_links(std::vector<std::string> values) const = 0;
+  std::vector<std::string> with_links(std::vector<std::string> values) const;
   /// Number of cases after which all combinations of grids and all rows of files occurred; 1: there are none. Fails if
   /// there are more than most_cases.
-  virtual Result<std::int64_t> round() const = 0;
+  Result<std::int64_t> round() const;
   /// Fails if the scenario can't be loaded with a bound or a chosen value of a parameter, the others being nominal.
-  virtual Result<void> check_bounds() const = 0;
+  Result<void> check_bounds() const;
+
+ private:
+  CaseValues(const Scenario& scenario, std::uint64_t seed) : scenario_(scenario), seed_(seed) {}
+
+  const std::vector<Variation>& variations() const { return scenario_.variations; }
+  Result<void> read_column(const Variation& variation, std::vector<std::string>& rows) const;
+  Result<void> parse_link(std::size_t index);
+  std::string drawn(std::size_t index, std::int64_t number) const;
+  std::vector<std::string> extremes(std::size_t index) const;
+
+  const Scenario scenario_;  // a copy
+  const std::uint64_t seed_;
+  std::vector<std::vector<std::string>> lists_;  // by variation: values of choices, grids and files
+  std::map<std::size_t, Expression> links_;      // by variation
 };
 
 }  // namespace rehearse

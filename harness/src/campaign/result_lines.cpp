@@ -109,13 +109,6 @@ Result<ResultFile> ResultFile::open(const std::filesystem::path& file) {
   return opened;
 }
 
-ResultFile::ResultFile(ResultFile&& other) noexcept
-    : path_(std::move(other.path_)), descriptor_(std::exchange(other.descriptor_, -1)) {}
-
-ResultFile::~ResultFile() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-}
-
 Result<void> ResultFile::append(const CaseResult& result) {
   const std::string line = line_of(result) + '\n';
   struct stat before {};

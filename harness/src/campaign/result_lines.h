@@ -10,6 +10,8 @@
 #include <string>
 #include <string_view>
 
+#include "model/file_descriptor.h"
+
 namespace rehearse {
 
 nlohmann::ordered_json json_of_result(const CaseResult& result);
@@ -26,9 +28,6 @@ class ResultFile {
  public:
   /// Locks the file. Fails if another process has it open. A line that was cut is removed.
   static Result<ResultFile> open(const std::filesystem::path& file);
-  ResultFile(ResultFile&& other) noexcept;
-  ResultFile& operator=(ResultFile&&) = delete;
-  ~ResultFile();
 
   /// Fails if the disk is full; nothing of the line is left then.
   Result<void> append(const CaseResult& result);
@@ -36,7 +35,7 @@ class ResultFile {
  private:
   ResultFile(std::filesystem::path path, int descriptor) : path_(std::move(path)), descriptor_(descriptor) {}
   std::filesystem::path path_;
-  int descriptor_;
+  FileDescriptor descriptor_;
 };
 
 }  // namespace rehearse

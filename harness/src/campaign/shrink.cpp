@@ -2,13 +2,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 
+#include "case_run.h"
 #include "golden/golden_files.h"
 #include "host/interruption.h"
-#include "lone_run.h"
+#include "model/text.h"
 #include "scenario/scenario_variations.h"
 
 namespace rehearse {
@@ -18,13 +18,6 @@ namespace fs = std::filesystem;
 using Indices = std::vector<std::size_t>;
 
 constexpr int halvings = 8;  // of the distance to the nominal value
-
-std::optional<double> number_in(const std::string& text) {
-  double value = 0.0;
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (status != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
 
 Indices without(const Indices& all, std::size_t begin, std::size_t end) {
   Indices rest(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(begin));
@@ -98,7 +91,7 @@ Result<Shrinker::Tried> Shrinker::attempt(const Indices& differing) {
 void Shrinker::keep_differing() {
   best_.differs.clear();
   for (std::size_t i = 0; i < variations().size(); ++i) {
-    const auto value = number_in(best_.values[i]), nominal = number_in(variations()[i].nominal);
+    const auto value = number_in<double>(best_.values[i]), nominal = number_in<double>(variations()[i].nominal);
     const bool is_same = best_.values[i].empty() || best_.values[i] == variations()[i].nominal ||
                          (value && nominal && *value == *nominal);
     if (!is_same && variations()[i].distribution != Distribution::linked) best_.differs.push_back(i);
@@ -136,13 +129,14 @@ Result<bool> Shrinker::remove_parameters() {
 
 /// Moves a number towards nominal as far as it fails.
 Result<bool> Shrinker::bisect(std::size_t index) {
-  const auto value = number_in(best_.values[index]), nominal = number_in(variations()[index].nominal);
+  const auto value = number_in<double>(best_.values[index]), nominal = number_in<double>(variations()[index].nominal);
   if (!value || !nominal) return true;
   double fails = 1.0, passes = 0.0;  // shares of the distance
   for (int i = 0; i < halvings; ++i) {
     const double share = 0.5 * (fails + passes);
     double number = *nominal + share * (*value - *nominal);
-    number = variations()[index].integer ? std::round(number) : number_in(fmt::format("{:.4g}", number)).value();
+    number =
+        variations()[index].integer ? std::round(number) : number_in<double>(fmt::format("{:.4g}", number)).value();
     std::vector<std::string> values = best_.values;
     values[index] = fmt::format("{}", number);
     if (values[index] == best_.values[index] || number == *nominal) break;
@@ -161,7 +155,7 @@ Result<bool> Shrinker::cut_duration() {
   double passes = step * static_cast<double>(*best_.result.tick), fails = best_.duration;
   for (int i = 0; i < halvings && fails - passes > step; ++i) {
     const double tried_at = i == 0 ? passes + 2.0 * step : 0.5 * (passes + fails);
-    const double duration = number_in(fmt::format("{:.6g}", std::ceil(tried_at / step) * step)).value();
+    const double duration = number_in<double>(fmt::format("{:.6g}", std::ceil(tried_at / step) * step)).value();
     if (duration >= fails) break;
     const auto tried = attempt(best_.values, duration);
     if (!tried) return tried.errors();

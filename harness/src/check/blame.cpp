@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <rehearse/mcap.h>
+#include <rehearse/replay.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,56 +13,53 @@
 #include "compare/compare_parts.h"
 #include "model/clock.h"
 #include "replay/plant_level.h"
-#include "replayed_twice.h"
 #include "scenario/trace_scenario.h"
+#include "trace/hashing.h"
 
 namespace rehearse {
 namespace {
 
-/// The results of the two levels on which no difference grows.
-struct Evidence {
-  LevelState controller = LevelState::skipped;
-  LevelState plant = LevelState::skipped;
-  std::string controller_problem, plant_problem;  // why there is no comparison
-  std::optional<ReplayReport> replay;
-  std::optional<Comparison> plant_comparison;
-};
+namespace fs = std::filesystem;
 
-class Detective {
- public:
-  explicit Detective(const Suspects& suspects) : with_(suspects) {}
+/// A hash of the outputs of each tick.
+Result<std::vector<std::uint64_t>> replayed_outputs(const fs::path& recording, const HostOptions& host) {
+  std::vector<std::uint64_t> hashes;
+  ReplayOptions options;
+  static_cast<HostOptions&>(options) = host;
+  options.on_outputs = [&hashes](std::int64_t, const std::vector<std::uint64_t>& row) {
+    hashes.push_back(hash_bytes(row.data(), row.size() * sizeof(row[0])));
+  };
+  if (auto replayed = replay(recording, options); !replayed) return replayed.errors();
+  return hashes;
+}
 
-  Evidence gather(const CheckReport& report);
-  Blame controller(const Evidence& evidence) const;
-  Blame plant(const Evidence& evidence);
-  Blame loop(const Comparison& comparison, const Evidence& evidence) const;
-
- private:
-  Blame same_controller(const Divergence& first, const ReplayReport& replayed) const;
-  std::optional<Comparison> plant_again(const Scenario& scenario, const PlantOptions& options);
-  bool is_noise(const Divergence& place, const Scenario& recorded);
-  std::string origin(const Divergence& place, const Comparison& comparison);
-
-  const Suspects& with_;
-};
+/// The first tick in which two replays of the recording have different outputs; none: they have equal bits in all
+/// ticks. Fails if the recording can't be replayed.
+Result<std::optional<std::int64_t>> first_unrepeated_tick(const fs::path& recording, const HostOptions& host) {
+  const auto once = replayed_outputs(recording, host), again = replayed_outputs(recording, host);
+  if (!once) return once.errors();
+  if (!again) return again.errors();
+  if (*once == *again) return std::optional<std::int64_t>();
+  return std::optional(std::ranges::mismatch(*once, *again).in1 - once->begin());
+}
 
 /// Repeats level plant, up to the beginning of the tick `options.until`. None: the run failed.
-std::optional<Comparison> Detective::plant_again(const Scenario& scenario, const PlantOptions& options) {
-  auto again = compare_plant(with_.simulation, scenario, with_.golden, with_.scratch, options);
+std::optional<Comparison> plant_again(const Suspects& with, const Scenario& scenario, const PlantOptions& options) {
+  auto again = compare_plant(with.simulation, scenario, with.golden, with.scratch, options);
   std::error_code ignored;
-  std::filesystem::remove(with_.scratch, ignored);
+  fs::remove(with.scratch, ignored);
   if (!again) return std::nullopt;
   return std::move(again->comparison);
 }
 
-Evidence Detective::gather(const CheckReport& report) {
-  Evidence evidence{report.controller,    report.plant,  report.controller_problem,
-                    report.plant_problem, report.replay, report.plant_comparison};
+/// The report, and, if level closed differs, the results of the other levels up to its first difference.
+CheckReport with_all_levels(const Suspects& with, const CheckReport& report) {
+  CheckReport evidence = report;
   if (report.closed != LevelState::differs) return evidence;
   const std::int64_t tick = report.comparison->first->tick;
   if (evidence.controller == LevelState::skipped) {
-    const double until = time_of(tick + 1, with_.scenario.time_step);
-    if (auto replayed = replay_golden(with_.scenario, with_.golden, with_.host, until)) {
+    const double until = time_of(tick + 1, with.scenario.time_step);
+    if (auto replayed = replay_golden(with.scenario, with.golden, with.host, until)) {
       evidence.controller = state_of(*replayed);
       evidence.replay = *std::move(replayed);
     }
@@ -69,7 +67,7 @@ Evidence Detective::gather(const CheckReport& report) {
   if (evidence.plant == LevelState::skipped) {
     PlantOptions options;
     options.until = tick;
-    evidence.plant_comparison = plant_again(with_.scenario, options);
+    evidence.plant_comparison = plant_again(with, with.scenario, options);
     if (evidence.plant_comparison)
       evidence.plant = evidence.plant_comparison->within ? LevelState::within : LevelState::differs;
   }
@@ -81,25 +79,9 @@ std::string files_text(const ReplayReport& replayed) {
   return replayed.changed_files.empty() ? "" : fmt::format("; {}", fmt::join(replayed.changed_files, "; "));
 }
 
-Blame Detective::controller(const Evidence& evidence) const {
-  if (!evidence.replay)
-    return {"the controllers can't be fed with the golden's inputs: " + evidence.controller_problem, std::nullopt};
-  if (!evidence.replay->first)
-    return {"the controller changed: fed with the golden's inputs, " + evidence.replay->failure->message +
-                files_text(*evidence.replay),
-            std::nullopt};
-  const Divergence& first = evidence.replay->beyond ? *evidence.replay->beyond : *evidence.replay->first;
-  if (first.stage == Stage::inputs)
-    return {"the golden differs from the run that was recorded: at " + to_string(first), first};
-  if (evidence.replay->same_controllers) return same_controller(first, *evidence.replay);
-  return {"the controller changed: fed with the golden's inputs, it differs at " + to_string(first) +
-              files_text(*evidence.replay),
-          first};
-}
-
 /// The verdict for a controller whose library is the recorded one, but whose commands differ.
-Blame Detective::same_controller(const Divergence& first, const ReplayReport& replayed) const {
-  const auto unrepeated = first_unrepeated_tick(with_.golden.file(), with_.host);
+Blame same_controller(const Suspects& with, const Divergence& first, const ReplayReport& replayed) {
+  const auto unrepeated = first_unrepeated_tick(with.golden.file(), with.host);
   if (unrepeated && *unrepeated)
     return {fmt::format("the controller is no function of its inputs: it is the recorded one, but two replays of the "
                         "golden differ from each other at tick {}; fed with the golden's inputs, it differs at {}; it "
@@ -115,6 +97,22 @@ Blame Detective::same_controller(const Divergence& first, const ReplayReport& re
           files.empty() ? "; `rehearse audit` reports whether it depends on files, variables or uninitialised memory"
                         : files),
       first};
+}
+
+Blame blame_controller(const Suspects& with, const CheckReport& evidence) {
+  if (!evidence.replay)
+    return {"the controllers can't be fed with the golden's inputs: " + evidence.controller_problem, std::nullopt};
+  if (!evidence.replay->first)
+    return {"the controller changed: fed with the golden's inputs, " + evidence.replay->failure->message +
+                files_text(*evidence.replay),
+            std::nullopt};
+  const Divergence& first = evidence.replay->beyond ? *evidence.replay->beyond : *evidence.replay->first;
+  if (first.stage == Stage::inputs)
+    return {"the golden differs from the run that was recorded: at " + to_string(first), first};
+  if (evidence.replay->same_controllers) return same_controller(with, first, *evidence.replay);
+  return {"the controller changed: fed with the golden's inputs, it differs at " + to_string(first) +
+              files_text(*evidence.replay),
+          first};
 }
 
 /// The first difference of the state before `place`, if it shows that the physics changed; null: there is none.
@@ -138,18 +136,18 @@ const Divergence* state_before(const Divergence& place, const Comparison& compar
 }
 
 /// True if the world agrees with the golden under the noise of the recorded scenario, instead of this one's.
-bool Detective::is_noise(const Divergence& place, const Scenario& recorded) {
+bool is_noise(const Suspects& with, const Divergence& place, const Scenario& recorded) {
   const auto noisy = [](const Scenario& scenario) {
     return std::any_of(scenario.bodies.begin(), scenario.bodies.end(), [](const ScenarioBody& body) {
       return !body.noise.devices.empty() || !body.noise.joints.empty();
     });
   };
-  const bool same_bodies = recorded.bodies.size() == with_.scenario.bodies.size();
-  if (!same_bodies || (!noisy(with_.scenario) && !noisy(recorded))) return false;
+  const bool same_bodies = recorded.bodies.size() == with.scenario.bodies.size();
+  if (!same_bodies || (!noisy(with.scenario) && !noisy(recorded))) return false;
   PlantOptions options;
   options.until = place.tick;
   options.noise_of = &recorded;
-  const auto again = plant_again(with_.scenario, options);
+  const auto again = plant_again(with, with.scenario, options);
   return again && again->within;
 }
 
@@ -165,19 +163,19 @@ std::string changed_files(const Comparison& comparison) {
 }
 
 /// The cause of a difference of the plant: the noise, the files, or the programs.
-std::string Detective::origin(const Divergence& place, const Comparison& comparison) {
+std::string origin(const Suspects& with, const Divergence& place, const Comparison& comparison) {
   const std::string files = changed_files(comparison);
-  const auto recorded = recorded_scenario(with_.golden);
+  const auto recorded = recorded_scenario(with.golden);
   if (!recorded) return files.empty() ? "" : fmt::format("; changed since it was recorded: {}", files);
-  if (place.stage != Stage::physics && is_noise(place, *recorded)) {
-    const auto stated = RunFacts::of(with_.golden).seed;
+  if (place.stage != Stage::physics && is_noise(with, place, *recorded)) {
+    const auto stated = RunFacts::of(with.golden).seed;
     const std::string seed = stated ? std::to_string(*stated) : "?";
-    return seed == std::to_string(with_.scenario.seed)
+    return seed == std::to_string(with.scenario.seed)
                ? "; the noise changed: with the golden's noise, the world agrees"
                : fmt::format(
                      "; the random stream of the noise changed: with the golden's seed {} instead of {}, the world "
                      "agrees",
-                     seed, with_.scenario.seed);
+                     seed, with.scenario.seed);
   }
   if (files.empty()) return "; scenario and models are what they were: the simulation itself changed";
   const bool has_meshes = std::any_of(recorded->bodies.begin(), recorded->bodies.end(), [](const ScenarioBody& body) {
@@ -188,36 +186,38 @@ std::string Detective::origin(const Divergence& place, const Comparison& compari
   if (has_meshes) return fmt::format("; changed since it was recorded: {}", files);
   PlantOptions options;
   options.until = place.tick;
-  const auto again = plant_again(*recorded, options);
+  const auto again = plant_again(with, *recorded, options);
   if (!again) return fmt::format("; changed since it was recorded: {}", files);
   return again->within ? fmt::format("; the cause is {}: with the recorded version, the world agrees", files)
                        : fmt::format("; {} changed, too, but with the recorded version the world also differs", files);
 }
 
-Blame Detective::plant(const Evidence& evidence) {
+Blame blame_plant(const Suspects& with, const CheckReport& evidence) {
   if (!evidence.plant_comparison)
     return {"the world can't be moved by the golden's commands: " + evidence.plant_problem, std::nullopt};
   const Comparison& comparison = *evidence.plant_comparison;
   Divergence place = *comparison.first;
   std::string since;
-  if (const Divergence* before = state_before(place, comparison, with_.golden)) {
+  if (const Divergence* before = state_before(place, comparison, with.golden)) {
     since = fmt::format("; before that, the last bits of {} {} differ from tick {} on", before->channel,
                         before->element, before->tick);
     place.stage = Stage::physics;
   }
   const bool innocent = evidence.controller == LevelState::equal && evidence.replay && evidence.replay->values > 0;
-  return {fmt::format("{} changed{}: under the golden's commands, the world differs at {}{}{}", to_string(place.stage),
-                      innocent ? ", the controller did not" : "", to_string(place), since, origin(place, comparison)),
-          place};
+  return {
+      fmt::format("{} changed{}: under the golden's commands, the world differs at {}{}{}", to_string(place.stage),
+                  innocent ? ", the controller did not" : "", to_string(place), since, origin(with, place, comparison)),
+      place};
 }
 
 /// The verdict if no part differs alone, but the closed loop does.
-Blame Detective::loop(const Comparison& comparison, const Evidence& evidence) const {
+Blame blame_loop(const Suspects& with, const CheckReport& evidence) {
+  const Comparison& comparison = *evidence.comparison;
   const Divergence& first = *comparison.first;
   const bool both_known = evidence.controller == LevelState::equal && evidence.plant != LevelState::skipped;
   if (!both_known) return {verdict(comparison), first};
   const Divergence& bit = *comparison.first_bit;
-  const bool follows_state = state_before(first, comparison, with_.golden) != nullptr;
+  const bool follows_state = state_before(first, comparison, with.golden) != nullptr;
   if (bit.stage == Stage::inputs || (first.stage == Stage::inputs && !follows_state))
     return {"the controller got other inputs than in the golden: the run " + verdict(comparison), first};
   if (evidence.plant == LevelState::within)
@@ -232,7 +232,7 @@ Blame Detective::loop(const Comparison& comparison, const Evidence& evidence) co
                         "commands, with the present one it doesn't; the run differs at {}",
                         changed_files(comparison), to_string(place)),
             place};
-  const auto unrepeated = first_unrepeated_tick(with_.actual, with_.host);
+  const auto unrepeated = first_unrepeated_tick(with.actual, with.host);
   if (unrepeated && *unrepeated)
     return {
         fmt::format("the controller is no function of its inputs: two replays of this run differ from each other at "
@@ -258,18 +258,17 @@ std::string nothing_differs(const CheckReport& report) {
 }  // namespace
 
 Blame find_guilty(const Suspects& suspects, const CheckReport& report) {
-  Detective detective(suspects);
-  const Evidence evidence = detective.gather(report);
+  const CheckReport evidence = with_all_levels(suspects, report);
   const bool controller_differs = evidence.controller == LevelState::differs;
   const bool plant_differs = evidence.plant == LevelState::differs;
   if (controller_differs && plant_differs) {
-    const Blame controller = detective.controller(evidence), plant = detective.plant(evidence);
+    const Blame controller = blame_controller(suspects, evidence), plant = blame_plant(suspects, evidence);
     const bool plant_first = plant.place && (!controller.place || comes_before(*plant.place, *controller.place));
     return {controller.sentence + "; besides, " + plant.sentence, plant_first ? plant.place : controller.place};
   }
-  if (controller_differs) return detective.controller(evidence);
-  if (plant_differs) return detective.plant(evidence);
-  if (report.closed == LevelState::differs) return detective.loop(*report.comparison, evidence);
+  if (controller_differs) return blame_controller(suspects, evidence);
+  if (plant_differs) return blame_plant(suspects, evidence);
+  if (report.closed == LevelState::differs) return blame_loop(suspects, evidence);
   std::optional<Divergence> bit;
   if (report.comparison) bit = report.comparison->first_bit;
   if (!bit && report.plant_comparison) bit = report.plant_comparison->first_bit;

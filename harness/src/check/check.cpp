@@ -383,6 +383,11 @@ bool CheckReport::within() const {
   return true;
 }
 
+bool CheckReport::failed() const {
+  const bool run_failed = run && (run->failure || run->controller_refused);
+  return run_failed || (replay && (replay->failure || replay->controller_refused));
+}
+
 namespace {
 
 /// Leaves out the levels that the golden can't have.

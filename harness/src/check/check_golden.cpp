@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 #include <rehearse/compare.h>
 
-#include "certificates.h"
 #include "check_run.h"
+#include "proof.h"
 #include "recording/provenance.h"
 #include "trace/hashing.h"
 #include "trace/run_facts.h"
@@ -141,12 +141,9 @@ Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, G
   const std::string& name = scenario.golden;
   if (name.empty() && options.closed && !scenario.expectations.empty())
     return check_without_golden(scenario, store.pending_file(scenario.name), options, simulation);
-  if (name.empty()) {
-    Diagnostic finding = error("the scenario names no golden to compare with, and has no expectations",
-                               "golden: Suite.Test, or expect: with the conditions of a run");
-    finding.file = scenario.file;
-    return finding;
-  }
+  if (name.empty())
+    return error_in(scenario.file, "the scenario names no golden to compare with, and has no expectations",
+                    "golden: Suite.Test, or expect: with the conditions of a run");
   if (!store.has(name)) return first_golden(scenario, store, mode, options, simulation);
   const fs::path actual = store.pending_file(name);
   auto report = check_scenario(scenario, store.trace_file(name), actual, options, simulation);

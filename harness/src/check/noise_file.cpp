@@ -43,9 +43,7 @@ void emit_channel(YAML::Emitter& out, const ChannelNoise& noise) {
 }
 
 void read_levels(Findings& findings, const YamlNode& list, Perturbation& perturbation) {
-  const std::vector<YamlNodePtr>* levels = read_list(findings, list, "'levels'", "a list of controller, plant, closed");
-  if (!levels) return;
-  for (const YamlNodePtr& level : *levels) {
+  for (const YamlNodePtr& level : read_list(findings, list, "'levels'", "a list of controller, plant, closed")) {
     if (level->text == "controller")
       perturbation.controller = true;
     else if (level->text == "plant")
@@ -95,10 +93,8 @@ void read_file(Findings& findings, const YamlNode& root, NoiseFloor& noise) {
   if (const YamlNode* facts = keys.find("made_with"))
     for (const NamedEntry& fact : read_entries(findings, *facts)) noise.made_with[fact.name] = fact.value->text;
   const auto each = [&](const char* key, const char* what, auto&& read) {
-    const YamlNode* node = keys.require(key, what);
-    const std::vector<YamlNodePtr>* items = node ? read_list(findings, *node, fmt::format("'{}'", key), what) : nullptr;
-    if (items)
-      for (const YamlNodePtr& item : *items) read(*item);
+    if (const YamlNode* node = keys.require(key, what))
+      for (const YamlNodePtr& item : read_list(findings, *node, fmt::format("'{}'", key), what)) read(*item);
   };
   each("perturbations", "a list of perturbations",
        [&](const YamlNode& node) { noise.perturbations.push_back(read_perturbation(findings, node)); });

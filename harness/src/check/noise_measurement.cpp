@@ -9,7 +9,7 @@
 #include "compare/compare_parts.h"
 #include "model/clock.h"
 #include "noise_floor.h"
-#include "perturbed_process.h"
+#include "perturbed_run.h"
 #include "recording/provenance.h"
 
 namespace rehearse {

@@ -9,7 +9,6 @@
 #include "compare/place_json.h"
 #include "golden/golden_files.h"
 #include "host/interruption.h"
-#include "perturbed_process.h"
 #include "trace/hashing.h"
 
 namespace rehearse {

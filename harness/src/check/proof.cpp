@@ -1,22 +1,28 @@
 #include "proof.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstdlib>
+#include <fstream>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "golden/golden_files.h"
 #include "golden/state_samples.h"
+#include "model/names.h"
+#include "model/text.h"
+#include "replay/plant_level.h"
 #include "scenario/plant_text.h"
 #include "trace/hashing.h"
 #include "trace/run_facts.h"
 
 namespace rehearse {
 namespace {
+
+namespace fs = std::filesystem;
 
 std::string text_of(const mcap::StringMap& plant) {
   std::string text;
@@ -66,6 +72,37 @@ std::string objection_to_samples(const Scenario& scenario, const Trace& golden) 
 
 }  // namespace
 
+fs::path Certificates::file_for(const std::string& facts) const {
+  return folder_ / (subject_ + "-" + hash_text(hash_bytes(facts.data(), facts.size())));
+}
+
+bool Certificates::has(const std::string& facts) const {
+  const auto text = read_text(file_for(facts));
+  return text && *text == facts;
+}
+
+Result<void> Certificates::add(const std::string& facts) const {
+  const fs::path file = file_for(facts);
+  if (auto made = make_folder_of(file); !made) return made;
+  const fs::path whole = fs::path(file).concat(fmt::format(".{}", getpid()));
+  std::ofstream stream(whole, std::ios::binary);
+  stream << facts;
+  stream.close();
+  std::error_code failed;
+  fs::rename(whole, file, failed);
+  if (stream && !failed) return {};
+  return error(fmt::format("{} can't be written", file.string()));
+}
+
+std::vector<std::string> Certificates::all() const {
+  std::vector<std::string> facts;
+  std::error_code failed;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, failed))
+    if (entry.path().filename().string().starts_with(subject_ + "-"))
+      if (auto text = read_text(entry.path())) facts.push_back(*std::move(text));
+  return facts;
+}
+
 Proof::Proof(const Scenario& scenario, const Trace& golden, const CheckOptions& options, const Simulation& simulation) {
   const bool is_wanted = options.certificates && simulation.describe_plant && !options.run.nudge;
   if (!is_wanted || (!options.plant && !options.closed)) return;
@@ -100,10 +137,7 @@ std::string Proof::changes() const {
   }
   if (!fewest) return "no check has simulated this golden here before";
   constexpr std::size_t most = 4;
-  const std::size_t others = fewest->size() > most ? fewest->size() - most : 0;
-  fewest->resize(fewest->size() - others);
-  return fmt::format("changed since the golden was simulated: {}{}", fmt::join(*fewest, ", "),
-                     others > 0 ? fmt::format(" and {} more", others) : "");
+  return "changed since the golden was simulated: " + listed(*fewest, most);
 }
 
 Result<void> Proof::certify() const {
@@ -121,9 +155,8 @@ Result<ProofMode> proof_mode() {
   if (word == "off") return mode.on = false, mode;
   constexpr std::string_view sample = "sample:";
   if (word.starts_with(sample)) {
-    const char* const end = word.data() + word.size();
-    const auto [at, problem] = std::from_chars(word.data() + sample.size(), end, mode.sampled);
-    if (problem == std::errc() && at == end && mode.sampled >= 0 && mode.sampled <= 100) return mode;
+    const auto percent = number_in<int>(word.substr(sample.size()));
+    if (percent && *percent >= 0 && *percent <= 100) return mode.sampled = *percent, mode;
   }
   return error(fmt::format("REHEARSE_PROOF is '{}'", word),
                "expected on, off, or sample:20, which simulates 20 % of the checks although they are proved");

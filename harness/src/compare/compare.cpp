@@ -12,7 +12,6 @@
 #include "compare_channel.h"
 #include "compare_parts.h"
 #include "compared_files.h"
-#include "counterpart.h"
 #include "mcap/quiet_thread.h"
 #include "model/clock.h"
 #include "scenario/trace_scenario.h"
@@ -427,7 +426,7 @@ Result<void> compare_windows(RunComparer& comparer, std::size_t window_size) {
     of_actual.push_back(&channel.actual);
     first = std::min({first, channel.golden_survey.first_time, channel.actual_survey.first_time});
     last = std::max({last, channel.golden_survey.last_time, channel.actual_survey.last_time});
-    equal_until = std::min(equal_until, channel.equal_until());
+    equal_until = std::min(equal_until, rehearse::equal_until(channel.golden_survey, channel.actual_survey));
   }
   last = std::min(last, traces.end);
   if (first > last) return {};
@@ -487,9 +486,7 @@ Result<Comparison> compare(const std::filesystem::path& golden, const std::files
 
 Result<std::vector<ToleranceRule>> tolerances_of(const Trace& trace) {
   if (!trace.find_attachment("scenario.yaml")) return std::vector<ToleranceRule>();
-  auto reader = mcap::Reader::open(trace.file());
-  if (!reader) return reader.errors();
-  auto scenario = scenario_of(**reader);
+  auto scenario = recorded_scenario(trace);
   if (!scenario) return scenario.errors();
   return scenario->tolerances;
 }

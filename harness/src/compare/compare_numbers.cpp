@@ -37,13 +37,11 @@ struct Column {
 };
 
 /// Four columns x, y, z, w that are one orientation.
-struct Orientation {
-  std::array<Column, 4> columns;
-};
+using Orientation = std::array<Column, 4>;
 
 std::vector<std::size_t> columns_of(const Orientation& orientation) {
   std::vector<std::size_t> columns;
-  for (const Column& column : orientation.columns) columns.push_back(column.golden);
+  for (const Column& column : orientation) columns.push_back(column.golden);
   return columns;
 }
 
@@ -70,7 +68,6 @@ class NumberJudge final : public PartJudge {
                    const std::string& note);
   void find_tolerance(Column& column) const;
   void group_orientations();
-  void compare_row(std::size_t golden_row, std::size_t actual_row);
   void compare_cell(Column& column, std::size_t golden_row, std::size_t actual_row);
   Divergence describe(const Column& column, std::size_t golden_row, std::size_t actual_row, double difference) const;
   void mark_hash(const Column& column, std::size_t golden_row);
@@ -196,7 +193,7 @@ void NumberJudge::group_orientations() {
   }
   for (const auto& [stem, parts] : found) {
     if (!parts[0] || !parts[1] || !parts[2] || !parts[3]) continue;
-    orientations_.push_back({{*parts[0], *parts[1], *parts[2], *parts[3]}});
+    orientations_.push_back({*parts[0], *parts[1], *parts[2], *parts[3]});
     std::erase_if(columns_, [&stem = stem](const Column& column) {
       return column.element.size() == stem.size() + 2 && column.element.starts_with(stem);
     });
@@ -215,13 +212,9 @@ void NumberJudge::take(const MatchedChannel& window) {
   for (const auto& [golden_row, actual_row] : window.pairs) {
     if (same_columns_ && std::memcmp(window.golden.row(golden_row), window.actual.row(actual_row), row_bytes) == 0)
       continue;
-    compare_row(golden_row, actual_row);
+    for (Column& column : columns_) compare_cell(column, golden_row, actual_row);
+    for (Orientation& orientation : orientations_) compare_orientation(orientation, golden_row, actual_row);
   }
-}
-
-void NumberJudge::compare_row(std::size_t golden_row, std::size_t actual_row) {
-  for (Column& column : columns_) compare_cell(column, golden_row, actual_row);
-  for (Orientation& orientation : orientations_) compare_orientation(orientation, golden_row, actual_row);
 }
 
 void NumberJudge::finish() {
@@ -230,7 +223,7 @@ void NumberJudge::finish() {
     if (column.kind == CellKind::floating && !column.hash)
       series.push_back({column.element, column.unit, column.largest, column.tolerance});
   for (const Orientation& orientation : orientations_) {
-    const Column& any = orientation.columns[0];
+    const Column& any = orientation[0];
     series.push_back({any.element.substr(0, any.element.size() - 2), "rad", any.largest, any.tolerance});
   }
 }
@@ -338,10 +331,10 @@ Divergence NumberJudge::describe(const Column& column, std::size_t golden_row, s
 double NumberJudge::beside(const Orientation& orientation, std::size_t golden_row, const Quaternion& actual) const {
   const auto golden_at = [&](std::size_t row) {
     Quaternion q{};
-    for (std::size_t i = 0; i < 4; ++i) q[i] = window_->golden.number(row, orientation.columns[i].golden);
+    for (std::size_t i = 0; i < 4; ++i) q[i] = window_->golden.number(row, orientation[i].golden);
     return q;
   };
-  const Column& column = orientation.columns[0];
+  const Column& column = orientation[0];
   return distance_from_path(window_->golden.times, golden_row, column.lead, column.lag, golden_at, actual);
 }
 
@@ -350,8 +343,8 @@ void NumberJudge::compare_orientation(Orientation& orientation, std::size_t gold
   std::size_t most = 4;  // the element that differs most stands for all four
   bool same_nan = true;
   for (std::size_t i = 0; i < 4; ++i) {
-    expected[i] = window_->golden.number(golden_row, orientation.columns[i].golden);
-    actual[i] = window_->actual.number(actual_row, orientation.columns[i].actual);
+    expected[i] = window_->golden.number(golden_row, orientation[i].golden);
+    actual[i] = window_->actual.number(actual_row, orientation[i].actual);
     same_nan = same_nan && std::isnan(expected[i]) == std::isnan(actual[i]);
     if (identical(expected[i], actual[i])) continue;
     if (most == 4 || std::abs(actual[i] - expected[i]) > std::abs(actual[most] - expected[most])) most = i;
@@ -359,8 +352,8 @@ void NumberJudge::compare_orientation(Orientation& orientation, std::size_t gold
   if (most == 4) return;
   double angle = angle_between(expected, actual);
   if (std::isnan(angle) && same_nan) angle = 0.0;
-  keep_larger(orientation.columns[0].largest, angle);
-  const Column& column = orientation.columns[most];
+  keep_larger(orientation[0].largest, angle);
+  const Column& column = orientation[most];
   bool beyond = !(angle <= column.tolerance);
   if (beyond && (column.lead > 0.0 || column.lag > 0.0) && std::isfinite(angle)) {
     const double from_path = beside(orientation, golden_row, actual);
@@ -383,7 +376,7 @@ void NumberJudge::compare_orientation(Orientation& orientation, std::size_t gold
 void NumberJudge::compare_norms(const Orientation& orientation, std::size_t golden_row, const Quaternion& expected,
                                 const Quaternion& actual) {
   const double norm = norm_of(actual), wanted = norm_of(expected);
-  Column column = orientation.columns[0];
+  Column column = orientation[0];
   column.tolerance = std::max(column.tolerance, default_tolerance("quaternion").atol);
   const double difference = std::abs(norm - wanted);
   if (difference <= column.tolerance || std::isnan(difference)) return;

@@ -1,4 +1,4 @@
-// Declarations that the parts of a comparison share. Internal to compare*.cpp.
+// Declarations that the parts of a comparison share. Other rooms use some of them. Internal.
 #pragma once
 
 #include <rehearse/compare.h>
@@ -61,8 +61,6 @@ struct PairedChannel {
 
   /// True if all messages and their times are equal.
   bool is_equal() const { return golden_survey == actual_survey; }
-  /// All messages before this time are equal [ns]: the beginning of a second.
-  std::uint64_t equal_until() const { return rehearse::equal_until(golden_survey, actual_survey); }
 };
 
 /// A span of time of both runs; the golden's tables may reach beyond it for tolerances that allow for time.
@@ -114,6 +112,10 @@ class ChannelFindings {
   double worst_difference_ = -1.0;
 };
 
+/// A divergence in words: the text of its place ("tick 3 (0.003 s)"), then channel, element, expected and actual.
+/// `with_stage`: false for files without ticks, where the stage has no meaning.
+std::string describe(const Divergence& divergence, const std::string& place, bool with_stage);
+
 /// Order of causes: by tick, then by stage. Equal places keep the order in which they were found.
 bool comes_before(const Divergence& a, const Divergence& b);
 
@@ -128,6 +130,10 @@ Tolerance column_tolerance(const TraceChannel& channel, std::size_t column, cons
 
 /// The name in tolerance rules for a channel without columns: its topic without the first slash.
 std::string_view series_of(const TraceChannel& channel);
+
+/// The channel of `other` that is compared with `channel`, which is one of `of`: the one with its topic; null if there
+/// is none. Of several channels with this topic, the first is paired with the first, the second with the second.
+const TraceChannel* counterpart(const Trace& of, const TraceChannel& channel, const Trace& other);
 
 /// A divergence without values, at a time on this channel or on a window's table of it.
 Divergence place_of(const ComparedTraces& traces, const TraceChannel& channel, std::uint64_t time);
@@ -159,9 +165,6 @@ std::unique_ptr<PartJudge> judge_rests(const ComparedTraces& traces, const Paire
                                        ChannelFindings& findings);
 std::unique_ptr<PartJudge> judge_payloads(const ComparedTraces& traces, const PairedChannel& channel,
                                           ChannelFindings& findings);
-/// Judges the fields of events that are no part of a sequence.
-std::unique_ptr<PartJudge> judge_event_fields(const ComparedTraces& traces, const PairedChannel& channel,
-                                              ChannelFindings& findings);
 bool is_picture(const TraceChannel& channel);
 /// The tolerance of a camera's colours or distances.
 Tolerance picture_tolerance(const TraceChannel& channel, const std::vector<ToleranceRule>& rules);
@@ -179,6 +182,9 @@ void compare_lone_channels(const ComparedTraces& traces, const std::function<boo
 /// Compares the sequences of events, and sets traces.blanked.
 void compare_events(ComparedTraces& traces, const AddChannel& add, std::vector<EventDifference>& differences);
 
+/// True if a rule names this variable of a controller, "SR1/Walker/variable/phase", by a pattern with "/variable/" in
+/// it. Variables are internals of a controller: only then they affect a verdict.
+bool asks_for_variable(std::string_view series, const std::vector<ToleranceRule>& rules);
 /// True for a variable of a controller that no rule names, and for commands that moved the world before a branch began.
 bool isnt_compared(const TraceChannel& channel, const std::vector<ToleranceRule>& rules);
 /// Finds differences of the variables that no rule names.

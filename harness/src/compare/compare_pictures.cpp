@@ -16,17 +16,35 @@ std::string share_text(std::size_t count, std::size_t all) {
                      100.0 * static_cast<double>(count) / static_cast<double>(all));
 }
 
-/// Judges the pictures of one channel.
-class PictureJudge {
+/// Judges the payloads of one channel.
+class PayloadJudge final : public PartJudge {
  public:
-  PictureJudge(const ComparedTraces& traces, const PairedChannel& channel, ChannelFindings& findings)
-      : traces_(traces), channel_(channel), findings_(findings), unit_(unit_of(channel.golden.metadata, "")) {
-    tolerance_ = picture_tolerance(channel.golden, traces.rules);
+  PayloadJudge(const ComparedTraces& traces, const PairedChannel& channel, ChannelFindings& findings)
+      : traces_(traces),
+        channel_(channel),
+        findings_(findings),
+        are_pictures_(is_picture(channel.golden)),
+        unit_(unit_of(channel.golden.metadata, "")),
+        tolerance_(picture_tolerance(channel.golden, traces.rules)),
+        fields_(traces, channel, findings) {}
+
+  void take(const MatchedChannel& window) override {
+    window_ = &window;
+    take_equal(std::ssize(window.pairs));
+    fields_.begin(window);
+    for (const auto& [golden, actual] : window.pairs)
+      if (window.golden.hashes[golden] != window.actual.hashes[actual]) compare(golden, actual);
+  }
+  void take_equal(std::int64_t pairs) override { findings_.result().values += pairs; }
+  void finish() override {
+    if (!are_pictures_) return;
+    std::vector<SeriesComparison>& series = findings_.result().series;
+    if (channel_.golden.type == msg::CompressedImage::type_name)
+      series.push_back({"color", "of 255", color_, tolerance_.pixel_delta});
+    series.push_back({"share", "of pixels", share_, tolerance_.pixel_share});
   }
 
-  /// The pictures of the following calls are in this window.
-  void begin(const MatchedChannel& window) { window_ = &window; }
-
+ private:
   /// The result for two pictures with different bytes.
   enum class Finding {
     failed,  // times, sizes or formats differ, or one can't be read
@@ -34,7 +52,27 @@ class PictureJudge {
     none,    // all pixels are equal
   };
 
-  Finding compare(std::size_t golden_index, std::span<const std::byte> expected, std::span<const std::byte> actual) {
+  void compare(std::size_t golden_index, std::size_t actual_index) {
+    const auto expected = window_->window.golden.payload(window_->golden, golden_index);
+    const auto actual = window_->window.actual.payload(window_->actual, actual_index);
+    if (!expected || !actual) {
+      Divergence divergence = place_of(traces_, window_->golden, window_->golden.times[golden_index]);
+      divergence.note = "the message can't be read again: " + (expected ? actual : expected).errors()[0].message;
+      return findings_.structure(divergence);
+    }
+    auto found = Finding::none;
+    if (are_pictures_) found = compare_pictures(golden_index, *expected, *actual);
+    if (found == Finding::failed) return;
+    const bool known = fields_.compare(golden_index, *expected, *actual, are_pictures_ ? "data" : "");
+    if (known || found == Finding::pixels) return;
+    if (are_pictures_ || fields_.knows_values())
+      fields_.report_encoding(golden_index);
+    else
+      fields_.report_bytes(golden_index);
+  }
+
+  Finding compare_pictures(std::size_t golden_index, std::span<const std::byte> expected,
+                           std::span<const std::byte> actual) {
     const auto golden = read_picture(channel_.golden.type, expected);
     const auto other = read_picture(channel_.actual.type, actual);
     if (!golden || !other)
@@ -50,14 +88,6 @@ class PictureJudge {
     return compare_pixels(golden_index, *golden, *other) ? Finding::pixels : Finding::none;
   }
 
-  void sum_up() const {
-    std::vector<SeriesComparison>& series = findings_.result().series;
-    if (channel_.golden.type == msg::CompressedImage::type_name)
-      series.push_back({"color", "of 255", color_, tolerance_.pixel_delta});
-    series.push_back({"share", "of pixels", share_, tolerance_.pixel_share});
-  }
-
- private:
   /// True if some pixels differ.
   bool compare_pixels(std::size_t golden_index, const RecordedPicture& golden, const RecordedPicture& actual) {
     const PixelDifferences found = pixel_differences(golden, actual, tolerance_);
@@ -116,11 +146,13 @@ class PictureJudge {
   const ComparedTraces& traces_;
   const PairedChannel& channel_;
   ChannelFindings& findings_;
-  const MatchedChannel* window_ = nullptr;
-  std::string unit_;
-  Tolerance tolerance_;
-  double color_ = 0.0;  // largest difference so far [of 255]
-  double share_ = 0.0;  // largest share of pixels beyond so far
+  const bool are_pictures_;
+  const std::string unit_;
+  const Tolerance tolerance_;  // of pictures
+  FieldJudge fields_;
+  const MatchedChannel* window_ = nullptr;  // the judged window
+  double color_ = 0.0;                      // largest difference so far [of 255]
+  double share_ = 0.0;                      // largest share of pixels beyond so far
 };
 
 }  // namespace
@@ -134,58 +166,6 @@ Tolerance picture_tolerance(const TraceChannel& channel, const std::vector<Toler
   const std::string unit = unit_of(channel.metadata, "");
   return tolerance_of(series_of(channel), unit == "m" ? "depth" : unit, rules);
 }
-
-namespace {
-
-class PayloadJudge final : public PartJudge {
- public:
-  PayloadJudge(const ComparedTraces& traces, const PairedChannel& channel, ChannelFindings& findings)
-      : traces_(traces),
-        findings_(findings),
-        are_pictures_(is_picture(channel.golden)),
-        pictures_(traces, channel, findings),
-        fields_(traces, channel, findings) {}
-
-  void take(const MatchedChannel& channel) override {
-    take_equal(std::ssize(channel.pairs));
-    pictures_.begin(channel);
-    fields_.begin(channel);
-    for (const auto& [golden, actual] : channel.pairs)
-      if (channel.golden.hashes[golden] != channel.actual.hashes[actual]) compare(channel, golden, actual);
-  }
-  void take_equal(std::int64_t pairs) override { findings_.result().values += pairs; }
-  void finish() override {
-    if (are_pictures_) pictures_.sum_up();
-  }
-
- private:
-  void compare(const MatchedChannel& channel, std::size_t golden_index, std::size_t actual_index) {
-    const auto expected = channel.window.golden.payload(channel.golden, golden_index);
-    const auto actual = channel.window.actual.payload(channel.actual, actual_index);
-    if (!expected || !actual) {
-      Divergence divergence = place_of(traces_, channel.golden, channel.golden.times[golden_index]);
-      divergence.note = "the message can't be read again: " + (expected ? actual : expected).errors()[0].message;
-      return findings_.structure(divergence);
-    }
-    auto found = PictureJudge::Finding::none;
-    if (are_pictures_) found = pictures_.compare(golden_index, *expected, *actual);
-    if (found == PictureJudge::Finding::failed) return;
-    const bool known = fields_.compare(golden_index, *expected, *actual, are_pictures_ ? "data" : "");
-    if (known || found == PictureJudge::Finding::pixels) return;
-    if (are_pictures_ || fields_.knows_values())
-      fields_.report_encoding(golden_index);
-    else
-      fields_.report_bytes(golden_index);
-  }
-
-  const ComparedTraces& traces_;
-  ChannelFindings& findings_;
-  const bool are_pictures_;
-  PictureJudge pictures_;
-  FieldJudge fields_;
-};
-
-}  // namespace
 
 std::unique_ptr<PartJudge> judge_payloads(const ComparedTraces& traces, const PairedChannel& channel,
                                           ChannelFindings& findings) {

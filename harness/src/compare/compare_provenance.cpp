@@ -1,7 +1,6 @@
 // Comparison of the provenance of two recordings. It finds the parts of the loop that may differ because of a change,
 // and recordings that can't be compared.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 
@@ -10,7 +9,7 @@
 
 #include "compare_parts.h"
 #include "mcap/glob.h"
-#include "trace/trace_version.h"
+#include "model/names.h"
 
 namespace rehearse {
 namespace {
@@ -168,11 +167,7 @@ std::string explanation_of(Stage stage, std::vector<std::string> reasons, const 
   for (const Change& change : changes)
     if (std::find(change.decides.begin(), change.decides.end(), stage) != change.decides.end())
       reasons.push_back(change.name);
-  const std::size_t others = reasons.size() > most ? reasons.size() - most : 0;
-  reasons.resize(std::min(reasons.size(), most));
-  std::string text = fmt::format("{}", fmt::join(reasons, ", "));
-  if (others > 0) text += fmt::format(" and {} more", others);
-  return text;
+  return listed(reasons, most);
 }
 
 }  // namespace
@@ -207,14 +202,10 @@ Diagnostics unmatched_rules(const ComparedTraces& traces) {
   for (const ToleranceRule& rule : traces.rules) {
     const auto is_meant = [&rule](const std::string& name) { return matches(rule.channel, name); };
     if (std::any_of(names.begin(), names.end(), is_meant)) continue;
-    Diagnostic& warning = warnings.emplace_back();
-    warning.severity = Severity::warning;
-    warning.file = rule.place.file;
-    warning.line = rule.place.line;
-    warning.column = rule.place.column;
-    warning.message =
-        fmt::format("the tolerance of '{}' applies to nothing: neither trace has such a channel", rule.channel);
-    warning.hint = "a golden's digest lists the names, for example SR1/RLEG_KNEE/q";
+    warnings.push_back(at(
+        rule.place,
+        warning(fmt::format("the tolerance of '{}' applies to nothing: neither trace has such a channel", rule.channel),
+                "a golden's digest lists the names, for example SR1/RLEG_KNEE/q")));
   }
   return warnings;
 }

@@ -6,7 +6,6 @@
 #include <map>
 
 #include "compare_parts.h"
-#include "describe.h"
 
 namespace rehearse {
 namespace {

@@ -7,8 +7,6 @@
 #include <utility>
 
 #include "compare_parts.h"
-#include "counterpart.h"
-#include "trace/trace_version.h"
 
 namespace rehearse {
 namespace {
@@ -84,6 +82,16 @@ bool has_another_step(const ComparedTraces& traces, ChannelFindings& findings) {
 }
 
 }  // namespace
+
+const TraceChannel* counterpart(const Trace& of, const TraceChannel& channel, const Trace& other) {
+  const auto earlier = std::count_if(of.channels().data(), &channel,
+                                     [&](const TraceChannel& before) { return before.topic == channel.topic; });
+  auto skip = earlier;
+  for (const TraceChannel& candidate : other.channels()) {
+    if (candidate.topic == channel.topic && skip-- == 0) return &candidate;
+  }
+  return nullptr;
+}
 
 void compare_ticks(ComparedTraces& traces, ChannelComparison& result) {
   if (traces.clock.empty() || traces.actual_clock.empty()) return;

@@ -5,9 +5,8 @@
 #include <optional>
 #include <utility>
 
-#include "asked_variables.h"
 #include "compare_parts.h"
-#include "trace/float64_message.h"
+#include "mcap/glob.h"
 
 namespace rehearse {
 namespace {
@@ -28,6 +27,12 @@ std::optional<std::uint64_t> first_difference(const Window& window, const TraceC
 }
 
 }  // namespace
+
+bool asks_for_variable(std::string_view series, const std::vector<ToleranceRule>& rules) {
+  return std::any_of(rules.begin(), rules.end(), [&](const ToleranceRule& rule) {
+    return rule.channel.find(run_topics::variable_part) != std::string::npos && matches(rule.channel, series);
+  });
+}
 
 bool isnt_compared(const TraceChannel& channel, const std::vector<ToleranceRule>& rules) {
   if (ChannelName::parse(channel.topic).side == ChannelSide::acted) return true;

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "compare_parts.h"
-#include "describe.h"
 
 namespace rehearse {
 namespace {

@@ -158,15 +158,12 @@ class SequenceMaker {
       const std::string reversed = "contacts/" + change.other + "/" + change.link;  // of a different order of bodies
       const bool is_known = sequences_.count(reversed) > 0;
       EventSequence& sequence = sequences_[is_known ? reversed : "contacts/" + change.link + "/" + change.other];
-      if (is_known) {
-        (sequence.*edges).push_back({change.tick, time, change.begins});
-        continue;
-      }
-      sequence.source = {EventKind::contact,
-                         run_topics::contact_changes,
-                         change.link + " " + change.other,
-                         "the contact",
-                         {std::string(body_of_name(change.link)), std::string(body_of_name(change.other))}};
+      if (!is_known)
+        sequence.source = {EventKind::contact,
+                           run_topics::contact_changes,
+                           change.link + " " + change.other,
+                           "the contact",
+                           {std::string(body_of_name(change.link)), std::string(body_of_name(change.other))}};
       (sequence.*edges).push_back({change.tick, time, change.begins});
     }
   }

@@ -115,9 +115,7 @@ Result<void> write(const fs::path& file, const Image& image) {
   stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   stream.close();
   if (stream) return {};
-  Diagnostic failed = error("the picture of the difference can't be written");
-  failed.file = file.string();
-  return failed;
+  return error_in(file.string(), "the picture of the difference can't be written");
 }
 
 }  // namespace

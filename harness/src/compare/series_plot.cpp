@@ -100,23 +100,17 @@ Curve curve_of(const TraceChannel& channel, std::size_t column) {
   return curve;
 }
 
-std::optional<std::size_t> find_column(const TraceChannel& channel, const std::string& element) {
-  for (std::size_t column = 0; column < channel.columns.size(); ++column)
-    if (channel.columns[column].element == element) return column;
-  return std::nullopt;
-}
-
 /// The element's column; of an element of several numbers (orientation) the one that differs most.
 std::optional<std::size_t> worst_column(const TraceChannel& golden, const TraceChannel& run,
                                         const std::string& element) {
-  if (const auto exact = find_column(golden, element)) return exact;
+  if (const std::size_t exact = column_of(golden, element); exact < golden.columns.size()) return exact;
   std::optional<std::size_t> worst;
   double most = -1.0;
   for (std::size_t column = 0; column < golden.columns.size(); ++column) {
-    const auto other = find_column(run, golden.columns[column].element);
-    if (!golden.columns[column].element.starts_with(element + "/") || !other) continue;
+    const std::size_t other = column_of(run, golden.columns[column].element);
+    if (!golden.columns[column].element.starts_with(element + "/") || other == run.columns.size()) continue;
     for (std::size_t row = 0; row < std::min(golden.rows(), run.rows()); ++row) {
-      const double difference = std::abs(golden.number(row, column) - run.number(row, *other));
+      const double difference = std::abs(golden.number(row, column) - run.number(row, other));
       if (difference > most) most = difference, worst = column;
     }
   }
@@ -213,14 +207,15 @@ std::string worst_plots(const Trace& golden, const Trace& run, const Comparison&
     const TraceChannel *of_golden = golden.find_channel(channel->channel), *of_run = run.find_channel(channel->channel);
     if (!of_golden || !of_run) continue;
     const auto column = worst_column(*of_golden, *of_run, channel->worst->element);
-    const auto other = column ? find_column(*of_run, of_golden->columns[*column].element) : std::nullopt;
-    if (!other) continue;
-    --channels;
+    if (!column) continue;
     const TraceColumn& drawn = of_golden->columns[*column];
+    const std::size_t other = column_of(*of_run, drawn.element);
+    if (other == of_run->columns.size()) continue;
+    --channels;
     const std::string unit = unit_of(of_golden->metadata, drawn.element);
     const Divergence& first = channel->first ? *channel->first : *channel->first_bit;
     text += draw(drawn.series + (unit.empty() || unit == "quaternion" ? "" : " [" + unit + "]"),
-                 curve_of(*of_golden, *column), curve_of(*of_run, *other), first.time);
+                 curve_of(*of_golden, *column), curve_of(*of_run, other), first.time);
   }
   return text;
 }

@@ -116,10 +116,7 @@ class FieldTable final : public ChannelTable {
       case Kind::unsigned_integer:
       case Kind::boolean: return append_number(cell, value.unsigned_integer);
       case Kind::text: return append_cell(cell, value.text);
-      case Kind::blob:
-        append_base64(cell, value.blob);
-        cell = cell.substr(1, cell.size() - 2);  // without the quotes of JSON
-        return;
+      case Kind::blob: return append_base64(cell, value.blob);
     }
   }
 

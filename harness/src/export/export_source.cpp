@@ -42,9 +42,8 @@ Result<void> ExportSource::pass(const std::function<Result<void>(const mcap::Mes
 
 void ExportSource::note(const mcap::Channel& channel, std::string message) {
   constexpr std::size_t limit = 50;
-  if (damage_.size() >= limit) return;
-  damage_.push_back(error(fmt::format("topic {}: {}", channel.topic, message)));
-  damage_.back().file = reader_->name();
+  if (damage_.size() < limit)
+    damage_.push_back(error_in(reader_->name(), fmt::format("topic {}: {}", channel.topic, message)));
 }
 
 }  // namespace rehearse

@@ -189,8 +189,7 @@ Result<void> ViewerExport::describe_bodies() {
         body.model_file.empty() ? urdf_of_shape(body) : with_frames(attachment_text(log_, body.model_file), body.name);
     if (!urdf) {
       report_.remarks.push_back(
-          error(fmt::format("{} has no description: it is no URDF, and no box, sphere or cylinder", body.name)));
-      report_.remarks.back().severity = Severity::warning;
+          warning(fmt::format("{} has no description: it is no URDF, and no box, sphere or cylinder", body.name)));
       continue;
     }
     if (auto done = put_first("/" + body.name + "/robot_description", msg::String{*urdf}); !done) return done;
@@ -313,12 +312,10 @@ Result<ViewerReport> ViewerExport::run() {
   if (auto done = put_frames(); !done) return done.errors();
   if (auto done = copy_messages(); !done) return done.errors();
   if (auto done = writer_.close(); !done) return done.errors();
-  if (options_.contacts && markers_.empty()) {
+  if (options_.contacts && markers_.empty())
     report_.remarks.push_back(
-        error("there are no markers of contacts: the recording has no contact forces",
-              "they are recorded for controllers that enable LinkContactState, and for contact sensors"));
-    report_.remarks.back().severity = Severity::warning;
-  }
+        warning("there are no markers of contacts: the recording has no contact forces",
+                "they are recorded for controllers that enable LinkContactState, and for contact sensors"));
   return report_;
 }
 

@@ -4,14 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <ctime>
 #include <limits>
 #include <map>
 
+#include "model/text.h"
 #include "trace/channel_name.h"
+#include "trace/run_facts.h"
 
 namespace rehearse {
 namespace {
@@ -58,11 +59,6 @@ std::string line_of(const ChannelComparison& channel) {
   return text;
 }
 
-std::string value_of(const mcap::StringMap& values, const std::string& key) {
-  const auto found = values.find(key);
-  return found == values.end() ? "" : found->second;
-}
-
 /// Text from a file, on one line.
 std::string one_line(std::string text) {
   std::replace_if(
@@ -77,11 +73,10 @@ Result<std::string> date_of_today() {
   if (const char* stated = std::getenv("SOURCE_DATE_EPOCH"); stated && *stated) {
     constexpr std::int64_t year_10000 = 253402300800;
     const std::string_view text = stated;
-    std::int64_t seconds = -1;
-    const auto read = std::from_chars(text.data(), text.data() + text.size(), seconds);
-    if (read.ec != std::errc() || read.ptr != text.data() + text.size() || seconds < 0 || seconds >= year_10000)
+    const auto seconds = number_in<std::int64_t>(text);
+    if (!seconds || *seconds < 0 || *seconds >= year_10000)
       return error(fmt::format("SOURCE_DATE_EPOCH is '{}'", text), "it states seconds since 1970");
-    now = static_cast<std::time_t>(seconds);
+    now = static_cast<std::time_t>(*seconds);
   }
   return fmt::format("{:%Y-%m-%d}", fmt::gmtime(now));
 }
@@ -108,10 +103,10 @@ std::vector<Acceptance> history_of(const std::vector<mcap::Metadata>& metadata) 
   for (const mcap::Metadata& record : metadata) {
     if (!record.name.starts_with(acceptance_prefix)) continue;
     Acceptance& acceptance = history.emplace_back();
-    acceptance.date = one_line(value_of(record.values, "date"));
-    acceptance.kind = one_line(value_of(record.values, "kind"));
-    acceptance.accepted = one_line(value_of(record.values, "accepted"));
-    acceptance.verdict = one_line(value_of(record.values, "verdict"));
+    acceptance.date = one_line(stated(record.values, "date"));
+    acceptance.kind = one_line(stated(record.values, "kind"));
+    acceptance.accepted = one_line(stated(record.values, "accepted"));
+    acceptance.verdict = one_line(stated(record.values, "verdict"));
     for (const auto& [key, value] : record.values)
       if (key.starts_with("moved.")) acceptance.moved.push_back(one_line(value));
   }

@@ -11,10 +11,8 @@
 
 #include "golden_files.h"
 #include "scenario/project.h"
-#include "stale_report.h"
 #include "trace/hashing.h"
 #include "trace/run_facts.h"
-#include "trace/trace_version.h"
 
 namespace rehearse {
 namespace {
@@ -118,18 +116,15 @@ Result<void> GoldenStore::check_digest(const std::string& name) const {
   if (stated && *stated == *expected) return {};
   std::error_code ignored;
   const bool interrupted = fs::exists(digest_file(name).string() + ".new", ignored);
-  if (stated && stated->starts_with("digest ") && !stated->starts_with(digest_form)) {
-    Diagnostic older = error(fmt::format("the digest of {} is in an older form", trace_file(name).string()),
-                             "REHEARSE_GOLDEN=accept writes it anew, and doesn't change the recording");
-    older.file = digest_file(name).string();
-    return older;
-  }
-  Diagnostic finding = error(stated ? fmt::format("the digest doesn't describe {}", trace_file(name).string())
-                                    : fmt::format("the digest of {} is missing", trace_file(name).string()),
-                             interrupted ? "an acceptance was interrupted: accept the run again"
-                                         : "both files are written together: commit both, edit neither");
-  finding.file = digest_file(name).string();
-  return finding;
+  if (stated && stated->starts_with("digest ") && !stated->starts_with(digest_form))
+    return error_in(digest_file(name).string(),
+                    fmt::format("the digest of {} is in an older form", trace_file(name).string()),
+                    "REHEARSE_GOLDEN=accept writes it anew, and doesn't change the recording");
+  return error_in(digest_file(name).string(),
+                  stated ? fmt::format("the digest doesn't describe {}", trace_file(name).string())
+                         : fmt::format("the digest of {} is missing", trace_file(name).string()),
+                  interrupted ? "an acceptance was interrupted: accept the run again"
+                              : "both files are written together: commit both, edit neither");
 }
 
 Result<void> GoldenStore::keep_pending(const std::string& name, const Trace& actual) const {
@@ -207,10 +202,7 @@ GoldenResult GoldenStore::settle(const std::string& name, const Trace& actual, c
   } else {
     result.passed = true;
     result.message = sentence_of(comparison, options);
-    std::error_code ignored;
-    fs::remove(pending_file(name), ignored);  // the pending run is out of date
-    remove_picture_differences(pending_file(name));
-    remove_report(pending_file(name));
+    remove_run(pending_file(name));  // it is out of date
   }
   result.comparison = std::move(comparison);
   return result;

@@ -5,15 +5,14 @@
 #include <rehearse/mcap.h>
 
 #include <algorithm>
+#include <fstream>
 #include <set>
 
 #include "golden_files.h"
 #include "mcap/copy.h"
-#include "pending_verdict.h"
-#include "stale_report.h"
 #include "state_samples.h"
+#include "trace/hashing.h"
 #include "trace/run_facts.h"
-#include "trace/trace_version.h"
 
 namespace rehearse {
 namespace {
@@ -93,10 +92,23 @@ Result<void> GoldenStore::find_pending(const std::string& name) const {
   return error(fmt::format("nothing waits to be accepted as '{}': there is no {}", name, waiting.string()), hint);
 }
 
-std::string GoldenStore::pending_verdict(const std::string& name) const { return kept_verdict(pending_file(name)); }
+std::string GoldenStore::pending_verdict(const std::string& name) const {
+  const auto content = hash_of_file(pending_file(name));
+  const auto text = read_text(verdict_file_of(pending_file(name)));
+  if (!content || !text) return "";
+  const std::string mark = hash_text(*content) + "\n";
+  if (!text->starts_with(mark) || !text->ends_with('\n')) return "";
+  return text->substr(mark.size(), text->size() - mark.size() - 1);
+}
 
 Result<void> GoldenStore::keep_pending_verdict(const std::string& name, const std::string& verdict) const {
-  return keep_verdict(pending_file(name), verdict);
+  const auto content = hash_of_file(pending_file(name));
+  if (!content) return content.errors();
+  const fs::path file = verdict_file_of(pending_file(name));
+  std::ofstream stream(file, std::ios::binary);  // in the folder of the run, from where both are published
+  stream << hash_text(*content) << '\n' << verdict << '\n';
+  if (stream.flush()) return {};
+  return error(fmt::format("{} can't be written", file.string()));
 }
 
 std::vector<std::string> GoldenStore::pending() const {
@@ -195,13 +207,8 @@ Result<void> GoldenStore::reject(const std::string& name) {
   std::error_code failed;
   fs::remove(pending_file(name), failed);
   if (failed) return error(fmt::format("{} can't be removed: {}", pending_file(name).string(), failed.message()));
-  remove_verdict(pending_file(name));
-  remove_picture_differences(pending_file(name));
-  remove_report(pending_file(name));
-  const fs::path plant = pending_ / "plant" / (name + ".mcap");  // trace of the check's plant level
-  fs::remove(plant, failed);
-  remove_picture_differences(plant);
-  remove_report(plant);
+  remove_run(pending_file(name));
+  remove_run(pending_ / "plant" / (name + ".mcap"));  // the run of the check's plant level
   return {};
 }
 

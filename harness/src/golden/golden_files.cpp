@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <rehearse/compare.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -10,6 +11,7 @@
 #include <iterator>
 
 #include "run_folder.h"
+#include "stale_report.h"
 
 namespace rehearse {
 namespace {
@@ -17,18 +19,13 @@ namespace {
 namespace fs = std::filesystem;
 
 Diagnostic can_not(const char* what, const fs::path& file, const std::string& why) {
-  Diagnostic finding = error(fmt::format("can't {}: {}", what, why));
-  finding.file = file.string();
-  return finding;
+  return error_in(file.string(), fmt::format("can't {}: {}", what, why));
 }
 
 /// Waits until a file or folder is stored on the disk.
 Result<void> sync(const fs::path& path) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  const bool done = descriptor >= 0 && ::fsync(descriptor) == 0;
-  const std::string why = std::strerror(errno);
-  if (descriptor >= 0) ::close(descriptor);
-  if (!done) return can_not("be written to disk", path, why);
+  const FileDescriptor descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (descriptor < 0 || ::fsync(descriptor) != 0) return can_not("be written to disk", path, std::strerror(errno));
   return {};
 }
 
@@ -73,6 +70,16 @@ Result<std::string> read_text(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) return can_not("be read", file, std::strerror(errno));
   return std::string{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+fs::path verdict_file_of(const fs::path& trace) { return fs::path(trace).replace_extension(".verdict"); }
+
+void remove_run(const fs::path& trace) {
+  std::error_code ignored;
+  fs::remove(trace, ignored);
+  fs::remove(verdict_file_of(trace), ignored);
+  remove_picture_differences(trace);
+  remove_report(trace);
 }
 
 namespace {

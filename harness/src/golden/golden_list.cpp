@@ -1,5 +1,6 @@
 // Lists the goldens and their owners.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <rehearse/golden.h>
 #include <rehearse/mcap.h>
 
@@ -11,7 +12,6 @@
 #include "golden_files.h"
 #include "trace/channel_name.h"
 #include "trace/run_facts.h"
-#include "trace/trace_version.h"
 
 namespace rehearse {
 namespace {
@@ -97,12 +97,6 @@ std::set<fs::path> scenario_files_in(const std::vector<fs::path>& sources) {
   return files;
 }
 
-std::string listed(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
-
 /// Notes the facts of a provenance that differ from those of this program.
 void compare_versions(const mcap::StringMap& provenance, const mcap::StringMap& present, GoldenEntry& entry) {
   for (const auto& [fact, now] : present) {
@@ -155,7 +149,8 @@ void describe(const GoldenStore& store, const mcap::StringMap& present, GoldenEn
 }  // namespace
 
 std::string GoldenOwners::conflict() const {
-  if (scenarios.size() > 1) return fmt::format("{} scenarios name it: {}", scenarios.size(), listed(scenarios));
+  if (scenarios.size() > 1)
+    return fmt::format("{} scenarios name it: {}", scenarios.size(), fmt::join(scenarios, ", "));
   return {};
 }
 

@@ -10,6 +10,7 @@
 #include "compare/compare_parts.h"
 #include "golden_files.h"
 #include "host/controller_host.h"
+#include "model/names.h"
 #include "partial_candidate.h"
 #include "recording/provenance.h"
 #include "replay/plant_level.h"
@@ -22,26 +23,17 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t companions_named = 6;
 
-std::string joined(const std::vector<std::string>& words, std::size_t limit) {
-  std::string text;
-  for (std::size_t i = 0; i < std::min(limit, words.size()); ++i) text += (i == 0 ? "" : ", ") + words[i];
-  if (words.size() > limit) text += fmt::format(" and {} more", words.size() - limit);
-  return text;
-}
-
 Diagnostic refusal(const std::string& where, const PartialCandidate& candidate) {
   const std::vector<std::string>& kept = candidate.moved_but_kept();
   return error("no run can produce this golden: " + where,
                kept.empty() ? "accept all of the run"
                             : fmt::format("these moved too, and would have to be accepted as well: {}",
-                                          joined(kept, companions_named)));
+                                          listed(kept, companions_named)));
 }
 
 /// The recording's scenario, or, if it needs meshes, its scenario file.
 Result<Scenario> scenario_to_run(const Trace& recording, const std::vector<fs::path>& files) {
-  const auto reader = mcap::Reader::open(recording.file());
-  if (!reader) return reader.errors();
-  auto own = scenario_of(**reader);
+  auto own = recorded_scenario(recording);
   if (!own) return own;
   const bool has_meshes = std::ranges::any_of(
       recording.attachments(), [](const mcap::Attachment& attachment) { return attachment.name.ends_with(".meshes"); });
@@ -62,9 +54,7 @@ Result<Scenario> scenario_to_run(const Trace& recording, const std::vector<fs::p
 
 /// The libraries that execute the candidate; they may differ from the run's, and become the candidate's.
 Result<mcap::StringMap> controllers_of(const Trace& run, const HostOptions& options) {
-  const auto reader = mcap::Reader::open(run.file());
-  if (!reader) return reader.errors();
-  const auto scenario = scenario_of(**reader);
+  const auto scenario = recorded_scenario(run);
   if (!scenario) return scenario.errors();
   const auto host = ControllerHost::create(*scenario, options);
   if (!host) return host.errors();
@@ -111,7 +101,7 @@ Result<std::optional<std::string>> first_break(const fs::path& candidate, const 
 std::string to_string(const Selection& selection) {
   std::string text;
   if (!selection.channels.empty())
-    text = (selection.channels.size() == 1 ? "channel " : "channels ") + joined(selection.channels, 8);
+    text = (selection.channels.size() == 1 ? "channel " : "channels ") + listed(selection.channels, 8);
   if (selection.from > 0.0) text += fmt::format("{}from {} s", text.empty() ? "" : ", ", selection.from);
   if (selection.until) text += fmt::format("{}until {} s", text.empty() ? "" : ", ", *selection.until);
   return text;
@@ -124,7 +114,7 @@ Result<fs::path> make_partial(const Trace& golden, const Trace& run, const Selec
   if (!candidate->anything_moves())
     return error(fmt::format("nothing of {} differs from the golden", to_string(selection)),
                  candidate->is_the_run() ? "nothing else differs either"
-                                         : "different: " + joined(candidate->moved_but_kept(), companions_named));
+                                         : "different: " + listed(candidate->moved_but_kept(), companions_named));
   if (candidate->is_the_run()) return fs::path(run.file());
   if (const auto& start = candidate->other_start()) return refusal(*start, *candidate);
 

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <rehearse/compare.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -15,8 +14,6 @@
 #include <vector>
 
 #include "golden_files.h"
-#include "pending_verdict.h"
-#include "stale_report.h"
 #include "trace/hashing.h"
 
 namespace rehearse {
@@ -35,10 +32,8 @@ void remove_left_behind(const fs::path& parent) {
   for (fs::directory_iterator entry(parent, ignored), end; !ignored && entry != end; entry.increment(ignored))
     if (entry->path().filename().string().starts_with(prefix)) folders.push_back(entry->path());
   for (const fs::path& folder : folders) {
-    const int descriptor = open_folder(folder);
-    if (descriptor < 0) continue;
-    if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) fs::remove_all(folder, ignored);
-    ::close(descriptor);
+    const FileDescriptor descriptor(open_folder(folder));
+    if (descriptor >= 0 && ::flock(descriptor, LOCK_EX | LOCK_NB) == 0) fs::remove_all(folder, ignored);
   }
 }
 
@@ -54,16 +49,12 @@ bool same_content(const fs::path& a, const fs::path& b) {
 
 }  // namespace
 
-FolderLock::FolderLock(const fs::path& folder) : descriptor_(-1) {
+FolderLock::FolderLock(const fs::path& folder) {
   std::error_code ignored;
   fs::create_directories(folder, ignored);
-  descriptor_ = open_folder(folder);
+  descriptor_ = FileDescriptor(open_folder(folder));
   if (descriptor_ >= 0)
     while (::flock(descriptor_, LOCK_EX) != 0 && errno == EINTR) continue;
-}
-
-FolderLock::~FolderLock() {
-  if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 Result<RunFolder> RunFolder::make(const fs::path& parent) {
@@ -83,13 +74,12 @@ Result<RunFolder> RunFolder::make(const fs::path& parent) {
 }
 
 RunFolder::RunFolder(RunFolder&& other) noexcept
-    : path_(std::exchange(other.path_, {})), descriptor_(std::exchange(other.descriptor_, -1)) {}
+    : path_(std::exchange(other.path_, {})), descriptor_(std::move(other.descriptor_)) {}
 
 RunFolder::~RunFolder() {
   std::error_code ignored;
   if (!path_.empty()) fs::remove_all(path_, ignored);
   if (!path_.empty()) ::rmdir(path_.parent_path().c_str());
-  if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 WaitingRun::Identity WaitingRun::identity_of(const fs::path& file) {
@@ -113,14 +103,8 @@ Result<std::string> WaitingRun::publish(std::string& text) {
   if (written_meanwhile && fs::exists(ours, failed) && fs::exists(trace_, failed) && !same_content(trace_, ours))
     told = fmt::format("another run has written other bits to {} during this run; this run has replaced them",
                        trace_.string());
-  if (!written_meanwhile || fs::exists(ours, failed)) {
-    for (const fs::path& old : {trace_, pending_ / "plant" / trace_.filename()}) {
-      fs::remove(old, failed);
-      remove_verdict(old);
-      remove_picture_differences(old);
-      remove_report(old);
-    }
-  }
+  if (!written_meanwhile || fs::exists(ours, failed))
+    for (const fs::path& old : {trace_, pending_ / "plant" / trace_.filename()}) remove_run(old);
   std::vector<fs::path> files;
   for (fs::recursive_directory_iterator entry(folder(), failed), end; !failed && entry != end; entry.increment(failed))
     if (entry->is_regular_file()) files.push_back(entry->path().lexically_relative(folder()));

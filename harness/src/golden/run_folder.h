@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "model/file_descriptor.h"
+
 namespace rehearse {
 
 /// Locks a folder for one process at a time, during its lifetime. Waits for other processes. Creates the folder if it
@@ -14,12 +16,9 @@ namespace rehearse {
 class FolderLock {
  public:
   explicit FolderLock(const std::filesystem::path& folder);
-  ~FolderLock();
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
 
  private:
-  int descriptor_;
+  FileDescriptor descriptor_;
 };
 
 /// A folder inside another folder for one run; it is removed with its contents. The next run there removes the folder
@@ -37,7 +36,7 @@ class RunFolder {
   RunFolder(std::filesystem::path path, int descriptor) : path_(std::move(path)), descriptor_(descriptor) {}
 
   std::filesystem::path path_;
-  int descriptor_;  // locked during the run
+  FileDescriptor descriptor_;  // locked during the run
 };
 
 /// A run that is compared with a golden, in a separate folder. When the run is over, its complete results (its trace,

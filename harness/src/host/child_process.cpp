@@ -25,13 +25,6 @@ namespace {
 
 constexpr std::chrono::milliseconds look_interval{1};
 
-std::vector<char*> pointers_to(const std::vector<std::string>& words) {
-  std::vector<char*> pointers;
-  for (const std::string& word : words) pointers.push_back(const_cast<char*>(word.c_str()));  // spawn changes nothing
-  pointers.push_back(nullptr);
-  return pointers;
-}
-
 /// Switches off random addresses for processes that this thread starts during its lifetime.
 class FixedAddresses {
  public:
@@ -70,6 +63,17 @@ std::vector<std::string> environment_with(const EnvironmentChanges& changes) {
   for (const auto& [name, value] : changes)
     if (value) variables.push_back(name + "=" + *value);
   return variables;
+}
+
+std::vector<char*> pointers_to(const std::vector<std::string>& words) {
+  std::vector<char*> pointers;
+  for (const std::string& word : words) pointers.push_back(const_cast<char*>(word.c_str()));
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
+void replace_process(const std::filesystem::path& program, char* const words[], const EnvironmentChanges& changes) {
+  execve(program.c_str(), words, pointers_to(environment_with(changes)).data());
 }
 
 Result<pid_t> start(const ChildProcess& process) {

@@ -23,6 +23,14 @@ using EnvironmentChanges = std::map<std::string, std::optional<std::string>>;
 /// The variables of this process with changes, as "NAME=VALUE".
 std::vector<std::string> environment_with(const EnvironmentChanges& changes);
 
+/// Pointers to the words, and a null pointer, for functions of the C library, which don't change the words. Valid as
+/// long as `words`.
+std::vector<char*> pointers_to(const std::vector<std::string>& words);
+
+/// Makes this process the program `program` with changed variables. `words`: its arguments, from its name to a null
+/// pointer. Returns only if that fails, and sets errno.
+void replace_process(const std::filesystem::path& program, char* const words[], const EnvironmentChanges& changes);
+
 /// A program to start. Its stdin is empty.
 struct ChildProcess {
   std::vector<std::string> words;        // the program's path, and its arguments

@@ -182,13 +182,6 @@ cnoid::BodyPtr make_cnoid_body(const Model& model, const std::string& name, bool
   return body;
 }
 
-cnoid::Isometry3 pose_of(const LinkReading& link) {
-  cnoid::Isometry3 pose = cnoid::Isometry3::Identity();
-  pose.linear() = link.rotation.toRotationMatrix();
-  pose.translation() = link.position;
-  return pose;
-}
-
 void set_initial_state(cnoid::Body& body, const Model& model, const BodyObservation& observation) {
   for (std::size_t id = 0; id < observation.joints.size(); ++id)
     body.link(model.joints[id])->q() = observation.joints[id].q;

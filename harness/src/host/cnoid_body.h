@@ -17,9 +17,6 @@ cnoid::BodyPtr make_cnoid_body(const Model& model, const std::string& name, bool
 /// Joint displacements and link poses of the observation, everything else at rest.
 void set_initial_state(cnoid::Body& body, const Model& model, const BodyObservation& observation);
 
-/// The link's pose, with the rotation matrix computed from the quaternion.
-cnoid::Isometry3 pose_of(const LinkReading& link);
-
 /// Copies a reading into the controller's device: values, picture and points, or ranges. Doesn't notify.
 /// `delivered_at`: time of delivery of a picture or scan [s].
 void feed_device(cnoid::Device& target, const Device& device, const DeviceReading& reading, double delivered_at);

@@ -7,8 +7,6 @@
 
 #include "controller_watch.h"
 #include "debug_hook.h"
-#include "info_text.h"
-#include "input_copies.h"
 #include "model/clock.h"
 #include "opened_files.h"
 #include "supervisor.h"
@@ -39,8 +37,8 @@ std::uint64_t hash_joystick(const JoystickReading& reading, std::uint64_t seed) 
 void append_remarks(const std::vector<msg::Event>& events, Diagnostics& remarks) {
   for (const msg::Event& event : events) {
     if (event.severity == to_string(Severity::note)) continue;
-    Diagnostic& remark = remarks.emplace_back(error(event.source + ": " + event.text));
-    if (event.severity != to_string(Severity::error)) remark.severity = Severity::warning;
+    const std::string text = event.source + ": " + event.text;
+    remarks.push_back(event.severity == to_string(Severity::error) ? error(text) : warning(text));
   }
 }
 

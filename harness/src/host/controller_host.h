@@ -101,7 +101,7 @@ class ControllerHost {
   const std::vector<HostedController>& controllers() const { return controllers_; }
   /// Files that the controllers have opened to read, as "BODY/NAME: file" and their content.
   std::map<std::string, std::string> files_read() const;
-  /// The contents of the files that a recording contains, by the names of the attachments (input_copies.h).
+  /// The contents of the files that a recording contains, by the names of the attachments (opened_files.h).
   const std::map<std::string, std::string>& input_copies() const { return input_copies_; }
   /// Hashes of all inputs and of all outputs of the controllers in this tick.
   std::uint64_t input_hash(const Observation& seen) const;

@@ -161,10 +161,7 @@ void ControllerIo::enableInput(CnoidLink* link) { enableInput(link, default_inpu
 
 void ControllerIo::enableInput(CnoidLink* link, int flags) {
   const CnoidLink& known = checked(link, "enableInput");
-  if (frozen_) {
-    enabled_too_late_ = true;
-    return;
-  }
+  if (note_if_too_late()) return;
   input_flags_[known.index()] |= flags;
   link->mergeSensingMode(static_cast<short>(flags));
 }
@@ -174,10 +171,7 @@ void ControllerIo::enableInput(cnoid::Device* device) {
   if (!io_body_) throw std::invalid_argument("enableInput is for initialize(), not for configure()");
   if (device->body() != body_)
     throw std::invalid_argument(fmt::format("enableInput: device '{}' belongs to another body", device->name()));
-  if (frozen_) {
-    enabled_too_late_ = true;
-    return;
-  }
+  if (note_if_too_late()) return;
   if (std::find(input_devices_.begin(), input_devices_.end(), device->index()) == input_devices_.end())
     input_devices_.push_back(device->index());
   io_body_->enable(*device);
@@ -185,18 +179,12 @@ void ControllerIo::enableInput(cnoid::Device* device) {
 
 void ControllerIo::enableOutput(CnoidLink* link) {
   const CnoidLink& known = checked(link, "enableOutput");
-  if (frozen_)
-    enabled_too_late_ = true;
-  else
-    output_on_[known.index()] = true;
+  if (!note_if_too_late()) output_on_[known.index()] = true;
 }
 
 void ControllerIo::enableOutput(CnoidLink* link, int flags) {
   checked(link, "enableOutput");
-  if (frozen_) {
-    enabled_too_late_ = true;
-    return;
-  }
+  if (note_if_too_late()) return;
   link->setActuationMode(static_cast<short>(flags));
   output_on_[link->index()] = true;
 }

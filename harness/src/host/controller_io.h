@@ -60,7 +60,6 @@ class ControllerIo final : public cnoid::SimulationSimpleControllerIO {
   /// exist.
   std::vector<std::string> freeze();
   void set_time(double seconds) { time_ = seconds; }
-  bool frozen() const { return frozen_; }
   /// The lines written to os() since the last call.
   std::vector<std::string> take_messages();
   /// True if it requested an input or output after initialize() since the last call: such a request has no effect.
@@ -94,6 +93,11 @@ class ControllerIo final : public cnoid::SimulationSimpleControllerIO {
     double* of_link;  // in the controller's body
   };
   const cnoid::Link& checked(const cnoid::Link* link, const char* function) const;
+  /// True after initialize(): a request has no effect, and take_enabled_too_late() reports it.
+  bool note_if_too_late() {
+    enabled_too_late_ |= frozen_;
+    return frozen_;
+  }
   void find_joint_numbers();
 
   std::string name_;

@@ -158,11 +158,8 @@ Result<fs::path> find_controller_library(const std::string& name, const fs::path
 }
 
 std::string content_hash_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary | std::ios::ate);
-  std::string bytes(static_cast<std::size_t>(std::max<std::streamoff>(0, stream.tellg())), '\0');
-  stream.seekg(0);
-  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  return hash_text(hash_bytes(bytes.data(), bytes.size()));
+  const auto hash = hash_of_file(file);
+  return hash_text(hash ? *hash : hash_bytes(nullptr, 0));
 }
 
 Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::path& file, double call_limit) {

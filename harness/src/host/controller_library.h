@@ -23,7 +23,8 @@ namespace rehearse {
 /// program that was built in the project searches its own build alone. Fails with the list of searched places.
 Result<std::filesystem::path> find_controller_library(const std::string& name, const std::filesystem::path& directory);
 
-/// The hash of a library's file in the provenance: 16 hexadecimal digits (XXH3) of its bytes.
+/// The hash of a library's file in the provenance: 16 hexadecimal digits (XXH3) of its bytes; of no bytes if it
+/// can't be read.
 std::string content_hash_of(const std::filesystem::path& file);
 
 /// The folder of the shared libraries of Rehearse; empty if it is unknown.

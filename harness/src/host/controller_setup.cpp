@@ -30,9 +30,7 @@ Observation initial_observation(const Scenario& scenario) {
   Observation observation;
   for (const ScenarioBody& body : scenario.bodies) {
     BodyObservation& seen = observation.bodies.emplace_back();
-    Eigen::Isometry3d root = Eigen::Isometry3d::Identity();
-    root.linear() = body.rotation.toRotationMatrix();
-    root.translation() = body.position;
+    const Eigen::Isometry3d root = pose_of(body.position, body.rotation);
     for (const double q : body.joints) seen.joints.push_back({q, 0.0, 0.0, 0.0});
     for (const Eigen::Isometry3d& pose : forward_kinematics(*body.model, root, body.joints)) {
       LinkReading& link = seen.links.emplace_back();

@@ -15,14 +15,3 @@ extern "C" {
 }
 
 }  // extern "C"
-
-namespace rehearse {
-namespace {
-
-long runs = 0;
-
-}  // namespace
-
-long begin_debugged_run() { return ++runs; }
-
-}  // namespace rehearse

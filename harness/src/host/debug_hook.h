@@ -45,7 +45,10 @@ void rehearse_at_tick(long tick, const char* controller, cnoid::SimpleController
 namespace rehearse {
 
 /// Begins a new run of this process; returns its number.
-long begin_debugged_run();
+inline long begin_debugged_run() {
+  static long runs = 0;
+  return ++runs;
+}
 
 /// Sets the place of the process during a call.
 class DebuggedCall {

@@ -46,8 +46,6 @@ void set_float_mode(const FloatMode& mode) {
   _FPU_SETCW(mode.x87);
 }
 
-bool operator==(const FloatMode& a, const FloatMode& b) { return a.sse == b.sse && a.x87 == b.x87; }
-
 bool is_fast_math(const FloatMode& mode) { return mode.sse & (_MM_FLUSH_ZERO_ON | denormals_are_zero); }
 
 std::string describe(const FloatMode& mode) {
@@ -71,10 +69,9 @@ std::string describe(const FloatMode& mode) {
 Diagnostics StandardFloatMode::remarks() const {
   if (before_ == FloatMode()) return {};
   Diagnostic remark =
-      error(fmt::format("this process was in another floating-point mode ({}) before the run; the run was "
-                        "made in the standard one",
-                        describe(before_)));
-  remark.severity = Severity::warning;
+      warning(fmt::format("this process was in another floating-point mode ({}) before the run; the run was "
+                          "made in the standard one",
+                          describe(before_)));
   if (is_fast_math(before_)) remark.hint = "is the program, or a library of it, linked with -ffast-math?";
   return {remark};
 }

@@ -13,12 +13,13 @@ namespace rehearse {
 struct FloatMode {
   unsigned int sse = 0x1f80;    // MXCSR without its sticky exception flags
   unsigned short x87 = 0x037f;  // the control word of the x87, which computes long double
+
+  bool operator==(const FloatMode&) const = default;
 };
 
 /// The mode of this thread.
 FloatMode float_mode();
 void set_float_mode(const FloatMode& mode);
-bool operator==(const FloatMode& a, const FloatMode& b);
 
 /// The differences of `mode` from the standard mode: "flush-to-zero and denormals-are-zero", "rounding towards zero",
 /// "traps on division by zero". Empty for the standard mode.

@@ -4,6 +4,7 @@
 #include <rehearse/io.h>
 #include <rehearse/scenario.h>
 #include <cnoid/Body>
+#include <cnoid/ValueTree>
 
 #include <cstdint>
 #include <memory>
@@ -26,6 +27,10 @@ struct DeviceInfo {
   cnoid::MappingPtr info;
 };
 
+/// The info() of a device as one line of YAML in flow style: {grip: 0.5, names: [a, b]}; "{}" if there is none. Keys in
+/// alphabetical order.
+std::string text_of(const cnoid::ValueNode* node);
+
 class IoBody {
  public:
   /// A body at rest in the state of `initial`.
@@ -39,7 +44,6 @@ class IoBody {
 
   /// From now on readings of the device are copied into the body.
   void enable(const cnoid::Device& device) { enabled_[device.index()] = true; }
-  bool is_enabled(int device) const { return enabled_[device]; }
   /// True if there is a fresh reading of an enabled device.
   bool hears(const BodyObservation& seen) const;
   /// Copies fresh readings of the enabled devices and emits their sigStateChanged. `delivered_at` [s].

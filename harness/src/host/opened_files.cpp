@@ -12,7 +12,6 @@
 #include <iterator>
 
 #include "controller_library.h"
-#include "input_copies.h"
 
 namespace rehearse {
 namespace {

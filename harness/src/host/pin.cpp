@@ -1,10 +1,11 @@
 #include <rehearse/pin.h>
 #include <sys/auxv.h>
-#include <unistd.h>
 
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+
+#include "child_process.h"
 
 namespace rehearse {
 namespace {
@@ -99,21 +100,12 @@ void pin_process(char** argv) {
   }
   why_not = "it could not start itself again";
   if (std::getenv(started_again)) return;
-  const auto environment_before = [] {
-    std::vector<std::pair<std::string, std::string>> set;
-    for (const auto& [name, value] : pinned_environment())
-      if (const char* before = std::getenv(name.c_str())) set.emplace_back(name, before);
-    return set;
-  }();
-  const auto names = pinned_environment();
-  set_pinned_environment();
-  setenv(started_again, "1", 1);
-  execv(own_program().c_str(), argv);  // by its name, which ps and debuggers show
-  execv("/proc/self/exe", argv);
+  const auto pinned = pinned_environment();
+  EnvironmentChanges changes(pinned.begin(), pinned.end());
+  changes[started_again] = "1";
+  replace_process(own_program(), argv, changes);  // by its name, which ps and debuggers show
+  replace_process("/proc/self/exe", argv, changes);
   // The second start failed; continue unpinned.
-  unsetenv(started_again);
-  for (const auto& [name, value] : names) unsetenv(name.c_str());
-  for (const auto& [name, value] : environment_before) setenv(name.c_str(), value.c_str(), 1);
 }
 
 }  // namespace rehearse

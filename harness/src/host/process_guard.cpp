@@ -101,93 +101,85 @@ struct ProcessGuard::State {
     for (std::size_t i = 0; i < std::size(timers); ++i) getitimer(static_cast<__itimer_which>(timers[i]), &armed[i]);
   }
 
-  void restore_directory(const State& now, std::vector<Trespass>& found) const;
-  void restore_actions(const State& now, std::vector<Trespass>& found) const;
-  void restore_mask(const State& now, std::vector<Trespass>& found) const;
-  void restore_timers(const State& now, std::vector<Trespass>& found) const;
-  void restore_locale(const State& now, std::vector<Trespass>& found) const;
-  void compare_environment(const State& now, std::vector<Trespass>& found) const;
-  void restore_umask(const State& now, std::vector<Trespass>& found) const;
+  void restore_directory(const State& now, std::vector<Trespass>& found) const {
+    if (now.directory == directory) return;
+    const bool back = chdir(directory.c_str()) == 0;
+    found.push_back({Kind::directory, fmt::format("changed the working directory to '{}'; it {}", now.directory,
+                                                  back ? "was set back" : "can't be set back")});
+  }
+
+  void restore_actions(const State& now, std::vector<Trespass>& found) const {
+    std::vector<int> handled, ignored, left;
+    for (int i = 1; i < signal_count; ++i) {
+      const auto handler = now.actions[i].sa_handler;  // a union with sa_sigaction
+      if (handler == actions[i].sa_handler) continue;
+      (handler == SIG_IGN ? ignored : handler == SIG_DFL ? left : handled).push_back(i);
+      sigaction(i, &actions[i], nullptr);
+    }
+    std::vector<std::string> deeds;
+    if (!handled.empty()) deeds.push_back(fmt::format("installed a handler of its own for {}", names_of(handled)));
+    if (!ignored.empty()) deeds.push_back(fmt::format("ignored {}", names_of(ignored)));
+    if (!left.empty()) deeds.push_back(fmt::format("took away the handler of {}", names_of(left)));
+    if (!deeds.empty()) found.push_back({Kind::signals, fmt::format("{}; it was set back", fmt::join(deeds, " and "))});
+  }
+
+  void restore_mask(const State& now, std::vector<Trespass>& found) const {
+    std::vector<int> blocks, unblocks;
+    for (int i = 1; i < signal_count; ++i) {
+      const int before = sigismember(&blocked, i), after = sigismember(&now.blocked, i);
+      if (before != after) (after ? blocks : unblocks).push_back(i);
+    }
+    if (blocks.empty() && unblocks.empty()) return;
+    pthread_sigmask(SIG_SETMASK, &blocked, nullptr);
+    const bool both = !blocks.empty() && !unblocks.empty();
+    found.push_back(
+        {Kind::mask, fmt::format("{}{}{}{}{}; it was set back", blocks.empty() ? "" : "blocked ", names_of(blocks),
+                                 both ? " and " : "", unblocks.empty() ? "" : "unblocked ", names_of(unblocks))});
+  }
+
+  void restore_timers(const State& now, std::vector<Trespass>& found) const {
+    bool changed = false;
+    for (std::size_t i = 0; i < std::size(timers); ++i) {
+      // A timer of the host that still runs is no change by the code.
+      if (is_armed(armed[i]) || !is_armed(now.armed[i])) continue;
+      changed = true;
+      const itimerval off{};
+      setitimer(static_cast<__itimer_which>(timers[i]), &off, nullptr);
+    }
+    if (changed) found.push_back({Kind::timers, "set a timer of the process (alarm or setitimer); it was stopped"});
+  }
+
+  void restore_locale(const State& now, std::vector<Trespass>& found) const {
+    const bool c_changed = now.locale != locale, cpp_changed = now.cpp_locale != cpp_locale;
+    const bool thread_changed = now.thread_locale != thread_locale;
+    if (!c_changed && !cpp_changed && !thread_changed) return;
+    const std::string to = c_changed        ? changed_categories(locale, now.locale)
+                           : thread_changed ? std::string("another one of this thread")
+                                            : now.cpp_locale.name();
+    if (thread_changed) uselocale(thread_locale);
+    if (cpp_changed) std::locale::global(cpp_locale);
+    std::setlocale(LC_ALL, locale.c_str());
+    found.push_back({Kind::locale, fmt::format("set the locale to '{}'; it was set back", to)});
+  }
+
+  void compare_environment(const State& now, std::vector<Trespass>& found) const {
+    std::vector<std::string> changed;
+    std::set_symmetric_difference(environment.begin(), environment.end(), now.environment.begin(),
+                                  now.environment.end(), std::back_inserter(changed));
+    if (changed.empty()) return;
+    std::set<std::string> names;
+    for (const std::string& variable : changed) names.insert(variable.substr(0, variable.find('=')));
+    found.push_back({Kind::environment, fmt::format("changed the environment of the whole process: {}",
+                                                    names.size() > 5 ? fmt::format("{} variables", names.size())
+                                                                     : fmt::format("{}", fmt::join(names, ", ")))});
+  }
+
+  void restore_umask(const State& now, std::vector<Trespass>& found) const {
+    if (now.file_mask == file_mask) return;
+    umask(file_mask);
+    found.push_back({Kind::umask, fmt::format("changed the umask to {:03o}; it was set back", now.file_mask)});
+  }
 };
-
-void ProcessGuard::State::restore_directory(const State& now, std::vector<Trespass>& found) const {
-  if (now.directory == directory) return;
-  const bool back = chdir(directory.c_str()) == 0;
-  found.push_back({Kind::directory, fmt::format("changed the working directory to '{}'; it {}", now.directory,
-                                                back ? "was set back" : "can't be set back")});
-}
-
-void ProcessGuard::State::restore_actions(const State& now, std::vector<Trespass>& found) const {
-  std::vector<int> handled, ignored, left;
-  for (int i = 1; i < signal_count; ++i) {
-    const auto handler = now.actions[i].sa_handler;  // a union with sa_sigaction
-    if (handler == actions[i].sa_handler) continue;
-    (handler == SIG_IGN ? ignored : handler == SIG_DFL ? left : handled).push_back(i);
-    sigaction(i, &actions[i], nullptr);
-  }
-  std::vector<std::string> deeds;
-  if (!handled.empty()) deeds.push_back(fmt::format("installed a handler of its own for {}", names_of(handled)));
-  if (!ignored.empty()) deeds.push_back(fmt::format("ignored {}", names_of(ignored)));
-  if (!left.empty()) deeds.push_back(fmt::format("took away the handler of {}", names_of(left)));
-  if (!deeds.empty()) found.push_back({Kind::signals, fmt::format("{}; it was set back", fmt::join(deeds, " and "))});
-}
-
-void ProcessGuard::State::restore_mask(const State& now, std::vector<Trespass>& found) const {
-  std::vector<int> blocks, unblocks;
-  for (int i = 1; i < signal_count; ++i) {
-    const int before = sigismember(&blocked, i), after = sigismember(&now.blocked, i);
-    if (before != after) (after ? blocks : unblocks).push_back(i);
-  }
-  if (blocks.empty() && unblocks.empty()) return;
-  pthread_sigmask(SIG_SETMASK, &blocked, nullptr);
-  const bool both = !blocks.empty() && !unblocks.empty();
-  found.push_back(
-      {Kind::mask, fmt::format("{}{}{}{}{}; it was set back", blocks.empty() ? "" : "blocked ", names_of(blocks),
-                               both ? " and " : "", unblocks.empty() ? "" : "unblocked ", names_of(unblocks))});
-}
-
-void ProcessGuard::State::restore_timers(const State& now, std::vector<Trespass>& found) const {
-  bool changed = false;
-  for (std::size_t i = 0; i < std::size(timers); ++i) {
-    // A timer of the host that still runs is no change by the code.
-    if (is_armed(armed[i]) || !is_armed(now.armed[i])) continue;
-    changed = true;
-    const itimerval off{};
-    setitimer(static_cast<__itimer_which>(timers[i]), &off, nullptr);
-  }
-  if (changed) found.push_back({Kind::timers, "set a timer of the process (alarm or setitimer); it was stopped"});
-}
-
-void ProcessGuard::State::restore_locale(const State& now, std::vector<Trespass>& found) const {
-  const bool c_changed = now.locale != locale, cpp_changed = now.cpp_locale != cpp_locale;
-  const bool thread_changed = now.thread_locale != thread_locale;
-  if (!c_changed && !cpp_changed && !thread_changed) return;
-  const std::string to = c_changed        ? changed_categories(locale, now.locale)
-                         : thread_changed ? std::string("another one of this thread")
-                                          : now.cpp_locale.name();
-  if (thread_changed) uselocale(thread_locale);
-  if (cpp_changed) std::locale::global(cpp_locale);
-  std::setlocale(LC_ALL, locale.c_str());
-  found.push_back({Kind::locale, fmt::format("set the locale to '{}'; it was set back", to)});
-}
-
-void ProcessGuard::State::compare_environment(const State& now, std::vector<Trespass>& found) const {
-  std::vector<std::string> changed;
-  std::set_symmetric_difference(environment.begin(), environment.end(), now.environment.begin(), now.environment.end(),
-                                std::back_inserter(changed));
-  if (changed.empty()) return;
-  std::set<std::string> names;
-  for (const std::string& variable : changed) names.insert(variable.substr(0, variable.find('=')));
-  found.push_back({Kind::environment, fmt::format("changed the environment of the whole process: {}",
-                                                  names.size() > 5 ? fmt::format("{} variables", names.size())
-                                                                   : fmt::format("{}", fmt::join(names, ", ")))});
-}
-
-void ProcessGuard::State::restore_umask(const State& now, std::vector<Trespass>& found) const {
-  if (now.file_mask == file_mask) return;
-  umask(file_mask);
-  found.push_back({Kind::umask, fmt::format("changed the umask to {:03o}; it was set back", now.file_mask)});
-}
 
 ProcessGuard::ProcessGuard()
     : protected_{{STDIN_FILENO, "stdin"}, {STDOUT_FILENO, "stdout"}, {STDERR_FILENO, "stderr"}} {}

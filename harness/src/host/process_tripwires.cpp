@@ -1,9 +1,10 @@
-// Replacements of the C library's functions that end or change the whole process.
+// Replacements of the C library's functions that end or change the whole process, or open files to read.
 //
 // The dynamic linker finds these first, because this library comes before libc in every program that links it. Outside
 // of a guarded call they only call the functions of libc. In a guarded call, a function that would end the process ends
 // the call. A function that would change the process makes ProcessGuard store its state first. Protected resources of a
-// run are not changed (process_guard.h).
+// run are not changed (process_guard.h). A function that opens a file to read notes its name first (opened_files.h).
+#undef _FORTIFY_SOURCE  // it declares inline functions with the names of those that open files
 #include <cxxabi.h>
 #include <dlfcn.h>
 #include <errno.h>
@@ -32,6 +33,7 @@
 #include <vector>
 
 #include "guarded_call.h"
+#include "opened_files.h"
 #include "process_guard.h"
 
 namespace {
@@ -43,15 +45,17 @@ using rehearse::ThreadCount;
 /// because a look-up takes the lock of the dynamic linker. A call that was ended while a library was loaded or unloaded
 /// holds this lock for ever. A macro instead of a template, because clang gives functions that return and functions
 /// that don't the same type name.
-#define REHEARSE_TRIPWIRES(FUNCTION)                                                                                  \
-  FUNCTION(exit)                                                                                                      \
-  FUNCTION(_exit) FUNCTION(_Exit) FUNCTION(quick_exit) FUNCTION(chdir) FUNCTION(fchdir) FUNCTION(umask)               \
-      FUNCTION(setlocale) FUNCTION(uselocale) FUNCTION(setenv) FUNCTION(unsetenv) FUNCTION(putenv) FUNCTION(clearenv) \
-          FUNCTION(alarm) FUNCTION(setitimer) FUNCTION(sigaction) FUNCTION(signal) FUNCTION(pthread_sigmask)          \
-              FUNCTION(sigprocmask) FUNCTION(close) FUNCTION(dup2) FUNCTION(dup3) FUNCTION(fclose)                    \
-                  FUNCTION(close_range) FUNCTION(closefrom) FUNCTION(pthread_create) FUNCTION(setrlimit)              \
-                      FUNCTION(setrlimit64) FUNCTION(prlimit) FUNCTION(prlimit64) FUNCTION(fork) FUNCTION(execve)     \
-                          FUNCTION(execv) FUNCTION(execvp) FUNCTION(execvpe) FUNCTION(fexecve) FUNCTION(syscall)
+// clang-format off
+#define REHEARSE_TRIPWIRES(FUNCTION) \
+  FUNCTION(exit) FUNCTION(_exit) FUNCTION(_Exit) FUNCTION(quick_exit) FUNCTION(execve) FUNCTION(execv) \
+  FUNCTION(execvp) FUNCTION(execvpe) FUNCTION(fexecve) FUNCTION(fork) FUNCTION(syscall) FUNCTION(setrlimit) \
+  FUNCTION(setrlimit64) FUNCTION(prlimit) FUNCTION(prlimit64) FUNCTION(chdir) FUNCTION(fchdir) FUNCTION(umask) \
+  FUNCTION(setlocale) FUNCTION(uselocale) FUNCTION(setenv) FUNCTION(unsetenv) FUNCTION(putenv) FUNCTION(clearenv) \
+  FUNCTION(alarm) FUNCTION(setitimer) FUNCTION(sigaction) FUNCTION(signal) FUNCTION(pthread_sigmask) \
+  FUNCTION(sigprocmask) FUNCTION(open) FUNCTION(open64) FUNCTION(openat) FUNCTION(openat64) FUNCTION(fopen) \
+  FUNCTION(fopen64) FUNCTION(close) FUNCTION(dup2) FUNCTION(dup3) FUNCTION(fclose) FUNCTION(close_range) \
+  FUNCTION(closefrom) FUNCTION(pthread_create)
+// clang-format on
 
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer)
@@ -109,6 +113,21 @@ void end_only_the_call(const char* function, std::optional<int> status) {
   if (rehearse::in_guarded_call()) rehearse::leave_guarded_call(deed);
   ProcessGuard::instance().note_thread_exit(deed);
   for (;;) pause();  // the thread can't be left as a call can, and the code after exit() must not run
+}
+
+void note(const char* path, int flags) {
+  if ((flags & O_ACCMODE) != O_WRONLY && !(flags & O_TRUNC) && rehearse::in_guarded_call())
+    rehearse::note_opened_file(path);
+}
+
+void note(const char* path, const char* mode) {
+  if (mode && mode[0] == 'r' && rehearse::in_guarded_call()) rehearse::note_opened_file(path);
+}
+
+/// The mode of a file that may be created.
+mode_t mode_in(int flags, va_list arguments) {
+  const bool makes = (flags & O_CREAT) != 0 || (flags & O_TMPFILE) == O_TMPFILE;
+  return makes ? va_arg(arguments, mode_t) : 0;
 }
 
 /// In the parent: notes the fork. In the child: makes it end when the thread that forked it ends.
@@ -178,81 +197,45 @@ void* run_counted(void* given) {
 
 extern "C" {
 
-void exit(int status) noexcept {
-  end_only_the_call("exit", status);
-  NEXT(exit)(status);
-  __builtin_unreachable();
-}
+// NOLINTBEGIN(bugprone-macro-parentheses): a list of arguments has its own
 
-void _exit(int status) {
-  end_only_the_call("_exit", status);
-  NEXT(_exit)(status);
-  __builtin_unreachable();
-}
+/// A function that ends the process.
+#define REHEARSE_EXIT(function, parameters) \
+  void function parameters {                \
+    end_only_the_call(#function, status);   \
+    NEXT(function)(status);                 \
+    __builtin_unreachable();                \
+  }
+REHEARSE_EXIT(exit, (int status) noexcept)
+REHEARSE_EXIT(_exit, (int status))
+REHEARSE_EXIT(_Exit, (int status) noexcept)
+REHEARSE_EXIT(quick_exit, (int status) noexcept)
 
-void _Exit(int status) noexcept {
-  end_only_the_call("_Exit", status);
-  NEXT(_Exit)(status);
-  __builtin_unreachable();
-}
+/// A function that makes the process a different program.
+#define REHEARSE_EXEC(function, parameters, arguments) \
+  int function parameters noexcept {                   \
+    end_only_the_call(#function, {});                  \
+    return NEXT(function) arguments;                   \
+  }
+REHEARSE_EXEC(execve, (const char* file, char* const words[], char* const environment[]), (file, words, environment))
+REHEARSE_EXEC(execv, (const char* file, char* const words[]), (file, words))
+REHEARSE_EXEC(execvp, (const char* file, char* const words[]), (file, words))
+REHEARSE_EXEC(execvpe, (const char* file, char* const words[], char* const environment[]), (file, words, environment))
+REHEARSE_EXEC(fexecve, (int file, char* const words[], char* const environment[]), (file, words, environment))
 
-void quick_exit(int status) noexcept {
-  end_only_the_call("quick_exit", status);
-  NEXT(quick_exit)(status);
-  __builtin_unreachable();
-}
-
-int execve(const char* file, char* const words[], char* const environment[]) noexcept {
-  end_only_the_call("execve", {});
-  return NEXT(execve)(file, words, environment);
-}
-
-int execv(const char* file, char* const words[]) noexcept {
-  end_only_the_call("execv", {});
-  return NEXT(execv)(file, words);
-}
-
-int execvp(const char* file, char* const words[]) noexcept {
-  end_only_the_call("execvp", {});
-  return NEXT(execvp)(file, words);
-}
-
-int execvpe(const char* file, char* const words[], char* const environment[]) noexcept {
-  end_only_the_call("execvpe", {});
-  return NEXT(execvpe)(file, words, environment);
-}
-
-int fexecve(int file, char* const words[], char* const environment[]) noexcept {
-  end_only_the_call("fexecve", {});
-  return NEXT(fexecve)(file, words, environment);
-}
-
-int execl(const char* file, const char* first, ...) noexcept {
-  end_only_the_call("execl", {});
-  va_list more;
-  va_start(more, first);
-  const ExecWords given(first, more, false);
-  va_end(more);
-  return NEXT(execv)(file, given.words.data());
-}
-
-int execlp(const char* file, const char* first, ...) noexcept {
-  end_only_the_call("execlp", {});
-  va_list more;
-  va_start(more, first);
-  const ExecWords given(first, more, false);
-  va_end(more);
-  return NEXT(execvp)(file, given.words.data());
-}
-
-int execle(const char* file, const char* first, ...) noexcept {
-  end_only_the_call("execle", {});
-  va_list more;
-  va_start(more, first);
-  const ExecWords given(first, more, true);
-  va_end(more);
-  return NEXT(execve)(file, given.words.data(), given.environment);
-}
+/// Such a function whose words are its arguments. `call` passes them on as an array, `given`.
+#define REHEARSE_EXEC_LIST(function, has_environment, call)         \
+  int function(const char* file, const char* first, ...) noexcept { \
+    end_only_the_call(#function, {});                               \
+    va_list more;                                                   \
+    va_start(more, first);                                          \
+    const ExecWords given(first, more, has_environment);            \
+    va_end(more);                                                   \
+    return call;                                                    \
+  }
+REHEARSE_EXEC_LIST(execl, false, NEXT(execv)(file, given.words.data()))
+REHEARSE_EXEC_LIST(execlp, false, NEXT(execvp)(file, given.words.data()))
+REHEARSE_EXEC_LIST(execle, true, NEXT(execve)(file, given.words.data(), given.environment))
 
 pid_t fork() noexcept {
   const pid_t parent = getpid();
@@ -299,60 +282,24 @@ int prlimit64(pid_t process, __rlimit_resource resource, const rlimit64* limit, 
   return NEXT(prlimit64)(process, resource, limit && keeps_limits(process) ? nullptr : limit, before);
 }
 
-int chdir(const char* path) noexcept {
-  look();
-  return NEXT(chdir)(path);
-}
-
-int fchdir(int descriptor) noexcept {
-  look();
-  return NEXT(fchdir)(descriptor);
-}
-
-mode_t umask(mode_t mask) noexcept {
-  look();
-  return NEXT(umask)(mask);
-}
-
-char* setlocale(int category, const char* name) noexcept {
-  if (name) look();
-  return NEXT(setlocale)(category, name);
-}
-
-locale_t uselocale(locale_t locale) noexcept {
-  if (locale) look();
-  return NEXT(uselocale)(locale);
-}
-
-int setenv(const char* name, const char* value, int overwrite) noexcept {
-  look();
-  return NEXT(setenv)(name, value, overwrite);
-}
-
-int unsetenv(const char* name) noexcept {
-  look();
-  return NEXT(unsetenv)(name);
-}
-
-int putenv(char* variable) noexcept {
-  look();
-  return NEXT(putenv)(variable);
-}
-
-int clearenv() noexcept {
-  look();
-  return NEXT(clearenv)();
-}
-
-unsigned int alarm(unsigned int seconds) noexcept {
-  look();
-  return NEXT(alarm)(seconds);
-}
-
-int setitimer(__itimer_which_t which, const itimerval* value, itimerval* before) noexcept {
-  look();
-  return NEXT(setitimer)(which, value, before);
-}
+/// A function that changes the process if `changes`; otherwise it is a query.
+#define REHEARSE_CHANGE(result, function, parameters, arguments, changes) \
+  result function parameters noexcept {                                   \
+    if (changes) look();                                                  \
+    return NEXT(function) arguments;                                      \
+  }
+REHEARSE_CHANGE(int, chdir, (const char* path), (path), true)
+REHEARSE_CHANGE(int, fchdir, (int descriptor), (descriptor), true)
+REHEARSE_CHANGE(mode_t, umask, (mode_t mask), (mask), true)
+REHEARSE_CHANGE(char*, setlocale, (int category, const char* name), (category, name), name)
+REHEARSE_CHANGE(locale_t, uselocale, (locale_t locale), (locale), locale)
+REHEARSE_CHANGE(int, setenv, (const char* name, const char* value, int overwrite), (name, value, overwrite), true)
+REHEARSE_CHANGE(int, unsetenv, (const char* name), (name), true)
+REHEARSE_CHANGE(int, putenv, (char* variable), (variable), true)
+REHEARSE_CHANGE(int, clearenv, (), (), true)
+REHEARSE_CHANGE(unsigned int, alarm, (unsigned int seconds), (seconds), true)
+REHEARSE_CHANGE(int, setitimer, (__itimer_which_t which, const itimerval* value, itimerval* before),
+                (which, value, before), true)
 
 int sigaction(int number, const struct sigaction* action, struct sigaction* before) noexcept {
   if (action && keeps_signal(number)) action = nullptr;
@@ -366,19 +313,50 @@ sighandler_t signal(int number, sighandler_t handler) noexcept {
   return NEXT(signal)(number, handler);
 }
 
-int pthread_sigmask(int how, const sigset_t* set, sigset_t* before) noexcept {
-  if (!set || how == SIG_UNBLOCK || !rehearse::in_guarded_call()) return NEXT(pthread_sigmask)(how, set, before);
-  look();
-  const sigset_t rest = without_ours(*set);
-  return NEXT(pthread_sigmask)(how, &rest, before);
-}
+/// A function that changes the mask of signals.
+#define REHEARSE_MASK(function)                                                                              \
+  int function(int how, const sigset_t* set, sigset_t* before) noexcept {                                    \
+    if (!set || how == SIG_UNBLOCK || !rehearse::in_guarded_call()) return NEXT(function)(how, set, before); \
+    look();                                                                                                  \
+    const sigset_t rest = without_ours(*set);                                                                \
+    return NEXT(function)(how, &rest, before);                                                               \
+  }
+REHEARSE_MASK(pthread_sigmask)
+REHEARSE_MASK(sigprocmask)
 
-int sigprocmask(int how, const sigset_t* set, sigset_t* before) noexcept {
-  if (!set || how == SIG_UNBLOCK || !rehearse::in_guarded_call()) return NEXT(sigprocmask)(how, set, before);
-  look();
-  const sigset_t rest = without_ours(*set);
-  return NEXT(sigprocmask)(how, &rest, before);
-}
+#define REHEARSE_OPEN(function)                    \
+  int function(const char* path, int flags, ...) { \
+    va_list arguments;                             \
+    va_start(arguments, flags);                    \
+    const mode_t mode = mode_in(flags, arguments); \
+    va_end(arguments);                             \
+    note(path, flags);                             \
+    return NEXT(function)(path, flags, mode);      \
+  }
+REHEARSE_OPEN(open)
+REHEARSE_OPEN(open64)
+
+#define REHEARSE_OPENAT(function)                              \
+  int function(int folder, const char* path, int flags, ...) { \
+    va_list arguments;                                         \
+    va_start(arguments, flags);                                \
+    const mode_t mode = mode_in(flags, arguments);             \
+    va_end(arguments);                                         \
+    if (folder == AT_FDCWD) note(path, flags);                 \
+    return NEXT(function)(folder, path, flags, mode);          \
+  }
+REHEARSE_OPENAT(openat)
+REHEARSE_OPENAT(openat64)
+
+#define REHEARSE_FOPEN(function)                       \
+  FILE* function(const char* path, const char* mode) { \
+    note(path, mode);                                  \
+    return NEXT(function)(path, mode);                 \
+  }
+REHEARSE_FOPEN(fopen)
+REHEARSE_FOPEN(fopen64)
+
+// NOLINTEND(bugprone-macro-parentheses)
 
 int close(int descriptor) {
   if (keeps(descriptor)) return errno = EBADF, -1;

@@ -1,7 +1,6 @@
 #include "virtualised.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <charconv>
@@ -11,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "child_process.h"
 #include "trace/run_facts.h"
 
 namespace rehearse {
@@ -61,18 +61,9 @@ Result<void> virtualise_process_like(const std::filesystem::path& trace) {
   if (!seed || !virtualisation().empty()) return {};
   const auto interposed = interposer_environment({{}, {}, virtualised(*seed), {}, {}});
   if (!interposed) return interposed.errors();
-  for (const auto& changes : {*interposed, virtualised_environment(*seed)})
-    for (const auto& [name, value] : changes) {
-      if (value)
-        setenv(name.c_str(), value->c_str(), 1);
-      else
-        unsetenv(name.c_str());
-    }
-  std::vector<std::string> arguments = own_arguments();
-  std::vector<char*> pointers;
-  for (std::string& argument : arguments) pointers.push_back(argument.data());
-  pointers.push_back(nullptr);
-  execv("/proc/self/exe", pointers.data());
+  EnvironmentChanges changes = virtualised_environment(*seed);
+  changes.insert(interposed->begin(), interposed->end());
+  replace_process("/proc/self/exe", pointers_to(own_arguments()).data(), changes);
   return error(
       fmt::format("{} was recorded with simulated time and seeded random numbers, and this process can't start "
                   "itself again with them: {}",

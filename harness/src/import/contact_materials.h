@@ -28,8 +28,6 @@ class ContactMaterials {
   /// both roughnesses, and the restitution that of 1 minus each viscosity. A name that no table has counts as Default.
   ContactProperties between(const std::string& a, const std::string& b) const;
 
-  bool has(const std::string& name) const { return materials_.contains(name); }
-
  private:
   struct Material {
     double roughness = 0.5;

@@ -15,7 +15,7 @@ void read_item(const YamlNode& node, ProjectFile& file, ProjectItem& item) {
   Mapping keys(node, "an item", file.document);
   item.node = &node;
   item.name = keys.text({"name"}).value_or("");
-  item.plugin = keys.text({"plugin"}).value_or("");
+  keys.text({"plugin"});  // only to report a mistake in it
   item.type = keys.text({"class"}).value_or("");
   if (keys.is_map() && item.type.empty() && !keys.find({"is_sub_item"}))
     file.document.error(node, fmt::format("the item {} has no class", in_quotes(item.name)), "class: BodyItem");

@@ -14,7 +14,6 @@ namespace rehearse::import {
 
 struct ProjectItem {
   std::string name;
-  std::string plugin;
   std::string type;                // its class
   const YamlNode* node = nullptr;  // never null
   const YamlNode* data = nullptr;  // null: it has none

@@ -11,8 +11,7 @@
 #include "log_track.h"
 #include "message_reader.h"
 #include "model/clock.h"
-#include "picture_codecs.h"
-#include "range_codecs.h"
+#include "sensor_codecs.h"
 
 namespace rehearse {
 namespace {
@@ -223,12 +222,11 @@ class RangeFeed : public BulkFeed {
     const double upper = lower + step * (sensor.yaw.samples - 1);
     const bool alike = std::abs(lower - sensor.yaw.lower) <= allowed && std::abs(upper - sensor.yaw.upper) <= allowed;
     if (std::exchange(compared_, true) || alike) return;
-    Diagnostic& remark = remarks_.emplace_back(at(
-        source().place, error(fmt::format("the scans on '{}' go from {:.4g} to {:.4g} rad, and the model's '{}' from "
-                                          "{:.4g} to {:.4g}",
-                                          source().topic, lower, upper, name, sensor.yaw.lower, sensor.yaw.upper),
-                              "beams are matched by their numbers")));
-    remark.severity = Severity::warning;
+    remarks_.push_back(at(
+        source().place, warning(fmt::format("the scans on '{}' go from {:.4g} to {:.4g} rad, and the model's '{}' from "
+                                            "{:.4g} to {:.4g}",
+                                            source().topic, lower, upper, name, sensor.yaw.lower, sensor.yaw.upper),
+                                "beams are matched by their numbers")));
   }
 
   bool is_scan_;
@@ -266,14 +264,13 @@ class CameraInfoFeed : public DeviceFeed {
     const bool same_size = info.width == static_cast<std::uint32_t>(camera.width) &&
                            info.height == static_cast<std::uint32_t>(camera.height);
     if (same_size && std::abs(measured - focal_length) <= allowed * focal_length) return;
-    Diagnostic& remark = remarks_.emplace_back(at(
-        source().place,
-        error(fmt::format("the camera of '{}' has {} x {} pixels and a focal length of {:.5g} pixels, and the model's "
-                          "'{}' {} x {} and {:.5g}",
-                          source().topic, info.width, info.height, measured, name, camera.width, camera.height,
-                          focal_length),
-              "a controller gets the values of the model")));
-    remark.severity = Severity::warning;
+    remarks_.push_back(
+        at(source().place,
+           warning(fmt::format("the camera of '{}' has {} x {} pixels and a focal length of {:.5g} pixels, and the "
+                               "model's '{}' {} x {} and {:.5g}",
+                               source().topic, info.width, info.height, measured, name, camera.width, camera.height,
+                               focal_length),
+                   "a controller gets the values of the model")));
   }
 
   MessageReader<msg::CameraInfo> reader_;

@@ -147,43 +147,26 @@ class JointFeed : public LogFeed {
 struct PoseOnly {
   static constexpr std::string_view type_name = "geometry_msgs/msg/PoseStamped";
   msg::Pose pose;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("pose", self.pose);
-  }
+  REHEARSE_FIELDS(pose)
 };
 
 struct PoseWithCovariance {
   static constexpr std::string_view type_name = "geometry_msgs/msg/PoseWithCovariance";
   msg::Pose pose;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("pose", self.pose);
-  }
+  REHEARSE_FIELDS(pose)
 };
 
 struct TwistWithCovariance {
   static constexpr std::string_view type_name = "geometry_msgs/msg/TwistWithCovariance";
   msg::Twist twist;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("twist", self.twist);
-  }
+  REHEARSE_FIELDS(twist)
 };
 
 struct Odometry {
   static constexpr std::string_view type_name = "nav_msgs/msg/Odometry";
   PoseWithCovariance pose;
   TwistWithCovariance twist;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("pose", self.pose);
-    visit("twist", self.twist);
-  }
+  REHEARSE_FIELDS(pose, twist)
 };
 
 class RootFeed : public LogFeed {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -14,13 +15,8 @@ namespace {
 struct TrajectoryPoint {
   static constexpr std::string_view type_name = "trajectory_msgs/msg/JointTrajectoryPoint";
   std::vector<double> positions, velocities, effort;
+  REHEARSE_FIELDS(positions, velocities, effort)
 
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("positions", self.positions);
-    visit("velocities", self.velocities);
-    visit("effort", self.effort);
-  }
   bool empty() const { return positions.empty() && velocities.empty() && effort.empty(); }
 };
 
@@ -28,12 +24,7 @@ struct Trajectory {
   static constexpr std::string_view type_name = "trajectory_msgs/msg/JointTrajectory";
   std::vector<std::string> joint_names;
   std::vector<TrajectoryPoint> points;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("joint_names", self.joint_names);
-    visit("points", self.points);
-  }
+  REHEARSE_FIELDS(joint_names, points)
 };
 
 /// With the fields of all versions: desired and actual are called reference and feedback since 2022.
@@ -41,40 +32,21 @@ struct ControllerState {
   static constexpr std::string_view type_name = "control_msgs/msg/JointTrajectoryControllerState";
   std::vector<std::string> joint_names;
   TrajectoryPoint desired, actual, reference, feedback, output;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("joint_names", self.joint_names);
-    visit("desired", self.desired);
-    visit("actual", self.actual);
-    visit("reference", self.reference);
-    visit("feedback", self.feedback);
-    visit("output", self.output);
-  }
+  REHEARSE_FIELDS(joint_names, desired, actual, reference, feedback, output)
 };
 
 struct InterfaceValue {
   static constexpr std::string_view type_name = "control_msgs/msg/InterfaceValue";
   std::vector<std::string> interface_names;
   std::vector<double> values;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("interface_names", self.interface_names);
-    visit("values", self.values);
-  }
+  REHEARSE_FIELDS(interface_names, values)
 };
 
 struct DynamicState {
   static constexpr std::string_view type_name = "control_msgs/msg/DynamicJointState";
   std::vector<std::string> joint_names;
   std::vector<InterfaceValue> interface_values;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("joint_names", self.joint_names);
-    visit("interface_values", self.interface_values);
-  }
+  REHEARSE_FIELDS(joint_names, interface_values)
 };
 
 void convert(const std::vector<std::string>& names, const TrajectoryPoint& point, msg::JointState& state) {
@@ -135,35 +107,23 @@ Result<void> convert(const DynamicState& message, JointRole, msg::JointState& st
   return {};
 }
 
-}  // namespace
-
-class JointMessages::Form {
- public:
-  virtual ~Form() = default;
-  virtual Result<const msg::JointState*> read(mcap::Bytes payload) = 0;
-};
-
+/// A function that decodes a payload as a Message and converts it to a JointState.
 template <class Message>
-class JointMessages::FormOf final : public Form {
- public:
-  FormOf(const ros2msg::Schema& schema, JointRole role) : reader_(schema), role_(role) {}
-
-  Result<const msg::JointState*> read(mcap::Bytes payload) override {
-    const Message* message = reader_.read(payload);
+auto reader_of(const ros2msg::Schema& schema, JointRole role) {
+  return [=, reader = std::make_shared<MessageReader<Message>>(schema),
+          state = msg::JointState()](mcap::Bytes payload) mutable -> Result<const msg::JointState*> {
+    const Message* message = reader->read(payload);
     if (!message) return misfit(payload);
     if constexpr (std::is_same_v<Message, msg::JointState>) {
       return message;
     } else {
-      if (const auto done = convert(*message, role_, state_); !done) return done.errors();
-      return &state_;
+      if (const auto done = convert(*message, role, state); !done) return done.errors();
+      return &state;
     }
-  }
+  };
+}
 
- private:
-  MessageReader<Message> reader_;
-  JointRole role_;
-  msg::JointState state_;
-};
+}  // namespace
 
 JointMessages::JointMessages(const ros2msg::Schema& schema, JointRole role) {
   const auto has = [&schema](std::string_view name) {
@@ -171,18 +131,14 @@ JointMessages::JointMessages(const ros2msg::Schema& schema, JointRole role) {
     return std::any_of(fields.begin(), fields.end(), [name](const auto& field) { return field.name == name; });
   };
   if (has("joint_names") && has("points")) {
-    form_ = std::make_unique<FormOf<Trajectory>>(schema, role);
+    read_ = reader_of<Trajectory>(schema, role);
   } else if (has("joint_names") && has("interface_values")) {
-    form_ = std::make_unique<FormOf<DynamicState>>(schema, role);
+    read_ = reader_of<DynamicState>(schema, role);
   } else if (has("joint_names")) {
-    form_ = std::make_unique<FormOf<ControllerState>>(schema, role);
+    read_ = reader_of<ControllerState>(schema, role);
   } else {
-    form_ = std::make_unique<FormOf<msg::JointState>>(schema, role);
+    read_ = reader_of<msg::JointState>(schema, role);
   }
 }
-
-JointMessages::~JointMessages() = default;
-
-Result<const msg::JointState*> JointMessages::read(mcap::Bytes payload) { return form_->read(payload); }
 
 }  // namespace rehearse

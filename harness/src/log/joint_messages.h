@@ -5,7 +5,7 @@
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 
-#include <memory>
+#include <functional>
 
 #include "trace/ros2msg.h"
 
@@ -26,17 +26,13 @@ enum class JointRole {
 class JointMessages {
  public:
   JointMessages(const ros2msg::Schema& schema, JointRole role);
-  ~JointMessages();
 
   /// Valid until the next call. Errors: the payload doesn't fit the schema; a trajectory of several points; a
   /// DynamicJointState whose arrays have different lengths.
-  Result<const msg::JointState*> read(mcap::Bytes payload);
+  Result<const msg::JointState*> read(mcap::Bytes payload) { return read_(payload); }
 
  private:
-  class Form;
-  template <class Message>
-  class FormOf;
-  std::unique_ptr<Form> form_;
+  std::function<Result<const msg::JointState*>(mcap::Bytes)> read_;
 };
 
 }  // namespace rehearse

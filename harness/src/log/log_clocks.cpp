@@ -18,11 +18,7 @@ constexpr std::uint64_t end_of_time = std::uint64_t{1} << 62;
 struct HeaderOnly {
   static constexpr std::string_view type_name = "std_msgs/msg/Header";
   msg::Header header;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("header", self.header);
-  }
+  REHEARSE_FIELDS(header)
 };
 
 /// A log time after which a stamp of 0 means that it isn't set [ns]: 11 days, longer than any log that begins at 0.

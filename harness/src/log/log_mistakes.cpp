@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -68,6 +69,106 @@ std::string quantities_of(const SourceSurvey& survey, const Model& model) {
   return names.empty() ? "no joint of the model" : list_of(names);
 }
 
+class Requirements {
+ public:
+  Requirements(const Model& model, const LogMap& map, const std::vector<MappedSource>& sources, const LogSurvey& survey)
+      : model_(model), map_(map) {
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+      if (!sources[i].joints) continue;
+      for (const auto& [joint, given] : survey.sources[i].joints) {
+        GivenJoint& all = joints_[joint];
+        all.q |= given.q;
+        all.dq |= given.dq;
+        all.u |= given.u;
+      }
+      for (const auto& [name, joint] : survey.sources[i].names)
+        if (joint < 0) strangers_.insert(name);
+    }
+  }
+
+  void check(const HostedController& hosted) {
+    label_ = hosted.label;
+    for (const IoField& field : hosted.io->inputs().fields) check_field(field);
+    for (const int link : hosted.io->contact_links())
+      miss(fmt::format("the contact points of link '{}'", model_.links[link].name), "no message of a log has them");
+    for (const int device : hosted.io->input_devices()) check_device(model_.devices[device], device);
+  }
+
+  Diagnostics take() { return std::move(missing_); }
+
+ private:
+  void miss(const std::string& what, std::string hint) {
+    missing_.push_back(error_in(map_.file,
+                                fmt::format("controller '{}' reads {}, which has no source in the map", label_, what),
+                                std::move(hint)));
+  }
+
+  void check_field(const IoField& field) {
+    const Link& link = model_.links[field.link];
+    switch (field.quantity) {
+      case Quantity::q:
+      case Quantity::dq:
+      case Quantity::u: return check_joint(field, link);
+      case Quantity::ddq: return miss(fmt::format("ddq of joint '{}'", link.joint.name), "no message of a log has it");
+      case Quantity::pose:
+        if (!map_.root && model_.links[0].joint.type == JointType::free)
+          miss(fmt::format("T of link '{}'", link.name), "root: the topic of a PoseStamped or Odometry would give it");
+        return;
+      case Quantity::twist:
+        if (field.link != 0 || !map_.root || !map_.root->has_twist)
+          miss(fmt::format("v, w of link '{}'", link.name), field.link == 0
+                                                                ? "root: the topic of an Odometry would give it"
+                                                                : "a log gives it of the root link alone");
+        return;
+      case Quantity::acceleration:
+        return miss(fmt::format("dv, dw of link '{}'", link.name), "no message of a log has it");
+      case Quantity::wrench: return;  // always zero
+    }
+  }
+
+  void check_joint(const IoField& field, const Link& link) {
+    const GivenJoint given = joints_.count(field.joint) ? joints_.at(field.joint) : GivenJoint();
+    const bool is_given = field.quantity == Quantity::q ? given.q : field.quantity == Quantity::dq ? given.dq : given.u;
+    if (is_given) return;
+    const std::string what = fmt::format("{} of joint '{}'", name_of(field.quantity), link.joint.name);
+    if (map_.joints.empty()) return miss(what, "joints: the topic of a JointState would give it");
+    if (field.quantity == Quantity::dq && given.q)
+      return miss(what, "the messages have no velocity; velocity: differentiate would compute it from the positions");
+    if (given.q || given.dq || given.u) return miss(what, "the messages have no such values of it");
+    const std::vector<std::string> names(strangers_.begin(), strangers_.end());
+    const std::vector<std::string> near = near_names(link.joint.name, names);
+    if (!near.empty()) return miss(what, fmt::format("names: {{{}: {}}} would give it", near[0], link.joint.name));
+    if (names.empty()) return miss(what, "no message names it");
+    constexpr std::size_t most = 8;
+    const auto shown = names.begin() + static_cast<std::ptrdiff_t>(std::min(names.size(), most));
+    miss(what, fmt::format("no message names it; not in the model are {}{}", fmt::join(names.begin(), shown, ", "),
+                           names.size() > most ? ", ..." : ""));
+  }
+
+  void check_device(const Device& device, int index) {
+    if (is_actuator(device)) return;  // it measures nothing
+    for (const DeviceSource& source : map_.devices)
+      if (source.kind != DeviceSource::Kind::camera_info &&
+          std::find(source.devices.begin(), source.devices.end(), index) != source.devices.end())
+        return;
+    const char* key = "imus";
+    if (std::holds_alternative<ForceSensor>(device.kind)) key = "wrenches";
+    if (std::holds_alternative<Camera>(device.kind)) key = "cameras";
+    if (std::holds_alternative<RangeSensor>(device.kind)) key = "ranges";
+    const bool never = std::holds_alternative<ContactSensor>(device.kind);
+    miss(fmt::format("device '{}'", device.name),
+         never ? "no message of a log has its measurements"
+               : fmt::format("{}: {{topic: ..., device: {}}} would give it", key, device.name));
+  }
+
+  const Model& model_;
+  const LogMap& map_;
+  std::map<int, GivenJoint> joints_;  // by id
+  std::set<std::string> strangers_;
+  std::string label_;
+  Diagnostics missing_;
+};
+
 }  // namespace
 
 Diagnostics mistakes_in_names(const std::vector<MappedSource>& sources, const LogSurvey& survey, const Model& model) {
@@ -126,12 +227,18 @@ Result<void> check_commands(const ControllerHost& host, const Model& model, cons
     return at(source.place, error(fmt::format("nothing can be compared: the controller commands {}, and '{}' has {}",
                                               list, source.topic, quantities_of(survey, model)),
                                   "look at its joints, names and quantity"));
-  Diagnostic& remark = remarks.emplace_back(
-      at(source.place, error(fmt::format("{} of {} commanded numbers aren't compared: '{}' has no {}", missing.size(),
-                                         commanded.size(), source.topic, list),
-                             "look at its joints and names")));
-  remark.severity = Severity::warning;
+  remarks.push_back(at(source.place, warning(fmt::format("{} of {} commanded numbers aren't compared: '{}' has no {}",
+                                                         missing.size(), commanded.size(), source.topic, list),
+                                             "look at its joints and names")));
   return {};
+}
+
+Diagnostics inputs_not_given(const ControllerHost& host, const Model& model, const LogMap& map,
+                             const std::vector<MappedSource>& sources, const LogSurvey& survey) {
+  Requirements requirements(model, map, sources, survey);
+  for (const HostedController& hosted : host.controllers())
+    if (hosted.running) requirements.check(hosted);
+  return requirements.take();
 }
 
 }  // namespace rehearse

@@ -19,4 +19,9 @@ Diagnostics mistakes_in_names(const std::vector<MappedSource>& sources, const Lo
 Result<void> check_commands(const ControllerHost& host, const Model& model, const CommandSource& source,
                             const SourceSurvey& survey, Diagnostics& remarks);
 
+/// An error for each quantity and device that a running controller reads without a source in the map. It names the
+/// sources that would provide it.
+Diagnostics inputs_not_given(const ControllerHost& host, const Model& model, const LogMap& map,
+                             const std::vector<MappedSource>& sources, const LogSurvey& survey);
+
 }  // namespace rehearse

@@ -120,12 +120,9 @@ void LogObservations::add_gap_event(Fed& fed, std::int64_t tick, std::string wha
 /// Computes the poses of links from the joints and the root link; velocities are available for the root alone.
 void LogObservations::place_links() {
   BodyObservation& body = seen_.bodies[0];
-  Eigen::Isometry3d root = Eigen::Isometry3d::Identity();
-  root.translation() = body.links[0].position;
-  root.linear() = body.links[0].rotation.toRotationMatrix();
   std::vector<double> q;
   for (const JointReading& joint : body.joints) q.push_back(joint.q);
-  const std::vector<Eigen::Isometry3d> poses = forward_kinematics(model_, root, q);
+  const std::vector<Eigen::Isometry3d> poses = forward_kinematics(model_, pose_of(body.links[0]), q);
   for (std::size_t i = 1; i < poses.size(); ++i) {
     body.links[i].position = poses[i].translation();
     body.links[i].rotation = Eigen::Quaterniond(poses[i].linear()).normalized();

@@ -17,7 +17,6 @@
 #include "host/process_guard.h"
 #include "log_mistakes.h"
 #include "log_observations.h"
-#include "log_requirements.h"
 #include "log_scenario.h"
 #include "log_sink.h"
 #include "log_survey.h"
@@ -26,25 +25,13 @@
 #include "recording/provenance.h"
 #include "recording/recorder.h"
 #include "run/hosted_commands.h"
+#include "topic_watch.h"
 #include "trace/hashing.h"
 
 namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
-
-Diagnostic in_file(const std::string& file, Diagnostic diagnostic) {
-  diagnostic.file = file;
-  return diagnostic;
-}
-
-/// Adds the damage of a log as warnings; the undamaged data is used.
-void warn(Diagnostics& remarks, Diagnostics findings) {
-  for (Diagnostic& finding : findings) {
-    finding.severity = Severity::warning;
-    remarks.push_back(std::move(finding));
-  }
-}
 
 /// The size and the time of the last change of a file; they differ after a change.
 std::pair<std::uintmax_t, fs::file_time_type> state_of(const fs::path& file) {
@@ -69,7 +56,7 @@ Result<std::string> hash_of(const fs::path& log) {
       stream.read(block.data(), static_cast<std::streamsize>(block.size()));
       hash = hash_bytes(block.data(), static_cast<std::size_t>(stream.gcount()), hash);
     }
-    if (!stream.eof()) return in_file(file.string(), error("it can't be read"));
+    if (!stream.eof()) return error_in(file.string(), "it can't be read");
   }
   return hash_text(hash);
 }
@@ -171,10 +158,11 @@ Result<void> LogReplayer::make_ticks(std::int64_t start, std::int64_t end) {
   if (options_.until) ticks = std::min(ticks, std::ceil(*options_.until / map_.time_step - 1e-6));
   const double most = Scenario::max_duration / map_.time_step;
   if (ticks > most)
-    return in_file(log_.name(), error(fmt::format("it has {:.0f} s, and a recording has at most {:.0f}",
-                                                  ticks * map_.time_step, Scenario::max_duration),
-                                      "limit the time: --until"));
-  if (ticks < 1.0) return in_file(log_.name(), error("there is no tick to replay", "look at --until"));
+    return error_in(log_.name(),
+                    fmt::format("it has {:.0f} s, and a recording has at most {:.0f}", ticks * map_.time_step,
+                                Scenario::max_duration),
+                    "limit the time: --until");
+  if (ticks < 1.0) return error_in(log_.name(), "there is no tick to replay", "look at --until");
   ticks_ = static_cast<std::int64_t>(ticks);
   return {};
 }
@@ -199,7 +187,7 @@ Result<LogReplayReport> LogReplayer::run(const std::vector<LogTopic>& topics, st
   sources_ = sources_of(map_, *model_);
   times_.emplace(log_, sources_);
   survey_ = survey(log_, map_, *model_, sources_, *times_);
-  warn(report_.remarks, survey_.damage);
+  append_as_warnings(survey_.damage, report_.remarks);  // the undamaged data is used
   if (auto found = find_span(); !found) return found.errors();
   observations_.emplace(map_, *model_, sources_, survey_, *log_ticks_, plan_ ? &*plan_ : nullptr);
   if (auto made = observations_->make_feeds(topics); !made) return made.errors();
@@ -333,11 +321,9 @@ void LogReplayer::report_topics() {
 
 void LogReplayer::warn_of(const LogUnreadable& found, const LogSource& source) {
   const std::string amount = found.messages == 1 ? "1 message" : fmt::format("{} messages", found.messages);
-  Diagnostic& remark = report_.remarks.emplace_back(
-      at(source.place, error(fmt::format("{} on '{}' can't be read: {} (the first at {:.3f} s)", amount, source.topic,
-                                         found.reason, found.first_at),
-                             "no tick uses them")));
-  remark.severity = Severity::warning;
+  report_.remarks.push_back(at(source.place, warning(fmt::format("{} on '{}' can't be read: {} (the first at {:.3f} s)",
+                                                                 amount, source.topic, found.reason, found.first_at),
+                                                     "no tick uses them")));
 }
 
 void LogReplayer::report_ticks() {
@@ -360,14 +346,12 @@ Result<void> LogReplayer::finish() {
   report_topics();
   report_ticks();
   if (auto done = close_file(); !done) return done;
-  if (report_.has_commands && report_.values == 0 && !report_.failure) {
-    Diagnostic& remark = report_.remarks.emplace_back(
+  if (report_.has_commands && report_.values == 0 && !report_.failure)
+    report_.remarks.push_back(
         at(map_.commands->place,
-           error(fmt::format("nothing was compared: '{}' has no number that the controller commands in these ticks",
-                             map_.commands->topic),
-                 "look at its joints and quantities, and at shift")));
-    remark.severity = Severity::warning;
-  }
+           warning(fmt::format("nothing was compared: '{}' has no number that the controller commands in these ticks",
+                               map_.commands->topic),
+                   "look at its joints and quantities, and at shift")));
   return {};
 }
 
@@ -446,7 +430,7 @@ Result<LogReplayReport> replay_log(const fs::path& log, const fs::path& trace, c
   auto reader = mcap::Reader::open(log);
   if (!reader) return reader.errors();
   const std::vector<LogTopic> topics = topics_of(**reader);
-  if (topics.empty()) return in_file(log.string(), error("it contains no channel", "expected a ROS 2 bag"));
+  if (topics.empty()) return error_in(log.string(), "it contains no channel", "expected a ROS 2 bag");
   UrdfOptions urdf;
   urdf.meshes = UrdfOptions::Meshes::skip;  // nothing collides, and nothing is rendered
   auto model = load_model(options.model, urdf);
@@ -455,7 +439,7 @@ Result<LogReplayReport> replay_log(const fs::path& log, const fs::path& trace, c
   if (!map) return map.errors();
   std::error_code ignored;
   if (fs::equivalent(log, trace, ignored))
-    return in_file(trace.string(), error("that is the log itself", "name another file for the recording"));
+    return error_in(trace.string(), "that is the log itself", "name another file for the recording");
   const auto before = state_of(log);
   auto hash = hash_of(log);
   if (!hash) return hash.errors();
@@ -466,7 +450,7 @@ Result<LogReplayReport> replay_log(const fs::path& log, const fs::path& trace, c
     try_other_ticks(**reader, replayer.maps_with_other_ticks(), robot, topics, options, *report);
   if (state_of(log) != before) {
     if (fs::is_regular_file(trace, ignored)) fs::remove(trace, ignored);
-    return in_file(log.string(), error("it changed while it was read", "replay it when nothing writes it any more"));
+    return error_in(log.string(), "it changed while it was read", "replay it when nothing writes it any more");
   }
   if (report)
     for (Diagnostic& remark : float_mode.remarks()) report->remarks.push_back(std::move(remark));

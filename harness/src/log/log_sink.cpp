@@ -90,12 +90,11 @@ void LogSink::report(Judged tick) {
 
 void LogSink::end_doubt() {
   if (in_doubt_.empty()) return;
-  Diagnostic& remark = report_.remarks.emplace_back(
+  report_.remarks.push_back(
       at(map_.tick->place,
-         error(fmt::format("the commands differ from tick {} on, after a message that is missing or late",
-                           in_doubt_[0].differences[0].tick),
-               "a controller with a state then differs, even if it is the robot's")));
-  remark.severity = Severity::warning;
+         warning(fmt::format("the commands differ from tick {} on, after a message that is missing or late",
+                             in_doubt_[0].differences[0].tick),
+                 "a controller with a state then differs, even if it is the robot's")));
   for (Judged& tick : in_doubt_) report(std::move(tick));
   in_doubt_.clear();
   doubt_ = 0;

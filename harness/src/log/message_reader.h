@@ -74,7 +74,7 @@ template <class T>
 void put_value(T& into, std::string_view path, const ros2msg::Value& value) {
   if constexpr (msg::MessageStruct<T>) {
     const std::string_view name = take_segment(path);
-    T::for_each_field(into, [&](std::string_view field, auto& member) {
+    msg::for_each_field(into, [&](std::string_view field, auto& member) {
       if (field == name) put_value(member, path, value);
     });
   } else if constexpr (std::is_arithmetic_v<T>) {
@@ -91,7 +91,7 @@ void put_value(T& into, std::string_view path, const ros2msg::Value& value) {
 /// Resets the message for the next one: no sequence has an element. The memory stays.
 template <class T>
 void clear_sequences(T& message) {
-  T::for_each_field(message, [](std::string_view, auto& member) {
+  msg::for_each_field(message, [](std::string_view, auto& member) {
     using Member = std::remove_reference_t<decltype(member)>;
     if constexpr (msg::MessageStruct<Member>) {
       clear_sequences(member);

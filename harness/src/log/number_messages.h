@@ -45,31 +45,18 @@ class NumberMessages {
   struct Layout {
     static constexpr std::string_view type_name = "std_msgs/msg/MultiArrayLayout";
     std::uint32_t data_offset = 0;
-
-    template <class Self, class Visit>
-    static void for_each_field(Self& self, Visit&& visit) {
-      visit("data_offset", self.data_offset);
-    }
+    REHEARSE_FIELDS(data_offset)
   };
   struct Array {
     static constexpr std::string_view type_name = "std_msgs/msg/Float64MultiArray";
     Layout layout;
     std::vector<double> data;
-
-    template <class Self, class Visit>
-    static void for_each_field(Self& self, Visit&& visit) {
-      visit("layout", self.layout);
-      visit("data", self.data);
-    }
+    REHEARSE_FIELDS(layout, data)
   };
   struct TwistOnly {
     static constexpr std::string_view type_name = "geometry_msgs/msg/TwistStamped";
     msg::Twist twist;
-
-    template <class Self, class Visit>
-    static void for_each_field(Self& self, Visit&& visit) {
-      visit("twist", self.twist);
-    }
+    REHEARSE_FIELDS(twist)
   };
 
   Form form_ = Form::array;

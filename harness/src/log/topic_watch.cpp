@@ -1,11 +1,16 @@
 #include "topic_watch.h"
 
-#include "model/clock.h"
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <string>
 #include <utility>
+#include <vector>
+
+#include "model/clock.h"
 
 namespace rehearse {
 
@@ -89,6 +94,31 @@ void TopicWatch::report(LogTopicReport& report, std::int64_t start) const {
   report.longest_gap_at = longest_gap_ > 0 ? seconds_of(longest_gap_at_ - start) : 0.0;
   const std::int64_t counted = report.messages - report.backwards;
   if (counted > 1 && *last_ > *first_) report.rate = static_cast<double>(counted - 1) / seconds_of(*last_ - *first_);
+}
+
+mcap::StringMap metadata_of(const LogTopicReport& topic) {
+  std::vector<std::string> reasons, silent;
+  for (const LogUnreadable& found : topic.unreadable_for)
+    reasons.push_back(fmt::format("{} from {:.9g} s on: {}", found.messages, found.first_at, found.reason));
+  for (const SilentJoint& joint : topic.silent_joints)
+    silent.push_back(fmt::format("{}: {} gaps, {} ticks", joint.joint, joint.gaps, joint.ticks_in_gaps));
+  return {{"unreadable_for", fmt::format("{}", fmt::join(reasons, "; "))},
+          {"silent_joints", fmt::format("{}", fmt::join(silent, "; "))},
+          {"use", topic.use},
+          {"type", topic.type},
+          {"messages", fmt::format("{}", topic.messages)},
+          {"used", fmt::format("{}", topic.used)},
+          {"skipped", fmt::format("{}", topic.skipped)},
+          {"out_of_order", fmt::format("{}", topic.out_of_order)},
+          {"same_stamp", fmt::format("{}", topic.same_stamp)},
+          {"backwards", fmt::format("{}", topic.backwards)},
+          {"unreadable", fmt::format("{}", topic.unreadable)},
+          {"rate", fmt::format("{:.6g} Hz", topic.rate)},
+          {"longest_gap", fmt::format("{:.9g} s from {:.9g} s on", topic.longest_gap, topic.longest_gap_at)},
+          {"worst_age", fmt::format("{:.9g} s at {:.9g} s", topic.worst_age, topic.worst_age_at)},
+          {"gaps", fmt::format("{}", topic.gaps)},
+          {"ticks_in_gaps", fmt::format("{}", topic.ticks_in_gaps)},
+          {"ticks_without", fmt::format("{}", topic.ticks_without)}};
 }
 
 }  // namespace rehearse

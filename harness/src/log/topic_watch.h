@@ -1,13 +1,14 @@
 // TopicWatch: measures how a topic of a log provides the ticks with messages: late, out of order or missing ones.
 #pragma once
 
-#include "log_replay.h"
-#include "log_ticks.h"
+#include <rehearse/mcap.h>
 
 #include <cstdint>
 #include <deque>
 #include <optional>
-#include <string>
+
+#include "log_replay.h"
+#include "log_ticks.h"
 
 namespace rehearse {
 
@@ -69,5 +70,8 @@ class TopicWatch {
   TickWindow window_;
   bool may_miss_ = false;
 };
+
+/// The report as text by name, as stored in a recording.
+mcap::StringMap metadata_of(const LogTopicReport& topic);
 
 }  // namespace rehearse

@@ -31,7 +31,8 @@ void LogMapReader::read(const YamlNode& root) {
                    "imus", "wrenches", "cameras", "ranges", "joystick", "root", "commands", "tolerances"});
   read_body(keys, root);
   read_clock(keys);
-  if (const YamlNode* node = keys.find("start")) read_start(*node);
+  keys.word("start", "all (when each input has had a message) or first (with the first message)",
+            {{"all", false}, {"first", true}}, map_.start_with_first);
   keys.number("max_age", {0.0, Scenario::max_duration, "[s]", true}, max_age_);
   if (const YamlNode* node = keys.find("controller")) read_controller(*node);
   if (const YamlNode* node = keys.find("joints")) each(*node, "joints", [&](const YamlNode& one) { read_joints(one); });
@@ -75,15 +76,12 @@ void LogMapReader::read_clock(const Keys& keys) {
   const Range steps{Scenario::min_time_step, Scenario::max_time_step, "[s]"};
   if (const YamlNode* node = keys.require("time_step", "the controller's tick [s]"))
     map_.time_step = read_number(findings_, *node, "time_step", steps).value_or(map_.time_step);
-  if (const YamlNode* clock = keys.find("clock")) clock_ = read_clock_name(*clock).value_or(clock_);
+  read_clock_name(keys, clock_);
 }
 
-std::optional<LogClock> LogMapReader::read_clock_name(const YamlNode& node) {
-  if (node.kind == YamlNode::Kind::scalar && node.text == "header.stamp") return LogClock::header_stamp;
-  if (node.kind == YamlNode::Kind::scalar && node.text == "log_time") return LogClock::log_time;
-  expected(findings_, node, "clock",
-           "log_time (when a message was written into the log) or header.stamp (when it was measured)");
-  return std::nullopt;
+void LogMapReader::read_clock_name(const Keys& keys, LogClock& clock) {
+  keys.word("clock", "log_time (when a message was written into the log) or header.stamp (when it was measured)",
+            {{"log_time", LogClock::log_time}, {"header.stamp", LogClock::header_stamp}}, clock);
 }
 
 /// Any topic with messages can be the tick. Its clock is that of the topic's other sources.
@@ -111,14 +109,6 @@ void LogMapReader::read_tick(const YamlNode& node) {
     source.latency = read_number(findings_, *latency, "latency", {0.0, Scenario::max_time_step, "[s], or measured"});
   }
   map_.tick = std::move(source);
-}
-
-void LogMapReader::read_start(const YamlNode& node) {
-  if (node.kind == YamlNode::Kind::scalar && node.text == "first") {
-    map_.start_with_first = true;
-  } else if (node.kind != YamlNode::Kind::scalar || node.text != "all") {
-    expected(findings_, node, "start", "all (when each input has had a message) or first (with the first message)");
-  }
 }
 
 void LogMapReader::read_controller(const YamlNode& node) {

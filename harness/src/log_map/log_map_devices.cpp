@@ -13,7 +13,7 @@ constexpr double max_age_of_pictures = 1.0;  // the default, also of scans: they
 
 }  // namespace
 
-bool LogMapReader::fits(DeviceSource::Kind kind, const Device& device) const {
+bool fits(DeviceSource::Kind kind, const Device& device) {
   switch (kind) {
     case DeviceSource::Kind::imu:
       return std::holds_alternative<Imu>(device.kind) || std::holds_alternative<Gyro>(device.kind) ||
@@ -59,9 +59,11 @@ std::vector<int> LogMapReader::read_devices(const Keys& keys, DeviceSource::Kind
   if (node == nullptr) return devices;
   if (node->kind != YamlNode::Kind::list) {
     read_device(*node, kind, what, devices);
-  } else if (const auto* list = read_list(findings_, *node, "device", "a list of names")) {
-    if (list->empty()) findings_.error(*node, "device is an empty list", "expected the name of a device of the model");
-    for (const YamlNodePtr& item : *list) read_device(*item, kind, what, devices);
+  } else {
+    if (node->items.empty())
+      findings_.error(*node, "device is an empty list", "expected the name of a device of the model");
+    for (const YamlNodePtr& item : read_list(findings_, *node, "device", "a list of names"))
+      read_device(*item, kind, what, devices);
   }
   return devices;
 }

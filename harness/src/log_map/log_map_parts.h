@@ -19,6 +19,9 @@ inline constexpr std::string_view name_of_topic = "the name of one of the log's 
 /// The default of max_age [s]. Pictures and scans have a longer one, and a joystick none: it sends when it is moved.
 inline constexpr double max_age_of_numbers = 0.1;
 
+/// True if messages of that kind are measurements of the device.
+bool fits(DeviceSource::Kind kind, const Device& device);
+
 /// The reader of one map file.
 class LogMapReader {
  public:
@@ -35,9 +38,8 @@ class LogMapReader {
   bool check_version(const YamlNode& root);
   void read_body(const Keys& keys, const YamlNode& root);
   void read_clock(const Keys& keys);
-  std::optional<LogClock> read_clock_name(const YamlNode& node);
+  static void read_clock_name(const Keys& keys, LogClock& clock);
   void read_tick(const YamlNode& node);
-  void read_start(const YamlNode& node);
   void read_controller(const YamlNode& node);
   void check_something_is_mapped(const YamlNode& root);
 
@@ -48,8 +50,7 @@ class LogMapReader {
     if (node.kind != YamlNode::Kind::list) return read(node);
     if (node.items.empty())
       findings_.error(node, std::string(label) + " is an empty list", "expected at least one source, or no such key");
-    if (const auto* list = read_list(findings_, node, label, "a list of sources"))
-      for (const YamlNodePtr& item : *list) read(*item);
+    for (const YamlNodePtr& item : read_list(findings_, node, label, "a list of sources")) read(*item);
   }
   /// The topic of that name that has one of the sets of fields; null, and an error is reported, if there is none.
   const LogTopic* find_topic(const YamlNode& node, std::string_view label, const std::vector<Needs>& needs,
@@ -61,7 +62,7 @@ class LogMapReader {
   /// that the source lacks is the map's. Null keys: the source is a topic alone.
   void read_source(const Keys* keys, LogSource& source, std::optional<double> max_age);
   void check_clock(const YamlNode& node, const LogTopic& topic, const LogSource& source);
-  void read_sampling(const Keys& keys, LogSource& source);
+  static void read_sampling(const Keys& keys, LogSource& source);
   void read_names(const YamlNode& node, std::map<std::string, JointRename>& names);
   std::optional<int> read_joint(const YamlNode& node);
   void read_joints(const YamlNode& node);
@@ -78,11 +79,12 @@ class LogMapReader {
   void read_camera(const YamlNode& node);
   void read_ranges(const YamlNode& node);
   static Needs two_vectors(std::string_view one, std::string_view other);
+  static Needs twist() { return two_vectors("linear", "angular"); }
+  static Needs twist_stamped() { return two_vectors("twist/linear", "twist/angular"); }
   void read_vectors(const Keys& keys, DeviceSource::Kind kind, std::string_view devices, const Needs& needs,
                     std::string_view type);
   void read_sensor(const Keys& keys, DeviceSource source, std::string_view devices, const std::vector<Needs>& needs,
                    std::string_view type);
-  bool fits(DeviceSource::Kind kind, const Device& device) const;
   std::vector<int> read_devices(const Keys& keys, DeviceSource::Kind kind, std::string_view what);
   void read_device(const YamlNode& node, DeviceSource::Kind kind, std::string_view what, std::vector<int>& devices);
 

@@ -34,14 +34,6 @@ std::vector<std::vector<std::pair<std::string, FieldContent>>> joint_messages() 
           {{"joint_names/*", text}, {"actual/positions/*", number}}};
 }
 
-/// The fields of a Twist, below `prefix`.
-std::vector<std::pair<std::string, FieldContent>> twist_below(const std::string& prefix) {
-  std::vector<std::pair<std::string, FieldContent>> needs;
-  for (const char* vector : {"linear", "angular"})
-    for (const char* axis : {"x", "y", "z"}) needs.emplace_back(fmt::format("{}{}/{}", prefix, vector, axis), number);
-  return needs;
-}
-
 }  // namespace
 
 const LogTopic* LogMapReader::find_topic(const YamlNode& node, std::string_view label, const std::vector<Needs>& needs,
@@ -106,7 +98,7 @@ void LogMapReader::read_source(const Keys* keys, LogSource& source, std::optiona
   source.clock = clock_;
   if (max_age) source.max_age = max_age_ ? max_age_ : max_age;
   if (keys == nullptr) return;
-  if (const YamlNode* clock = keys->find("clock")) source.clock = read_clock_name(*clock).value_or(clock_);
+  read_clock_name(*keys, source.clock);
   keys->number("max_age", any_age, source.max_age);
   keys->number("clock_offset", {-1e10, 1e10, "[s]"}, source.clock_offset);
   if (const YamlNode* offset = keys->find("clock_offset"); offset && source.clock == LogClock::log_time)
@@ -115,13 +107,8 @@ void LogMapReader::read_source(const Keys* keys, LogSource& source, std::optiona
 
 /// For sources of numbers.
 void LogMapReader::read_sampling(const Keys& keys, LogSource& source) {
-  const YamlNode* node = keys.find("sampling");
-  if (node == nullptr) return;
-  if (node->kind == YamlNode::Kind::scalar && node->text == "interpolate") {
-    source.sampling = Sampling::interpolate;
-  } else if (node->kind != YamlNode::Kind::scalar || node->text != "hold") {
-    expected(findings_, *node, "sampling", "hold (the latest message) or interpolate (between two)");
-  }
+  keys.word("sampling", "hold (the latest message) or interpolate (between two)",
+            {{"hold", Sampling::hold}, {"interpolate", Sampling::interpolate}}, source.sampling);
 }
 
 std::optional<int> LogMapReader::read_joint(const YamlNode& node) {
@@ -179,12 +166,8 @@ void LogMapReader::read_joints(const YamlNode& node) {
   if (keys) {
     read_sampling(*keys, source);
     if (const YamlNode* names = keys->find("names")) read_names(*names, source.names);
-    const YamlNode* velocity = keys->find("velocity");
-    if (velocity && velocity->kind == YamlNode::Kind::scalar && velocity->text == "differentiate") {
-      source.differentiate = true;
-    } else if (velocity && (velocity->kind != YamlNode::Kind::scalar || velocity->text != "message")) {
-      expected(findings_, *velocity, "velocity", "message (the velocity in it) or differentiate (from two positions)");
-    }
+    keys->word("velocity", "message (the velocity in it) or differentiate (from two positions)",
+               {{"message", false}, {"differentiate", true}}, source.differentiate);
   }
   const YamlNode* topic = keys ? keys->require("topic", name_of_topic) : &node;
   if (topic == nullptr) return;
@@ -284,9 +267,8 @@ void LogMapReader::read_joystick(const YamlNode& node) {
   }
   const YamlNode* topic = keys ? keys->require("topic", name_of_topic) : &node;
   if (topic == nullptr) return;
-  const LogTopic* found = find_topic(
-      *topic, "joystick", {{{"axes/*", number}, {"buttons/*", number}}, twist_below(""), twist_below("twist/")},
-      "a Joy or Twist", source);
+  const Needs joy{{"axes/*", number}, {"buttons/*", number}};
+  const LogTopic* found = find_topic(*topic, "joystick", {joy, twist(), twist_stamped()}, "a Joy or Twist", source);
   if (found == nullptr) return;
   source.is_twist = !found->has("axes/*");
   map_.joystick = std::move(source);
@@ -294,27 +276,20 @@ void LogMapReader::read_joystick(const YamlNode& node) {
 
 /// For an array of numbers: reads their joints and their quantity.
 void LogMapReader::read_array_commands(const Keys& keys, CommandSource& source) {
-  const YamlNode* joints = keys.require("joints", "the joint of each number, in order; ~ for none");
-  if (joints != nullptr) {
-    if (const auto* list = read_list(findings_, *joints, "joints", "a list of joints in the order of the numbers"))
-      for (const YamlNodePtr& item : *list) {
-        const std::optional<int> joint = item->kind == YamlNode::Kind::empty ? std::nullopt : read_joint(*item);
-        if (joint && std::find(source.joints.begin(), source.joints.end(), joint) != source.joints.end())
-          findings_.error(*item, fmt::format("'{}' is in 'joints' twice", shortened(item->text)),
-                          "expected each joint for one number");
-        source.joints.push_back(joint);
-      }
+  if (const YamlNode* joints = keys.require("joints", "the joint of each number, in order; ~ for none")) {
+    for (const YamlNodePtr& item :
+         read_list(findings_, *joints, "joints", "a list of joints in the order of the numbers")) {
+      const std::optional<int> joint = item->kind == YamlNode::Kind::empty ? std::nullopt : read_joint(*item);
+      if (joint && std::find(source.joints.begin(), source.joints.end(), joint) != source.joints.end())
+        findings_.error(*item, fmt::format("'{}' is in 'joints' twice", shortened(item->text)),
+                        "expected each joint for one number");
+      source.joints.push_back(joint);
+    }
   }
-  const YamlNode* quantity = keys.require("quantity", "position, velocity or effort");
-  if (quantity == nullptr) return;
-  const std::string_view word = quantity->kind == YamlNode::Kind::scalar ? std::string_view(quantity->text) : "";
-  if (word == "position") {
-    source.quantity = CommandSource::Quantity::position;
-  } else if (word == "velocity") {
-    source.quantity = CommandSource::Quantity::velocity;
-  } else if (word != "effort") {
-    expected(findings_, *quantity, "quantity", "position, velocity or effort");
-  }
+  using enum CommandSource::Quantity;
+  keys.require("quantity", "position, velocity or effort");
+  keys.word("quantity", "position, velocity or effort",
+            {{"position", position}, {"velocity", velocity}, {"effort", effort}}, source.quantity);
 }
 
 void LogMapReader::read_commands(const YamlNode& node) {
@@ -330,7 +305,7 @@ void LogMapReader::read_commands(const YamlNode& node) {
   const YamlNode* topic = keys ? keys->require("topic", name_of_topic) : &node;
   if (topic == nullptr) return;
   std::vector<Needs> needs = joint_messages();
-  for (Needs& numbers : std::vector<Needs>{{{"data/*", number}}, twist_below(""), twist_below("twist/")})
+  for (Needs& numbers : std::vector<Needs>{{{"data/*", number}}, twist(), twist_stamped()})
     needs.push_back(std::move(numbers));
   const LogTopic* found =
       find_topic(*topic, "commands", needs, "a JointState or an array of numbers, as Float64MultiArray", source);

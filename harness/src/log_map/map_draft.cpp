@@ -12,6 +12,7 @@
 
 #include "log_contents.h"
 #include "log_map.h"
+#include "log_map_parts.h"
 #include "yaml/yaml_tree.h"
 
 namespace rehearse {
@@ -102,7 +103,6 @@ class MapDraft {
   }
   void line(std::string text) { text_ += std::move(text) + "\n"; }
   std::string names_text(const JointMatch& match) const;
-  std::vector<std::string> taken_by_names() const;
 
   std::vector<TopicContents> topics_;
   const Model& model_;
@@ -279,25 +279,19 @@ void MapDraft::write_devices() {
   struct Part {
     const char* key;
     TopicUse use;
-    bool (*fits)(const Device& device);
+    DeviceSource::Kind kind;
   };
-  static constexpr Part parts[] = {
-      {"imus", TopicUse::imu,
-       [](const Device& device) {
-         return std::holds_alternative<Imu>(device.kind) || std::holds_alternative<Gyro>(device.kind) ||
-                std::holds_alternative<Accelerometer>(device.kind);
-       }},
-      {"wrenches", TopicUse::wrench,
-       [](const Device& device) { return std::holds_alternative<ForceSensor>(device.kind); }},
-      {"cameras", TopicUse::picture, [](const Device& device) { return std::holds_alternative<Camera>(device.kind); }},
-      {"ranges", TopicUse::ranges,
-       [](const Device& device) { return std::holds_alternative<RangeSensor>(device.kind); }}};
+  static constexpr Part parts[] = {{"imus", TopicUse::imu, DeviceSource::Kind::imu},
+                                   {"wrenches", TopicUse::wrench, DeviceSource::Kind::wrench},
+                                   {"cameras", TopicUse::picture, DeviceSource::Kind::picture},
+                                   {"ranges", TopicUse::ranges, DeviceSource::Kind::ranges}};
   for (const Part& part : parts) {
     const auto& all = model_.devices;
-    const auto devices = static_cast<std::size_t>(std::count_if(all.begin(), all.end(), part.fits));
+    const auto fits_part = [&part](const Device& device) { return fits(part.kind, device); };
+    const auto devices = static_cast<std::size_t>(std::count_if(all.begin(), all.end(), fits_part));
     std::vector<std::string> lines, missing;
     for (const Device& device : all) {
-      if (!part.fits(device)) continue;
+      if (!fits_part(device)) continue;
       const std::string source = device_line(device, part.use, devices);
       if (source.empty())
         missing.push_back(device.name);

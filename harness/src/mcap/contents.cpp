@@ -24,8 +24,7 @@ void add_contradiction(DamageLog& damage, std::string_view what, std::uint16_t i
 void DamageLog::add(std::string message) {
   if (list_.size() > limit) return;
   if (list_.size() == limit) message = "and more damage after that";
-  list_.push_back(error(std::move(message)));
-  list_.back().file = file_;
+  list_.push_back(error_in(file_, std::move(message)));
 }
 
 void DamageLog::add(const DamageLog& other) {

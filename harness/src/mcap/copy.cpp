@@ -15,12 +15,6 @@
 namespace rehearse::mcap {
 namespace {
 
-Diagnostic in_file(const std::filesystem::path& file, std::string message) {
-  Diagnostic diagnostic = error(std::move(message));
-  diagnostic.file = file.string();
-  return diagnostic;
-}
-
 /// The place where a file is cut.
 struct Cut {
   std::uint64_t kept_end = 0;  // end of the kept part of the data section [bytes]
@@ -89,7 +83,7 @@ Result<void> write(const std::filesystem::path& file, std::initializer_list<Byte
   for (const Bytes part : parts)
     stream.write(reinterpret_cast<const char*>(part.data()), static_cast<std::streamsize>(part.size()));
   stream.close();
-  if (!stream) return in_file(file, fmt::format("can't be written: {}", std::strerror(errno)));
+  if (!stream) return error_in(file.string(), fmt::format("can't be written: {}", std::strerror(errno)));
   return {};
 }
 
@@ -105,9 +99,9 @@ Result<void> copy_with_metadata(const std::filesystem::path& source, const std::
   if (!(*reader)->damage().empty()) return (*reader)->damage();
   const Cut cut = cut_before(bytes, replaced);
   if (cut.data_crc != 0 && cut.data_crc != crc32(bytes.first(cut.data_end)))
-    return in_file(source, "damaged: the CRC of the data section doesn't match");
+    return error_in(source.string(), "damaged: the CRC of the data section doesn't match");
   std::vector<Group> groups = summary_of(bytes, cut, added.size());
-  if (groups.empty()) return in_file(source, "it has no summary, so nothing can be added to it");
+  if (groups.empty()) return error_in(source.string(), "it has no summary, so nothing can be added to it");
 
   std::vector<std::byte> records;
   ByteWriter out(records);

@@ -10,8 +10,9 @@
 namespace rehearse::mcap {
 
 void Findings::add(Severity severity, Place place, std::string message) {
+  constexpr std::uint64_t limit = 1000;
   std::uint64_t& count = counts_[static_cast<std::size_t>(severity)];
-  if (count++ < limit_) list_.push_back({severity, place, std::move(message)});
+  if (count++ < limit) list_.push_back({severity, place, std::move(message)});
 }
 
 Doctor::Doctor(const FileView& view, Bytes file, const DoctorOptions& options, Examination& into)
@@ -285,11 +286,7 @@ namespace {
 
 Result<Examination> examine_view(const FileView& view, Bytes bytes, const std::string& name,
                                  const DoctorOptions& options) {
-  if (!begins_with_magic(bytes)) {
-    Diagnostic refused = error(describe_start(bytes));
-    refused.file = name;
-    return refused;
-  }
+  if (!begins_with_magic(bytes)) return error_in(name, describe_start(bytes));
   Examination examination;
   examination.size = view.converted() ? view.converted()->size : bytes.size();
   Doctor(view, bytes, options, examination).examine();

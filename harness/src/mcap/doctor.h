@@ -34,19 +34,15 @@ struct Finding {
 /// The findings of each severity: the first ones, and the number of all.
 class Findings {
  public:
-  Findings() = default;
-  explicit Findings(std::size_t limit) : limit_(limit) {}
-
   void add(Severity severity, Place place, std::string message);
 
-  /// The findings in the order of discovery, of each severity up to the limit.
+  /// The findings in the order of discovery, the first thousand of each severity.
   const std::vector<Finding>& list() const { return list_; }
   /// The number of all findings of a severity, listed or not.
   std::uint64_t count(Severity severity) const { return counts_[static_cast<std::size_t>(severity)]; }
   bool has_error() const { return count(Severity::error) > 0; }
 
  private:
-  std::size_t limit_ = 1000;
   std::vector<Finding> list_;
   std::uint64_t counts_[4] = {};
 };

@@ -60,7 +60,6 @@ class Doctor {
   void examine_metadata(const Record& record);
   void examine_message(const Record& record, Place place);
   void examine_data_end(const Record& record);
-  void examine_profile();
   void examine_channel_profile(const Channel& channel, Place place);
   void tell_channels();
   /// False if the record lacks fields. Reports missing fields and errors in its texts.

@@ -10,26 +10,19 @@ namespace rehearse::mcap {
 
 namespace fs = std::filesystem;
 
-namespace {
-Diagnostic refuse(const fs::path& target, std::string why, std::string hint = {}) {
-  Diagnostic diagnostic = error(std::move(why), std::move(hint));
-  diagnostic.file = target.string();
-  return diagnostic;
-}
-}  // namespace
-
 Result<Draft> Draft::begin(const fs::path& target, std::span<const fs::path> sources) {
   std::error_code ignored;
   const fs::file_status status = fs::status(target, ignored);
-  if (fs::is_directory(status)) return refuse(target, "can't be written: it is a directory");
+  if (fs::is_directory(status)) return error_in(target.string(), "can't be written: it is a directory");
   if (fs::exists(status) && !fs::is_regular_file(status))
-    return refuse(target, "can't be written: it is no regular file", "name a file; it is written whole or not at all");
+    return error_in(target.string(), "can't be written: it is no regular file",
+                    "name a file; it is written whole or not at all");
   fs::path file = fs::is_symlink(fs::symlink_status(target, ignored)) ? fs::weakly_canonical(target, ignored) : target;
-  if (file.empty()) return refuse(target, "can't be written: the target of the link doesn't exist");
+  if (file.empty()) return error_in(target.string(), "can't be written: the target of the link doesn't exist");
   fs::path draft = file.string() + ".part";
   for (const fs::path& source : sources)
     if (fs::equivalent(source, file, ignored) || fs::equivalent(source, draft, ignored))
-      return refuse(target, "can't be replaced: it is also an input", "name another file");
+      return error_in(target.string(), "can't be replaced: it is also an input", "name another file");
   return Draft(std::move(file), std::move(draft));
 }
 
@@ -54,7 +47,7 @@ Draft::Draft(Draft&& other) noexcept
 Result<void> Draft::finish() {
   std::error_code failed;
   fs::rename(file_, target_, failed);
-  if (failed) return refuse(target_, fmt::format("can't be written: {}", failed.message()));
+  if (failed) return error_in(target_.string(), fmt::format("can't be written: {}", failed.message()));
   file_.clear();
   return {};
 }

@@ -24,9 +24,7 @@
 namespace rehearse::mcap {
 
 Diagnostic Input::unreadable(std::string_view why, std::string hint) const {
-  Diagnostic diagnostic = error(fmt::format("can't read the trace: {}", why), std::move(hint));
-  diagnostic.file = name_;
-  return diagnostic;
+  return error_in(name_, fmt::format("can't read the trace: {}", why), std::move(hint));
 }
 
 Result<Input> Input::open(const std::filesystem::path& file) {
@@ -55,10 +53,6 @@ Result<void> Input::look() {
   if (S_ISFIFO(status.st_mode) && ::fstatfs(descriptor_, &system) == 0 && system.f_type == PIPEFS_MAGIC)
     only_once_ = status.st_ino;
   return {};
-}
-
-Input::~Input() {
-  if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 Result<std::size_t> Input::read(std::span<std::byte> target) {
@@ -140,9 +134,7 @@ void end_watch(Bytes mapped) {
 }
 
 Diagnostic failure(const std::string& name, std::string_view what, int problem) {
-  Diagnostic diagnostic = error(fmt::format("can't {}: {}", what, std::strerror(problem)));
-  diagnostic.file = name;
-  return diagnostic;
+  return error_in(name, fmt::format("can't {}: {}", what, std::strerror(problem)));
 }
 
 /// Stores the input to its end.
@@ -223,6 +215,10 @@ Result<FileView> FileView::map(int descriptor, std::uint64_t size, const std::st
   if (place == MAP_FAILED) return failure(name, "read the trace", errno);
   view.bytes_ = Bytes(static_cast<const std::byte*>(place), size);
   watch_for_cut(view.bytes_);
+  view.mapping_ = std::shared_ptr<void>(place, [mapped = view.bytes_](void* begin) {
+    end_watch(mapped);
+    ::munmap(begin, mapped.size());
+  });
   return view;
 }
 
@@ -233,22 +229,6 @@ void FileView::forget(Bytes part) const {
   const std::size_t begin = static_cast<std::size_t>(part.data() - bytes_.data()) / page * page;
   const std::size_t end = static_cast<std::size_t>(part.data() + part.size() - bytes_.data());
   ::madvise(const_cast<std::byte*>(bytes_.data()) + begin, end - begin, MADV_DONTNEED);
-}
-
-FileView::~FileView() {
-  if (bytes_.empty()) return;
-  end_watch(bytes_);
-  ::munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
-}
-
-FileView::FileView(FileView&& other) noexcept
-    : bytes_(std::exchange(other.bytes_, {})), name_(std::move(other.name_)), converted_(std::move(other.converted_)) {}
-
-FileView& FileView::operator=(FileView&& other) noexcept {
-  std::swap(bytes_, other.bytes_);
-  std::swap(name_, other.name_);
-  std::swap(converted_, other.converted_);
-  return *this;
 }
 
 }  // namespace rehearse::mcap

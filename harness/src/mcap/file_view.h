@@ -4,9 +4,11 @@
 #include <rehearse/mcap.h>
 
 #include <functional>
+#include <memory>
 #include <utility>
 
 #include "container.h"
+#include "model/file_descriptor.h"
 
 namespace rehearse::mcap {
 
@@ -15,13 +17,6 @@ class Input {
  public:
   /// "-" is standard input. A directory, a device and a socket's file are refused.
   static Result<Input> open(const std::filesystem::path& file);
-  ~Input();
-  Input(Input&& other) noexcept
-      : descriptor_(std::exchange(other.descriptor_, -1)),
-        name_(std::move(other.name_)),
-        size_(other.size_),
-        only_once_(other.only_once_) {}
-  Input& operator=(Input&&) = delete;
 
   const std::string& name() const { return name_; }  // its name in messages
   int descriptor() const { return descriptor_; }
@@ -41,7 +36,7 @@ class Input {
   Result<void> look();
   Diagnostic unreadable(std::string_view why, std::string hint = {}) const;
 
-  int descriptor_;
+  FileDescriptor descriptor_;
   std::string name_;
   std::uint64_t size_ = 0;
   std::optional<std::uint64_t> only_once_;
@@ -55,10 +50,6 @@ class FileView {
   /// kept for the life of the process, so that it can be opened again. If a different program truncates a mapped file,
   /// the missing bytes are read as zeros.
   static Result<FileView> open(const std::filesystem::path& file);
-  FileView() = default;
-  ~FileView();
-  FileView(FileView&& other) noexcept;
-  FileView& operator=(FileView&& other) noexcept;
 
   Bytes bytes() const { return bytes_; }
   /// Releases the memory of these bytes; they are loaded again when they are read. No effect on bytes of other files.
@@ -76,6 +67,7 @@ class FileView {
   Bytes bytes_;
   std::string name_;
   ConvertedPtr converted_;
+  std::shared_ptr<void> mapping_;  // its deleter unmaps the bytes
 };
 
 /// True if bytes of a mapped file were read that a different program had truncated. Such a read raises SIGBUS, which

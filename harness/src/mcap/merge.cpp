@@ -12,7 +12,7 @@
 #include "chunks.h"
 #include "draft.h"
 #include "model/text.h"
-#include "order.h"
+#include "reader_impl.h"
 #include "whole_input.h"
 
 namespace rehearse::mcap {
@@ -26,26 +26,10 @@ constexpr int groups_of_a_source = 0x20000;       // more than the groups of any
 struct OpenSource {
   std::string prefix;
   std::unique_ptr<Reader> reader;
-  ChannelSet all{{}};
-  DamageLog damage{""};
-  std::unique_ptr<MessageOrder> order;
-  std::vector<std::uint16_t> ids = std::vector<std::uint16_t>(0x10000);  // ids in the target by ids in the source
-  Message next;  // the next message; its channel is null after the last message
-  bool started = false;
+  std::unique_ptr<OrderedMessages> messages;
+  const Message* next = nullptr;  // null after the last message
 
-  /// Reads the next message.
-  void advance() {
-    Record record;
-    next = {};
-    if (started) order->advance();
-    started = true;
-    while (order->next(record)) {
-      next = reader->impl().contents_.read_message(record, damage);
-      if (next.channel != nullptr) return;
-      order->advance();
-    }
-    reader->impl().check_data_crc(damage);
-  }
+  std::vector<std::uint16_t> ids = std::vector<std::uint16_t>(0x10000);  // ids in the target by ids in the source
 };
 
 Result<std::unique_ptr<OpenSource>> open_source(const MergeSource& source) {
@@ -55,8 +39,7 @@ Result<std::unique_ptr<OpenSource>> open_source(const MergeSource& source) {
   auto open = std::make_unique<OpenSource>();
   open->prefix = source.prefix;
   open->reader = std::move(*reader);
-  open->damage = DamageLog(open->reader->name());
-  open->order = std::make_unique<MessageOrder>(open->reader->impl(), open->all, open->damage);
+  open->messages = std::make_unique<OrderedMessages>(*open->reader);
   return open;
 }
 
@@ -133,19 +116,19 @@ Result<void> Merger::write_messages() {
   std::uint64_t all = 0;
   for (const auto& source : sources_)
     if (source->reader->statistics()) all += source->reader->statistics()->message_count;
-  for (const auto& source : sources_) source->advance();
+  for (const auto& source : sources_) source->next = source->messages->next();
   while (true) {
     OpenSource* first = nullptr;  // There are few files: a loop over them is faster than a heap.
     for (const auto& source : sources_)
-      if (source->next.channel != nullptr && (first == nullptr || source->next.log_time < first->next.log_time))
+      if (source->next != nullptr && (first == nullptr || source->next->log_time < first->next->log_time))
         first = source.get();
     if (first == nullptr) return {};
-    const Message& message = first->next;
+    const Message& message = *first->next;
     if (auto done = writer_.write(first->ids[message.channel->id], message.log_time, message.publish_time, message.data,
                                   message.sequence);
         !done)
       return done;
-    first->advance();
+    first->next = first->messages->next();
     if (++merged_.messages % progress_step == 0 && options_.progress)
       options_.progress(merged_.messages, std::max(all, merged_.messages));
   }
@@ -156,7 +139,7 @@ Result<Merged> Merger::run() {
   if (auto done = write_extras(); !done) return done.errors();
   if (auto done = write_messages(); !done) return done.errors();
   for (const auto& source : sources_)
-    if (!source->damage.list().empty()) return with_recover_hint(source->damage.list());
+    if (const auto verdict = source->messages->verdict(); !verdict) return with_recover_hint(verdict.errors());
   if (auto done = writer_.close(); !done) return done.errors();
   return merged_;
 }

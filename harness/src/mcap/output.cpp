@@ -128,15 +128,9 @@ void Output::process_raw(const RawJob& job) {
   if (job.kind == RawJob::Kind::attachment) {
     ++counts_.attachment_count;
     ByteWriter out(attachment_indexes_);
-    out.begin_record(op::attachment_index);
-    out.put(start);
-    out.put(offset_ - start);
-    out.put(job.attachment.log_time);
-    out.put(job.attachment.create_time);
-    out.put(job.data_size);
-    out.put_string(job.attachment.name);
-    out.put_string(job.attachment.media_type);
-    out.end_record();
+    const Attachment& a = job.attachment;
+    out.put_record(op::attachment_index, start, offset_ - start, a.log_time, a.create_time, job.data_size, a.name,
+                   a.media_type);
   } else if (job.kind == RawJob::Kind::metadata) {
     ++counts_.metadata_count;
     ByteWriter out(metadata_indexes_);
@@ -156,7 +150,7 @@ void Output::process_chunk(const ChunkData& chunk) {
   out.put(chunk.end_time);
   out.put(static_cast<std::uint64_t>(chunk.records.size()));
   out.put(form_.chunk_crcs ? crc32(chunk.records) : 0u);
-  out.put_string(compression);
+  out.put(compression);
   out.put(static_cast<std::uint64_t>(compressed->size()));
   out.put_bytes(*compressed);
   out.end_record();

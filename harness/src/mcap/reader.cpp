@@ -7,11 +7,7 @@
 
 namespace rehearse::mcap {
 
-Diagnostic Reader::Impl::damaged(std::string message) const {
-  Diagnostic diagnostic = error(std::move(message));
-  diagnostic.file = name_;
-  return diagnostic;
-}
+Diagnostic Reader::Impl::damaged(std::string message) const { return error_in(name_, std::move(message)); }
 
 Result<void> Reader::Impl::open() {
   if (!begins_with_magic(bytes_)) return damaged(describe_start(bytes_));
@@ -153,8 +149,7 @@ Result<void> Reader::Impl::verdict(const DamageLog& pass) const {
 Result<void> Reader::Impl::for_each_message(const OnMessage& callback, const ChannelSet& channels) {
   walk_if_not_yet();
   DamageLog damage(name_);
-  const OnRecord no_records;
-  Delivery delivery{contents_, damage, chunk_opener_, pass_buffer_, channels, callback, no_records};
+  Delivery delivery{contents_, damage, chunk_opener_, pass_buffer_, channels, callback};
   MappedPass pass(file_, bytes_.first(frame_.data_end));
   const bool by_index = indexes_list_all_messages();
   std::size_t chunk = 0;  // index in chunks_

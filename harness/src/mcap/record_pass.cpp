@@ -162,7 +162,7 @@ CutPlace StreamPass::look_at_cut() {
 }
 
 Frame read_frame(RecordPass& pass, bool check_crcs, Contents& contents, DamageLog& damage,
-                 const std::function<bool(const Record&)>& take, const Reader::OnRecord& seen) {
+                 const std::function<bool(const Record&)>& take) {
   Frame frame;
   std::optional<std::uint64_t> summary;  // offset of the summary
   Contents said;                         // contents of the summary; used, with its damage, if its CRC matches
@@ -176,7 +176,6 @@ Frame read_frame(RecordPass& pass, bool check_crcs, Contents& contents, DamageLo
       damage.add(describe_cut(pass.look_at_cut()));
       return frame;
     }
-    if (seen && !seen(record)) return frame;
     if (!std::exchange(started, true) && record.opcode != op::header)
       damage.add("damaged: the first record isn't a Header");
     if (record.opcode == op::footer) break;
@@ -217,7 +216,7 @@ bool Delivery::deliver(const Record& from) {
   const auto head = parse_message_head(from.body);
   if (head && !channels.has(head->channel)) return true;
   const Message read = contents.read_message(from, damage);
-  return read.channel == nullptr || !message || message(read);
+  return read.channel == nullptr || message(read);
 }
 
 bool Delivery::deliver_chunk(const Record& chunk) {
@@ -230,7 +229,6 @@ bool Delivery::deliver_chunk(const Record& chunk) {
   Record inner;
   inner.chunk = chunk.offset;
   while (inside.next(inner)) {
-    if (record && !record(inner)) return false;
     if (inner.opcode != op::message) {
       contents.learn(inner, damage);
     } else if (!deliver(inner)) {

@@ -110,10 +110,10 @@ struct Frame {
   bool summary_has_channels = false;
 };
 
-/// Passes over a whole file. `take` gets the records of the data section; `seen` (may be null) gets all records, before
-/// `take`. Either may end the pass by false. The contents of the summary are added to `contents` if its CRC matches.
+/// Passes over a whole file. `take` gets the records of the data section, and ends the pass by false. The contents of
+/// the summary are added to `contents` if its CRC matches.
 Frame read_frame(RecordPass& pass, bool check_crcs, Contents& contents, DamageLog& damage,
-                 const std::function<bool(const Record&)>& take, const Reader::OnRecord& seen = {});
+                 const std::function<bool(const Record&)>& take);
 
 /// The channels that a pass delivers.
 class ChannelSet {
@@ -135,8 +135,7 @@ struct Delivery {
   ChunkOpener& opener;
   RawBuffer& buffer;  // for the records of a chunk
   const ChannelSet& channels;
-  const Reader::OnMessage& message;  // may be null
-  const Reader::OnRecord& record;    // called with the records in chunks; may be null
+  const Reader::OnMessage& message;
 
   bool deliver(const Record& message);
   /// Delivers the messages of a chunk. A chunk that is too short was reported when its header was read.

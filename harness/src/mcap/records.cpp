@@ -3,23 +3,12 @@
 #include "codec.h"
 
 #include <algorithm>
+#include <concepts>
+#include <tuple>
+#include <type_traits>
+#include <utility>
 
 namespace rehearse::mcap {
-
-void ByteWriter::put_string(std::string_view text) {
-  put(static_cast<std::uint32_t>(text.size()));
-  put_bytes(as_bytes(text));
-}
-
-void ByteWriter::put_map(const std::map<std::string, std::string>& map) {
-  const std::size_t length_at = size();
-  put(std::uint32_t{0});
-  for (const auto& [key, value] : map) {
-    put_string(key);
-    put_string(value);
-  }
-  patch(length_at, static_cast<std::uint32_t>(size() - length_at - 4));
-}
 
 void ByteWriter::begin_record(std::uint8_t opcode) {
   record_ = size();
@@ -28,21 +17,6 @@ void ByteWriter::begin_record(std::uint8_t opcode) {
 }
 
 void ByteWriter::end_record() { patch(record_ + 1, static_cast<std::uint64_t>(size() - record_ - 9)); }
-
-std::string ByteReader::get_string() { return std::string(as_text(get_bytes(get<std::uint32_t>()))); }
-
-std::map<std::string, std::string> ByteReader::get_map() {
-  ByteReader entries(get_bytes(get<std::uint32_t>()));
-  std::map<std::string, std::string> map;
-  while (entries.left() > 0) {
-    std::string key = entries.get_string();
-    std::string value = entries.get_string();
-    if (!entries.ok()) break;
-    map.insert_or_assign(std::move(key), std::move(value));
-  }
-  ok_ = ok_ && entries.ok();
-  return map;
-}
 
 bool RecordWalker::next(Record& record) {
   const Bytes left = range_.subspan(offset_);
@@ -58,25 +32,75 @@ bool RecordWalker::next(Record& record) {
   return true;
 }
 
-std::optional<Schema> parse_schema(Bytes body) {
-  ByteReader in(body);
-  Schema schema;
-  schema.id = in.get<std::uint16_t>();
-  schema.name = in.get_string();
-  schema.encoding = in.get_string();
-  schema.data = in.get_string();
-  return in.ok() ? std::optional(std::move(schema)) : std::nullopt;
+namespace {
+
+// The fields of each record in the order of its body. The functions take a const record to write it, and a mutable one
+// to parse it.
+template <class T, class Of>
+concept Is = std::same_as<std::remove_const_t<T>, Of>;
+
+auto fields_of(Is<Schema> auto& s) { return std::tie(s.id, s.name, s.encoding, s.data); }
+
+auto fields_of(Is<Channel> auto& c) { return std::tie(c.id, c.schema_id, c.topic, c.message_encoding, c.metadata); }
+
+auto fields_of(Is<Metadata> auto& m) { return std::tie(m.name, m.values); }
+
+auto fields_of(Is<Statistics> auto& s) {
+  return std::tie(s.message_count, s.schema_count, s.channel_count, s.attachment_count, s.metadata_count, s.chunk_count,
+                  s.message_start_time, s.message_end_time, s.channel_message_counts);
 }
 
-std::optional<Channel> parse_channel(Bytes body) {
+auto fields_of(Is<Footer> auto& f) { return std::tie(f.summary_start, f.summary_offset_start, f.summary_crc); }
+
+auto fields_of(Is<ChunkIndex> auto& i) {
+  auto& chunk = i.chunk;
+  return std::tie(chunk.start_time, chunk.end_time, chunk.offset, i.length, i.places, i.indexes_length,
+                  chunk.compression, chunk.stored_size, chunk.size);
+}
+
+auto fields_of(Is<RecordPlace> auto& p) { return std::tie(p.offset, p.length); }
+
+template <class T>
+std::optional<T> parse(Bytes body) {
   ByteReader in(body);
-  Channel channel;
-  channel.id = in.get<std::uint16_t>();
-  channel.schema_id = in.get<std::uint16_t>();
-  channel.topic = in.get_string();
-  channel.message_encoding = in.get_string();
-  channel.metadata = in.get_map();
-  return in.ok() ? std::optional(std::move(channel)) : std::nullopt;
+  T record;
+  std::apply([&in](auto&... fields) { (in.get(fields), ...); }, fields_of(record));
+  return in.ok() ? std::optional(std::move(record)) : std::nullopt;
+}
+
+template <class T>
+void put(ByteWriter& out, std::uint8_t opcode, const T& record) {
+  std::apply([&](const auto&... fields) { out.put_record(opcode, fields...); }, fields_of(record));
+}
+
+}  // namespace
+
+std::optional<Schema> parse_schema(Bytes body) { return parse<Schema>(body); }
+std::optional<Channel> parse_channel(Bytes body) { return parse<Channel>(body); }
+std::optional<Metadata> parse_metadata(Bytes body) { return parse<Metadata>(body); }
+std::optional<Statistics> parse_statistics(Bytes body) { return parse<Statistics>(body); }
+std::optional<ChunkIndex> parse_chunk_index(Bytes body) { return parse<ChunkIndex>(body); }
+std::optional<RecordPlace> parse_record_place(Bytes body) { return parse<RecordPlace>(body); }
+
+std::optional<Footer> parse_footer(Bytes body) {
+  return body.size() == footer_size - record_head ? parse<Footer>(body) : std::nullopt;
+}
+
+void put_header(ByteWriter& out, std::string_view profile, std::string_view library) {
+  out.put_record(op::header, profile, library);
+}
+
+void put_schema(ByteWriter& out, const Schema& schema) { put(out, op::schema, schema); }
+void put_channel(ByteWriter& out, const Channel& channel) { put(out, op::channel, channel); }
+void put_statistics(ByteWriter& out, const Statistics& statistics) { put(out, op::statistics, statistics); }
+void put_chunk_index(ByteWriter& out, const ChunkIndex& index) { put(out, op::chunk_index, index); }
+
+void put_metadata(ByteWriter& out, std::string_view name, const StringMap& values) {
+  out.put_record(op::metadata, name, values);
+}
+
+void put_metadata_index(ByteWriter& out, std::uint64_t offset, std::uint64_t length, std::string_view name) {
+  out.put_record(op::metadata_index, offset, length, name);
 }
 
 std::optional<MessageHead> parse_message_head(Bytes body) {
@@ -130,151 +154,18 @@ std::optional<AttachmentRecord> parse_attachment(Bytes body) {
   return in.ok() ? std::optional(std::move(record)) : std::nullopt;
 }
 
-std::optional<Metadata> parse_metadata(Bytes body) {
-  ByteReader in(body);
-  Metadata metadata;
-  metadata.name = in.get_string();
-  metadata.values = in.get_map();
-  return in.ok() ? std::optional(std::move(metadata)) : std::nullopt;
-}
-
-std::optional<Statistics> parse_statistics(Bytes body) {
-  ByteReader in(body);
-  Statistics s;
-  s.message_count = in.get<std::uint64_t>();
-  s.schema_count = in.get<std::uint16_t>();
-  s.channel_count = in.get<std::uint32_t>();
-  s.attachment_count = in.get<std::uint32_t>();
-  s.metadata_count = in.get<std::uint32_t>();
-  s.chunk_count = in.get<std::uint32_t>();
-  s.message_start_time = in.get<std::uint64_t>();
-  s.message_end_time = in.get<std::uint64_t>();
-  ByteReader counts(in.get_bytes(in.get<std::uint32_t>()));
-  while (counts.left() > 0 && counts.ok()) {
-    const auto channel = counts.get<std::uint16_t>();
-    const auto count = counts.get<std::uint64_t>();
-    if (counts.ok()) s.channel_message_counts[channel] = count;
-  }
-  return in.ok() && counts.ok() ? std::optional(std::move(s)) : std::nullopt;
-}
-
-std::optional<Footer> parse_footer(Bytes body) {
-  ByteReader in(body);
-  Footer footer;
-  footer.summary_start = in.get<std::uint64_t>();
-  footer.summary_offset_start = in.get<std::uint64_t>();
-  footer.summary_crc = in.get<std::uint32_t>();
-  return in.ok() && in.left() == 0 ? std::optional(footer) : std::nullopt;
-}
-
-std::optional<ChunkIndex> parse_chunk_index(Bytes body) {
-  ByteReader in(body);
-  ChunkIndex index;
-  index.chunk.start_time = in.get<std::uint64_t>();
-  index.chunk.end_time = in.get<std::uint64_t>();
-  index.chunk.offset = in.get<std::uint64_t>();
-  index.length = in.get<std::uint64_t>();
-  index.places = in.get_bytes(in.get<std::uint32_t>());
-  index.indexes_length = in.get<std::uint64_t>();
-  index.chunk.compression = in.get_string();
-  index.chunk.stored_size = in.get<std::uint64_t>();
-  index.chunk.size = in.get<std::uint64_t>();
-  return in.ok() ? std::optional(std::move(index)) : std::nullopt;
-}
-
-std::optional<RecordPlace> parse_record_place(Bytes body) {
-  ByteReader in(body);
-  RecordPlace place;
-  place.offset = in.get<std::uint64_t>();
-  place.length = in.get<std::uint64_t>();
-  return in.ok() ? std::optional(place) : std::nullopt;
-}
-
-void put_header(ByteWriter& out, std::string_view profile, std::string_view library) {
-  out.begin_record(op::header);
-  out.put_string(profile);
-  out.put_string(library);
-  out.end_record();
-}
-
-void put_schema(ByteWriter& out, const Schema& schema) {
-  out.begin_record(op::schema);
-  out.put(schema.id);
-  out.put_string(schema.name);
-  out.put_string(schema.encoding);
-  out.put_string(schema.data);
-  out.end_record();
-}
-
-void put_channel(ByteWriter& out, const Channel& channel) {
-  out.begin_record(op::channel);
-  out.put(channel.id);
-  out.put(channel.schema_id);
-  out.put_string(channel.topic);
-  out.put_string(channel.message_encoding);
-  out.put_map(channel.metadata);
-  out.end_record();
-}
-
 void put_attachment(ByteWriter& out, const Attachment& attachment, bool with_crc) {
   std::vector<std::byte> covered;
   ByteWriter body(covered);
   body.put(attachment.log_time);
   body.put(attachment.create_time);
-  body.put_string(attachment.name);
-  body.put_string(attachment.media_type);
+  body.put(attachment.name);
+  body.put(attachment.media_type);
   body.put(static_cast<std::uint64_t>(attachment.data.size()));
   body.put_bytes(attachment.data);
   out.begin_record(op::attachment);
   out.put_bytes(covered);
   out.put(with_crc ? crc32(covered) : 0u);
-  out.end_record();
-}
-
-void put_metadata(ByteWriter& out, std::string_view name, const StringMap& values) {
-  out.begin_record(op::metadata);
-  out.put_string(name);
-  out.put_map(values);
-  out.end_record();
-}
-
-void put_statistics(ByteWriter& out, const Statistics& s) {
-  out.begin_record(op::statistics);
-  out.put(s.message_count);
-  out.put(s.schema_count);
-  out.put(s.channel_count);
-  out.put(s.attachment_count);
-  out.put(s.metadata_count);
-  out.put(s.chunk_count);
-  out.put(s.message_start_time);
-  out.put(s.message_end_time);
-  out.put(static_cast<std::uint32_t>(s.channel_message_counts.size() * 10));
-  for (const auto& [channel, count] : s.channel_message_counts) {
-    out.put(channel);
-    out.put(count);
-  }
-  out.end_record();
-}
-
-void put_chunk_index(ByteWriter& out, const ChunkIndex& index) {
-  out.begin_record(op::chunk_index);
-  out.put(index.chunk.start_time);
-  out.put(index.chunk.end_time);
-  out.put(index.chunk.offset);
-  out.put(index.length);
-  out.put_string(as_text(index.places));
-  out.put(index.indexes_length);
-  out.put_string(index.chunk.compression);
-  out.put(index.chunk.stored_size);
-  out.put(index.chunk.size);
-  out.end_record();
-}
-
-void put_metadata_index(ByteWriter& out, std::uint64_t offset, std::uint64_t length, std::string_view name) {
-  out.begin_record(op::metadata_index);
-  out.put(offset);
-  out.put(length);
-  out.put_string(name);
   out.end_record();
 }
 

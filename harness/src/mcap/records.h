@@ -27,6 +27,14 @@ inline constexpr std::uint8_t header = 0x01, footer = 0x02, schema = 0x03, chann
                               data_end = 0x0f;
 }  // namespace op
 
+/// A record of the file.
+struct Record {
+  std::uint8_t opcode = 0;
+  Bytes body;                          // without opcode and length
+  std::uint64_t offset = 0;            // offset of its opcode, in the file or in the decompressed records of the chunk
+  std::optional<std::uint64_t> chunk;  // offset in the file of the chunk that contains it, if any
+};
+
 /// The header of a Chunk record and its still compressed records.
 struct ChunkHead {
   std::uint64_t start_time = 0;

@@ -28,11 +28,9 @@ std::string as_utf8(std::string_view text) {
   constexpr std::string_view replacement = "\xEF\xBF\xBD";
   std::string valid;
   while (!text.empty()) {
-    std::size_t length = 1;
-    while (length <= 4 && !is_utf8(text.substr(0, length))) ++length;
-    const bool good = length <= 4 && length <= text.size();
-    valid += good ? text.substr(0, length) : replacement;
-    text.remove_prefix(good ? length : 1);
+    const std::size_t length = utf8_length(text);
+    valid += length > 0 ? text.substr(0, length) : replacement;
+    text.remove_prefix(std::max<std::size_t>(length, 1));
   }
   return valid;
 }
@@ -188,12 +186,6 @@ StringMap note_of(const std::filesystem::path& source, const RecoverOptions& opt
   return note;
 }
 
-Diagnostic about(const std::filesystem::path& file, std::string message) {
-  Diagnostic diagnostic = error(std::move(message));
-  diagnostic.file = file.string();
-  return diagnostic;
-}
-
 /// Writes all records that the survey saved.
 Result<void> write_saved(const FileView& file, const std::filesystem::path& source, const Draft& draft,
                          const Survey& survey, const RecoverOptions& options, Recovery& recovery) {
@@ -229,7 +221,8 @@ Result<void> write_saved(const FileView& file, const std::filesystem::path& sour
   if (!written) return written;
   if (recovery.messages == 0) recovery.first_time = 0;
   if (recovery.messages + recovery.attachments + recovery.metadata == 0)
-    return about(source, "nothing can be saved: it has no message, no attachment and no metadata that is whole");
+    return error_in(source.string(),
+                    "nothing can be saved: it has no message, no attachment and no metadata that is whole");
   count_losses(survey, recovery);
   if (!recovery.is_whole()) {
     if (auto noted = (*writer)->add_metadata("rehearse.recover", note_of(source, options, recovery)); !noted)
@@ -245,11 +238,11 @@ Result<void> examine_written(const std::filesystem::path& written, const std::fi
   if (!examination) return examination.errors();
   for (const Finding& finding : examination->findings.list())
     if (finding.severity == Severity::error)
-      return about(target, fmt::format("the saved file isn't valid, so it isn't kept: at byte {}: {}",
-                                       finding.place.offset, finding.message));
+      return error_in(target.string(), fmt::format("the saved file isn't valid, so it isn't kept: at byte {}: {}",
+                                                   finding.place.offset, finding.message));
   if (examination->messages != recovery.messages)
-    return about(target, fmt::format("{} messages were saved, but {} are in the file, so it isn't kept",
-                                     recovery.messages, examination->messages));
+    return error_in(target.string(), fmt::format("{} messages were saved, but {} are in the file, so it isn't kept",
+                                                 recovery.messages, examination->messages));
   return {};
 }
 
@@ -265,7 +258,8 @@ Result<Recovery> recover(const std::filesystem::path& source, const std::filesys
   if (view->converted())
     for (const Diagnostic& damage : view->converted()->damage) recovery.remarks.push_back(damage.message);
   const Survey survey(*view, options, recovery);
-  if (survey.runs.empty()) return about(source, "nothing can be saved: it has no MCAP record that is whole");
+  if (survey.runs.empty())
+    return error_in(source.string(), "nothing can be saved: it has no MCAP record that is whole");
   if (auto done = write_saved(*view, source, *draft, survey, options, recovery); !done) return done.errors();
   if (auto whole = examine_written(draft->file(), target, recovery); !whole) return whole.errors();
   if (auto done = draft->finish(); !done) return done.errors();

@@ -11,6 +11,8 @@
 #include <cstring>
 #include <utility>
 
+#include "model/file_descriptor.h"
+
 namespace rehearse::mcap {
 
 namespace {
@@ -106,25 +108,19 @@ class FileThere {
     struct stat opened {
     }, there{};
     if (::stat(file.c_str(), &there) != 0 || !S_ISREG(there.st_mode)) return;
-    descriptor_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+    descriptor_ = FileDescriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
     if (descriptor_ < 0) return;
     const bool locked = lock(descriptor_);
     const bool stands = ::fstat(descriptor_, &opened) == 0 && ::stat(file.c_str(), &there) == 0 &&
                         opened.st_dev == there.st_dev && opened.st_ino == there.st_ino;
     being_written_ = !locked || !stands;
   }
-  ~FileThere() { release(); }
-  FileThere(const FileThere&) = delete;
-  FileThere& operator=(const FileThere&) = delete;
 
   bool being_written() const { return being_written_; }
-  void release() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-    descriptor_ = -1;
-  }
+  void release() { descriptor_ = FileDescriptor(); }
 
  private:
-  int descriptor_ = -1;
+  FileDescriptor descriptor_;
   bool being_written_ = false;
 };
 
@@ -168,9 +164,7 @@ Result<void> Sink::read_back(std::uint64_t, std::span<std::byte>) {
 
 Result<std::unique_ptr<Sink>> open_file_sink(const std::filesystem::path& file) {
   const auto refuse = [&](std::string why, std::string hint = {}) {
-    Diagnostic failure = error(std::move(why), std::move(hint));
-    failure.file = file.string();
-    return failure;
+    return error_in(file.string(), std::move(why), std::move(hint));
   };
   const auto other_writer = [&] { return refuse("another writer has opened this file", "name another file, or wait"); };
   FileThere there(file);

@@ -23,40 +23,30 @@ Result<std::unique_ptr<StreamReader>> StreamReader::open_source(ReadBytes source
   const Bytes start = reader->pass_.begin();
   if (!reader->pass_.failure().empty()) return reader->pass_.failure();
   if (begins_with_magic(start)) return reader;
-  Diagnostic refusal = error(describe_start(start));
-  refusal.file = reader->name();
-  return refusal;
+  return error_in(reader->name(), describe_start(start));
 }
 
-Result<void> StreamReader::read(const StreamHandlers& handlers) {
+Result<void> StreamReader::for_each_message(const Reader::OnMessage& callback) {
   REHEARSE_ASSERT(!was_read_, "a stream is read once");
   was_read_ = true;
   const ChannelSet all{{}};
-  Delivery delivery{contents_, damage_, chunk_opener_, chunk_buffer_, all, handlers.message, handlers.record};
-  const auto take_next = [&](const Record& record) { return take(record, handlers, delivery); };
-  read_frame(pass_, options_.check_crcs, contents_, damage_, take_next, handlers.record);
+  Delivery delivery{contents_, damage_, chunk_opener_, chunk_buffer_, all, callback};
+  read_frame(pass_, options_.check_crcs, contents_, damage_,
+             [&](const Record& record) { return take(record, delivery); });
   Diagnostics problems = damage_.list();
   problems.insert(problems.end(), pass_.failure().begin(), pass_.failure().end());
   if (problems.empty()) return {};
   return problems;
 }
 
-Result<void> StreamReader::for_each_message(const Reader::OnMessage& callback) { return read({callback, {}, {}, {}}); }
-
 /// Processes a record of the data section. False: stop.
-bool StreamReader::take(const Record& record, const StreamHandlers& handlers, Delivery& delivery) {
+bool StreamReader::take(const Record& record, Delivery& delivery) {
   switch (record.opcode) {
     case op::header: contents_.learn_header(record, damage_); return true;
     case op::message: return delivery.deliver(record);
     case op::chunk: return !read_chunk_head(record, damage_) || delivery.deliver_chunk(record);
-    case op::attachment: {
-      const auto attachment = read_attachment(record, options_.check_crcs, damage_);
-      return !attachment || !handlers.attachment || handlers.attachment(*attachment);
-    }
-    case op::metadata: {
-      const auto metadata = read_metadata(record, damage_);
-      return !metadata || !handlers.metadata || handlers.metadata(*metadata);
-    }
+    case op::attachment: read_attachment(record, options_.check_crcs, damage_); return true;  // for its damage only
+    case op::metadata: read_metadata(record, damage_); return true;
     default: contents_.learn(record, damage_); return true;
   }
 }

@@ -13,16 +13,6 @@
 
 namespace rehearse::mcap {
 
-/// The callbacks for the contents of a stream; contents without a callback are skipped. Each returns false to stop. Its
-/// argument is valid during the call only, except a Message's channel.
-struct StreamHandlers {
-  Reader::OnMessage message;
-  std::function<bool(const Attachment&)> attachment;
-  std::function<bool(const Metadata&)> metadata;
-  /// Every record: a chunk before its records, the summary's records last; also the records after an error.
-  Reader::OnRecord record;
-};
-
 class StreamReader {
  public:
   /// Opens the file ("-": standard input) and reads its first bytes. Fails if it can't be read, or isn't MCAP. A record
@@ -34,17 +24,13 @@ class StreamReader {
   StreamReader(const StreamReader&) = delete;
   StreamReader& operator=(const StreamReader&) = delete;
 
-  /// Reads to the end, or until a callback stops it; once. Fails with all damage if anything was damaged; all undamaged
-  /// data was delivered.
-  Result<void> read(const StreamHandlers& handlers);
-  /// Delivers the messages only, in file order.
+  /// Delivers the messages in file order, to the end or until the callback returns false; once. Fails with all damage
+  /// if anything was damaged; all undamaged messages were delivered.
   Result<void> for_each_message(const Reader::OnMessage& callback);
 
   const std::string& name() const { return damage_.file(); }  // name of the stream in messages
-  /// Number of bytes that were read and processed so far.
-  std::uint64_t position() const { return pass_.passed(); }
 
-  // The contents read so far. Empty before read().
+  // The contents read so far. Empty before for_each_message().
   const std::string& profile() const { return contents_.profile; }
   const std::string& library() const { return contents_.library; }
   const std::map<std::uint16_t, Schema>& schemas() const { return contents_.schemas; }
@@ -55,7 +41,7 @@ class StreamReader {
 
  private:
   StreamReader(ReadBytes source, std::string name, ReaderOptions options);
-  bool take(const Record& record, const StreamHandlers& handlers, Delivery& delivery);
+  bool take(const Record& record, Delivery& delivery);
 
   const ReaderOptions options_;
   DamageLog damage_;

@@ -9,10 +9,7 @@ namespace rehearse::mcap {
 SummaryComposer::SummaryComposer(std::uint64_t data_size, std::uint32_t data_crc, const FileForm& form, Write write)
     : form_(form), write_(std::move(write)), offset_(data_size) {
   std::vector<std::byte> data_end;
-  ByteWriter out(data_end);
-  out.begin_record(op::data_end);
-  out.put(data_crc);
-  out.end_record();
+  ByteWriter(data_end).put_record(op::data_end, data_crc);
   put(data_end);
   start_ = offset_;
   crc_ = 0;
@@ -32,12 +29,7 @@ void SummaryComposer::add_group(std::uint8_t opcode, const std::function<void(co
   const std::uint64_t begin = offset_;
   put_all([this](Bytes records) { put(records); });
   if (offset_ == begin) return;
-  ByteWriter offset(offsets_);
-  offset.begin_record(op::summary_offset);
-  offset.put(opcode);
-  offset.put(begin);
-  offset.put(offset_ - begin);
-  offset.end_record();
+  ByteWriter(offsets_).put_record(op::summary_offset, opcode, begin, offset_ - begin);
 }
 
 void SummaryComposer::finish() {
@@ -47,11 +39,7 @@ void SummaryComposer::finish() {
   if (has_offsets) put(offsets_);
   std::vector<std::byte> footer;
   ByteWriter out(footer);
-  out.begin_record(op::footer);
-  out.put(empty ? 0 : start_);
-  out.put(has_offsets ? offsets_start : 0);
-  out.put(std::uint32_t{0});
-  out.end_record();
+  out.put_record(op::footer, empty ? 0 : start_, has_offsets ? offsets_start : 0, std::uint32_t{0});
   const std::size_t crc_at = footer.size() - 4;
   if (form_.summary_crc) out.patch(crc_at, crc32(Bytes(footer).first(crc_at), crc_));
   out.put_bytes(magic);

@@ -20,15 +20,11 @@ TemporaryFile::TemporaryFile() {
     errno = none.value();
     return;
   }
-  descriptor_ = ::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  descriptor_ = FileDescriptor(::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600));
   if (descriptor_ >= 0 || (errno != EOPNOTSUPP && errno != EISDIR && errno != ENOENT)) return;
   std::string name = folder_ + "/rehearse.XXXXXX";  // not every file system supports nameless files
-  descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
+  descriptor_ = FileDescriptor(::mkostemp(name.data(), O_CLOEXEC));
   if (descriptor_ >= 0) ::unlink(name.c_str());
-}
-
-TemporaryFile::~TemporaryFile() {
-  if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 bool TemporaryFile::append(Bytes bytes) {
@@ -45,6 +41,6 @@ std::uint64_t TemporaryFile::size() const {
   return ::fstat(descriptor_, &status) == 0 ? static_cast<std::uint64_t>(status.st_size) : 0;
 }
 
-std::string TemporaryFile::path() const { return fmt::format("/proc/self/fd/{}", descriptor_); }
+std::string TemporaryFile::path() const { return fmt::format("/proc/self/fd/{}", descriptor()); }
 
 }  // namespace rehearse::mcap

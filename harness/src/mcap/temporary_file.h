@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <string>
 
+#include "model/file_descriptor.h"
+
 namespace rehearse::mcap {
 
 /// A file without a name, which is removed when its descriptor is closed.
@@ -13,9 +15,6 @@ class TemporaryFile {
  public:
   /// Created in the folder for temporary files. If that fails, descriptor() is -1 and errno states the reason.
   TemporaryFile();
-  ~TemporaryFile();
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
 
   /// False: errno states the reason.
   bool append(Bytes bytes);
@@ -27,7 +26,7 @@ class TemporaryFile {
   std::string path() const;
 
  private:
-  int descriptor_ = -1;
+  FileDescriptor descriptor_;
   std::string folder_;
 };
 

@@ -17,9 +17,10 @@ constexpr std::size_t most_schemas = 0xffff;  // the id 0 means none
 constexpr std::size_t most_channels = 0x10000;
 }  // namespace
 
-class Writer::Impl {
+/// The only implementation of Writer.
+class FileWriter final : public Writer {
  public:
-  Impl(std::unique_ptr<Sink> sink, std::string name, const WriterOptions& options)
+  FileWriter(std::unique_ptr<Sink> sink, std::string name, const WriterOptions& options)
       : options_(options), output_(std::move(sink), std::move(name), options) {
     RawJob job;
     ByteWriter out(job.bytes);
@@ -28,17 +29,19 @@ class Writer::Impl {
     output_.push(std::move(job));
   }
 
-  std::uint16_t add_schema(std::string_view name, std::string_view encoding, std::string_view data);
-  std::uint16_t add_channel(Channel channel, ChunkGroup group);
+  std::uint16_t add_schema(std::string_view name, std::string_view encoding, std::string_view data) override;
+  std::uint16_t add_channel(std::uint16_t schema, std::string_view topic, std::string_view message_encoding,
+                            StringMap metadata, ChunkGroup group) override;
   Result<void> write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, Bytes data,
-                     std::optional<std::uint32_t> sequence);
-  Result<void> write_later(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, PutOff message,
-                           std::size_t held);
-  Result<void> add_attachment(Attachment attachment);
-  Result<void> add_metadata(std::string_view name, const StringMap& values);
-  Result<void> flush();
-  Result<void> close();
-  int descriptor() const { return output_.descriptor(); }
+                     std::optional<std::uint32_t> sequence) override;
+  Result<void> write_later(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, std::size_t held,
+                           std::function<std::vector<std::byte>()> compose) override;
+  Result<void> add_attachment(std::string_view name, std::string_view media_type, Bytes data, std::uint64_t log_time,
+                              std::uint64_t create_time) override;
+  Result<void> add_metadata(std::string_view name, const StringMap& values) override;
+  Result<void> flush() override;
+  Result<void> close() override;
+  int descriptor() const override { return output_.descriptor(); }
 
  private:
   struct Group {
@@ -79,7 +82,7 @@ class Writer::Impl {
   Output output_;
 };
 
-std::uint16_t Writer::Impl::add_schema(std::string_view name, std::string_view encoding, std::string_view data) {
+std::uint16_t FileWriter::add_schema(std::string_view name, std::string_view encoding, std::string_view data) {
   const auto [first, last] = schemas_by_name_.equal_range(name);
   for (auto place = first; place != last; ++place) {
     const Schema& schema = schemas_[place->second - 1u];
@@ -101,15 +104,17 @@ std::uint16_t Writer::Impl::add_schema(std::string_view name, std::string_view e
   return schemas_.back().id;
 }
 
-std::uint16_t Writer::Impl::add_channel(Channel channel, ChunkGroup group) {
-  REHEARSE_ASSERT(channel.schema_id <= schemas_.size(), "a channel's schema is added before it");
+std::uint16_t FileWriter::add_channel(std::uint16_t schema, std::string_view topic, std::string_view message_encoding,
+                                      StringMap metadata, ChunkGroup group) {
+  REHEARSE_ASSERT(schema <= schemas_.size(), "a channel's schema is added before it");
   if (channels_.size() == most_channels) {
     output_.fail(
-        error(fmt::format("the channel {} is one too many: a file contains at most {}", channel.topic, most_channels)));
+        error(fmt::format("the channel {} is one too many: a file contains at most {}", topic, most_channels)));
     return channels_.back().id;
   }
-  if (options_.profile == "ros2") channel.metadata.try_emplace("offered_qos_profiles");
-  channel.id = static_cast<std::uint16_t>(channels_.size() + 1);  // the last id is 0
+  if (options_.profile == "ros2") metadata.try_emplace("offered_qos_profiles");
+  const auto id = static_cast<std::uint16_t>(channels_.size() + 1);  // the last id is 0
+  Channel channel{id, schema, std::string(topic), std::string(message_encoding), std::move(metadata)};
   if (!options_.form.has_definitions_in_chunks()) {
     RawJob job;
     ByteWriter out(job.bytes);
@@ -121,7 +126,7 @@ std::uint16_t Writer::Impl::add_channel(Channel channel, ChunkGroup group) {
   return channels_.back().id;
 }
 
-std::size_t Writer::Impl::find_or_add_group(ChunkGroup key) {
+std::size_t FileWriter::find_or_add_group(ChunkGroup key) {
   if (options_.compression) key.compression = *options_.compression;
   if (!options_.form.chunks) key = {};  // all messages in the order of the calls
   for (std::size_t i = 0; i < groups_.size(); ++i) {
@@ -132,9 +137,8 @@ std::size_t Writer::Impl::find_or_add_group(ChunkGroup key) {
 }
 
 /// Appends the head of a message's record, for `size` bytes of data, to the open chunk of its channel's group.
-Writer::Impl::Group& Writer::Impl::begin_message(std::uint16_t channel, std::uint64_t log_time,
-                                                 std::uint64_t publish_time, std::size_t size,
-                                                 std::optional<std::uint32_t> numbered) {
+FileWriter::Group& FileWriter::begin_message(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time,
+                                             std::size_t size, std::optional<std::uint32_t> numbered) {
   REHEARSE_ASSERT(index_of(channel) < channels_.size(), "a message's channel is added before it");
   REHEARSE_ASSERT(!closed_, "nothing is written to a closed trace");
   if (log_time >= next_deadline_) finish_old_chunks(log_time);
@@ -171,7 +175,7 @@ Writer::Impl::Group& Writer::Impl::begin_message(std::uint16_t channel, std::uin
 }
 
 /// Writes the definitions of a channel before its first message in a chunk.
-void Writer::Impl::define_in_chunk(std::uint16_t channel, ChunkData& chunk) {
+void FileWriter::define_in_chunk(std::uint16_t channel, ChunkData& chunk) {
   const Channel& definition = channels_[index_of(channel)];
   ByteWriter out(chunk.records);
   if (definition.schema_id != 0) put_schema(out, schemas_[definition.schema_id - 1u]);
@@ -180,30 +184,29 @@ void Writer::Impl::define_in_chunk(std::uint16_t channel, ChunkData& chunk) {
   states_[index_of(channel)].defined_in_open = true;
 }
 
-Result<void> Writer::Impl::write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, Bytes data,
-                                 std::optional<std::uint32_t> sequence) {
+Result<void> FileWriter::write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, Bytes data,
+                               std::optional<std::uint32_t> sequence) {
   Group& group = begin_message(channel, log_time, publish_time, data.size(), sequence);
   group.open.records.insert(group.open.records.end(), data.begin(), data.end());
   return end_message(group);
 }
 
-Result<void> Writer::Impl::write_later(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time,
-                                       PutOff message, std::size_t held) {
+Result<void> FileWriter::write_later(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time,
+                                     std::size_t held, std::function<std::vector<std::byte>()> compose) {
   Group& group = begin_message(channel, log_time, publish_time, 0);
-  message.entry = group.open.index.size() - 1;
-  group.open.put_off.push_back(std::move(message));
+  group.open.put_off.push_back({group.open.index.size() - 1, std::move(compose)});
   group.open.held += held;
   return end_message(group);
 }
 
-Result<void> Writer::Impl::end_message(Group& group) {
+Result<void> FileWriter::end_message(Group& group) {
   if (group.open.size() >= options_.chunk_size) finish_chunk(group);
   if (output_.failed()) [[unlikely]]
     return output_.status();
   return {};
 }
 
-void Writer::Impl::finish_chunk(Group& group) {
+void FileWriter::finish_chunk(Group& group) {
   for (const std::uint16_t channel : group.open.defined) states_[index_of(channel)].defined_in_open = false;
   unwritten_deadline_ = std::min(unwritten_deadline_, deadline_of(group.open));
   next_deadline_ = std::min(next_deadline_, unwritten_deadline_);
@@ -213,7 +216,7 @@ void Writer::Impl::finish_chunk(Group& group) {
 
 /// Finishes the chunks whose first message is chunk_span or more before `now`, in the order of their groups. Waits
 /// until all such chunks are written, so that a kill loses no more than that span.
-void Writer::Impl::finish_old_chunks(std::uint64_t now) {
+void FileWriter::finish_old_chunks(std::uint64_t now) {
   next_deadline_ = no_time;
   for (Group& group : groups_) {
     if (group.open.empty()) continue;
@@ -231,20 +234,21 @@ void Writer::Impl::finish_old_chunks(std::uint64_t now) {
   next_deadline_ = std::min(next_deadline_, unwritten_deadline_);
 }
 
-Result<void> Writer::Impl::add_attachment(Attachment attachment) {
+Result<void> FileWriter::add_attachment(std::string_view name, std::string_view media_type, Bytes data,
+                                        std::uint64_t log_time, std::uint64_t create_time) {
   REHEARSE_ASSERT(!closed_, "nothing is attached to a closed trace");
   RawJob job;
   job.kind = RawJob::Kind::attachment;
+  job.attachment = {log_time, create_time, std::string(name), std::string(media_type), data, 0};
   ByteWriter out(job.bytes);
-  put_attachment(out, attachment, options_.form.attachment_crcs);
-  job.data_size = attachment.data.size();
-  attachment.data = {};
-  job.attachment = std::move(attachment);
+  put_attachment(out, job.attachment, options_.form.attachment_crcs);
+  job.data_size = data.size();
+  job.attachment.data = {};
   output_.push(std::move(job));
   return output_.status();
 }
 
-Result<void> Writer::Impl::add_metadata(std::string_view name, const StringMap& values) {
+Result<void> FileWriter::add_metadata(std::string_view name, const StringMap& values) {
   REHEARSE_ASSERT(!closed_, "nothing is added to a closed trace");
   RawJob job;
   job.kind = RawJob::Kind::metadata;
@@ -255,12 +259,12 @@ Result<void> Writer::Impl::add_metadata(std::string_view name, const StringMap& 
   return output_.status();
 }
 
-Result<void> Writer::Impl::flush() {
+Result<void> FileWriter::flush() {
   finish_old_chunks(no_time);
   return output_.drain();
 }
 
-Result<void> Writer::Impl::close() {
+Result<void> FileWriter::close() {
   if (closed_) return *closed_;
   finish_old_chunks(no_time);
   Statistics statistics;
@@ -280,49 +284,11 @@ Result<void> Writer::Impl::close() {
 Result<std::unique_ptr<Writer>> Writer::create(const std::filesystem::path& file, WriterOptions options) {
   auto sink = open_file_sink(file);
   if (!sink) return sink.errors();
-  return std::unique_ptr<Writer>(new Writer(std::make_unique<Impl>(std::move(*sink), file.string(), options)));
+  return std::unique_ptr<Writer>(std::make_unique<FileWriter>(std::move(*sink), file.string(), options));
 }
 
 std::unique_ptr<Writer> Writer::create_in_memory(std::vector<std::byte>& out, WriterOptions options) {
-  return std::unique_ptr<Writer>(new Writer(std::make_unique<Impl>(make_memory_sink(out), "in memory", options)));
+  return std::make_unique<FileWriter>(make_memory_sink(out), "in memory", options);
 }
-
-Writer::Writer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-
-Writer::~Writer() = default;
-
-std::uint16_t Writer::add_schema(std::string_view name, std::string_view encoding, std::string_view data) {
-  return impl_->add_schema(name, encoding, data);
-}
-
-std::uint16_t Writer::add_channel(std::uint16_t schema, std::string_view topic, std::string_view message_encoding,
-                                  StringMap metadata, ChunkGroup group) {
-  return impl_->add_channel({0, schema, std::string(topic), std::string(message_encoding), std::move(metadata)}, group);
-}
-
-Result<void> Writer::write(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns, Bytes data,
-                           std::optional<std::uint32_t> sequence) {
-  return impl_->write(channel, log_time_ns, publish_time_ns, data, sequence);
-}
-
-Result<void> Writer::write_later(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns,
-                                 std::size_t held, std::function<std::vector<std::byte>()> compose) {
-  return impl_->write_later(channel, log_time_ns, publish_time_ns, {0, std::move(compose)}, held);
-}
-
-Result<void> Writer::add_attachment(std::string_view name, std::string_view media_type, Bytes data,
-                                    std::uint64_t log_time_ns, std::uint64_t create_time_ns) {
-  return impl_->add_attachment({log_time_ns, create_time_ns, std::string(name), std::string(media_type), data, 0});
-}
-
-Result<void> Writer::add_metadata(std::string_view name, const StringMap& values) {
-  return impl_->add_metadata(name, values);
-}
-
-Result<void> Writer::flush() { return impl_->flush(); }
-
-Result<void> Writer::close() { return impl_->close(); }
-
-int Writer::descriptor() const { return impl_->descriptor(); }
 
 }  // namespace rehearse::mcap

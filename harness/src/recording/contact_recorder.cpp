@@ -1,5 +1,7 @@
 #include "contact_recorder.h"
 
+#include "vector_messages.h"
+
 namespace rehearse {
 
 ContactRecorder::ContactRecorder(TraceOutput& output, const Scenario& scenario)
@@ -34,6 +36,20 @@ Result<void> ContactRecorder::write_change(TraceOutput& output, std::int64_t tic
   change.other = names_[pair.other_body][pair.other_link];
   change.begins = begins;
   return output.write(channel_, tick, change);
+}
+
+Result<void> ContactRecorder::write_input(TraceOutput& output, std::int64_t tick,
+                                          const std::vector<std::uint16_t>& channels,
+                                          const std::vector<std::vector<ContactReading>>& contacts) {
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    input_message_.header = {output.stamp(tick), "world"};
+    input_message_.contacts.clear();
+    for (const ContactReading& contact : contacts[i])
+      input_message_.contacts.push_back({point(contact.position.data()), vector3(contact.normal),
+                                         vector3(contact.force), vector3(contact.velocity), contact.depth});
+    if (auto done = output.write(channels[i], tick, input_message_); !done) return done;
+  }
+  return {};
 }
 
 }  // namespace rehearse

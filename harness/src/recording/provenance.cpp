@@ -8,13 +8,13 @@
 #include <cfloat>
 #include <cstdlib>
 #include <fstream>
+#include <set>
 #include <string_view>
 
 #include "host/virtualised.h"
 #include "loaded_libraries.h"
 #include "trace/hashing.h"
 #include "trace/run_facts.h"
-#include "trace/trace_version.h"
 
 // The build checks this with the compiler, too; here the check covers the final compilation of this file.
 static_assert(FLT_EVAL_METHOD == 0 || *REHEARSE_OTHER_FLAGS, "intermediate results are rounded to their type");
@@ -144,6 +144,26 @@ mcap::StringMap controller_facts(const ControllerHost& host) {
     libraries[facts::controller_prefix + hosted.label] =
         hosted.library->file().filename().string() + " " + hosted.library->content_hash();
   return libraries;
+}
+
+std::string mesh_digests(const Model& model) {
+  std::string text;
+  std::set<std::string> listed;
+  const auto add = [&](const std::string& digest, const std::string& file) {
+    if (listed.insert(file).second) text += fmt::format("{}  {}\n", digest, file);
+  };
+  const auto list = [&](const std::vector<Shape>& shapes) {
+    for (const Shape& shape : shapes) {
+      const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+      if (mesh != nullptr && !mesh->heightmap && !mesh->file.empty()) add(mesh->data->digest, mesh->file);
+      if (shape.texture && !shape.texture->digest.empty()) add(shape.texture->digest, shape.texture->file);
+    }
+  };
+  for (const Link& link : model.links) {
+    list(link.visuals);
+    list(link.collisions);
+  }
+  return text;
 }
 
 }  // namespace rehearse

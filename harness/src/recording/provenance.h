@@ -22,4 +22,9 @@ std::string other_arithmetic(const mcap::StringMap& recorded, const mcap::String
 /// Only the controllers' files.
 mcap::StringMap controller_facts(const ControllerHost& host);
 
+/// A line for each mesh of the model and each texture of its materials, in the order of first use: the digest of its
+/// bytes, two blanks, the name of the file in the model. Empty without meshes and textures. They must be loaded.
+/// Heightmaps are left out: a recording contains their files.
+std::string mesh_digests(const Model& model);
+
 }  // namespace rehearse

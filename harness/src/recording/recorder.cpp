@@ -9,14 +9,12 @@
 #include <optional>
 #include <set>
 
-#include "contact_messages.h"
 #include "contact_recorder.h"
 #include "device_recorder.h"
-#include "mesh_digests.h"
+#include "provenance.h"
 #include "side_recorder.h"
 #include "trace/range_messages.h"
 #include "trace_output.h"
-#include "variable_recorder.h"
 #include "vector_messages.h"
 
 namespace rehearse {
@@ -41,9 +39,9 @@ void add_limits(const ScenarioBody& body, mcap::StringMap& metadata) {
 
 struct ControllerChannels {
   SideRecorder input, output;
-  std::vector<std::uint16_t> contacts;  // channels by the controller's contact links
-  std::vector<std::uint16_t> devices;   // channels by device index; 0: none
-  VariableRecorder variables = {};
+  std::vector<std::uint16_t> contacts;        // channels by the controller's contact links
+  std::vector<std::uint16_t> devices;         // channels by device index; 0: none
+  std::vector<std::uint16_t> variables = {};  // channels of its variables; 0: none yet
 };
 
 struct BodyChannels {
@@ -107,7 +105,6 @@ struct Recorder::Impl : TraceOutput {
   msg::Tick tick_message;
   msg::TFMessage transforms;
   msg::Joy joystick_message;
-  msg::Contacts contacts_message;
 
   explicit Impl(const Scenario& of) : TraceOutput(of.time_step), scenario(of) {}
 
@@ -120,8 +117,7 @@ struct Recorder::Impl : TraceOutput {
                           const std::vector<JointReading>& read);
   Result<void> write_transforms(std::int64_t tick, const Observation& seen);
   Result<void> write_joystick(std::int64_t tick, const JoystickReading& reading);
-  Result<void> write_contacts(std::int64_t tick, const std::vector<std::uint16_t>& to,
-                              const std::vector<std::vector<ContactReading>>& contacts);
+  Result<void> write_variables(std::int64_t tick, const HostedController& hosted, std::vector<std::uint16_t>& channels);
 };
 
 Recorder::Recorder(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -347,7 +343,9 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
     ControllerChannels& channels = impl.controllers[c];
     if (hosted.tick.has_input) {  // also for a controller that then failed, because its inputs may be the cause
       if (auto done = channels.input.write(impl, tick, hosted.io->input_values()); !done) return done;
-      if (auto done = impl.write_contacts(tick, channels.contacts, hosted.io->input_contacts()); !done) return done;
+      if (auto done = impl.contact_recorder->write_input(impl, tick, channels.contacts, hosted.io->input_contacts());
+          !done)
+        return done;
     }
     if (hosted.tick.has_output)
       if (auto done = channels.output.write(impl, tick, hosted.io->output_values()); !done) return done;
@@ -365,7 +363,7 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
       state.values = output.values;
       if (auto done = impl.write(channel, tick, state); !done) return done;
     }
-    if (auto done = channels.variables.write(impl, tick, hosted.label, hosted.variables); !done) return done;
+    if (auto done = impl.write_variables(tick, hosted, channels.variables); !done) return done;
   }
   if (host) ++impl.size.ticks;
   message.stamp = impl.stamp(tick);
@@ -376,12 +374,15 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
   return impl.write(impl.tick_channel, tick, message);
 }
 
-Result<void> Recorder::Impl::write_contacts(std::int64_t tick, const std::vector<std::uint16_t>& to,
-                                            const std::vector<std::vector<ContactReading>>& contacts) {
-  for (std::size_t i = 0; i < to.size(); ++i) {
-    contacts_message.header = {stamp(tick), "world"};
-    put_contacts(contacts[i], contacts_message);
-    if (auto done = write(to[i], tick, contacts_message); !done) return done;
+/// Writes a message for each variable that was set in this tick. Its channel is added with the first message.
+Result<void> Recorder::Impl::write_variables(std::int64_t tick, const HostedController& hosted,
+                                             std::vector<std::uint16_t>& channels) {
+  const std::vector<ControllerVariables::Variable>& variables = hosted.variables.all();
+  channels.resize(variables.size(), 0);
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    if (!variables[i].is_set) continue;
+    if (!channels[i]) channels[i] = channel<msg::Float64>(ChannelName::of_variable(hosted.label, variables[i].name));
+    if (auto done = write(channels[i], tick, msg::Float64{variables[i].value}); !done) return done;
   }
   return {};
 }

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -15,6 +14,7 @@
 #include <type_traits>
 
 #include "model/names.h"
+#include "model/text.h"
 #include "trace/channel_name.h"
 
 namespace rehearse {
@@ -33,12 +33,7 @@ std::span<const ChannelElement> value_elements(const Device& device) {
 
 /// The number after the text `before`: 3 for "ranges/3" and "ranges/".
 std::optional<std::size_t> number_behind(std::string_view text, std::string_view before) {
-  if (!text.starts_with(before)) return std::nullopt;
-  text.remove_prefix(before.size());
-  std::size_t number = 0;
-  const char* end = text.data() + text.size();
-  const auto [at, problem] = std::from_chars(text.data(), end, number);
-  return problem == std::errc() && at == end ? std::optional(number) : std::nullopt;
+  return text.starts_with(before) ? number_in<std::size_t>(text.substr(before.size())) : std::nullopt;
 }
 
 double altered(double before, char operation, double operand) {
@@ -188,11 +183,12 @@ Result<AlteredInputs::Alteration> AlteredInputs::parse_one(const std::string& te
     while (value.ends_with(' ')) value.remove_suffix(1);
     unit = std::numbers::pi / 180.0;
   }
-  if (!parse_double(value, found.operand))
+  const auto operand = number_in<double>(value);
+  if (!operand)
     return error_at({text, begin, size},
                     fmt::format("'{}' is no number{}", text.substr(begin, size),
                                 target->is_angle ? ", nor an angle as 30deg, nor nan, nor inf" : ", nor nan, nor inf"));
-  found.operand *= unit;
+  found.operand = *operand * unit;
   if (at == std::string::npos) return found;
   const auto span = parse_span(text, at + 1, scenario.time_step);
   if (!span) return span.errors();
@@ -323,12 +319,10 @@ void AlteredInputs::apply(std::int64_t tick, Observation& observation) {
 
 Diagnostics AlteredInputs::unused() const {
   Diagnostics warnings;
-  for (const Alteration& alteration : alterations_) {
-    if (alteration.used) continue;
-    Diagnostic& warning = warnings.emplace_back(error(fmt::format(
-        "'{}' altered nothing: its ticks weren't run, or the sensor measured nothing in them", alteration.text)));
-    warning.severity = Severity::warning;
-  }
+  for (const Alteration& alteration : alterations_)
+    if (!alteration.used)
+      warnings.push_back(warning(fmt::format(
+          "'{}' altered nothing: its ticks weren't run, or the sensor measured nothing in them", alteration.text)));
   return warnings;
 }
 

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <string_view>
 
-#include "host/input_copies.h"
+#include "host/opened_files.h"
 
 namespace rehearse {
 namespace {

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "trace/channel_name.h"
-#include "trace/float64_message.h"
 
 namespace rehearse {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "compare/asked_variables.h"
+#include "compare/compare_parts.h"
 #include "model/clock.h"
 #include "trace/channel_name.h"
 

@@ -74,11 +74,8 @@ Result<void> write(mcap::Reader& reader, const Scenario& scenario, const std::st
 Result<void> write_replay(const fs::path& recording, const fs::path& trace, const ReplayOptions& options) {
   const StandardFloatMode float_mode;
   std::error_code ignored;
-  if (fs::equivalent(recording, trace, ignored)) {
-    Diagnostic same = error("it is the recording itself", "name another file for the replay");
-    same.file = trace.string();
-    return same;
-  }
+  if (fs::equivalent(recording, trace, ignored))
+    return error_in(trace.string(), "it is the recording itself", "name another file for the replay");
   auto reader = mcap::Reader::open(recording);
   if (!reader) return reader.errors();
   if (!(*reader)->damage().empty()) return mcap::with_recover_hint((*reader)->damage());

@@ -7,11 +7,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool has_failed(const CheckReport& checked) {
-  const bool run_failed = checked.run && (checked.run->failure || checked.run->controller_refused);
-  return run_failed || (checked.replay && (checked.replay->failure || checked.replay->controller_refused));
-}
-
 /// The trace that the check left; empty: none. A file from an earlier check is ignored.
 fs::path trace_left(const CheckReport& checked, const fs::path& actual) {
   const bool closed_is_wrong = checked.closed == LevelState::differs || (checked.run && checked.run->failure);
@@ -27,7 +22,7 @@ fs::path trace_left(const CheckReport& checked, const fs::path& actual) {
 ReportVerdict report_verdict(const CheckReport& checked) {
   ReportVerdict verdict;
   verdict.sentence = checked.verdict;
-  verdict.state = has_failed(checked)                     ? "failed"
+  verdict.state = checked.failed()                        ? "failed"
                   : first_violation(checked.expectations) ? "violated"
                   : !checked.within()                     ? "beyond"
                   : checked.equal()                       ? "equal"
@@ -45,7 +40,7 @@ Result<std::optional<FailureReport>> write_failure_report(const CheckReport& che
   std::error_code ignored;
   for (const fs::path& file : {actual, actual.parent_path() / "plant" / actual.filename()})
     if (!fs::exists(file, ignored)) remove_report(file);
-  if (checked.within() && !has_failed(checked)) return std::optional<FailureReport>();
+  if (checked.within() && !checked.failed()) return std::optional<FailureReport>();
   const fs::path trace = trace_left(checked, actual);
   if (trace.empty()) return std::optional<FailureReport>();
   options.tolerances = scenario.tolerances;

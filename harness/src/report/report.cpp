@@ -10,16 +10,13 @@
 #include <memory>
 
 #include "compare/compare_parts.h"
-#include "compare/counterpart.h"
 #include "mcap/glob.h"
-#include "report_expectations.h"
+#include "report_findings.h"
 #include "report_page.h"
 #include "report_pictures.h"
-#include "report_places.h"
 #include "report_robots.h"
 #include "report_run.h"
 #include "report_series.h"
-#include "report_size.h"
 #include "scenario/trace_scenario.h"
 #include "trace/filter.h"
 

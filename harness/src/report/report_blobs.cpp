@@ -12,6 +12,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "compare/report_json.h"
+
 namespace rehearse {
 namespace {
 
@@ -32,16 +34,7 @@ NumberArray numbers(std::string_view type, std::span<const T> elements) {
 }
 
 enum class Filter { none, columns, exclusive, exclusive_base };
-
-std::string_view name_of(Filter filter) {
-  switch (filter) {
-    case Filter::none: return "none";
-    case Filter::columns: return "columns";
-    case Filter::exclusive: return "xor";
-    case Filter::exclusive_base: return "xor-base";
-  }
-  return "";
-}
+constexpr std::array<std::string_view, 4> filter_names{"none", "columns", "xor", "xor-base"};
 
 /// The elements from `first` on, filtered as if they were the whole array.
 Bytes filtered(Filter filter, const NumberArray& array, const NumberArray* base, std::size_t first, std::size_t count) {
@@ -73,12 +66,6 @@ T first_of(const NumberArray& array) {
   return value;
 }
 
-ReportJson number_json(double number) {
-  if (std::isnan(number)) return "NaN";
-  if (std::isinf(number)) return number > 0.0 ? "Infinity" : "-Infinity";
-  return number;
-}
-
 /// Null: no number of JSON has these bits.
 ReportJson constant_of(const NumberArray& array) {
   constexpr std::int64_t exact = std::int64_t{1} << 53;
@@ -104,23 +91,6 @@ ReportJson constant_of(const NumberArray& array) {
 }
 
 }  // namespace
-
-void append_base64(std::string& text, ByteSpan bytes) {
-  constexpr std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  const std::size_t begin = text.size();
-  text.resize(begin + (bytes.size() + 2) / 3 * 4);
-  char* to = text.data() + begin;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t bits = std::uint32_t{bytes[i]} << 16;
-    if (left > 1) bits |= std::uint32_t{bytes[i + 1]} << 8;
-    if (left > 2) bits |= bytes[i + 2];
-    *to++ = letters[bits >> 18];
-    *to++ = letters[bits >> 12 & 63];
-    *to++ = left > 1 ? letters[bits >> 6 & 63] : '=';
-    *to++ = left > 2 ? letters[bits & 63] : '=';
-  }
-}
 
 NumberArray array_of(std::span<const float> numbers_) { return numbers<float>("f32", numbers_); }
 NumberArray array_of(std::span<const std::uint32_t> numbers_) { return numbers<std::uint32_t>("u32", numbers_); }
@@ -189,7 +159,7 @@ ReportJson BlobWriter::array(const NumberArray& array, const NumberArray* base) 
           {"coding", "deflate"},
           {"type", array.type},
           {"count", count},
-          {"filter", name_of(best)}};
+          {"filter", filter_names[static_cast<std::size_t>(best)]}};
   put_(blob["id"], deflated(filtered(best, array, base, 0, count)));
   if (best != Filter::exclusive_base) {  // controllers' inputs end a tick before the state does
     ReportJson& but_the_last =

@@ -20,9 +20,6 @@ namespace rehearse {
 using ReportJson = nlohmann::ordered_json;
 using ByteSpan = std::span<const std::uint8_t>;
 
-/// Appends bytes as base64 (RFC 4648), padded.
-void append_base64(std::string& text, ByteSpan bytes);
-
 /// An array of numbers: contiguous elements of `size` bytes, little-endian.
 struct NumberArray {
   std::string_view type;  // "f64", "f32", "i64", "u64", "u32", "u8"

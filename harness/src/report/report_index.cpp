@@ -13,7 +13,7 @@
 
 #include "html_text.h"
 #include "mcap/replaceable.h"
-#include "report_blobs.h"
+#include "trace/message_json.h"
 
 namespace rehearse {
 namespace {
@@ -128,7 +128,7 @@ void keep_result(const fs::path& folder, const TestResult& result) {
   if (result.tick) note["tick"] = *result.tick;
   if (!result.picture.empty()) {
     std::string picture;
-    append_base64(picture, result.picture);
+    append_base64(picture, std::as_bytes(std::span(result.picture)));
     note["picture"] = std::move(picture);
   }
   write_text(file_of(folder, result.test, result.kind),

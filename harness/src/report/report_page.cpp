@@ -10,6 +10,7 @@
 #include <iterator>
 
 #include "mcap/replaceable.h"
+#include "trace/message_json.h"
 
 namespace rehearse {
 namespace {
@@ -108,7 +109,7 @@ void ReportFile::put_data(std::string_view text) {
 
 void ReportFile::put_blob(const std::string& id, ByteSpan coded) {
   line_ = fmt::format("<script type=\"text/plain\" id=\"{}\">", id);
-  append_base64(line_, coded);
+  append_base64(line_, std::as_bytes(coded));
   line_ += "</script>\n";
   put_data(line_);
 }

@@ -1,6 +1,8 @@
 // The file of a report: the page, with the data in its place. Internal.
 #pragma once
 
+#include <rehearse/report.h>
+
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -45,5 +47,10 @@ class ReportFile {
   std::string line_;  // element of a blob
   std::uintmax_t bytes_ = 0, data_bytes_ = 0;
 };
+
+/// Fails if the report of these recordings would be larger than `max_size`, and names a part of them that would be
+/// small enough.
+Result<void> check_report_size(std::span<const std::filesystem::path> traces, const std::filesystem::path& report,
+                               const ReportOptions& options);
 
 }  // namespace rehearse

@@ -10,30 +10,22 @@
 namespace rehearse {
 namespace {
 
-std::string_view name_of(CellKind kind) {
-  switch (kind) {
-    case CellKind::floating: return "floating";
-    case CellKind::signed_integer: return "signed_integer";
-    case CellKind::unsigned_integer: return "unsigned_integer";
-    case CellKind::boolean: return "boolean";
-  }
-  return "";
-}
+/// The words of FORMAT.md for a kind of cell.
+struct CellWords {
+  std::string_view kind;
+  std::string_view type;  // of the elements
+};
 
-std::string_view type_of(CellKind kind) {
-  switch (kind) {
-    case CellKind::floating: return "f64";
-    case CellKind::signed_integer: return "i64";
-    case CellKind::unsigned_integer: return "u64";
-    case CellKind::boolean: return "u8";
-  }
-  return "";
+const CellWords& words_of(CellKind kind) {
+  static constexpr CellWords words[] = {
+      {"floating", "f64"}, {"signed_integer", "i64"}, {"unsigned_integer", "u64"}, {"boolean", "u8"}};
+  return words[static_cast<std::size_t>(kind)];
 }
 
 /// A column of the table as a contiguous array.
 NumberArray gather(const TraceChannel& channel, std::size_t column) {
   const CellKind kind = channel.columns[column].kind;
-  NumberArray array{type_of(kind), kind == CellKind::boolean ? std::size_t{1} : sizeof(std::uint64_t), {}};
+  NumberArray array{words_of(kind).type, kind == CellKind::boolean ? std::size_t{1} : sizeof(std::uint64_t), {}};
   array.bytes.resize(channel.rows() * array.size);
   std::uint8_t* to = array.bytes.data();
   for (std::size_t row = 0; row < channel.rows(); ++row) {
@@ -139,7 +131,7 @@ void SeriesWriter::write_column(const Column& actual, const Column& golden) {
                     {"topic", channel.topic},
                     {"unit", unit_of(channel.metadata, column.element)},
                     {"group", series_group(channel)},
-                    {"kind", name_of(column.kind)},
+                    {"kind", words_of(column.kind).kind},
                     {"axis", either.axis},
                     {"values", nullptr},
                     {"golden", nullptr},

@@ -1,5 +1,4 @@
-#include "report_size.h"
-
+// Estimates the size of a report before it is made.
 #include <fmt/format.h>
 #include <rehearse/cdr.h>
 #include <rehearse/mcap.h>
@@ -9,6 +8,8 @@
 #include <cmath>
 #include <optional>
 #include <vector>
+
+#include "report_page.h"
 
 namespace rehearse {
 namespace {
@@ -135,12 +136,11 @@ Result<void> check_report_size(std::span<const fs::path> traces, const fs::path&
   begin = std::max(begin, 0.0);
   std::string command = "rehearse report";
   for (const fs::path& trace : traces) command += " " + trace.string();
-  Diagnostic refusal = error(fmt::format("the report would have about {}, and browsers open files above {} slowly",
-                                         megabytes(bytes), megabytes(most)),
-                             fmt::format("take a part of it: {} -o {} --from {:g} --until {:g}", command,
-                                         report.string(), begin, begin + length));
-  refusal.file = traces[0].string();
-  return refusal;
+  return error_in(traces[0].string(),
+                  fmt::format("the report would have about {}, and browsers open files above {} slowly",
+                              megabytes(bytes), megabytes(most)),
+                  fmt::format("take a part of it: {} -o {} --from {:g} --until {:g}", command, report.string(), begin,
+                              begin + length));
 }
 
 }  // namespace rehearse

@@ -19,8 +19,15 @@ class HostedCommands final : public Commander {
   HostedCommands(ControllerHost& host, Written written) : host_(host), written_(written) {}
 
   bool failed() const override { return host_.failure().has_value(); }
-  void act(Moment& now) override;
-  void act_late(Moment& now) override;
+  void act(Moment& now) override {
+    now.host = &host_;
+    now.alive = host_.control(now.tick, *now.read);
+    if (written_ != Written::never) host_.output(Timing::same_step, now.command);
+    if (written_ == Written::at_once) host_.output(Timing::next_step, now.command);
+  }
+  void act_late(Moment& now) override {
+    if (written_ == Written::in_time) host_.output(Timing::next_step, now.command);
+  }
 
  private:
   ControllerHost& host_;

@@ -8,6 +8,7 @@
 
 #include "model/clock.h"
 #include "model/names.h"
+#include "model/text.h"
 #include "tick_span.h"
 #include "trace/hashing.h"
 
@@ -25,7 +26,9 @@ namespace {
 bool parse_vector(std::string_view text, Eigen::Vector3d& vector) {
   for (int axis = 0; axis < 3; ++axis) {
     const std::size_t comma = axis < 2 ? text.find(',') : text.size();
-    if (comma == std::string_view::npos || !parse_double(text.substr(0, comma), vector[axis])) return false;
+    const auto number = comma == std::string_view::npos ? std::nullopt : number_in<double>(text.substr(0, comma));
+    if (!number) return false;
+    vector[axis] = *number;
     text.remove_prefix(std::min(comma + 1, text.size()));
   }
   return vector.allFinite();

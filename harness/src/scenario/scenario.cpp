@@ -94,17 +94,6 @@ void read_seed(Findings& findings, const Keys& keys, Scenario& scenario) {
   }
 }
 
-void read_method(Findings& findings, const YamlNode& node, SolverSettings& solver) {
-  const bool is_word = node.kind == YamlNode::Kind::scalar;
-  if (is_word && node.text == "quick") {
-    solver.method = SolverSettings::Method::quick;
-  } else if (is_word && node.text == "exact") {
-    solver.method = SolverSettings::Method::exact;
-  } else {
-    expected(findings, node, "method", "quick (iterative) or exact (direct)");
-  }
-}
-
 /// A number, or auto: the default number, and more in steps that don't converge.
 void read_iterations(Findings& findings, const YamlNode& node, SolverSettings& solver) {
   solver.converge = node.kind == YamlNode::Kind::scalar && node.text == "auto";
@@ -114,10 +103,11 @@ void read_iterations(Findings& findings, const YamlNode& node, SolverSettings& s
 }
 
 void read_solver(Findings& findings, const YamlNode& node, SolverSettings& solver) {
+  using enum SolverSettings::Method;
   const Keys keys(findings, node, "the solver",
                   {"method", "iterations", "over_relaxation", "erp", "cfm", "max_correcting_velocity", "surface_layer",
                    "friction", "max_contacts", "belt_depth"});
-  if (const YamlNode* method = keys.find("method")) read_method(findings, *method, solver);
+  keys.word("method", "quick (iterative) or exact (direct)", {{"quick", quick}, {"exact", exact}}, solver.method);
   if (const YamlNode* iterations = keys.find("iterations")) read_iterations(findings, *iterations, solver);
   keys.number("over_relaxation", {0.0, 2.0, "", true, true}, solver.over_relaxation);
   keys.number("erp", {0.0, 1.0}, solver.erp);
@@ -181,17 +171,9 @@ void read_look(Findings& findings, const YamlNode& node, Look& look) {
     if (const auto color = read_numbers(findings, *sky, "sky", 3, 3, {0.0, 1.0}))
       look.sky = Eigen::Vector4d((*color)[0], (*color)[1], (*color)[2], 1.0).cast<float>();
   }
-  const YamlNode* lights = keys.find("lights");
-  const auto* list =
-      lights ? read_list(findings, *lights, "lights", "a list of lights, each with a position") : nullptr;
-  if (list == nullptr) return;
-  for (const YamlNodePtr& light : *list) read_light(findings, *light, look);
-}
-
-/// Only a check reads the value: always_simulates().
-void read_simulate(Findings& findings, const YamlNode& node) {
-  if (node.kind != YamlNode::Kind::scalar || (node.text != "always" && node.text != "unproved"))
-    expected(findings, node, "simulate", "always, or unproved (only runs that a check can't prove)");
+  if (const YamlNode* lights = keys.find("lights"))
+    for (const YamlNodePtr& light : read_list(findings, *lights, "lights", "a list of lights, each with a position"))
+      read_light(findings, *light, look);
 }
 
 // False if the rest of the file can't be checked: it isn't a scenario, or has a different version.
@@ -242,7 +224,9 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   if (const YamlNode* node = keys.find("tolerances")) read_tolerances(findings, *node, scenario);
   if (const YamlNode* node = keys.find("horizon")) read_horizon(findings, *node, scenario);
   if (const YamlNode* node = keys.find("expect")) read_expectations(findings, *node, scenario);
-  if (const YamlNode* node = keys.find("simulate")) read_simulate(findings, *node);
+  bool always = false;  // only a check uses it: always_simulates()
+  keys.word("simulate", "always, or unproved (only runs that a check can't prove)",
+            {{"always", true}, {"unproved", false}}, always);
   if (const YamlNode* node = keys.find("vary")) read_variations(findings, *node, root, scenario);
   if (!findings.any_error()) check_rates(findings, *keys.find("bodies"), scenario);
 }

@@ -35,9 +35,7 @@ class BodyReader {
   };
 
   void read_name(const Keys& keys, ScenarioBody& body);
-  void read_dynamics(const YamlNode& node, ScenarioBody& body);
   void read_packages(const YamlNode& node, ScenarioBody& body);
-  void read_contact(const Keys& keys, ScenarioBody& body);
   void check_contact(const Keys& keys, const ScenarioBody& body);
   void read_ground(const Keys& keys, const YamlNode& node, ScenarioBody& body);
   void read_model(const Keys& keys, ScenarioBody& body);
@@ -85,7 +83,8 @@ void BodyReader::read(const YamlNode& node) {
   body.place = {scenario_.file, node.line, node.column};
   read_name(keys, body);
   keys.flag("fixed", body.fixed);
-  if (const YamlNode* dynamics = keys.find("dynamics")) read_dynamics(*dynamics, body);
+  keys.word("dynamics", "forward (it moves by its dynamics) or kinematic (as it is commanded)",
+            {{"forward", false}, {"kinematic", true}}, body.kinematic);
   if (const YamlNode* limits = keys.find("joint_limits"))
     body.joint_limits = read_flag(findings_, *limits, "joint_limits");
   keys.flag("effort_limits", body.effort_limits);
@@ -93,7 +92,15 @@ void BodyReader::read(const YamlNode& node) {
     findings_.warning(*limits, "effort_limits does nothing: the body is kinematic",
                       "a kinematic body takes no efforts");
   if (const YamlNode* packages = keys.find("packages")) read_packages(*packages, body);
-  read_contact(keys, body);
+  keys.flag("self_collision", body.self_collision);
+  keys.word("collision",
+            "automatic, hull (meshes are touched as their convex hulls), parts (as convex parts) or triangles (as they "
+            "are)",
+            {{"automatic", MeshContact::automatic},
+             {"hull", MeshContact::hull},
+             {"parts", MeshContact::parts},
+             {"triangles", MeshContact::triangles}},
+            body.contact);
   read_model(keys, body);
   if (body.model != nullptr) place_as_model(body);
   if (const YamlNode* links = body.model ? keys.find("links") : nullptr) read_links(findings_, *links, body);
@@ -125,15 +132,6 @@ void BodyReader::read_name(const Keys& keys, ScenarioBody& body) {
                     fmt::format("the first is in line {}; expected a name of its own", same->place.line));
 }
 
-void BodyReader::read_dynamics(const YamlNode& node, ScenarioBody& body) {
-  const bool is_word = node.kind == YamlNode::Kind::scalar;
-  if (is_word && node.text == "kinematic") {
-    body.kinematic = true;
-  } else if (!is_word || node.text != "forward") {
-    expected(findings_, node, "dynamics", "forward (it moves by its dynamics) or kinematic (as it is commanded)");
-  }
-}
-
 void BodyReader::read_packages(const YamlNode& node, ScenarioBody& body) {
   if (node.kind != YamlNode::Kind::map) {
     expected(findings_, node, "packages", "a map of NAME: DIRECTORY, relative to the scenario");
@@ -146,23 +144,6 @@ void BodyReader::read_packages(const YamlNode& node, ScenarioBody& body) {
     else if (directory)
       body.packages[entry.name] = *directory;
   }
-}
-
-void BodyReader::read_contact(const Keys& keys, ScenarioBody& body) {
-  keys.flag("self_collision", body.self_collision);
-  const YamlNode* node = keys.find("collision");
-  if (node == nullptr) return;
-  const bool is_word = node->kind == YamlNode::Kind::scalar;
-  for (const auto& [word, contact] :
-       {std::pair("automatic", MeshContact::automatic), std::pair("hull", MeshContact::hull),
-        std::pair("parts", MeshContact::parts), std::pair("triangles", MeshContact::triangles)}) {
-    if (!is_word || node->text != word) continue;
-    body.contact = contact;
-    return;
-  }
-  expected(findings_, *node, "collision",
-           "automatic, hull (meshes are touched as their convex hulls), parts (as convex parts) or triangles (as they "
-           "are)");
 }
 
 // Called after check_root(), because the model may fix the body.
@@ -430,11 +411,11 @@ void BodyReader::check_root(const Keys& keys, ScenarioBody& body) {
 
 void read_bodies(Findings& findings, const YamlNode& node, const Scenario::ModelSource& models,
                  const Scenario::FileSource& files, Scenario& scenario) {
-  const auto* list = read_list(findings, node, "bodies", "a list of bodies, each with a name and a model or shape");
-  if (list == nullptr) return;
-  if (list->empty()) findings.error(node, "bodies is an empty list", "expected at least one body");
+  const auto list = read_list(findings, node, "bodies", "a list of bodies, each with a name and a model or shape");
+  if (node.kind == YamlNode::Kind::list && node.items.empty())
+    findings.error(node, "bodies is an empty list", "expected at least one body");
   BodyReader reader(findings, models, files, scenario);
-  for (const YamlNodePtr& body : *list) reader.read(*body);
+  for (const YamlNodePtr& body : list) reader.read(*body);
 }
 
 }  // namespace rehearse

@@ -14,6 +14,7 @@ namespace {
 using Type = LoopJoint::Type;
 
 constexpr const char* two_links = "a list of two links, [BODY/LINK, BODY/LINK]";
+constexpr const char* types = "fixed, revolute, prismatic or spherical";
 
 /// Body and link of "BODY/LINK", or of "BODY", which means its root link.
 std::optional<std::pair<int, int>> read_end(Findings& findings, const YamlNode& node, const Scenario& scenario) {
@@ -48,19 +49,6 @@ bool read_between(Findings& findings, const Keys& keys, const Scenario& scenario
   return true;
 }
 
-void read_type(Findings& findings, const YamlNode& node, Connection& connection) {
-  constexpr std::pair<const char*, Type> types[] = {{"fixed", Type::fixed},
-                                                    {"revolute", Type::revolute},
-                                                    {"prismatic", Type::prismatic},
-                                                    {"spherical", Type::spherical}};
-  for (const auto& [name, type] : types) {
-    if (node.kind != YamlNode::Kind::scalar || node.text != name) continue;
-    connection.type = type;
-    return;
-  }
-  expected(findings, node, "type", "fixed, revolute, prismatic or spherical");
-}
-
 /// Adds a connection. Its name must be unique, because states are matched by it.
 void add(Findings& findings, const YamlNode& node, const Keys& keys, const char* kind, Connection connection,
          Scenario& scenario) {
@@ -78,8 +66,13 @@ void read_connection(Findings& findings, const YamlNode& node, Scenario& scenari
   const Keys keys(findings, node, "a joint", {"name", "type", "between", "at", "axis"});
   if (!keys.is_map()) return;
   Connection connection;
-  const YamlNode* type = keys.require("type", "fixed, revolute, prismatic or spherical");
-  if (type != nullptr) read_type(findings, *type, connection);
+  keys.require("type", types);
+  keys.word("type", types,
+            {{"fixed", Type::fixed},
+             {"revolute", Type::revolute},
+             {"prismatic", Type::prismatic},
+             {"spherical", Type::spherical}},
+            connection.type);
   const bool is_right = read_between(findings, keys, scenario, connection);
   Eigen::Vector3d place = Eigen::Vector3d::Zero();
   keys.vector3("at", any_position, place);
@@ -112,15 +105,13 @@ void read_weld(Findings& findings, const YamlNode& node, Scenario& scenario) {
 }  // namespace
 
 void read_connections(Findings& findings, const YamlNode& node, Scenario& scenario) {
-  const auto* list = read_list(findings, node, "joints", "a list of joints between links");
-  if (list == nullptr) return;
-  for (const YamlNodePtr& joint : *list) read_connection(findings, *joint, scenario);
+  for (const YamlNodePtr& joint : read_list(findings, node, "joints", "a list of joints between links"))
+    read_connection(findings, *joint, scenario);
 }
 
 void read_welds(Findings& findings, const YamlNode& node, Scenario& scenario) {
-  const auto* list = read_list(findings, node, "welds", "a list of welds");
-  if (list == nullptr) return;
-  for (const YamlNodePtr& weld : *list) read_weld(findings, *weld, scenario);
+  for (const YamlNodePtr& weld : read_list(findings, node, "welds", "a list of welds"))
+    read_weld(findings, *weld, scenario);
 }
 
 }  // namespace rehearse

@@ -18,9 +18,9 @@ class ControllerReader {
 
   std::vector<ScenarioController> read_list(const YamlNode& node, std::string_view label, bool are_children) {
     std::vector<ScenarioController> controllers;
-    const auto* list = rehearse::read_list(findings_, node, label, "a list of controllers, each with its library");
-    if (list == nullptr) return controllers;
-    for (const YamlNodePtr& item : *list) controllers.push_back(read(*item, are_children));
+    const char* const what = "a list of controllers, each with its library";
+    for (const YamlNodePtr& item : rehearse::read_list(findings_, node, label, what))
+      controllers.push_back(read(*item, are_children));
     return controllers;
   }
 

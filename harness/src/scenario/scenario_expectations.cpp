@@ -4,25 +4,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 
 namespace rehearse {
 namespace {
 
 constexpr std::array subjects{"channel", "event", "no_event"};
-constexpr std::array bounds{"above", "below", "near", "within"};
-
-constexpr std::array others{"abs", "since", "from", "until", "at", "sometime"};
-
-bool has_unknown_key(const Keys& keys) {
-  const auto is_among = [](const auto& known, std::string_view name) {
-    return std::find(known.begin(), known.end(), name) != known.end();
-  };
-  for (const NamedEntry& entry : keys.entries())
-    if (!is_among(subjects, entry.name) && !is_among(bounds, entry.name) && !is_among(others, entry.name)) return true;
-  return false;
-}
 
 class ExpectationReader {
  public:
@@ -121,7 +108,7 @@ void ExpectationReader::read_bounds(const Keys& keys, const YamlNode& node, Expe
   const YamlNode *above = keys.find("above"), *below = keys.find("below");
   const YamlNode *near = keys.find("near"), *within = keys.find("within");
   if (!above && !below && !near && !within) {
-    if (!has_unknown_key(keys))  // an unknown key may be a misspelt subject
+    if (!keys.has_unknown())  // an unknown key may be a misspelt subject
       findings_.error(node, "an expectation has no bound", "expected above, below, or near and within");
   } else if (near && !within) {
     findings_.error(*near, "'near' without 'within'", "expected within: D, the allowed distance from it");
@@ -201,10 +188,9 @@ void ExpectationReader::read_since(const Keys& keys, Expectation& expectation) c
 }  // namespace
 
 void read_expectations(Findings& findings, const YamlNode& node, Scenario& scenario) {
-  const auto* list = read_list(findings, node, "expect", "a list of properties that a run must have");
-  if (list == nullptr) return;
   ExpectationReader reader(findings, scenario);
-  for (const YamlNodePtr& entry : *list) reader.read_entry(*entry);
+  for (const YamlNodePtr& entry : read_list(findings, node, "expect", "a list of properties that a run must have"))
+    reader.read_entry(*entry);
 }
 
 }  // namespace rehearse

@@ -163,11 +163,9 @@ void JoystickReader::told_twice(const NamedEntry& named, double at) const {
 
 void read_joystick(Findings& findings, const YamlNode& node, Scenario& scenario) {
   JoystickScript& script = scenario.joystick.emplace();
-  const auto* list =
-      read_list(findings, node, "joystick", "a list of moves and presses with their times; [] is a joystick at rest");
-  if (list == nullptr) return;
+  const char* const what = "a list of moves and presses with their times; [] is a joystick at rest";
   JoystickReader reader(findings, scenario.duration, script);
-  for (const YamlNodePtr& entry : *list) reader.read_entry(*entry);
+  for (const YamlNodePtr& entry : read_list(findings, node, "joystick", what)) reader.read_entry(*entry);
 }
 
 }  // namespace rehearse

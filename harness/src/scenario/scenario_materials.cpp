@@ -110,9 +110,8 @@ void read_materials(Findings& findings, const YamlNode* materials, const YamlNod
   std::vector<std::string> known = materials_of_models(scenario);
   if (materials != nullptr) read_materials(findings, *materials, known, scenario);
   if (pairs == nullptr) return;
-  const auto* list = read_list(findings, *pairs, "pairs", "a list of pairs of materials");
-  if (list == nullptr) return;
-  for (const YamlNodePtr& pair : *list) read_pair(findings, *pair, known, scenario);
+  for (const YamlNodePtr& pair : read_list(findings, *pairs, "pairs", "a list of pairs of materials"))
+    read_pair(findings, *pair, known, scenario);
 }
 
 }  // namespace rehearse

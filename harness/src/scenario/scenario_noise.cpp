@@ -174,10 +174,9 @@ void NoiseReader::read_rule(const YamlNode& node) {
 }  // namespace
 
 void read_noise(Findings& findings, const YamlNode& node, Scenario& scenario) {
-  const auto* list = read_list(findings, node, "noise", "a list of noise of sensors and joints");
-  if (list == nullptr) return;
   NoiseReader reader(findings, scenario);
-  for (const YamlNodePtr& rule : *list) reader.read_rule(*rule);
+  for (const YamlNodePtr& rule : read_list(findings, node, "noise", "a list of noise of sensors and joints"))
+    reader.read_rule(*rule);
 }
 
 }  // namespace rehearse

@@ -153,9 +153,8 @@ std::optional<Span> read_span(Findings& findings, const Keys& keys, const Scenar
 }
 
 void read_pushes(Findings& findings, const YamlNode& node, Scenario& scenario) {
-  const auto* list = read_list(findings, node, "pushes", "a list of pushes");
-  if (list == nullptr) return;
-  for (const YamlNodePtr& push : *list) read_push(findings, *push, scenario);
+  for (const YamlNodePtr& push : read_list(findings, node, "pushes", "a list of pushes"))
+    read_push(findings, *push, scenario);
 }
 
 void read_cameras(Findings& findings, const YamlNode& node, Scenario& scenario) {
@@ -165,9 +164,8 @@ void read_cameras(Findings& findings, const YamlNode& node, Scenario& scenario) 
   }
   scenario.cameras.emplace();
   if (node.kind == YamlNode::Kind::scalar && node.text == "none") return;
-  const auto* list = read_list(findings, node, "cameras", "all, none, or a list of Body/Camera");
-  if (list == nullptr) return;
-  for (const YamlNodePtr& camera : *list) read_camera(findings, *camera, scenario, *scenario.cameras);
+  for (const YamlNodePtr& camera : read_list(findings, node, "cameras", "all, none, or a list of Body/Camera"))
+    read_camera(findings, *camera, scenario, *scenario.cameras);
 }
 
 void check_rates(Findings& findings, const YamlNode& bodies, const Scenario& scenario) {
@@ -188,9 +186,8 @@ void check_rates(Findings& findings, const YamlNode& bodies, const Scenario& sce
 }
 
 void read_tolerances(Findings& findings, const YamlNode& node, Scenario& scenario) {
-  const auto* list = read_list(findings, node, "tolerances", "a list of tolerances, each with its channel");
-  if (list == nullptr) return;
-  for (const YamlNodePtr& rule : *list) read_tolerance(findings, *rule, scenario);
+  for (const YamlNodePtr& rule : read_list(findings, node, "tolerances", "a list of tolerances, each with its channel"))
+    read_tolerance(findings, *rule, scenario);
 }
 
 }  // namespace rehearse

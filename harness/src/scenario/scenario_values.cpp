@@ -1,6 +1,7 @@
 #include "scenario_values.h"
 
 #include "model/names.h"
+#include "model/text.h"
 
 #include <fmt/format.h>
 
@@ -134,10 +135,8 @@ std::optional<double> read_number(Findings& findings, const YamlNode& node, std:
 std::optional<std::int64_t> read_integer(Findings& findings, const YamlNode& node, std::string_view label,
                                          std::int64_t low, std::int64_t high) {
   if (node.kind == YamlNode::Kind::scalar && !node.quoted) {
-    std::int64_t value = 0;
-    const char* const end = node.text.data() + node.text.size();
-    const auto [stop, status] = std::from_chars(node.text.data(), end, value);
-    if (status == std::errc() && stop == end && value >= low && value <= high) return value;
+    const auto value = number_in<std::int64_t>(node.text);
+    if (value && *value >= low && *value <= high) return value;
   }
   expected(findings, node, label, fmt::format("a whole number from {} to {}", low, high));
   return std::nullopt;
@@ -240,18 +239,18 @@ std::optional<Eigen::Quaterniond> read_rotation(Findings& findings, const YamlNo
   return axis_and_angle(findings, *axis, *angle);
 }
 
-const std::vector<YamlNodePtr>* read_list(Findings& findings, const YamlNode& node, std::string_view label,
-                                          std::string_view what) {
+std::span<const YamlNodePtr> read_list(Findings& findings, const YamlNode& node, std::string_view label,
+                                       std::string_view what) {
   // Far more than any scenario needs; it stops files that would take minutes to read.
   constexpr std::size_t longest = 1000;
-  if (node.kind == YamlNode::Kind::list && node.items.size() <= longest) return &node.items;
+  if (node.kind == YamlNode::Kind::list && node.items.size() <= longest) return node.items;
   if (node.kind == YamlNode::Kind::list) {
     findings.error(node, fmt::format("{} has {} elements", label, node.items.size()),
                    fmt::format("expected at most {}", longest));
   } else {
     expected(findings, node, label, what);
   }
-  return nullptr;
+  return {};
 }
 
 std::vector<NamedEntry> read_entries(Findings& findings, const YamlNode& map) {
@@ -294,6 +293,7 @@ Keys::Keys(Findings& findings, const YamlNode& node, std::string_view owner,
     if (std::find(names.begin(), names.end(), entry.name) != names.end()) continue;
     findings_.error(*entry.key, fmt::format("unknown key '{}' in {}", shortened(entry.name), owner),
                     name_hint(entry.name, names, "keys"));
+    has_unknown_ = true;
     const std::vector<std::string> near = near_names(entry.name, names);
     misspelt_.insert(misspelt_.end(), near.begin(), near.end());
   }

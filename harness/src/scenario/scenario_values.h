@@ -11,8 +11,11 @@
 #include <cstdint>
 #include <initializer_list>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace rehearse {
@@ -83,9 +86,9 @@ std::optional<Eigen::Vector3d> read_vector3(Findings& findings, const YamlNode& 
                                             const Range& range);
 /// [roll, pitch, yaw] about fixed axes, {axis, angle}, or {quaternion: [w, x, y, z]}; gives a unit quaternion.
 std::optional<Eigen::Quaterniond> read_rotation(Findings& findings, const YamlNode& node, std::string_view label);
-/// The elements, at most 1000, or null if it isn't a list.
-const std::vector<YamlNodePtr>* read_list(Findings& findings, const YamlNode& node, std::string_view label,
-                                          std::string_view what);
+/// The elements, at most 1000; none if it isn't a list, or is longer.
+std::span<const YamlNodePtr> read_list(Findings& findings, const YamlNode& node, std::string_view label,
+                                       std::string_view what);
 
 /// The entries of a map in document order, each key once; reports keys that aren't words, and duplicates.
 struct NamedEntry {
@@ -113,6 +116,8 @@ class Keys {
 
   /// All entries in document order, each key once, unknown ones included.
   const std::vector<NamedEntry>& entries() const { return entries_; }
+  /// True if an unknown key was reported.
+  bool has_unknown() const { return has_unknown_; }
 
   // Each reads a key into `out`, and leaves `out` unchanged if the key is missing or its value is wrong.
   void number(std::string_view key, const Range& range, double& out) const;
@@ -121,6 +126,19 @@ class Keys {
   void text(std::string_view key, std::string& out) const;
   void flag(std::string_view key, bool& out) const;
   void vector3(std::string_view key, const Range& range, Eigen::Vector3d& out) const;
+  /// One of the words, each with its value. `what` describes them.
+  template <class Value>
+  void word(std::string_view key, std::string_view what,
+            std::initializer_list<std::pair<std::string_view, std::type_identity_t<Value>>> words, Value& out) const {
+    const YamlNode* node = find(key);
+    if (node == nullptr) return;
+    for (const auto& [word, value] : words) {
+      if (node->kind != YamlNode::Kind::scalar || node->text != word) continue;
+      out = value;
+      return;
+    }
+    expected(findings_, *node, key, what);
+  }
 
  private:
   Findings& findings_;
@@ -128,6 +146,7 @@ class Keys {
   std::string owner_;
   std::vector<NamedEntry> entries_;
   std::vector<std::string> misspelt_;  // the known keys that unknown ones resemble
+  bool has_unknown_ = false;
 };
 
 }  // namespace rehearse

@@ -187,10 +187,9 @@ void VariationReader::read_steps(const YamlNode& node, Variation& variation) {
 }
 
 void VariationReader::read_values(const YamlNode& node, const char* label, Variation& variation) {
-  const auto* list = read_list(findings_, node, label, "a list of values");
-  if (!list) return;
-  if (list->empty()) findings_.error(node, fmt::format("{} has no values", label), "expected at least one");
-  for (const YamlNodePtr& item : *list)
+  if (node.kind == YamlNode::Kind::list && node.items.empty())
+    findings_.error(node, fmt::format("{} has no values", label), "expected at least one");
+  for (const YamlNodePtr& item : read_list(findings_, node, label, "a list of values"))
     if (const auto text = read_text(findings_, *item, fmt::format("a value of {}", label)))
       variation.values.push_back(*text);
 }

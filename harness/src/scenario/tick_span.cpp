@@ -2,9 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <optional>
+
+#include "model/text.h"
 
 namespace rehearse {
 namespace {
@@ -12,29 +13,20 @@ namespace {
 constexpr double most_ticks = 1e15;
 
 std::optional<std::int64_t> whole_number(std::string_view text) {
-  std::int64_t number = 0;
-  const char* end = text.data() + text.size();
-  const auto [at, problem] = std::from_chars(text.data(), end, number);
-  if (problem != std::errc() || at != end || number < 0) return std::nullopt;
-  return number;
+  const auto number = number_in<std::int64_t>(text);
+  return number && *number >= 0 ? number : std::nullopt;
 }
 
 /// "3.2s", or "3.2" before "..".
 std::optional<double> seconds(std::string_view text, bool needs_unit) {
   const bool has_unit = text.ends_with('s');
   if (has_unit) text.remove_suffix(1);
-  double number = 0.0;
-  if ((needs_unit && !has_unit) || !parse_double(text, number) || !(number >= 0.0)) return std::nullopt;
+  const auto number = number_in<double>(text);
+  if ((needs_unit && !has_unit) || !number || !(*number >= 0.0)) return std::nullopt;
   return number;
 }
 
 }  // namespace
-
-bool parse_double(std::string_view text, double& number) {
-  const char* end = text.data() + text.size();
-  const auto [at, problem] = std::from_chars(text.data(), end, number);
-  return problem == std::errc() && at == end && !text.empty();
-}
 
 Diagnostic error_at(const WordPlace& place, const std::string& message) {
   std::size_t column = 0;  // a byte that continues a character has no column

@@ -30,7 +30,4 @@ Diagnostic error_at(const WordPlace& place, const std::string& message);
 /// of the words, `begin` the offset of the span in it.
 Result<TickSpan> parse_span(std::string_view text, std::size_t begin, double time_step);
 
-/// Parses all of `text` as a number; false: it is no number.
-bool parse_double(std::string_view text, double& number);
-
 }  // namespace rehearse

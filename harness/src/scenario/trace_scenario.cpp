@@ -5,7 +5,6 @@
 
 #include "branch_origin.h"
 #include "trace/run_facts.h"
-#include "trace/trace_version.h"
 
 namespace rehearse {
 namespace {

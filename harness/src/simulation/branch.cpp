@@ -1,29 +1,144 @@
 #include <fmt/format.h>
 #include <rehearse/mcap.h>
+#include <rehearse/messages.h>
+#include <rehearse/scenario.h>
 #include <rehearse/session.h>
+#include <rehearse/trace.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
-#include "branch_source.h"
 #include "closed_loop.h"
 #include "host/float_mode.h"
 #include "led_world.h"
 #include "model/clock.h"
+#include "model/text.h"
+#include "recorded_checkpoints.h"
 #include "recording/provenance.h"
 #include "replay/copying_sink.h"
+#include "replay/recording_source.h"
 #include "replay/replay_recording.h"
 #include "scenario/branch_origin.h"
+#include "scenario/trace_scenario.h"
+#include "trace/run_facts.h"
 
 namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
 
-Diagnostic in_file(const std::string& file, Diagnostic diagnostic) {
-  if (diagnostic.file.empty()) diagnostic.file = file;
-  return diagnostic;
+/// The recording from which a branch starts, and its facts.
+struct BranchSource {
+  std::unique_ptr<mcap::Reader> reader;
+  Trace recording;
+  Scenario scenario;                   // with the models' meshes
+  std::optional<BranchOrigin> origin;  // none: it is no branch itself
+  std::int64_t whole_ticks = 0;        // number of complete ticks in the recording, at least one
+  /// The hash of the state at the beginning of each of these ticks, and after the last if it is recorded.
+  std::vector<std::uint64_t> state_hashes;
+
+  /// `scenario_file`: the recorded scenario, for its meshes; empty: the recording is sufficient if there are no meshes.
+  /// Fails if that is a different scenario, if meshes are missing, or if no simulation can continue from the recording.
+  static Result<BranchSource> open(const fs::path& file, const fs::path& scenario_file);
+
+  std::int64_t checkpoint_interval() const;  // [ticks]; 0: none are saved
+};
+
+void find_ticks(BranchSource& source) {
+  const TraceChannel* channel = source.recording.find_channel(run_topics::tick);
+  if (!channel) return;
+  std::size_t state = channel->columns.size();
+  for (std::size_t column = 0; column < channel->columns.size(); ++column)
+    if (channel->columns[column].element == "state_hash") state = column;
+  if (state < channel->columns.size())
+    for (std::size_t row = 0; row < channel->rows(); ++row) source.state_hashes.push_back(channel->bits(row, state));
+  source.whole_ticks = static_cast<std::int64_t>(source.state_hashes.size());
+  const auto outcome = RunFacts::of(source.recording).outcome;
+  if (outcome && outcome->complete) --source.whole_ticks;  // the last one is the final state
+}
+
+/// Loads the models with their meshes, from the scenario's files.
+Result<void> take_meshes(BranchSource& source, const fs::path& scenario_file) {
+  Scenario& scenario = source.scenario;
+  const auto text_of = [&](const std::string& name) {
+    for (const mcap::Attachment& attachment : source.reader->attachments())
+      if (attachment.name == name) return std::string(attachment.text());
+    return std::string();
+  };
+  if (scenario_file.empty()) {
+    for (const ScenarioBody& body : scenario.bodies)
+      if (!text_of(body.model_file + ".meshes").empty())
+        return in_recording(*source.reader,
+                            error(fmt::format("{} has meshes, which a recording doesn't contain", body.model_file),
+                                  "name the scenario that was recorded as well: rehearse record SCENARIO "
+                                  "--from-checkpoint TRACE@..."));
+    return {};
+  }
+  auto loaded = Scenario::load(scenario_file);
+  if (!loaded) return loaded.errors();
+  const auto other = [&](const std::string& what) {
+    return error_in(scenario_file.string(),
+                    fmt::format("{} has changed since {} was recorded", what, source.reader->name()));
+  };
+  if (loaded->text != scenario.text) return other("it");
+  for (const ScenarioBody& body : loaded->bodies) {
+    if (body.model_file.empty()) continue;
+    if (body.model->source_text != text_of(body.model_file)) return other(body.model_file);
+    if (mesh_digests(*body.model) != text_of(body.model_file + ".meshes")) return other("a mesh of " + body.model_file);
+  }
+  loaded->seed = scenario.seed;
+  loaded->duration = scenario.duration;
+  loaded->pushes = scenario.pushes;
+  scenario = *std::move(loaded);
+  return {};
+}
+
+/// Fails for a log, which has no world, and for a replay, whose world didn't follow its commands.
+Result<void> check_simulated(const BranchSource& source) {
+  const bool of_a_log = RunFacts::of(source.recording).is_of_log;
+  if (!of_a_log && (!source.origin || source.origin->simulated)) return {};
+  return in_recording(*source.reader,
+                      error(of_a_log ? "it was recorded from a log, and has no world that can continue"
+                                     : "it is a replay: its world didn't follow its commands, and can't continue",
+                            "branch from the recording of a simulation"));
+}
+
+Result<BranchSource> BranchSource::open(const fs::path& file, const fs::path& scenario_file) {
+  BranchSource source;
+  auto reader = mcap::Reader::open(file);
+  if (!reader) return reader.errors();
+  source.reader = std::move(*reader);
+  auto scenario = scenario_of(*source.reader);
+  if (!scenario) return scenario.errors();
+  source.scenario = *std::move(scenario);
+  if (auto taken = take_meshes(source, scenario_file); !taken) return taken.errors();
+  auto recording = Trace::load(file, Trace::Damage::tolerate);
+  if (!recording) return recording.errors();
+  source.recording = *std::move(recording);
+  source.origin = RunFacts::of(*source.reader).branch;
+  if (auto simulated = check_simulated(source); !simulated) return simulated.errors();
+  const bool has_pictures =
+      std::any_of(source.recording.channels().begin(), source.recording.channels().end(),
+                  [](const TraceChannel& channel) { return channel.type == msg::CompressedImage::type_name; });
+  source.scenario.record_frames = source.scenario.record_frames && has_pictures;
+  find_ticks(source);
+  if (source.whole_ticks > 0) return source;
+  return in_recording(*source.reader, error("it has no ticks: nothing of the run was recorded"));
+}
+
+std::int64_t BranchSource::checkpoint_interval() const {
+  const std::vector<std::int64_t> at = RecordedCheckpoints(recording, scenario).ticks();
+  if (at.size() >= 2) return at[1] - at[0];
+  if (at.empty()) return 0;
+  constexpr double usual = 0.1;  // [s]
+  return std::max(whole_ticks, static_cast<std::int64_t>(std::llround(usual / scenario.time_step)));
 }
 
 class Branch {
@@ -43,7 +158,6 @@ class Branch {
   Result<void> lead_world(ClosedLoop& loop);
   Result<void> choose_checkpoint();
   Result<void> copy_source(ClosedLoop& loop);
-  void close(ClosedLoop& loop);
   Result<BranchSummary> go_on();
 
   const BranchPoint& from_;
@@ -70,12 +184,12 @@ Result<void> Branch::find_moment() {
   const double step = scenario_->time_step;
   const double wanted = from_.tick ? static_cast<double>(*from_.tick) : std::round(*from_.time / step);
   if (!(wanted <= static_cast<double>(source_->whole_ticks)))
-    return in_file(
-        file_, error(fmt::format("its last whole tick is {} ({:g} s){}, before {}", source_->whole_ticks - 1,
-                                 time_of(source_->whole_ticks - 1, step),
-                                 source_->recording.damage().empty() ? "" : ", where it is cut or damaged",
-                                 from_.tick ? fmt::format("tick {}", *from_.tick) : fmt::format("{:g} s", *from_.time)),
-                     fmt::format("branch from @tick:{} at the latest", source_->whole_ticks)));
+    return error_in(file_,
+                    fmt::format("its last whole tick is {} ({:g} s){}, before {}", source_->whole_ticks - 1,
+                                time_of(source_->whole_ticks - 1, step),
+                                source_->recording.damage().empty() ? "" : ", where it is cut or damaged",
+                                from_.tick ? fmt::format("tick {}", *from_.tick) : fmt::format("{:g} s", *from_.time)),
+                    fmt::format("branch from @tick:{} at the latest", source_->whole_ticks));
   origin_.tick = static_cast<std::int64_t>(wanted);
   origin_.time = time_of(origin_.tick, step);
   return {};
@@ -86,13 +200,12 @@ Result<void> Branch::set_end() {
   if (options_.duration) scenario_->duration = origin_.time + *options_.duration;
   const bool too_long = !(scenario_->duration <= Scenario::max_duration);
   if (!too_long && scenario_->ticks() > origin_.tick) return {};
-  return in_file(file_,
-                 error(too_long ? fmt::format("a run to {:g} s is too long", scenario_->duration)
-                                : fmt::format("there is nothing to simulate: the branch begins at {:g} s and ends "
-                                              "at {:g} s",
-                                              origin_.time, scenario_->duration),
-                       too_long ? fmt::format("expected at most {:g} s", Scenario::max_duration)
-                                : "state the end, --until S, or the length, --duration S"));
+  return error_in(file_,
+                  too_long ? fmt::format("a run to {:g} s is too long", scenario_->duration)
+                           : fmt::format("there is nothing to simulate: the branch begins at {:g} s and ends at {:g} s",
+                                         origin_.time, scenario_->duration),
+                  too_long ? fmt::format("expected at most {:g} s", Scenario::max_duration)
+                           : "state the end, --until S, or the length, --duration S");
 }
 
 Result<void> Branch::add_pushes() {
@@ -117,9 +230,10 @@ Result<void> Branch::add_pushes() {
 }
 
 Result<void> Branch::choose_checkpoint() {
-  const auto objection = RecordedCheckpoints(source_->recording, *scenario_).objection();
+  const RecordedCheckpoints checkpoints(source_->recording, *scenario_);
+  const auto objection = checkpoints.objection();
   if (!objection) return objection.errors();
-  checkpoint_ = source_->latest_checkpoint(origin_.tick, *objection);
+  checkpoint_ = objection->empty() ? latest_checkpoint(checkpoints, *scenario_, origin_.tick) : 0;
   origin_.checkpoint = checkpoint_ > 0 ? fmt::format("tick {}", checkpoint_) : "none, from the start";
   summary_.world = checkpoint_ > 0
                        ? fmt::format(
@@ -147,7 +261,7 @@ Result<void> Branch::replay_before() {
   if (!report) return report.errors();
   summary_.before = *std::move(report);
   if (!summary_.before.failure) return {};
-  return in_file(file_, error("before the moment, " + summary_.before.failure->message));
+  return error_in(file_, "before the moment, " + summary_.before.failure->message);
 }
 
 Result<void> Branch::create(ClosedLoop& loop) {
@@ -181,11 +295,10 @@ Result<void> Branch::lead_world(ClosedLoop& loop) {
   const auto moment = static_cast<std::size_t>(origin_.tick);
   const auto& hashes = source_->state_hashes;
   if (moment >= hashes.size() || loop.plant->world().state_hash() == hashes[moment]) return {};
-  Diagnostic& remark = summary_.run.remarks.emplace_back(
-      error(fmt::format("led by the recorded commands, the world at tick {} isn't the recorded one, bit for bit",
-                        origin_.tick),
-            "another version or another arithmetic recorded it, or it doesn't repeat itself: run rehearse check"));
-  remark.severity = Severity::warning;
+  summary_.run.remarks.push_back(
+      warning(fmt::format("led by the recorded commands, the world at tick {} isn't the recorded one, bit for bit",
+                          origin_.tick),
+              "another version or another arithmetic recorded it, or it doesn't repeat itself: run rehearse check"));
   return {};
 }
 
@@ -195,26 +308,15 @@ Result<void> Branch::copy_source(ClosedLoop& loop) {
   copy.keep_acted(origin_.acted_until, source_->origin ? source_->origin->acted_until : std::nullopt);
   loop.run->change(inputs, copy, origin_.tick);
   if (auto done = copy.copy(inputs, *loop.run, origin_.tick); !done) return done;
-  if (loop.host->failure()) return in_file(file_, error("before the moment, " + loop.host->failure()->message));
+  if (loop.host->failure()) return error_in(file_, "before the moment, " + loop.host->failure()->message);
   return {};
-}
-
-/// Closes the loop from the moment on. The last commands of the recorded controllers are still in force, but joints
-/// have the drives of the present controllers.
-void Branch::close(ClosedLoop& loop) {
-  take_drives(loop.run->command, moved_);
-  loop.run->command = std::move(moved_);
-  loop.world->save_checkpoints(source_->checkpoint_interval());
-  loop.world->alter(loop.altered);
-  loop.run->change(*loop.world, *loop.sink, scenario_->ticks());
-  loop.run->report_progress(options_.progress, scenario_->ticks() - origin_.tick);
 }
 
 Result<BranchSummary> Branch::make() {
   if (auto opened = open(); !opened) return opened.errors();
   std::error_code ignored;
   if (fs::equivalent(from_.trace, trace_, ignored))
-    return in_file(trace_.string(), error("that is the recording to branch from", "name another file for the branch"));
+    return error_in(trace_.string(), "that is the recording to branch from", "name another file for the branch");
   if (auto found = find_moment(); !found) return found.errors();
   if (auto set = set_end(); !set) return set.errors();
   if (auto added = add_pushes(); !added) return added.errors();
@@ -236,13 +338,7 @@ Result<BranchSummary> Branch::go_on() {
   if (auto created = create(loop); !created) return created.errors();
   if (auto led = lead_world(loop); !led) return led.errors();
   if (auto copied = copy_source(loop); !copied) return copied.errors();
-  close(loop);
-  for (;;) {
-    const Result<bool> going_on = loop.step();
-    if (!going_on) return going_on.errors();
-    if (!*going_on) break;
-  }
-  auto run = loop.finish();
+  auto run = loop.go_on(std::move(moved_), source_->checkpoint_interval(), options_.progress);
   if (!run) return run.errors();
   run->remarks.insert(run->remarks.begin(), summary_.run.remarks.begin(), summary_.run.remarks.end());
   for (Diagnostic& remark : loop.altered.unused()) run->remarks.push_back(std::move(remark));
@@ -261,19 +357,18 @@ Result<BranchPoint> BranchPoint::parse(const std::string& text) {
   BranchPoint point;
   point.trace = text.substr(0, at);
   const std::string moment = text.substr(at + 1);
-  double number = 0.0;
   const bool is_tick = moment.starts_with("tick:");
   const bool has_form = is_tick || moment.ends_with('s');
   const std::string_view digits = is_tick ? std::string_view(moment).substr(5)
                                           : std::string_view(moment).substr(0, moment.empty() ? 0 : moment.size() - 1);
   constexpr double most = 1e15;
-  if (!has_form || !parse_double(digits, number) || !(number >= 0.0 && number <= most) ||
-      (is_tick && number != std::floor(number)))
+  const auto number = number_in<double>(digits);
+  if (!has_form || !number || !(*number >= 0.0 && *number <= most) || (is_tick && *number != std::floor(*number)))
     return error_at({text, at + 1, moment.size()}, fmt::format("'{}' is no moment: expected 3.2s or tick:640", moment));
   if (is_tick)
-    point.tick = static_cast<std::int64_t>(number);
+    point.tick = static_cast<std::int64_t>(*number);
   else
-    point.time = number;
+    point.time = *number;
   return point;
 }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "host/float_mode.h"
 #include "host/supervisor.h"
 #include "model/clock.h"
@@ -103,6 +105,22 @@ Result<RunSummary> ClosedLoop::finish() {
   const std::uintmax_t bytes = std::filesystem::file_size(file, failed);
   summary.bytes = failed ? 0 : bytes;  // a pipe has no size
   return summary;
+}
+
+Result<RunSummary> ClosedLoop::go_on(Command led, std::int64_t interval, Run::Progress progress) {
+  for (std::size_t body = 0; body < led.bodies.size(); ++body)
+    for (std::size_t joint = 0; joint < led.bodies[body].joints.size(); ++joint)
+      led.bodies[body].joints[joint].drive = run->command.bodies[body].joints[joint].drive;
+  run->command = std::move(led);
+  world->save_checkpoints(interval);
+  world->alter(altered);
+  run->change(*world, *sink, scenario.ticks());
+  run->report_progress(std::move(progress), scenario.ticks() - run->tick());
+  for (;;) {
+    const Result<bool> going_on = step();
+    if (!going_on) return going_on.errors();
+    if (!*going_on) return finish();
+  }
 }
 
 Result<void> ClosedLoop::close_file() {

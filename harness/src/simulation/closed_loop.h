@@ -50,6 +50,11 @@ struct ClosedLoop {
   Result<bool> step();
   /// Calls stop() of the controllers, records the last state and closes the trace.
   Result<RunSummary> finish();
+  /// Closes the loop at the run's present tick, up to which the controllers were fed from a recording. Makes all
+  /// remaining ticks, and finishes. `led`: the command that moved the world to this tick; it stays in force, but joints
+  /// have the drives of the present controllers. `interval`: of the checkpoints [ticks]; 0: none. `progress`: as for
+  /// Run::report_progress(), of the remaining ticks.
+  Result<RunSummary> go_on(Command led, std::int64_t interval, Run::Progress progress);
 
  private:
   std::optional<Diagnostic> failure() const;

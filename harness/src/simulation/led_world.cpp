@@ -6,7 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "recorded_checkpoints.h"
 #include "recorded_commands.h"
 #include "run/run.h"
 
@@ -29,8 +28,8 @@ class ContactsSink final : public Sink {
   Recorder& recorder_;
 };
 
-}  // namespace
-
+/// The number of ticks that cameras and range sensors must run before a moment. Then all captures that arrive at the
+/// moment or later are captured again. It is twice the longest cycle, which is a second at most (renderer/vision.h).
 std::int64_t lead_of(const Scenario& scenario) {
   double longest = 0.0;
   for (const ScenarioBody& body : scenario.bodies) {
@@ -42,6 +41,15 @@ std::int64_t lead_of(const Scenario& scenario) {
   }
   constexpr std::int64_t for_contacts = 2;  // contacts exist after a step
   return std::llround(std::ceil(2.0 * longest / scenario.time_step)) + for_contacts;
+}
+
+}  // namespace
+
+std::int64_t latest_checkpoint(const RecordedCheckpoints& checkpoints, const Scenario& scenario, std::int64_t moment) {
+  std::int64_t latest = 0;
+  for (const std::int64_t tick : checkpoints.ticks())
+    if (tick <= moment - lead_of(scenario)) latest = std::max(latest, tick);
+  return latest;
 }
 
 Result<LedWorld> lead_world(const Scenario& scenario, const Trace& recording, std::int64_t checkpoint,
@@ -57,16 +65,8 @@ Result<LedWorld> lead_world(const Scenario& scenario, const Trace& recording, st
   if (auto led = leading.go(); !led) return led.errors();
   if (leading.interruption()) return *leading.interruption();
   if (!leading.broke_down()) return LedWorld{std::move(leading.command), sink.state_hash};
-  Diagnostic exploded =
-      error(fmt::format("led by the recorded commands, the simulation exploded after tick {}", leading.tick() - 1));
-  exploded.file = recording.file();
-  return exploded;
-}
-
-void take_drives(const Command& drives, Command& command) {
-  for (std::size_t body = 0; body < command.bodies.size(); ++body)
-    for (std::size_t joint = 0; joint < command.bodies[body].joints.size(); ++joint)
-      command.bodies[body].joints[joint].drive = drives.bodies[body].joints[joint].drive;
+  return error_in(recording.file(), fmt::format("led by the recorded commands, the simulation exploded after tick {}",
+                                                leading.tick() - 1));
 }
 
 }  // namespace rehearse

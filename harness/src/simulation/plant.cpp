@@ -42,10 +42,8 @@ WorldSettings world_settings(const Scenario& scenario) {
           scenario.lever_arms, scenario.pairs,   scenario.connections};
 }
 
-Result<std::unique_ptr<Plant>> Plant::create(const Scenario& scenario) { return create(scenario, scenario); }
-
-Result<std::unique_ptr<Plant>> Plant::create(const Scenario& scenario, const Scenario& noise_of) {
-  std::unique_ptr<Plant> plant(new Plant(scenario, noise_of));
+Result<std::unique_ptr<Plant>> Plant::create(const Scenario& scenario, const Scenario* noise_of) {
+  std::unique_ptr<Plant> plant(new Plant(scenario, noise_of ? *noise_of : scenario));
   auto world = World::create(world_settings(scenario), world_bodies(scenario));
   if (!world) return world.errors();
   plant->world_ = std::move(*world);

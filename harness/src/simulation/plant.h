@@ -21,10 +21,8 @@ namespace rehearse {
 
 class Plant {
  public:
-  /// The scenario must outlive this.
-  static Result<std::unique_ptr<Plant>> create(const Scenario& scenario);
-  /// A plant with the noise of a different scenario.
-  static Result<std::unique_ptr<Plant>> create(const Scenario& scenario, const Scenario& noise_of);
+  /// The scenario must outlive this. `noise_of`: the scenario with the noise; null: the same.
+  static Result<std::unique_ptr<Plant>> create(const Scenario& scenario, const Scenario* noise_of = nullptr);
 
   World& world() { return *world_; }
   std::int64_t tick() const { return world_->tick(); }

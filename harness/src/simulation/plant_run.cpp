@@ -78,16 +78,13 @@ Result<void> go(Run& run, std::int64_t last, PlantSummary& summary) {
 Result<PlantSummary> run_plant(const Scenario& scenario, const Trace& recording, const std::filesystem::path& trace,
                                const PlantOptions& options) {
   const StandardFloatMode float_mode;
-  if (const auto change = changed_time_step(scenario, recording)) {
-    Diagnostic finding =
-        error(fmt::format("its time step is {} s, and that of {} is {} s: no tick of it can be repeated",
-                          change->expected, scenario.name, change->actual));
-    finding.file = recording.file();
-    return finding;
-  }
+  if (const auto change = changed_time_step(scenario, recording))
+    return error_in(recording.file(),
+                    fmt::format("its time step is {} s, and that of {} is {} s: no tick of it can be repeated",
+                                change->expected, scenario.name, change->actual));
   auto commands = RecordedCommands::find(scenario, recording);
   if (!commands) return commands.errors();
-  auto plant = options.noise_of ? Plant::create(scenario, *options.noise_of) : Plant::create(scenario);
+  auto plant = Plant::create(scenario, options.noise_of);
   if (!plant) return plant.errors();
   auto recorder = Recorder::create(
       trace, scenario, provenance(scenario, nullptr, World::engine_description(), (*plant)->renderer_description()));
@@ -111,11 +108,7 @@ Result<PlantSummary> run_plant(const Scenario& scenario, const Trace& recording,
   if (!*begun) return error(fmt::format("the recording has no checkpoint at tick {}", options.from));
   summary.restored = options.from > 0 ? 1 : 0;
   if (options.from == 0 && options.nudge) (*plant)->world().nudge(*options.nudge);
-  if (end < 0) {
-    Diagnostic finding = error("it has no ticks: nothing of the run was recorded");
-    finding.file = recording.file();
-    return finding;
-  }
+  if (end < 0) return error_in(recording.file(), "it has no ticks: nothing of the run was recorded");
   if (auto done = go(run, last, summary); !done) return done.errors();
 
   RunOutcome outcome{.ticks = summary.ticks, .complete = !summary.failure};

@@ -35,9 +35,8 @@ Result<msg::Checkpoint> RecordedCheckpoints::read(std::size_t row) const {
   CdrReader reader(*payload);
   msg::Checkpoint checkpoint;
   if (msg::decode(reader, checkpoint)) return checkpoint;
-  Diagnostic finding = error(fmt::format("a message on /checkpoint at {} ns is not of its type", channel_->times[row]));
-  finding.file = recording_.file();
-  return finding;
+  return error_in(recording_.file(),
+                  fmt::format("a message on /checkpoint at {} ns is not of its type", channel_->times[row]));
 }
 
 Result<std::string> RecordedCheckpoints::objection() const {

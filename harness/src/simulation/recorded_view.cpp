@@ -1,6 +1,8 @@
 #include "recorded_view.h"
 
 #include <pthread.h>
+#include <rehearse/diagnostic.h>
+#include <rehearse/renderer.h>
 
 #include <algorithm>
 #include <array>
@@ -33,10 +35,7 @@ Eigen::Isometry3d recorded_pose(const ScenarioBody& body, const Link& link, cons
   Eigen::Vector4d rotation = Eigen::Quaterniond(otherwise.linear()).coeffs();
   for (int i = 0; i < 3; ++i) position[i] = value_at(recording, series + "/position/" + axes[i], time, position[i]);
   for (int i = 0; i < 4; ++i) rotation[i] = value_at(recording, series + "/orientation/" + axes[i], time, rotation[i]);
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = Eigen::Quaterniond(rotation).normalized().toRotationMatrix();
-  pose.translation() = position;
-  return pose;
+  return pose_of(position, Eigen::Quaterniond(rotation).normalized());
 }
 
 PlacedModel place_at(const ScenarioBody& body, const Trace& recording, double time) {
@@ -46,17 +45,14 @@ PlacedModel place_at(const ScenarioBody& body, const Trace& recording, double ti
     if (link.joint.id >= 0 && id < q.size())
       q[id] = value_at(recording, body.name + "/" + link.joint.name + "/q", time, q[id]);
   }
-  Eigen::Isometry3d root = Eigen::Isometry3d::Identity();
-  root.translation() = body.position;
-  root.linear() = body.rotation.toRotationMatrix();
+  const Eigen::Isometry3d root = pose_of(body.position, body.rotation);
   const auto free_pose = [&](std::size_t link, const Eigen::Isometry3d& otherwise) {
     return recorded_pose(body, body.model->links[link], recording, time, otherwise);
   };
   return {body.model, forward_kinematics(*body.model, free_pose(0, root), q, free_pose), body.fixed};
 }
 
-}  // namespace
-
+/// `width`, `height`: [pixels]. Fails if nothing can be drawn.
 Result<Image> draw_recorded(const Scenario& scenario, const Trace& recording, std::int64_t tick, int width,
                             int height) {
   const double time = time_of(tick, scenario.time_step);
@@ -80,6 +76,8 @@ Result<Image> draw_recorded(const Scenario& scenario, const Trace& recording, st
   for (const PlacedModel& placed : scene) add_to(**renderer, placed);
   return (*renderer)->draw(camera, look_at(view.eye, view.target), Quality::fine).color;
 }
+
+}  // namespace
 
 std::vector<std::uint8_t> thumbnail_of(const Scenario& scenario, const Trace& recording, std::int64_t tick) {
   static bool is_forked = false;

@@ -21,11 +21,7 @@ Result<std::int64_t> checkpoint_before(std::int64_t moment, const Trace& golden,
   const RecordedCheckpoints checkpoints(golden, scenario);
   const auto objection = checkpoints.objection();
   if (!objection) return objection.errors();
-  std::int64_t latest = 0;
-  if (!objection->empty()) return latest;
-  for (const std::int64_t tick : checkpoints.ticks())
-    if (tick <= moment - lead_of(scenario)) latest = std::max(latest, tick);
-  return latest;
+  return objection->empty() ? latest_checkpoint(checkpoints, scenario, moment) : 0;
 }
 
 /// None: the part before the moment can't be taken from the golden as it is.
@@ -48,17 +44,8 @@ Result<std::optional<RunSummary>> resume(const Scenario& scenario, const Trace& 
   if (loop.host->failure() || !copy.same_outputs() || inputs.recorded().state_hash != led->hash_before)
     return std::optional<RunSummary>();
 
-  take_drives(loop.run->command, led->command);
-  loop.run->command = std::move(led->command);
-  loop.world->save_checkpoints(std::max<std::int64_t>(1, std::llround(options.checkpoint_period / scenario.time_step)));
-  loop.run->change(*loop.world, *loop.sink, scenario.ticks());
-  loop.run->report_progress(options.progress, scenario.ticks() - moment);
-  for (;;) {
-    const Result<bool> going_on = loop.step();
-    if (!going_on) return going_on.errors();
-    if (!*going_on) break;
-  }
-  auto summary = loop.finish();
+  const auto interval = std::max<std::int64_t>(1, std::llround(options.checkpoint_period / scenario.time_step));
+  auto summary = loop.go_on(std::move(led->command), interval, options.progress);
   if (!summary) return summary.errors();
   return std::optional<RunSummary>(*std::move(summary));
 }

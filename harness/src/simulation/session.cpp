@@ -8,42 +8,10 @@
 #include "host/float_mode.h"
 
 namespace rehearse {
-
-struct Session::Impl {
-  ClosedLoop loop;
-
-  explicit Impl(const Scenario& of) : loop(of) {}
-  Result<void> record_remarks();
-};
-
-Session::Session(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-Session::~Session() = default;
-std::int64_t Session::tick() const { return impl_->loop.plant->tick(); }
-Result<bool> Session::step() { return impl_->loop.step(); }
-Result<RunSummary> Session::finish() { return impl_->loop.finish(); }
-
-Result<std::unique_ptr<Session>> Session::create(const Scenario& scenario, const std::filesystem::path& trace,
-                                                 const RecordOptions& options) {
-  const StandardFloatMode float_mode;
-  auto impl = std::make_unique<Impl>(scenario);
-  ClosedLoop& loop = impl->loop;
-  loop.summary.remarks = float_mode.remarks();
-  if (auto created = loop.create(trace, options); !created) return created.errors();
-  if (options.nudge) loop.plant->world().nudge(*options.nudge);
-  if (options.checkpoint_period > 0.0)
-    loop.world->save_checkpoints(
-        std::max<std::int64_t>(1, std::llround(options.checkpoint_period / scenario.time_step)));
-  loop.run->report_progress(options.progress, scenario.ticks());
-  loop.initialize();
-  loop.plant->obey(-1, loop.run->command);
-  loop.start();
-  if (auto done = impl->record_remarks(); !done) return done.errors();
-  if (auto done = loop.sink->record_events(loop.host->take_events()); !done) return done.errors();
-  return std::unique_ptr<Session>(new Session(std::move(impl)));
-}
+namespace {
 
 /// Records the world's remarks on its bodies as events of the run.
-Result<void> Session::Impl::record_remarks() {
+Result<void> record_remarks(ClosedLoop& loop) {
   std::vector<msg::Event> events;
   for (const Diagnostic& remark : loop.plant->world().remarks()) {
     msg::Event& event = events.emplace_back();
@@ -52,6 +20,33 @@ Result<void> Session::Impl::record_remarks() {
     event.text = remark.message;
   }
   return loop.sink->record_events(events);
+}
+
+}  // namespace
+
+Session::Session(std::unique_ptr<ClosedLoop> loop) : loop_(std::move(loop)) {}
+Session::~Session() = default;
+std::int64_t Session::tick() const { return loop_->plant->tick(); }
+Result<bool> Session::step() { return loop_->step(); }
+Result<RunSummary> Session::finish() { return loop_->finish(); }
+
+Result<std::unique_ptr<Session>> Session::create(const Scenario& scenario, const std::filesystem::path& trace,
+                                                 const RecordOptions& options) {
+  const StandardFloatMode float_mode;
+  auto loop = std::make_unique<ClosedLoop>(scenario);
+  loop->summary.remarks = float_mode.remarks();
+  if (auto created = loop->create(trace, options); !created) return created.errors();
+  if (options.nudge) loop->plant->world().nudge(*options.nudge);
+  if (options.checkpoint_period > 0.0)
+    loop->world->save_checkpoints(
+        std::max<std::int64_t>(1, std::llround(options.checkpoint_period / scenario.time_step)));
+  loop->run->report_progress(options.progress, scenario.ticks());
+  loop->initialize();
+  loop->plant->obey(-1, loop->run->command);
+  loop->start();
+  if (auto done = record_remarks(*loop); !done) return done.errors();
+  if (auto done = loop->sink->record_events(loop->host->take_events()); !done) return done.errors();
+  return std::unique_ptr<Session>(new Session(std::move(loop)));
 }
 
 Result<RunSummary> record(const Scenario& scenario, const std::filesystem::path& trace, const RecordOptions& options) {

@@ -4,17 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 
 namespace rehearse {
 namespace {
 
 std::string_view word_for(Expression::Type type) {
-  switch (type) {
-    case Expression::Type::boolean: return "true or false";
-    case Expression::Type::number: return "a number";
-  }
-  return "";
+  constexpr std::array words{"true or false", "a number"};
+  return words[static_cast<std::size_t>(type)];
 }
 
 constexpr std::string_view functions =
@@ -105,75 +101,37 @@ std::size_t ExpressionParser::add(Op op, Type type, std::size_t begin, std::size
   return expression_.nodes_.size() - 1;
 }
 
-ExpressionParser::Made ExpressionParser::any_of() {
-  Made left = all_of();
-  while (left && is_symbol("||")) {
-    if (!demand(*left, Type::boolean, "||") || !advance()) return std::nullopt;
-    const Made right = all_of();
-    if (!right || !demand(*right, Type::boolean, "||")) return std::nullopt;
-    left = add(Op::logical_or, Type::boolean, expression_.nodes_[*left].begin, last_end_, *left, *right);
-  }
-  return left;
+const ExpressionParser::Operator* ExpressionParser::operator_here(std::span<const Operator> operators) const {
+  const auto found =
+      std::find_if(operators.begin(), operators.end(), [this](const Operator& o) { return is_symbol(o.symbol); });
+  return found == operators.end() ? nullptr : &*found;
 }
 
-ExpressionParser::Made ExpressionParser::all_of() {
-  Made left = comparison();
-  while (left && is_symbol("&&")) {
-    if (!demand(*left, Type::boolean, "&&") || !advance()) return std::nullopt;
-    const Made right = comparison();
-    if (!right || !demand(*right, Type::boolean, "&&")) return std::nullopt;
-    left = add(Op::logical_and, Type::boolean, expression_.nodes_[*left].begin, last_end_, *left, *right);
+ExpressionParser::Made ExpressionParser::chain(Rule operand, std::initializer_list<Operator> operators, Type type) {
+  Made left = (this->*operand)();
+  while (const Operator* here = left ? operator_here(operators) : nullptr) {
+    if (!demand(*left, type, here->symbol) || !advance()) return std::nullopt;
+    const Made right = (this->*operand)();
+    if (!right || !demand(*right, type, here->symbol)) return std::nullopt;
+    left = add(here->op, type, expression_.nodes_[*left].begin, last_end_, *left, *right);
   }
   return left;
 }
 
 ExpressionParser::Made ExpressionParser::comparison() {
-  static constexpr std::array<std::pair<std::string_view, Op>, 6> operators{{{"<", Op::less},
-                                                                             {"<=", Op::less_equal},
-                                                                             {">", Op::greater},
-                                                                             {">=", Op::greater_equal},
-                                                                             {"==", Op::equal},
-                                                                             {"!=", Op::unequal}}};
-  const auto here = [this] {
-    return std::find_if(operators.begin(), operators.end(), [this](const auto& o) { return is_symbol(o.first); });
-  };
+  static constexpr Operator operators[] = {{"<", Op::less},           {"<=", Op::less_equal}, {">", Op::greater},
+                                           {">=", Op::greater_equal}, {"==", Op::equal},      {"!=", Op::unequal}};
   const Made left = sum();
-  const auto found = here();
-  if (!left || found == operators.end()) return left;
-  const bool orders = found->second != Op::equal && found->second != Op::unequal;
-  if (orders && !demand(*left, Type::number, found->first)) return std::nullopt;
+  const Operator* here = left ? operator_here(operators) : nullptr;
+  if (!here) return left;
+  const bool orders = here->op != Op::equal && here->op != Op::unequal;
+  if (orders && !demand(*left, Type::number, here->symbol)) return std::nullopt;
   if (!advance()) return std::nullopt;
   const Made right = sum();
-  if (!right || !demand(*right, expression_.nodes_[*left].type, found->first)) return std::nullopt;
-  if (here() != operators.end())
+  if (!right || !demand(*right, expression_.nodes_[*left].type, here->symbol)) return std::nullopt;
+  if (operator_here(operators))
     return fail(token_.begin, "comparisons can't be chained", "write a < b && b < c, or put one in parentheses");
-  return add(found->second, Type::boolean, expression_.nodes_[*left].begin, last_end_, *left, *right);
-}
-
-ExpressionParser::Made ExpressionParser::sum() {
-  Made left = product();
-  while (left && (is_symbol("+") || is_symbol("-"))) {
-    const std::string symbol = token_.text;
-    if (!demand(*left, Type::number, symbol) || !advance()) return std::nullopt;
-    const Made right = product();
-    if (!right || !demand(*right, Type::number, symbol)) return std::nullopt;
-    left = add(symbol == "+" ? Op::add : Op::subtract, Type::number, expression_.nodes_[*left].begin, last_end_, *left,
-               *right);
-  }
-  return left;
-}
-
-ExpressionParser::Made ExpressionParser::product() {
-  Made left = unary();
-  while (left && (is_symbol("*") || is_symbol("/"))) {
-    const std::string symbol = token_.text;
-    if (!demand(*left, Type::number, symbol) || !advance()) return std::nullopt;
-    const Made right = unary();
-    if (!right || !demand(*right, Type::number, symbol)) return std::nullopt;
-    left = add(symbol == "*" ? Op::multiply : Op::divide, Type::number, expression_.nodes_[*left].begin, last_end_,
-               *left, *right);
-  }
-  return left;
+  return add(here->op, Type::boolean, expression_.nodes_[*left].begin, last_end_, *left, *right);
 }
 
 ExpressionParser::Made ExpressionParser::unary() {

@@ -1,8 +1,10 @@
 // Parses tokens into an Expression, by recursive descent; it also checks types. Internal.
 #pragma once
 
-#include "expression.h"
+#include <initializer_list>
+#include <span>
 
+#include "expression.h"
 #include "expression_lexer.h"
 
 namespace rehearse {
@@ -54,6 +56,12 @@ class ExpressionParser {
   using Type = Expression::Type;
   /// The index of a node; nullopt: failed_ has the reason.
   using Made = std::optional<std::size_t>;
+  /// Parses one kind of part.
+  using Rule = Made (ExpressionParser::*)();
+  struct Operator {
+    std::string_view symbol;
+    Op op;
+  };
 
   bool advance();
   Made fail(std::size_t at, std::string message, std::string hint = {});
@@ -62,11 +70,15 @@ class ExpressionParser {
   bool demand(std::size_t node, Type type, std::string_view who);
   std::size_t add(Op op, Type type, std::size_t begin, std::size_t end, std::size_t left = 0, std::size_t right = 0);
 
-  Made any_of();
-  Made all_of();
+  /// The operator at the current token; null: none of these is there.
+  const Operator* operator_here(std::span<const Operator> operators) const;
+  /// Parses operands of a type with operators of one rank between them, which are evaluated from left to right.
+  Made chain(Rule operand, std::initializer_list<Operator> operators, Type type);
+  Made any_of() { return chain(&ExpressionParser::all_of, {{"||", Op::logical_or}}, Type::boolean); }
+  Made all_of() { return chain(&ExpressionParser::comparison, {{"&&", Op::logical_and}}, Type::boolean); }
   Made comparison();
-  Made sum();
-  Made product();
+  Made sum() { return chain(&ExpressionParser::product, {{"+", Op::add}, {"-", Op::subtract}}, Type::number); }
+  Made product() { return chain(&ExpressionParser::unary, {{"*", Op::multiply}, {"/", Op::divide}}, Type::number); }
   Made unary();
   Made primary();
   Made name(const ExpressionToken& word);

@@ -111,8 +111,7 @@ std::shared_ptr<const MessageFinder::Content> MessageFinder::open_chunk(const Pl
   const mcap::OpenedChunk opened = opener.open(record, content->buffer);
   if (opened.fault == mcap::OpenedChunk::Fault::too_short) return content;
   if (!opened.ok()) {
-    Diagnostic finding = error(opener.describe(opened));
-    finding.file = reader_->name();
+    Diagnostic finding = error_in(reader_->name(), opener.describe(opened));
     const bool known = std::any_of(damage_.begin(), damage_.end(),
                                    [&](const Diagnostic& other) { return other.message == finding.message; });
     if (!known) damage_.push_back(std::move(finding));

@@ -46,11 +46,9 @@ Result<std::size_t> find_name(std::string_view wanted, const std::vector<std::st
   }
   if (found.size() == 1) return found.front();
   if (found.empty()) return error(fmt::format("there is no {} '{}'", kind, wanted), nearest(wanted, names));
-  std::string candidates;
-  for (std::size_t i = 0; i < std::min(found.size(), most_shown); ++i)
-    candidates += (i > 0 ? ", " : "") + names[found[i]];
-  if (found.size() > most_shown) candidates += fmt::format(" and {} more", found.size() - most_shown);
-  return error(fmt::format("'{}' may be one of {} {}", wanted, found.size(), kind), candidates);
+  std::vector<std::string> candidates;
+  for (const std::size_t index : found) candidates.push_back(names[index]);
+  return error(fmt::format("'{}' may be one of {} {}", wanted, found.size(), kind), listed(candidates, most_shown));
 }
 
 }  // namespace rehearse

@@ -14,7 +14,6 @@
 #include "model/clock.h"
 #include "replay/replay_recording.h"
 #include "trace/channel_name.h"
-#include "trace/float64_message.h"
 
 namespace rehearse {
 namespace {
@@ -50,13 +49,15 @@ class ScratchFile {
   std::filesystem::path path_;
 };
 
-Diagnostic warning(std::string message, std::string hint = {}) {
-  Diagnostic diagnostic = error(std::move(message), std::move(hint));
-  diagnostic.severity = Severity::warning;
-  return diagnostic;
-}
-
 }  // namespace
+
+std::optional<std::uint64_t> nearest_message(MessageFinder& finder, std::uint16_t channel, std::uint64_t time,
+                                             Direction direction) {
+  if (direction == Direction::backwards && time == 0) return std::nullopt;
+  const auto found =
+      direction == Direction::forwards ? finder.next(channel, time + 1) : finder.latest(channel, time - 1);
+  return found ? std::optional(found->time) : std::nullopt;
+}
 
 /// Writes the outputs of a replay into the file.
 class ReplayedOutputs::Writing {
@@ -142,8 +143,7 @@ std::unique_ptr<ReplayedOutputs> ReplayedOutputs::make(mcap::Reader& trace, cons
   const Result<ReplayReport> report = replay_recording(trace, scenario, replaying, Damage::tolerate);
   writing.flush();
   if (!report) {
-    made->remarks_ = report.errors();
-    for (Diagnostic& remark : made->remarks_) remark.severity = Severity::warning;
+    append_as_warnings(report.errors(), made->remarks_);
     made->remarks_.push_back(warning("the controllers can't be replayed: all shown values are recorded ones"));
     return made;
   }
@@ -206,14 +206,12 @@ bool ReplayedOutputs::differs_at(std::uint64_t time) const {
   return finder_ && finder_->latest(differences_, time, time).has_value();
 }
 
-std::optional<std::uint64_t> ReplayedOutputs::next(std::uint16_t channel, std::uint64_t time) const {
-  const auto found = finder_ ? finder_->next(channel, time + 1) : std::nullopt;
-  return found ? std::optional(found->time) : std::nullopt;
+std::optional<std::uint64_t> ReplayedOutputs::difference_beside(std::uint64_t time, Direction direction) const {
+  return finder_ ? nearest_message(*finder_, differences_, time, direction) : std::nullopt;
 }
 
-std::optional<std::uint64_t> ReplayedOutputs::before(std::uint16_t channel, std::uint64_t time) const {
-  const auto found = finder_ && time > 0 ? finder_->latest(channel, time - 1) : std::nullopt;
-  return found ? std::optional(found->time) : std::nullopt;
+std::optional<std::uint64_t> ReplayedOutputs::event_beside(std::uint64_t time, Direction direction) const {
+  return finder_ ? nearest_message(*finder_, events_, time, direction) : std::nullopt;
 }
 
 }  // namespace rehearse

@@ -19,6 +19,10 @@
 
 namespace rehearse {
 
+/// The log time of the nearest message of the channel after that time (or before it, backwards) [ns].
+std::optional<std::uint64_t> nearest_message(MessageFinder& finder, std::uint16_t channel, std::uint64_t time,
+                                             Direction direction);
+
 class ReplayedOutputs {
  public:
   /// Makes the replay. Never fails: failures are reported in remarks().
@@ -37,11 +41,10 @@ class ReplayedOutputs {
   /// The messages of the controllers in the tick, and the messages about them.
   std::vector<msg::Event> events(std::uint64_t time) const;
   bool differs_at(std::uint64_t time) const;
-  // The log time of the nearest tick with a difference, or with an event, after or before that time.
-  std::optional<std::uint64_t> next_difference(std::uint64_t time) const { return next(differences_, time); }
-  std::optional<std::uint64_t> difference_before(std::uint64_t time) const { return before(differences_, time); }
-  std::optional<std::uint64_t> next_event(std::uint64_t time) const { return next(events_, time); }
-  std::optional<std::uint64_t> event_before(std::uint64_t time) const { return before(events_, time); }
+  /// The log time of the nearest tick with a difference after that time (or before it, backwards).
+  std::optional<std::uint64_t> difference_beside(std::uint64_t time, Direction direction) const;
+  /// As difference_beside(), of a tick with an event.
+  std::optional<std::uint64_t> event_beside(std::uint64_t time, Direction direction) const;
 
  private:
   class Writing;
@@ -49,9 +52,6 @@ class ReplayedOutputs {
     std::string channel, element, unit, note;
     Stage stage = Stage::controller;
   };
-
-  std::optional<std::uint64_t> next(std::uint16_t channel, std::uint64_t time) const;
-  std::optional<std::uint64_t> before(std::uint16_t channel, std::uint64_t time) const;
 
   double time_step_ = 0.0;
   std::vector<Place> places_;  // a difference in the file has the index of its place

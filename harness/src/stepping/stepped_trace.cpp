@@ -15,11 +15,6 @@
 namespace rehearse {
 namespace {
 
-Diagnostic in_trace(const mcap::Reader& trace, Diagnostic diagnostic) {
-  diagnostic.file = trace.name();
-  return diagnostic;
-}
-
 std::vector<std::string> all_links(const Scenario& scenario) {
   std::vector<std::string> links;
   for (const ScenarioBody& body : scenario.bodies)
@@ -47,7 +42,7 @@ SteppedTrace::Impl::Impl(std::unique_ptr<MessageFinder> finder, Scenario scenari
 Result<void> SteppedTrace::Impl::find_ticks() {
   const mcap::Reader& reader = finder_->reader();
   const auto channel = channel_of(reader, run_topics::tick);
-  const Diagnostic nothing = in_trace(reader, error("it has no ticks: nothing of the run was recorded"));
+  const Diagnostic nothing = error_in(reader.name(), "it has no ticks: nothing of the run was recorded");
   if (!channel) return nothing;
   const auto number = [](const std::optional<MessageFinder::Found>& found) -> std::optional<std::int64_t> {
     msg::Tick tick;
@@ -63,19 +58,17 @@ Result<void> SteppedTrace::Impl::find_ticks() {
     return nothing;
   }
   if (found->time != ns(*first))
-    return in_trace(reader, error(fmt::format("its tick {} isn't at the time of that tick", *first),
-                                  "a recording keeps the times of the simulation"));
+    return error_in(reader.name(), fmt::format("its tick {} isn't at the time of that tick", *first),
+                    "a recording keeps the times of the simulation");
   first_tick_ = *first;
   last_tick_ = *last;
   const auto outcome = RunFacts::of(reader).outcome;
   if (outcome && outcome->ticks) last_tick_ = std::min(last_tick_, *outcome->ticks - 1);
   if (last_tick_ < first_tick_) return nothing;
   if (first_tick_ > 1 && contacts_.is_recorded()) {  // tick 1 has the pairs that touch from the beginning
-    Diagnostic& remark = remarks_.emplace_back(in_trace(
-        reader,
-        error(fmt::format("it begins at tick {}: it lacks earlier contacts, and has only later changes of contact",
-                          first_tick_))));
-    remark.severity = Severity::warning;
+    Diagnostic& remark = remarks_.emplace_back(warning(fmt::format(
+        "it begins at tick {}: it lacks earlier contacts, and has only later changes of contact", first_tick_)));
+    remark.file = reader.name();
   }
   return {};
 }
@@ -84,9 +77,9 @@ Result<void> SteppedTrace::Impl::replay(const SteppingOptions& options) {
   if (options.last_tick && (*options.last_tick > last_tick_ || *options.last_tick < first_tick_)) {
     const bool is_late = *options.last_tick > last_tick_;
     const std::int64_t nearest = is_late ? last_tick_ : first_tick_;
-    return in_trace(finder_->reader(),
-                    error(fmt::format("there is no tick {}: the {} is {} ({:.10g} s)", *options.last_tick,
-                                      is_late ? "last" : "first", nearest, time_of(nearest, scenario_.time_step))));
+    return error_in(finder_->reader().name(),
+                    fmt::format("there is no tick {}: the {} is {} ({:.10g} s)", *options.last_tick,
+                                is_late ? "last" : "first", nearest, time_of(nearest, scenario_.time_step)));
   }
   std::optional<double> until;
   std::optional<std::int64_t> last = options.last_tick;
@@ -133,10 +126,7 @@ Result<std::unique_ptr<SteppedTrace>> SteppedTrace::open(const std::filesystem::
   auto scenario = scenario_of((*finder)->reader());
   if (!scenario) return scenario.errors();
   auto impl = std::make_unique<Impl>(std::move(*finder), std::move(*scenario));
-  for (Diagnostic remark : mcap::with_recover_hint(impl->finder_->reader().damage())) {
-    remark.severity = Severity::warning;
-    impl->remarks_.push_back(std::move(remark));
-  }
+  append_as_warnings(mcap::with_recover_hint(impl->finder_->reader().damage()), impl->remarks_);
   if (auto found = impl->find_ticks(); !found) return found.errors();
   if (auto replayed = impl->replay(options); !replayed) return replayed.errors();
   return std::unique_ptr<SteppedTrace>(new SteppedTrace(std::move(impl)));

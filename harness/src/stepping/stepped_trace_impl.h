@@ -38,10 +38,6 @@ class SteppedTrace::Impl {
   /// Cached for the last requested ticks.
   const std::vector<Divergence>& differences(std::int64_t tick);
 
-  std::optional<std::uint64_t> event_after(std::uint64_t now);
-  std::optional<std::uint64_t> event_before(std::uint64_t now);
-  bool begins_to_differ(std::uint64_t time);
-
   std::unique_ptr<MessageFinder> finder_;
   Scenario scenario_;
   RecordedTicks recorded_;

@@ -140,57 +140,27 @@ std::vector<ViewContact> SteppedTrace::contacts(std::int64_t tick) {
 
 std::vector<Divergence> SteppedTrace::differences(std::int64_t tick) { return impl_->differences(tick); }
 
-std::optional<std::uint64_t> SteppedTrace::Impl::event_after(std::uint64_t now) {
-  std::optional<std::uint64_t> nearest = replayed_->next_event(now);
-  for (const auto& channel : {events_, contact_changes_}) {
-    const auto found = channel ? finder_->next(*channel, now + 1) : std::nullopt;
-    if (found && (!nearest || found->time < *nearest)) nearest = found->time;
-  }
-  return nearest;
-}
-
-std::optional<std::uint64_t> SteppedTrace::Impl::event_before(std::uint64_t now) {
-  if (now == 0) return std::nullopt;
-  std::optional<std::uint64_t> nearest = replayed_->event_before(now);
-  for (const auto& channel : {events_, contact_changes_}) {
-    const auto found = channel ? finder_->latest(*channel, now - 1) : std::nullopt;
-    if (found && (!nearest || found->time > *nearest)) nearest = found->time;
-  }
-  return nearest;
-}
-
-/// True if the controllers differ in this tick, but not in the tick before.
-bool SteppedTrace::Impl::begins_to_differ(std::uint64_t time) {
-  const std::int64_t tick = tick_of(time);
-  return tick == first_tick_ || !replayed_->differs_at(ns(tick - 1));
-}
-
-std::optional<std::int64_t> SteppedTrace::next_happening(std::int64_t tick) {
+std::optional<std::int64_t> SteppedTrace::happening(std::int64_t tick, Direction direction) {
+  const auto is_nearer = [direction](std::optional<std::uint64_t> time, std::optional<std::uint64_t> than) {
+    if (!time || !than) return time.has_value();
+    return direction == Direction::forwards ? *time < *than : *time > *than;
+  };
+  const ReplayedOutputs& replayed = *impl_->replayed_;
   const std::uint64_t now = impl_->ns(tick);
-  std::optional<std::uint64_t> nearest = impl_->event_after(now);
-  for (auto differs = impl_->replayed_->next_difference(now); differs && (!nearest || *differs < *nearest);
-       differs = impl_->replayed_->next_difference(*differs)) {
-    if (!impl_->begins_to_differ(*differs)) continue;
-    nearest = differs;
-    break;
+  std::optional<std::uint64_t> nearest = replayed.event_beside(now, direction);
+  for (const auto& channel : {impl_->events_, impl_->contact_changes_}) {
+    const auto found = channel ? nearest_message(*impl_->finder_, *channel, now, direction) : std::nullopt;
+    if (is_nearer(found, nearest)) nearest = found;
+  }
+  for (auto differs = replayed.difference_beside(now, direction); is_nearer(differs, nearest);
+       differs = replayed.difference_beside(*differs, direction)) {
+    const std::int64_t at = impl_->tick_of(*differs);
+    const bool begins = at == first_tick() || !differs_at(at - 1);
+    if (begins) nearest = differs;
   }
   if (!nearest) return std::nullopt;
   const std::int64_t at = impl_->tick_of(*nearest);
-  return at <= last_tick() ? std::optional(at) : std::nullopt;
-}
-
-std::optional<std::int64_t> SteppedTrace::happening_before(std::int64_t tick) {
-  const std::uint64_t now = impl_->ns(tick);
-  std::optional<std::uint64_t> nearest = impl_->event_before(now);
-  for (auto differs = impl_->replayed_->difference_before(now); differs && (!nearest || *differs > *nearest);
-       differs = impl_->replayed_->difference_before(*differs)) {
-    if (!impl_->begins_to_differ(*differs)) continue;
-    nearest = differs;
-    break;
-  }
-  if (!nearest) return std::nullopt;
-  const std::int64_t at = impl_->tick_of(*nearest);
-  return at >= first_tick() ? std::optional(at) : std::nullopt;
+  return at >= first_tick() && at <= last_tick() ? std::optional(at) : std::nullopt;
 }
 
 bool find_spans(const Expression& expression, SteppedTrace& trace, std::int64_t first, std::int64_t last,

@@ -95,6 +95,8 @@ struct TickView {
   std::vector<Divergence> differences;  // differences of the controllers from the recording
 };
 
+enum class Direction { forwards, backwards };
+
 class SteppedTrace : public ExpressionSource {
  public:
   /// Fails if the file is no recording of Rehearse, or has no tick.
@@ -125,8 +127,7 @@ class SteppedTrace : public ExpressionSource {
   std::vector<Divergence> differences(std::int64_t tick);
   /// The nearest tick after (or before) that tick in which the controllers begin to differ, a message is written, or a
   /// contact begins or ends.
-  std::optional<std::int64_t> next_happening(std::int64_t tick);
-  std::optional<std::int64_t> happening_before(std::int64_t tick);
+  std::optional<std::int64_t> happening(std::int64_t tick, Direction direction);
 
   /// All series that are known, sorted.
   const std::vector<std::string>& series_names();
@@ -175,7 +176,6 @@ bool find_spans(const Expression& expression, SteppedTrace& trace, std::int64_t 
 
 /// The nearest tick after `from` (or before it, backwards) in which the expression is true, and false in the tick
 /// passed before. None: there is no such tick, or the search was interrupted.
-enum class Direction { forwards, backwards };
 std::optional<std::int64_t> find_tick(const Expression& expression, SteppedTrace& trace, std::int64_t from,
                                       Direction direction, const std::function<bool()>& interrupted = nullptr);
 

@@ -262,9 +262,8 @@ bool& ControllerBench::button(std::string_view name) {
 
 void ControllerBench::update_links() {
   Impl& bench = *impl_;
-  Eigen::Isometry3d root = Eigen::Isometry3d::Identity();
-  root.linear() = Eigen::Quaterniond(bench.links[0].rotation).normalized().toRotationMatrix();
-  root.translation() = bench.links[0].position;
+  const Eigen::Isometry3d root =
+      pose_of(bench.links[0].position, Eigen::Quaterniond(bench.links[0].rotation).normalized());
   std::vector<double> q;
   for (const BenchJoint& joint : bench.joints) q.push_back(joint.q);
   const std::vector<Eigen::Isometry3d> poses = forward_kinematics(bench.model(), root, q);

@@ -8,7 +8,6 @@
 #include <optional>
 #include <utility>
 
-#include "float64_message.h"
 #include "mcap/glob.h"
 
 namespace rehearse {
@@ -247,17 +246,11 @@ const std::vector<ChannelElement>& elements_of(ChannelKind kind) {
 
 bool may_match(std::string_view topic, std::string_view pattern) {
   const ChannelKind kind = ChannelName::parse(topic).kind;
-  switch (kind) {
-    case ChannelKind::image:
-    case ChannelKind::depth: return false;
-    case ChannelKind::pose:
-    case ChannelKind::twist:
-    case ChannelKind::acceleration:
-    case ChannelKind::wrench:
-    case ChannelKind::imu:
-    case ChannelKind::contact: break;
-    default: return true;  // its messages name their elements
-  }
+  if (kind == ChannelKind::image || kind == ChannelKind::depth) return false;
+  constexpr ChannelKind fixed[] = {ChannelKind::pose,   ChannelKind::twist, ChannelKind::acceleration,
+                                   ChannelKind::wrench, ChannelKind::imu,   ChannelKind::contact};
+  const bool names_elements = std::ranges::find(fixed, kind) == std::end(fixed);  // in its messages
+  if (names_elements) return true;
   const std::string whole = std::string(topic.substr(1)) + '/';  // the prefix of a second channel with that name
   return std::ranges::any_of(elements_of(kind), [&](const ChannelElement& element) {
     return matches(pattern, series_name(topic, element.name)) || matches(pattern, whole + element.name);

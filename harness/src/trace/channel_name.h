@@ -21,7 +21,7 @@ enum class ChannelKind : std::uint8_t {
   events,
   contact_changes,
   checkpoint,
-  joints,
+  joints,  // from here to `contact`: the kinds of is_state() in state_rate.h
   measured_joints,
   joint_accelerations,
   pose,

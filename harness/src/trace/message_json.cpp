@@ -10,29 +10,11 @@
 #include <iterator>
 #include <vector>
 
+#include "model/text.h"
+
 namespace rehearse {
 
 namespace {
-
-/// The length of the UTF-8 sequence at the beginning of the text; 0 if there is none.
-std::size_t utf8_length(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
-  const std::uint8_t head = byte(0);
-  const std::size_t length = head < 0x80   ? 1
-                             : head < 0xc2 ? 0
-                             : head < 0xe0 ? 2
-                             : head < 0xf0 ? 3
-                             : head < 0xf5 ? 4
-                                           : 0;
-  if (length == 0 || length > text.size()) return 0;
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((byte(i) & 0xc0) != 0x80) return 0;
-  }
-  // Refuses overlong sequences, halves of UTF-16 pairs, and values beyond the last character.
-  if ((head == 0xe0 && byte(1) < 0xa0) || (head == 0xed && byte(1) >= 0xa0)) return 0;
-  if ((head == 0xf0 && byte(1) < 0x90) || (head == 0xf4 && byte(1) >= 0x90)) return 0;
-  return length;
-}
 
 void append_escaped(std::string& json, char c) {
   switch (c) {
@@ -83,18 +65,22 @@ void append_json(std::string& json, double number) {
   }
 }
 
-void append_base64(std::string& json, std::span<const std::byte> bytes) {
-  constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  json.reserve(json.size() + (bytes.size() + 2) / 3 * 4 + 2);
-  json += '"';
+void append_base64(std::string& text, std::span<const std::byte> bytes) {
+  constexpr std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  const auto number = [&](std::size_t i) { return std::to_integer<std::uint32_t>(bytes[i]); };
+  const std::size_t begin = text.size();
+  text.resize(begin + (bytes.size() + 2) / 3 * 4);
+  char* to = text.data() + begin;
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t bits = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      bits = bits << 8 | (k < count ? std::to_integer<std::uint32_t>(bytes[i + k]) : 0);
-    for (std::size_t k = 0; k < 4; ++k) json += k <= count ? alphabet[bits >> (18 - 6 * k) & 63] : '=';
+    const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t bits = number(i) << 16;
+    if (left > 1) bits |= number(i + 1) << 8;
+    if (left > 2) bits |= number(i + 2);
+    *to++ = letters[bits >> 18];
+    *to++ = letters[bits >> 12 & 63];
+    *to++ = left > 1 ? letters[bits >> 6 & 63] : '=';
+    *to++ = left > 2 ? letters[bits & 63] : '=';
   }
-  json += '"';
 }
 
 namespace ros2msg {
@@ -134,7 +120,11 @@ class TextVisitor : public Visitor {
       case Kind::floating: append_json(text_, value.number); break;
       case Kind::boolean: text_ += value.unsigned_integer != 0 ? "true" : "false"; break;
       case Kind::text: append_json(text_, value.text); break;
-      case Kind::blob: append_base64(text_, value.blob); break;
+      case Kind::blob:
+        text_ += '"';
+        append_base64(text_, value.blob);
+        text_ += '"';
+        break;
     }
   }
 

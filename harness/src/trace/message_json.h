@@ -34,7 +34,7 @@ namespace rehearse {
 void append_json(std::string& json, std::string_view text);
 /// Appends the number as described above.
 void append_json(std::string& json, double number);
-/// Appends the bytes as a JSON string in base64 (RFC 4648, with padding).
-void append_base64(std::string& json, std::span<const std::byte> bytes);
+/// Appends the bytes in base64 (RFC 4648, with padding), without quotes.
+void append_base64(std::string& text, std::span<const std::byte> bytes);
 
 }  // namespace rehearse

@@ -94,9 +94,9 @@ void MessagePrinter::print_json(const mcap::Message& message, const mcap::Schema
     text_ += ",\"error\":";
     append_json(text_, problem);
   }
-  text_ += ",\"data\":";
+  text_ += ",\"data\":\"";
   append_base64(text_, message.data);
-  text_ += '}';
+  text_ += "\"}";
 }
 
 void MessagePrinter::print_line(const mcap::Message& message, const mcap::Schema* schema) {

@@ -19,7 +19,8 @@ struct HeldByType {
   std::array<std::string_view, 5> patterns;
 };
 
-constexpr std::array<HeldByType, 13> held_by_type{{
+constexpr std::array<HeldByType, 14> held_by_type{{
+    {msg::Tick::type_name, {"tick", "state_hash", "input_hash", "output_hash", "controller_results/*"}},
     {msg::JointState::type_name, {"name/*", "position/*", "velocity/*", "effort/*"}},
     {msg::JointAccelerations::type_name, {"name/*", "acceleration/*"}},
     {msg::Joy::type_name, {"axes/*", "buttons/*"}},
@@ -35,9 +36,6 @@ constexpr std::array<HeldByType, 13> held_by_type{{
     {msg::TFMessage::type_name, {"transforms/*/child_frame_id", "transforms/*/transform/*"}},
 }};
 
-constexpr std::array<std::string_view, 5> held_of_tick{"tick", "state_hash", "input_hash", "output_hash",
-                                                       "controller_results/*"};
-
 constexpr std::byte no_stamp{0xff};  // replaces the log time: no stamp has so many nanoseconds
 
 std::uint32_t number_at(mcap::Bytes payload, std::size_t position) {
@@ -51,9 +49,7 @@ std::uint32_t number_at(mcap::Bytes payload, std::size_t position) {
 HeldValues::HeldValues(std::string_view type) {
   const auto known = std::find_if(held_by_type.begin(), held_by_type.end(),
                                   [type](const HeldByType& held) { return held.type == type; });
-  if (type == msg::Tick::type_name) {
-    patterns_.assign(held_of_tick.begin(), held_of_tick.end());
-  } else if (known == held_by_type.end()) {
+  if (known == held_by_type.end()) {
     any_number_ = true;
   } else {
     std::copy_if(known->patterns.begin(), known->patterns.end(), std::back_inserter(patterns_),

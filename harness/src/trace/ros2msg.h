@@ -93,8 +93,6 @@ class Decoder {
  public:
   explicit Decoder(Schema schema) : schema_(std::move(schema)) {}
 
-  const Schema& schema() const { return schema_; }
-
   /// Calls `callback` for every value in the order of the payload. False if the payload (CDR) ends too early, isn't
   /// CDR, or violates a bound; the values before were delivered. Bytes left over at the end are ignored.
   bool decode(std::span<const std::byte> payload, const std::function<void(const Value&)>& callback);

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <vector>
 
@@ -51,27 +53,39 @@ bool is_floating(std::string_view text) {
   return status != std::errc::invalid_argument && end == text.data() + text.size();
 }
 
-bool is_value(Primitive primitive, std::string_view text) {
-  switch (primitive) {
-    case Primitive::boolean: return is_boolean(text);
-    case Primitive::int8: return is_integer<std::int8_t>(text);
-    case Primitive::uint8: return is_integer<std::uint8_t>(text);
-    case Primitive::int16: return is_integer<std::int16_t>(text);
-    case Primitive::uint16: return is_integer<std::uint16_t>(text);
-    case Primitive::int32: return is_integer<std::int32_t>(text);
-    case Primitive::uint32: return is_integer<std::uint32_t>(text);
-    case Primitive::int64: return is_integer<std::int64_t>(text);
-    case Primitive::uint64: return is_integer<std::uint64_t>(text);
-    case Primitive::float32:
-    case Primitive::float64: return is_floating(text);
-    case Primitive::string: break;
-  }
+bool is_string(std::string_view text) {
   const bool begins_quoted = !text.empty() && (text.front() == '"' || text.front() == '\'');
   return !begins_quoted || is_quoted(text);
 }
 
+struct PrimitiveForm {
+  std::string_view name;
+  Primitive primitive;
+  bool (*is_value)(std::string_view text);
+};
+
+/// The usual name of a primitive comes first.
+constexpr PrimitiveForm primitive_forms[] = {{"bool", Primitive::boolean, is_boolean},
+                                             {"int8", Primitive::int8, is_integer<std::int8_t>},
+                                             {"uint8", Primitive::uint8, is_integer<std::uint8_t>},
+                                             {"int16", Primitive::int16, is_integer<std::int16_t>},
+                                             {"uint16", Primitive::uint16, is_integer<std::uint16_t>},
+                                             {"int32", Primitive::int32, is_integer<std::int32_t>},
+                                             {"uint32", Primitive::uint32, is_integer<std::uint32_t>},
+                                             {"int64", Primitive::int64, is_integer<std::int64_t>},
+                                             {"uint64", Primitive::uint64, is_integer<std::uint64_t>},
+                                             {"float32", Primitive::float32, is_floating},
+                                             {"float64", Primitive::float64, is_floating},
+                                             {"string", Primitive::string, is_string},
+                                             {"byte", Primitive::uint8, is_integer<std::uint8_t>},
+                                             {"char", Primitive::uint8, is_integer<std::uint8_t>}};
+
+const PrimitiveForm& form_of(Primitive primitive) {
+  return *std::ranges::find(primitive_forms, primitive, &PrimitiveForm::primitive);
+}
+
 std::string element_problem(const FieldType& type, std::string_view text) {
-  if (!is_value(type.primitive, text)) return fmt::format("'{}' is no {}", text, name_of(type.primitive));
+  if (!form_of(type.primitive).is_value(text)) return fmt::format("'{}' is no {}", text, name_of(type.primitive));
   if (type.primitive != Primitive::string || type.string_bound == 0) return {};
   const std::size_t size = is_quoted(text) ? text.size() - 2 : text.size();
   if (size <= type.string_bound) return {};
@@ -126,22 +140,11 @@ std::string_view without_quotes(const FieldType& type, std::string_view text) {
   return quoted ? text.substr(1, text.size() - 2) : text;
 }
 
-std::string_view name_of(Primitive primitive) {
-  switch (primitive) {
-    case Primitive::boolean: return "bool";
-    case Primitive::int8: return "int8";
-    case Primitive::uint8: return "uint8";
-    case Primitive::int16: return "int16";
-    case Primitive::uint16: return "uint16";
-    case Primitive::int32: return "int32";
-    case Primitive::uint32: return "uint32";
-    case Primitive::int64: return "int64";
-    case Primitive::uint64: return "uint64";
-    case Primitive::float32: return "float32";
-    case Primitive::float64: return "float64";
-    case Primitive::string: break;
-  }
-  return "string";
+std::string_view name_of(Primitive primitive) { return form_of(primitive).name; }
+
+std::optional<Primitive> find_primitive(std::string_view name) {
+  const auto found = std::ranges::find(primitive_forms, name, &PrimitiveForm::name);
+  return found == std::end(primitive_forms) ? std::nullopt : std::optional(found->primitive);
 }
 
 }  // namespace rehearse::ros2msg

@@ -1,6 +1,7 @@
 // Values of constants and defaults in schemas. Internal.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -20,5 +21,7 @@ std::string_view trim(std::string_view text);
 
 /// "uint8", "string".
 std::string_view name_of(Primitive primitive);
+/// The primitive of that name, `byte` and `char` included; nullopt if there is none.
+std::optional<Primitive> find_primitive(std::string_view name);
 
 }  // namespace rehearse::ros2msg

@@ -4,42 +4,29 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <utility>
 
+#include "model/text.h"
 #include "ros2msg.h"
 
 namespace rehearse::ros2msg {
 
 namespace {
 
-struct PrimitiveName {
+/// A type that needs no definition, because many writers leave it out.
+struct WellKnown {
   std::string_view name;
-  Primitive primitive;
+  std::array<std::string_view, 4> fields;  // the last ones may be empty
 };
-constexpr std::array<PrimitiveName, 14> primitive_names{{{"bool", Primitive::boolean},
-                                                         {"byte", Primitive::uint8},
-                                                         {"char", Primitive::uint8},
-                                                         {"int8", Primitive::int8},
-                                                         {"uint8", Primitive::uint8},
-                                                         {"int16", Primitive::int16},
-                                                         {"uint16", Primitive::uint16},
-                                                         {"int32", Primitive::int32},
-                                                         {"uint32", Primitive::uint32},
-                                                         {"int64", Primitive::int64},
-                                                         {"uint64", Primitive::uint64},
-                                                         {"float32", Primitive::float32},
-                                                         {"float64", Primitive::float64},
-                                                         {"string", Primitive::string}}};
-
-std::optional<Primitive> find_primitive(std::string_view name) {
-  for (const auto& entry : primitive_names) {
-    if (entry.name == name) return entry.primitive;
-  }
-  return std::nullopt;
-}
+constexpr WellKnown well_known[] = {
+    {"builtin_interfaces/Time", {"int32 sec", "uint32 nanosec"}},
+    {"builtin_interfaces/Duration", {"int32 sec", "uint32 nanosec"}},
+    {"std_msgs/Header", {"builtin_interfaces/Time stamp", "string frame_id"}},
+    {"service_msgs/ServiceEventInfo",
+     {"uint8 event_type", "builtin_interfaces/Time stamp", "uint8[16] client_gid", "int64 sequence_number"}}};
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
@@ -74,10 +61,8 @@ std::string_view without_comment(std::string_view line) {
 }
 
 std::optional<std::uint32_t> parse_count(std::string_view text) {
-  std::uint32_t count = 0;
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), count);
-  if (status != std::errc() || end != text.data() + text.size() || count == 0) return std::nullopt;
-  return count;
+  const auto count = number_in<std::uint32_t>(text);
+  return count && *count > 0 ? count : std::nullopt;
 }
 
 /// sensor_msgs/msg/Imu and sensor_msgs/Imu are the same type.
@@ -378,42 +363,17 @@ std::optional<std::size_t> Parser::find_definition(std::string_view type, std::s
   return type == "Header" ? find("std_msgs/Header") : std::nullopt;
 }
 
-/// Adds a well-known type, which many writers leave out.
+/// Adds a well-known type. Must be called after the text is parsed.
 std::optional<std::size_t> Parser::add_known(std::string_view type) {
-  const auto field = [](const char* name, Primitive primitive) {
-    FieldType single;
-    single.primitive = primitive;
-    return FieldDefinition{name, single, {}};
-  };
+  if (type == "Header") type = "std_msgs/Header";
+  const auto known = std::ranges::find(well_known, type, &WellKnown::name);
+  if (known == std::end(well_known)) return std::nullopt;
   const std::size_t index = schema_.definitions.size();
-  if (type == "builtin_interfaces/Time" || type == "builtin_interfaces/Duration") {
-    by_name_.emplace(type, index);
-    schema_.definitions.push_back(
-        {std::string(type), {field("sec", Primitive::int32), field("nanosec", Primitive::uint32)}, {}});
-    return index;
-  }
-  if (type == "service_msgs/ServiceEventInfo") {
-    by_name_.emplace(type, index);
-    FieldDefinition stamp = field("stamp", Primitive::boolean), client = field("client_gid", Primitive::uint8);
-    stamp.type.is_message = true;
-    client.type.shape = FieldType::Shape::array;
-    client.type.count = 16;
-    schema_.definitions.push_back(
-        {std::string(type),
-         {field("event_type", Primitive::uint8), stamp, client, field("sequence_number", Primitive::int64)},
-         {}});
-    open_fields_.push_back({index, 1, "builtin_interfaces/Time", 0});
-    return index;
-  }
-  if (type == "std_msgs/Header" || type == "Header") {
-    by_name_.emplace("std_msgs/Header", index);
-    FieldDefinition stamp = field("stamp", Primitive::boolean);
-    stamp.type.is_message = true;
-    schema_.definitions.push_back({"std_msgs/Header", {stamp, field("frame_id", Primitive::string)}, {}});
-    open_fields_.push_back({index, 0, "builtin_interfaces/Time", 0});
-    return index;
-  }
-  return std::nullopt;
+  add_definition(std::string(type));
+  line_ = 0;  // its fields have no line in the text
+  for (const std::string_view field : known->fields)
+    if (!field.empty()) parse_declaration(field);
+  return index;
 }
 
 void Parser::check_cycles() {

@@ -5,7 +5,8 @@
 #include <rehearse/trace.h>
 
 #include <algorithm>
-#include <charconv>
+
+#include "model/text.h"
 
 namespace rehearse {
 namespace {
@@ -13,12 +14,7 @@ namespace {
 /// The number of a key; nullopt: not stated, or not a number.
 template <class Number>
 std::optional<Number> number_of(const mcap::StringMap& metadata, const char* key) {
-  const auto found = metadata.find(key);
-  if (found == metadata.end()) return std::nullopt;
-  Number number{};
-  const char* const end = found->second.data() + found->second.size();
-  const auto [at, problem] = std::from_chars(found->second.data(), end, number);
-  return problem == std::errc() && at == end ? std::optional(number) : std::nullopt;
+  return number_in<Number>(stated(metadata, key));
 }
 
 std::optional<std::string> text_of(const mcap::StringMap& metadata, const char* key) {
@@ -133,5 +129,14 @@ RunFacts RunFacts::of(const std::vector<mcap::Metadata>& metadata) {
 
 RunFacts RunFacts::of(const mcap::Reader& recording) { return of(recording.metadata()); }
 RunFacts RunFacts::of(const Trace& recording) { return of(recording.metadata()); }
+
+Result<void> check_trace_version(const std::vector<mcap::Metadata>& metadata, const std::string& file) {
+  const RunFacts run = RunFacts::of(metadata);
+  const std::string version = run.stated(facts::trace_version), writer = run.stated(facts::rehearse);
+  if (version.empty() || version == std::to_string(trace_version)) return {};
+  return error_in(file,
+                  fmt::format("it is of trace version {}, and this program reads version {}", version, trace_version),
+                  fmt::format("install the version of Rehearse that wrote it{}{}", writer.empty() ? "" : ": ", writer));
+}
 
 }  // namespace rehearse

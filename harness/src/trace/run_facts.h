@@ -2,6 +2,7 @@
 // and of their keys, for writers and readers.
 #pragma once
 
+#include <rehearse/diagnostic.h>
 #include <rehearse/mcap_types.h>
 
 #include <cstdint>
@@ -20,6 +21,15 @@ struct Metadata;
 class Reader;
 }  // namespace mcap
 class Trace;
+
+/// The version of the trace format (harness/TRACE_FORMAT.md). Changes when recorded data changes its meaning: a reader
+/// of a different version refuses the recording.
+inline constexpr int trace_version = 1;
+
+/// Within a version, grows when more data is recorded; 1 if a recording doesn't state it.
+///   2  /contacts; `limits:` of joints
+inline constexpr int trace_revision = 2;
+inline constexpr int revision_of_contacts = 2;
 
 /// Names of metadata records.
 namespace records {
@@ -123,5 +133,8 @@ struct RunFacts {
 
 /// The value of a key; empty: not stated.
 std::string stated(const mcap::StringMap& facts, const std::string& key);
+
+/// Fails if the metadata of a recording states an unknown version of the trace format. `file`: its name in the error.
+Result<void> check_trace_version(const std::vector<mcap::Metadata>& metadata, const std::string& file);
 
 }  // namespace rehearse

@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <limits>
 
 #include "mcap/glob.h"
+#include "model/text.h"
 
 namespace rehearse::mcap {
 
@@ -19,14 +19,6 @@ constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
 
 bool is_digits(std::string_view text) {
   return std::all_of(text.begin(), text.end(), [](char c) { return '0' <= c && c <= '9'; });
-}
-
-template <class Number>
-std::optional<Number> parse_whole(std::string_view text) {
-  Number number{};
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (text.empty() || status != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return number;
 }
 
 /// a + b, limited to never.
@@ -60,8 +52,8 @@ Result<Moment> parse_moment(std::string_view text) {
     return refuse();
   }
   fraction.resize(9, '0');
-  const auto seconds = whole.empty() ? 0 : parse_whole<std::uint64_t>(whole);
-  const auto rest = parse_whole<std::uint64_t>(fraction);
+  const auto seconds = whole.empty() ? 0 : number_in<std::uint64_t>(whole);
+  const auto rest = number_in<std::uint64_t>(fraction);
   if (!seconds || *seconds > (never - *rest) / ns_per_s) return refuse();
   moment.ns = *seconds * ns_per_s + *rest;
   return moment;
@@ -74,7 +66,7 @@ Result<TickSpan> parse_tick_span(std::string_view text) {
   const std::size_t dots = text.find("..");
   const std::string_view first = text.substr(0, dots);
   const std::string_view last = dots == std::string_view::npos ? first : text.substr(dots + 2);
-  TickSpan span{parse_whole<std::int64_t>(first), parse_whole<std::int64_t>(last)};
+  TickSpan span{number_in<std::int64_t>(first), number_in<std::int64_t>(last)};
   if ((!span.first && !first.empty()) || (!span.last && !last.empty()) || (!span.first && !span.last)) return refuse();
   if (span.first && span.last && *span.last < *span.first) return refuse();
   return span;
@@ -109,11 +101,9 @@ Result<void> Selector::check_topics(const Reader& reader) const {
   for (const std::string& pattern : selection_.topics) {
     const bool found = std::any_of(reader.channels().begin(), reader.channels().end(),
                                    [&](const auto& entry) { return matches(pattern, entry.second.topic); });
-    if (found) continue;
-    Diagnostic nothing =
-        error(fmt::format("no topic matches '{}'", pattern), "rehearse info lists the topics; * stands for any text");
-    nothing.file = reader.name();
-    return nothing;
+    if (!found)
+      return error_in(reader.name(), fmt::format("no topic matches '{}'", pattern),
+                      "rehearse info lists the topics; * stands for any text");
   }
   return {};
 }
@@ -121,11 +111,7 @@ Result<void> Selector::check_topics(const Reader& reader) const {
 /// Finds the times of the first selected tick and of the next tick after the last; all messages between belong to the
 /// ticks.
 Result<void> Selector::find_ticks(Reader& reader) {
-  const auto refuse = [&](std::string message) {
-    Diagnostic missing = error(std::move(message));
-    missing.file = reader.name();
-    return missing;
-  };
+  const auto refuse = [&](std::string message) { return error_in(reader.name(), std::move(message)); };
   const std::vector<std::uint16_t> channels = tick_channels(reader);
   if (channels.empty()) return refuse(fmt::format("it has no ticks: no channel is a {}", msg::Tick::type_name));
   const std::int64_t first = selection_.ticks->first.value_or(std::numeric_limits<std::int64_t>::min());

@@ -71,7 +71,6 @@ class Selector {
   std::uint64_t begin() const { return begin_; }
   /// The first log time after the selection [ns]; none: all later messages are selected.
   std::optional<std::uint64_t> end() const { return end_; }
-  const Selection& selection() const { return selection_; }
 
  private:
   explicit Selector(Selection selection) : selection_(std::move(selection)) {}

@@ -3,41 +3,26 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "channel_name.h"
+#include "model/text.h"
+#include "run_facts.h"
 
 namespace rehearse {
 namespace {
 
 constexpr const char *rate_key = "rate", *time_step_key = "time_step", *whole_prefix = "whole.";
 
-double number_of(const mcap::StringMap& metadata, const char* key) {
-  double number = 0.0;
-  if (const auto found = metadata.find(key); found != metadata.end())
-    std::from_chars(found->second.data(), found->second.data() + found->second.size(), number);
-  return number;
+double number_or_zero(const mcap::StringMap& metadata, const char* key) {
+  return number_in<double>(stated(metadata, key)).value_or(0.0);
 }
 
 }  // namespace
 
 bool is_state(std::string_view topic) {
   const ChannelName name = ChannelName::parse(topic);
-  if (name.side != ChannelSide::none) return false;
-  switch (name.kind) {
-    case ChannelKind::joints:
-    case ChannelKind::measured_joints:
-    case ChannelKind::joint_accelerations:
-    case ChannelKind::pose:
-    case ChannelKind::twist:
-    case ChannelKind::acceleration:
-    case ChannelKind::wrench:
-    case ChannelKind::contacts:
-    case ChannelKind::imu:
-    case ChannelKind::contact: return true;
-    default: return false;
-  }
+  return name.side == ChannelSide::none && name.kind >= ChannelKind::joints && name.kind <= ChannelKind::contact;
 }
 
 bool StateRate::reduces(std::string_view topic) const { return !whole.contains(std::string(topic)) && is_state(topic); }
@@ -61,7 +46,7 @@ mcap::StringMap StateRate::metadata() const {
 }
 
 StateRate StateRate::of(const mcap::StringMap& metadata) {
-  StateRate state{number_of(metadata, rate_key), number_of(metadata, time_step_key), {}};
+  StateRate state{number_or_zero(metadata, rate_key), number_or_zero(metadata, time_step_key), {}};
   const std::string_view prefix = whole_prefix;
   for (const auto& [key, value] : metadata)
     if (key.starts_with(prefix)) state.whole.insert(key.substr(prefix.size()));

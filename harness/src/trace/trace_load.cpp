@@ -295,9 +295,7 @@ void TraceLoader::add_decoded(const mcap::Message& message, std::vector<T>& to) 
 
 void TraceLoader::complain(std::string message) {
   constexpr std::size_t limit = 50;
-  if (problems_.size() >= limit) return;
-  problems_.push_back(error(std::move(message)));
-  problems_.back().file = trace_.file_;
+  if (problems_.size() < limit) problems_.push_back(error_in(trace_.file_, std::move(message)));
 }
 
 TraceWindows::TraceWindows(const Trace& whole, std::span<const std::size_t> channels, const WindowsStart& start)

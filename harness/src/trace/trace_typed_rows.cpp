@@ -9,8 +9,6 @@
 #include <iterator>
 #include <sstream>
 
-#include "float64_message.h"
-
 namespace rehearse {
 
 namespace {
@@ -106,22 +104,18 @@ class NamedArraysReader : public RowReader {
   bool columns_are_arrays_ = false;
 };
 
-/// Reads the rows of Joy. The channel's metadata may state the names of its axes and buttons, separated by blanks,
+/// Writes the row of a Joy. The channel's metadata may state the names of its axes and buttons, separated by blanks,
 /// under `axes` and `buttons`. Without them, numbers are used.
-class JoyReader : public RowReader {
+class JoyContents {
  public:
-  explicit JoyReader(TraceChannel& channel)
-      : row_(channel), axes_(names(channel, "axes")), buttons_(names(channel, "buttons")) {}
+  explicit JoyContents(const TraceChannel& channel)
+      : axes_(names(channel, "axes")), buttons_(names(channel, "buttons")) {}
 
-  bool read(Bytes payload) override {
-    CdrReader reader(payload);
-    row_.begin_row();
-    if (!msg::decode(reader, message_)) return false;
-    for (std::size_t i = 0; i < message_.axes.size(); ++i) row_.put(element(axes_, "axes", i), message_.axes[i]);
-    for (std::size_t i = 0; i < message_.buttons.size(); ++i)
-      row_.put(element(buttons_, "buttons", i), CellKind::signed_integer,
-               static_cast<std::uint64_t>(std::int64_t{message_.buttons[i]}));
-    return true;
+  void operator()(const msg::Joy& m, RowWriter& row) {
+    for (std::size_t i = 0; i < m.axes.size(); ++i) row.put(element(axes_, "axes", i), m.axes[i]);
+    for (std::size_t i = 0; i < m.buttons.size(); ++i)
+      row.put(element(buttons_, "buttons", i), CellKind::signed_integer,
+              static_cast<std::uint64_t>(std::int64_t{m.buttons[i]}));
   }
 
  private:
@@ -139,9 +133,7 @@ class JoyReader : public RowReader {
     return element_;
   }
 
-  RowWriter row_;
-  const std::vector<std::string> axes_, buttons_;
-  msg::Joy message_;
+  std::vector<std::string> axes_, buttons_;
   std::string element_;
 };
 
@@ -223,48 +215,36 @@ void put_row(const msg::TFMessage& m, RowWriter& row) {
   }
 }
 
-/// The rows of a controller's variable: the element is the last segment of the topic.
-class VariableReader : public RowReader {
- public:
-  VariableReader(TraceChannel& channel, const ChannelName& name) : row_(channel), name_(topic_segment(name.owner)) {}
-
-  bool read(Bytes payload) override {
-    CdrReader reader(payload);
-    row_.begin_row();
-    if (!msg::decode(reader, message_)) return false;
-    row_.put(name_, message_.data);
-    return true;
-  }
-
- private:
-  RowWriter row_;
-  const std::string name_;
-  msg::Float64 message_;
-};
-
-/// The rows of a type of messages.h with a put_row() above.
-template <class Message>
+/// Reads the rows of a type of messages.h. `put_contents(message, row)` writes the cells of one row.
+template <class Message, class PutContents>
 class TypedRowReader : public RowReader {
  public:
-  explicit TypedRowReader(TraceChannel& channel) : row_(channel) {}
+  TypedRowReader(TraceChannel& channel, PutContents put_contents)
+      : row_(channel), put_contents_(std::move(put_contents)) {}
 
   bool read(Bytes payload) override {
     CdrReader reader(payload);
     row_.begin_row();
     if (!msg::decode(reader, message_)) return false;
-    put_row(message_, row_);
+    put_contents_(message_, row_);
     return true;
   }
 
  private:
   RowWriter row_;
+  PutContents put_contents_;
   Message message_;
 };
+
+template <class Message, class PutContents>
+std::unique_ptr<RowReader> make_reader(TraceChannel& channel, PutContents put_contents) {
+  return std::make_unique<TypedRowReader<Message, PutContents>>(channel, std::move(put_contents));
+}
 
 template <class Message>
 std::unique_ptr<RowReader> make_if(TraceChannel& channel) {
   if (channel.type != Message::type_name) return nullptr;
-  return std::make_unique<TypedRowReader<Message>>(channel);
+  return make_reader<Message>(channel, [](const Message& m, RowWriter& row) { put_row(m, row); });
 }
 
 template <class... Messages>
@@ -283,10 +263,13 @@ std::unique_ptr<RowReader> make_typed_row_reader(TraceChannel& channel) {
   if (channel.type == msg::JointAccelerations::type_name) {
     return std::make_unique<NamedArraysReader>(channel, std::vector<std::string_view>{"/ddq"});
   }
-  if (channel.type == msg::Joy::type_name) return std::make_unique<JoyReader>(channel);
+  if (channel.type == msg::Joy::type_name) return make_reader<msg::Joy>(channel, JoyContents(channel));
   const ChannelName name = ChannelName::parse(channel.topic);
-  if (channel.type == msg::Float64::type_name && name.kind == ChannelKind::variable)
-    return std::make_unique<VariableReader>(channel, name);
+  if (channel.type == msg::Float64::type_name && name.kind == ChannelKind::variable) {
+    // the element of a controller's variable is the last segment of the topic
+    return make_reader<msg::Float64>(
+        channel, [element = topic_segment(name.owner)](const auto& m, RowWriter& row) { row.put(element, m.data); });
+  }
   return make_first<msg::PoseStamped, msg::TwistStamped, msg::AccelStamped, msg::WrenchStamped, msg::Imu,
                     msg::LaserScan, msg::PointCloud2, msg::Contacts, msg::ContactForce, msg::Tick, msg::TFMessage>(
       channel);

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "../../jpeg_file.h"
-#include "log/picture_codecs.h"
+#include "log/sensor_codecs.h"
 #include "picture/picture.h"
 #include "recording/recorded_image.h"
 

@@ -55,11 +55,7 @@ class Chance {
 struct Efforts {
   static constexpr std::string_view type_name = "std_msgs/msg/Float64MultiArray";
   std::vector<double> data;
-
-  template <class Self, class Visit>
-  static void for_each_field(Self& self, Visit&& visit) {
-    visit("data", self.data);
-  }
+  REHEARSE_FIELDS(data)
 };
 
 struct RobotMessage {

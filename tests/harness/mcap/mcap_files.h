@@ -106,15 +106,21 @@ inline Pass pass_in_order(mcap::Reader& reader) {
 }
 
 /// Visits every record of a whole file in order: a chunk before its contents, the summary last. Returning false stops.
-inline void for_each_record(mcap::Bytes bytes, const mcap::Reader::OnRecord& callback) {
-  const auto source = [bytes](std::span<std::byte> target) mutable -> Result<std::size_t> {
-    const std::size_t count = std::min(target.size(), bytes.size());
-    std::copy_n(bytes.begin(), count, target.begin());
-    bytes = bytes.subspan(count);
-    return count;
-  };
-  const Result<void> end = (*mcap::StreamReader::open_source(source, "records"))->read({{}, {}, {}, callback});
-  EXPECT_TRUE(end) << to_string(end.errors());
+inline void for_each_record(mcap::Bytes bytes, const std::function<bool(const mcap::Record&)>& callback) {
+  mcap::ChunkOpener opener({});
+  mcap::RawBuffer buffer;
+  mcap::RecordWalker walker(bytes, mcap::magic.size());
+  for (mcap::Record record; walker.next(record);) {
+    if (!callback(record)) return;
+    if (record.opcode != mcap::op::chunk) continue;
+    mcap::RecordWalker inside(opener.open(record, buffer).records);
+    mcap::Record inner;
+    inner.chunk = record.offset;
+    while (inside.next(inner))
+      if (!callback(inner)) return;
+    EXPECT_TRUE(inside.at_end()) << "the chunk at byte " << record.offset;
+  }
+  EXPECT_EQ(walker.offset() + mcap::magic.size(), bytes.size());
 }
 
 /// Two channels in two groups, five messages in three chunks, an attachment, metadata.

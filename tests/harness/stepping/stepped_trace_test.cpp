@@ -149,10 +149,10 @@ TEST_F(Stepped, HasWhatAChangedControllerGivesNow) {
 TEST_F(Stepped, GoesToWhereItBeginsToDifferFromBothSides) {
   record_hinge();
   const auto trace = opened(changed());
-  EXPECT_EQ(trace->next_happening(0), changed_from);
-  EXPECT_EQ(trace->happening_before(99), changed_from);
-  EXPECT_EQ(trace->next_happening(changed_from), std::nullopt);
-  EXPECT_EQ(trace->happening_before(changed_from), std::nullopt);
+  EXPECT_EQ(trace->happening(0, Direction::forwards), changed_from);
+  EXPECT_EQ(trace->happening(99, Direction::backwards), changed_from);
+  EXPECT_EQ(trace->happening(changed_from, Direction::forwards), std::nullopt);
+  EXPECT_EQ(trace->happening(changed_from, Direction::backwards), std::nullopt);
 }
 
 TEST_F(Stepped, ReplaysOnlyAsFarAsIsAskedFor) {
@@ -243,7 +243,7 @@ TEST_F(Stepped, KnowsContactsAtEachTick) {
       "-0.1]}\n  - {name: Box, box: {size: [0.2, 0.2, 0.2]}, mass: 1, position: [0, 0, 0.2]}\n");
   const auto trace = opened();
   ASSERT_NE(trace, nullptr);
-  const auto lands = trace->next_happening(0);
+  const auto lands = trace->happening(0, Direction::forwards);
   ASSERT_TRUE(lands);
   EXPECT_GT(*lands, 100) << "0.1 m take 0.14 s";
   const auto links = trace->find_links("Box");

@@ -96,12 +96,12 @@ TEST(MessageJson, WritesNumbersSoThatTheSameBitsAreRead) {
 }
 
 TEST(MessageJson, WritesBytesInBase64) {
-  EXPECT_EQ(base64_of(""), R"("")");
-  EXPECT_EQ(base64_of("f"), R"("Zg==")");
-  EXPECT_EQ(base64_of("fo"), R"("Zm8=")");
-  EXPECT_EQ(base64_of("foo"), R"("Zm9v")");
-  EXPECT_EQ(base64_of("foobar"), R"("Zm9vYmFy")");
-  EXPECT_EQ(base64_of("\xff\xfe\xfd"), R"("//79")");
+  EXPECT_EQ(base64_of(""), "");
+  EXPECT_EQ(base64_of("f"), "Zg==");
+  EXPECT_EQ(base64_of("fo"), "Zm8=");
+  EXPECT_EQ(base64_of("foo"), "Zm9v");
+  EXPECT_EQ(base64_of("foobar"), "Zm9vYmFy");
+  EXPECT_EQ(base64_of("\xff\xfe\xfd"), "//79");
   CdrWriter cdr;
   cdr.put_sequence(std::span<const std::uint8_t>(std::array<std::uint8_t, 2>{1, 2}));
   cdr.put_array(std::span<const std::int8_t>(std::array<std::int8_t, 2>{-1, 2}));

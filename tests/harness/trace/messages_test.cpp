@@ -24,8 +24,9 @@ class Filler {
  public:
   template <msg::MessageStruct T>
   void fill(T& message, const std::string& path) {
-    T::for_each_field(message,
-                      [&](const char* name, auto& field) { fill(field, path.empty() ? name : path + "/" + name); });
+    msg::for_each_field(message, [&](std::string_view name, auto& field) {
+      fill(field, path.empty() ? std::string(name) : path + "/" + std::string(name));
+    });
   }
   template <CdrNumber T>
   void fill(T& value, const std::string& path) {

@@ -1,10 +1,12 @@
-// The differences of two runs in a report. Internal.
+// The differences of two runs, and the expectations of a scenario, in a report. Internal.
 #pragma once
 
+#include <rehearse/check.h>
 #include <rehearse/compare.h>
 #include <rehearse/trace.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -27,5 +29,9 @@ ReportJson places_json(const Places& places, const Trace& golden, const Trace& a
 
 /// The series with the worst difference of each channel, by multiples of the tolerance.
 ReportJson worst_json(const Comparison& comparison, const Trace& golden, const Trace& actual);
+
+/// The field `expectations` of FORMAT.md. `time_step`: [s]; `begin`, `last`: first and last tick of the run.
+ReportJson expectations_json(const std::vector<ExpectationResult>& results, double time_step, std::int64_t begin,
+                             std::int64_t last);
 
 }  // namespace rehearse
