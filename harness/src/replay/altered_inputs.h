@@ -1,9 +1,5 @@
 // AlteredInputs: changes of the values that controllers read. "Walker/KNEE/q=0.3@tick:1200..1300" states the series,
-// the new value and the ticks.
-//
-// Series are named as in a trace: series of a body's joints, links and devices, and of the joystick. The name of a
-// controller's input (Walker/Gait/input/KNEE/q) means that quantity of its body: all controllers of a body read the
-// same value.
+// the new value and the ticks. input_target.h explains the names of series.
 #pragma once
 
 #include <rehearse/io.h>
@@ -12,10 +8,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "host/controller_host.h"
+#include "input_target.h"
 #include "scenario/tick_span.h"
 
 namespace rehearse {
@@ -43,20 +39,9 @@ class AlteredInputs {
   bool alters_joystick() const;
 
  private:
-  enum class Kind { joint, link, device, ranges, contact, axis, button };
-  /// One number of an Observation.
-  struct Target {
-    Kind kind = Kind::joint;
-    int body = 0;
-    int owner = 0;                    // joint id, link index or device index
-    std::size_t element = 0;          // by kind: index of the quantity's element, of the value, beam, axis or button
-    std::size_t contact = 0;          // number of the contact point
-    Quantity quantity = Quantity::q;  // for joints and links
-    bool is_angle = false;            // [rad]
-  };
   struct Alteration {
     std::string text;
-    Target target;
+    InputTarget target;
     char operation = '=';  // '=', '+', '*'
     double operand = 0.0;
     std::optional<TickSpan> span;  // nullopt: all ticks
@@ -64,10 +49,7 @@ class AlteredInputs {
   };
 
   static Result<Alteration> parse_one(const std::string& text, const Scenario& scenario);
-  static std::optional<Target> find(const std::string& series, const Scenario& scenario);
-  static void add_names(const Scenario& scenario, std::vector<std::pair<std::string, Target>>& names);
-  static std::string near_inputs(const std::string& series, const Scenario& scenario);
-  static bool is_read(const Target& target, const ControllerHost& host);
+  static bool is_read(const InputTarget& target, const ControllerHost& host);
   static bool apply(const Alteration& alteration, Observation& observation);
 
   std::vector<Alteration> alterations_;

@@ -9,129 +9,20 @@
 #include "altered_inputs.h"
 #include "host/controller_host.h"
 #include "host/float_mode.h"
-#include "host/opened_files.h"
-#include "host/virtualised.h"
 #include "mcap/whole_input.h"
 #include "model/clock.h"
 #include "recorded_files.h"
 #include "recorded_inputs.h"
-#include "recording/provenance.h"
-#include "recording/recorder.h"
 #include "recording_source.h"
 #include "replay_comparison.h"
+#include "replay_conditions.h"
 #include "replay_recording.h"
 #include "run/hosted_commands.h"
 #include "run/run.h"
 #include "scenario/trace_scenario.h"
-#include "trace/channel_name.h"
-#include "trace/run_facts.h"
 
 namespace rehearse {
 namespace {
-
-// The conditions under which a replay repeats its recording: all inputs were recorded, and controllers, files and
-// arithmetic are unchanged.
-
-/// An error for each input that controllers read and the recording lacks. The controllers must be initialised.
-Diagnostics unrecorded_inputs(const mcap::Reader& recording, const Scenario& scenario, const ControllerHost& host,
-                              const RecordedInputs& inputs) {
-  Diagnostics missing;
-  if (scenario.joystick && !inputs.has_joystick())
-    missing.push_back(
-        in_recording(recording, error("the run has a joystick, but its input was not recorded: there is no /joy",
-                                      "record the scenario again")));
-  for (const HostedController& hosted : host.controllers()) {
-    if (!hosted.running) continue;
-    const Model& model = *scenario.bodies[hosted.body].model;
-    const auto report = [&](const std::string& what) {
-      missing.push_back(in_recording(
-          recording, error(fmt::format("controller '{}' reads {}, which was not recorded", hosted.label, what),
-                           "record again with this controller")));
-    };
-    for (const IoField& field : hosted.io->inputs().fields)
-      if (!inputs.has(hosted.body, field))
-        report(fmt::format("{} of link '{}'", name_of(field.quantity), model.links[field.link].name));
-    for (const int link : hosted.io->contact_links())
-      if (!inputs.has_contacts(hosted.body, link))
-        report(fmt::format("the contact points of link '{}'", model.links[link].name));
-    for (const int device : hosted.io->input_devices()) {
-      const DeviceKind& kind = model.devices[device].kind;
-      const bool is_still_camera = std::holds_alternative<Camera>(kind) &&
-                                   !scenario.runs_camera(scenario.bodies[hosted.body].name, model.devices[device].name);
-      const bool said_nothing = is_still_camera || std::holds_alternative<Light>(kind);
-      if (!said_nothing && !inputs.has_device(hosted.body, device))
-        report(fmt::format("device '{}'", model.devices[device].name));
-    }
-  }
-  return missing;
-}
-
-/// BODY/NAME of the controllers whose libraries differ from the recorded libraries, by their hashes.
-std::vector<std::string> other_controllers(const mcap::Reader& recording, const ControllerHost& host) {
-  const RunFacts recorded = RunFacts::of(recording);
-  std::vector<std::string> others;
-  for (const HostedController& hosted : host.controllers())
-    if (!recorded.had_library(hosted.label, hosted.library->content_hash())) others.push_back(hosted.label);
-  return others;
-}
-
-/// True if a recording of these controllers would have the same channels of inputs and outputs as `recording`, with
-/// equal metadata. The controllers must be initialised.
-bool has_channels_of(const mcap::Reader& recording, const Scenario& scenario, const ControllerHost& host) {
-  std::map<std::string, mcap::StringMap> here = Recorder::channels_of(scenario, host), there;
-  const auto is_of_side = [](const ChannelName& name) {
-    return name.side == ChannelSide::input || name.side == ChannelSide::output;
-  };
-  std::erase_if(here, [&](const auto& entry) { return !is_of_side(ChannelName::parse(entry.first)); });
-  for (const auto& [id, channel] : recording.channels()) {
-    const ChannelName name = ChannelName::parse(channel.topic);
-    // the channel of a device's commands is added by the first command
-    if (!is_of_side(name) || name.kind == ChannelKind::device_state) continue;
-    there[channel.topic] = channel.metadata;
-    there[channel.topic].erase("offered_qos_profiles");  // added by the writer
-  }
-  return here == there;
-}
-
-/// A sentence for each file that controllers read and that has changed since the recording, or may have changed.
-/// If a failure ended the run, the files that it would have read later are unknown. Recordings from before files were
-/// recorded don't contain the content of files.
-std::vector<std::string> changed_files(const mcap::Reader& recording, const ControllerHost& host) {
-  const std::optional<mcap::StringMap> recorded = RunFacts::of(recording).files;
-  std::vector<std::string> changes;
-  for (const auto& [file, content] : host.files_read()) {
-    const auto before = recorded ? recorded->find(file) : mcap::StringMap::const_iterator();
-    const bool is_known = recorded && before != recorded->end();
-    if (is_known && before->second == content) continue;
-    if (content == missing_file)
-      changes.push_back(fmt::format("{} wasn't found", file));
-    else if (is_known)
-      changes.push_back(fmt::format("{} has changed since the recording", file));
-    else
-      changes.push_back(fmt::format("{} is read, but the recording doesn't state its content", file));
-  }
-  return changes;
-}
-
-/// Differences of this process's arithmetic that may change last bits without a change of the controllers.
-Diagnostics other_arithmetic_than(const mcap::Reader& recording, const Scenario& scenario) {
-  const auto recorded = RunFacts::of(recording).provenance;
-  if (!recorded) return {};
-  const std::string other = other_arithmetic(*recorded, provenance(scenario, nullptr, "", ""));
-  if (other.empty()) return {};
-  return {error(fmt::format("this process may round differently than the process that recorded: {}", other),
-                "last bits may differ for this reason alone; rehearse check compares within tolerance then")};
-}
-
-/// An error if the recorded controllers got simulated time and random numbers, and the controllers here get the
-/// system's.
-Diagnostics other_clock_than(const mcap::Reader& recording) {
-  if (!virtualised_seed(recording) || !virtualisation().empty()) return {};
-  return {in_recording(
-      recording, error("its controllers got simulated time and seeded random numbers, but here they get the system's: "
-                       "their commands may differ for this reason",
-                       "rehearse replay gives them simulated time and seeded numbers"))};
-}
 
 /// Fails if inputs of the controllers weren't recorded.
 Result<void> check_inputs(const mcap::Reader& recording, const Scenario& scenario, const ControllerHost& host,
