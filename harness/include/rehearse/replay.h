@@ -40,6 +40,8 @@ struct OutputField {
 struct ReplayOptions : HostOptions {
   double from = 0.0;            // commands before this time are not compared [s]
   std::optional<double> until;  // end of the replay [s]
+  /// Controllers find the recorded copies of files that are missing here. False: they see this machine as it is.
+  bool provides_files = true;
   /// Inputs that are altered before the controllers see them, each as SERIES=VALUE@SPAN:
   /// Walker/KNEE/q=0.3@tick:1200..1300 (src/replay/altered_inputs.h describes the forms). Differences then show the
   /// reaction of the controllers.

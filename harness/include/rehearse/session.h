@@ -62,10 +62,10 @@ Result<PlantSummary> run_plant(const Scenario& scenario, const Trace& recording,
                                const PlantOptions& options = {});
 
 /// All facts on which the bits of this scenario's world depend in this process, a hash or an identifier under each
-/// name: the code of Rehearse, the libraries of the process, its pinned arithmetic, the processor's maker, the scenario
+/// name: the program and the libraries of the process, its pinned arithmetic, the processor's maker, the scenario
 /// without its controllers' libraries and the parts that judge runs, models, meshes. The scenario must be as
-/// Scenario::load made it. Fails if the bits may depend on something else: the process isn't pinned, a library has no
-/// build identifier.
+/// Scenario::load made it. Fails if the bits may depend on something else: the process isn't pinned, the
+/// file of a library was replaced after the process had loaded it.
 Result<mcap::StringMap> describe_plant(const Scenario& scenario);
 
 /// Runs the scenario and writes the trace, as record() does, but simulates only from the golden's last suitable

@@ -24,8 +24,7 @@ namespace fs = std::filesystem;
 /// A hash of the outputs of each tick.
 Result<std::vector<std::uint64_t>> replayed_outputs(const fs::path& recording, const HostOptions& host) {
   std::vector<std::uint64_t> hashes;
-  ReplayOptions options;
-  static_cast<HostOptions&>(options) = host;
+  ReplayOptions options = as_here(host);
   options.on_outputs = [&hashes](std::int64_t, const std::vector<std::uint64_t>& row) {
     hashes.push_back(hash_bytes(row.data(), row.size() * sizeof(row[0])));
   };

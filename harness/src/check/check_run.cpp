@@ -47,10 +47,16 @@ HostOptions with_controllers_of(const Scenario& scenario, const HostOptions& giv
   return options;
 }
 
+ReplayOptions as_here(const HostOptions& host) {
+  ReplayOptions options;
+  static_cast<HostOptions&>(options) = host;
+  options.provides_files = false;
+  return options;
+}
+
 Result<ReplayReport> replay_golden(const Scenario& scenario, const Trace& golden, const HostOptions& host,
                                    std::optional<double> until) {
-  ReplayOptions replaying;
-  static_cast<HostOptions&>(replaying) = host;
+  ReplayOptions replaying = as_here(host);
   replaying.until = until;
   const auto recorded = RunFacts::of(golden).provenance;
   const bool computes_alike = recorded && other_arithmetic(*recorded, provenance(scenario, nullptr, "", "")).empty();

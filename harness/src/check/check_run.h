@@ -24,6 +24,10 @@ Result<ResumedRun> make_run(const Scenario& scenario, const Trace& golden, const
 /// recording.
 HostOptions with_controllers_of(const Scenario& scenario, const HostOptions& given);
 
+/// The options of a check's replays: controllers see this machine as it is, as in the closed loop. A file that is
+/// missing here is missing there, too.
+ReplayOptions as_here(const HostOptions& host);
+
 /// Feeds controllers with the golden's inputs, until this time [s]. Their commands must have equal bits, unless the
 /// arithmetic differs. Then a controller that calls sin() commands different last bits, and is judged within tolerance.
 Result<ReplayReport> replay_golden(const Scenario& scenario, const Trace& golden, const HostOptions& host,

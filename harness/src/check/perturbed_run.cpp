@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "check_run.h"
 #include "compare/place_json.h"
 #include "golden/golden_files.h"
 #include "host/interruption.h"
@@ -35,8 +36,7 @@ std::uint64_t hash_of_mathematics() {
 /// recorded ones.
 Result<void> replay_into(const PerturbedRun& run, const Scenario& scenario, Json& report) {
   std::map<std::pair<std::string, std::string>, double> largest;
-  ReplayOptions options;
-  static_cast<HostOptions&>(options) = run.host;
+  ReplayOptions options = as_here(run.host);
   options.tolerances = scenario.tolerances;
   options.on_difference = [&](const Divergence& found) {
     double& so_far = largest[{found.channel, found.unit}];

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "check_run.h"
 #include "compare/tick_clock.h"
 #include "replay/plant_level.h"
 #include "trace/channel_name.h"
@@ -52,8 +53,7 @@ struct Trial {
 };
 
 Result<void> Trial::replay_controllers() {
-  ReplayOptions replaying;
-  static_cast<HostOptions&>(replaying) = options;
+  const ReplayOptions replaying = as_here(options);
   const auto replayed = replay(recording.file(), replaying);
   if (!replayed) return replayed.errors();
   result.replayed = replayed->ticks;

@@ -186,6 +186,7 @@ bool ControllerHost::control(std::int64_t tick, const Observation& seen) {
   show_joystick(seen);
   for (HostedController& hosted : controllers_) {
     hosted.tick = {};
+    hosted.tick.delayed = is_delayed(hosted);
     if (controlled_) hosted.variables.begin_tick();
   }
   controlled_ = true;
@@ -214,7 +215,10 @@ bool ControllerHost::control(std::int64_t tick, const Observation& seen) {
   }
   // A child may write to a joint that its parent commands: as in Choreonoid, both are read when all have returned.
   for (HostedController& hosted : controllers_)
-    if (hosted.tick.has_output) hosted.io->output();
+    if (hosted.tick.has_output) {
+      hosted.io->output();
+      hosted.tick.delayed = is_delayed(hosted);
+    }
   if (!alive) return false;
   for (HostedController& hosted : controllers_)
     if (hosted.parent < 0 && hosted.io_body) take_device_outputs(hosted);
@@ -252,7 +256,7 @@ bool ControllerHost::pass_infos() {
 
 void ControllerHost::output(Timing timing, Command& command) {
   for (HostedController& hosted : controllers_) {
-    const Timing own = is_delayed(hosted) ? Timing::next_step : Timing::same_step;
+    const Timing own = hosted.tick.delayed ? Timing::next_step : Timing::same_step;
     if (own == timing) apply(hosted, command);
   }
 }
@@ -392,6 +396,7 @@ std::uint64_t ControllerHost::output_hash() const {
     hash = hash_bytes(&result, 1, hash);
     if (!hosted.tick.has_output) continue;
     hash = hash_values(hosted.io->output_values(), hash);
+    if (hosted.acts_at_another_time()) hash = hash_bytes(&hosted.tick.delayed, sizeof hosted.tick.delayed, hash);
     for (const DeviceOutput& output : hosted.tick.device_outputs) {
       hash = hash_bytes(&output.device, sizeof output.device, hash);
       hash = hash_values(output.values, hash);

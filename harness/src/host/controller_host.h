@@ -49,6 +49,7 @@ struct HostedController {
 
   bool configured = false;
   bool running = false;                      // it takes part: it was initialised and started
+  bool delayed = true;                       // after initialize(): its commands act one tick late
   std::vector<DeviceOutput> early_outputs;   // of its body, from initialize()
   std::map<std::string, std::string> files;  // files that it opened to read: content by name (opened_files.h)
   ControllerVariables variables;             // set in the current tick
@@ -59,8 +60,12 @@ struct HostedController {
     bool has_input = false;                    // its inputs were passed to it
     bool has_output = false;                   // control() returned, and its outputs were read
     bool result = false;                       // the result of control()
+    bool delayed = true;                       // the commands of this tick act one tick late
     std::vector<DeviceOutput> device_outputs;  // of its body; for a child those of its parent
   } tick;
+  /// True if the commands of this tick don't act at the time that the recording's channels state. Commands to devices
+  /// act after the step in either mode.
+  bool acts_at_another_time() const { return tick.has_output && io->outputs().size > 0 && tick.delayed != delayed; }
 
   /// Reports that are made once per controller.
   struct Reported {
@@ -88,8 +93,6 @@ class ControllerHost {
   bool control(std::int64_t tick, const Observation& seen);
   /// True if there is a controller, and control() of all that take part returned false in this tick.
   bool all_done() const;
-  /// True if its commands act one tick late: neither it nor its parent requested no-delay mode.
-  bool is_delayed(const HostedController& hosted) const;
   /// Writes the outputs of the controllers without (or with) delay into the command, in order. The last controller
   /// overrides earlier ones, external wrenches are summed. A number that isn't finite is reported once and never passed
   /// on: the earlier command stays.
@@ -103,7 +106,9 @@ class ControllerHost {
   std::map<std::string, std::string> files_read() const;
   /// The contents of the files that a recording contains, by the names of the attachments (opened_files.h).
   const std::map<std::string, std::string>& input_copies() const { return input_copies_; }
-  /// Hashes of all inputs and of all outputs of the controllers in this tick.
+  /// Hashes of all inputs and of all outputs of the controllers in this tick. The outputs are everything by which a
+  /// controller acts on the loop: results, commands, the time at which they act, commands to devices. Everything else
+  /// (what is enabled, the drives of joints) is fixed after initialize().
   std::uint64_t input_hash(const Observation& seen) const;
   std::uint64_t output_hash() const;
 
@@ -120,6 +125,8 @@ class ControllerHost {
 
  private:
   ControllerHost() = default;
+  /// True unless it is in no-delay mode; of a child its parent's mode counts.
+  bool is_delayed(const HostedController& hosted) const;
   Result<void> add(const ScenarioController& specification, int body, int parent);
   /// Extent of the checks around a call: the whole process, or only those without cost.
   enum class HowOften { once, in_ticks };

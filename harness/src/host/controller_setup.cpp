@@ -160,6 +160,7 @@ Command ControllerHost::initialize(const Observation& initial) {
     at_rest.devices.resize(body.devices.size());
   }
   for (HostedController& hosted : controllers_) {
+    hosted.delayed = is_delayed(hosted);
     if (!hosted.running) continue;
     for (const std::string& finding : hosted.io->freeze()) event(Severity::warning, hosted.label, finding);
     hosted.reported.odd_outputs.assign(hosted.io->outputs().size, false);

@@ -3,10 +3,19 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 #include <link.h>
+#include <sys/stat.h>
 
+#include <algorithm>
 #include <cstring>
+#include <fstream>
+#include <map>
+#include <mutex>
 #include <set>
+#include <sstream>
 #include <string_view>
+#include <utility>
+
+#include "trace/hashing.h"
 
 namespace rehearse {
 namespace {
@@ -32,6 +41,71 @@ std::string build_id(const dl_phdr_info& library) {
 }
 
 std::string file_name(std::string_view path) { return std::string(path.substr(path.rfind('/') + 1)); }
+
+/// The parts of the file that the linker loads, without the notes in them, and without the header of the file, which
+/// states the size of the debug information.
+std::vector<FilePart> parts_in_memory(const dl_phdr_info& library) {
+  std::vector<FilePart> parts, notes{{0, sizeof(ElfW(Ehdr))}};
+  for (int i = 0; i < library.dlpi_phnum; ++i) {
+    const ElfW(Phdr)& header = library.dlpi_phdr[i];
+    if (header.p_type == PT_LOAD) parts.push_back({header.p_offset, header.p_filesz});
+    if (header.p_type == PT_NOTE) notes.push_back({header.p_offset, header.p_filesz});
+  }
+  for (const FilePart& note : notes) {
+    const auto holds = [&](const FilePart& part) {
+      return part.offset <= note.offset && note.offset + note.size <= part.offset + part.size;
+    };
+    const auto part = std::ranges::find_if(parts, holds);
+    if (part == parts.end()) continue;
+    const std::uint64_t end = part->offset + part->size, after = note.offset + note.size;
+    part->size = note.offset - part->offset;
+    parts.insert(part + 1, {after, end - after});
+  }
+  return parts;
+}
+
+/// The inodes of the files in this process's memory, by the address at which each part begins.
+std::map<std::uint64_t, std::uint64_t> mapped_inodes() {
+  std::map<std::uint64_t, std::uint64_t> inodes;
+  std::ifstream maps("/proc/self/maps");
+  for (std::string line; std::getline(maps, line);) {
+    std::istringstream words(line);
+    std::string range, permissions, offset, device;
+    std::uint64_t inode = 0;
+    if (words >> range >> permissions >> offset >> device >> inode) inodes[std::stoull(range, nullptr, 16)] = inode;
+  }
+  return inodes;
+}
+
+std::uint64_t inode_of(const dl_phdr_info& library, const std::map<std::uint64_t, std::uint64_t>& inodes) {
+  for (int i = 0; i < library.dlpi_phnum; ++i) {
+    if (library.dlpi_phdr[i].p_type != PT_LOAD) continue;
+    const auto after = inodes.upper_bound(library.dlpi_addr + library.dlpi_phdr[i].p_vaddr);
+    return after == inodes.begin() ? 0 : std::prev(after)->second;
+  }
+  return 0;
+}
+
+Result<std::string> read_code_hash(const std::string& path, const LoadedLibrary& library) {
+  struct stat found = {};
+  std::ifstream file(path, std::ios::binary);
+  if (!file || stat(path.c_str(), &found) != 0) return error(fmt::format("{} can't be read", path));
+  if (found.st_ino != library.inode)
+    return error(fmt::format("{} was replaced after this process had loaded it", path));
+  RunningHash hash;
+  std::vector<char> block(std::size_t{1} << 20);
+  for (const FilePart& part : library.parts) {
+    file.seekg(static_cast<std::streamoff>(part.offset));
+    for (std::uint64_t left = part.size; left > 0;) {
+      const std::uint64_t size = std::min<std::uint64_t>(left, block.size());
+      if (!file.read(block.data(), static_cast<std::streamsize>(size)))
+        return error(fmt::format("{} can't be read", path));
+      hash.add(block.data(), size);
+      left -= size;
+    }
+  }
+  return hash_text(hash.value());
+}
 
 /// Adds the file names of a library and of the libraries that its dynamic section names.
 Result<void> add_needed(const char* library, std::set<std::string>& names) {
@@ -60,14 +134,30 @@ Result<std::map<std::string, LoadedLibrary>> load_library(const std::string& nam
 }
 
 std::map<std::string, LoadedLibrary> loaded_libraries() {
-  std::map<std::string, LoadedLibrary> libraries;
+  struct Found {
+    std::map<std::uint64_t, std::uint64_t> inodes = mapped_inodes();
+    std::map<std::string, LoadedLibrary> libraries = {};
+  } found;
   const auto take = [](dl_phdr_info* library, std::size_t, void* into) {
-    auto& found = *static_cast<std::map<std::string, LoadedLibrary>*>(into);
-    found.emplace(file_name(library->dlpi_name), LoadedLibrary{library->dlpi_name, build_id(*library)});
+    auto& [inodes, libraries] = *static_cast<Found*>(into);
+    libraries.emplace(
+        file_name(library->dlpi_name),
+        LoadedLibrary{library->dlpi_name, build_id(*library), parts_in_memory(*library), inode_of(*library, inodes)});
     return 0;
   };
-  dl_iterate_phdr(take, &libraries);
-  return libraries;
+  dl_iterate_phdr(take, &found);
+  return std::move(found.libraries);
+}
+
+Result<std::string> code_hash_of(const LoadedLibrary& library) {
+  static std::mutex mutex;
+  static auto& known = *new std::map<std::string, std::string>;  // by file: a loaded file stays what it is
+  const std::lock_guard lock(mutex);
+  const auto before = known.find(library.file);
+  if (before != known.end()) return before->second;
+  auto hash = read_code_hash(library.file.empty() ? "/proc/self/exe" : library.file, library);
+  if (hash) known.emplace(library.file, *hash);
+  return hash;
 }
 
 }  // namespace rehearse

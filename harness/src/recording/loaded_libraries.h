@@ -1,16 +1,25 @@
-// The shared libraries in this process, and the linker's build identifiers of their code.
+// The programs and shared libraries in this process: the linker's build identifiers, and the hashes of their code.
 #pragma once
 
 #include <rehearse/diagnostic.h>
 
+#include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace rehearse {
+
+/// Bytes of a file.
+struct FilePart {
+  std::uint64_t offset = 0, size = 0;
+};
 
 struct LoadedLibrary {
   std::string file;      // path; empty: the program itself
   std::string build_id;  // bytes of the linker's build identifier, which differs for different code; empty: none
+  std::vector<FilePart> parts = {};  // the parts of the file that are in memory, without notes and header
+  std::uint64_t inode = 0;           // of the file that was loaded; 0: unknown
 };
 
 /// The libraries by the names of their files. The program is the entry with the empty name.
@@ -19,5 +28,9 @@ std::map<std::string, LoadedLibrary> loaded_libraries();
 /// The library of that name ("libOSMesa.so.8") and all libraries that it needs; they are loaded if necessary. Fails if
 /// a library can't be loaded.
 Result<std::map<std::string, LoadedLibrary>> load_library(const std::string& name);
+
+/// The hash of a library's code and data. Debug information and the build identifier don't count, so a new build of
+/// equal code has the same hash. Fails if the file can't be read, or isn't the loaded file any more.
+Result<std::string> code_hash_of(const LoadedLibrary& library);
 
 }  // namespace rehearse

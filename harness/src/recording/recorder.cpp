@@ -41,6 +41,7 @@ struct ControllerChannels {
   SideRecorder input, output;
   std::vector<std::uint16_t> contacts;        // channels by the controller's contact links
   std::vector<std::uint16_t> devices;         // channels by device index; 0: none
+  std::uint16_t delay = 0;                    // 0: none yet
   std::vector<std::uint16_t> variables = {};  // channels of its variables; 0: none yet
 };
 
@@ -117,6 +118,7 @@ struct Recorder::Impl : TraceOutput {
                           const std::vector<JointReading>& read);
   Result<void> write_transforms(std::int64_t tick, const Observation& seen);
   Result<void> write_joystick(std::int64_t tick, const JoystickReading& reading);
+  Result<void> write_delay(std::int64_t tick, const HostedController& hosted, ControllerChannels& channels);
   Result<void> write_variables(std::int64_t tick, const HostedController& hosted, std::vector<std::uint16_t>& channels);
 };
 
@@ -213,7 +215,7 @@ void Recorder::Impl::declare_controllers(const ControllerHost& host) {
       readers += (readers.empty() ? "" : ", ") + hosted.label;
     }
     SideRecorder output(*this, hosted.label, ChannelSide::output, model, hosted.io->outputs(),
-                        {{"delay", host.is_delayed(hosted) ? "true" : "false"}});
+                        {{"delay", hosted.delayed ? "true" : "false"}});
     controllers.push_back({std::move(input), std::move(output), std::move(contacts),
                            std::vector<std::uint16_t>(model.devices.size(), 0)});
   }
@@ -349,6 +351,7 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
     }
     if (hosted.tick.has_output)
       if (auto done = channels.output.write(impl, tick, hosted.io->output_values()); !done) return done;
+    if (auto done = impl.write_delay(tick, hosted, channels); !done) return done;
     for (const DeviceOutput& output : hosted.tick.device_outputs) {
       const Model& model = *impl.scenario.bodies[hosted.body].model;
       std::uint16_t& channel = channels.devices[output.device];
@@ -372,6 +375,16 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
   message.input_hash = hashes.input;
   message.output_hash = hashes.output;
   return impl.write(impl.tick_channel, tick, message);
+}
+
+/// Writes the delay of commands that don't act at the time that their channels state.
+Result<void> Recorder::Impl::write_delay(std::int64_t tick, const HostedController& hosted,
+                                         ControllerChannels& channels) {
+  if (!hosted.acts_at_another_time()) return {};
+  if (!channels.delay)
+    channels.delay =
+        channel<msg::Float64>(ChannelName::of_controller(hosted.label, ChannelSide::output, ChannelKind::delay));
+  return write(channels.delay, tick, msg::Float64{hosted.tick.delayed ? 1.0 : 0.0});
 }
 
 /// Writes a message for each variable that was set in this tick. Its channel is added with the first message.

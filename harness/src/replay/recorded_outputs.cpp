@@ -60,7 +60,7 @@ RecordedOutputs::RecordedOutputs(const ControllerHost& host, const std::vector<O
   for (const auto& [id, channel] : trace.channels()) {
     const ChannelName name = ChannelName::parse(channel.topic);
     for (const HostedController& hosted : host.controllers())
-      if (name.is_of(hosted.label, ChannelSide::output)) add_channel(channel, name, hosted);
+      if (name.is_of(hosted.label, ChannelSide::output) && name.kind != ChannelKind::delay) add_channel(channel, name, hosted);
   }
   sort_words();
 }
@@ -217,24 +217,6 @@ std::int64_t RecordedOutputs::compare_channel(const Channel& channel, const std:
       differs(*difference(fields_[pair.word], expected, row[pair.word]));
   }
   return std::ssize(channel.pairs);
-}
-
-void RecordedOutputs::compare_delays(const OnDifference& differs) const {
-  for (const HostedController& hosted : host_.controllers()) {
-    if (!hosted.running) continue;
-    const bool delayed = host_.is_delayed(hosted);
-    const auto acts_at_another_tick = [&](const auto& entry) {
-      const auto stated = entry.second.metadata.find("delay");
-      return entry.second.hosted == &hosted && stated != entry.second.metadata.end() &&
-             (stated->second == "true") != delayed;
-    };
-    const auto channel = std::ranges::find_if(by_id_, acts_at_another_tick);
-    if (channel == by_id_.end()) continue;
-    Divergence found = place_of({hosted.label, channel->second.topic, ""});
-    found.note = delayed ? "its commands act one tick later than the recorded ones: it has left the no-delay mode"
-                         : "its commands act one tick earlier than the recorded ones: it has entered the no-delay mode";
-    differs(std::move(found));
-  }
 }
 
 }  // namespace rehearse

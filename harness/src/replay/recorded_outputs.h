@@ -37,8 +37,6 @@ class RecordedOutputs {
   /// compared recorded values. `results`: the recorded results of control(), by controller.
   std::int64_t compare(const std::vector<std::uint64_t>& row, const std::vector<bool>& results,
                        const OnDifference& differs);
-  /// Calls `differs` for each controller whose commands act a tick later, or earlier, than the recorded commands.
-  void compare_delays(const OnDifference& differs) const;
 
  private:
   static constexpr std::size_t none = ~std::size_t{0};

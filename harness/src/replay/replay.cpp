@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "altered_inputs.h"
@@ -104,7 +105,8 @@ Result<ReplayReport> replay_into(mcap::Reader& recording, const Scenario& scenar
 Result<ReplayReport> replay_recording(mcap::Reader& recording, const Scenario& scenario, const ReplayOptions& options,
                                       Damage damage) {
   const StandardFloatMode float_mode;
-  const RecordedFiles files(recording);  // outlives the controllers
+  std::optional<RecordedFiles> files;  // outlives the controllers
+  if (options.provides_files) files.emplace(recording);
   auto host = ControllerHost::create(scenario, options);
   if (!host) return host.errors();
   auto report = replay_into(recording, scenario, options, damage, **host);

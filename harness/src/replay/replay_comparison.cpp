@@ -26,18 +26,22 @@ ReplayComparison::ReplayComparison(const ReplayOptions& options, const Scenario&
       words_(host, recording),
       record_(host, scenario),
       outputs_(host, record_.fields(), recording),
+      delays_(host, recording),
       channels_(words_.channels()),
       from_(static_cast<std::uint64_t>(std::llround(std::max(0.0, options.from) * 1e9))) {
   reader_of_.assign(std::size_t{recording.channels().rbegin()->first} + 1, Reader::none);
   for (const std::uint16_t id : words_.channels()) reader_of_[id] = Reader::words;
   for (const std::uint16_t id : outputs_.channels()) reader_of_[id] = Reader::outputs;
+  for (const std::uint16_t id : delays_.channels()) reader_of_[id] = Reader::delays;
   channels_.insert(channels_.end(), outputs_.channels().begin(), outputs_.channels().end());
+  channels_.insert(channels_.end(), delays_.channels().begin(), delays_.channels().end());
   if (options.on_started) options.on_started(record_.fields());
 }
 
 Result<void> ReplayComparison::take(const mcap::Message& message) {
   const Reader reader = reader_of_[message.channel->id];
   if (reader == Reader::none) return {};
+  if (reader == Reader::delays) return delays_.accept(message), Result<void>();
   auto accepted = reader == Reader::words ? words_.accept(message) : outputs_.accept(message);
   return accepted ? accepted : in_recording(recording_, accepted.errors()[0]);
 }
@@ -76,7 +80,7 @@ void ReplayComparison::compare(const Moment& now, const std::vector<std::uint64_
   if (!source_.alters()) compare_inputs(now);
   if (!report_.first_other_hash && host_.output_hash() != source_.recorded().output_hash)
     report_.first_other_hash = now.tick;
-  if (now.tick == 0) outputs_.compare_delays(count);
+  delays_.compare(count);
   if (!is_compared(now.tick)) return;
   report_.values += outputs_.compare(row, source_.recorded().controller_results, count);
   compare_variables();

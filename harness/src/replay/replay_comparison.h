@@ -12,6 +12,7 @@
 #include "compare/series_scale.h"
 #include "host/controller_host.h"
 #include "output_record.h"
+#include "recorded_delays.h"
 #include "recorded_outputs.h"
 #include "recorded_words.h"
 #include "recording_source.h"
@@ -58,8 +59,9 @@ class ReplayComparison final : public Sink {
   RecordedWords words_;
   OutputRecord record_;
   RecordedOutputs outputs_;
+  RecordedDelays delays_;
   std::vector<std::uint16_t> channels_;
-  enum class Reader { none, words, outputs };
+  enum class Reader { none, words, outputs, delays };
   std::vector<Reader> reader_of_;       // by channel id
   const std::uint64_t from_;            // [ns]
   std::optional<bool> reads_the_same_;  // controllers read the recorded set of inputs; decided at the first tick

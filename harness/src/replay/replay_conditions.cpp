@@ -61,8 +61,8 @@ bool has_channels_of(const mcap::Reader& recording, const Scenario& scenario, co
   std::erase_if(here, [&](const auto& entry) { return !is_of_side(ChannelName::parse(entry.first)); });
   for (const auto& [id, channel] : recording.channels()) {
     const ChannelName name = ChannelName::parse(channel.topic);
-    // the channel of a device's commands is added by the first command
-    if (!is_of_side(name) || name.kind == ChannelKind::device_state) continue;
+    // channels of a device's commands and of a changed delay are added by their first message
+    if (!is_of_side(name) || name.kind == ChannelKind::device_state || name.kind == ChannelKind::delay) continue;
     there[channel.topic] = channel.metadata;
     there[channel.topic].erase("offered_qos_profiles");  // added by the writer
   }

@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "host/virtualised.h"
-#include "plant_code.h"
 #include "recording/loaded_libraries.h"
 #include "recording/provenance.h"
 #include "recording/recorder.h"
@@ -27,22 +26,10 @@ namespace {
 /// The libraries with which the program began. Controllers are loaded later, and no other code uses their symbols.
 const std::map<std::string, LoadedLibrary> libraries_at_start = loaded_libraries();
 
-std::string hexadecimal(std::string_view bytes) {
-  std::string text;
-  for (const char byte : bytes) text += fmt::format("{:02x}", static_cast<unsigned char>(byte));
-  return text;
-}
-
 std::string hash_of(const std::string& text) { return hash_text(hash_bytes(text.data(), text.size())); }
 
-/// The code of Rehearse's own libraries is identified by plant_code(): their build identifiers change with each build.
-/// The interposer is none of them.
-bool is_own(const std::string& name) {
-  return name.starts_with("librehearse_") && !name.starts_with("librehearse_interposer");
-}
-
-/// Adds the libraries outside of Rehearse and the program, which may replace functions of libraries. If a camera runs,
-/// the renderer's libraries are among them. Fails for a library without build identifier.
+/// Adds the program and all libraries, by the hashes of their code: any of them may replace functions of others. If a
+/// camera runs, the renderer's libraries are among them.
 Result<void> add_libraries(const Scenario& scenario, mcap::StringMap& plant) {
   std::map<std::string, LoadedLibrary> libraries = libraries_at_start;
   if (scenario.runs_a_camera()) {
@@ -53,10 +40,10 @@ Result<void> add_libraries(const Scenario& scenario, mcap::StringMap& plant) {
   for (const auto& [name, library] : libraries) {
     const bool is_program = name.empty();
     const std::string file = is_program ? own_program().filename().string() : name;
-    if (is_own(name) || name.starts_with("linux-vdso.") || (is_program && file == "rehearse-simulate")) continue;
-    if (library.build_id.empty())
-      return error(fmt::format("{} has no build identifier, by which its code could be recognised", file));
-    plant[fmt::format("{} {}", is_program ? "the program" : "the library", file)] = hexadecimal(library.build_id);
+    if (library.file == "linux-vdso.so.1") continue;  // it has no file: the kernel provides it
+    const auto code = code_hash_of(library);
+    if (!code) return code.errors();
+    plant[fmt::format("{} {}", is_program ? "the program" : "the library", file)] = *code;
   }
   return {};
 }
@@ -115,7 +102,6 @@ Result<mcap::StringMap> describe_plant(const Scenario& scenario) {
     if (const std::string value = stated(here, fact); !value.empty()) plant[fact] = value;
   plant["the processor"] = processor();
   plant["the renderer's environment"] = environment_of_renderer();
-  plant["the code of Rehearse"] = plant_code();
   if (auto added = add_libraries(scenario, plant); !added) return added.errors();
   if (auto added = add_scenario(scenario, plant); !added) return added.errors();
   return plant;

@@ -69,15 +69,19 @@ Result<RecordedCommands> RecordedCommands::find(const Scenario& scenario, const 
 
 /// Reads the first window, which contains the commands of initialize().
 void RecordedCommands::begin() {
-  std::vector<std::size_t> channels;
-  for (const Source& source : sources_) channels.push_back(source.channel);
+  std::set<std::size_t> read;
+  for (const Source& source : sources_) {
+    read.insert(source.channel);
+    if (source.delays) read.insert(*source.delays);
+  }
+  const std::vector<std::size_t> channels(read.begin(), read.end());
   if (channels.empty() || !is_without_messages(trace_)) return;
   windows_ = std::make_unique<TraceWindows>(trace_, channels);
   windows_->move(0, window_end_);
 }
 
-const TraceChannel& RecordedCommands::table(const Source& source) const {
-  return (windows_ ? windows_->window() : trace_).channels()[source.channel];
+const TraceChannel& RecordedCommands::table(std::size_t channel) const {
+  return (windows_ ? windows_->window() : trace_).channels()[channel];
 }
 
 std::vector<bool> RecordedCommands::columns_with_numbers(std::size_t channel) const {
@@ -101,6 +105,9 @@ Result<void> RecordedCommands::add(const ChannelName& name, int body, bool delay
   source.body = body;
   const auto stated = channel.metadata.find("delay");
   source.delayed = stated == channel.metadata.end() ? delay : stated->second != "false";
+  const ChannelName delays = ChannelName::of_controller(name.label(), name.side, ChannelKind::delay);
+  if (const TraceChannel* found = trace_.find_channel(delays.topic()))
+    source.delays = static_cast<std::size_t>(found - trace_.channels().data());
   source.before_the_run = channel.metadata.count("since") > 0;
   const auto unknown = [&](const char* what) {
     return error(fmt::format("the recorded '{}' commands {} '{}', which '{}' lacks", name.controller, what, name.owner,
@@ -170,6 +177,13 @@ bool RecordedCommands::is_used(const Source& source, std::int64_t tick) const {
   return source.is_acted == (tick < acted_until_);
 }
 
+/// True if the commands of the tick at `now` [ns] act one tick late.
+bool RecordedCommands::is_delayed(const Source& source, std::uint64_t now) const {
+  if (!source.delays) return source.delayed;
+  const std::vector<std::uint64_t>& times = table(*source.delays).times;
+  return source.delayed != std::ranges::binary_search(times, now);
+}
+
 void RecordedCommands::set_drives(std::int64_t tick, Command& command) const {
   for (BodyCommand& body : command.bodies)
     for (JointCommand& joint : body.joints) joint.drive = drive_none;
@@ -189,9 +203,9 @@ void RecordedCommands::put(std::int64_t tick, Timing timing, Command& command) {
   if (tick == acted_until_ && tick > 0 && timing == Timing::same_step) set_drives(tick, command);
   for (Source& source : sources_) {
     if (!is_used(source, tick)) continue;
-    if (source.delayed != (timing == Timing::next_step)) continue;
-    const std::size_t earlier = table(source).earlier;
-    const std::vector<std::uint64_t>& times = table(source).times;
+    if (is_delayed(source, now) != (timing == Timing::next_step)) continue;
+    const std::size_t earlier = table(source.channel).earlier;
+    const std::vector<std::uint64_t>& times = table(source.channel).times;
     std::size_t row = std::max(source.next, earlier) - earlier;
     while (row < times.size() && times[row] < now) ++row;
     for (; row < times.size() && times[row] == now; ++row)
@@ -201,7 +215,7 @@ void RecordedCommands::put(std::int64_t tick, Timing timing, Command& command) {
 }
 
 void RecordedCommands::put_row(const Source& source, std::size_t row, Command& command) const {
-  const TraceChannel& channel = table(source);
+  const TraceChannel& channel = table(source.channel);
   BodyCommand& body = command.bodies[source.body];
   if (source.kind == Kind::joints) {
     for (const JointCell& cell : source.cells) {

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "host/timing.h"
@@ -51,6 +52,7 @@ class RecordedCommands final : public Commander {
     int body = 0;
     int target = 0;  // link or device index
     bool delayed = true;
+    std::optional<std::size_t> delays = {};  // channel of the trace: the ticks in which `delayed` doesn't hold
     bool is_acted = false;         // for a branch: the commands that moved the world before acted_until_
     bool before_the_run = false;   // its first message was sent in initialize()
     std::vector<JointCell> cells;  // of joints
@@ -62,8 +64,9 @@ class RecordedCommands final : public Commander {
   Result<void> add_joints(Source& source);
   std::vector<bool> columns_with_numbers(std::size_t channel) const;
   void begin();
-  const TraceChannel& table(const Source& source) const;
+  const TraceChannel& table(std::size_t channel) const;
   bool is_used(const Source& source, std::int64_t tick) const;
+  bool is_delayed(const Source& source, std::uint64_t now) const;
   void set_drives(std::int64_t tick, Command& command) const;
   void put_row(const Source& source, std::size_t row, Command& command) const;
 

@@ -31,6 +31,7 @@ constexpr ElementGroup imu_groups[] = {{"angular_velocity", "rad/s", "xyz"}, {"l
 constexpr ElementGroup contact_groups[] = {{"count", ""}, {"force", "N", "xyz"}};
 constexpr ElementGroup range_groups[] = {
     {"angle_min", "rad"}, {"angle_max", "rad"}, {"range_min", "m"}, {"range_max", "m"}, {"ranges", "m"}};
+constexpr ElementGroup delay_groups[] = {{"delay", "ticks"}};
 constexpr ElementGroup image_groups[] = {{"", "pixels"}};
 constexpr ElementGroup depth_groups[] = {{"", "m"}};
 
@@ -60,6 +61,7 @@ constexpr ChannelForm forms[] = {
     {ChannelKind::depth, Level::owner, "depth", msg::Image::type_name, Stage::renderer, depth_groups},
     {ChannelKind::camera_info, Level::owner, "camera_info", msg::CameraInfo::type_name, Stage::renderer},
     {ChannelKind::device_state, Level::owner, "state", msg::DeviceState::type_name, Stage::physics},
+    {ChannelKind::delay, Level::body, "delay", msg::Float64::type_name, Stage::controller, delay_groups},
     {ChannelKind::variable, Level::variable, "", msg::Float64::type_name, Stage::controller},
 };
 static_assert(std::size(forms) == static_cast<std::size_t>(ChannelKind::other));

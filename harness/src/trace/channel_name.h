@@ -37,6 +37,7 @@ enum class ChannelKind : std::uint8_t {
   depth,
   camera_info,
   device_state,
+  delay,
   variable,
   other,  // a topic that no recording of Rehearse has
 };

@@ -270,6 +270,8 @@ std::unique_ptr<RowReader> make_typed_row_reader(TraceChannel& channel) {
     return make_reader<msg::Float64>(
         channel, [element = topic_segment(name.owner)](const auto& m, RowWriter& row) { row.put(element, m.data); });
   }
+  if (name.kind == ChannelKind::delay)
+    return make_reader<msg::Float64>(channel, [](const auto& m, RowWriter& row) { row.put("delay", m.data); });
   return make_first<msg::PoseStamped, msg::TwistStamped, msg::AccelStamped, msg::WrenchStamped, msg::Imu,
                     msg::LaserScan, msg::PointCloud2, msg::Contacts, msg::ContactForce, msg::Tick, msg::TFMessage>(
       channel);
