@@ -1,6 +1,7 @@
 // One judge: a change of commands gets the same judgement in a comparison of two recordings, in a replay, and in the
 // replay of a log, by every rule of tolerances.
 #include <rehearse/cdr.h>
+#include <rehearse/check.h>
 
 #include <cmath>
 #include <limits>
@@ -198,7 +199,33 @@ INSTANTIATE_TEST_SUITE_P(
         Row{"NoRotation", {.scaled = 2.0}, "[]", false, false, no_log}),
     [](const auto& info) { return info.param.name; });
 
-using OneJudgeText = OneJudge;
+class OneJudgeText : public OneJudge {};
+
+/// A command that steps two ticks later, where the golden was recorded by a process with other arithmetic.
+TEST_F(OneJudgeText, ChecksTheLevelsOfAScenarioAlike) {
+  const std::string rules = rule("*", "atol: 1.0e-3, lead: 0.003, lag: 0.003");
+  record_run(scenario(rules), "golden.mcap");
+  const auto done = testing::mutilate(path("golden.mcap"), testing::untouched, {}, {{"libc", "another"}});
+  ASSERT_TRUE(done) << to_string(done.errors());
+  std::string later = scenario(rules);
+  later.replace(later.find("step 0.1 20"), 11, "step 0.1 22");
+  const auto check = [&](bool controller, bool closed) {
+    CheckOptions options;
+    options.controller = controller;
+    options.closed = closed;
+    options.plant = false;
+    return *check_scenario(load(later), path("golden.mcap"), path("actual.mcap"), options, {record, run_plant});
+  };
+  const CheckReport alone = check(true, false), together = check(false, true);
+  EXPECT_EQ(alone.controller, LevelState::within) << alone.verdict;
+  EXPECT_EQ(together.closed, LevelState::within) << together.verdict;
+  EXPECT_EQ(alone.verdict, "the controller repeats 60 recorded ticks within tolerance, with different arithmetic");
+  later.replace(later.find("step 0.1 22"), 11, "step 0.1 24");
+  const CheckReport beyond = check(true, false);
+  EXPECT_EQ(beyond.controller, LevelState::differs);
+  EXPECT_THAT(beyond.verdict, HasSubstr("off by 0.1 N·m (relative 1, 4.6e+18 ULPs, 0.1 N·m from the golden's values "
+                                        "within lead and lag, 100 times the tolerance of 0.001 N·m"));
+}
 
 /// A part of a recording is judged by what follows it there.
 TEST_F(OneJudgeText, LooksAheadBeyondTheEndOfAPartialReplay) {
