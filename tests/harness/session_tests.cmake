@@ -21,7 +21,6 @@ rehearse_add_test(session_tests LABEL sim SHARDS 6
     session/failures_test.cpp
     session/golden_samples_test.cpp
     session/joystick_test.cpp
-    session/joint_arrays_test.cpp
     session/lifecycle_test.cpp
     session/lights_test.cpp
     session/noise_test.cpp
