@@ -20,10 +20,11 @@ inline std::optional<std::vector<std::byte>> untouched(const mcap::Message& mess
   return std::vector<std::byte>(message.data.begin(), message.data.end());
 }
 
-/// Replaces the file by a copy in which `change` is applied to every message, `outcome` to the outcome, and `facts` to
-/// the provenance.
+/// Replaces the file by a copy in which `change` is applied to every message, `outcome` to the outcome, `facts` to the
+/// provenance, and `of_channels` to the metadata of every channel.
 inline Result<void> mutilate(const std::filesystem::path& file, const Mutilation& change,
-                             const mcap::StringMap& outcome = {}, const mcap::StringMap& facts = {}) {
+                             const mcap::StringMap& outcome = {}, const mcap::StringMap& facts = {},
+                             const mcap::StringMap& of_channels = {}) {
   const std::filesystem::path whole = file.string() + ".whole";
   std::filesystem::rename(file, whole);
   auto reader = mcap::Reader::open(whole);
@@ -45,8 +46,10 @@ inline Result<void> mutilate(const std::filesystem::path& file, const Mutilation
     const mcap::Schema& schema = (*reader)->schemas().at(channel.schema_id);
     const std::string_view text(reinterpret_cast<const char*>(schema.data.data()), schema.data.size());
     ids.resize(std::max<std::size_t>(ids.size(), id + 1));
+    mcap::StringMap metadata = channel.metadata;
+    metadata.insert(of_channels.begin(), of_channels.end());
     ids[id] = writer.add_channel(writer.add_schema(schema.name, schema.encoding, text), channel.topic,
-                                 channel.message_encoding, channel.metadata);
+                                 channel.message_encoding, metadata);
   }
   Result<void> written;
   const auto read = (*reader)->for_each_message([&](const mcap::Message& message) {

@@ -21,10 +21,10 @@ rehearse_add_test(session_tests LABEL sim SHARDS 6
     session/failures_test.cpp
     session/golden_samples_test.cpp
     session/joystick_test.cpp
-    session/joint_arrays_test.cpp
     session/lifecycle_test.cpp
     session/lights_test.cpp
     session/noise_test.cpp
+    session/one_judge_test.cpp
     session/opened_files_test.cpp
     session/partial_acceptance_test.cpp
     session/plant_test.cpp
@@ -38,7 +38,7 @@ rehearse_add_test(session_tests LABEL sim SHARDS 6
     session/traps_test.cpp
     session/words_test.cpp
     session/world_remarks_test.cpp
-  LIBRARIES Rehearse::simulation Rehearse::world Rehearse::cnoid)
+  LIBRARIES Rehearse::simulation Rehearse::harness Rehearse::log Rehearse::world Rehearse::cnoid)
 target_include_directories(session_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(session_tests PRIVATE TEST_CONTROLLERS="${test_controllers}")
 

@@ -5,6 +5,7 @@ rehearse_add_test(trace_test LABEL unit SHARDS 1
     trace/broken_traces_test.cpp
     trace/cdr_test.cpp
     trace/channel_name_test.cpp
+    trace/joint_arrays_test.cpp
     trace/message_json_test.cpp
     trace/messages_test.cpp
     trace/ros2msg_test.cpp

@@ -249,28 +249,33 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
   return checked;
 }
 
-/// Checks one scenario and prints the result. Returns its outcome_of(), as text.
-Result<std::string> check_one(const CheckSettings& settings, const Scenario& scenario) {
+/// Checks one scenario and prints the result.
+Result<CheckOutcome> check_one(const CheckSettings& settings, const Scenario& scenario) {
   tell_warnings(scenario);
   const auto checked = check_beside_others(settings, scenario);
   if (!checked) return checked.errors();
   if (!settings.json) tell_files(*checked);
-  return outcome_of(scenario, *checked).dump(-1, ' ', false, Json::error_handler_t::replace);
+  return outcome_of(scenario, *checked);
 }
 
 /// Checks the scenarios and adds their outcomes to `all`, in order.
-Exit check_all(const CheckSettings& settings, const std::vector<Scenario>& scenarios, std::vector<Json>& all) {
-  const auto take = [&](const std::string& outcome) { all.push_back(Json::parse(outcome)); };
+Exit check_all(const CheckSettings& settings, const std::vector<Scenario>& scenarios, std::vector<CheckOutcome>& all) {
   const std::size_t jobs = settings.jobs > 0 ? static_cast<std::size_t>(settings.jobs) : processors();
   if (jobs > 1 && scenarios.size() > 1)
     return work_side_by_side(
-        scenarios.size(), jobs, [&](std::size_t i) { return check_one(settings, scenarios[i]); }, take);
+        scenarios.size(), jobs,
+        [&](std::size_t i) -> Result<std::string> {
+          const auto outcome = check_one(settings, scenarios[i]);
+          if (!outcome) return outcome.errors();
+          return form_of(*outcome);
+        },
+        [&](const std::string& form) { all.push_back(outcome_in(form)); });
   supervise_process();
   end_runs_on_signals();
   for (const Scenario& scenario : scenarios) {
-    const auto outcome = check_one(settings, scenario);
+    auto outcome = check_one(settings, scenario);
     if (!outcome) return refuse(outcome.errors());
-    take(*outcome);
+    all.push_back(*std::move(outcome));
   }
   return Exit::done;
 }
@@ -299,11 +304,11 @@ Exit run_check(const CheckSettings& settings, const CLI::App& options) {
     return refuse(error("--golden compares one scenario", "name that scenario"));
   if (const auto alone = check_owners(settings, *scenarios); !alone) return refuse(alone.errors());
   if (const auto ready = virtualise_like_goldens(settings, *scenarios); !ready) return refuse(ready.errors());
-  std::vector<Json> all;
+  std::vector<CheckOutcome> all;
   if (const Exit ended = check_all(settings, *scenarios, all); ended != Exit::done || interruption() != 0) return ended;
   Exit worst = Exit::done;
-  for (const Json& outcome : all) worst = std::max(worst, static_cast<Exit>(outcome["exit"].get<int>()));
-  if (settings.json) print(all.size() == 1 ? all[0]["check"] : json_of_checks(all));
+  for (const CheckOutcome& outcome : all) worst = std::max(worst, outcome.exit);
+  if (settings.json) print(all.size() == 1 ? all[0].json : json_of_checks(all));
   if (!settings.no_report) keep_index(*scenarios, all, !settings.json);
   if (!settings.junit.empty())
     if (const auto written = write_junit(settings.junit, all); !written) return refuse(written.errors());

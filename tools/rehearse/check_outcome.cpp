@@ -10,6 +10,7 @@
 #include <fstream>
 #include <string_view>
 
+#include "check/check_json.h"
 #include "check/compared.h"
 #include "golden/run_folder.h"
 #include "report/report_index.h"
@@ -22,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 Json json_of_check(const Checked& checked) {
-  Json object = Json::parse(to_json(checked.report));
+  Json object = json_of(checked.report);
   if (!compared_anything(checked.report)) object["equal"] = object["within"] = false;
   object["scenario"] = checked.scenario;
   object["file"] = checked.file;
@@ -33,33 +34,29 @@ Json json_of_check(const Checked& checked) {
 
 /// A State of TestResult or CiCase.
 template <class State>
-State state_of(const Json& outcome) {
-  const auto exit = static_cast<Exit>(outcome["exit"].get<int>());
-  return exit == Exit::done ? State::passed : exit == Exit::differs ? State::differs : State::failed;
+State state_of(const CheckOutcome& outcome) {
+  return outcome.exit == Exit::done ? State::passed : outcome.exit == Exit::differs ? State::differs : State::failed;
 }
 
-TestResult result_of(const Scenario& scenario, const Json& outcome) {
+TestResult result_of(const Scenario& scenario, const CheckOutcome& outcome) {
   TestResult result;
   result.test = scenario.name;
-  result.kind = outcome["kind"];
+  result.kind = outcome.kind;
   result.state = state_of<TestResult::State>(outcome);
-  result.verdict = outcome["check"]["verdict"];
-  result.report = outcome["report"].get<std::string>();
+  result.verdict = outcome.verdict;
+  result.report = outcome.report;
   if (result.report.empty()) return result;
-  if (!outcome["tick"].is_null()) result.tick = outcome["tick"].get<std::int64_t>();
+  if (outcome.tick) result.tick = *outcome.tick;
   if (const auto trace = Trace::load(fs::path(result.report).replace_extension(".mcap")))
     result.picture = thumbnail_of(scenario, *trace, result.tick.value_or(0));
   return result;
 }
 
-bool is_within(const Json& outcome) { return outcome["check"]["within"]; }
-
 /// The summary of all scenarios: differs if any differs, else within if any is, else equal, else proved; skipped if all
 /// are skipped.
-std::string_view together(const std::vector<Json>& all, const char* level) {
+std::string_view together(const std::vector<CheckOutcome>& all, LevelState CheckOutcome::*level) {
   for (const LevelState state : {LevelState::differs, LevelState::within, LevelState::equal, LevelState::proved})
-    for (const Json& outcome : all)
-      if (outcome["check"]["levels"][level] == to_string(state)) return to_string(state);
+    if (std::ranges::find(all, state, level) != all.end()) return to_string(state);
   return to_string(LevelState::skipped);
 }
 
@@ -77,22 +74,22 @@ struct CiCase {
   double seconds = 0.0;  // wall time [s]
 };
 
-CiCase ci_case(const Json& outcome) {
+CiCase ci_case(const CheckOutcome& outcome) {
   CiCase one;
-  one.name = outcome["check"]["scenario"];
-  one.file = outcome["check"]["file"];
-  one.verdict = headline(outcome["check"]["verdict"].get<std::string>());
-  one.seconds = outcome["seconds"];
+  one.name = outcome.scenario;
+  one.file = outcome.file;
+  one.verdict = headline(outcome.verdict);
+  one.seconds = outcome.seconds;
   one.state = state_of<CiCase::State>(outcome);
-  one.line = outcome["line"];
-  one.details = outcome["details"];
-  one.report = outcome["report"];
+  one.line = outcome.line;
+  one.details = outcome.details;
+  one.report = outcome.report;
   return one;
 }
 
-std::vector<CiCase> ci_cases(const std::vector<Json>& all) {
+std::vector<CiCase> ci_cases(const std::vector<CheckOutcome>& all) {
   std::vector<CiCase> cases;
-  for (const Json& outcome : all) cases.push_back(ci_case(outcome));
+  for (const CheckOutcome& outcome : all) cases.push_back(ci_case(outcome));
   return cases;
 }
 
@@ -177,48 +174,100 @@ void tell_files(const Checked& checked) {
   if (report.run) tell_remarks(*report.run);
 }
 
-Json outcome_of(const Scenario& scenario, const Checked& checked) {
+CheckOutcome outcome_of(const Scenario& scenario, const Checked& checked) {
   const CheckReport& report = checked.report;
-  std::string details = report.verdict + '\n';
-  if (report.comparison) details += table(*report.comparison);
-  details += report.message;
-  int line = 1;
+  CheckOutcome outcome{.scenario = checked.scenario,
+                       .file = checked.file,
+                       .kind = scenario.golden.empty() ? "expectations" : "golden",
+                       .exit = exit_of(report),
+                       .verdict = report.verdict,
+                       .proved = report.proved,
+                       .controller = report.controller,
+                       .plant = report.plant,
+                       .closed = report.closed,
+                       .details = report.verdict + '\n',
+                       .seconds = checked.seconds,
+                       .json = json_of_check(checked)};
+  outcome.equal = compared_anything(report) && report.equal();
+  outcome.within = compared_anything(report) && report.within();
+  if (report.comparison) outcome.details += table(*report.comparison);
+  outcome.details += report.message;
   if (const ExpectationResult* violation = first_violation(report.expectations))
-    line = violation->expectation.place.line;
-  return {{"check", json_of_check(checked)},
-          {"exit", static_cast<int>(exit_of(report))},
-          {"kind", scenario.golden.empty() ? "expectations" : "golden"},
-          {"report", checked.page ? checked.page->file.string() : ""},
-          {"tick", checked.page && checked.page->summary.first_tick ? Json(*checked.page->summary.first_tick) : Json()},
-          {"details", details},
-          {"line", line},
-          {"seconds", checked.seconds}};
+    outcome.line = violation->expectation.place.line;
+  if (!checked.page) return outcome;
+  outcome.report = checked.page->file.string();
+  outcome.tick = checked.page->summary.first_tick;
+  return outcome;
 }
 
-Json json_of_checks(const std::vector<Json>& all) {
-  const auto bad = std::find_if_not(all.begin(), all.end(), is_within);
-  const auto all_are = [&](const char* member) {
-    return std::all_of(all.begin(), all.end(), [&](const Json& outcome) { return outcome["check"][member] == true; });
+std::string form_of(const CheckOutcome& outcome) {
+  const Json form{{"scenario", outcome.scenario},
+                  {"file", outcome.file},
+                  {"kind", outcome.kind},
+                  {"exit", outcome.exit},
+                  {"verdict", outcome.verdict},
+                  {"equal", outcome.equal},
+                  {"within", outcome.within},
+                  {"proved", outcome.proved},
+                  {"controller", outcome.controller},
+                  {"plant", outcome.plant},
+                  {"closed", outcome.closed},
+                  {"details", outcome.details},
+                  {"report", outcome.report},
+                  {"tick", outcome.tick ? Json(*outcome.tick) : Json()},
+                  {"line", outcome.line},
+                  {"seconds", outcome.seconds},
+                  {"json", outcome.json}};
+  return form.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+CheckOutcome outcome_in(const std::string& text) {
+  const Json form = Json::parse(text);
+  CheckOutcome outcome;
+  const auto take = [&](const char* name, auto& member) { form.at(name).get_to(member); };
+  take("scenario", outcome.scenario);
+  take("file", outcome.file);
+  take("kind", outcome.kind);
+  take("exit", outcome.exit);
+  take("verdict", outcome.verdict);
+  take("equal", outcome.equal);
+  take("within", outcome.within);
+  take("proved", outcome.proved);
+  take("controller", outcome.controller);
+  take("plant", outcome.plant);
+  take("closed", outcome.closed);
+  take("details", outcome.details);
+  take("report", outcome.report);
+  if (!form.at("tick").is_null()) outcome.tick = form.at("tick").get<std::int64_t>();
+  take("line", outcome.line);
+  take("seconds", outcome.seconds);
+  outcome.json = form.at("json");
+  return outcome;
+}
+
+Json json_of_checks(const std::vector<CheckOutcome>& all) {
+  const auto bad = std::ranges::find(all, false, &CheckOutcome::within);
+  const auto all_are = [&](bool CheckOutcome::*member) {
+    return std::ranges::all_of(all, [&](const CheckOutcome& outcome) { return outcome.*member; });
   };
   Json scenarios = Json::array();
-  for (const Json& outcome : all) scenarios.push_back(outcome["check"]);
+  for (const CheckOutcome& outcome : all) scenarios.push_back(outcome.json);
   return {{"verdict", bad == all.end() ? fmt::format("{} as they should be", count_text(std::ssize(all), "scenario"))
-                                       : (*bad)["check"]["scenario"].get<std::string>() + ": " +
-                                             (*bad)["check"]["verdict"].get<std::string>()},
-          {"equal", all_are("equal")},
+                                       : bad->scenario + ": " + bad->verdict},
+          {"equal", all_are(&CheckOutcome::equal)},
           {"within", bad == all.end()},
-          {"proved", all_are("proved")},
+          {"proved", all_are(&CheckOutcome::proved)},
           {"levels",
-           {{"controller", together(all, "controller")},
-            {"plant", together(all, "plant")},
-            {"closed", together(all, "closed")}}},
-          {"first", bad == all.end() ? Json(nullptr) : (*bad)["check"]["first"]},
+           {{"controller", together(all, &CheckOutcome::controller)},
+            {"plant", together(all, &CheckOutcome::plant)},
+            {"closed", together(all, &CheckOutcome::closed)}}},
+          {"first", bad == all.end() ? Json(nullptr) : bad->json["first"]},
           {"scenarios", scenarios}};
 }
 
-void keep_index(const std::vector<Scenario>& scenarios, const std::vector<Json>& all, bool tells) {
+void keep_index(const std::vector<Scenario>& scenarios, const std::vector<CheckOutcome>& all, bool tells) {
   std::error_code ignored;
-  const bool all_passed = std::all_of(all.begin(), all.end(), is_within);
+  const bool all_passed = std::ranges::all_of(all, &CheckOutcome::within);
   if (all_passed && !fs::exists(pending_folder() / "index.html", ignored)) return;
   const FolderLock alone(pending_folder());
   for (std::size_t i = 0; i < all.size(); ++i) keep_result(pending_folder(), result_of(scenarios[i], all[i]));
@@ -227,7 +276,7 @@ void keep_index(const std::vector<Scenario>& scenarios, const std::vector<Json>&
   fmt::print("all reports: {}\n", is_ci() ? index->string() : report_link(*index));
 }
 
-Result<void> write_junit(const fs::path& file, const std::vector<Json>& all) {
+Result<void> write_junit(const fs::path& file, const std::vector<CheckOutcome>& all) {
   const std::vector<CiCase> cases = ci_cases(all);
   double seconds = 0.0;
   for (const CiCase& one : cases) seconds += one.seconds;
@@ -267,7 +316,7 @@ Result<void> write_junit(const fs::path& file, const std::vector<Json>& all) {
   return {};
 }
 
-Result<void> print_for_github(const std::vector<Json>& all) {
+Result<void> print_for_github(const std::vector<CheckOutcome>& all) {
   const std::vector<CiCase> cases = ci_cases(all);
   for (const CiCase& one : cases)
     if (one.state != CiCase::State::passed)

@@ -6,6 +6,7 @@
 #include <rehearse/report.h>
 #include <rehearse/scenario.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -33,24 +34,43 @@ void tell_verdict(const Checked& checked);
 /// Prints the notes, the files that wait for a decision, and the address of the report.
 void tell_files(const Checked& checked);
 
-/// A check as JSON, so that a process can pass it to another: `check` is the object for the user.
-Json outcome_of(const Scenario& scenario, const Checked& checked);
+/// What remains of a check when it is over, for lists, summaries and continuous integration.
+struct CheckOutcome {
+  std::string scenario;  // name
+  std::string file;
+  std::string kind;  // "golden" or "expectations"
+  Exit exit = Exit::done;
+  std::string verdict;  // one sentence
+  bool equal = false, within = false, proved = false;
+  LevelState controller = LevelState::skipped, plant = LevelState::skipped, closed = LevelState::skipped;
+  std::string details;                              // lines
+  std::string report;                               // an HTML file; empty: there is none
+  std::optional<std::int64_t> tick = std::nullopt;  // where the report begins
+  int line = 1;                                     // of the first violated expectation, else 1
+  double seconds = 0.0;                             // wall time [s]
+  Json json = nullptr;                              // the object for the user
+};
+
+CheckOutcome outcome_of(const Scenario& scenario, const Checked& checked);
+/// The form in which a process passes an outcome to another, and back.
+std::string form_of(const CheckOutcome& outcome);
+CheckOutcome outcome_in(const std::string& form);
 
 /// One object for several scenarios: the same members as for one, and each scenario in `scenarios`.
-Json json_of_checks(const std::vector<Json>& all);
+Json json_of_checks(const std::vector<CheckOutcome>& all);
 
 /// Lists the results beside the reports, and prints the address of the list. Without a failure an existing list is
 /// renewed, and no new one is made.
-void keep_index(const std::vector<Scenario>& scenarios, const std::vector<Json>& all, bool tells);
+void keep_index(const std::vector<Scenario>& scenarios, const std::vector<CheckOutcome>& all, bool tells);
 
 /// Writes JUnit's XML, in the form of Jenkins' published schema: a test case for each scenario, whose failure has the
 /// verdict as its message. Fails if the file can't be written.
-Result<void> write_junit(const std::filesystem::path& file, const std::vector<Json>& all);
+Result<void> write_junit(const std::filesystem::path& file, const std::vector<CheckOutcome>& all);
 
 /// Prints workflow commands of GitHub Actions on stdout: `::error file=...,line=...::VERDICT` for each scenario that
 /// didn't pass. Appends a table of all scenarios to the job's summary, the file that GITHUB_STEP_SUMMARY names, if it
 /// is set.
-Result<void> print_for_github(const std::vector<Json>& all);
+Result<void> print_for_github(const std::vector<CheckOutcome>& all);
 
 /// True if the environment contains GITHUB_ACTIONS=true.
 bool is_github();

@@ -53,9 +53,17 @@ struct Divergence {
   double difference = 0.0;  // |actual - expected|, for angles the angle between them; 0 if both are NaN, NaN if one is
   std::uint64_t ulps = 0;   // number of representable numbers between them; the largest value if either is NaN
   double tolerance = 0.0;   // allowed difference; 0: bit for bit
-  std::string unit;         // may be empty
-  std::string note;         // for a difference that isn't one of two numbers: "missing", "120 pixels differ, ..."
+  /// The distance from the golden's values within lead and lag, if the value of the same tick isn't near enough. The
+  /// tolerance then applies to it instead of the difference.
+  std::optional<double> beside = std::nullopt;
+  std::string unit;  // may be empty
+  std::string note;  // for a difference that isn't one of two numbers: "missing", "120 pixels differ, ..."
   Stage stage = Stage::controller;
+
+  /// What the tolerance applies to.
+  double judged() const { return beside.value_or(difference); }
+  /// True for a difference beyond its tolerance, or one with a note.
+  bool is_beyond() const { return !note.empty() || !(judged() <= tolerance); }
 };
 
 /// Differences between two runs, counted in the order in which they are found.
@@ -83,9 +91,9 @@ double times_tolerance(double difference, double tolerance);
 /// tolerance, and stage.
 std::string to_string(const Divergence& divergence);
 
-/// A JSON object with all members, and relative and times_tolerance. For a difference that isn't one of two numbers,
-/// expected, actual, difference, relative, ulps, tolerance and times_tolerance are null. NaN and infinities are
-/// strings.
+/// A JSON object with all members, and relative and times_tolerance; beside only where it is known. For a difference
+/// that isn't one of two numbers, expected, actual, difference, relative, ulps, tolerance and times_tolerance are null.
+/// NaN and infinities are strings.
 std::string to_json(const Divergence& divergence);
 
 /// The number of steps from one double to the next between a and b; 0 for equal bits and for 0 and -0. NaN with any

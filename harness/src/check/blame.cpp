@@ -128,7 +128,7 @@ const Divergence* state_before(const Divergence& place, const Comparison& compar
     if (is_hash && (!samples || channel.first_bit->tick <= samples->last_sample(place.tick))) continue;
     const Divergence& bit = *channel.first_bit;
     const bool notable = comparison.same_arithmetic ||
-                         (channel.worst && times_tolerance(channel.worst->difference, channel.worst->tolerance) > 1e-3);
+                         (channel.worst && times_tolerance(channel.worst->judged(), channel.worst->tolerance) > 1e-3);
     if (notable && bit.tick <= place.tick && (!before || bit.tick < before->tick)) before = &bit;
   }
   return before;

@@ -1,7 +1,5 @@
 // A check's report as JSON.
-#include <rehearse/check.h>
-
-#include <nlohmann/json.hpp>
+#include "check_json.h"
 
 #include "compare/report_json.h"
 
@@ -25,7 +23,7 @@ nlohmann::ordered_json json_of(const ExpectationResult& result) {
 
 }  // namespace
 
-std::string to_json(const CheckReport& report) {
+nlohmann::ordered_json json_of(const CheckReport& report) {
   nlohmann::ordered_json object{
       {"verdict", report.verdict},
       {"equal", report.equal()},
@@ -47,7 +45,9 @@ std::string to_json(const CheckReport& report) {
   if (!report.not_proved.empty()) object["not_proved"] = report.not_proved;
   if (report.horizon) object["horizon"] = *report.horizon;
   for (const ExpectationResult& result : report.expectations) object["expectations"].push_back(json_of(result));
-  return text_of(object);
+  return object;
 }
+
+std::string to_json(const CheckReport& report) { return text_of(json_of(report)); }
 
 }  // namespace rehearse

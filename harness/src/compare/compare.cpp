@@ -31,13 +31,13 @@ bool ChannelFindings::count(double difference, double tolerance, bool beyond) {
 void ChannelFindings::describe(const Divergence& divergence, bool beyond) {
   mark(divergence);
   if (beyond && (!result_.first || comes_before(divergence, *result_.first))) result_.first = divergence;
-  const double times = times_tolerance(divergence.difference, divergence.tolerance);
-  if (times < worst_times_ || (times == worst_times_ && divergence.difference <= worst_difference_)) return;
+  const double times = times_tolerance(divergence.judged(), divergence.tolerance);
+  if (times < worst_times_ || (times == worst_times_ && divergence.judged() <= worst_difference_)) return;
   const auto or_infinite = [](double value) {
     return std::isnan(value) ? std::numeric_limits<double>::infinity() : value;
   };
   worst_times_ = or_infinite(times);
-  worst_difference_ = or_infinite(divergence.difference);
+  worst_difference_ = or_infinite(divergence.judged());
   result_.worst = divergence;
 }
 
@@ -137,9 +137,9 @@ void conclude(Comparison& comparison, std::vector<ChannelComparison> channels) {
     if (other && (!best || comes_before(*other, *best))) best = other;
   };
   const auto badness = [](const Divergence& d) {
-    if (std::isnan(d.difference)) return std::numeric_limits<double>::infinity();
-    if (d.difference > 0.0 && d.tolerance == 0.0) return 1.0;  // exact: as bad as a value at its tolerance
-    return times_tolerance(d.difference, d.tolerance);
+    if (std::isnan(d.judged())) return std::numeric_limits<double>::infinity();
+    if (d.judged() > 0.0 && d.tolerance == 0.0) return 1.0;  // exact: as bad as a value at its tolerance
+    return times_tolerance(d.judged(), d.tolerance);
   };
   std::set<std::string> differing;
   for (ChannelComparison& channel : channels) {

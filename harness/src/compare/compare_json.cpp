@@ -19,20 +19,22 @@ ordered_json object_of(const Divergence& d) {
   const auto if_numbers = [of_numbers](double value) { return of_numbers ? number_json(value) : ordered_json(); };
   const bool comparable = of_numbers && d.ulps != std::numeric_limits<std::uint64_t>::max();
   const double relative = relative_difference(d);
-  return {{"tick", d.tick},
-          {"time", d.time},
-          {"channel", d.channel},
-          {"element", d.element},
-          {"expected", if_numbers(d.expected)},
-          {"actual", if_numbers(d.actual)},
-          {"difference", if_numbers(d.difference)},
-          {"relative", std::isnan(relative) ? ordered_json() : number_json(relative)},
-          {"ulps", comparable ? ordered_json(d.ulps) : ordered_json()},
-          {"tolerance", if_numbers(d.tolerance)},
-          {"times_tolerance", if_numbers(times_tolerance(d.difference, d.tolerance))},
-          {"unit", d.unit},
-          {"note", d.note},
-          {"stage", to_string(d.stage)}};
+  ordered_json object{{"tick", d.tick},
+                      {"time", d.time},
+                      {"channel", d.channel},
+                      {"element", d.element},
+                      {"expected", if_numbers(d.expected)},
+                      {"actual", if_numbers(d.actual)},
+                      {"difference", if_numbers(d.difference)},
+                      {"relative", std::isnan(relative) ? ordered_json() : number_json(relative)},
+                      {"ulps", comparable ? ordered_json(d.ulps) : ordered_json()},
+                      {"tolerance", if_numbers(d.tolerance)},
+                      {"times_tolerance", if_numbers(times_tolerance(d.judged(), d.tolerance))},
+                      {"unit", d.unit},
+                      {"note", d.note},
+                      {"stage", to_string(d.stage)}};
+  if (d.beside) object["beside"] = number_json(*d.beside);
+  return object;
 }
 
 ordered_json object_of(const ChannelComparison& channel) {

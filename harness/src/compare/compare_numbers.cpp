@@ -3,45 +3,22 @@
 #include <rehearse/messages.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
 #include <map>
-#include <memory>
 #include <numbers>
-#include <optional>
+#include <utility>
 
-#include "compare_envelope.h"
 #include "compare_parts.h"
+#include "number_judge.h"
 
 namespace rehearse {
 namespace {
 
-/// A series of both tables, and its tolerances.
-struct Column {
-  std::size_t golden = 0;
-  std::size_t actual = 0;
-  CellKind kind = CellKind::floating;
-  std::string element;
-  std::string unit;
-  double tolerance = 0.0;
-  double noise = -1.0;  // noise floor: a difference up to it is noise; negative: unknown
-  double lead = 0.0;    // [s]
-  double lag = 0.0;     // [s]
-  bool hash = false;
-  bool wraps = false;
-  const std::vector<BlankedSpan>* blanked = nullptr;   // times without judgement; null: none
-  std::shared_ptr<const Envelope> envelope = nullptr;  // made at its first use
-  double largest = 0.0;                                // difference so far; NaN is kept
-};
-
-/// Four columns x, y, z, w that are one orientation.
-using Orientation = std::array<Column, 4>;
-
-std::vector<std::size_t> columns_of(const Orientation& orientation) {
+std::vector<std::size_t> columns_of(const NumberJudge::Orientation& orientation) {
   std::vector<std::size_t> columns;
-  for (const Column& column : orientation) columns.push_back(column.golden);
+  for (const NumberJudge::Column& column : orientation) columns.push_back(column.golden);
   return columns;
 }
 
@@ -53,73 +30,34 @@ bool is_hash(const TraceChannel& channel, std::string_view element) {
 /// same tick.
 bool may_be_missing(const TraceChannel& channel) { return channel.type == msg::Contacts::type_name; }
 
-/// Judges the rows of one channel.
-class NumberJudge final : public PartJudge {
- public:
-  NumberJudge(const ComparedTraces& traces, const PairedChannel& channel, ChannelFindings& findings);
-  void take(const MatchedChannel& window) override;
-  void take_equal(std::int64_t pairs) override;
-  void finish() override;
-
- private:
-  void match_columns();
-  bool takes(const TraceChannel& channel, std::string_view element) const;
-  void report_lone(const TraceChannel& channel, const ChannelSurvey& survey, const std::vector<std::string>& elements,
-                   const std::string& note);
-  void find_tolerance(Column& column) const;
-  void group_orientations();
-  void compare_cell(Column& column, std::size_t golden_row, std::size_t actual_row);
-  Divergence describe(const Column& column, std::size_t golden_row, std::size_t actual_row, double difference) const;
-  void mark_hash(const Column& column, std::size_t golden_row);
-  double beside(Column& column, std::size_t golden_row, double actual) const;
-  void compare_orientation(Orientation& orientation, std::size_t golden_row, std::size_t actual_row);
-  double beside(const Orientation& orientation, std::size_t golden_row, const Quaternion& actual) const;
-  void compare_norms(const Orientation& orientation, std::size_t golden_row, const Quaternion& expected,
-                     const Quaternion& actual);
-  bool count(const Column& column, std::size_t golden_row, double difference, bool& beyond);
-  void tell(std::size_t golden_row, std::vector<std::size_t> columns, bool beyond) const;
-  Divergence place(const Column& column, std::size_t golden_row, Divergence numbers = {}) const;
-
-  const ComparedTraces& traces_;
-  const PairedChannel& paired_;
-  ChannelFindings& findings_;
-  const MatchedChannel* window_ = nullptr;  // the judged window
-  std::vector<Column> columns_;             // except those of orientations
-  std::vector<Orientation> orientations_;
-  bool same_columns_ = true;
-};
-
-NumberJudge::NumberJudge(const ComparedTraces& traces, const PairedChannel& channel, ChannelFindings& findings)
-    : traces_(traces), paired_(channel), findings_(findings) {
-  match_columns();
+/// NaN is more than any number.
+void keep_larger(double& largest, double difference) {
+  if (!(difference <= largest)) largest = std::isnan(largest) ? largest : difference;
 }
 
-bool NumberJudge::takes(const TraceChannel& channel, std::string_view element) const {
-  return channel.type != msg::Tick::type_name || element == "tick" ||
-         traces_.options.takes(stage_of(channel.topic, element));
+constexpr double turn = 2.0 * std::numbers::pi;  // [rad]
+
+bool is_blanked(const std::vector<BlankedSpan>* spans, std::uint64_t time) {
+  return spans && std::any_of(spans->begin(), spans->end(),
+                              [time](const BlankedSpan& span) { return span.from <= time && time <= span.until; });
 }
 
-/// Reports all elements with this note as one finding.
-void NumberJudge::report_lone(const TraceChannel& channel, const ChannelSurvey& survey,
-                              const std::vector<std::string>& elements, const std::string& note) {
-  constexpr std::size_t most_named = 3;
-  if (elements.empty() || survey.messages == 0) return;
-  std::string others;
-  for (std::size_t i = 1; i < std::min(elements.size(), most_named); ++i) others += ", " + elements[i];
-  if (elements.size() > most_named) others += ", ...";
-  Divergence divergence = place_of(traces_, channel, survey.first_time);
-  divergence.element = elements.front();
-  divergence.note =
-      elements.size() == 1 ? note : fmt::format("{}; {} elements in all{}", note, elements.size(), others);
-  findings_.structure(divergence);
+}  // namespace
+
+NumberJudge::NumberJudge(const NumberRules& rules, const TraceChannel& golden, const TraceChannel& actual,
+                         NumberFindings& findings)
+    : rules_(rules), findings_(findings) {
+  match_columns(golden, actual);
 }
 
-void NumberJudge::match_columns() {
-  const TraceChannel &golden = paired_.golden, &actual = paired_.actual;
+void NumberJudge::match_columns(const TraceChannel& golden, const TraceChannel& actual) {
+  const auto takes = [&](const TraceChannel& channel, std::string_view element) {
+    return channel.type != msg::Tick::type_name || element == "tick" || !rules_.takes || rules_.takes(element);
+  };
   std::map<std::string_view, std::size_t> of_actual;
   for (std::size_t i = 0; i < actual.columns.size(); ++i) of_actual.emplace(actual.columns[i].element, i);
   same_columns_ = golden.columns.size() == actual.columns.size();
-  std::vector<std::string> missing, extra, of_another_kind;
+  auto& [missing, extra, of_another_kind] = lone_;
   for (std::size_t i = 0; i < golden.columns.size(); ++i) {
     const TraceColumn& expected = golden.columns[i];
     const auto found = of_actual.find(expected.element);
@@ -142,7 +80,7 @@ void NumberJudge::match_columns() {
       continue;
     }
     if (is_result_of_control(golden, expected.element)) continue;
-    if (traces_.another_step && golden.type == msg::Tick::type_name && expected.element == "tick") continue;
+    if (rules_.another_step && golden.type == msg::Tick::type_name && expected.element == "tick") continue;
     Column& column = columns_.emplace_back();
     column.golden = i;
     column.actual = at;
@@ -150,33 +88,30 @@ void NumberJudge::match_columns() {
     column.element = expected.element;
     column.unit = unit_of(golden.metadata, expected.element);
     column.hash = is_hash(golden, expected.element);
-    column.wraps = golden.metadata.count("wrap:" + expected.element) > 0;
-    find_tolerance(column);
+    column.wraps = !rules_.is_exact() && golden.metadata.count("wrap:" + expected.element) > 0;
+    find_tolerance(golden, column);
   }
   if (!may_be_missing(golden))
     for (const TraceColumn& column : actual.columns)  // in this trace's order
       if (of_actual.count(column.element) && takes(actual, column.element)) extra.push_back(column.element);
-  report_lone(golden, paired_.golden_survey, missing, "is missing");
-  report_lone(golden, paired_.golden_survey, of_another_kind, "is a number of a different kind than in the golden");
-  report_lone(actual, paired_.actual_survey, extra, "is extra: the golden hasn't it");
-  group_orientations();
+  if (!rules_.is_exact()) group_orientations();
 }
 
-void NumberJudge::find_tolerance(Column& column) const {
-  const TraceChannel& golden = paired_.golden;
-  if (!traces_.blanked.empty()) {
+void NumberJudge::find_tolerance(const TraceChannel& golden, Column& column) const {
+  if (rules_.blanked && !rules_.blanked->empty()) {
     const bool transforms = golden.type == msg::TFMessage::type_name;
-    const auto spans = traces_.blanked.find(transforms ? body_of_name(column.element)
+    const auto spans = rules_.blanked->find(transforms ? body_of_name(column.element)
                                                        : std::string_view(ChannelName::parse(golden.topic).body));
-    if (spans != traces_.blanked.end()) column.blanked = &spans->second;
+    if (spans != rules_.blanked->end()) column.blanked = &spans->second;
   }
-  if (column.kind != CellKind::floating) return;
-  const Tolerance tolerance = column_tolerance(golden, column.golden, traces_.rules);
-  column.tolerance = tolerance.bound(traces_.golden_run.scale_of(golden, column.golden));
+  if (column.kind != CellKind::floating || rules_.is_exact()) return;
+  const Tolerance tolerance = column_tolerance(golden, column.golden, *rules_.tolerances);
+  column.tolerance = tolerance.bound(rules_.scale_of ? rules_.scale_of(column.golden) : 0.0);
   column.lead = tolerance.lead;
   column.lag = tolerance.lag;
-  const auto noise = traces_.options.noise_floors.find(series_of(golden, golden.columns[column.golden]));
-  if (noise != traces_.options.noise_floors.end()) column.noise = noise->second;
+  if (!rules_.noise_floors) return;
+  const auto noise = rules_.noise_floors->find(series_of(golden, golden.columns[column.golden]));
+  if (noise != rules_.noise_floors->end()) column.noise = noise->second;
 }
 
 void NumberJudge::group_orientations() {
@@ -200,25 +135,42 @@ void NumberJudge::group_orientations() {
   }
 }
 
-void NumberJudge::take_equal(std::int64_t pairs) {
-  findings_.result().values += static_cast<std::int64_t>(columns_.size() + 4 * orientations_.size()) * pairs;
+std::size_t NumberJudge::values() const { return columns_.size() + 4 * orientations_.size(); }
+
+std::pair<double, double> NumberJudge::lead_and_lag() const {
+  double lead = 0.0, lag = 0.0;
+  const auto take = [&](const Column& column) {
+    lead = std::max(lead, column.lead);
+    lag = std::max(lag, column.lag);
+  };
+  std::ranges::for_each(columns_, take);
+  for (const Orientation& orientation : orientations_) std::ranges::for_each(orientation, take);
+  return {lead, lag};
 }
 
-void NumberJudge::take(const MatchedChannel& window) {
-  window_ = &window;
+double NumberJudge::tolerance(std::size_t golden_column) const {
+  for (const Column& column : columns_)
+    if (column.golden == golden_column) return column.tolerance;
+  for (const Orientation& orientation : orientations_)
+    for (const Column& column : orientation)
+      if (column.golden == golden_column) return column.tolerance;
+  return 0.0;
+}
+
+void NumberJudge::take(const MatchedRows& rows) {
+  rows_ = &rows;
   for (Column& column : columns_) column.envelope.reset();
-  take_equal(std::ssize(window.pairs));
-  const std::size_t row_bytes = window.golden.columns.size() * sizeof(std::uint64_t);
-  for (const auto& [golden_row, actual_row] : window.pairs) {
-    if (same_columns_ && std::memcmp(window.golden.row(golden_row), window.actual.row(actual_row), row_bytes) == 0)
+  const std::size_t row_bytes = rows.golden.columns.size() * sizeof(std::uint64_t);
+  for (const auto& [golden_row, actual_row] : rows.pairs) {
+    if (same_columns_ && std::memcmp(rows.golden.row(golden_row), rows.actual.row(actual_row), row_bytes) == 0)
       continue;
     for (Column& column : columns_) compare_cell(column, golden_row, actual_row);
     for (Orientation& orientation : orientations_) compare_orientation(orientation, golden_row, actual_row);
   }
 }
 
-void NumberJudge::finish() {
-  std::vector<SeriesComparison>& series = findings_.result().series;
+std::vector<SeriesComparison> NumberJudge::series() const {
+  std::vector<SeriesComparison> series;
   for (const Column& column : columns_)
     if (column.kind == CellKind::floating && !column.hash)
       series.push_back({column.element, column.unit, column.largest, column.tolerance});
@@ -226,16 +178,12 @@ void NumberJudge::finish() {
     const Column& any = orientation[0];
     series.push_back({any.element.substr(0, any.element.size() - 2), "rad", any.largest, any.tolerance});
   }
-}
-
-/// NaN is more than any number.
-void keep_larger(double& largest, double difference) {
-  if (!(difference <= largest)) largest = std::isnan(largest) ? largest : difference;
+  return series;
 }
 
 /// Adds place, element, stage and unit to the numbers.
 Divergence NumberJudge::place(const Column& column, std::size_t golden_row, Divergence numbers) const {
-  Divergence place = place_of(traces_, window_->golden, window_->golden.times[golden_row]);
+  Divergence place = findings_.place_of(rows_->golden, golden_row);
   numbers.tick = place.tick;
   numbers.time = place.time;
   numbers.channel = std::move(place.channel);
@@ -245,97 +193,81 @@ Divergence NumberJudge::place(const Column& column, std::size_t golden_row, Dive
   return numbers;
 }
 
-constexpr double turn = 2.0 * std::numbers::pi;  // [rad]
-
-bool is_blanked(const std::vector<BlankedSpan>* spans, std::uint64_t time) {
-  return spans && std::any_of(spans->begin(), spans->end(),
-                              [time](const BlankedSpan& span) { return span.from <= time && time <= span.until; });
-}
-
-/// Counts a cell whose bits differ; true if it has to be described. Sets `beyond` to false if the cell isn't judged.
-bool NumberJudge::count(const Column& column, std::size_t golden_row, double difference, bool& beyond) {
-  if (difference <= column.noise) ++findings_.result().in_noise;
-  if (beyond && is_blanked(column.blanked, window_->golden.times[golden_row])) {
-    beyond = false;
-    ++findings_.result().differing;
-    ++findings_.result().blanked;
-    if (!findings_.result().first_bit) {
-      Divergence divergence = place(column, golden_row);
-      divergence.note = "isn't judged: an event nearby is early or late within its tolerance";
-      findings_.mark(divergence);
-    }
-    return false;
+/// Counts a difference; true if it has to be described. Sets `beyond` to false if the number isn't judged.
+bool NumberJudge::count(const Column& column, std::size_t golden_row, std::span<const std::size_t> columns,
+                        const Distance& distance, bool& beyond) {
+  DifferingNumber number{rows_->golden, golden_row, columns, distance.judged(), column.tolerance};
+  number.in_noise = number.difference <= column.noise;
+  number.blanked = beyond && is_blanked(column.blanked, rows_->golden.times[golden_row]);
+  number.beyond = beyond = beyond && !number.blanked;
+  const bool to_describe = findings_.count(number);
+  if (number.blanked && to_describe) {
+    Divergence divergence = place(column, golden_row);
+    divergence.note = "isn't judged: an event nearby is early or late within its tolerance";
+    findings_.mark(std::move(divergence));
   }
-  return findings_.count(difference, column.tolerance, beyond);
-}
-
-void NumberJudge::mark_hash(const Column& column, std::size_t golden_row) {
-  if (findings_.result().first_bit) return;
-  Divergence divergence = place(column, golden_row);
-  divergence.note = "is a different hash";
-  findings_.mark(divergence);
-}
-
-/// Passes a differing value to CompareOptions::on_difference.
-void NumberJudge::tell(std::size_t golden_row, std::vector<std::size_t> columns, bool beyond) const {
-  traces_.options.on_difference({window_->golden, window_->place(), golden_row, std::move(columns), beyond, 0});
+  return to_describe && !number.blanked;
 }
 
 /// The distance of a number from all values of the golden within lead and lag.
 double NumberJudge::beside(Column& column, std::size_t golden_row, double actual) const {
   if (!column.envelope)
-    column.envelope = std::make_shared<Envelope>(window_->golden, column.golden, column.lead, column.lag);
-  const double expected = window_->golden.number(golden_row, column.golden);
+    column.envelope = std::make_shared<Envelope>(rows_->golden, column.golden, column.lead, column.lag);
+  const double expected = rows_->golden.number(golden_row, column.golden);
   if (column.wraps) actual = expected + std::remainder(actual - expected, turn);
   return column.envelope->distance(golden_row, actual);
 }
 
 void NumberJudge::compare_cell(Column& column, std::size_t golden_row, std::size_t actual_row) {
-  const std::uint64_t expected_bits = window_->golden.bits(golden_row, column.golden);
-  const std::uint64_t actual_bits = window_->actual.bits(actual_row, column.actual);
+  const std::uint64_t expected_bits = rows_->golden.bits(golden_row, column.golden);
+  const std::uint64_t actual_bits = rows_->actual.bits(actual_row, column.actual);
   if (expected_bits == actual_bits) return;
-  if (column.hash) return mark_hash(column, golden_row);
-  double difference = 0.0;
+  if (column.hash) {
+    if (!findings_.wants_hash()) return;
+    Divergence divergence = place(column, golden_row);
+    divergence.note = "is a different hash";
+    return findings_.mark(std::move(divergence));
+  }
+  Distance distance;
   bool beyond = true;
   if (column.kind == CellKind::floating) {
     const double expected = std::bit_cast<double>(expected_bits), actual = std::bit_cast<double>(actual_bits);
-    if (may_be_missing(window_->golden) && std::isnan(expected) != std::isnan(actual)) return;  // see may_be_missing()
-    difference = difference_between(expected, actual);
-    if (column.wraps) difference = std::abs(std::remainder(difference, turn));
-    beyond = !(difference <= column.tolerance);
-    keep_larger(column.largest, difference);
-    if (beyond && (column.lead > 0.0 || column.lag > 0.0) && std::isfinite(difference)) {
-      const double from_envelope = beside(column, golden_row, actual);
-      beyond = !(from_envelope <= column.tolerance);
-      if (!beyond) difference = from_envelope;  // the judged difference is reported
-    }
+    if (may_be_missing(rows_->golden) && std::isnan(expected) != std::isnan(actual)) return;  // see may_be_missing()
+    distance.difference = difference_between(expected, actual);
+    if (column.wraps) distance.difference = std::abs(std::remainder(distance.difference, turn));
+    keep_larger(column.largest, distance.difference);
+    if (column.allows_for_time() && std::isfinite(distance.difference) && distance.difference > column.tolerance)
+      distance.beside = beside(column, golden_row, actual);
+    beyond = !(distance.judged() <= column.tolerance);
   } else {
-    difference = static_cast<double>(distance_of_integers(column.kind, expected_bits, actual_bits));
+    distance.difference = static_cast<double>(distance_of_integers(column.kind, expected_bits, actual_bits));
   }
-  const bool to_describe = count(column, golden_row, difference, beyond);
-  if (traces_.options.on_difference) tell(golden_row, {column.golden}, beyond);
-  if (to_describe) findings_.describe(describe(column, golden_row, actual_row, difference), beyond);
+  if (!count(column, golden_row, std::span(&column.golden, 1), distance, beyond)) return;
+  Divergence numbers;
+  put_cells(numbers, column.kind, expected_bits, actual_bits);
+  describe(column, golden_row, std::move(numbers), distance, beyond);
 }
 
 /// Few of the cells that differ are described: a description takes longer than a comparison.
-Divergence NumberJudge::describe(const Column& column, std::size_t golden_row, std::size_t actual_row,
-                                 double difference) const {
-  Divergence numbers;
-  put_cells(numbers, column.kind, window_->golden.bits(golden_row, column.golden),
-            window_->actual.bits(actual_row, column.actual));
+void NumberJudge::describe(const Column& column, std::size_t golden_row, Divergence numbers, const Distance& distance,
+                           bool beyond) {
   numbers.tolerance = column.tolerance;
-  numbers.difference = difference;
-  return place(column, golden_row, std::move(numbers));
+  numbers.difference = distance.difference;
+  numbers.beside = distance.beside;
+  const std::string unit = numbers.unit;
+  Divergence divergence = place(column, golden_row, std::move(numbers));
+  if (!unit.empty()) divergence.unit = unit;
+  findings_.describe(std::move(divergence), beyond);
 }
 
 double NumberJudge::beside(const Orientation& orientation, std::size_t golden_row, const Quaternion& actual) const {
   const auto golden_at = [&](std::size_t row) {
     Quaternion q{};
-    for (std::size_t i = 0; i < 4; ++i) q[i] = window_->golden.number(row, orientation[i].golden);
+    for (std::size_t i = 0; i < 4; ++i) q[i] = rows_->golden.number(row, orientation[i].golden);
     return q;
   };
   const Column& column = orientation[0];
-  return distance_from_path(window_->golden.times, golden_row, column.lead, column.lag, golden_at, actual);
+  return distance_from_path(rows_->golden.times, golden_row, column.lead, column.lag, golden_at, actual);
 }
 
 void NumberJudge::compare_orientation(Orientation& orientation, std::size_t golden_row, std::size_t actual_row) {
@@ -343,31 +275,24 @@ void NumberJudge::compare_orientation(Orientation& orientation, std::size_t gold
   std::size_t most = 4;  // the element that differs most stands for all four
   bool same_nan = true;
   for (std::size_t i = 0; i < 4; ++i) {
-    expected[i] = window_->golden.number(golden_row, orientation[i].golden);
-    actual[i] = window_->actual.number(actual_row, orientation[i].actual);
+    expected[i] = rows_->golden.number(golden_row, orientation[i].golden);
+    actual[i] = rows_->actual.number(actual_row, orientation[i].actual);
     same_nan = same_nan && std::isnan(expected[i]) == std::isnan(actual[i]);
     if (identical(expected[i], actual[i])) continue;
     if (most == 4 || std::abs(actual[i] - expected[i]) > std::abs(actual[most] - expected[most])) most = i;
   }
   if (most == 4) return;
-  double angle = angle_between(expected, actual);
-  if (std::isnan(angle) && same_nan) angle = 0.0;
-  keep_larger(orientation[0].largest, angle);
+  Distance distance{angle_between(expected, actual)};
+  if (std::isnan(distance.difference) && same_nan) distance.difference = 0.0;
+  keep_larger(orientation[0].largest, distance.difference);
   const Column& column = orientation[most];
-  bool beyond = !(angle <= column.tolerance);
-  if (beyond && (column.lead > 0.0 || column.lag > 0.0) && std::isfinite(angle)) {
-    const double from_path = beside(orientation, golden_row, actual);
-    beyond = !(from_path <= column.tolerance);
-    if (!beyond) angle = from_path;
-  }
-  const bool to_describe = count(column, golden_row, angle, beyond);
-  if (traces_.options.on_difference) tell(golden_row, columns_of(orientation), beyond);
-  if (to_describe) {
-    Divergence divergence = place(column, golden_row);
+  if (column.allows_for_time() && std::isfinite(distance.difference) && distance.difference > column.tolerance)
+    distance.beside = beside(orientation, golden_row, actual);
+  bool beyond = !(distance.judged() <= column.tolerance);
+  if (count(column, golden_row, columns_of(orientation), distance, beyond)) {
+    Divergence divergence;
     put_numbers(divergence, expected[most], actual[most], "rad");
-    divergence.difference = angle;
-    divergence.tolerance = column.tolerance;
-    findings_.describe(divergence, beyond);
+    describe(column, golden_row, std::move(divergence), distance, beyond);
   }
   compare_norms(orientation, golden_row, expected, actual);
 }
@@ -378,19 +303,101 @@ void NumberJudge::compare_norms(const Orientation& orientation, std::size_t gold
   const double norm = norm_of(actual), wanted = norm_of(expected);
   Column column = orientation[0];
   column.tolerance = std::max(column.tolerance, default_tolerance("quaternion").atol);
-  const double difference = std::abs(norm - wanted);
-  if (difference <= column.tolerance || std::isnan(difference)) return;
+  const Distance distance{std::abs(norm - wanted)};
+  if (distance.difference <= column.tolerance || std::isnan(distance.difference)) return;
   bool beyond = true;
-  const bool to_describe = count(column, golden_row, difference, beyond);
-  if (traces_.options.on_difference) tell(golden_row, columns_of(orientation), beyond);
-  if (!to_describe) return;
+  if (!count(column, golden_row, columns_of(orientation), distance, beyond)) return;
   Divergence divergence = place(column, golden_row);
   divergence.element.back() = 'n';
   divergence.element += "orm";
   put_numbers(divergence, wanted, norm);
   divergence.tolerance = column.tolerance;
-  findings_.describe(divergence, beyond);
+  findings_.describe(std::move(divergence), beyond);
 }
+
+namespace {
+
+/// Judges the numbers of a channel of two recordings.
+class NumberPart final : public PartJudge, public NumberFindings {
+ public:
+  NumberPart(const ComparedTraces& traces, const PairedChannel& channel, ChannelFindings& findings)
+      : traces_(traces),
+        findings_(findings),
+        judge_(rules_of(traces, channel.golden), channel.golden, channel.actual, *this) {
+    const auto& [missing, extra, of_another_kind] = judge_.lone();
+    report_lone(channel.golden, channel.golden_survey, missing, "is missing");
+    report_lone(channel.golden, channel.golden_survey, of_another_kind,
+                "is a number of a different kind than in the golden");
+    report_lone(channel.actual, channel.actual_survey, extra, "is extra: the golden hasn't it");
+  }
+
+  void take(const MatchedChannel& window) override {
+    window_ = &window;
+    take_equal(std::ssize(window.pairs));
+    judge_.take({window.golden, window.actual, window.pairs});
+  }
+  void take_equal(std::int64_t pairs) override {
+    findings_.result().values += static_cast<std::int64_t>(judge_.values()) * pairs;
+  }
+  void finish() override {
+    const std::vector<SeriesComparison> series = judge_.series();
+    findings_.result().series.insert(findings_.result().series.end(), series.begin(), series.end());
+  }
+
+  Divergence place_of(const TraceChannel& golden, std::size_t row) const override {
+    return rehearse::place_of(traces_, golden, golden.times[row]);
+  }
+  bool count(const DifferingNumber& number) override {
+    ChannelComparison& result = findings_.result();
+    if (number.in_noise) ++result.in_noise;
+    if (traces_.options.on_difference)
+      traces_.options.on_difference({number.golden,
+                                     window_->place(),
+                                     number.row,
+                                     {number.columns.begin(), number.columns.end()},
+                                     number.beyond,
+                                     0});
+    if (!number.blanked) return findings_.count(number.difference, number.tolerance, number.beyond);
+    ++result.differing;
+    ++result.blanked;
+    return !result.first_bit;
+  }
+  void describe(Divergence divergence, bool beyond) override { findings_.describe(divergence, beyond); }
+  bool wants_hash() const override { return !findings_.result().first_bit; }
+  void mark(Divergence divergence) override { findings_.mark(divergence); }
+
+ private:
+  static NumberRules rules_of(const ComparedTraces& traces, const TraceChannel& golden) {
+    NumberRules rules;
+    rules.tolerances = &traces.rules;
+    rules.scale_of = [&](std::size_t column) { return traces.golden_run.scale_of(golden, column); };
+    rules.noise_floors = &traces.options.noise_floors;
+    rules.blanked = &traces.blanked;
+    rules.takes = [&](std::string_view element) { return traces.options.takes(stage_of(golden.topic, element)); };
+    rules.another_step = traces.another_step;
+    return rules;
+  }
+
+  /// Reports all elements with this note as one finding.
+  void report_lone(const TraceChannel& channel, const ChannelSurvey& survey, const std::vector<std::string>& elements,
+                   const std::string& note) {
+    constexpr std::size_t most_named = 3;
+    if (elements.empty() || survey.messages == 0) return;
+    std::string others;
+    for (std::size_t i = 1; i < std::min(elements.size(), most_named); ++i) others += ", " + elements[i];
+    if (elements.size() > most_named) others += ", ...";
+    Divergence divergence = rehearse::place_of(traces_, channel, survey.first_time);
+    divergence.element = elements.front();
+    divergence.note =
+        elements.size() == 1 ? note : fmt::format("{}; {} elements in all{}", note, elements.size(), others);
+    findings_.structure(divergence);
+  }
+
+  const ComparedTraces& traces_;
+  ChannelFindings& findings_;
+  const MatchedChannel* window_ = nullptr;  // the judged window
+  NumberJudge judge_;
+};
 
 }  // namespace
 
@@ -409,7 +416,7 @@ Tolerance column_tolerance(const TraceChannel& channel, std::size_t column, cons
 
 std::unique_ptr<PartJudge> judge_numbers(const ComparedTraces& traces, const PairedChannel& channel,
                                          ChannelFindings& findings) {
-  return std::make_unique<NumberJudge>(traces, channel, findings);
+  return std::make_unique<NumberPart>(traces, channel, findings);
 }
 
 }  // namespace rehearse

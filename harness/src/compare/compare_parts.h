@@ -14,17 +14,12 @@
 #include <utility>
 #include <vector>
 
+#include "number_judge.h"
 #include "run_survey.h"
 #include "trace/channel_name.h"
 #include "trace/run_facts.h"
 
 namespace rehearse {
-
-/// A span of time in which the numbers of a body are not judged; both ends are part of it [ns].
-struct BlankedSpan {
-  std::uint64_t from = 0;
-  std::uint64_t until = 0;
-};
 
 /// Two runs, and the rules and options of their comparison.
 struct ComparedTraces {

@@ -53,7 +53,7 @@ std::string pattern_of(const std::string& topic) {
 double badness(const ChannelComparison& channel) {
   constexpr double infinite = std::numeric_limits<double>::infinity();
   if (!channel.worst) return channel.first ? infinite : -1.0;
-  const double times = times_tolerance(channel.worst->difference, channel.worst->tolerance);
+  const double times = times_tolerance(channel.worst->judged(), channel.worst->tolerance);
   return std::isnan(times) ? infinite : times;
 }
 
@@ -114,9 +114,11 @@ std::string worst_text(const Row& row, std::size_t width, const char* tick) {
   if (!worst.note.empty())
     return shortened(fmt::format("{} {}: {}{}{}", tick, worst.tick, element, element.empty() ? "" : " ", worst.note),
                      std::max(width, 3 * least));
-  const double times = times_tolerance(worst.difference, worst.tolerance);
-  std::string text =
-      fmt::format("{:.3g}{}{} @{}", worst.difference, worst.unit.empty() ? "" : " ", worst.unit, worst.tick);
+  const double times = times_tolerance(worst.judged(), worst.tolerance);
+  const std::string unit = worst.unit.empty() ? "" : " " + worst.unit;
+  std::string text = fmt::format("{:.3g}{}", worst.difference, unit);
+  if (worst.beside) text += fmt::format(", {:.3g}{} beside lead and lag", *worst.beside, unit);
+  text += fmt::format(" @{}", worst.tick);
   if (std::isfinite(times)) text += fmt::format(", {:.2g} x", times);
   return shortened(element, width > text.size() + 1 + least ? width - text.size() - 1 : least) + " " + text;
 }
@@ -216,7 +218,7 @@ std::string verdict(const Comparison& comparison) {
   if (!comparison.worst) return fmt::format("{}: all values are equal, but {}{}", how, since, blanked_text(comparison));
   const Divergence& worst = *comparison.worst;
   return fmt::format("{}: {} of {} values differ, the worst by {:.2g} of its tolerance ({}); {}{}", how,
-                     comparison.differing, comparison.values, times_tolerance(worst.difference, worst.tolerance),
+                     comparison.differing, comparison.values, times_tolerance(worst.judged(), worst.tolerance),
                      place_text(comparison, worst), since, blanked_text(comparison));
 }
 

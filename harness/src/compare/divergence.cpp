@@ -44,7 +44,7 @@ void put_numbers(Divergence& divergence, double expected, double actual, std::st
 
 void Differences::add(Divergence found) {
   ++values_different;
-  if (!beyond && (!found.note.empty() || !(found.difference <= found.tolerance))) beyond = found;
+  if (!beyond && found.is_beyond()) beyond = found;
   if (!worst || found.difference > worst->difference) worst = found;
   if (!first) first = std::move(found);
 }
@@ -99,9 +99,11 @@ std::string describe(const Divergence& d, const std::string& where, bool with_st
                        stage("; ", ""));
   const double share = relative_difference(d);
   const std::string relative = std::isfinite(share) ? fmt::format("relative {:.3g}, ", share) : "";
-  const std::string bound = d.tolerance > 0.0 ? fmt::format(", {:.3g} times the tolerance of {:g}{}",
-                                                            d.difference / d.tolerance, d.tolerance, unit)
-                                              : "";
+  const std::string beside =
+      d.beside ? fmt::format(", {:.6g}{} from the golden's values within lead and lag", *d.beside, unit) : "";
+  const std::string bound = d.tolerance > 0.0 ? fmt::format("{}, {:.3g} times the tolerance of {:g}{}", beside,
+                                                            d.judged() / d.tolerance, d.tolerance, unit)
+                                              : beside;
   return fmt::format("{} is {}{}, expected {}{}: off by {:.6g}{} ({}{}{}{})", place, actual, unit, expected, unit,
                      d.difference, unit, relative, ulps_text(d.ulps), bound, stage("; ", ""));
 }

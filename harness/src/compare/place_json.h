@@ -21,13 +21,17 @@ inline double finite(double value) { return std::isfinite(value) ? value : 1e300
 inline nlohmann::json json_of_place(std::optional<Divergence> place) {
   if (!place) return nullptr;
   for (double* number : {&place->expected, &place->actual, &place->difference}) *number = finite(*number);
-  return *place;
+  nlohmann::json json = *place;
+  if (place->beside) json["beside"] = finite(*place->beside);
+  return json;
 }
 
 /// Throws nlohmann::json::exception if a member is missing or has another type.
 inline std::optional<Divergence> place_of_json(const nlohmann::json& json) {
   if (json.is_null()) return std::nullopt;
-  return json.get<Divergence>();
+  auto place = json.get<Divergence>();
+  if (json.contains("beside")) place.beside = json.at("beside").get<double>();
+  return place;
 }
 
 }  // namespace rehearse

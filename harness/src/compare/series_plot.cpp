@@ -118,7 +118,7 @@ std::optional<std::size_t> worst_column(const TraceChannel& golden, const TraceC
 }
 
 double times_allowed(const ChannelComparison& channel) {
-  return channel.worst ? times_tolerance(channel.worst->difference, channel.worst->tolerance) : -1.0;
+  return channel.worst ? times_tolerance(channel.worst->judged(), channel.worst->tolerance) : -1.0;
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ constexpr std::size_t channels_listed = 10, remarks_listed = 3;  // with the ver
 /// The difference in multiples of its tolerance; infinite if no difference is allowed.
 double times_tolerance_of(const Divergence& worst) {
   if (!(worst.tolerance > 0.0)) return std::numeric_limits<double>::infinity();
-  return worst.difference / worst.tolerance;
+  return worst.judged() / worst.tolerance;
 }
 
 /// Worst first: channels with missing or extra messages, then by multiples of the tolerance. Equally bad channels keep

@@ -5,7 +5,9 @@
 #include <rehearse/scenario.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "joint_messages.h"
@@ -111,37 +113,51 @@ const CommandedJoints* LogCommands::of_tick(std::int64_t tick) {
   return found;
 }
 
-Divergence LogCommands::place_of(const HostedController& hosted, const IoField& field, double largest,
-                                 const Scenario& scenario) const {
-  const Joint& joint = model_.links[field.link].joint;
-  Divergence place;
-  place.channel = ChannelName::of_controller(hosted.label, ChannelSide::output, ChannelKind::joints).topic();
-  place.element = joint.name + "/" + name_of(field.quantity);
-  place.unit = unit_of_joint(name_of(field.quantity), is_linear(joint.type));
-  const std::string series = series_name(place.channel, place.element);
-  place.tolerance = tolerance_of(series, place.unit, scenario.tolerances).bound(largest);
-  return place;
+std::unique_ptr<RowJudge> LogCommands::make_judge(const ControllerHost& host, const Scenario& scenario,
+                                                  RowJudge::OnDifference differs) const {
+  SeriesScales scales;
+  std::vector<TraceChannel> channels;  // by controller
+  for (const HostedController& hosted : host.controllers()) {
+    TraceChannel& channel = channels.emplace_back();
+    channel.topic = ChannelName::of_controller(hosted.label, ChannelSide::output, ChannelKind::joints).topic();
+    channel.type = msg::JointState::type_name;
+    if (!hosted.io) continue;
+    for (const IoField& field : hosted.io->outputs().fields) {
+      const auto part = commanded_part(field);
+      if (!part) continue;
+      const Joint& joint = model_.links[field.link].joint;
+      const std::string element = joint.name + "/" + name_of(field.quantity);
+      channel.metadata["unit:" + element] = unit_of_joint(name_of(field.quantity), is_linear(joint.type));
+      channel.columns.push_back({element, {}, CellKind::floating});
+      if (!facts_.largest.empty()) scales[{channel.topic, element}] = (facts_.largest[field.joint].*part).value_or(0.0);
+    }
+  }
+  auto judge =
+      std::make_unique<RowJudge>(&scenario.tolerances, std::move(scales), scenario.time_step, std::move(differs));
+  for (const TraceChannel& channel : channels) judge->set_columns(judge->add_channel(channel), channel.columns);
+  return judge;
 }
 
-std::vector<CommandPair> LogCommands::compare(const CommandedJoints& logged, const ControllerHost& host,
-                                              const Scenario& scenario, const OnDifference& differs) {
+std::vector<CommandPair> LogCommands::compare(std::int64_t tick, const CommandedJoints& logged,
+                                              const ControllerHost& host, RowJudge& judge) const {
   std::vector<CommandPair> pairs;
-  for (const HostedController& hosted : host.controllers()) {
+  std::vector<std::uint64_t> expected_row, actual_row;
+  for (std::size_t i = 0; i < host.controllers().size(); ++i) {
+    const HostedController& hosted = host.controllers()[i];
     if (!hosted.tick.has_output) continue;
+    expected_row.clear();
+    actual_row.clear();
     for (const IoField& field : hosted.io->outputs().fields) {
       const auto part = commanded_part(field);
       if (!part) continue;
       const std::optional<double>& expected = logged[field.joint].*part;
       const double actual = hosted.io->output_values()[field.offset];
-      const double largest = facts_.largest.empty() ? 0.0 : (facts_.largest[field.joint].*part).value_or(0.0);
-      if (tolerances_.size() == pairs.size())
-        tolerances_.push_back(place_of(hosted, field, largest, scenario).tolerance);
-      pairs.push_back({expected, actual, tolerances_[pairs.size()]});
-      if (!expected || identical(*expected, actual)) continue;
-      Divergence found = place_of(hosted, field, largest, scenario);
-      put_numbers(found, *expected, actual, found.unit);
-      differs(std::move(found));
+      pairs.push_back({expected, actual, judge.tolerance(i, expected_row.size())});
+      const double nothing = std::numeric_limits<double>::quiet_NaN();  // a number that isn't in the log isn't compared
+      expected_row.push_back(std::bit_cast<std::uint64_t>(expected.value_or(nothing)));
+      actual_row.push_back(std::bit_cast<std::uint64_t>(expected ? actual : nothing));
     }
+    judge.add(i, tick, expected_row, actual_row);
   }
   return pairs;
 }

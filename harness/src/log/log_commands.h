@@ -7,13 +7,13 @@
 
 #include <cstdint>
 #include <deque>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "command_timing.h"
+#include "compare/row_judge.h"
 #include "host/controller_host.h"
 #include "log_feed.h"
 #include "log_ticks.h"
@@ -85,12 +85,13 @@ class LogCommands {
   /// is the first one in this time that isn't later than usual by half a time step.
   const CommandedJoints* of_tick(std::int64_t tick);
 
-  using OnDifference = std::function<void(Divergence&&)>;
-  /// Compares the commands of the controllers in a tick with those of the log. Calls `differs` for each number with
-  /// different bits; the caller sets tick and time. Returns all numbers of the controllers, in the same order each
-  /// time.
-  std::vector<CommandPair> compare(const CommandedJoints& logged, const ControllerHost& host, const Scenario& scenario,
-                                   const OnDifference& differs);
+  /// A judge for the commands of the controllers. The scenario must outlive it.
+  std::unique_ptr<RowJudge> make_judge(const ControllerHost& host, const Scenario& scenario,
+                                       RowJudge::OnDifference differs) const;
+  /// Passes the commands of the controllers in a tick, and those of the log, to the judge that make_judge() made.
+  /// Returns all numbers of the controllers, in the same order each time.
+  std::vector<CommandPair> compare(std::int64_t tick, const CommandedJoints& logged, const ControllerHost& host,
+                                   RowJudge& judge) const;
 
  private:
   struct Sample {
@@ -98,16 +99,11 @@ class LogCommands {
     CommandedJoints joints;
   };
 
-  /// Channel, element, unit and tolerance of a number that a controller commands.
-  Divergence place_of(const HostedController& hosted, const IoField& field, double largest,
-                      const Scenario& scenario) const;
-
   const Model& model_;
   const LogTicks& ticks_;
   const CommandFacts facts_;
   const int shift_;
   CommandReader reader_;
-  std::vector<double> tolerances_;  // by number; empty before the first comparison
   std::deque<Sample> samples_;
 };
 

@@ -9,14 +9,12 @@
 
 namespace rehearse {
 
-/// Begins a doubt if the command of this tick or a following one may depend on a message that is late or missing in the
-/// log.
-void LogSink::note_irregularity(std::int64_t tick, bool has_command) {
+/// True if the command of this tick or a following one may depend on a message that is late or missing in the log.
+bool LogSink::is_irregular(std::int64_t tick, bool has_command) const {
   const LogTicks& ticks = log_.ticks();
-  if (ticks.is_nominal() || !agreed_) return;
+  if (ticks.is_nominal()) return false;
   const bool lacks_command = !has_command && log_.commands()->come_each_tick();
-  if (!ticks.has_message(tick) || ticks.is_irregular(tick) || log_.may_miss_input() || lacks_command)
-    doubt_ = ticks_of_doubt;
+  return !ticks.has_message(tick) || ticks.is_irregular(tick) || log_.may_miss_input() || lacks_command;
 }
 
 void LogSink::note_joystick(const Moment& now) {
@@ -37,33 +35,45 @@ void LogSink::note_joystick(const Moment& now) {
 }
 
 void LogSink::compare(const Moment& now) {
-  const double time = time_of(now.tick, map_.time_step);
+  if (!judge_)
+    judge_ = log_.commands()->make_judge(*now.host, scenario_,
+                                         [this](Divergence&& found) { differences_.push_back(std::move(found)); });
+  waiting_.push_back(compare_tick(now));
+  judge_->end_tick(now.tick);
+  take_judged();
+}
+
+LogSink::Judged LogSink::compare_tick(const Moment& now) {
   LogCommands& log = *log_.commands();
   const CommandedJoints* logged = log.of_tick(now.tick);
-  note_irregularity(now.tick, logged != nullptr);
-  if (!log.covers(now.tick)) return;
-  if (time < options_.from) return;
+  Judged tick{now.tick, is_irregular(now.tick, logged != nullptr)};
+  if (!log.covers(now.tick) || time_of(now.tick, map_.time_step) < options_.from) return tick;
   if (!logged || !log_.ticks().has_message(now.tick)) {
     ++report_.ticks_without_command;
     timing_.add({});
-    return;
+    return tick;
   }
-  Judged tick;
-  std::vector<CommandPair> pairs = log.compare(*logged, *now.host, scenario_, [&](Divergence&& found) {
-    found.tick = now.tick;
-    found.time = time;
-    tick.differences.push_back(std::move(found));
-  });
+  std::vector<CommandPair> pairs = log.compare(now.tick, *logged, *now.host, *judge_);
   tick.compared = std::count_if(pairs.begin(), pairs.end(), [](const CommandPair& pair) { return pair.logged; });
   timing_.add(std::move(pairs));
-  if (tick.compared > 0) judge(std::move(tick));
+  return tick;
+}
+
+/// Takes the ticks whose differences are known.
+void LogSink::take_judged() {
+  for (; !waiting_.empty() && waiting_.front().tick < judge_->judged_until(); waiting_.pop_front()) {
+    Judged& tick = waiting_.front();
+    for (; !differences_.empty() && differences_.front().tick == tick.tick; differences_.pop_front())
+      tick.differences.push_back(std::move(differences_.front()));
+    if (tick.is_irregular && agreed_) doubt_ = ticks_of_doubt;
+    if (tick.compared > 0) judge(std::move(tick));
+  }
 }
 
 void LogSink::judge(Judged tick) {
   // After a difference within tolerance no equal bits are expected.
-  const bool agrees = std::none_of(tick.differences.begin(), tick.differences.end(), [this](const Divergence& found) {
-    return !report_.first || !(found.difference <= found.tolerance);
-  });
+  const bool agrees = std::none_of(tick.differences.begin(), tick.differences.end(),
+                                   [this](const Divergence& found) { return !report_.first || found.is_beyond(); });
   if (agrees) {
     report_.ticks_in_doubt += static_cast<std::int64_t>(in_doubt_.size());
     in_doubt_.clear();
@@ -102,6 +112,8 @@ void LogSink::end_doubt() {
 }
 
 void LogSink::finish() {
+  if (judge_) judge_->finish();
+  take_judged();
   if (report_.ticks_compared == 0) end_doubt();
   report_.ticks_in_doubt += static_cast<std::int64_t>(in_doubt_.size());
   if (report_.beyond) report_.timing = timing_.explanation();

@@ -5,9 +5,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
+#include <memory>
 #include <vector>
 
 #include "command_timing.h"
+#include "compare/row_judge.h"
 #include "log_observations.h"
 #include "log_replay.h"
 #include "run/recording_sink.h"
@@ -37,12 +40,16 @@ class LogSink final : public RecordingSink {
  private:
   /// The comparison of one tick.
   struct Judged {
+    std::int64_t tick = 0;
+    bool is_irregular = false;  // its command may depend on a message that is late or missing
     std::int64_t compared = 0;  // numbers
     std::vector<Divergence> differences;
   };
   void compare(const Moment& now);
+  Judged compare_tick(const Moment& now);
+  void take_judged();
   void note_joystick(const Moment& now);
-  void note_irregularity(std::int64_t tick, bool has_command);
+  bool is_irregular(std::int64_t tick, bool has_command) const;
   void judge(Judged tick);
   void report(Judged tick);
   void end_doubt();
@@ -58,10 +65,13 @@ class LogSink final : public RecordingSink {
   /// them.
   static constexpr std::size_t longest_doubt = 100;
   CommandTiming timing_;
-  JoystickReading joystick_;      // at the last tick
-  bool agreed_ = true;            // in the last tick that was compared
-  int doubt_ = 0;                 // number of ticks in a row that have to agree until a difference counts
-  std::vector<Judged> in_doubt_;  // the last ticks, if all of them differ and are in doubt
+  std::unique_ptr<RowJudge> judge_;     // none before the first tick
+  std::deque<Judged> waiting_;          // ticks whose differences aren't all known
+  std::deque<Divergence> differences_;  // of the waiting ticks
+  JoystickReading joystick_;            // at the last tick
+  bool agreed_ = true;                  // in the last tick that was compared
+  int doubt_ = 0;                       // number of ticks in a row that have to agree until a difference counts
+  std::vector<Judged> in_doubt_;        // the last ticks, if all of them differ and are in doubt
 };
 
 }  // namespace rehearse

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "device_message.h"
-#include "joint_arrays.h"
+#include "trace/joint_arrays.h"
 #include "trace/run_facts.h"
 
 namespace rehearse {
@@ -130,7 +130,9 @@ void RecordedInputs::add_joints_read(mcap::Reader& reader, std::uint16_t id, con
   mcap::OrderedMessages messages(reader, std::span(&id, 1));
   const mcap::Message* first = messages.next();
   auto feed = std::make_unique<Feed>();
-  if (body == scenario_.bodies.end() || first == nullptr || !feed->joints.read(first->data)) return;
+  if (body == scenario_.bodies.end() || first == nullptr || !feed->joints.read(first->data) ||
+      !feed->joints.fit_the_names())
+    return;
   feed->body = static_cast<int>(body - scenario_.bodies.begin());
   feed->topic = reader.channels().at(id).topic;
   feed->find_joints(*body->model);
@@ -247,7 +249,7 @@ Result<void> RecordedInputs::accept(const mcap::Message& message) {
 }
 
 bool RecordedInputs::accept_joints(Feed& feed, mcap::Bytes payload) {
-  if (!feed.joints.read(payload)) return false;
+  if (!feed.joints.read(payload) || !feed.joints.fit_the_names()) return false;
   if (feed.joints.layout_changed()) {
     feed.find_joints(*scenario_.bodies[feed.body].model);
     feed.pair_with(observation_.bodies[feed.body].joints);

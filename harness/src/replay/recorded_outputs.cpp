@@ -1,8 +1,6 @@
 #include "recorded_outputs.h"
 
 #include <fmt/format.h>
-#include <rehearse/cdr.h>
-#include <rehearse/messages.h>
 
 #include <algorithm>
 #include <bit>
@@ -11,68 +9,35 @@
 #include <limits>
 
 #include "output_record.h"
-#include "trace/message_numbers.h"
 
 namespace rehearse {
 namespace {
 
 constexpr double not_recorded = std::numeric_limits<double>::quiet_NaN();
 
-template <class Message>
-bool read_numbers(CdrReader& reader, std::vector<double>& values) {
-  Message message;
-  if (!msg::decode(reader, message)) return false;
-  const auto numbers = numbers_of(message);
-  values.assign(numbers.begin(), numbers.end());
-  return true;
-}
-
-/// Reads the numbers of a message; `names` gets the joints of a message of accelerations.
-bool read_values(ChannelKind kind, mcap::Bytes payload, std::vector<double>& values, std::vector<std::string>& names) {
-  CdrReader reader(payload);
-  switch (kind) {
-    case ChannelKind::pose: return read_numbers<msg::PoseStamped>(reader, values);
-    case ChannelKind::twist: return read_numbers<msg::TwistStamped>(reader, values);
-    case ChannelKind::acceleration: return read_numbers<msg::AccelStamped>(reader, values);
-    case ChannelKind::wrench: return read_numbers<msg::WrenchStamped>(reader, values);
-    case ChannelKind::joint_accelerations: {
-      msg::JointAccelerations message;
-      if (!msg::decode(reader, message) || message.name.size() != message.acceleration.size()) return false;
-      names = std::move(message.name);
-      values.assign(message.acceleration.begin(), message.acceleration.end());
-      return true;
-    }
-    default: break;
-  }
-  msg::DeviceState state;
-  if (!msg::decode(reader, state)) return false;
-  values.assign(state.values.begin(), state.values.end());
-  return true;
-}
-
 }  // namespace
 
 RecordedOutputs::RecordedOutputs(const ControllerHost& host, const std::vector<OutputField>& fields,
-                                 const mcap::Reader& trace)
-    : host_(host), fields_(fields) {
+                                 const mcap::Reader& trace, RowJudge& judge)
+    : host_(host), fields_(fields), judge_(judge) {
   for (std::size_t word = 0; word < fields.size(); ++word)
     words_.emplace(std::pair(fields[word].channel, fields[word].element), word);
   for (const auto& [id, channel] : trace.channels()) {
     const ChannelName name = ChannelName::parse(channel.topic);
     for (const HostedController& hosted : host.controllers())
-      if (name.is_of(hosted.label, ChannelSide::output) && name.kind != ChannelKind::delay) add_channel(channel, name, hosted);
+      if (name.is_of(hosted.label, ChannelSide::output) && name.kind != ChannelKind::delay)
+        add_channel(trace, channel, hosted);
   }
   sort_words();
 }
 
-void RecordedOutputs::add_channel(const mcap::Channel& channel, const ChannelName& name,
+void RecordedOutputs::add_channel(const mcap::Reader& trace, const mcap::Channel& channel,
                                   const HostedController& hosted) {
-  Channel& added = by_id_[channel.id];
-  added.topic = channel.topic;
-  added.metadata = channel.metadata;
-  added.kind = name.kind;
-  added.hosted = &hosted;
-  added.told = word_of(channel.topic, "told");
+  auto added = std::make_unique<Channel>(channel, trace.schema_of(channel));
+  added->hosted = &hosted;
+  added->told = word_of(channel.topic, "told");
+  added->judged = judge_.add_channel(added->rows.table);
+  by_id_[channel.id] = std::move(added);
   channels_.push_back(channel.id);
 }
 
@@ -87,7 +52,7 @@ void RecordedOutputs::sort_words() {
         continue;
       }
       const bool of_device = word_of(field.channel, "told") != none;
-      const auto is_recorded = [&](const auto& entry) { return entry.second.topic == field.channel; };
+      const auto is_recorded = [&](const auto& entry) { return entry.second->topic() == field.channel; };
       if (!of_device)
         commands_.push_back({word, &hosted});
       else if (field.kind == CellKind::boolean && std::ranges::none_of(by_id_, is_recorded))
@@ -101,82 +66,81 @@ std::size_t RecordedOutputs::word_of(const std::string& channel, const std::stri
   return found == words_.end() ? none : found->second;
 }
 
-/// With `may_lack_field`, a NaN needs no field: then the recorded controller didn't command it either.
-void RecordedOutputs::add_pair(Channel& channel, const double& expected, std::string element, bool may_lack_field) {
-  const std::size_t word = word_of(channel.topic, element);
-  if (word == none && may_lack_field && std::isnan(expected)) return;
-  channel.pairs.push_back({&expected, word, std::move(element)});
-}
-
-void RecordedOutputs::pair_joints(Channel& channel) {
-  new_pairs_ = true;
-  channel.pairs.clear();
-  const std::pair<const std::vector<double>&, const char*> arrays[] = {
-      {channel.joints.position(), "/q"}, {channel.joints.velocity(), "/dq"}, {channel.joints.effort(), "/u"}};
-  for (std::size_t i = 0; i < channel.joints.names().size(); ++i)
-    for (const auto& [array, suffix] : arrays)
-      if (!array.empty()) add_pair(channel, array[i], channel.joints.names()[i] + suffix, true);
-}
-
-void RecordedOutputs::pair_values(Channel& channel) {
-  new_pairs_ = true;
-  channel.pairs.clear();
-  const bool of_joints = channel.kind == ChannelKind::joint_accelerations;
-  const std::vector<ChannelElement>& elements = elements_of(channel.kind);
-  const auto element = [&](std::size_t i) {
-    if (of_joints) return channel.names[i] + "/ddq";
-    return channel.kind == ChannelKind::device_state ? fmt::format("values/{}", i) : elements[i].name;
-  };
-  for (std::size_t i = 0; i < channel.values.size(); ++i) add_pair(channel, channel.values[i], element(i), of_joints);
-  if (channel.kind != ChannelKind::device_state) return;
-  for (std::size_t i = channel.values.size(); word_of(channel.topic, element(i)) != none; ++i)
-    add_pair(channel, not_recorded, element(i), false);
+/// Finds the words of the columns.
+void RecordedOutputs::find_columns(Channel& channel) {
+  new_columns_ = true;
+  channel.columns = channel.rows.table.columns;
+  channel.words.clear();
+  channel.unmatched.clear();
+  for (std::size_t i = 0; i < channel.columns.size(); ++i) {
+    channel.words.push_back(word_of(channel.topic(), channel.columns[i].element));
+    if (channel.words.back() == none) channel.unmatched.push_back(i);
+  }
+  if (channel.kind == ChannelKind::device_state) {
+    const auto element = [&] { return fmt::format("values/{}", channel.columns.size()); };
+    for (std::size_t word; (word = word_of(channel.topic(), element())) != none;) {
+      channel.columns.push_back({element(), {}, CellKind::floating});
+      channel.words.push_back(word);
+    }
+  }
+  channel.expected.assign(channel.columns.size(), std::bit_cast<std::uint64_t>(not_recorded));
+  channel.actual = channel.expected;
+  judge_.set_columns(channel.judged, channel.columns);
 }
 
 /// Finds the fields that no message of this tick contains, if other channels have messages than in the last tick.
 void RecordedOutputs::find_unpaired() {
-  const auto is_known = [](const auto& entry) { return entry.second.here == entry.second.was_here; };
-  if (!new_pairs_ && std::ranges::all_of(by_id_, is_known)) return;
-  new_pairs_ = false;
+  const auto is_known = [](const auto& entry) { return entry.second->here == entry.second->was_here; };
+  if (!new_columns_ && std::ranges::all_of(by_id_, is_known)) return;
+  new_columns_ = false;
   std::vector<bool> recorded(fields_.size(), false);
   for (auto& [id, channel] : by_id_) {
-    channel.was_here = channel.here;
-    for (const Pair& pair : channel.pairs)
-      if (channel.here && pair.word != none) recorded[pair.word] = true;
+    channel->was_here = channel->here;
+    for (const std::size_t word : channel->words)
+      if (channel->here && word != none) recorded[word] = true;
   }
   unpaired_.clear();
   std::ranges::copy_if(commands_, std::back_inserter(unpaired_), [&](const Word& at) { return !recorded[at.word]; });
 }
 
 void RecordedOutputs::begin_tick() {
-  for (auto& [id, channel] : by_id_) channel.here = false;
+  for (auto& [id, channel] : by_id_) channel->here = false;
 }
 
-bool RecordedOutputs::read(Channel& channel, mcap::Bytes payload) {
-  if (channel.kind == ChannelKind::joints) {
-    if (!channel.joints.read(payload)) return false;
-    if (channel.joints.layout_changed()) pair_joints(channel);
-    return true;
-  }
-  const std::size_t count = channel.values.size();
-  const std::vector<std::string> names = channel.names;
-  if (!read_values(channel.kind, payload, channel.values, channel.names)) return false;
-  if (channel.values.size() != count || channel.names != names || channel.pairs.empty()) pair_values(channel);
-  return true;
+Result<void> RecordedOutputs::read(Channel& channel, const mcap::Message& message) {
+  const std::size_t known = channel.rows.table.columns.size();
+  if (!channel.rows.has_rows() || !channel.rows.replace(message.log_time, message.data))
+    return error(fmt::format("a message on {} at {} ns is not of its type", channel.topic(), message.log_time));
+  if (channel.rows.table.columns.size() != known || channel.columns.empty()) find_columns(channel);
+  const std::uint64_t* row = channel.rows.table.row(0);
+  std::copy(row, row + channel.rows.table.columns.size(), channel.expected.begin());
+  return {};
 }
 
 Result<void> RecordedOutputs::accept(const mcap::Message& message) {
-  Channel& channel = by_id_.at(message.channel->id);
+  Channel& channel = *by_id_.at(message.channel->id);
   channel.here = true;
-  if (read(channel, message.data)) return {};
-  return error(fmt::format("a message on {} at {} ns is not of its type", channel.topic, message.log_time));
+  return read(channel, message);
 }
 
-std::int64_t RecordedOutputs::compare(const std::vector<std::uint64_t>& row, const std::vector<bool>& results,
-                                      const OnDifference& differs) {
+Result<void> RecordedOutputs::accept_later(const mcap::Message& message, std::int64_t tick) {
+  Channel& channel = *by_id_.at(message.channel->id);
+  if (auto done = read(channel, message); !done) return done;
+  judge_.add_golden(channel.judged, tick, channel.expected);
+  return {};
+}
+
+void RecordedOutputs::pass_over(std::int64_t tick) {
+  for (const auto& [id, channel] : by_id_)
+    if (channel->here && judge_.needs_equal_rows(channel->judged))
+      judge_.add_golden(channel->judged, tick, channel->expected);
+}
+
+std::int64_t RecordedOutputs::compare(std::int64_t tick, const std::vector<std::uint64_t>& row,
+                                      const std::vector<bool>& results, const OnDifference& differs) {
   std::int64_t compared = 0;
   find_unpaired();
-  for (const auto& [id, channel] : by_id_) compared += compare_channel(channel, row, differs);
+  for (const auto& [id, channel] : by_id_) compared += compare_channel(*channel, tick, row, differs);
   for (const Word& at : untold_)
     if (auto found = difference(fields_[at.word], 0, row[at.word]); found && at.hosted->running)
       differs(*std::move(found));
@@ -193,30 +157,47 @@ std::int64_t RecordedOutputs::compare(const std::vector<std::uint64_t>& row, con
   return compared + std::ssize(results);
 }
 
-/// The difference for a recorded number that no controller commands now.
-Divergence RecordedOutputs::lone(const Channel& channel, const Pair& pair) const {
-  Divergence found = place_of({channel.hosted->label, channel.topic, pair.element});
-  put_numbers(found, *pair.expected, not_recorded, unit_of(channel.metadata, pair.element));
-  found.note = "the controller no longer commands it";
-  return found;
+/// Reports the recorded numbers that no controller commands now. A NaN of a joint is none: the recorded controller
+/// didn't command it either.
+std::int64_t RecordedOutputs::compare_unmatched(const Channel& channel, const OnDifference& differs) const {
+  std::int64_t compared = 0;
+  const auto report = [&](std::size_t column) {
+    const auto expected = std::bit_cast<double>(channel.expected[column]);
+    const bool of_joints = channel.kind == ChannelKind::joints || channel.kind == ChannelKind::joint_accelerations;
+    if (of_joints && channel.words[column] == none && std::isnan(expected)) return;
+    const std::string& element = channel.columns[column].element;
+    Divergence found = place_of({channel.hosted->label, channel.topic(), element});
+    put_numbers(found, expected, not_recorded, unit_of(channel.rows.table.metadata, element));
+    found.note = "the controller no longer commands it";
+    ++compared;
+    differs(std::move(found));
+  };
+  if (channel.hosted->running) {
+    std::ranges::for_each(channel.unmatched, report);
+  } else {
+    for (std::size_t column = 0; column < channel.columns.size(); ++column) report(column);
+  }
+  return compared;
 }
 
-std::int64_t RecordedOutputs::compare_channel(const Channel& channel, const std::vector<std::uint64_t>& row,
-                                              const OnDifference& differs) const {
+std::int64_t RecordedOutputs::compare_channel(Channel& channel, std::int64_t tick,
+                                              const std::vector<std::uint64_t>& row, const OnDifference& differs) {
   if (channel.told != none) {
     auto found = difference(fields_[channel.told], channel.here ? 1 : 0, row[channel.told]);
     if (found) differs(*std::move(found));
     if (found) return 1;
   }
   if (!channel.here) return 0;
-  for (const Pair& pair : channel.pairs) {
-    const auto expected = std::bit_cast<std::uint64_t>(*pair.expected);
-    if (pair.word == none || !channel.hosted->running)
-      differs(lone(channel, pair));
-    else if (expected != row[pair.word])
-      differs(*difference(fields_[pair.word], expected, row[pair.word]));
+  if (!channel.hosted->running) return compare_unmatched(channel, differs);
+  bool equal = true;
+  for (std::size_t column = 0; column < channel.words.size(); ++column) {
+    const std::size_t word = channel.words[column];
+    channel.actual[column] = word == none ? channel.expected[column] : row[word];
+    equal = equal && channel.actual[column] == channel.expected[column];
   }
-  return std::ssize(channel.pairs);
+  if (!equal || judge_.needs_equal_rows(channel.judged))
+    judge_.add(channel.judged, tick, channel.expected, channel.actual);
+  return std::ssize(channel.words) - std::ssize(channel.unmatched) + compare_unmatched(channel, differs);
 }
 
 }  // namespace rehearse

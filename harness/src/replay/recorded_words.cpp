@@ -86,26 +86,14 @@ void RecordedWords::end(const OnDifference& differs) {
   differs(std::move(found));
 }
 
-std::int64_t RecordedWords::compare_variables(const OnDifference& differs) const {
+std::int64_t RecordedWords::compare_variables(const OnVariable& compare) const {
   std::map<std::string, std::pair<std::optional<double>, std::optional<double>>> pairs;  // recorded, now; by topic
   for (const auto& [id, variable] : variables_)
     if (variable.this_tick) pairs[variable.topic].first = variable.this_tick;
   for (const HostedController& hosted : host_.controllers())
     for (const ControllerVariables::Variable& variable : hosted.variables.all())
       if (variable.is_set) pairs[ChannelName::of_variable(hosted.label, variable.name).topic()].second = variable.value;
-  for (const auto& [topic, values] : pairs) {
-    const auto& [recorded, now] = values;
-    if (recorded && now && identical(*recorded, *now)) continue;
-    Divergence found;
-    found.channel = topic;
-    found.element = topic_segment(ChannelName::parse(topic).owner);
-    found.stage = Stage::controller;
-    if (recorded && now)
-      put_numbers(found, *recorded, *now);
-    else
-      found.note = now ? "is set now, but wasn't in the recording" : "was set in the recording, but isn't now";
-    differs(std::move(found));
-  }
+  for (const auto& [topic, values] : pairs) compare(topic, values.first, values.second);
   return static_cast<std::int64_t>(pairs.size());
 }
 

@@ -35,9 +35,10 @@ class RecordedWords {
   void begin_tick(const OnDifference& differs);
   /// Compares the lines of the last tick in the same way.
   void end(const OnDifference& differs);
-  /// Calls `differs` for each variable of this tick whose bits differ now. The caller fills in tick and time. Returns
-  /// the number of compared variables.
-  std::int64_t compare_variables(const OnDifference& differs) const;
+  using OnVariable =
+      std::function<void(const std::string& topic, std::optional<double> recorded, std::optional<double> now)>;
+  /// Calls `compare` for each variable of this tick. Returns their number.
+  std::int64_t compare_variables(const OnVariable& compare) const;
   /// Number of lines compared so far.
   std::int64_t lines() const { return lines_; }
   /// True if all events of the host and its controllers so far, with tick and severity, are the recorded events.

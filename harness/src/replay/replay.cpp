@@ -88,6 +88,7 @@ Result<ReplayReport> replay_into(mcap::Reader& recording, const Scenario& scenar
   host.stop(report.ticks);
   comparison.take_events();
   if (!source.was_cut_short()) comparison.end_lines();
+  if (auto judged = comparison.finish(); !judged) return judged.errors();
   append_as_warnings(altered.unused(), report.remarks);
   report.failure = host.failure();
   report.controller_refused = host.any_refused();

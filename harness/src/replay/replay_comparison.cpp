@@ -1,10 +1,13 @@
 #include "replay_comparison.h"
 
 #include <fmt/format.h>
+#include <rehearse/messages.h>
 #include <rehearse/scenario.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "compare/compare_parts.h"
@@ -21,11 +24,12 @@ ReplayComparison::ReplayComparison(const ReplayOptions& options, const Scenario&
       recording_(recording),
       host_(host),
       source_(source),
-      scales_(std::move(scales)),
       report_(report),
       words_(host, recording),
       record_(host, scenario),
-      outputs_(host, record_.fields(), recording),
+      judge_(options.tolerances ? &*options.tolerances : nullptr, std::move(scales), scenario.time_step,
+             [this](Divergence&& found) { this->report(std::move(found)); }),
+      outputs_(host, record_.fields(), recording, judge_),
       delays_(host, recording),
       channels_(words_.channels()),
       from_(static_cast<std::uint64_t>(std::llround(std::max(0.0, options.from) * 1e9))) {
@@ -53,6 +57,8 @@ Result<void> ReplayComparison::emit(const Moment& now) {
     const std::vector<std::uint64_t>& row = record_.row();
     report_outputs(now.tick, row);
     compare(now, row);
+    judge_.end_tick(now.tick);
+    last_tick_ = now.tick;
     ++report_.ticks;
   }
   take_events();
@@ -75,16 +81,14 @@ bool ReplayComparison::is_compared(std::int64_t tick) const {
 }
 
 void ReplayComparison::compare(const Moment& now, const std::vector<std::uint64_t>& row) {
-  const std::int64_t before = report_.values_different;
   const auto count = [this](Divergence&& found) { differs(std::move(found)); };
   if (!source_.alters()) compare_inputs(now);
   if (!report_.first_other_hash && host_.output_hash() != source_.recorded().output_hash)
     report_.first_other_hash = now.tick;
   delays_.compare(count);
-  if (!is_compared(now.tick)) return;
-  report_.values += outputs_.compare(row, source_.recorded().controller_results, count);
-  compare_variables();
-  report_.ticks_different += report_.values_different > before ? 1 : 0;
+  if (!is_compared(now.tick)) return outputs_.pass_over(now.tick);
+  report_.values += outputs_.compare(now.tick, row, source_.recorded().controller_results, count);
+  compare_variables(now.tick);
 }
 
 /// Compares the hashes of the inputs. A controller that reads more or fewer values than the recorded controller has
@@ -105,30 +109,72 @@ void ReplayComparison::compare_inputs(const Moment& now) {
   reads_the_same_ = false;  // reported once
 }
 
-/// The tolerance by the name of the series in a trace; 0 for a difference that isn't between two numbers.
-double ReplayComparison::tolerance_for(const Divergence& found) const {
-  if (!options_.tolerances || !found.note.empty()) return 0.0;
-  const Tolerance tolerance = tolerance_of(series_name(found.channel, found.element), found.unit, *options_.tolerances);
-  const auto scale = scales_.find({found.channel, found.element});
-  return tolerance.bound(scale == scales_.end() ? 0.0 : scale->second);
-}
-
+/// Takes a difference other than of two numbers.
 void ReplayComparison::differs(Divergence&& found) {
   found.tick = source_.recorded().tick;
   found.time = time_of(source_.recorded().tick, scenario_.time_step);
-  found.tolerance = tolerance_for(found);
+  judge_.add(std::move(found));
+}
+
+void ReplayComparison::report(Divergence&& found) {
+  report_.ticks_different += found.tick != std::exchange(last_different_, found.tick) ? 1 : 0;
   if (options_.on_difference) options_.on_difference(found);
   report_.add(std::move(found));
 }
 
 /// Variables that a rule of tolerances names are compared like commands.
-void ReplayComparison::compare_variables() {
-  report_.words.variables += words_.compare_variables([this](Divergence&& found) {
-    if (!asks_for_variable(found.channel.substr(1), scenario_.tolerances))
-      return word_differs(std::move(found), source_.recorded().tick);
+std::optional<std::size_t> ReplayComparison::judged_variable(const std::string& topic) {
+  const auto [entry, is_new] = variables_.try_emplace(topic);
+  if (is_new && asks_for_variable(topic.substr(1), scenario_.tolerances)) {
+    TraceChannel channel;
+    channel.topic = topic;
+    channel.type = msg::Float64::type_name;
+    entry->second = judge_.add_channel(channel);
+    judge_.set_columns(*entry->second, {{topic_segment(ChannelName::parse(topic).owner), {}, CellKind::floating}});
+  }
+  return entry->second;
+}
+
+void ReplayComparison::compare_variables(std::int64_t tick) {
+  const auto compare = [&](const std::string& topic, std::optional<double> recorded, std::optional<double> now) {
+    const std::optional<std::size_t> judged = judged_variable(topic);
+    const bool same = recorded && now && identical(*recorded, *now);
+    if (judged && recorded && now) {
+      const auto expected = std::bit_cast<std::uint64_t>(*recorded), actual = std::bit_cast<std::uint64_t>(*now);
+      report_.values += same ? 0 : 1;
+      judge_.add(*judged, tick, std::span(&expected, 1), std::span(&actual, 1));
+      return;
+    }
+    if (same) return;
+    Divergence found;
+    found.channel = topic;
+    found.element = topic_segment(ChannelName::parse(topic).owner);
+    found.stage = Stage::controller;
+    if (recorded && now)
+      put_numbers(found, *recorded, *now);
+    else
+      found.note = now ? "is set now, but wasn't in the recording" : "was set in the recording, but isn't now";
+    if (!judged) return word_differs(std::move(found), source_.recorded().tick);
     ++report_.values;
     differs(std::move(found));
-  });
+  };
+  report_.words.variables += words_.compare_variables(compare);
+}
+
+Result<void> ReplayComparison::finish() {
+  Result<void> read;
+  const bool goes_on = source_.was_cut_short() || host_.failure();
+  if (goes_on && judge_.lead() > 0.0 && !outputs_.channels().empty()) {
+    const std::uint64_t begin = nanoseconds_of(last_tick_ + 1, scenario_.time_step);
+    const std::uint64_t end = begin + static_cast<std::uint64_t>(std::llround(judge_.lead() * 1e9));
+    mcap::OrderedMessages messages(recording_, outputs_.channels(), begin);
+    for (const mcap::Message* message; read && (message = messages.next()) && message->log_time < end;) {
+      const double ticks = static_cast<double>(message->log_time) * 1e-9 / scenario_.time_step;
+      read = outputs_.accept_later(*message, std::llround(ticks));
+    }
+  }
+  judge_.finish();
+  return read ? read : in_recording(recording_, read.errors()[0]);
 }
 
 void ReplayComparison::word_differs(Divergence&& found, std::int64_t tick) {

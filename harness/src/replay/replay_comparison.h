@@ -6,9 +6,12 @@
 #include <rehearse/scenario.h>
 
 #include <cstdint>
+#include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "compare/row_judge.h"
 #include "compare/series_scale.h"
 #include "host/controller_host.h"
 #include "output_record.h"
@@ -36,6 +39,9 @@ class ReplayComparison final : public Sink {
   void take_events();
   /// Compares the last lines: no line follows in the recording or in the replay.
   void end_lines();
+  /// After the last tick: judges the commands whose values may come early or late. Fails if the rest of the recording,
+  /// as far as it matters, can't be read.
+  Result<void> finish();
   /// True if hashes and events of all ticks so far are the recorded hashes and events.
   bool repeats_all() const { return !report_.first_other_hash && words_.same_events(); }
 
@@ -43,21 +49,22 @@ class ReplayComparison final : public Sink {
   bool is_compared(std::int64_t tick) const;
   void compare(const Moment& now, const std::vector<std::uint64_t>& row);
   void compare_inputs(const Moment& now);
-  void compare_variables();
+  void compare_variables(std::int64_t tick);
   void report_outputs(std::int64_t tick, const std::vector<std::uint64_t>& row);
   void differs(Divergence&& found);
+  void report(Divergence&& found);
   void word_differs(Divergence&& found, std::int64_t tick);
-  double tolerance_for(const Divergence& found) const;
+  std::optional<std::size_t> judged_variable(const std::string& topic);
 
   const ReplayOptions& options_;
   const Scenario& scenario_;
   mcap::Reader& recording_;
   ControllerHost& host_;
   const RecordingSource& source_;
-  const SeriesScales scales_;
   ReplayReport& report_;
   RecordedWords words_;
   OutputRecord record_;
+  RowJudge judge_;
   RecordedOutputs outputs_;
   RecordedDelays delays_;
   std::vector<std::uint16_t> channels_;
@@ -65,6 +72,9 @@ class ReplayComparison final : public Sink {
   std::vector<Reader> reader_of_;       // by channel id
   const std::uint64_t from_;            // [ns]
   std::optional<bool> reads_the_same_;  // controllers read the recorded set of inputs; decided at the first tick
+  std::map<std::string, std::optional<std::size_t>> variables_;  // numbers in the judge by topic; none: not judged
+  std::int64_t last_tick_ = -1;                                  // that was compared
+  std::int64_t last_different_ = -1;                             // tick
 };
 
 }  // namespace rehearse

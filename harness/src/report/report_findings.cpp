@@ -86,7 +86,7 @@ ReportJson worst_json(const Comparison& comparison, const Trace& golden, const T
   for (const ChannelComparison& channel : comparison.channels)
     if (channel.beyond > 0 && channel.worst) worst.push_back(&*channel.worst);
   const auto multiple = [](const Divergence& place) {
-    return place.tolerance > 0.0 ? place.difference / place.tolerance : std::numeric_limits<double>::max();
+    return place.tolerance > 0.0 ? place.judged() / place.tolerance : std::numeric_limits<double>::max();
   };
   std::stable_sort(worst.begin(), worst.end(),
                    [&](const Divergence* a, const Divergence* b) { return multiple(*a) > multiple(*b); });

@@ -1,4 +1,5 @@
 #include "channel_name.h"
+#include "joint_arrays.h"
 #include "message_numbers.h"
 #include "range_messages.h"
 #include "trace_rows.h"
@@ -15,30 +16,18 @@ namespace {
 
 using Bytes = std::span<const std::byte>;
 
-/// Reads the rows of JointState and JointAccelerations: arrays that belong to an array of names. Names are nearly
-/// always equal to the names of the message before. So their bytes are compared and skipped, and the arrays are copied
-/// as a whole.
+/// Reads the rows of JointState and JointAccelerations: arrays that belong to an array of names. While the layout stays
+/// the same, the arrays are copied as a whole.
 class NamedArraysReader : public RowReader {
  public:
   /// `suffixes` name the arrays that follow the names, in order: "/q", "/dq", "/u".
   NamedArraysReader(TraceChannel& channel, std::vector<std::string_view> suffixes)
-      : channel_(channel), row_(channel), suffixes_(std::move(suffixes)), arrays_(suffixes_.size()) {}
+      : channel_(channel), row_(channel), suffixes_(std::move(suffixes)), joints_(suffixes_.size()) {}
 
   bool read(Bytes payload) override {
-    CdrReader reader(payload);
-    reader.get<std::int32_t>();
-    reader.get<std::uint32_t>();
-    reader.get_string();
-    const bool same_names = read_names(payload, reader);
-    bool same_sizes = true;
-    for (auto& array : arrays_) {
-      const std::size_t before = array.size();
-      reader.get_sequence(array);
-      same_sizes = same_sizes && array.size() == before;
-    }
+    if (!joints_.read(payload)) return false;
     row_.begin_row();
-    if (!reader.ok()) return false;
-    if (same_names && same_sizes && columns_are_arrays_ && channel_.columns.size() == column_count()) {
+    if (!joints_.layout_changed() && columns_are_arrays_ && channel_.columns.size() == column_count()) {
       copy_row();
     } else {
       put_row();
@@ -47,31 +36,14 @@ class NamedArraysReader : public RowReader {
   }
 
  private:
-  /// True if the names are equal to the names of the message before.
-  bool read_names(Bytes payload, CdrReader& reader) {
-    const std::size_t start = reader.position();
-    if (!name_bytes_.empty() && start % 4 == names_alignment_ && reader.left() >= name_bytes_.size() &&
-        std::memcmp(payload.data() + start, name_bytes_.data(), name_bytes_.size()) == 0) {
-      reader.take(name_bytes_.size());
-      return true;
-    }
-    msg::detail::decode_value(reader, names_);
-    name_bytes_.clear();
-    if (!reader.ok()) return false;
-    const Bytes seen = payload.subspan(start, reader.position() - start);
-    name_bytes_.assign(seen.begin(), seen.end());
-    names_alignment_ = start % 4;
-    return false;
-  }
-
   std::size_t column_count() const {
     std::size_t count = 0;
-    for (const auto& array : arrays_) count += array.size();
+    for (const auto& array : joints_.all()) count += array.size();
     return count;
   }
 
   void copy_row() {
-    for (const auto& array : arrays_) {
+    for (const auto& array : joints_.all()) {
       if (!array.empty())
         std::memcpy(row_.next_cells(array.size()).data(), array.data(), array.size() * sizeof(double));
     }
@@ -81,11 +53,13 @@ class NamedArraysReader : public RowReader {
     bool in_order = true;
     std::size_t column = 0;
     std::string element;
-    for (std::size_t a = 0; a < arrays_.size(); ++a) {
-      for (std::size_t i = 0; i < arrays_[a].size(); ++i) {
-        element = i < names_.size() ? names_[i] : std::to_string(i);
+    const std::vector<std::string>& names = joints_.names();
+    for (std::size_t a = 0; a < suffixes_.size(); ++a) {
+      const std::vector<double>& array = joints_.all()[a];
+      for (std::size_t i = 0; i < array.size(); ++i) {
+        element = i < names.size() ? names[i] : std::to_string(i);
         element += suffixes_[a];
-        row_.put(element, arrays_[a][i]);
+        row_.put(element, array[i]);
         in_order = in_order && column < channel_.columns.size() && channel_.columns[column].element == element;
         ++column;
       }
@@ -97,10 +71,7 @@ class NamedArraysReader : public RowReader {
   TraceChannel& channel_;
   RowWriter row_;
   const std::vector<std::string_view> suffixes_;
-  std::vector<std::vector<double>> arrays_;
-  std::vector<std::string> names_;
-  std::vector<std::byte> name_bytes_;
-  std::size_t names_alignment_ = 0;
+  JointArrays joints_;
   bool columns_are_arrays_ = false;
 };
 

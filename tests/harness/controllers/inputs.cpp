@@ -189,6 +189,22 @@ class MarkReader : public Pusher {
 };
 const Add<MarkReader> mark_reader("read_mark");
 
+/// step EFFORT TICK: commands that effort from that tick on, and 0 before [N·m].
+class Stepper : public Pusher {
+ public:
+  explicit Stepper(const Words& words) : Pusher(std::stod(words.at(0))), from_(std::stoi(words.at(1))) {}
+  bool control() override {
+    const bool begun = tick_ >= from_;
+    Pusher::control();
+    if (!begun) shoulder_->u() = 0.0;
+    return true;
+  }
+
+ private:
+  int from_;
+};
+const Add<Stepper> stepper("step");
+
 /// teleport [LINK]: drives the link, or the root link, by its position: 1 mm along x in each step.
 class Teleporter : public cnoid::SimpleController {
  public:

@@ -1,0 +1,13 @@
+// A check's report as JSON, for programs of this project that add members to it. Internal.
+#pragma once
+
+#include <rehearse/check.h>
+
+#include <nlohmann/json.hpp>
+
+namespace rehearse {
+
+/// An object as to_json(CheckReport).
+nlohmann::ordered_json json_of(const CheckReport& report);
+
+}  // namespace rehearse
