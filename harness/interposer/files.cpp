@@ -153,6 +153,24 @@ REHEARSE_FILE_OPENED(freopen64, (const char* path, const char* mode, FILE* file)
     return next_##name.get() arguments;                                                 \
   }
 REHEARSE_LOCATED(DIR*, opendir, (const char* path), (path), AT_FDCWD, Use::list)
+using Entry = dirent;
+using Entry64 = dirent64;
+REHEARSE_LOCATED(int, scandir,
+               (const char* path, Entry*** list, int (*choose)(const Entry*),
+                int (*order)(const Entry**, const Entry**)),
+               (path, list, choose, order), AT_FDCWD, Use::list)
+REHEARSE_LOCATED(int, scandir64,
+               (const char* path, Entry64*** list, int (*choose)(const Entry64*),
+                int (*order)(const Entry64**, const Entry64**)),
+               (path, list, choose, order), AT_FDCWD, Use::list)
+using VisitFile = int (*)(const char*, const void*, int);
+REHEARSE_LOCATED(int, ftw, (const char* path, VisitFile visit, int depth), (path, visit, depth), AT_FDCWD, Use::list)
+REHEARSE_LOCATED(int, ftw64, (const char* path, VisitFile visit, int depth), (path, visit, depth), AT_FDCWD, Use::list)
+using VisitPlace = int (*)(const char*, const void*, int, void*);
+REHEARSE_LOCATED(int, nftw, (const char* path, VisitPlace visit, int depth, int flags),
+               (path, visit, depth, flags), AT_FDCWD, Use::list)
+REHEARSE_LOCATED(int, nftw64, (const char* path, VisitPlace visit, int depth, int flags),
+               (path, visit, depth, flags), AT_FDCWD, Use::list)
 REHEARSE_LOCATED(int, stat, (const char* path, struct stat* status), (path, status), AT_FDCWD, Use::look)
 REHEARSE_LOCATED(int, stat64, (const char* path, struct stat64* status), (path, status), AT_FDCWD, Use::look)
 REHEARSE_LOCATED(int, lstat, (const char* path, struct stat* status), (path, status), AT_FDCWD, Use::look)
@@ -265,6 +283,25 @@ REHEARSE_INTERPOSED(int, shm_unlink, (const char* name)) {
 REHEARSE_NOTED(file, int, mq_open, (const char* name, int flags, mode_t mode, void* attributes),
                (name, flags, mode, attributes), name)
 REHEARSE_NOTED(file, int, shmget, (int key, size_t size, int flags), (key, size, flags), Digits(key))
+REHEARSE_NOTED(file, int, semget, (int key, int count, int flags), (key, count, flags), Digits(key))
+REHEARSE_NOTED(file, int, msgget, (int key, int flags), (key, flags), Digits(key))
+
+/// libstdc++ opens a folder by openat() and lists it by fdopendir(). The process's own copies are left out.
+REHEARSE_INTERPOSED(DIR*, fdopendir, (int folder)) {
+  if (!watching()) return next_fdopendir.get()(folder);
+  char link[64], path[PATH_MAX] = "";
+  snprintf(link, sizeof link, "/proc/self/fd/%d", folder);
+  const ssize_t size = next_readlink.get()(link, path, sizeof path - 1);
+  path[size > 0 ? size : 0] = '\0';
+  const char* const copies = folder_of_copies();
+  if (!copies || !*copies || strncmp(path, copies, strlen(copies)) != 0)
+    note(Source::file, "fdopendir", path, __builtin_return_address(0));
+  return next_fdopendir.get()(folder);
+}
+REHEARSE_NOTED(file, int, glob, (const char* pattern, int flags, int (*failed)(const char*, int), void* found),
+               (pattern, flags, failed, found), pattern)
+REHEARSE_NOTED(file, int, glob64, (const char* pattern, int flags, int (*failed)(const char*, int), void* found),
+               (pattern, flags, failed, found), pattern)
 
 REHEARSE_NOTED(network, int, getifaddrs, (void** result), (result), "")
 REHEARSE_NOTED(network, int, socket, (int domain, int type, int protocol), (domain, type, protocol), "")

@@ -26,6 +26,36 @@ endif()
 run(${CMAKE_COMMAND} -S ${project} -B ${project}/build -G ${GENERATOR}
     -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_BUILD_TYPE=${CONFIG})
 run(${CMAKE_COMMAND} --build ${project}/build)
+
+# A program with a main() of its own. Linked plainly, and in the order of --as-needed, it loads the C library before
+# librehearse_harness: it runs, and a single line says which guards are off. So does a program that loads the library.
+function(expect_bench guards)
+  execute_process(COMMAND ${ARGN} ${project}/build/lib/rehearse/controllers/Swing.so ${project}/models/pendulum.urdf
+    RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE errors)
+  string(REGEX MATCHALL "guards are off" told "${errors}")
+  if(NOT status EQUAL 0 OR NOT output STREQUAL "u is -0.020 N·m\nu is -0.020 N·m\n" OR NOT told STREQUAL "${guards}")
+    message(FATAL_ERROR "${ARGN}\nended in ${status}:\n${output}${errors}")
+  endif()
+endfunction()
+set(libraries -I${prefix}/include -isystem ${EIGEN} -L${prefix}/${LIBRARIES} -Wl,-rpath,${prefix}/${LIBRARIES})
+run(${COMPILER} -std=c++17 ${project}/own_main.cpp ${libraries} -Wl,--as-needed -lrehearse_testing
+    -o ${WORK}/plain_main)
+expect_bench("guards are off" ${WORK}/plain_main)
+run(${COMPILER} -std=c++17 ${project}/own_main.cpp ${libraries} -Wl,--no-as-needed -lrehearse_testing
+    -lrehearse_harness -o ${WORK}/guarded_main)
+expect_bench("" ${WORK}/guarded_main)
+expect_bench("" ${CMAKE_COMMAND} -E env LD_PRELOAD=${prefix}/${LIBRARIES}/librehearse_harness.so ${WORK}/plain_main)
+run(${project}/build/own_main ${project}/build/lib/rehearse/controllers/Swing.so ${project}/models/pendulum.urdf)
+find_program(python python3)
+if(python)
+  foreach(library harness testing)
+    run(${python} -c "import ctypes, os
+library = ctypes.CDLL('${prefix}/${LIBRARIES}/librehearse_${library}.so')
+assert library.close(os.open('/dev/null', os.O_RDONLY)) == 0
+raise SystemExit(os.waitstatus_to_exitcode(os.system('exit 0')))")
+  endforeach()
+endif()
+
 run(${CMAKE_COMMAND} -E env --unset=CI REHEARSE_GOLDEN=new ${project}/build/swing_test)
 run(${CMAKE_COMMAND} -E env CI=true --unset=REHEARSE_GOLDEN ${project}/build/swing_test)
 run(${prefix}/bin/rehearse record ${project}/scenarios/swing.yaml -o ${project}/swing.mcap

@@ -107,5 +107,35 @@ TEST_F(RunsBesideEachOther, TestProgramsOfTheSameTestsDoNotDisturbEachOther) {
   EXPECT_EQ(runs_left_behind(), 0);
 }
 
+TEST_F(RunsBesideEachOther, OneOfFourAcceptsDecidesAndTheOthersSayThatItIsDecided) {
+  for (int round = 0; round < 8; ++round) {
+    scene(0.6 + 0.01 * round);
+    EXPECT_EQ(rehearse({"check", "box.yaml"}).status, 1);
+    int accepted = 0;
+    for (const Outcome& outcome : at_once(4, quoted(command.string()) + " golden accept Box.Falls")) {
+      accepted += outcome.status == 0 ? 1 : 0;
+      if (outcome.status == 0) continue;
+      EXPECT_EQ(outcome.status, 2);
+      EXPECT_THAT(outcome.err, ::testing::AnyOf(HasSubstr("error: another process has accepted or rejected the run that "
+                                                          "waited as 'Box.Falls'"),
+                                                HasSubstr("error: nothing waits to be accepted as 'Box.Falls'")));
+    }
+    EXPECT_EQ(accepted, 1);
+    EXPECT_EQ(rehearse({"check", "box.yaml"}).status, 0);
+  }
+}
+
+TEST_F(RunsBesideEachOther, AnAcceptanceRemovesTheDraftsOfAKilledOneAndNothingElse) {
+  for (const char* file : {"golden/Box.Falls.mcap.new", "golden/Box.Falls.mcap.new.samples", "golden/Other.Test.txt.new",
+                           "golden/notes.new"})
+    write(file, "half of it");
+  scene(0.7);
+  EXPECT_EQ(rehearse({"check", "box.yaml"}).status, 1);
+  EXPECT_EQ(rehearse({"golden", "accept", "Box.Falls"}).status, 0);
+  std::vector<std::string> left;
+  for (const auto& entry : fs::directory_iterator(folder() / "golden")) left.push_back(entry.path().filename());
+  EXPECT_THAT(left, ::testing::UnorderedElementsAre("Box.Falls.mcap", "Box.Falls.txt", "notes.new"));
+}
+
 }  // namespace
 }  // namespace rehearse::test

@@ -101,7 +101,7 @@ TEST_F(FailingController, ThatClosesAllFilesIsToldAndTheRunGoesOn) {
   EXPECT_EQ(outcome_of(kept_trace())["complete"], "true");
 }
 TEST_F(FailingController, ThatOverflowsItsStackEndsTheRun) {
-  expect_failure("overflow", "crashed: segmentation fault");
+  expect_failure("overflow", "crashed: its stack overflowed");
 }
 TEST_F(FailingController, ThatNeverReturnsEndsTheRun) {
   expect_failure("hang", "did not return within 0.3", {"--call-limit", "0.3"});
@@ -114,6 +114,18 @@ TEST_F(FailingController, ThatBecomesAnotherProgramEndsTheRun) { expect_failure(
 TEST_F(FailingController, ThatOverrunsAnArrayEndsTheRun) { expect_failure("overrun", "crashed: "); }
 TEST_F(FailingController, WhoseThreadCrashesEndsTheRun) {
   expect_failure("thread_crash", "started a thread that crashed: segmentation fault");
+}
+TEST_F(FailingController, WhoseThreadOverflowsItsStackEndsTheRun) {
+  expect_failure("thread_overflow", "started a thread that crashed: its stack overflowed");
+}
+TEST_F(FailingController, ThatFollowsANullPointerDeepInItsStackOverflowsNothing) {
+  expect_failure("crash_deep", "crashed: segmentation fault");
+}
+TEST_F(FailingController, ThatWritesToAPipeOfItsOwnWithoutReaderIsNamed) {
+  const Outcome outcome = record("own_pipe 12");
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("error: controller 'Pendulum/Swing' ended the process by SIGPIPE in control() at "
+                                     "tick 12"));
 }
 TEST_F(FailingController, WhoseThreadThrowsEndsTheRun) {
   expect_failure("thread_throw", "started a thread that threw an exception that nobody catches: no map");
@@ -251,7 +263,8 @@ class Interrupted : public FailingController,
 };
 INSTANTIATE_TEST_SUITE_P(By, Interrupted,
                          ::testing::Values(std::tuple("INT", 2, "-"), std::tuple("TERM", 15, "-"),
-                                           std::tuple("INT", 2, ""), std::tuple("TERM", 15, "")),
+                                           std::tuple("INT", 2, ""), std::tuple("TERM", 15, ""),
+                                           std::tuple("HUP", 1, "-"), std::tuple("HUP", 1, "")),
                          [](const auto& end) {
                            const bool of_process = *std::get<2>(end.param) == '\0';
                            return std::string(std::get<0>(end.param)) + (of_process ? "OfTheProcess" : "OfTheGroup");

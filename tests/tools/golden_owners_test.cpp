@@ -43,6 +43,24 @@ TEST_F(GoldenOwners, ListKnowsTheTestsThatRan) {
   EXPECT_TRUE(goldens[2]["orphan"]);
 }
 
+TEST_F(GoldenOwners, CheckStrictFailsForAGoldenWithoutOwnerAndForOneThatCantBeUsed) {
+  write("run.yaml", read_file(folder() / "fall.yaml") + "golden: Runs.Equal\n");
+  EXPECT_EQ(rehearse({"check", "run.yaml"}, "REHEARSE_GOLDEN=new").status, 0);
+  EXPECT_EQ(rehearse({"check", "run.yaml"}).status, 0) << "only --strict looks at the other goldens";
+  const Outcome orphan = rehearse({"check", "--strict", "run.yaml"});
+  EXPECT_EQ(orphan.status, 1);
+  EXPECT_THAT(orphan.err, HasSubstr("golden/Old.Falls.mcap: error: no test that ran here and no scenario names this "
+                                    "golden (rehearse golden prune removes it; --strict comes after the tests)\n"));
+  EXPECT_THAT(orphan.err, ::testing::Not(HasSubstr("Macro.Falls")));
+  for (const char* ending : {".mcap", ".txt"}) fs::remove(folder() / ("golden/Old.Falls" + std::string(ending)));
+  const Outcome whole = rehearse({"check", "--strict", "run.yaml"});
+  EXPECT_EQ(whole.status, 0) << whole.err;
+  fs::remove(folder() / "golden/Macro.Falls.txt");
+  const Outcome torn = rehearse({"check", "--strict", "run.yaml"});
+  EXPECT_EQ(torn.status, 1);
+  EXPECT_THAT(torn.err, HasSubstr("golden/Macro.Falls.mcap: error: this golden can't be used"));
+}
+
 TEST_F(GoldenOwners, PruneAsksForARunOfTheTests) {
   const Outcome refused = rehearse({"golden", "prune", "--yes"});
   EXPECT_EQ(refused.status, 2);

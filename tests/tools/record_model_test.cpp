@@ -35,6 +35,62 @@ TEST_F(RecordModel, TheSavedScenarioSaysTheSame) {
   EXPECT_THAT(rehearse(with({"--save-scenario", "saved.yaml"})).err, HasSubstr("there is a file saved.yaml already"));
 }
 
+TEST_F(RecordModel, TakesTheOptionsOfEveryVerbThatLoadsAModel) {
+  fs::create_directories(folder() / "meshes");
+  fs::create_directories(folder() / "aside");
+  write("r.urdf",
+        "<robot name='r'><link name='base'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' "
+        "ixz='0' iyz='0'/></inertial><visual><geometry><mesh filename='package://parts/none.stl'/></geometry></visual>"
+        "</link><link name='arm'/><joint name='j' type='revolute'><parent link='base'/><child link='arm'/>"
+        "<axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>");
+  const std::vector<std::string> loading{"--package", "parts=meshes", "--default-mass", "0.5", "--allow-missing-meshes"};
+  const auto with = [&](std::vector<std::string> words) {
+    words.insert(words.end(), loading.begin(), loading.end());
+    return rehearse(words);
+  };
+  EXPECT_EQ(rehearse({"record", "--model", "r.urdf", "--duration", "0.01"}).status, 2);
+  const Outcome recorded = with({"record", "--model", "r.urdf", "--duration", "0.01", "--solver", "exact",
+                                 "--save-scenario", "aside/s.yaml", "-o", "a.mcap"});
+  EXPECT_EQ(recorded.status, 0) << recorded.err;
+  const std::string saved = read_file(folder() / "aside/s.yaml");
+  EXPECT_THAT(saved, HasSubstr("solver: {method: exact}\n"));
+  EXPECT_THAT(saved, HasSubstr("packages: {\"parts\": \"../meshes\"}\n    default_mass: 0.5\n    allow_missing_meshes: true\n"));
+  EXPECT_EQ(with({"record", "--model", "r.urdf", "--duration", "0.01", "--solver", "exact", "-o", "b.mcap"}).status, 0);
+  EXPECT_EQ(rehearse({"diff", "a.mcap", "b.mcap"}).status, 0);
+  EXPECT_EQ(with({"inspect", "r.urdf"}).status, 0);
+  EXPECT_EQ(with({"render", "r.urdf", "-o", "r.png"}).status, 0);
+  EXPECT_THAT(rehearse({"record", "aside/s.yaml", "--solver", "exact"}).err, HasSubstr("go with --model"));
+  EXPECT_THAT(rehearse({"record", "--model", "r.urdf", "--solver", "best"}).err, HasSubstr("--solver"));
+}
+
+TEST_F(RecordModel, ALibraryOfASavedScenarioIsFoundFromAnyFolder) {
+  fs::create_directories(folder() / "scn");
+  fs::create_directories(folder() / "lib");
+  fs::create_directories(folder() / "aside/deep");
+  fs::copy_file(fixtures / "models/pendulum.urdf", folder() / "scn/r.urdf");
+  fs::copy_file(MISBEHAVING, folder() / "lib/libHold.so");
+  done({"record", "--model", "scn/r.urdf", "--controller", "lib/libHold.so", "--save-scenario", "scn/s.yaml",
+        "--duration", "0.02", "-o", "scn/t.mcap"});
+  const auto from = [&](const fs::path& within, std::vector<std::string> words) {
+    const std::string line = "cd " + quoted((folder() / within).string()) + " && " + quoted(command.string());
+    words.insert(words.begin(), {"-c", line + " \"$@\"", "bash"});
+    const Outcome outcome = run("bash", words, "REHEARSE_CALL_STACK=never");
+    EXPECT_EQ(outcome.status, 0) << within << ": " << words[3] << ": " << outcome.out << outcome.err;
+  };
+  for (const fs::path within : {".", "scn", "lib", "aside/deep", "/"}) {
+    const fs::path base = within == "/" ? folder() / "scn" : (folder() / "scn").lexically_relative(folder() / within);
+    const std::string trace = (base / "t.mcap").string(), scenario = (base / "s.yaml").string();
+    from(within, {"replay", trace});
+    from(within, {"replay", trace, "--tick", "3"});
+    if (within != "/") from(within, {"check", scenario, "--golden", trace});
+    from(within, {"diff", trace, trace});
+  }
+  from("aside/deep", {"audit", "../../scn/t.mcap"});
+  from("scn", {"audit", "t.mcap"});
+  const Outcome stepped = run("bash", {"-c", "echo 'print pendulum/hinge/u' | " + quoted(command.string()) + " step scn/t.mcap"});
+  EXPECT_EQ(stepped.status, 0) << stepped.err;
+}
+
 TEST_F(RecordModel, OptionsThatDontBelongTogetherAreRefused) {
   EXPECT_THAT(rehearse({"record", "--controller", "x.so", sr1_scenario.string()}).err, HasSubstr("'x.so' is not NAME=LIB"));
   EXPECT_THAT(rehearse({"record", "--model", quadruped_, sr1_scenario.string()}).err, HasSubstr("a run has one of them"));

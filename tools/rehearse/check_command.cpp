@@ -21,6 +21,7 @@
 #include "debugger.h"
 #include "golden/run_folder.h"
 #include "golden/stale_report.h"
+#include "golden_verbs.h"
 #include "host/interruption.h"
 #include "host/supervise.h"
 #include "host/virtualised.h"
@@ -50,6 +51,7 @@ struct CheckSettings {
   CheckOptions check;
   bool has_levels = false;  // the user named levels
   bool simulate = false;    // nothing is proved
+  bool strict = false;    // goldens without an owner fail, too
   std::int64_t jobs = 0;    // scenarios at a time; 0: as many as there are processors
   DebuggerOptions debugger;
   std::int64_t tick = 0;  // where gdb stops
@@ -231,6 +233,7 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
   auto waiting = WaitingRun::begin(pending_folder(), name);
   if (!waiting) return waiting.errors();
   auto report = check(settings, scenario, waiting->folder());
+  end_if_reader_is_gone();
   if (interruption() != 0)
     return error(fmt::format("interrupted by SIG{}: {} was not judged", sigabbrev_np(interruption()), scenario.name));
   if (!report) return report.errors();
@@ -296,6 +299,24 @@ Exit run_in_gdb(const CheckSettings& settings, const std::vector<Scenario>& scen
   return become_gdb(settings.debugger, words, settings.tick);
 }
 
+/// Reports goldens that no check and no test compares with, and goldens that can't be used.
+Exit check_strictly() {
+  const auto store = open_store();
+  if (!store) return refuse(store.errors());
+  const auto entries = list_goldens(*store, {store->folder() / ".."}, {});
+  if (!entries) return refuse(entries.errors());
+  Diagnostics found;
+  for (const GoldenEntry& entry : *entries) {
+    const std::string file = store->trace_file(entry.name).string();
+    if (entry.orphan())
+      found.push_back(error_in(file, "no test that ran here and no scenario names this golden",
+                               "rehearse golden prune removes it; --strict comes after the tests"));
+    if (!entry.problem.empty()) found.push_back(error_in(file, "this golden can't be used: " + entry.problem));
+  }
+  std::fputs(to_string(found).c_str(), stderr);
+  return found.empty() ? Exit::done : Exit::differs;
+}
+
 Exit run_check(const CheckSettings& settings, const CLI::App& options) {
   const auto scenarios = load(settings);
   if (!scenarios) return refuse(scenarios.errors());
@@ -314,7 +335,9 @@ Exit run_check(const CheckSettings& settings, const CLI::App& options) {
     if (const auto written = write_junit(settings.junit, all); !written) return refuse(written.errors());
   if (settings.github && !settings.json)
     if (const auto printed = print_for_github(all); !printed) return refuse(printed.errors());
-  return worst;
+  if (!settings.strict) return worst;
+  std::fflush(stdout);  // before related output on stderr
+  return std::max(worst, check_strictly());
 }
 
 void take_levels(const std::vector<std::string>& levels, CheckOptions& check) {
@@ -359,6 +382,9 @@ std::function<Exit()> declare_check(CLI::App& options) {
       "--simulate", settings->simulate,
       "simulate even if it is proved that the world is the one that made the golden. REHEARSE_PROOF=off has the same "
       "effect; REHEARSE_PROOF=sample:20 in a fifth of the checks");
+  options.add_flag("--strict", settings->strict,
+                   "fail also (status 1) if the project has a golden that no scenario names and no test that ran here, "
+                   "or one that can't be used");
   add_integer(options, "-j,--jobs",
               "scenarios to check at a time, each in a process of its own (one for each processor)", 1, 1024,
               [=](std::int64_t jobs) { settings->jobs = jobs; });

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -112,11 +113,13 @@ std::string overview() {
       "--no-pin, or REHEARSE_PIN=off in the environment: mathematics and pictures use the best instructions of "
       "this processor, so that their last bits are not those of other machines. Recordings state this.");
   paragraph(
-      "Exit status: 0 the same, or done; 1 differs; 2 bad usage or bad input, nothing written; 3 a controller failed.");
+      "Exit status: 0 the same, or done; 1 differs; 2 bad usage or bad input, nothing written; 3 a controller failed. "
+      "A signal ends a verb with 128 and its number, as 141 (SIGPIPE) if the reader of its output is gone.");
   return text;
 }
 
 Exit run_verb(const Verb& verb, int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_DFL);  // a program that ignores it starts this one with that setting
   const std::string name(verb.name);
   CLI::App options(std::string(find_verb(verb.name)->summary), "rehearse " + name);
   const auto formatter = std::make_shared<WrappedHelp>();
@@ -132,8 +135,10 @@ Exit run_verb(const Verb& verb, int argc, char** argv) {
     std::reverse(arguments.begin(), arguments.end());  // CLI11 expects the arguments in this order
     options.parse(arguments);
     const Exit exit = run();
+    end_if_reader_is_gone();
     return interruption() == 0 ? exit : static_cast<Exit>(128 + interruption());
   } catch (const Interrupted&) {
+    end_if_reader_is_gone();
     fmt::print(stderr, "rehearse {}: interrupted by SIG{}; incomplete results are removed\n", name,
                sigabbrev_np(interruption()));
     return static_cast<Exit>(128 + interruption());

@@ -20,11 +20,11 @@ namespace rehearse::tool {
 /// The exit status of a program. Other programs depend on the numbers.
 enum class Exit {
   done = 0,               // success; with a comparison: no difference
-  differs = 1,            // two runs differ
+  differs = 1,            // two runs differ; import: the written scenario has errors
   bad_input = 2,          // bad usage or bad input; nothing was written
   controller_failed = 3,  // the controller refused, threw, crashed or hung; the trace is kept up to there
   odd = 4,                // doctor: nothing is wrong, something is unusual
-  // 128 and the signal's number: the process was ended by SIGINT or SIGTERM
+  // 128 and the signal's number: the verb was ended by SIGINT, SIGTERM or SIGHUP
 };
 
 struct Verb {

@@ -113,7 +113,7 @@ Result<void> tell_other_libraries(const mcap::Reader& trace, const Scenario& sce
   const RunFacts recorded = RunFacts::of(trace);
   for (const NamedController& known : controllers_of(scenario)) {
     std::string library = known.controller->library;
-    fs::path folder = fs::path(scenario.file).parent_path();
+    fs::path folder = folder_of(scenario);
     for (const auto& [name, other] : host.libraries)
       if (known.is_called(name)) {
         library = other;

@@ -60,7 +60,8 @@ void print_items(const std::vector<ImportedItem>& items, bool is_taken, const st
   if (rows.size() > 1) print_table(rows);
 }
 
-Json json_of_import(const ImportedProject& imported, const std::string& scenario) {
+/// `errors`: the reasons why the scenario doesn't load.
+Json json_of_import(const ImportedProject& imported, const std::string& scenario, const Diagnostics& errors) {
   Json items = Json::array();
   for (const ImportedItem& item : imported.items)
     items.push_back({{"class", item.type},
@@ -68,7 +69,7 @@ Json json_of_import(const ImportedProject& imported, const std::string& scenario
                      {"line", item.line},
                      {"taken", item.is_taken},
                      {"outcome", item.outcome}});
-  return {{"scenario", scenario}, {"items", items}, {"remarks", json_of(imported.remarks)}};
+  return {{"scenario", scenario}, {"items", items}, {"remarks", json_of(imported.remarks)}, {"errors", json_of(errors)}};
 }
 
 Exit run_import(ImportSettings& settings) {
@@ -78,19 +79,24 @@ Exit run_import(ImportSettings& settings) {
   if (!imported) return refuse(imported.errors());
   if (const auto written = write_all(settings.folder, *imported); !written) return refuse(written.errors());
   const std::string file = (fs::path(settings.folder) / (imported->name + ".yaml")).string();
+  // A valid project may result in a scenario that has to be completed by hand.
+  const auto scenario = Scenario::load(file);
+  const Diagnostics errors = scenario ? Diagnostics() : scenario.errors();
   if (settings.json) {
-    print(json_of_import(*imported, file));
+    print(json_of_import(*imported, file, errors));
   } else {
     print_items(imported->items, true, "taken");
     fmt::print("\n");
     print_items(imported->items, false, "left out");
-    fmt::print("\nwrote {}; run it with: rehearse record {}\n", file, file);
+    if (scenario)
+      fmt::print("\nwrote {}; run it with: rehearse record {}\n", file, file);
+    else
+      fmt::print("\nwrote {}, which can't be run before its errors are mended\n", file);
   }
   std::fflush(stdout);  // before related output on stderr
   fmt::print(stderr, "{}", to_string(imported->remarks));
-  // A valid project may result in an invalid scenario.
-  if (const auto scenario = Scenario::load(file); !scenario) return refuse(scenario.errors());
-  return Exit::done;
+  fmt::print(stderr, "{}", to_string(errors));
+  return scenario ? Exit::done : Exit::differs;
 }
 
 std::function<Exit()> declare_import(CLI::App& options) {
@@ -120,7 +126,8 @@ const Verb import_verb{"import",
                        "  rehearse record walk/SR1Walk.yaml --controller SR1WalkController=build/SR1WalkPattern.so\n"
                        "\n"
                        "Bodies, poses, controllers, settings of the simulator and materials are taken. Models and "
-                       "controllers stay where they are.\n",
+                       "controllers stay where they are.\n"
+                       "Exit status 1: the scenario is written, but can't be run before its errors are mended.\n",
                        declare_import};
 
 }  // namespace rehearse::tool

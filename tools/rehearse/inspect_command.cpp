@@ -222,9 +222,7 @@ std::function<Exit()> declare_inspect(CLI::App& options) {
   const auto settings = std::make_shared<InspectSettings>();
   options.add_option("MODEL", settings->model, "a URDF or .body file")->required()->type_name("");
   options.add_flag("--strict", settings->urdf.strict, "each repair is an error");
-  add_mesh_options(options, settings->urdf);
-  add_number(options, "--default-mass", "of links that move and have none [kg]", 1e-9, 1e9,
-             [=](double mass) { settings->urdf.default_mass = mass; });
+  add_model_options(options, settings->urdf);
   add_json_flag(options, settings->json);
   return [settings] { return run_inspect(*settings); };
 }

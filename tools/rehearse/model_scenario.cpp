@@ -119,6 +119,21 @@ std::string placed_text(const ModelScenario& settings, const Model& model, std::
 
 }  // namespace
 
+namespace {
+
+/// The keys of a body for the options of its model.
+std::string loading_text(const UrdfOptions& urdf) {
+  std::string packages, text;
+  for (const auto& [name, folder] : urdf.packages)
+    packages += fmt::format("{}{}: {}", packages.empty() ? "" : ", ", quoted(name), quoted(folder.string()));
+  if (!packages.empty()) text += fmt::format("    packages: {{{}}}\n", packages);
+  if (urdf.default_mass) text += fmt::format("    default_mass: {}\n", *urdf.default_mass);
+  if (urdf.allow_missing_meshes) text += "    allow_missing_meshes: true\n";
+  return text;
+}
+
+}  // namespace
+
 std::vector<double> rest_posture(const Model& model) {
   std::vector<double> q;
   for (const int link : model.joints) {
@@ -129,7 +144,7 @@ std::vector<double> rest_posture(const Model& model) {
 }
 
 Result<std::string> scenario_text(const ModelScenario& settings, const std::string& model_file) {
-  const Result<Model> model = load_model(settings.model);
+  const Result<Model> model = load_model(settings.model, settings.urdf);
   if (!model) return model.errors();
   std::string position;
   const std::string floor = placed_text(settings, *model, position);
@@ -138,9 +153,10 @@ Result<std::string> scenario_text(const ModelScenario& settings, const std::stri
                       plain_name(fs::path(settings.run ? settings.run->log : settings.model).stem().string()),
                       settings.duration.value_or(usual_duration));
   if (settings.run) text += fmt::format("time_step: {}\n", settings.run->time_step);
-  text += fmt::format("\nbodies:\n{}  - name: {}\n    model: {}\n{}{}", floor,
-                      settings.run ? settings.run->body : plain_name(model->name), quoted(model_file), position,
-                      joints_text(settings, *model));
+  if (!settings.solver.empty()) text += fmt::format("solver: {{method: {}}}\n", settings.solver);
+  text += fmt::format("\nbodies:\n{}  - name: {}\n    model: {}\n{}{}{}", floor,
+                      settings.run ? settings.run->body : plain_name(model->name), quoted(model_file),
+                      loading_text(settings.urdf), position, joints_text(settings, *model));
   if (!settings.controllers.empty()) text += "    controllers:\n";
   for (const std::string& library : settings.controllers) text += fmt::format("      - library: {}\n", quoted(library));
   if (!settings.run) return text;
@@ -175,6 +191,8 @@ Result<void> save_scenario(const ModelScenario& settings, const std::string& fil
   };
   ModelScenario saved = settings;
   for (std::string& library : saved.controllers) library = seen_from_there(library);
+  for (auto& [name, package] : saved.urdf.packages)
+    package = fs::absolute(package, ignored).lexically_proximate(folder);
   const auto text = scenario_text(saved, seen_from_there(settings.model));
   if (!text) return text.errors();
   return write_text(file, *text);

@@ -3,6 +3,7 @@
 
 #include <rehearse/model.h>
 #include <rehearse/scenario.h>
+#include <rehearse/urdf.h>
 
 #include <optional>
 #include <string>
@@ -29,6 +30,8 @@ struct ModelScenario {
   std::vector<std::string> controllers;  // libraries: names or paths
   std::optional<double> duration;        // [s]; default 2
   std::optional<RunOfALog> run;          // none: the robot is at rest
+  UrdfOptions urdf = {};                 // packages, masses and meshes that are missing
+  std::string solver = {};               // quick or exact; empty: the scenario doesn't state it
 };
 
 /// The scenario as YAML: the robot at rest, or in the posture of a log, its lowest point on the floor, unless the model

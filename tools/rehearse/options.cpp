@@ -73,7 +73,7 @@ void add_host_options(CLI::App& options, HostOptions& host, std::string* alone) 
              86400.0, [&host](double limit) { host.call_limit = limit; });
 }
 
-void add_mesh_options(CLI::App& options, UrdfOptions& urdf) {
+void add_model_options(CLI::App& options, UrdfOptions& urdf) {
   const auto take_packages = [&urdf](const std::vector<std::string>& texts) {
     for (const std::string& text : texts) take_pair(urdf.packages, "--package", "NAME=DIR", text);
   };
@@ -84,6 +84,8 @@ void add_mesh_options(CLI::App& options, UrdfOptions& urdf) {
       ->allow_extra_args(false);
   options.add_flag("--allow-missing-meshes", urdf.allow_missing_meshes,
                    "meshes that can't be loaded are left out, with a warning");
+  add_number(options, "--default-mass", "of links that move and have none [kg]", 1e-9, 1e9,
+             [&urdf](double mass) { urdf.default_mass = mass; });
 }
 
 void add_selection_options(CLI::App& options, mcap::Selection& selection) {

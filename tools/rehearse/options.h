@@ -30,8 +30,9 @@ void add_integer(CLI::App& options, const std::string& option, const std::string
 /// without a name; if it is null, a missing name is an error.
 void add_host_options(CLI::App& options, HostOptions& host, std::string* alone = nullptr);
 
-/// Declares --package NAME=DIR, any number of times, and --allow-missing-meshes.
-void add_mesh_options(CLI::App& options, UrdfOptions& urdf);
+/// Declares the options of verbs that load a model: --package NAME=DIR, any number of times, --allow-missing-meshes and
+/// --default-mass.
+void add_model_options(CLI::App& options, UrdfOptions& urdf);
 
 /// Declares --topics, --from, --until and --ticks: a selection of a file's messages.
 void add_selection_options(CLI::App& options, mcap::Selection& selection);

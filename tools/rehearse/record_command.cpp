@@ -198,6 +198,11 @@ Result<void> check_model_options(const RecordSettings& settings) {
     return error("SCENARIO and --model: a run has one of them", "name the model in the scenario");
   if (!has_model && !settings.alone.empty())
     return error(fmt::format("--controller: '{}' is not NAME=LIB", settings.alone), "LIB alone goes with --model");
+  const UrdfOptions& loading = settings.model.urdf;
+  const bool has_loading = !loading.packages.empty() || loading.default_mass || loading.allow_missing_meshes;
+  if (!has_model && (has_loading || !settings.model.solver.empty()))
+    return error("--package, --default-mass, --allow-missing-meshes and --solver go with --model",
+                 "a scenario states packages, default_mass and allow_missing_meshes of its bodies, and its solver");
   if (!has_model && !settings.save_scenario.empty())
     return error("--save-scenario writes the scenario of a --model", "expected --model URDF as well");
   if (!has_model && settings.scenario.empty())
@@ -237,6 +242,7 @@ Exit record_scenario(RecordSettings& settings, const Scenario& scenario, const s
     settings.record.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
     return record(scenario, trace, settings.record);
   }();
+  end_if_reader_is_gone();
   if (!summary) return refuse(summary.errors());
   const double seconds = stopwatch.seconds();
   const bool failed = summary->failure || summary->controller_refused;
@@ -314,6 +320,10 @@ std::function<Exit()> declare_record(CLI::App& options) {
   options.add_option("SCENARIO", settings->scenario, "a YAML file")->type_name("");
   options.add_option("--model", settings->model.model, "instead of a scenario: this robot, standing on a floor")
       ->type_name("URDF");
+  add_model_options(options, settings->model.urdf);
+  options.add_option("--solver", settings->model.solver, "with --model: quick (iterative) or exact (direct)")
+      ->type_name("METHOD")
+      ->check(CLI::IsMember({"quick", "exact"}));
   options
       .add_option("--save-scenario", settings->save_scenario,
                   "with --model: write the equivalent scenario to a new file, and run that")

@@ -234,7 +234,7 @@ std::function<Exit()> declare_render(CLI::App& options) {
       ->required()
       ->type_name("PNG");
   settings->urdf.kinematic = true;  // a picture needs no masses
-  add_mesh_options(options, settings->urdf);
+  add_model_options(options, settings->urdf);
   options.add_flag("--collision", settings->collision,
                    "draw the shapes that touch: hulls, convex parts and triangles of meshes, and simple shapes");
   add_integer(options, "--width", "of the picture [pixels] (960)", 1, largest_side,

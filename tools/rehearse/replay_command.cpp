@@ -163,6 +163,7 @@ Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
     settings.replay.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
     return replay(settings.trace, settings.replay);
   }();
+  end_if_reader_is_gone();
   if (!report) return refuse(report.errors());
   if (!settings.output.empty())
     if (const auto written = write_replay(settings.trace, settings.output, settings.replay); !written)

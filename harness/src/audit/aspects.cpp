@@ -53,7 +53,14 @@ Aspect surroundings_of(const ObservedCall& call) {
   return {"the environment", Factor::environment};
 }
 
+/// Functions that list a folder, and those of memory, semaphores and queues that processes share by a number.
+constexpr std::string_view listings =
+    " fdopendir ftw ftw64 glob glob64 nftw nftw64 opendir scandir scandir64 scandirat ";
+constexpr std::string_view shared_by_number = " msgget semget shmget ";
+
 Aspect file_aspect_of(const ObservedCall& call) {
+  if (is_one_of(call.function, shared_by_number)) return {"what processes share by a number", std::nullopt};
+  if (is_one_of(call.function, listings)) return {"the entries of a folder", std::nullopt};
   Aspect aspect{"a file", std::nullopt};
   if (!call.argument.empty() && call.argument.front() != '/') aspect = {"the working folder", Factor::folder};
   aspect.has_answer = !is_one_of(call.function, openings) || !call.digest.empty();
@@ -90,7 +97,7 @@ Aspect aspect_of(const ObservedCall& call) {
 }
 
 bool is_of_own_file(const std::vector<ObservedCall>& calls, const ObservedCall& call) {
-  if (call.source != Source::file) return false;
+  if (call.source != Source::file || is_one_of(call.function, listings)) return false;
   for (const ObservedCall& earlier : calls) {
     if (&earlier == &call) return false;
     if (earlier.source != Source::file || earlier.argument != call.argument || earlier.controller != call.controller)

@@ -116,7 +116,7 @@ Result<void> Audit::record() {
 }
 
 Result<void> Audit::find_libraries(const Scenario& scenario) {
-  const fs::path folder = fs::path(scenario.file).parent_path();
+  const fs::path folder = folder_of(scenario);
   const auto find = [&](const std::string& body, const ScenarioController& controller) -> Result<void> {
     const std::string label = body + "/" + controller.name;
     std::string name = controller.library;

@@ -211,6 +211,9 @@ std::vector<std::string> what_it_rests_on(const Evidence& evidence, const std::v
     const std::string where = code.sentence.substr(code.sentence.find(": ") + 2);
     if (code.kind == to_string(CodeKind::processor_query) || code.kind == to_string(CodeKind::approximation))
       add("the processor (" + where + ")");
+    // Replays read other values of them, but seldom those on which a branch depends.
+    if (code.kind == to_string(CodeKind::time_stamp_counter)) add("the processor's clock (" + where + ")");
+    if (code.kind == to_string(CodeKind::hardware_random)) add("the processor's random numbers (" + where + ")");
     if (code.kind == to_string(CodeKind::direct_syscall) && hidden)
       add("system calls that can't be watched (" + where + ")");
   }

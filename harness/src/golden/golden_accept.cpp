@@ -1,15 +1,19 @@
 // Accepting a run as a golden, and removing a golden.
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <rehearse/compare.h>
 #include <rehearse/golden.h>
 #include <rehearse/mcap.h>
+#include <sys/file.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <fstream>
 #include <set>
 
 #include "golden_files.h"
 #include "mcap/copy.h"
+#include "model/file_descriptor.h"
 #include "state_samples.h"
 #include "trace/hashing.h"
 #include "trace/run_facts.h"
@@ -62,6 +66,36 @@ Result<std::string> digest_of_file(const fs::path& file) {
   const auto trace = Trace::load(file);
   if (!trace) return trace.errors();
   return digest_of(*trace);
+}
+
+/// Fails if another process accepted or rejected the run while this one waited for its turn.
+Result<void> still_waits(const fs::path& trace, const std::string& name) {
+  std::error_code ignored;
+  if (fs::is_regular_file(trace, ignored)) return {};
+  return error(fmt::format("another process has accepted or rejected the run that waited as '{}'", name),
+               "rehearse golden list shows the goldens as they are now");
+}
+
+/// Locks a run that waits, so that one acceptance after the other decides it. Not its folder, which a check locks.
+class RunLock {
+ public:
+  explicit RunLock(const fs::path& trace) : descriptor_(::open(trace.c_str(), O_RDONLY | O_CLOEXEC)) {
+    if (descriptor_ >= 0)
+      while (::flock(descriptor_, LOCK_EX) != 0 && errno == EINTR) continue;
+  }
+
+ private:
+  FileDescriptor descriptor_;
+};
+
+/// Removes a run that waited, and the run of the check's plant level.
+Result<void> remove_waiting(const fs::path& trace) {
+  std::error_code failed;
+  fs::remove(trace, failed);
+  if (failed) return error(fmt::format("{} can't be removed: {}", trace.string(), failed.message()));
+  remove_run(trace);
+  remove_run(trace.parent_path() / "plant" / trace.filename());
+  return {};
 }
 
 /// A file that is removed when this goes out of scope.
@@ -169,9 +203,14 @@ Result<Accepted> GoldenStore::accept(const std::string& name, const fs::path& tr
 
 Result<Accepted> GoldenStore::accept_pending(const std::string& name) {
   if (auto found = find_pending(name); !found) return found.errors();
+  const RunLock alone(pending_file(name));
+  if (auto waits = still_waits(pending_file(name), name); !waits) return waits.errors();
   auto accepted = replace(name, pending_file(name), "", pending_verdict(name));
-  if (!accepted) return accepted;
-  if (auto gone = reject(name); !gone) return gone.errors();
+  if (!accepted) {
+    const auto waits = still_waits(pending_file(name), name);  // a check or a rejection may have removed it
+    return waits ? accepted : waits.errors();
+  }
+  if (auto gone = remove_waiting(pending_file(name)); !gone) return gone.errors();
   return accepted;
 }
 
@@ -204,12 +243,7 @@ Result<Accepted> GoldenStore::accept_pending(const std::string& name, const Sele
 
 Result<void> GoldenStore::reject(const std::string& name) {
   if (auto found = find_pending(name); !found) return found;
-  std::error_code failed;
-  fs::remove(pending_file(name), failed);
-  if (failed) return error(fmt::format("{} can't be removed: {}", pending_file(name).string(), failed.message()));
-  remove_run(pending_file(name));
-  remove_run(pending_ / "plant" / (name + ".mcap"));  // the run of the check's plant level
-  return {};
+  return remove_waiting(pending_file(name));
 }
 
 namespace {

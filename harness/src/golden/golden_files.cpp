@@ -9,6 +9,8 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <string_view>
+#include <vector>
 
 #include "run_folder.h"
 #include "stale_report.h"
@@ -88,12 +90,25 @@ fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.
 
 Result<void> sync_folder_of(const fs::path& file) { return sync(folder_of(file)); }
 
+/// Removes drafts of processes that were killed. Must be called with the folder locked: then no other draft is there.
+void remove_drafts_left_behind(const fs::path& folder) {
+  std::vector<fs::path> drafts;
+  std::error_code ignored;
+  for (fs::directory_iterator entry(folder, ignored), end; !ignored && entry != end; entry.increment(ignored)) {
+    const std::string name = entry->path().filename().string();
+    for (const std::string_view draft : {".mcap.new", ".mcap.new.samples", ".txt.new", ".noise.new"})
+      if (name.ends_with(draft) && entry->is_regular_file(ignored)) drafts.push_back(entry->path());
+  }
+  for (const fs::path& draft : drafts) fs::remove(draft, ignored);
+}
+
 }  // namespace
 
 Result<void> replace_together(const fs::path& trace, const std::function<Result<void>(const fs::path&)>& write_trace,
                               const fs::path& digest,
                               const std::function<Result<std::string>(const fs::path&)>& make_digest) {
   const FolderLock alone(folder_of(trace));  // two simultaneous acceptances use the same names of drafts
+  remove_drafts_left_behind(folder_of(trace));
   const Draft new_trace(trace), new_digest(digest);
   if (auto done = write_trace(new_trace.file()); !done) return done;
   const auto text = make_digest(new_trace.file());
@@ -108,6 +123,7 @@ Result<void> replace_together(const fs::path& trace, const std::function<Result<
 
 Result<void> replace_text(const fs::path& file, const std::string& text) {
   const FolderLock alone(folder_of(file));
+  remove_drafts_left_behind(folder_of(file));
   const Draft draft(file);
   if (auto done = write_text(draft.file(), text); !done) return done;
   if (auto done = sync(draft.file()); !done) return done;

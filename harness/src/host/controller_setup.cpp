@@ -8,6 +8,7 @@
 #include "controller_host.h"
 #include "controller_watch.h"
 #include "debug_hook.h"
+#include "scenario/trace_scenario.h"
 #include "supervisor.h"
 #include "usable_outputs.h"
 
@@ -90,7 +91,7 @@ Result<void> ControllerHost::add(const ScenarioController& specification, int bo
   hosted.io->setNoDelayMode(!(is_given ? given->second.delay : specification.delay));
   if (scenario_->joystick) hosted.joystick = std::make_unique<HostJoystick>();
 
-  std::filesystem::path directory = std::filesystem::path(scenario_->file).parent_path();
+  std::filesystem::path directory = folder_of(*scenario_);
   std::string library = is_given ? given->second.library : specification.library;
   for (const std::string& name : {specification.name, hosted.label}) {
     const auto replaced = options_.libraries.find(name);

@@ -8,6 +8,7 @@
 #include <setjmp.h>
 #include <signal.h>
 #include <sys/mman.h>
+#include <ucontext.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -32,6 +33,7 @@ constexpr int caught_signals[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 constexpr int deadly_signals[] = {SIGALRM, SIGVTALRM, SIGPROF, SIGXFSZ, SIGSYS};
 constexpr int hang_signal = SIGXCPU;  // sent by the watchdog, and by the kernel if a CPU limit is set
 constexpr int exit_instead = -1;      // value at the return point for an exit, instead of a signal
+constexpr int stack_overflow = -2;    // the same for SIGSEGV or SIGBUS below the end of a stack
 constexpr std::size_t signal_stack_size = 64 * 1024;
 constexpr std::size_t stack_gap = 16 * 1024;
 
@@ -61,9 +63,40 @@ struct ThreadFailure {
 volatile sig_atomic_t ending = 0;  // true: the process is in exit()
 int end_status = 0;
 
+/// The lowest addresses of this thread's stack and of its signal stack; null: not known.
+thread_local constinit const char* stack_bottom = nullptr;
+thread_local constinit const char* signal_stack_bottom = nullptr;
+
+/// The interrupted code's stack pointer; null: not known on this processor.
+const char* stack_pointer(const ucontext_t& interrupted) {
+#if defined(__x86_64__)
+  return reinterpret_cast<const char*>(interrupted.uc_mcontext.gregs[REG_RSP]);
+#elif defined(__aarch64__)
+  return reinterpret_cast<const char*>(interrupted.uc_mcontext.sp);
+#else
+  static_cast<void>(interrupted);
+  return nullptr;
+#endif
+}
+
+/// True if the fault is an access below the end of this thread's stack, at or above its stack pointer, which has reached
+/// that end. A fault by a wild pointer happens while the stack pointer is inside of the stack.
+bool is_stack_overflow(const siginfo_t& fault, const ucontext_t& interrupted) {
+  constexpr std::uintptr_t margin = 64 * 1024, page = 4096, largest_frame = 1 << 30;  // [bytes]
+  const auto number = [](const void* address) { return reinterpret_cast<std::uintptr_t>(address); };
+  const std::uintptr_t bottom = number(stack_bottom), pointer = number(stack_pointer(interrupted));
+  const std::uintptr_t address = number(fault.si_addr), handlers = number(signal_stack_bottom);
+  if (fault.si_code <= 0 || bottom == 0 || pointer == 0) return false;
+  if (pointer >= handlers && pointer - handlers < signal_stack_size) return false;  // in a handler, on its own stack
+  return pointer < bottom + margin && pointer + largest_frame > bottom && address < bottom + page &&
+         address + margin > pointer;
+}
+
 /// Also called in a signal handler.
 const char* describe_signal(int signal_number) {
   switch (signal_number) {
+    case stack_overflow:
+      return "crashed: its stack overflowed (a recursion without end, or local variables that are too large)";
     case SIGSEGV:
       return "crashed: segmentation fault (an access to memory that isn't there, as through a null pointer)";
     case SIGBUS: return "crashed: bus error";
@@ -83,14 +116,17 @@ bool is_fault(int signal_number) {
   return signal_number == SIGSEGV || signal_number == SIGBUS || signal_number == SIGFPE || signal_number == SIGILL;
 }
 
-extern "C" void leave_guarded_code(int signal_number) {
+extern "C" void leave_guarded_code(int signal_number, siginfo_t* fault, void* interrupted) {
+  const bool overflowed = (signal_number == SIGSEGV || signal_number == SIGBUS) &&
+                          is_stack_overflow(*fault, *static_cast<const ucontext_t*>(interrupted));
+  const int reason = overflowed ? stack_overflow : signal_number;
   if (in_guarded_call()) {
     guarding = 0;
-    siglongjmp(return_point, signal_number);
+    siglongjmp(return_point, reason);
   }
   end_if_ending();
   if (signal_number == hang_signal) return;  // it came too late: the call has returned
-  if (own_threads && !is_forked_by_guest()) fail_on_own_thread(describe_signal(signal_number));
+  if (own_threads && !is_forked_by_guest()) fail_on_own_thread(describe_signal(reason));
   // The host doesn't hide crashes outside of guarded code: the previous handler gets the signal when the fault repeats.
   sigaction(signal_number, &outside_actions[signal_number], nullptr);
   if (!is_fault(signal_number)) raise(signal_number);
@@ -177,9 +213,9 @@ void install_handlers() {
   if (installed) return;
   installed = true;
   struct sigaction action {};
-  action.sa_handler = leave_guarded_code;
+  action.sa_sigaction = leave_guarded_code;
   // SA_NODEFER: the signal isn't blocked after siglongjmp leaves the handler.
-  action.sa_flags = SA_ONSTACK | SA_NODEFER;
+  action.sa_flags = SA_ONSTACK | SA_NODEFER | SA_SIGINFO;
   for (const int signal_number : caught_signals) sigaction(signal_number, &action, &outside_actions[signal_number]);
   sigaction(hang_signal, &action, &outside_actions[hang_signal]);
   for (const int signal_number : deadly_signals) {
@@ -306,6 +342,14 @@ bool is_traced(const char* status_file) {
 }
 
 SignalStack::SignalStack() : memory_(new char[signal_stack_size]) {
+  pthread_attr_t own;
+  if (pthread_getattr_np(pthread_self(), &own) == 0) {
+    void* bottom = nullptr;
+    std::size_t size = 0;
+    if (pthread_attr_getstack(&own, &bottom, &size) == 0) stack_bottom = static_cast<const char*>(bottom);
+    pthread_attr_destroy(&own);
+  }
+  signal_stack_bottom = memory_;
   stack_t alternate{};
   alternate.ss_sp = memory_;
   alternate.ss_size = signal_stack_size;
@@ -316,6 +360,7 @@ SignalStack::~SignalStack() {
   stack_t none{};
   none.ss_flags = SS_DISABLE;
   sigaltstack(&none, nullptr);
+  signal_stack_bottom = nullptr;
   delete[] memory_;
 }
 

@@ -1,6 +1,7 @@
 #include "interruption.h"
 
 #include <fmt/format.h>
+#include <poll.h>
 #include <signal.h>
 #include <time.h>
 #include <unistd.h>
@@ -22,18 +23,28 @@ time_t seconds_now() {
   return now.tv_sec;
 }
 
+void end_by(int number) {
+  signal(number, SIG_DFL);
+  raise(number);
+}
+
+/// A controller that prints in a run gets this signal: the run ends at the next tick, with a closed trace. Everywhere
+/// else it ends the process, as it does programs that don't handle it.
+extern "C" void take_broken_pipe(int number) {
+  if (!in_guarded_call() || !is_reader_gone()) return end_by(number);
+  if (came == 0) came = number;
+}
+
 /// A signal may arrive twice at the same time: from a terminal's or a time limit's process group, and from the parent.
 extern "C" void take_interruption(int number, siginfo_t* sent, void*) {
   const bool own = sent->si_code <= 0 && sent->si_pid == getpid();  // a controller sent it to its own process
   if (own || is_forked_by_guest()) {
-    signal(number, SIG_DFL);
-    raise(number);
+    end_by(number);
   } else if (came == 0) {
     came_at = seconds_now();
     came = number;
   } else if (seconds_now() - came_at > 1) {
-    signal(number, SIG_DFL);
-    raise(number);
+    end_by(number);
   }
 }
 
@@ -44,6 +55,19 @@ void end_runs_on_signals() {
   action.sa_sigaction = take_interruption;
   action.sa_flags = SA_RESTART | SA_SIGINFO;
   for (const int number : {SIGINT, SIGTERM}) sigaction(number, &action, nullptr);
+  struct sigaction before {};
+  sigaction(SIGHUP, nullptr, &before);
+  if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);  // nohup ignores it
+  signal(SIGPIPE, take_broken_pipe);
+}
+
+bool is_reader_gone() {
+  pollfd outputs[] = {{STDOUT_FILENO, 0, 0}, {STDERR_FILENO, 0, 0}};
+  return poll(outputs, 2, 0) > 0 && ((outputs[0].revents | outputs[1].revents) & POLLERR) != 0;
+}
+
+void end_if_reader_is_gone() {
+  if (came == SIGPIPE) end_by(SIGPIPE);
 }
 
 int interruption() { return came; }

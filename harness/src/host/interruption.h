@@ -1,4 +1,5 @@
-// Interruption: runs that end at a tick, with complete files, when the process gets SIGINT or SIGTERM.
+// Interruption: runs that end at a tick, with complete files, when the process gets SIGINT, SIGTERM or
+// SIGHUP, or SIGPIPE because the reader of its output is gone.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -9,8 +10,15 @@
 namespace rehearse {
 
 /// From now on these signals end runs of this process at a tick. The same signal again, a second later, ends the
-/// process at once.
+/// process at once. A SIGPIPE ends runs only if a controller's own printing caused it; else it ends the process.
 void end_runs_on_signals();
+
+/// True if stdout or stderr is a pipe or socket that nobody reads any more.
+bool is_reader_gone();
+
+/// Must be called when a run has closed its files, before anything is printed: ends the process by SIGPIPE if that
+/// ended the run.
+void end_if_reader_is_gone();
 
 /// The received signal; 0: none.
 int interruption();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <limits.h>
+#include <rehearse/pin.h>
 #include <signal.h>
 #include <sys/stat.h>
 #include <sys/time.h>
@@ -11,11 +12,13 @@
 #include <algorithm>
 #include <array>
 #include <clocale>
+#include <cstdio>
 #include <cstring>
 #include <locale>
 #include <set>
 #include <sstream>
 
+#include "controller_library.h"
 #include "guarded_call.h"
 
 namespace rehearse {
@@ -77,6 +80,18 @@ mode_t current_umask() {
 }
 
 bool is_armed(const itimerval& timer) { return timer.it_value.tv_sec != 0 || timer.it_value.tv_usec != 0; }
+
+/// Prints a line if controllers run without the replacements of the C library's functions.
+void tell_missing_guards() {
+  if (replaces_functions()) return;
+  std::fprintf(stderr,
+               "warning: this program loads the C library before librehearse_harness, so guards are off: a controller "
+               "that calls exit, _exit or exec, or whose thread fails, ends the program; it can close any file and "
+               "fork; what control() changes in the process, and files that it reads, aren't noticed%s (link "
+               "librehearse_harness before the C library, or start the program with LD_PRELOAD=%s)\n",
+               is_pinned() ? "" : "; mathematics isn't pinned",
+               (own_library_folder() / "librehearse_harness.so").c_str());
+}
 
 constexpr int timers[] = {ITIMER_REAL, ITIMER_VIRTUAL, ITIMER_PROF};
 constexpr int signal_count = NSIG;
@@ -203,6 +218,8 @@ void ProcessGuard::release(int descriptor) {
 }
 
 void ProcessGuard::begin(ThreadCount threads, bool closely) {
+  static const bool told = (tell_missing_guards(), true);
+  static_cast<void>(told);
   threads_ = std::move(threads);
   prepare_guarded_calls();  // so that the host's own handlers don't count as changes by the code
   if (closely) before_ = std::make_unique<State>();

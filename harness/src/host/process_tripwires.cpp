@@ -9,6 +9,7 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <gnu/lib-names.h>
 #include <locale.h>
 #include <pthread.h>
 #include <rehearse/diagnostic.h>
@@ -65,9 +66,16 @@ using rehearse::ThreadCount;
 #define REHEARSE_ADDRESS_SANITIZER
 #endif
 
+/// In a program that loads the C library before this one, no function comes next: the C library's own is used.
+void* next_function(const char* name) {
+  if (void* next = dlsym(RTLD_NEXT, name)) return next;
+  static void* const c_library = dlopen(LIBC_SO, RTLD_LAZY | RTLD_NOLOAD);
+  return dlsym(c_library ? c_library : RTLD_DEFAULT, name);
+}
+
 struct NextFunctions {
 #define REHEARSE_MEMBER(function) \
-  decltype(&(::function)) function##_ = reinterpret_cast<decltype(&(::function))>(dlsym(RTLD_NEXT, #function));
+  decltype(&(::function)) function##_ = reinterpret_cast<decltype(&(::function))>(next_function(#function));
   REHEARSE_TRIPWIRES(REHEARSE_MEMBER)
 #undef REHEARSE_MEMBER
 };
@@ -413,6 +421,15 @@ int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*
 }  // extern "C"
 
 namespace rehearse {
+
+bool replaces_functions() {
+  // All are replaced, or none, because the libraries are searched one after the other.
+  constexpr const char* one = "uselocale";
+  static void* const program = dlopen(nullptr, RTLD_LAZY | RTLD_NOLOAD);
+  static void* const c_library = dlopen(LIBC_SO, RTLD_LAZY | RTLD_NOLOAD);
+  if (!program || !c_library) return true;
+  return dlsym(program, one) != dlsym(c_library, one);
+}
 
 void leave_process(int status) {
   NEXT(_exit)(status);

@@ -21,6 +21,7 @@
 #include <string>
 
 #include "guarded_call.h"
+#include "interruption.h"
 #include "mcap/recover.h"
 #include "supervise.h"
 
@@ -67,6 +68,7 @@ class Parent {
   void pass_on(const siginfo_t& signal);
   void look_for_hang();
   bool was_interrupted() const;
+  bool lost_its_reader() const;
   [[noreturn]] void mirror() const;
   std::string sentence() const;
   std::string saved() const;
@@ -93,6 +95,10 @@ void Parent::run() {
   }
   for (siginfo_t signal{}; sigtimedwait(&all, &signal, std::array<timespec, 1>{}.data()) > 0;)
     sigaddset(&received_, signal.si_signo);
+  if (lost_its_reader()) {
+    if (notes->recording) static_cast<void>(saved());
+    mirror();
+  }
   const bool announced = notes->announced;
   if (announced && WIFEXITED(ended_)) _exit(WEXITSTATUS(ended_) != 0 ? WEXITSTATUS(ended_) : notes->status);
   if (announced) _exit(notes->status != 0 ? notes->status : controller_failed);
@@ -142,6 +148,11 @@ bool Parent::was_interrupted() const {
   const int number = WTERMSIG(ended_);
   return (number == SIGINT || number == SIGTERM || number == SIGHUP || number == SIGQUIT) &&
          sigismember(&received_, number) == 1;
+}
+
+/// True if the child wrote to a pipe that nobody reads. In a call it may be a pipe of the controller's own.
+bool Parent::lost_its_reader() const {
+  return WIFSIGNALED(ended_) && WTERMSIG(ended_) == SIGPIPE && (notes->calls % 2 == 0 || is_reader_gone());
 }
 
 /// Ends in the same way as the child.

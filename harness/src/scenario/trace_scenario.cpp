@@ -58,6 +58,12 @@ Result<Scenario> scenario_of(const mcap::Reader& trace) {
   return scenario;
 }
 
+std::filesystem::path folder_of(const Scenario& scenario) {
+  const std::filesystem::path within = std::filesystem::path(scenario.file).parent_path();
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(within, ignored) ? within.parent_path() : within;
+}
+
 Result<Scenario> recorded_scenario(const Trace& trace) {
   const auto reader = mcap::Reader::open(trace.file());
   if (!reader) return reader.errors();

@@ -1,9 +1,10 @@
 // A controller that does what its options say, as "crash 12": what, and in which call of control(); without a number in
-// initialize(). Knows: refuse, throw, crash, abort, exit, close, overflow, hang, nan, chance, slow (each
+// initialize(). Knows: refuse, throw, crash, abort, exit, close, overflow, print, hang, nan, chance, slow (each
 // call takes 0.2 s); say-and-DEED: writes a line in initialize() and does DEED; and what ends the process past the C
 // library, see past_the_library().
 #include <cmath>
 #include <cnoid/SimpleController>
+#include <cstdio>
 #include <cstdlib>
 #include <random>
 #include <sstream>
@@ -66,6 +67,28 @@ void block_and_spin() {
   spin();
 }
 
+volatile bool deeper = true;
+
+/// Recurses without end; the compiler can neither know that nor turn it into a loop.
+int sink(volatile char* above) {
+  volatile char here[4096];
+  here[0] = above[0];
+  return deeper ? sink(here) + here[0] : 0;
+}
+
+void overflow_stack() {
+  volatile char bottom = 0;
+  sink(&bottom);
+}
+
+/// Follows a null pointer with 4 MB of the stack in use, half of it.
+int crash_deep(int depth, volatile char* above) {
+  volatile char here[4096];
+  here[0] = above[0];
+  if (depth == 0) *static_cast<volatile int*>(nullptr) = 1;
+  return crash_deep(depth - 1, here) + here[0];
+}
+
 void past_the_library(const std::string& deed) {
   if (deed == "exit_group") system_call(SYS_exit_group, 0);
   if (deed == "syscall_exit") syscall(SYS_exit_group, 0);
@@ -79,6 +102,15 @@ void past_the_library(const std::string& deed) {
   if (deed == "term") kill(getpid(), SIGTERM);
   if (deed == "overrun") overrun(200);
   if (deed == "thread_crash") std::thread(null_write).join();
+  if (deed == "thread_overflow") std::thread(overflow_stack).join();
+  if (deed == "crash_deep") {
+    volatile char bottom = 0;
+    crash_deep(1000, &bottom);
+  }
+  if (deed == "own_pipe") {
+    int ends[2];
+    if (pipe(ends) == 0) close(ends[0]), static_cast<void>(!write(ends[1], "x", 1));
+  }
   if (deed == "thread_throw") std::thread([] { throw std::runtime_error("no map"); }).join();
   if (deed == "thread_exit_group") std::thread([] { system_call(SYS_exit_group, 0); }).join();
   if (deed == "detached_crash") std::thread(null_write).detach();
@@ -101,15 +133,6 @@ void past_the_library(const std::string& deed) {
     waitpid(child, &status, 0);
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 7) std::abort();
   }
-}
-
-volatile bool deeper = true;
-
-/// Recurses without end; the compiler can neither know that nor turn it into a loop.
-int sink(volatile char* above) {
-  volatile char here[4096];
-  here[0] = above[0];
-  return deeper ? sink(here) + here[0] : 0;
 }
 
 class Misbehaving : public cnoid::SimpleController {
@@ -146,10 +169,8 @@ class Misbehaving : public cnoid::SimpleController {
       for (int descriptor = 1; descriptor < 1024; ++descriptor) close(descriptor);
     if (deed_ == "nan") joint_->u() = std::nan("");
     if (deed_ == "chance") joint_->u() = 1e-9 * std::random_device()();
-    if (deed_ == "overflow") {
-      volatile char bottom = 0;
-      sink(&bottom);
-    }
+    if (deed_ == "overflow") overflow_stack();
+    if (deed_ == "print") std::printf("%s\n", std::string(10000, 'x').c_str());
     if (deed_ == "hang") spin();
     past_the_library(deed_);
   }
