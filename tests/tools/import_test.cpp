@@ -58,5 +58,57 @@ TEST_F(ImportCommand, WritesNothingForAMistake) {
   EXPECT_FALSE(fs::exists(folder() / "wagon"));
 }
 
+/// The wagon's project with other words in it, beside copies of the files that it names.
+class ImportOfChanged : public ImportCommand {
+ protected:
+  std::string project(const std::string& from, const std::string& to) const {
+    std::string text = read_file(project_);
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    if (at != std::string::npos) text.replace(at, from.size(), to);
+    for (const char* absolute : {"../models/", "${PROJECT_DIR}/"})
+      for (std::size_t found = text.find(absolute); found != std::string::npos; found = text.find(absolute))
+        text.replace(found, std::string(absolute).size(),
+                     (fixtures / (absolute[0] == '.' ? "models" : "projects")).string() + "/");
+    return write("changed.cnoid", text).string();
+  }
+  static inline const std::string floor = "file: \"floor.body\"";
+  static inline const std::string at_fixtures = "file: \"" + (fixtures / "projects/floor.body").string() + "\"";
+};
+
+TEST_F(ImportOfChanged, EndsWithFourIfWhatDecidesTheRunIsLeftOut) {
+  const std::string changed = project(floor, at_fixtures);
+  std::string text = read_file(changed);
+  const std::string known = "class: AISTSimulatorItem";
+  ASSERT_NE(text.find(known), std::string::npos);
+  text.replace(text.find(known), known.size(), "class: PythonScriptItem");
+  std::ofstream(changed) << text;
+  const Outcome outcome = run(command, {"import", changed, "-o", "out"});
+  EXPECT_EQ(outcome.status, 4) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("warning: PythonScriptItem"));
+  EXPECT_TRUE(exists("out/changed.yaml"));
+  const Outcome as_json = run(command, {"import", changed, "-o", "json", "--json"});
+  EXPECT_EQ(as_json.status, 4);
+  EXPECT_EQ(as_json.json()["scenario"], "json/changed.yaml");
+}
+
+TEST_F(ImportOfChanged, WritesNothingIfTheScenarioCantBeLoaded) {
+  write("holed.body",
+        "format: ChoreonoidBody\nformat_version: 2.0\nname: Floor\nlinks:\n  - name: BASE\n    joint_type: fixed\n"
+        "    elements:\n      - {type: Resource, uri: none.stl}\n");
+  const std::string changed = project(floor, "file: \"holed.body\"");
+  const Outcome outcome = run(command, {"import", changed, "-o", "a/b"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_THAT(outcome.err, HasSubstr("changed.cnoid: error: nothing was written: a/b/changed.yaml would have"));
+  EXPECT_THAT(outcome.err, HasSubstr("none.stl"));
+  EXPECT_FALSE(exists("a"));
+  EXPECT_EQ(run(command, {"import", changed, "-o", "a/b", "--json"}).json()["errors"].empty(), false);
+  fs::create_directory(folder() / "mine");
+  EXPECT_EQ(run(command, {"import", changed, "-o", "mine"}).status, 2);
+  EXPECT_TRUE(exists("mine"));
+  EXPECT_TRUE(fs::is_empty(folder() / "mine"));
+}
+
 }  // namespace
 }  // namespace rehearse::test

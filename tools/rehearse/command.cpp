@@ -113,8 +113,9 @@ std::string overview() {
       "--no-pin, or REHEARSE_PIN=off in the environment: mathematics and pictures use the best instructions of "
       "this processor, so that their last bits are not those of other machines. Recordings state this.");
   paragraph(
-      "Exit status: 0 the same, or done; 1 differs; 2 bad usage or bad input, nothing written; 3 a controller failed. "
-      "A signal ends a verb with 128 and its number, as 141 (SIGPIPE) if the reader of its output is gone.");
+      "Exit status: 0 the same, or done; 1 differs; 2 bad usage or bad input, nothing written; 3 a controller failed; "
+      "4 done, with warnings (doctor, import). A signal ends a verb with 128 and its number, as 141 (SIGPIPE) if the "
+      "reader of its output is gone.");
   return text;
 }
 

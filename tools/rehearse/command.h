@@ -20,10 +20,10 @@ namespace rehearse::tool {
 /// The exit status of a program. Other programs depend on the numbers.
 enum class Exit {
   done = 0,               // success; with a comparison: no difference
-  differs = 1,            // two runs differ; import: the written scenario has errors
+  differs = 1,            // two runs differ
   bad_input = 2,          // bad usage or bad input; nothing was written
   controller_failed = 3,  // the controller refused, threw, crashed or hung; the trace is kept up to there
-  odd = 4,                // doctor: nothing is wrong, something is unusual
+  odd = 4,                // doctor, import: warnings, and no errors
   // 128 and the signal's number: the verb was ended by SIGINT, SIGTERM or SIGHUP
 };
 

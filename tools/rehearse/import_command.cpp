@@ -3,10 +3,12 @@
 #include <fmt/ranges.h>
 #include <rehearse/scenario.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <limits>
 #include <map>
 #include <memory>
+#include <ranges>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,21 +31,48 @@ struct ImportSettings {
   bool json = false;
 };
 
-/// Writes the files; those that are there may have been changed by hand.
-Result<void> write_all(const fs::path& folder, const ImportedProject& imported) {
-  std::map<std::string, std::string> files = imported.files;
-  files[imported.name + ".yaml"] = imported.scenario;
-  std::error_code problem;
-  for (const auto& [name, text] : files)
-    if (fs::exists(folder / name, problem))
-      return error_in((folder / name).string(), "it exists, and may have been changed by hand",
-                      "name another folder, or remove it");
-  fs::create_directories(folder, problem);
-  if (problem) return error_in(folder.string(), "the folder can't be made: " + problem.message());
-  for (const auto& [name, text] : files)
-    if (auto done = write_text(folder / name, text); !done) return done;
-  return {};
-}
+/// Files that are written, and their folder. Removed again when this goes out of scope, unless they are kept.
+class WrittenFiles {
+ public:
+  explicit WrittenFiles(fs::path folder) : folder_(std::move(folder)) {}
+  ~WrittenFiles() {
+    std::error_code ignored;
+    for (const fs::path& path : made_ | std::views::reverse) fs::remove(path, ignored);  // a folder only if it is empty
+  }
+  WrittenFiles(const WrittenFiles&) = delete;
+  WrittenFiles& operator=(const WrittenFiles&) = delete;
+
+  /// Files that are there may have been changed by hand: then nothing is written.
+  Result<void> write(const std::map<std::string, std::string>& files) {
+    std::error_code problem;
+    for (const auto& [name, text] : files)
+      if (fs::exists(folder_ / name, problem))
+        return error_in((folder_ / name).string(), "it exists, and may have been changed by hand",
+                        "name another folder, or remove it");
+    if (auto made = make_folder(fs::absolute(folder_, problem).lexically_normal()); !made) return made;
+    for (const auto& [name, text] : files) {
+      made_.push_back(fs::absolute(folder_ / name, problem));
+      if (auto done = write_text(folder_ / name, text); !done) return done;
+    }
+    return {};
+  }
+  void keep() { made_.clear(); }
+
+ private:
+  Result<void> make_folder(const fs::path& folder) {
+    std::error_code problem;
+    if (folder.empty() || fs::is_directory(folder, problem)) return {};
+    if (folder.has_relative_path())
+      if (auto above = make_folder(folder.parent_path()); !above) return above;
+    if (!fs::create_directory(folder, problem) && problem)
+      return error_in(folder_.string(), "the folder can't be made: " + problem.message());
+    if (folder.has_filename()) made_.push_back(folder);
+    return {};
+  }
+
+  fs::path folder_;
+  std::vector<fs::path> made_;  // in order, folders before their content
+};
 
 /// Items of one class with one outcome share a row.
 void print_items(const std::vector<ImportedItem>& items, bool is_taken, const std::string& heading) {
@@ -60,8 +89,7 @@ void print_items(const std::vector<ImportedItem>& items, bool is_taken, const st
   if (rows.size() > 1) print_table(rows);
 }
 
-/// `errors`: the reasons why the scenario doesn't load.
-Json json_of_import(const ImportedProject& imported, const std::string& scenario, const Diagnostics& errors) {
+Json json_of_import(const ImportedProject& imported, const std::string& scenario) {
   Json items = Json::array();
   for (const ImportedItem& item : imported.items)
     items.push_back({{"class", item.type},
@@ -69,7 +97,14 @@ Json json_of_import(const ImportedProject& imported, const std::string& scenario
                      {"line", item.line},
                      {"taken", item.is_taken},
                      {"outcome", item.outcome}});
-  return {{"scenario", scenario}, {"items", items}, {"remarks", json_of(imported.remarks)}, {"errors", json_of(errors)}};
+  return {{"scenario", scenario}, {"items", items}, {"remarks", json_of(imported.remarks)}};
+}
+
+/// A project without mistakes may result in a scenario with mistakes: a missing mesh is one. `file`: was not written.
+Diagnostics why_unusable(const std::string& project, const std::string& file, const Diagnostics& mistakes) {
+  Diagnostics all{error_in(project, fmt::format("nothing was written: {} would have these mistakes", file))};
+  all.insert(all.end(), mistakes.begin(), mistakes.end());
+  return all;
 }
 
 Exit run_import(ImportSettings& settings) {
@@ -77,26 +112,27 @@ Exit run_import(ImportSettings& settings) {
   settings.options.share = settings.share;
   const auto imported = import_project(settings.project, settings.options);
   if (!imported) return refuse(imported.errors());
-  if (const auto written = write_all(settings.folder, *imported); !written) return refuse(written.errors());
   const std::string file = (fs::path(settings.folder) / (imported->name + ".yaml")).string();
-  // A valid project may result in a scenario that has to be completed by hand.
+  std::map<std::string, std::string> files = imported->files;
+  files[imported->name + ".yaml"] = imported->scenario;
+  WrittenFiles written(settings.folder);
+  if (const auto done = written.write(files); !done) return refuse(done.errors());
   const auto scenario = Scenario::load(file);
-  const Diagnostics errors = scenario ? Diagnostics() : scenario.errors();
+  if (!scenario) return refuse(why_unusable(settings.project, file, scenario.errors()));
+  written.keep();
   if (settings.json) {
-    print(json_of_import(*imported, file, errors));
+    print(json_of_import(*imported, file));
   } else {
     print_items(imported->items, true, "taken");
     fmt::print("\n");
     print_items(imported->items, false, "left out");
-    if (scenario)
-      fmt::print("\nwrote {}; run it with: rehearse record {}\n", file, file);
-    else
-      fmt::print("\nwrote {}, which can't be run before its errors are mended\n", file);
+    fmt::print("\nwrote {}; run it with: rehearse record {}\n", file, file);
   }
   std::fflush(stdout);  // before related output on stderr
   fmt::print(stderr, "{}", to_string(imported->remarks));
-  fmt::print(stderr, "{}", to_string(errors));
-  return scenario ? Exit::done : Exit::differs;
+  const bool is_odd = std::ranges::any_of(
+      imported->remarks, [](const Diagnostic& remark) { return remark.severity == Severity::warning; });
+  return is_odd ? Exit::odd : Exit::done;
 }
 
 std::function<Exit()> declare_import(CLI::App& options) {
@@ -121,13 +157,16 @@ std::function<Exit()> declare_import(CLI::App& options) {
 
 }  // namespace
 
-const Verb import_verb{"import",
-                       "  rehearse import choreonoid/sample/SimpleController/SR1Walk.cnoid -o walk\n"
-                       "  rehearse record walk/SR1Walk.yaml --controller SR1WalkController=build/SR1WalkPattern.so\n"
-                       "\n"
-                       "Bodies, poses, controllers, settings of the simulator and materials are taken. Models and "
-                       "controllers stay where they are.\n"
-                       "Exit status 1: the scenario is written, but can't be run before its errors are mended.\n",
-                       declare_import};
+const Verb import_verb{
+    "import",
+    "  rehearse import choreonoid/sample/SimpleController/SR1Walk.cnoid -o walk\n"
+    "  rehearse record walk/SR1Walk.yaml --controller SR1WalkController=build/SR1WalkPattern.so\n"
+    "\n"
+    "Bodies, poses, controllers, settings of the simulator and materials are taken. Models and "
+    "controllers stay where they are.\n"
+    "\n"
+    "Exit status: 0 the scenario is written; 4 it is written, and a warning says what of the run is\n"
+    "left out or replaced; 2 the project or its scenario has mistakes, and nothing is written.\n",
+    declare_import};
 
 }  // namespace rehearse::tool

@@ -6,7 +6,7 @@
 //
 //   topic                     type                series
 //   /SR1/joints               JointState          SR1/RLEG_KNEE/q, .../dq, .../u
-//   /SR1/accelerations        JointAccelerations  SR1/RLEG_KNEE/ddq
+//   /SR1/Walker/input/joint_accelerations  JointAccelerations  SR1/Walker/input/RLEG_KNEE/ddq
 //   /SR1/WAIST/pose           PoseStamped         SR1/WAIST/position/x, .../orientation/w
 //   /SR1/WAIST/twist          TwistStamped        SR1/WAIST/linear/x, .../angular/x
 //   /SR1/WAIST/accel          AccelStamped        SR1/WAIST/linear_acceleration/x, .../angular_acceleration/x
