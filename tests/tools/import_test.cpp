@@ -92,6 +92,22 @@ TEST_F(ImportOfChanged, EndsWithFourIfWhatDecidesTheRunIsLeftOut) {
   EXPECT_EQ(as_json.json()["scenario"], "json/changed.yaml");
 }
 
+TEST_F(ImportOfChanged, TakesTheOptionsOfAModel) {
+  fs::create_directories(folder() / "parts");
+  fs::copy_file(fixtures / "models/mesh_arm/meshes/bracket.glb", folder() / "parts/bracket.glb");
+  write("loose.body",
+        "format: ChoreonoidBody\nformat_version: 2.0\nname: Floor\nlinks:\n  - name: BASE\n    joint_type: fixed\n"
+        "  - name: ARM\n    parent: BASE\n    joint_type: revolute\n    joint_id: 0\n    joint_axis: [0, 1, 0]\n"
+        "    elements:\n      - {type: Resource, uri: \"package://bits/bracket.glb\"}\n");
+  const std::string changed = project(floor, "file: \"loose.body\"");
+  EXPECT_EQ(run(command, {"import", changed, "-o", "out"}).status, 2);
+  const Outcome outcome =
+      run(command, {"import", changed, "-o", "out", "--package", "bits=parts", "--default-mass", "2"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(read_file(folder() / "out/changed.yaml"),
+              HasSubstr("    packages: {bits: ../parts}\n    default_mass: 2\n"));
+}
+
 TEST_F(ImportOfChanged, WritesNothingIfTheScenarioCantBeLoaded) {
   write("holed.body",
         "format: ChoreonoidBody\nformat_version: 2.0\nname: Floor\nlinks:\n  - name: BASE\n    joint_type: fixed\n"
@@ -103,6 +119,10 @@ TEST_F(ImportOfChanged, WritesNothingIfTheScenarioCantBeLoaded) {
   EXPECT_THAT(outcome.err, HasSubstr("changed.cnoid: error: nothing was written: a/b/changed.yaml would have"));
   EXPECT_THAT(outcome.err, HasSubstr("none.stl"));
   EXPECT_FALSE(exists("a"));
+  const Outcome allowed = run(command, {"import", changed, "-o", "allowed", "--allow-missing-meshes"});
+  EXPECT_EQ(allowed.status, 4) << allowed.err;
+  EXPECT_THAT(allowed.err, HasSubstr("none.stl"));
+  EXPECT_THAT(read_file(folder() / "allowed/changed.yaml"), HasSubstr("    allow_missing_meshes: true\n"));
   EXPECT_EQ(run(command, {"import", changed, "-o", "a/b", "--json"}).json()["errors"].empty(), false);
   fs::create_directory(folder() / "mine");
   EXPECT_EQ(run(command, {"import", changed, "-o", "mine"}).status, 2);

@@ -110,7 +110,7 @@ Diagnostics why_unusable(const std::string& project, const std::string& file, co
 Exit run_import(ImportSettings& settings) {
   settings.options.folder = settings.folder;
   settings.options.share = settings.share;
-  const auto imported = import_project(settings.project, settings.options);
+  auto imported = import_project(settings.project, settings.options);
   if (!imported) return refuse(imported.errors());
   const std::string file = (fs::path(settings.folder) / (imported->name + ".yaml")).string();
   std::map<std::string, std::string> files = imported->files;
@@ -120,6 +120,8 @@ Exit run_import(ImportSettings& settings) {
   const auto scenario = Scenario::load(file);
   if (!scenario) return refuse(why_unusable(settings.project, file, scenario.errors()));
   written.keep();
+  if (settings.options.model.allow_missing_meshes)  // which ones are missing
+    imported->remarks.insert(imported->remarks.end(), scenario->warnings.begin(), scenario->warnings.end());
   if (settings.json) {
     print(json_of_import(*imported, file));
   } else {
@@ -151,6 +153,7 @@ std::function<Exit()> declare_import(CLI::App& options) {
       .add_option("--share", settings->share,
                   "the folder for ${SHARE} (the share folder of the checkout or installation around the project)")
       ->type_name("DIR");
+  add_model_options(options, settings->options.model);
   add_json_flag(options, settings->json);
   return [settings] { return run_import(*settings); };
 }

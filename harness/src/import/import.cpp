@@ -1,6 +1,7 @@
 #include "import.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -118,6 +119,16 @@ void ProjectReader::leave_out_the_rest() {
   }
 }
 
+void ProjectReader::keep_model_options() {
+  const UrdfOptions& model = options_.model;
+  std::vector<std::string> packages;
+  for (const auto& [name, directory] : model.packages)
+    packages.push_back(fmt::format("{}: {}", yaml_text(name), yaml_text(seen_from_folder(directory))));
+  if (!packages.empty()) settings_.model_options.push_back(fmt::format("packages: {{{}}}", fmt::join(packages, ", ")));
+  if (model.allow_missing_meshes) settings_.model_options.emplace_back("allow_missing_meshes: true");
+  if (model.default_mass) settings_.model_options.push_back(fmt::format("default_mass: {}", *model.default_mass));
+}
+
 Result<ImportedProject> ProjectReader::read() {
   const std::vector<const ProjectItem*> items = file_.all();
   choose_simulator();
@@ -133,6 +144,7 @@ Result<ImportedProject> ProjectReader::read() {
   world_ = *world;
   taken(*world_, "the scenario");
   read_settings();
+  keep_model_options();
   read_materials();
   read_bodies();
   if (bodies_.empty() && !document().findings().has_error())

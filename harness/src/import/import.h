@@ -7,6 +7,7 @@
 #pragma once
 
 #include <rehearse/diagnostic.h>
+#include <rehearse/urdf.h>
 
 #include <filesystem>
 #include <map>
@@ -21,6 +22,7 @@ struct ImportOptions {
   std::string simulator;           // name of the simulator item; empty: the first of ODE, else the first
   std::optional<double> duration;  // [s], instead of the project's
   std::filesystem::path share;     // value of ${SHARE}; empty: searched for above the project
+  UrdfOptions model;               // of all models: packages, missing meshes and a default mass are used
 };
 
 /// An item of the project.

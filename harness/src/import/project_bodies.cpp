@@ -99,7 +99,7 @@ void ProjectReader::read_model(Mapping& keys, ProjectBody& body) {
     return document().error(*node, fmt::format("there is no model file {}", in_quotes(node->text, 200)),
                             fmt::format("looked for {}", file->lexically_normal().string()));
   body.model_file = seen_from_folder(*file);
-  UrdfOptions options;
+  UrdfOptions options = options_.model;
   options.meshes = UrdfOptions::Meshes::skip;
   Result<Model> model = error("");
   if (is_model_file(*file)) {

@@ -61,6 +61,7 @@ struct ProjectSettings {
   std::string why_so_long;                 // reason of the duration, for a comment
   bool ends_when_done = false;
   std::string options;
+  std::vector<std::string> model_options;                   // keys of each body, as they are written
   std::vector<std::pair<std::string, std::string>> solver;  // keys of a scenario's solver, as they are written
   std::optional<Eigen::Vector3d> gravity;                   // [m/s²]; nullopt: the usual one
   double friction = 1.0;                                    // of the simulator item: friction of belts
@@ -107,6 +108,7 @@ class ProjectReader {
   std::string unique_name(const std::string& wanted, std::set<std::string>& names) const;
   void taken(const ProjectItem& item, std::string outcome) { outcomes_[&item] = {true, std::move(outcome)}; }
   void left_out(const ProjectItem& item, std::string why) { outcomes_[&item] = {false, std::move(why)}; }
+  void keep_model_options();
   void leave_out_the_rest();
   body::Document& document() { return file_.document; }
 

@@ -123,6 +123,7 @@ void ScenarioDraft::write_body(const ProjectBody& body) {
   line("");
   line(fmt::format("  - name: {}", yaml_text(body.name)));
   line(fmt::format("    model: {}", yaml_text(body.model_file)));
+  for (const std::string& option : settings_.model_options) line("    " + option);
   if (body.fixed && !body.is_fixed_by_model) line("    fixed: true");
   if (settings_.is_kinematic) line("    dynamics: kinematic");
   const Eigen::Isometry3d& usual = body.model.links.front().joint.origin;
