@@ -44,7 +44,7 @@ struct CheckOutcome {
   bool equal = false, within = false, proved = false;
   LevelState controller = LevelState::skipped, plant = LevelState::skipped, closed = LevelState::skipped;
   std::string details;                              // lines
-  std::string report;                               // an HTML file; empty: there is none
+  std::string report = {};                          // an HTML file; empty: there is none
   std::optional<std::int64_t> tick = std::nullopt;  // where the report begins
   int line = 1;                                     // of the first violated expectation, else 1
   double seconds = 0.0;                             // wall time [s]

@@ -80,6 +80,9 @@ struct ReplayedWords {
 struct ReplayReport : Differences {
   std::int64_t ticks = 0;             // number of replayed ticks
   std::int64_t ticks_different = 0;   // number of ticks with a different command
+  /// Inputs that only the recorded controllers read ("- Rig/Gyro"), or only these ("+ Rig/Gyro"). Then the inputs can't
+  /// be compared as a whole, and commands alone are.
+  std::vector<std::string> other_inputs;
   std::optional<Diagnostic> failure;  // a controller threw, crashed or hung; the replay ended there
   ReplayedWords words;                // the outputs beside commands
   bool controller_refused = false;    // a controller that isn't optional refused to take part; the replay ended

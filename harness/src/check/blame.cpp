@@ -13,6 +13,7 @@
 #include "compare/compare_parts.h"
 #include "model/clock.h"
 #include "replay/plant_level.h"
+#include "scenario/structure_change.h"
 #include "scenario/trace_scenario.h"
 #include "trace/hashing.h"
 
@@ -78,15 +79,36 @@ std::string files_text(const ReplayReport& replayed) {
   return replayed.changed_files.empty() ? "" : fmt::format("; {}", fmt::join(replayed.changed_files, "; "));
 }
 
-/// The verdict for a controller whose library is the recorded one, but whose commands differ.
-Blame same_controller(const Suspects& with, const Divergence& first, const ReplayReport& replayed) {
+/// True if the closed loop has the golden's commands.
+bool repeats_in_the_loop(const CheckReport& evidence) {
+  if (!evidence.comparison || !evidence.run || evidence.run->ending()) return false;
+  return std::ranges::none_of(evidence.comparison->channels, [](const ChannelComparison& channel) {
+    return channel.first_bit && ChannelName::parse(channel.channel).side == ChannelSide::output;
+  });
+}
+
+/// The verdict for a controller that doesn't repeat its own commands: then its library may be new, but isn't to blame
+/// for the difference. None: nothing shows that.
+std::optional<Blame> unsteady_controller(const Suspects& with, const Divergence& first, const CheckReport& evidence) {
   const auto unrepeated = first_unrepeated_tick(with.golden.file(), with.host);
   if (unrepeated && *unrepeated)
-    return {fmt::format("the controller is no function of its inputs: it is the recorded one, but two replays of the "
-                        "golden differ from each other at tick {}; fed with the golden's inputs, it differs at {}; it "
-                        "depends on uninitialised memory, the clock or chance; `rehearse audit` finds the cause",
-                        **unrepeated, to_string(first)),
-            first};
+    return Blame{fmt::format("the controller is no function of its inputs: {}two replays of the golden differ from "
+                             "each other at tick {}; fed with the golden's inputs, it differs at {}; it depends on "
+                             "uninitialised memory, the clock, earlier runs or chance; `rehearse audit` finds the "
+                             "cause",
+                             evidence.replay->same_controllers ? "it is the recorded one, but " : "",
+                             **unrepeated, to_string(first)),
+                 first};
+  if (!repeats_in_the_loop(evidence)) return std::nullopt;
+  return Blame{fmt::format("an earlier run left data behind, or the controller is no function of its inputs: in the "
+                           "closed loop it gave the golden's commands, but fed with the golden's inputs later in the "
+                           "same process, it differs at {}; `rehearse audit` finds the cause",
+                           to_string(first)),
+               first};
+}
+
+/// The verdict for a controller whose library is the recorded one, but whose commands differ.
+Blame same_controller(const Divergence& first, const ReplayReport& replayed) {
   const std::string files = files_text(replayed);
   return {
       fmt::format(
@@ -108,7 +130,8 @@ Blame blame_controller(const Suspects& with, const CheckReport& evidence) {
   const Divergence& first = evidence.replay->beyond ? *evidence.replay->beyond : *evidence.replay->first;
   if (first.stage == Stage::inputs)
     return {"the golden differs from the run that was recorded: at " + to_string(first), first};
-  if (evidence.replay->same_controllers) return same_controller(with, first, *evidence.replay);
+  if (auto unsteady = unsteady_controller(with, first, evidence)) return *std::move(unsteady);
+  if (evidence.replay->same_controllers) return same_controller(first, *evidence.replay);
   return {"the controller changed: fed with the golden's inputs, it differs at " + to_string(first) +
               files_text(*evidence.replay),
           first};
@@ -256,7 +279,9 @@ std::string nothing_differs(const CheckReport& report) {
 
 }  // namespace
 
-Blame find_guilty(const Suspects& suspects, const CheckReport& report) {
+namespace {
+
+Blame guilty_part(const Suspects& suspects, const CheckReport& report) {
   const CheckReport evidence = with_all_levels(suspects, report);
   const bool controller_differs = evidence.controller == LevelState::differs;
   const bool plant_differs = evidence.plant == LevelState::differs;
@@ -272,6 +297,20 @@ Blame find_guilty(const Suspects& suspects, const CheckReport& report) {
   if (report.comparison) bit = report.comparison->first_bit;
   if (!bit && report.plant_comparison) bit = report.plant_comparison->first_bit;
   return {nothing_differs(report), bit};
+}
+
+}  // namespace
+
+/// Parts of a scenario with other bodies or controllers can't be compared alone, so its change comes first.
+Blame find_guilty(const Suspects& suspects, const CheckReport& report) {
+  Blame found = guilty_part(suspects, report);
+  const mcap::Attachment* recorded = suspects.golden.find_attachment("scenario.yaml");
+  if (!recorded || report.within()) return found;
+  const std::string change = structure_change(std::string(recorded->text()), suspects.scenario.text);
+  if (change.empty()) return found;
+  found.sentence = fmt::format("the scenario changed: {}", change);
+  if (report.comparison) found.sentence += "; the run " + verdict(*report.comparison);
+  return found;
 }
 
 }  // namespace rehearse

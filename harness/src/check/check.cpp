@@ -124,7 +124,8 @@ Result<void> Check::check_proved() {
 
 /// Stores a certificate if every bit of the golden was compared and is equal.
 Result<void> Check::certify(const Proof& proof) {
-  if (report.closed != LevelState::equal || report.run->ending()) return {};
+  const bool is_equal = report.closed == LevelState::equal && report.controller != LevelState::differs;
+  if (!is_equal || report.run->ending()) return {};
   if (report.horizon) {  // only the time before the horizon was compared
     const auto compared = compare(golden.file(), actual, scenario.tolerances, {});
     if (!compared) return compared.errors();
@@ -271,6 +272,9 @@ void Check::blame() {
                                   report);
   report.verdict = found.sentence;
   report.first = found.place;
+  if (report.replay && !report.replay->other_inputs.empty())
+    report.verdict = fmt::format("the controller reads other inputs: {}; {}",
+                                 fmt::join(report.replay->other_inputs, ", "), report.verdict);
   if (report.first || !report.comparison) return;
   report.first = report.comparison->first;  // a part that couldn't be compared alone has no place
   if (report.first && !report.controller_problem.empty()) report.first->stage = Stage::controller;

@@ -129,6 +129,12 @@ class LoneChannels {
         lone_.erase(lone_.begin());
         continue;
       }
+      if (is_input_alone(channel.topic)) {
+        remarks.push_back(fmt::format("{} is {}: the controller reads other inputs", channel.topic,
+                                      missing_ ? "missing" : "not in the golden"));
+        lone_.erase(lone_.begin());
+        continue;
+      }
       const Group group = group_of(channel.topic);
       ChannelComparison& result = add(channel.topic);
       result.channels = static_cast<int>(take(group.prefix));
@@ -150,6 +156,13 @@ class LoneChannels {
   bool is_older_than_contacts() const {
     const RunFacts other = RunFacts::of(other_);
     return other.provenance && other.trace_revision < revision_of_contacts;
+  }
+
+  /// True for an input of a controller that both runs have. A controller may read more or less and command the same;
+  /// the hashes of all inputs differ then.
+  bool is_input_alone(const std::string& topic) const {
+    const ChannelName name = ChannelName::parse(topic);
+    return name.side == ChannelSide::input && !lacks("/" + name.body + "/" + name.controller + "/");
   }
 
   /// True if no topic of the other trace has this beginning.

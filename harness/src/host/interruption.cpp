@@ -17,6 +17,12 @@ namespace {
 volatile sig_atomic_t came = 0;
 volatile time_t came_at = 0;  // time of the signal [s]
 
+/// Whether the process that started this program ignores SIGPIPE, as services do: controllers expect that of their writes.
+const bool ignored_broken_pipes = [] {
+  struct sigaction at_start {};
+  return sigaction(SIGPIPE, nullptr, &at_start) == 0 && at_start.sa_handler == SIG_IGN;
+}();
+
 time_t seconds_now() {
   timespec now{};
   clock_gettime(CLOCK_MONOTONIC, &now);
@@ -31,6 +37,7 @@ void end_by(int number) {
 /// A controller that prints in a run gets this signal: the run ends at the next tick, with a closed trace. Everywhere
 /// else it ends the process, as it does programs that don't handle it.
 extern "C" void take_broken_pipe(int number) {
+  if (ignored_broken_pipes && in_guarded_call() && !is_reader_gone()) return;
   if (!in_guarded_call() || !is_reader_gone()) return end_by(number);
   if (came == 0) came = number;
 }

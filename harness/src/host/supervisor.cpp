@@ -150,9 +150,9 @@ bool Parent::was_interrupted() const {
          sigismember(&received_, number) == 1;
 }
 
-/// True if the child wrote to a pipe that nobody reads. In a call it may be a pipe of the controller's own.
+/// True if nobody reads the output of the child any more. Otherwise a controller or its thread wrote to a pipe of its own.
 bool Parent::lost_its_reader() const {
-  return WIFSIGNALED(ended_) && WTERMSIG(ended_) == SIGPIPE && (notes->calls % 2 == 0 || is_reader_gone());
+  return WIFSIGNALED(ended_) && WTERMSIG(ended_) == SIGPIPE && (notes->calls == 0 || is_reader_gone());
 }
 
 /// Ends in the same way as the child.

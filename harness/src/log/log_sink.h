@@ -43,7 +43,7 @@ class LogSink final : public RecordingSink {
     std::int64_t tick = 0;
     bool is_irregular = false;  // its command may depend on a message that is late or missing
     std::int64_t compared = 0;  // numbers
-    std::vector<Divergence> differences;
+    std::vector<Divergence> differences = {};
   };
   void compare(const Moment& now);
   Judged compare_tick(const Moment& now);

@@ -75,6 +75,7 @@ Result<ReplayReport> replay_into(mcap::Reader& recording, const Scenario& scenar
   if (auto read = altered.check_read_by(host); !read) return read.errors();
   if (options.until) source.end_before(static_cast<std::uint64_t>(std::llround(std::max(0.0, *options.until) * 1e9)));
 
+  report.other_inputs = other_inputs(recording, scenario, host);
   ReplayComparison comparison(options, scenario, recording, host, source, std::move(scales), report);
   HostedCommands commands(host, HostedCommands::Written::never);
   Run run(scenario.time_step, source, commands, comparison, 0, Run::no_end);
@@ -92,7 +93,7 @@ Result<ReplayReport> replay_into(mcap::Reader& recording, const Scenario& scenar
   append_as_warnings(altered.unused(), report.remarks);
   report.failure = host.failure();
   report.controller_refused = host.any_refused();
-  report.repeats_the_run = same_channels && comparison.repeats_all() && report.equal() && report.words.different == 0 &&
+  report.repeats_the_run = same_channels && report.other_inputs.empty() && comparison.repeats_all() && report.equal() && report.words.different == 0 &&
                            !report.controller_refused && (source.last_state() || host.controllers().empty()) &&
                            options.from == 0.0 && !source.alters();
   report.other_controllers = other_controllers(recording, host);

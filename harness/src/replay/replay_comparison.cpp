@@ -95,7 +95,8 @@ void ReplayComparison::compare(const Moment& now, const std::vector<std::uint64_
 /// other hashes from the first tick on: then a comparison of them has no meaning. Else a different hash in a later tick
 /// means that the recorded inputs differ from the inputs of the run.
 void ReplayComparison::compare_inputs(const Moment& now) {
-  if (reads_the_same_ && !*reads_the_same_) return;
+  if (!report_.other_inputs.empty()) reads_the_same_ = false;
+  if (reads_the_same_ && !*reads_the_same_ && report_.first_other_hash) return;
   const bool same = host_.input_hash(*now.read) == source_.recorded().input_hash;
   if (!same && !report_.first_other_hash) report_.first_other_hash = now.tick;
   if (!reads_the_same_) reads_the_same_ = same;

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <set>
+#include <string_view>
+
 #include "host/opened_files.h"
 #include "host/virtualised.h"
 #include "recording/provenance.h"
@@ -50,6 +53,42 @@ std::vector<std::string> other_controllers(const mcap::Reader& recording, const 
   std::vector<std::string> others;
   for (const HostedController& hosted : host.controllers())
     if (!recorded.had_library(hosted.label, hosted.library->content_hash())) others.push_back(hosted.label);
+  return others;
+}
+
+namespace {
+
+/// A channel of inputs, and each joint and device that it has, as "/Rig/C/input/pose" or "Rig/Gyro".
+void add_inputs(const std::string& topic, const mcap::StringMap& metadata, std::set<std::string>& inputs) {
+  const ChannelName name = ChannelName::parse(topic);
+  if (name.side != ChannelSide::input) return;
+  constexpr std::string_view unit = "unit:";
+  if (name.kind != ChannelKind::joints && name.kind != ChannelKind::joint_accelerations) inputs.insert(topic);
+  if (name.kind == ChannelKind::joint_accelerations || name.kind == ChannelKind::joints)
+    for (const auto& [key, value] : metadata)
+      if (key.starts_with(unit))
+        inputs.insert(fmt::format("{} of {}", key.substr(unit.size(), key.rfind('/') - unit.size()), name.label()));
+}
+
+}  // namespace
+
+std::vector<std::string> other_inputs(const mcap::Reader& recording, const Scenario& scenario,
+                                      const ControllerHost& host) {
+  std::set<std::string> recorded, here;
+  for (const auto& [topic, metadata] : Recorder::channels_of(scenario, host)) add_inputs(topic, metadata, here);
+  for (const auto& [id, channel] : recording.channels()) add_inputs(channel.topic, channel.metadata, recorded);
+  if (const auto devices = RunFacts::of(recording).devices_read) {
+    for (const auto& [device, controllers] : *devices) recorded.insert(device);
+    for (const HostedController& hosted : host.controllers()) {
+      const ScenarioBody& body = scenario.bodies[hosted.body];
+      for (const int device : hosted.io->input_devices()) here.insert(body.name + "/" + body.model->devices[device].name);
+    }
+  }
+  std::vector<std::string> others;
+  for (const std::string& input : recorded)
+    if (!here.contains(input)) others.push_back("- " + input);
+  for (const std::string& input : here)
+    if (!recorded.contains(input)) others.push_back("+ " + input);
   return others;
 }
 

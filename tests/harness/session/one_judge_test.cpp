@@ -27,7 +27,7 @@ struct Change {
   double effort = 0.0;       // is added to the effort [N·m]
   double scaled = 1.0;       // factor of all four numbers of the orientation
   double turned = 0.0;       // angle by which the orientation is turned about z [rad]
-  mcap::StringMap metadata;  // of all channels
+  mcap::StringMap metadata = {};  // of all channels
 };
 
 struct Row {

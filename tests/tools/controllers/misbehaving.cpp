@@ -85,7 +85,7 @@ void overflow_stack() {
 int crash_deep(int depth, volatile char* above) {
   volatile char here[4096];
   here[0] = above[0];
-  if (depth == 0) *static_cast<volatile int*>(nullptr) = 1;
+  if (depth == 0) return *static_cast<volatile int*>(nullptr);
   return crash_deep(depth - 1, here) + here[0];
 }
 

@@ -1,0 +1,91 @@
+#include "structure_change.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "scenario_values.h"
+#include "yaml/yaml_tree.h"
+
+namespace rehearse {
+namespace {
+
+/// A body or a controller in the text.
+struct Named {
+  std::string name;
+  const YamlNode* node;  // the map of its keys
+  int line;              // of its name
+};
+
+std::vector<Named> named_items(const YamlNode& of, const char* key) {
+  std::vector<Named> items;
+  const YamlNode* list = find_key(of, key);
+  if (!list || list->kind != YamlNode::Kind::list) return items;
+  for (const YamlNodePtr& item : list->items)
+    if (const YamlNode* name = item->kind == YamlNode::Kind::map ? find_key(*item, "name") : nullptr)
+      items.push_back({name->text, item.get(), name->line});
+  return items;
+}
+
+const Named* find(const std::vector<Named>& items, const std::string& name) {
+  const auto found = std::ranges::find(items, name, &Named::name);
+  return found == items.end() ? nullptr : &*found;
+}
+
+/// The first item that only one of the lists has. An item that has taken the place of another one is renamed.
+std::string change_of_names(const std::vector<Named>& before, const std::vector<Named>& now, const std::string& what) {
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    if (find(before, now[i].name)) continue;
+    const bool renamed = before.size() == now.size() && !find(now, before[i].name);
+    return renamed ? fmt::format("line {}: {} '{}' was named '{}'", now[i].line, what, now[i].name, before[i].name)
+                   : fmt::format("line {}: {} '{}' is new", now[i].line, what, now[i].name);
+  }
+  for (const Named& item : before)
+    if (!find(now, item.name)) return fmt::format("{} '{}' is gone", what, item.name);
+  return "";
+}
+
+/// The change of a flag of a controller.
+std::string change_of_flag(const Named& before, const Named& now, const char* key, const char* usual,
+                           const std::string& label) {
+  const YamlNode *then = find_key(*before.node, key), *here = find_key(*now.node, key);
+  const std::string was = then ? then->text : usual, is = here ? here->text : usual;
+  if (was == is) return "";
+  return fmt::format("line {}: {} of controller '{}' is {}, and was {}", here ? here->line : now.line, key, label, is,
+                     was);
+}
+
+std::string change_of_controllers(const YamlNode& before, const YamlNode& now, const char* key,
+                                  const std::string& body) {
+  const std::vector<Named> then = named_items(before, key), here = named_items(now, key);
+  if (std::string change = change_of_names(then, here, fmt::format("controller of body '{}':", body)); !change.empty())
+    return change;
+  for (const Named& controller : here) {
+    const Named& earlier = *find(then, controller.name);
+    const std::string label = body + "/" + controller.name;
+    for (const auto& [flag, usual] : {std::pair("delay", "true"), std::pair("optional", "false")})
+      if (std::string change = change_of_flag(earlier, controller, flag, usual, label); !change.empty()) return change;
+    if (std::string change = change_of_controllers(*earlier.node, *controller.node, "children", body); !change.empty())
+      return change;
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string structure_change(const std::string& before, const std::string& now) {
+  const Result<YamlNodePtr> then = parse_yaml(before, ""), here = parse_yaml(now, "");
+  if (!then || !here) return "";
+  const std::vector<Named> bodies_then = named_items(**then, "bodies"), bodies = named_items(**here, "bodies");
+  if (std::string change = change_of_names(bodies_then, bodies, "body"); !change.empty()) return change;
+  for (const Named& body : bodies) {
+    std::string change =
+        change_of_controllers(*find(bodies_then, body.name)->node, *body.node, "controllers", body.name);
+    if (!change.empty()) return change;
+  }
+  return "";
+}
+
+}  // namespace rehearse
