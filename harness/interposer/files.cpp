@@ -156,21 +156,21 @@ REHEARSE_LOCATED(DIR*, opendir, (const char* path), (path), AT_FDCWD, Use::list)
 using Entry = dirent;
 using Entry64 = dirent64;
 REHEARSE_LOCATED(int, scandir,
-               (const char* path, Entry*** list, int (*choose)(const Entry*),
-                int (*order)(const Entry**, const Entry**)),
-               (path, list, choose, order), AT_FDCWD, Use::list)
+                 (const char* path, Entry*** list, int (*choose)(const Entry*),
+                  int (*order)(const Entry**, const Entry**)),
+                 (path, list, choose, order), AT_FDCWD, Use::list)
 REHEARSE_LOCATED(int, scandir64,
-               (const char* path, Entry64*** list, int (*choose)(const Entry64*),
-                int (*order)(const Entry64**, const Entry64**)),
-               (path, list, choose, order), AT_FDCWD, Use::list)
+                 (const char* path, Entry64*** list, int (*choose)(const Entry64*),
+                  int (*order)(const Entry64**, const Entry64**)),
+                 (path, list, choose, order), AT_FDCWD, Use::list)
 using VisitFile = int (*)(const char*, const void*, int);
 REHEARSE_LOCATED(int, ftw, (const char* path, VisitFile visit, int depth), (path, visit, depth), AT_FDCWD, Use::list)
 REHEARSE_LOCATED(int, ftw64, (const char* path, VisitFile visit, int depth), (path, visit, depth), AT_FDCWD, Use::list)
 using VisitPlace = int (*)(const char*, const void*, int, void*);
-REHEARSE_LOCATED(int, nftw, (const char* path, VisitPlace visit, int depth, int flags),
-               (path, visit, depth, flags), AT_FDCWD, Use::list)
-REHEARSE_LOCATED(int, nftw64, (const char* path, VisitPlace visit, int depth, int flags),
-               (path, visit, depth, flags), AT_FDCWD, Use::list)
+REHEARSE_LOCATED(int, nftw, (const char* path, VisitPlace visit, int depth, int flags), (path, visit, depth, flags),
+                 AT_FDCWD, Use::list)
+REHEARSE_LOCATED(int, nftw64, (const char* path, VisitPlace visit, int depth, int flags), (path, visit, depth, flags),
+                 AT_FDCWD, Use::list)
 REHEARSE_LOCATED(int, stat, (const char* path, struct stat* status), (path, status), AT_FDCWD, Use::look)
 REHEARSE_LOCATED(int, stat64, (const char* path, struct stat64* status), (path, status), AT_FDCWD, Use::look)
 REHEARSE_LOCATED(int, lstat, (const char* path, struct stat* status), (path, status), AT_FDCWD, Use::look)

@@ -116,9 +116,10 @@ TEST_F(RunsBesideEachOther, OneOfFourAcceptsDecidesAndTheOthersSayThatItIsDecide
       accepted += outcome.status == 0 ? 1 : 0;
       if (outcome.status == 0) continue;
       EXPECT_EQ(outcome.status, 2);
-      EXPECT_THAT(outcome.err, ::testing::AnyOf(HasSubstr("error: another process has accepted or rejected the run that "
-                                                          "waited as 'Box.Falls'"),
-                                                HasSubstr("error: nothing waits to be accepted as 'Box.Falls'")));
+      EXPECT_THAT(outcome.err,
+                  ::testing::AnyOf(HasSubstr("error: another process has accepted or rejected the run that "
+                                             "waited as 'Box.Falls'"),
+                                   HasSubstr("error: nothing waits to be accepted as 'Box.Falls'")));
     }
     EXPECT_EQ(accepted, 1);
     EXPECT_EQ(rehearse({"check", "box.yaml"}).status, 0);
@@ -126,8 +127,8 @@ TEST_F(RunsBesideEachOther, OneOfFourAcceptsDecidesAndTheOthersSayThatItIsDecide
 }
 
 TEST_F(RunsBesideEachOther, AnAcceptanceRemovesTheDraftsOfAKilledOneAndNothingElse) {
-  for (const char* file : {"golden/Box.Falls.mcap.new", "golden/Box.Falls.mcap.new.samples", "golden/Other.Test.txt.new",
-                           "golden/notes.new"})
+  for (const char* file : {"golden/Box.Falls.mcap.new", "golden/Box.Falls.mcap.new.samples",
+                           "golden/Other.Test.txt.new", "golden/notes.new"})
     write(file, "half of it");
   scene(0.7);
   EXPECT_EQ(rehearse({"check", "box.yaml"}).status, 1);

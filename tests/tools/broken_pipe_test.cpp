@@ -48,9 +48,8 @@ TEST_F(BrokenPipe, EndsVerbsThatRunControllers) {
   expect_silence({"check", "pendulum.yaml", "--golden", "run.mcap", "--simulate"});
   expect_silence({"replay", "run.mcap"});
   expect_silence({"audit", "run.mcap"});
-  write("varied.yaml",
-        read_file(pendulum(MISBEHAVING, "none")) +
-            "vary:\n  deed: {path: bodies.Pendulum.controllers.Swing.options, grid: [none, nan]}\n");
+  write("varied.yaml", read_file(pendulum(MISBEHAVING, "none")) +
+                           "vary:\n  deed: {path: bodies.Pendulum.controllers.Swing.options, grid: [none, nan]}\n");
   expect_silence({"sweep", "varied.yaml", "-j", "1", "-o", "swept"});
 }
 
@@ -75,9 +74,9 @@ TEST_F(BrokenPipe, HidesNoControllerThatCrashes) {
 }
 
 TEST_F(BrokenPipe, EndsAVerbThatWasStartedWithSigpipeIgnored) {
-  const Outcome outcome = run("bash",
-                              {"-c", "trap '' PIPE; { sleep 0.2; " + quoted(command.string()) +
-                                         " cat run.mcap; echo $? > ended_in; } | true; read s < ended_in; exit $s"});
+  const Outcome outcome =
+      run("bash", {"-c", "trap '' PIPE; { sleep 0.2; " + quoted(command.string()) +
+                             " cat run.mcap; echo $? > ended_in; } | true; read s < ended_in; exit $s"});
   EXPECT_EQ(outcome.status, ended_by_pipe);
   EXPECT_EQ(outcome.err, "");
 }

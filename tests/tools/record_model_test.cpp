@@ -21,7 +21,8 @@ TEST_F(RecordModel, StandsOnAFloorFromTheFirstTickOn) {
 
 TEST_F(RecordModel, TheSavedScenarioSaysTheSame) {
   const std::string pendulum = (fixtures / "models/pendulum.urdf").string();
-  const std::vector<std::string> words = {"record", "--model", pendulum, "--controller", MISBEHAVING, "--duration", "0.02"};
+  const std::vector<std::string> words = {"record",    "--model",    pendulum, "--controller",
+                                          MISBEHAVING, "--duration", "0.02"};
   auto with = [&](std::vector<std::string> more) {
     std::vector<std::string> all = words;
     all.insert(all.end(), more.begin(), more.end());
@@ -43,7 +44,8 @@ TEST_F(RecordModel, TakesTheOptionsOfEveryVerbThatLoadsAModel) {
         "ixz='0' iyz='0'/></inertial><visual><geometry><mesh filename='package://parts/none.stl'/></geometry></visual>"
         "</link><link name='arm'/><joint name='j' type='revolute'><parent link='base'/><child link='arm'/>"
         "<axis xyz='0 1 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>");
-  const std::vector<std::string> loading{"--package", "parts=meshes", "--default-mass", "0.5", "--allow-missing-meshes"};
+  const std::vector<std::string> loading{"--package", "parts=meshes", "--default-mass", "0.5",
+                                         "--allow-missing-meshes"};
   const auto with = [&](std::vector<std::string> words) {
     words.insert(words.end(), loading.begin(), loading.end());
     return rehearse(words);
@@ -54,7 +56,9 @@ TEST_F(RecordModel, TakesTheOptionsOfEveryVerbThatLoadsAModel) {
   EXPECT_EQ(recorded.status, 0) << recorded.err;
   const std::string saved = read_file(folder() / "aside/s.yaml");
   EXPECT_THAT(saved, HasSubstr("solver: {method: exact}\n"));
-  EXPECT_THAT(saved, HasSubstr("packages: {\"parts\": \"../meshes\"}\n    default_mass: 0.5\n    allow_missing_meshes: true\n"));
+  EXPECT_THAT(
+      saved,
+      HasSubstr("packages: {\"parts\": \"../meshes\"}\n    default_mass: 0.5\n    allow_missing_meshes: true\n"));
   EXPECT_EQ(with({"record", "--model", "r.urdf", "--duration", "0.01", "--solver", "exact", "-o", "b.mcap"}).status, 0);
   EXPECT_EQ(rehearse({"diff", "a.mcap", "b.mcap"}).status, 0);
   EXPECT_EQ(with({"inspect", "r.urdf"}).status, 0);
@@ -87,14 +91,18 @@ TEST_F(RecordModel, ALibraryOfASavedScenarioIsFoundFromAnyFolder) {
   }
   from("aside/deep", {"audit", "../../scn/t.mcap"});
   from("scn", {"audit", "t.mcap"});
-  const Outcome stepped = run("bash", {"-c", "echo 'print pendulum/hinge/u' | " + quoted(command.string()) + " step scn/t.mcap"});
+  const Outcome stepped =
+      run("bash", {"-c", "echo 'print pendulum/hinge/u' | " + quoted(command.string()) + " step scn/t.mcap"});
   EXPECT_EQ(stepped.status, 0) << stepped.err;
 }
 
 TEST_F(RecordModel, OptionsThatDontBelongTogetherAreRefused) {
-  EXPECT_THAT(rehearse({"record", "--controller", "x.so", sr1_scenario.string()}).err, HasSubstr("'x.so' is not NAME=LIB"));
-  EXPECT_THAT(rehearse({"record", "--model", quadruped_, sr1_scenario.string()}).err, HasSubstr("a run has one of them"));
-  EXPECT_THAT(rehearse({"record", "--save-scenario", "x.yaml", sr1_scenario.string()}).err, HasSubstr("expected --model"));
+  EXPECT_THAT(rehearse({"record", "--controller", "x.so", sr1_scenario.string()}).err,
+              HasSubstr("'x.so' is not NAME=LIB"));
+  EXPECT_THAT(rehearse({"record", "--model", quadruped_, sr1_scenario.string()}).err,
+              HasSubstr("a run has one of them"));
+  EXPECT_THAT(rehearse({"record", "--save-scenario", "x.yaml", sr1_scenario.string()}).err,
+              HasSubstr("expected --model"));
   EXPECT_THAT(rehearse({"record", "--model", "none.urdf"}).err, HasSubstr("none.urdf"));
   EXPECT_TRUE(is_empty());
 }

@@ -15,7 +15,9 @@ namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::StartsWith;
 
 const Simulation simulation{record, run_plant, describe_plant, record_from};
@@ -106,6 +108,18 @@ TEST_F(Proof, IsThereOnceACheckHasSimulatedTheGolden) {
   EXPECT_TRUE(check().proved);
   robot_.apply({"scenario.yaml", "seed: 7", "seed: 7\nname: standing\ntolerances: [{channel: \"*\", atol: 1}]"});
   EXPECT_TRUE(check().proved) << "names and tolerances don't change the world";
+}
+
+TEST_F(Proof, WarnsOfToleranceRulesThatApplyToNothing) {
+  robot_.apply({"scenario.yaml", "seed: 7", "seed: 7\ntolerances: [{channel: SR1/*/q, atol: 1}]"});
+  EXPECT_TRUE(check().proved);
+  EXPECT_THAT(check().remarks, IsEmpty());
+  robot_.apply({"scenario.yaml", "SR1/*/q", "SR2/*/q"});
+  for (int again = 0; again < 2; ++again) {
+    const CheckReport report = check();
+    EXPECT_TRUE(report.proved);
+    EXPECT_THAT(report.remarks, ElementsAre(HasSubstr("the tolerance of 'SR2/*/q' applies to nothing")));
+  }
 }
 
 TEST_F(Proof, OfThePlantAloneNeedsNoReplay) {

@@ -51,7 +51,7 @@ struct CheckSettings {
   CheckOptions check;
   bool has_levels = false;  // the user named levels
   bool simulate = false;    // nothing is proved
-  bool strict = false;    // goldens without an owner fail, too
+  bool strict = false;      // goldens without an owner fail, too
   std::int64_t jobs = 0;    // scenarios at a time; 0: as many as there are processors
   DebuggerOptions debugger;
   std::int64_t tick = 0;  // where gdb stops

@@ -78,8 +78,8 @@ struct ReplayedWords {
 /// Differences of commands, in the order of ticks, controllers, links; without ReplayOptions::tolerances no difference
 /// is allowed.
 struct ReplayReport : Differences {
-  std::int64_t ticks = 0;             // number of replayed ticks
-  std::int64_t ticks_different = 0;   // number of ticks with a different command
+  std::int64_t ticks = 0;            // number of replayed ticks
+  std::int64_t ticks_different = 0;  // number of ticks with a different command
   /// Inputs that only the recorded controllers read ("- Rig/Gyro"), or only these ("+ Rig/Gyro"). Then the inputs can't
   /// be compared as a whole, and commands alone are.
   std::vector<std::string> other_inputs;

@@ -375,10 +375,8 @@ void Audit::sum_up() {
     rests_on.insert(rests_on.end(), controller.rests_on.begin(), controller.rests_on.end());
   if (!rests_on.empty()) {
     report_.verdict = fmt::format(
-        "{} gave the same {} commands{}, bit for bit, in {} replays of {:g} s under {}; this depends on conditions "
-        "that were "
-        "equal "
-        "in all of them: {}",
+        "{} gave the same {} commands{}, bit for bit, in {} replays of {:g} s under {}; wasn't varied, and may change "
+        "them: {}",
         list_of(names), report_.commands, given, report_.replays, report_.time,
         varied_in(report_.controllers[0].factors), list_of(shortened(rests_on)));
     return;

@@ -22,9 +22,11 @@ constexpr FunctionGroup functions[] = {
     {Source::thread,
      " clone execv execve execvp fork popen posix_spawn posix_spawnp pthread_create system thrd_create vfork "},
     {Source::file,
-     " __open64_2 __open_2 __openat64_2 __openat_2 access chmod creat creat64 faccessat fchmodat fdopendir fopen fopen64 freopen "
+     " __open64_2 __open_2 __openat64_2 __openat_2 access chmod creat creat64 faccessat fchmodat fdopendir fopen "
+     "fopen64 freopen "
      "freopen64 fstatat "
-     "fstatat64 ftw ftw64 glob glob64 nftw nftw64 msgget scandir scandir64 semget lstat lstat64 mkdir mkdtemp mkostemp mkstemp mkstemp64 mq_open open open64 openat openat64 opendir "
+     "fstatat64 ftw ftw64 glob glob64 nftw nftw64 msgget scandir scandir64 semget lstat lstat64 mkdir mkdtemp mkostemp "
+     "mkstemp mkstemp64 mq_open open open64 openat openat64 opendir "
      "readlink "
      "realpath remove rename rmdir shm_open shm_unlink shmget stat stat64 statx tmpfile tmpfile64 truncate unlink "
      "unlinkat utimensat "},

@@ -79,6 +79,14 @@ std::string files_text(const ReplayReport& replayed) {
   return replayed.changed_files.empty() ? "" : fmt::format("; {}", fmt::join(replayed.changed_files, "; "));
 }
 
+/// The first line or variable that the controllers wrote otherwise before their first different command; empty: none.
+std::string earlier_words(const ReplayReport& replayed, const Divergence& first) {
+  const std::optional<Divergence>& word = replayed.words.first;
+  if (!word || word->tick >= first.tick) return "";
+  return fmt::format("at tick {} ({:g} s), before its commands differ, {}; ", word->tick, word->time,
+                     word->channel == run_topics::events ? word->note : to_string(*word));
+}
+
 /// True if the closed loop has the golden's commands.
 bool repeats_in_the_loop(const CheckReport& evidence) {
   if (!evidence.comparison || !evidence.run || evidence.run->ending()) return false;
@@ -96,8 +104,8 @@ std::optional<Blame> unsteady_controller(const Suspects& with, const Divergence&
                              "each other at tick {}; fed with the golden's inputs, it differs at {}; it depends on "
                              "uninitialised memory, the clock, earlier runs or chance; `rehearse audit` finds the "
                              "cause",
-                             evidence.replay->same_controllers ? "it is the recorded one, but " : "",
-                             **unrepeated, to_string(first)),
+                             evidence.replay->same_controllers ? "it is the recorded one, but " : "", **unrepeated,
+                             to_string(first)),
                  first};
   if (!repeats_in_the_loop(evidence)) return std::nullopt;
   return Blame{fmt::format("an earlier run left data behind, or the controller is no function of its inputs: in the "
@@ -132,8 +140,8 @@ Blame blame_controller(const Suspects& with, const CheckReport& evidence) {
     return {"the golden differs from the run that was recorded: at " + to_string(first), first};
   if (auto unsteady = unsteady_controller(with, first, evidence)) return *std::move(unsteady);
   if (evidence.replay->same_controllers) return same_controller(first, *evidence.replay);
-  return {"the controller changed: fed with the golden's inputs, it differs at " + to_string(first) +
-              files_text(*evidence.replay),
+  return {"the controller changed: " + earlier_words(*evidence.replay, first) +
+              "fed with the golden's inputs, it differs at " + to_string(first) + files_text(*evidence.replay),
           first};
 }
 

@@ -6,6 +6,7 @@
 
 #include "blame.h"
 #include "check_run.h"
+#include "compare/compare_parts.h"
 #include "compare/compared_files.h"
 #include "compare/scenario_changes.h"
 #include "expectation_judge.h"
@@ -16,6 +17,7 @@
 #include "replay/plant_level.h"
 #include "scenario/branch_origin.h"
 #include "trace/channel_name.h"
+#include "trace/hashing.h"
 #include "trace/run_facts.h"
 #include "trace/trace_windows.h"
 
@@ -60,6 +62,7 @@ struct Check {
   fs::path plant_trace() const { return actual.parent_path() / "plant" / actual.filename(); }
   Result<void> check_controller();
   Result<void> check_proved();
+  Result<void> tell_unmatched_rules();
   Result<void> certify(const Proof& proof);
   Result<void> make_closed_loop();
   Result<void> simulate();
@@ -111,6 +114,7 @@ Result<void> Check::check_proved() {
     report.controller_problem.clear();
   }
   if (!report.proved) return {};
+  if (auto told = tell_unmatched_rules(); !told) return told;
   report.expectations = std::move(results);
   if (options.closed) report.closed = LevelState::proved;
   report.verdict =
@@ -120,6 +124,24 @@ Result<void> Check::check_proved() {
           : "proved without simulating: the world is the one that made the golden";
   if (!report.expectations.empty()) report.verdict += "; " + verdict(report.expectations);
   return {};
+}
+
+/// Adds a remark for each tolerance that applies to nothing in the golden, which is the run. The whole golden has to be
+/// read for its names, so a second kind of certificate states that all rules apply to something.
+Result<void> Check::tell_unmatched_rules() {
+  if (scenario.tolerances.empty()) return {};
+  const auto bytes = hash_of_file(golden.file());
+  if (!bytes) return bytes.errors();
+  std::string rules;
+  for (const ToleranceRule& rule : scenario.tolerances) rules += fmt::format("applies: {}\n", rule.channel);
+  const Certificates matched(*options.certificates, "rules-" + hash_text(*bytes));
+  if (matched.has(rules)) return {};
+  const auto whole = load_without_messages(golden.file());
+  if (!whole) return whole.errors();
+  const Trace* traces[] = {&*whole};
+  const Diagnostics unmatched = unmatched_rules(scenario.tolerances, traces);
+  for (const Diagnostic& warning : unmatched) report.remarks.push_back(to_string(warning));
+  return unmatched.empty() ? matched.add(rules) : Result<void>();
 }
 
 /// Stores a certificate if every bit of the golden was compared and is equal.

@@ -322,7 +322,8 @@ Comparison RunComparer::finish() {
   comparison_.ticks = compared_ticks(traces_);
   conclude(comparison_, std::move(results_));
   compare_provenance(traces_, comparison_);
-  comparison_.warnings = unmatched_rules(traces_);
+  const Trace* compared[] = {&traces_.golden, &traces_.actual};
+  comparison_.warnings = unmatched_rules(traces_.rules, compared);
   return std::move(comparison_);
 }
 

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -208,7 +209,7 @@ class VariablesRemark {
 
 /// Compares the provenance of both traces: sets changed_files, same_arithmetic, same_origin, remarks and explanation.
 void compare_provenance(const ComparedTraces& traces, Comparison& comparison);
-/// Rules that match nothing in either trace.
-Diagnostics unmatched_rules(const ComparedTraces& traces);
+/// Rules that match nothing in any of the traces.
+Diagnostics unmatched_rules(const std::vector<ToleranceRule>& rules, std::span<const Trace* const> traces);
 
 }  // namespace rehearse

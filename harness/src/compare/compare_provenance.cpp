@@ -184,9 +184,9 @@ void compare_provenance(const ComparedTraces& traces, Comparison& comparison) {
     comparison.explanation = explanation_of(comparison.first->stage, comparison.changed_files, changes);
 }
 
-Diagnostics unmatched_rules(const ComparedTraces& traces) {
+Diagnostics unmatched_rules(const std::vector<ToleranceRule>& rules, std::span<const Trace* const> traces) {
   std::set<std::string, std::less<>> names;
-  for (const Trace* trace : {&traces.golden, &traces.actual}) {
+  for (const Trace* trace : traces) {
     for (const TraceChannel& channel : trace->channels()) {
       if (channel.columns.empty()) names.emplace(series_of(channel));
       for (const TraceColumn& column : channel.columns) names.insert(series_of(channel, column));
@@ -199,7 +199,7 @@ Diagnostics unmatched_rules(const ComparedTraces& traces) {
     for (const msg::Event& event : trace->events()) names.insert("events/" + event.source);
   }
   Diagnostics warnings;
-  for (const ToleranceRule& rule : traces.rules) {
+  for (const ToleranceRule& rule : rules) {
     const auto is_meant = [&rule](const std::string& name) { return matches(rule.channel, name); };
     if (std::any_of(names.begin(), names.end(), is_meant)) continue;
     warnings.push_back(at(

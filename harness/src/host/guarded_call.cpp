@@ -79,8 +79,8 @@ const char* stack_pointer(const ucontext_t& interrupted) {
 #endif
 }
 
-/// True if the fault is an access below the end of this thread's stack, at or above its stack pointer, which has reached
-/// that end. A fault by a wild pointer happens while the stack pointer is inside of the stack.
+/// True if the fault is an access below the end of this thread's stack, at or above its stack pointer, which has
+/// reached that end. A fault by a wild pointer happens while the stack pointer is inside of the stack.
 bool is_stack_overflow(const siginfo_t& fault, const ucontext_t& interrupted) {
   constexpr std::uintptr_t margin = 64 * 1024, page = 4096, largest_frame = 1 << 30;  // [bytes]
   const auto number = [](const void* address) { return reinterpret_cast<std::uintptr_t>(address); };

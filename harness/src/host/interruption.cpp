@@ -17,7 +17,8 @@ namespace {
 volatile sig_atomic_t came = 0;
 volatile time_t came_at = 0;  // time of the signal [s]
 
-/// Whether the process that started this program ignores SIGPIPE, as services do: controllers expect that of their writes.
+/// Whether the process that started this program ignores SIGPIPE, as services do: controllers expect that of their
+/// writes.
 const bool ignored_broken_pipes = [] {
   struct sigaction at_start {};
   return sigaction(SIGPIPE, nullptr, &at_start) == 0 && at_start.sa_handler == SIG_IGN;

@@ -106,8 +106,8 @@ class ProtectedDescriptor {
   int descriptor_;
 };
 
-/// True if code of a controller reaches the replacements in process_tripwires.cpp. It doesn't in a program that loads the
-/// C library before this one.
+/// True if code of a controller reaches the replacements in process_tripwires.cpp. It doesn't in a program that loads
+/// the C library before this one.
 bool replaces_functions();
 
 /// The count of the library that started this thread. Null in threads that no controller started.

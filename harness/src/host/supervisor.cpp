@@ -150,7 +150,8 @@ bool Parent::was_interrupted() const {
          sigismember(&received_, number) == 1;
 }
 
-/// True if nobody reads the output of the child any more. Otherwise a controller or its thread wrote to a pipe of its own.
+/// True if nobody reads the output of the child any more. Otherwise a controller or its thread wrote to a pipe of its
+/// own.
 bool Parent::lost_its_reader() const {
   return WIFSIGNALED(ended_) && WTERMSIG(ended_) == SIGPIPE && (notes->calls == 0 || is_reader_gone());
 }

@@ -93,9 +93,10 @@ Result<ReplayReport> replay_into(mcap::Reader& recording, const Scenario& scenar
   append_as_warnings(altered.unused(), report.remarks);
   report.failure = host.failure();
   report.controller_refused = host.any_refused();
-  report.repeats_the_run = same_channels && report.other_inputs.empty() && comparison.repeats_all() && report.equal() && report.words.different == 0 &&
-                           !report.controller_refused && (source.last_state() || host.controllers().empty()) &&
-                           options.from == 0.0 && !source.alters();
+  report.repeats_the_run = same_channels && report.other_inputs.empty() && comparison.repeats_all() && report.equal() &&
+                           report.words.different == 0 && !report.controller_refused &&
+                           (source.last_state() || host.controllers().empty()) && options.from == 0.0 &&
+                           !source.alters();
   report.other_controllers = other_controllers(recording, host);
   report.changed_files = changed_files(recording, host);
   report.same_controllers = report.other_controllers.empty() && !host.has_other_options();

@@ -81,7 +81,8 @@ std::vector<std::string> other_inputs(const mcap::Reader& recording, const Scena
     for (const auto& [device, controllers] : *devices) recorded.insert(device);
     for (const HostedController& hosted : host.controllers()) {
       const ScenarioBody& body = scenario.bodies[hosted.body];
-      for (const int device : hosted.io->input_devices()) here.insert(body.name + "/" + body.model->devices[device].name);
+      for (const int device : hosted.io->input_devices())
+        here.insert(body.name + "/" + body.model->devices[device].name);
     }
   }
   std::vector<std::string> others;

@@ -15,8 +15,8 @@ Result<Scenario> scenario_of(const mcap::Reader& trace);
 /// The scenario of a loaded trace.
 Result<Scenario> recorded_scenario(const Trace& trace);
 
-/// The folder that relative paths of controllers' libraries begin at: that of the scenario's file; for the scenario of a
-/// recording, which is named TRACE/scenario.yaml, that of the recording.
+/// The folder that relative paths of controllers' libraries begin at: that of the scenario's file; for the scenario of
+/// a recording, which is named TRACE/scenario.yaml, that of the recording.
 std::filesystem::path folder_of(const Scenario& scenario);
 
 }  // namespace rehearse

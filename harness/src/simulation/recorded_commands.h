@@ -53,10 +53,10 @@ class RecordedCommands final : public Commander {
     int target = 0;  // link or device index
     bool delayed = true;
     std::optional<std::size_t> delays = {};  // channel of the trace: the ticks in which `delayed` doesn't hold
-    bool is_acted = false;         // for a branch: the commands that moved the world before acted_until_
-    bool before_the_run = false;   // its first message was sent in initialize()
-    std::vector<JointCell> cells;  // of joints
-    std::size_t next = 0;          // row, of all that the run has
+    bool is_acted = false;                   // for a branch: the commands that moved the world before acted_until_
+    bool before_the_run = false;             // its first message was sent in initialize()
+    std::vector<JointCell> cells;            // of joints
+    std::size_t next = 0;                    // row, of all that the run has
   };
 
   RecordedCommands(const Scenario& scenario, const Trace& trace) : scenario_(scenario), trace_(trace) {}

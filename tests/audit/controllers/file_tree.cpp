@@ -9,7 +9,8 @@ class FileTree : public ZooController {
   bool begin() override {
     static int count;
     count = 0;
-    nftw("/etc/apt", [](const char*, const struct stat*, int, FTW*) { return ++count, 0; }, 8, FTW_PHYS);
+    nftw(
+        "/etc/apt", [](const char*, const struct stat*, int, FTW*) { return ++count, 0; }, 8, FTW_PHYS);
     count_ = count;
     return true;
   }

@@ -8,7 +8,8 @@ namespace {
 class FolderTree : public ZooController {
   bool begin() override {
     namespace fs = std::filesystem;
-    for (const auto& entry : fs::recursive_directory_iterator("/etc/apt", fs::directory_options::skip_permission_denied))
+    for (const auto& entry :
+         fs::recursive_directory_iterator("/etc/apt", fs::directory_options::skip_permission_denied))
       count_ += entry.exists() ? 1 : 0;
     return true;
   }

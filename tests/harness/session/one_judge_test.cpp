@@ -23,10 +23,10 @@ constexpr const char* pose = "/Box/T/output/Box/pose";
 
 /// A change of the golden; the controllers stay as they are.
 struct Change {
-  int later = 0;             // ticks by which the effort steps later in the golden
-  double effort = 0.0;       // is added to the effort [N·m]
-  double scaled = 1.0;       // factor of all four numbers of the orientation
-  double turned = 0.0;       // angle by which the orientation is turned about z [rad]
+  int later = 0;                  // ticks by which the effort steps later in the golden
+  double effort = 0.0;            // is added to the effort [N·m]
+  double scaled = 1.0;            // factor of all four numbers of the orientation
+  double turned = 0.0;            // angle by which the orientation is turned about z [rad]
   mcap::StringMap metadata = {};  // of all channels
 };
 

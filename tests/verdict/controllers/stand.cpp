@@ -1,5 +1,6 @@
 // A PD controller that holds every joint at its start angle, and reacts to its gyro. Built once without a fault, and
 // once with each fault of the table of faults: FAULT is one of the names below.
+#include <cnoid/AccelerationSensor>
 #include <cnoid/RateGyroSensor>
 #include <cnoid/SimpleController>
 
@@ -10,9 +11,26 @@
 #include <utility>
 #include <vector>
 
+inline int runs = 0;  // of the process
+
 namespace {
 
-enum Fault { none, gain, sign, late, swapped, stale, uninitialised, no_delay, words, last_part };
+enum Fault {
+  none,
+  gain,
+  sign,
+  late,
+  swapped,
+  stale,
+  uninitialised,
+  no_delay,
+  no_delay_later,  // from tick 300 on
+  words,
+  last_part,
+  announced,     // as last_part, and writes a line in the tick before
+  more_sensors,  // reads a sensor and a link that it doesn't need
+  earlier_runs,  // has another gain in the third and later runs of its process
+};
 
 /// Allocates memory that was used before and is not cleared.
 double* used_memory() {
@@ -43,6 +61,11 @@ class Stand : public cnoid::SimpleController {
     last_ = wanted_;
     if (FAULT == uninitialised) offset_ = used_memory();
     if (FAULT == no_delay) io->setNoDelayMode(true);
+    if (FAULT == more_sensors) {
+      io->enableInput(body_->findDevice<cnoid::AccelerationSensor>());
+      io->enableInput(body_->rootLink(), cnoid::Link::LinkPosition);
+    }
+    if (FAULT == earlier_runs && ++runs > 2) strength_ = 1.001;
     if (!io->optionString().empty()) strength_ = std::stod(io->optionString());
     return true;
   }
@@ -51,10 +74,14 @@ class Stand : public cnoid::SimpleController {
     if (FAULT == words && body_->joint(0)->dq() < 0.0) io_->os() << "leaning back" << std::endl;
     const std::vector<double> before = effort_;
     const bool is_last_part = ++ticks_ > 500;
+    if (FAULT == announced && ticks_ == 500) io_->os() << "a stiffer knee" << std::endl;
+    if (FAULT == no_delay_later && ticks_ == 301) io_->setNoDelayMode(true);
     for (int i = 0; i < body_->numJoints(); ++i) {
       const cnoid::Link* joint = body_->joint(i);
       const bool knee = joint->jointName() == "RLEG_KNEE";
-      const double p = knee && (FAULT == gain || (FAULT == last_part && is_last_part)) ? 8000.0 * 1.001 : 8000.0;
+      const double p = knee && (FAULT == gain || ((FAULT == last_part || FAULT == announced) && is_last_part))
+                           ? 8000.0 * 1.001
+                           : 8000.0;
       const double d = knee && FAULT == sign ? -100.0 : 100.0;
       const double q = knee && FAULT == stale ? last_[i] : joint->q();
       last_[i] = joint->q();

@@ -1,0 +1,131 @@
+// The sentence of a verdict names the cause that explains the difference, and blames nobody whom another cause
+// explains.
+#include <gmock/gmock.h>
+
+#include "scenario/structure_change.h"
+#include "standing_robot.h"
+
+namespace rehearse {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+class Blamed : public ::testing::Test {
+ protected:
+  CheckReport checked(const CheckOptions& options = {}) const {
+    auto report = robot_.check(options);
+    EXPECT_TRUE(report.ok()) << to_string(report.errors());
+    return report ? *std::move(report) : CheckReport();
+  }
+  /// A check with another library of the controller.
+  CheckReport checked_with(const std::string& library, CheckOptions options = {}) const {
+    options.run.libraries["Stand"] = library;
+    return checked(options);
+  }
+
+  StandingRobot robot_;
+};
+
+/// A controller may read more without commanding otherwise.
+TEST_F(Blamed, NobodyIfAControllerReadsOtherInputsAndCommandsTheSame) {
+  robot_.record_golden();
+  const CheckReport more = checked_with("StandWith_more_sensors");
+  EXPECT_TRUE(more.within()) << more.verdict;
+  EXPECT_EQ(more.controller, LevelState::equal);
+  EXPECT_THAT(more.verdict, StartsWith("the controller reads other inputs: + /SR1/Stand/input/WAIST/pose, + SR1/"));
+
+  RecordOptions original;
+  original.libraries["Stand"] = "StandWith_more_sensors";
+  robot_.record_golden(original);
+  const CheckReport fewer = checked();
+  EXPECT_TRUE(fewer.within()) << fewer.verdict;
+  EXPECT_THAT(fewer.verdict, StartsWith("the controller reads other inputs: - /SR1/Stand/input/WAIST/pose, - SR1/"));
+}
+
+TEST_F(Blamed, ADelayThatChangesDuringTheRunIsTheControllers) {
+  RecordOptions original;
+  original.libraries["Stand"] = "StandWith_no_delay_later";
+  robot_.record_golden(original);
+  const CheckReport same = checked_with("StandWith_no_delay_later");
+  EXPECT_TRUE(same.equal()) << same.verdict;
+  const CheckReport other = checked();
+  EXPECT_EQ(other.plant, LevelState::equal);
+  EXPECT_THAT(other.verdict,
+              StartsWith("the controller changed: fed with the golden's inputs, it differs at tick 300"));
+  EXPECT_THAT(other.verdict, HasSubstr("it has left the no-delay mode"));
+}
+
+TEST_F(Blamed, WordsThatDifferEarlierComeFirst) {
+  robot_.record_golden();
+  EXPECT_THAT(
+      checked_with("StandWith_announced").verdict,
+      StartsWith("the controller changed: at tick 499 (0.499 s), before its commands differ, this line is extra: "
+                 "\"SR1/Stand: a stiffer knee\"; fed with the golden's inputs, it differs at tick 500"));
+}
+
+/// The third run of a process is the replay of a check, after the golden's run and the closed loop.
+TEST_F(Blamed, NoLibraryForDataOfAnEarlierRun) {
+  CheckOptions options;
+  options.run.keep_libraries = true;
+  RecordOptions original;
+  original.keep_libraries = true;
+  original.libraries["Stand"] = "StandWith_earlier_runs";
+  robot_.record_golden(original);
+  const CheckReport report = checked_with("StandWith_earlier_runs", options);
+  EXPECT_THAT(report.verdict, StartsWith("an earlier run left data behind"));
+  EXPECT_THAT(report.verdict, HasSubstr("`rehearse audit`"));
+}
+
+TEST_F(Blamed, NoNewLibraryThatDoesntRepeatItself) {
+  robot_.record_golden();
+  const CheckReport report = checked_with("StandWith_uninitialised");
+  EXPECT_THAT(report.verdict,
+              StartsWith("the controller is no function of its inputs: two replays of the golden differ"));
+}
+
+TEST_F(Blamed, TheScenarioIfItsStructureChanged) {
+  robot_.record_golden();
+  robot_.apply({"scenario.yaml", "library: StandWith_none", "library: StandWith_none, delay: false"});
+  const CheckReport delay = checked();
+  EXPECT_THAT(delay.verdict, StartsWith("the scenario changed: line 19: delay of controller 'SR1/Stand' is false, and "
+                                        "was true; the run differs"));
+  EXPECT_EQ(delay.first->stage, Stage::controller);
+}
+
+TEST_F(Blamed, TheScenarioIfItHasAnotherBody) {
+  robot_.record_golden();
+  robot_.apply({"scenario.yaml", "  - name: Watcher",
+                "  - name: Ball\n    sphere: {radius: 0.1}\n    mass: 1\n    "
+                "position: [3, 3, 1]\n  - name: Watcher"});
+  EXPECT_THAT(checked().verdict, StartsWith("the scenario changed: line 10: body 'Ball' is new"));
+}
+
+TEST_F(Blamed, TheScenarioIfABodyHasAnotherName) {
+  robot_.record_golden();
+  robot_.apply({"scenario.yaml", "  - name: Floor", "  - name: Ground"});
+  EXPECT_THAT(checked().verdict, StartsWith("the scenario changed: line 6: body 'Ground' was named 'Floor'"));
+}
+
+TEST(StructureChange, IsTheFirstOfBodiesControllersAndTheirFlags) {
+  const std::string before =
+      "bodies:\n- {name: A, controllers: [{name: C, library: L, children: [{name: D}]}]}\n"
+      "- {name: B}\n";
+  EXPECT_EQ(structure_change(before, before), "");
+  const auto change = [&](const std::string& from, const std::string& to) {
+    std::string now = before;
+    return structure_change(before, now.replace(now.find(from), from.size(), to));
+  };
+  EXPECT_EQ(change("library: L", "library: M"), "") << "libraries are compared by their content";
+  EXPECT_EQ(change("library: L", "optional: true"), "line 2: optional of controller 'A/C' is true, and was false");
+  EXPECT_EQ(change("library: L", "delay: true"), "");
+  EXPECT_EQ(change("name: D", "name: E"), "line 2: controller of body 'A': 'E' was named 'D'");
+  EXPECT_EQ(change("- {name: B}", ""), "body 'B' is gone");
+  EXPECT_EQ(change("- {name: B}", "- {name: B}\n- {name: E}"), "line 4: body 'E' is new");
+  EXPECT_EQ(structure_change("bodies: [{name: A}, {name: B}]", "bodies: [{name: B}, {name: A}]"), "");
+  EXPECT_EQ(structure_change("[", before), "");
+}
+
+}  // namespace
+}  // namespace rehearse
