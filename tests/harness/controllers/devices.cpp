@@ -266,6 +266,28 @@ class BulbSwitch : public Pusher {
 };
 const Add<BulbSwitch> bulb_switch("bulb");
 
+/// blink TICK: switches light Bulb off in that tick, and commands nothing else.
+class Blinker : public cnoid::SimpleController {
+ public:
+  explicit Blinker(const Words& words) : off_tick_(std::stoi(words.at(0))) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    bulb_ = io->body()->findDevice<cnoid::PointLight>("Bulb");
+    return true;
+  }
+  bool control() override {
+    if (tick_++ != off_tick_) return true;
+    bulb_->on(false);
+    bulb_->notifyStateChange();
+    return true;
+  }
+
+ private:
+  int off_tick_;
+  int tick_ = 0;
+  cnoid::PointLight* bulb_ = nullptr;
+};
+const Add<Blinker> blinker("blink");
+
 /// overhear [throw]: writes the changes of light Bulb and of the info of device Camera, with the tick; or throws then.
 class Listener : public cnoid::SimpleController {
  public:

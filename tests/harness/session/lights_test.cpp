@@ -155,5 +155,19 @@ TEST_F(Lights, AnInfoReachesTheOthersAsACopyAndTheRecord) {
               ElementsAre("Rig/A: info of device 'Camera': {exposure: 0.25}", "Rig/B: tick 8 exposure 0.25"));
 }
 
+/// Commands to devices act after the step in either mode, so a replay in the other mode differs in nothing.
+TEST_F(Lights, AreCommandedAtTheSameTimeInNoDelayMode) {
+  const Trace late = record_run(with(behaviour("C", "blink 7")));
+  const Trace at_once = record_run(with(behaviour("C", "blink 7", ", delay: false")), "at_once.mcap");
+  const Comparison compared = compare(late, at_once, {}, {});
+  EXPECT_TRUE(compared.equal) << verdict(compared);
+  ReplayOptions no_delay;
+  no_delay.controllers["Rig/C"] = {"Behaviours", "blink 7", false, false};
+  const auto replayed = replay_run(no_delay);
+  ASSERT_TRUE(replayed.ok()) << to_string(replayed.errors());
+  EXPECT_TRUE(replayed->equal());
+  EXPECT_EQ(replayed->first, std::nullopt);
+}
+
 }  // namespace
 }  // namespace rehearse
