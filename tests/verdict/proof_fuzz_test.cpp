@@ -280,9 +280,6 @@ class Subject {
     const auto proved = check(true), simulated = check(false);
     if (proved.ok() != simulated.ok()) return "one of the checks fails";
     if (!proved) return "";
-    if (std::getenv("REHEARSE_PROOF_VERBOSE"))
-      fmt::print("{}; {}: {}\n", proved->proved ? "proved" : proved->not_proved, to_string(simulated->closed),
-                 simulated->verdict);
     proofs += proved->proved;
     differences += !simulated->within();
     if (proved->proved && !simulated->equal()) return "proved, but simulated: " + simulated->verdict;

@@ -51,6 +51,9 @@ struct ReplayOptions : HostOptions {
   std::optional<std::vector<ToleranceRule>> tolerances;
   /// Called with each difference, in the order of ticks; null: never called.
   std::function<void(const Divergence&)> on_difference;
+  /// Called with the first different line of a tick, and with each different variable that no rule names, after the
+  /// commands of that tick; null: never called.
+  std::function<void(const Divergence&)> on_word;
   /// Called once, when the controllers have started, with the fields that on_outputs will report; null: never called.
   std::function<void(const std::vector<OutputField>&)> on_started;
   /// Called after each tick with one word for each of those fields; null: never called.

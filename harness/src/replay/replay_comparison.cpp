@@ -183,6 +183,7 @@ void ReplayComparison::word_differs(Divergence&& found, std::int64_t tick) {
   found.time = time_of(tick, scenario_.time_step);
   if (found.time < options_.from) return;
   ++report_.words.different;
+  if (options_.on_word) options_.on_word(found);
   if (!report_.words.first || found.tick < report_.words.first->tick) report_.words.first = std::move(found);
 }
 

@@ -135,7 +135,7 @@ std::unique_ptr<ReplayedOutputs> ReplayedOutputs::make(mcap::Reader& trace, cons
   static_cast<HostOptions&>(replaying) = options;
   replaying.until = until;
   replaying.progress = options.progress;
-  replaying.on_difference = [&writing](const Divergence& found) { writing.add(found); };
+  replaying.on_difference = replaying.on_word = [&writing](const Divergence& found) { writing.add(found); };
   replaying.on_variable = [&writing](std::int64_t tick, const std::string& series, double value) {
     writing.add_variable(tick, series, value);
   };

@@ -155,6 +155,18 @@ TEST_F(Stepped, GoesToWhereItBeginsToDifferFromBothSides) {
   EXPECT_EQ(trace->happening(changed_from, Direction::backwards), std::nullopt);
 }
 
+TEST_F(Stepped, DiffersWhereAControllerWritesAnotherLine) {
+  record_run(rig_with("lines none last"));
+  SteppingOptions options;
+  options.controllers["Rig/C"] = {"Behaviours", "lines none other", true, false};
+  const auto trace = opened(options);
+  EXPECT_FALSE(trace->differs_at(1));
+  EXPECT_TRUE(trace->differs_at(2));
+  ASSERT_THAT(trace->differences(2), SizeIs(1));
+  EXPECT_EQ(trace->differences(2)[0].channel, "/events");
+  EXPECT_THAT(trace->differences(2)[0].note, HasSubstr("other words"));
+}
+
 TEST_F(Stepped, ReplaysOnlyAsFarAsIsAskedFor) {
   record_hinge();
   SteppingOptions options = changed();
