@@ -8,7 +8,6 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <ranges>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,7 +36,7 @@ class WrittenFiles {
   explicit WrittenFiles(fs::path folder) : folder_(std::move(folder)) {}
   ~WrittenFiles() {
     std::error_code ignored;
-    for (const fs::path& path : made_ | std::views::reverse) fs::remove(path, ignored);  // a folder only if it is empty
+    for (auto path = made_.rbegin(); path != made_.rend(); ++path) fs::remove(*path, ignored);  // only empty folders
   }
   WrittenFiles(const WrittenFiles&) = delete;
   WrittenFiles& operator=(const WrittenFiles&) = delete;
