@@ -105,7 +105,7 @@ class Caller : public cnoid::SimpleController {
          [](Caller&) {
            if (chdir("/") != 0) throw std::runtime_error("chdir");
          }},
-        {"environment", [](Caller&) { setenv("CALLER_NOTE", "1", 1); }},
+        {"environment", [](Caller&) { setenv("CALLER_NOTE", "1", 1), unsetenv("CALLER_NOTE"); }},
         {"locale", [](Caller&) { std::setlocale(LC_ALL, "C"); }},
         {"rounding", [](Caller&) { std::fesetround(FE_DOWNWARD); }},
         {"random", [](Caller& c) { std::srand(1), c.unused_ = std::rand(); }},
