@@ -303,6 +303,18 @@ REHEARSE_NOTED(file, int, glob, (const char* pattern, int flags, int (*failed)(c
 REHEARSE_NOTED(file, int, glob64, (const char* pattern, int flags, int (*failed)(const char*, int), void* found),
                (pattern, flags, failed, found), pattern)
 
+REHEARSE_NOTED(file, int, scandirat, (int folder, const char* path, void* list, void* choose, void* order),
+               (folder, path, list, choose, order), path)
+REHEARSE_NOTED(file, int, scandirat64, (int folder, const char* path, void* list, void* choose, void* order),
+               (folder, path, list, choose, order), path)
+REHEARSE_NOTED(file, void*, fts_open, (char* const* paths, int options, void* order), (paths, options, order), paths[0])
+REHEARSE_NOTED(file, void*, fts64_open, (char* const* paths, int options, void* order), (paths, options, order),
+               paths[0])
+REHEARSE_NOTED(file, int, wordexp, (const char* words, void* found, int flags), (words, found, flags), words)
+REHEARSE_NOTED(file, ssize_t, getdents64, (int folder, void* entries, size_t size), (folder, entries, size),
+               Digits(folder))
+REHEARSE_NOTED(file, void*, shmat, (int id, const void* address, int flags), (id, address, flags), Digits(id))
+
 REHEARSE_NOTED(network, int, getifaddrs, (void** result), (result), "")
 REHEARSE_NOTED(network, int, socket, (int domain, int type, int protocol), (domain, type, protocol), "")
 REHEARSE_NOTED(network, int, connect, (int file, const sockaddr* address, socklen_t size), (file, address, size), "")

@@ -55,14 +55,18 @@ Aspect surroundings_of(const ObservedCall& call) {
 
 /// Functions that list a folder, and those of memory, semaphores and queues that processes share by a number.
 constexpr std::string_view listings =
-    " fdopendir ftw ftw64 glob glob64 nftw nftw64 opendir scandir scandir64 scandirat ";
-constexpr std::string_view shared_by_number = " msgget semget shmget ";
+    " fdopendir fts64_open fts_open ftw ftw64 getdents glob glob64 nftw nftw64 opendir scandir scandir64 scandirat "
+    "scandirat64 wordexp ";
+constexpr std::string_view shared_by_number = " msgget semget shmat shmget ";
 
 Aspect file_aspect_of(const ObservedCall& call) {
   if (is_one_of(call.function, shared_by_number)) return {"what processes share by a number", std::nullopt};
-  if (is_one_of(call.function, listings)) return {"the entries of a folder", std::nullopt};
+  constexpr std::string_view without_name = " getdents wordexp ";  // their argument is no name of a file
+  const bool is_relative = !call.argument.empty() && call.argument.front() != '/';
+  if (is_one_of(call.function, listings) && (!is_relative || is_one_of(call.function, without_name)))
+    return {"the entries of a folder", std::nullopt};
   Aspect aspect{"a file", std::nullopt};
-  if (!call.argument.empty() && call.argument.front() != '/') aspect = {"the working folder", Factor::folder};
+  if (is_relative) aspect = {"the working folder", Factor::folder};
   aspect.has_answer = !is_one_of(call.function, openings) || !call.digest.empty();
   return aspect;
 }
