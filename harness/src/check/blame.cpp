@@ -285,10 +285,7 @@ std::string nothing_differs(const CheckReport& report) {
                      verdict(*report.plant_comparison));
 }
 
-}  // namespace
-
-namespace {
-
+/// The part of the loop that differs, if the scenario is the recorded one.
 Blame guilty_part(const Suspects& suspects, const CheckReport& report) {
   const CheckReport evidence = with_all_levels(suspects, report);
   const bool controller_differs = evidence.controller == LevelState::differs;

@@ -9,15 +9,18 @@ namespace rehearse {
 
 RecordedDelays::RecordedDelays(const ControllerHost& host, const mcap::Reader& recording) {
   for (const HostedController& hosted : host.controllers()) {
-    Commands commands{&hosted, "", true};
+    Commands commands{&hosted};
     for (const auto& [id, channel] : recording.channels()) {
       const ChannelName name = ChannelName::parse(channel.topic);
       if (!name.is_of(hosted.label, ChannelSide::output) || name.kind == ChannelKind::device_state) continue;
       const auto stated = channel.metadata.find("delay");
-      if (name.kind == ChannelKind::delay)
-        channels_.push_back(commands.channel = id);
-      else if (commands.topic.empty() && stated != channel.metadata.end())
-        commands.topic = channel.topic, commands.delayed = stated->second == "true";
+      if (name.kind == ChannelKind::delay) {
+        commands.channel = id;
+        channels_.push_back(id);
+      } else if (commands.topic.empty() && stated != channel.metadata.end()) {
+        commands.topic = channel.topic;
+        commands.delayed = stated->second == "true";
+      }
     }
     if (!commands.topic.empty()) all_.push_back(std::move(commands));
   }

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,9 +33,10 @@ class RecordedDelays {
   /// The commands of a controller; commands to devices aren't among them, because they act after the step in any mode.
   struct Commands {
     const HostedController* hosted;
-    std::string topic;           // the first channel of its commands
-    bool delayed;                // as the channel states
-    std::uint16_t channel = 0;   // with a message in each tick in which the mode is the other one; 0: none
+    std::string topic = {};  // the first channel of its commands
+    bool delayed = true;     // as the channel states
+    /// The channel with a message in each tick in which the mode is the other one; none: there is no such tick.
+    std::optional<std::uint16_t> channel = std::nullopt;
     bool is_other_mode = false;  // in this tick
     bool differs = false;        // in the last tick
   };
