@@ -126,6 +126,9 @@ TEST(StructureChange, IsTheFirstOfBodiesControllersAndTheirFlags) {
   EXPECT_EQ(change("name: D", "name: E"), "line 2: controller of body 'A': 'E' was named 'D'");
   EXPECT_EQ(change("- {name: B}", ""), "body 'B' is gone");
   EXPECT_EQ(change("- {name: B}", "- {name: B}\n- {name: E}"), "line 4: body 'E' is new");
+  EXPECT_EQ(structure_change("bodies: [{name: A, controllers: [{library: ../lib/Hold.so}]}]",
+                             "bodies: [{name: A, controllers: [{library: Hold, delay: false}]}]"),
+            "line 1: delay of controller 'A/Hold' is false, and was true");
   EXPECT_EQ(structure_change("bodies: [{name: A}, {name: B}]", "bodies: [{name: B}, {name: A}]"), "");
   EXPECT_EQ(structure_change("[", before), "");
 }

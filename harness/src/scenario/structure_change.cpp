@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <utility>
 #include <vector>
 
@@ -23,9 +24,14 @@ std::vector<Named> named_items(const YamlNode& of, const char* key) {
   std::vector<Named> items;
   const YamlNode* list = find_key(of, key);
   if (!list || list->kind != YamlNode::Kind::list) return items;
-  for (const YamlNodePtr& item : list->items)
-    if (const YamlNode* name = item->kind == YamlNode::Kind::map ? find_key(*item, "name") : nullptr)
+  for (const YamlNodePtr& item : list->items) {
+    if (item->kind != YamlNode::Kind::map) continue;
+    const YamlNode *name = find_key(*item, "name"), *library = find_key(*item, "library");
+    if (name)
       items.push_back({name->text, item.get(), name->line});
+    else if (library)  // a controller has the name of its library
+      items.push_back({std::filesystem::path(library->text).stem().string(), item.get(), library->line});
+  }
   return items;
 }
 
