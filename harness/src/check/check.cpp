@@ -61,8 +61,8 @@ struct Check {
 
   fs::path plant_trace() const { return actual.parent_path() / "plant" / actual.filename(); }
   Result<void> check_controller();
-  Result<void> check_proved();
-  Result<void> tell_unmatched_rules();
+  Result<void> check_proved(const Proof& proof);
+  Result<void> tell_unmatched_rules(const Proof& proof);
   Result<void> certify(const Proof& proof);
   Result<void> make_closed_loop();
   Result<void> simulate();
@@ -96,7 +96,7 @@ Result<void> Check::check_controller() {
 }
 
 /// Without a simulation: it is proved that the world makes the golden. Levels that remain unproved are simulated later.
-Result<void> Check::check_proved() {
+Result<void> Check::check_proved(const Proof& proof) {
   if (options.plant) report.plant = LevelState::proved;
   if (options.controller || options.closed)
     if (auto done = check_controller(); !done) return done;
@@ -114,7 +114,7 @@ Result<void> Check::check_proved() {
     report.controller_problem.clear();
   }
   if (!report.proved) return {};
-  if (auto told = tell_unmatched_rules(); !told) return told;
+  if (auto told = tell_unmatched_rules(proof); !told) return told;
   report.expectations = std::move(results);
   if (options.closed) report.closed = LevelState::proved;
   report.verdict =
@@ -127,21 +127,30 @@ Result<void> Check::check_proved() {
 }
 
 /// Adds a remark for each tolerance that applies to nothing in the golden, which is the run. The whole golden has to be
-/// read for its names, so a second kind of certificate states that all rules apply to something.
-Result<void> Check::tell_unmatched_rules() {
+/// read for its names. So a second kind of certificate states the rules, and those of them that apply to nothing.
+Result<void> Check::tell_unmatched_rules(const Proof& proof) {
   if (scenario.tolerances.empty()) return {};
-  const auto bytes = hash_of_file(golden.file());
-  if (!bytes) return bytes.errors();
+  const auto unmatched_line = [](const ToleranceRule& rule) { return fmt::format("\nunmatched: {}\n", rule.channel); };
   std::string rules;
-  for (const ToleranceRule& rule : scenario.tolerances) rules += fmt::format("applies: {}\n", rule.channel);
-  const Certificates matched(*options.certificates, "rules-" + hash_text(*bytes));
-  if (matched.has(rules)) return {};
-  const auto whole = load_without_messages(golden.file());
-  if (!whole) return whole.errors();
-  const Trace* traces[] = {&*whole};
-  const Diagnostics unmatched = unmatched_rules(scenario.tolerances, traces);
-  for (const Diagnostic& warning : unmatched) report.remarks.push_back(to_string(warning));
-  return unmatched.empty() ? matched.add(rules) : Result<void>();
+  for (const ToleranceRule& rule : scenario.tolerances) rules += fmt::format("rule: {}\n", rule.channel);
+  rules += "end of rules\n";
+  const Certificates surveyed(*options.certificates, "rules-" + hash_text(proof.golden_hash()));
+  std::string facts;
+  for (std::string& stated : surveyed.all())
+    if (stated.starts_with(rules)) facts = std::move(stated);
+  if (facts.empty()) {
+    const auto whole = load_without_messages(golden.file());
+    if (!whole) return whole.errors();
+    const Trace* traces[] = {&*whole};
+    facts = rules;
+    for (const ToleranceRule& rule : scenario.tolerances)
+      if (!unmatched_rules({rule}, traces).empty()) facts += unmatched_line(rule);
+    if (auto stored = surveyed.add(facts); !stored) return stored;
+  }
+  for (const ToleranceRule& rule : scenario.tolerances)
+    if (facts.find(unmatched_line(rule)) != std::string::npos)
+      report.remarks.push_back(to_string(applies_to_nothing(rule)));
+  return {};
 }
 
 /// Stores a certificate if every bit of the golden was compared and is equal.
@@ -464,7 +473,7 @@ Result<CheckReport> check_scenario(const Scenario& plain, const fs::path& golden
   leave_out_levels(*outline, options, proving.report);
   const Proof proof(scenario, *outline, options, simulation);
   if (proof.holds())
-    if (auto done = proving.check_proved(); !done) return done.errors();
+    if (auto done = proving.check_proved(proof); !done) return done.errors();
   if (proving.report.proved) return sampled(std::move(proving));
 
   const auto expected = proof.holds() ? load_commands(golden) : load_without_messages(golden);

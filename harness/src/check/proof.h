@@ -49,6 +49,8 @@ class Proof {
   bool holds() const { return holds_; }
   /// A sentence: the reason why there is no proof. Empty if there is a proof, or if none was wanted.
   const std::string& objection() const { return objection_; }
+  /// The hash of the golden's bytes. There must be a proof.
+  std::uint64_t golden_hash() const { return golden_; }
   /// Stores the certificate, unless the golden's file has changed. The caller has simulated the whole closed loop, and
   /// every bit was the golden's.
   Result<void> certify() const;

@@ -209,7 +209,9 @@ class VariablesRemark {
 
 /// Compares the provenance of both traces: sets changed_files, same_arithmetic, same_origin, remarks and explanation.
 void compare_provenance(const ComparedTraces& traces, Comparison& comparison);
-/// Rules that match nothing in any of the traces.
+/// The warning of a rule that matches nothing.
+Diagnostic applies_to_nothing(const ToleranceRule& rule);
+/// The warnings of the rules that match nothing in any of the traces.
 Diagnostics unmatched_rules(const std::vector<ToleranceRule>& rules, std::span<const Trace* const> traces);
 
 }  // namespace rehearse

@@ -184,6 +184,13 @@ void compare_provenance(const ComparedTraces& traces, Comparison& comparison) {
     comparison.explanation = explanation_of(comparison.first->stage, comparison.changed_files, changes);
 }
 
+Diagnostic applies_to_nothing(const ToleranceRule& rule) {
+  return at(
+      rule.place,
+      warning(fmt::format("the tolerance of '{}' applies to nothing: neither trace has such a channel", rule.channel),
+              "a golden's digest lists the names, for example SR1/RLEG_KNEE/q"));
+}
+
 Diagnostics unmatched_rules(const std::vector<ToleranceRule>& rules, std::span<const Trace* const> traces) {
   std::set<std::string, std::less<>> names;
   for (const Trace* trace : traces) {
@@ -202,10 +209,7 @@ Diagnostics unmatched_rules(const std::vector<ToleranceRule>& rules, std::span<c
   for (const ToleranceRule& rule : rules) {
     const auto is_meant = [&rule](const std::string& name) { return matches(rule.channel, name); };
     if (std::any_of(names.begin(), names.end(), is_meant)) continue;
-    warnings.push_back(at(
-        rule.place,
-        warning(fmt::format("the tolerance of '{}' applies to nothing: neither trace has such a channel", rule.channel),
-                "a golden's digest lists the names, for example SR1/RLEG_KNEE/q")));
+    warnings.push_back(applies_to_nothing(rule));
   }
   return warnings;
 }
