@@ -33,6 +33,7 @@ bool JointArrays::read_everything(std::span<const std::byte> payload) {
   CdrReader reader(payload);
   msg::Header header;
   std::vector<std::string> names;
+  frame_.clear();  // its offsets end here, also if the message turns out to be invalid
   msg::decode(reader, header);
   msg::detail::decode_value(reader, names);
   layout_changed_ = names != names_;
@@ -44,7 +45,6 @@ bool JointArrays::read_everything(std::span<const std::byte> payload) {
     if (!reader.ok()) return false;
   }
   names_ = std::move(names);
-  frame_.clear();
   if (!reader.swapped()) frame_.assign(payload.begin(), payload.end());
   return true;
 }
