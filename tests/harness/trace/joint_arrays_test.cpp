@@ -54,6 +54,18 @@ TEST(JointArrays, ReportsOtherNamesOfTheSameLength) {
   EXPECT_THAT(arrays.names(), ElementsAre("TOE", "HEAD"));
 }
 
+TEST(JointArrays, ReadsAValidMessageAfterAnInvalidOneOfTheSameLength) {
+  JointArrays arrays;
+  ASSERT_TRUE(read(arrays, two_joints(0.0, 5.0)));
+  CdrWriter writer;
+  msg::encode(two_joints(0.0, 5.0), writer);
+  std::vector<std::byte> wrong(writer.bytes().begin(), writer.bytes().end());
+  std::fill(wrong.begin() + 12, wrong.end(), std::byte{0xff});
+  EXPECT_FALSE(arrays.read(wrong));
+  ASSERT_TRUE(read(arrays, two_joints(2.0, 7.0)));
+  EXPECT_THAT(arrays.position(), ElementsAre(2.0, 3.0));
+}
+
 TEST(JointArrays, TellsArraysThatAreShorterThanTheNames) {
   JointArrays arrays;
   msg::JointState wrong = two_joints(0.0, 5.0);
