@@ -150,6 +150,7 @@ class ControllerHost {
   void tell(const HostedController& hosted, const DeviceOutput& output, Command& command);
   void apply(HostedController& hosted, Command& command);
 
+  RunEnvironment environment_;  // declared first: libraries that are closed may still change it
   const Scenario* scenario_ = nullptr;
   HostOptions options_;
   // Declared before the members that may contain objects with code in these libraries, so closed after them.

@@ -55,6 +55,9 @@ std::vector<std::string> variables() {
   return all;
 }
 
+/// The name in "NAME=value".
+std::string name_of_variable(const std::string& variable) { return variable.substr(0, variable.find('=')); }
+
 std::string c_locale() {
   const char* name = std::setlocale(LC_ALL, nullptr);
   return name ? name : "";
@@ -183,10 +186,11 @@ struct ProcessGuard::State {
                                   now.environment.end(), std::back_inserter(changed));
     if (changed.empty()) return;
     std::set<std::string> names;
-    for (const std::string& variable : changed) names.insert(variable.substr(0, variable.find('=')));
-    found.push_back({Kind::environment, fmt::format("changed the environment of the whole process: {}",
-                                                    names.size() > 5 ? fmt::format("{} variables", names.size())
-                                                                     : fmt::format("{}", fmt::join(names, ", ")))});
+    for (const std::string& variable : changed) names.insert(name_of_variable(variable));
+    found.push_back({Kind::environment,
+                     fmt::format("changed the environment of the whole process: {}; it is set back after the run",
+                                 names.size() > 5 ? fmt::format("{} variables", names.size())
+                                                  : fmt::format("{}", fmt::join(names, ", ")))});
   }
 
   void restore_umask(const State& now, std::vector<Trespass>& found) const {
@@ -195,6 +199,38 @@ struct ProcessGuard::State {
     found.push_back({Kind::umask, fmt::format("changed the umask to {:03o}; it was set back", now.file_mask)});
   }
 };
+
+namespace {
+
+/// The environment before the first of the runs that are under way.
+struct {
+  std::mutex mutex;
+  int runs = 0;
+  std::vector<std::string> variables;
+} before_runs;
+
+}  // namespace
+
+RunEnvironment::RunEnvironment() {
+  const std::scoped_lock lock(before_runs.mutex);
+  if (before_runs.runs++ == 0) before_runs.variables = variables();
+}
+
+RunEnvironment::~RunEnvironment() {
+  const std::scoped_lock lock(before_runs.mutex);
+  if (--before_runs.runs > 0) return;
+  const std::vector<std::string> now = variables(), &before = before_runs.variables;
+  const auto lacks = [](const std::vector<std::string>& all, const std::string& one) {
+    return !std::binary_search(all.begin(), all.end(), one);
+  };
+  for (const std::string& variable : now)
+    if (lacks(before, variable)) unsetenv(name_of_variable(variable).c_str());
+  for (const std::string& variable : before) {
+    if (!lacks(now, variable)) continue;
+    const std::string name = name_of_variable(variable);
+    setenv(name.c_str(), variable.c_str() + std::min(name.size() + 1, variable.size()), 1);
+  }
+}
 
 ProcessGuard::ProcessGuard()
     : protected_{{STDIN_FILENO, "stdin"}, {STDOUT_FILENO, "stdout"}, {STDERR_FILENO, "stderr"}} {}

@@ -54,7 +54,8 @@ class ProcessGuard {
   /// Called before a guarded call into a library whose threads are counted by `threads`. `closely`: store the state of
   /// the process now, not at the first change.
   void begin(ThreadCount threads, bool closely);
-  /// Called after the call: returns the changes that the code made. All but the environment is restored.
+  /// Called after the call: returns the changes that the code made. All but the environment is restored; that one
+  /// belongs to all controllers of a run (RunEnvironment).
   std::vector<Trespass> put_right();
 
   // Called by the functions that replace those of the C library.
@@ -104,6 +105,16 @@ class ProtectedDescriptor {
 
  private:
   int descriptor_;
+};
+
+/// Sets the environment back to its variables at the construction, so that a later run in the process gets none from
+/// this one. Of several at a time, which are of one run or of nested ones, the last that is destroyed does this.
+class RunEnvironment {
+ public:
+  RunEnvironment();
+  ~RunEnvironment();
+  RunEnvironment(const RunEnvironment&) = delete;
+  RunEnvironment& operator=(const RunEnvironment&) = delete;
 };
 
 /// True if code of a controller reaches the replacements in process_tripwires.cpp. It doesn't in a program that loads
