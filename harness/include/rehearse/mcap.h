@@ -166,6 +166,9 @@ inline constexpr ChunkGroup numbers{0, Compression::zstd};
 /// For pictures and other data that is already compressed.
 inline constexpr ChunkGroup pictures{1, Compression::none};
 
+/// Makes the data of a message from raw data, and from nothing else; throws nothing.
+using Compose = std::vector<std::byte> (*)(Bytes raw);
+
 /// Writes one file from front to back; it never seeks. Every call may return the error of an earlier call (a full disk
 /// is reported late). After an error nothing more is written. A Writer that is destroyed without close(), or a process
 /// that is killed, leaves a file without summary, readable up to the last finished chunk.
@@ -196,10 +199,9 @@ class Writer {
                              Bytes data, std::optional<std::uint32_t> sequence = {}) = 0;
 
   /// Adds a message that takes long to compose, as a picture to encode. The Writer's thread calls `compose` once, when
-  /// the chunk is finished. Its result must depend only on data that doesn't change; it throws nothing. `held`: size of
-  /// the memory that it keeps until then [bytes].
+  /// the chunk is finished. `held`: the size [bytes] by which the message counts until then.
   virtual Result<void> write_later(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns,
-                                   std::size_t held, std::function<std::vector<std::byte>()> compose) = 0;
+                                   std::size_t held, std::vector<std::byte> raw, Compose compose) = 0;
 
   /// Adds an attachment. Unknown times are 0, never the wall clock's time.
   virtual Result<void> add_attachment(std::string_view name, std::string_view media_type, Bytes data,
@@ -215,12 +217,11 @@ class Writer {
   /// close() returns the result of the first.
   virtual Result<void> close() = 0;
 
-  /// The file descriptor until close(); -1 in memory.
+  /// The file descriptor until close(); -1 in memory, or if another process writes the file.
   virtual int descriptor() const = 0;
 
- private:
+ protected:
   Writer() = default;
-  friend class FileWriter;
 };
 
 /// The way in which a Reader finds the contents of a file.

@@ -3,6 +3,8 @@
 #include <cxxabi.h>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <gnu/lib-names.h>
+#include <link.h>
 #include <pthread.h>
 #include <rehearse/diagnostic.h>
 #include <setjmp.h>
@@ -12,12 +14,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <iterator>
+#include <string_view>
 #include <thread>
 #include <typeinfo>
 
@@ -34,6 +38,7 @@ constexpr int deadly_signals[] = {SIGALRM, SIGVTALRM, SIGPROF, SIGXFSZ, SIGSYS};
 constexpr int hang_signal = SIGXCPU;  // sent by the watchdog, and by the kernel if a CPU limit is set
 constexpr int exit_instead = -1;      // value at the return point for an exit, instead of a signal
 constexpr int stack_overflow = -2;    // the same for SIGSEGV or SIGBUS below the end of a stack
+constexpr int damaged_heap = -3;      // the same for an abort by the C library itself
 constexpr std::size_t signal_stack_size = 64 * 1024;
 constexpr std::size_t stack_gap = 16 * 1024;
 
@@ -92,6 +97,51 @@ bool is_stack_overflow(const siginfo_t& fault, const ucontext_t& interrupted) {
          address + margin > pointer;
 }
 
+/// The interrupted code's place; null: not known on this processor.
+const void* program_counter(const ucontext_t& interrupted) {
+#if defined(__x86_64__)
+  return reinterpret_cast<const void*>(interrupted.uc_mcontext.gregs[REG_RIP]);
+#elif defined(__aarch64__)
+  return reinterpret_cast<const void*>(interrupted.uc_mcontext.pc);
+#else
+  static_cast<void>(interrupted);
+  return nullptr;
+#endif
+}
+
+/// The code of the C library and of the dynamic linker. An interrupted function of them may hold a lock that this
+/// process needs, as that of the heap.
+struct LibraryCode {
+  std::uintptr_t begin = 0, end = 0;
+};
+std::array<LibraryCode, 4> library_code;
+
+void find_library_code() {
+  std::size_t count = 0;
+  dl_iterate_phdr(
+      [](dl_phdr_info* object, std::size_t, void* found) {
+        const std::string_view name = object->dlpi_name ? object->dlpi_name : "";
+        const bool is_library =
+            name.ends_with("/" LIBC_SO) || name.ends_with("/" LD_SO) || name.find("libclang_rt.asan") != name.npos;
+        for (int i = 0; is_library && i < object->dlpi_phnum; ++i) {
+          const ElfW(Phdr)& segment = object->dlpi_phdr[i];
+          if (segment.p_type != PT_LOAD || !(segment.p_flags & PF_X)) continue;
+          std::size_t& next = *static_cast<std::size_t*>(found);
+          if (next == library_code.size()) return 1;
+          const std::uintptr_t begin = object->dlpi_addr + segment.p_vaddr;
+          library_code[next++] = {begin, begin + segment.p_memsz};
+        }
+        return 0;
+      },
+      &count);
+}
+
+bool is_in_library(const ucontext_t& interrupted) {
+  const auto place = reinterpret_cast<std::uintptr_t>(program_counter(interrupted));
+  return std::any_of(library_code.begin(), library_code.end(),
+                     [place](const LibraryCode& code) { return place >= code.begin && place < code.end; });
+}
+
 /// Also called in a signal handler.
 const char* describe_signal(int signal_number) {
   switch (signal_number) {
@@ -103,6 +153,8 @@ const char* describe_signal(int signal_number) {
     case SIGFPE: return "crashed: arithmetic fault (as a division of an integer by zero)";
     case SIGILL: return "crashed: illegal instruction";
     case SIGABRT: return "crashed: it called abort, or an assertion of its own failed";
+    case damaged_heap:
+      return "crashed: the C library found damaged memory (a write beyond an allocation, or a second free)";
     case SIGALRM: return "was ended by SIGALRM, of a timer that nobody handles (alarm or setitimer)";
     case SIGVTALRM: return "was ended by SIGVTALRM, of a timer that nobody handles (setitimer)";
     case SIGPROF: return "was ended by SIGPROF, of a timer that nobody handles (setitimer)";
@@ -119,7 +171,15 @@ bool is_fault(int signal_number) {
 extern "C" void leave_guarded_code(int signal_number, siginfo_t* fault, void* interrupted) {
   const bool overflowed = (signal_number == SIGSEGV || signal_number == SIGBUS) &&
                           is_stack_overflow(*fault, *static_cast<const ucontext_t*>(interrupted));
-  const int reason = overflowed ? stack_overflow : signal_number;
+  const bool in_library = is_in_library(*static_cast<const ucontext_t*>(interrupted));
+  const int reason = overflowed                               ? stack_overflow
+                     : in_library && signal_number == SIGABRT ? damaged_heap
+                                                              : signal_number;
+  if (in_library && !is_forked_by_guest()) {
+    // The process can't go on: its next call of the function may wait for ever. Its parent reports the failure.
+    if (in_guarded_call()) fail_process(signal_number == hang_signal ? nullptr : describe_signal(reason));
+    if (own_threads && signal_number != hang_signal) fail_process_by_thread(describe_signal(reason));
+  }
   if (in_guarded_call()) {
     guarding = 0;
     siglongjmp(return_point, reason);
@@ -212,6 +272,7 @@ void install_handlers() {
   static bool installed = false;
   if (installed) return;
   installed = true;
+  find_library_code();
   struct sigaction action {};
   action.sa_sigaction = leave_guarded_code;
   // SA_NODEFER: the signal isn't blocked after siglongjmp leaves the handler.
@@ -367,6 +428,12 @@ SignalStack::~SignalStack() {
 bool ends_calls(int signal_number) {
   return signal_number == hang_signal ||
          std::find(std::begin(caught_signals), std::end(caught_signals), signal_number) != std::end(caught_signals);
+}
+
+void abort_guarded_call() {
+  REHEARSE_ASSERT(in_guarded_call(), "there is a call to leave");
+  guarding = 0;
+  siglongjmp(return_point, SIGABRT);
 }
 
 void leave_guarded_call(const char* deed) {

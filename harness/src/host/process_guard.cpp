@@ -242,6 +242,7 @@ ProcessGuard& ProcessGuard::instance() {
 }
 
 void ProcessGuard::protect(int descriptor, std::string name) {
+  if (descriptor < 0) return;
   const std::scoped_lock lock(mutex_);
   protected_.emplace_back(descriptor, std::move(name));
 }

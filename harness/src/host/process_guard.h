@@ -46,7 +46,7 @@ class ProcessGuard {
   /// The only guard of the process.
   static ProcessGuard& instance();
 
-  /// Guarded code can't close this descriptor from now on. `name`: "the recording".
+  /// Guarded code can't close this descriptor from now on; -1: there is none. `name`: "the recording".
   void protect(int descriptor, std::string name);
   /// The owner has closed the descriptor.
   void release(int descriptor);

@@ -48,7 +48,7 @@ using rehearse::ThreadCount;
 /// that don't the same type name.
 // clang-format off
 #define REHEARSE_TRIPWIRES(FUNCTION) \
-  FUNCTION(exit) FUNCTION(_exit) FUNCTION(_Exit) FUNCTION(quick_exit) FUNCTION(execve) FUNCTION(execv) \
+  FUNCTION(exit) FUNCTION(_exit) FUNCTION(_Exit) FUNCTION(quick_exit) FUNCTION(abort) FUNCTION(execve) FUNCTION(execv) \
   FUNCTION(execvp) FUNCTION(execvpe) FUNCTION(fexecve) FUNCTION(fork) FUNCTION(syscall) FUNCTION(setrlimit) \
   FUNCTION(setrlimit64) FUNCTION(prlimit) FUNCTION(prlimit64) FUNCTION(chdir) FUNCTION(fchdir) FUNCTION(umask) \
   FUNCTION(setlocale) FUNCTION(uselocale) FUNCTION(setenv) FUNCTION(unsetenv) FUNCTION(putenv) FUNCTION(clearenv) \
@@ -218,6 +218,23 @@ REHEARSE_EXIT(exit, (int status) noexcept)
 REHEARSE_EXIT(_exit, (int status))
 REHEARSE_EXIT(_Exit, (int status) noexcept)
 REHEARSE_EXIT(quick_exit, (int status) noexcept)
+
+/// The C library's own aborts, as after damage of the heap, don't come here: only calls by other code, which holds none
+/// of its locks.
+void abort() noexcept {
+  if (rehearse::in_guarded_call()) rehearse::abort_guarded_call();
+  NEXT(abort)();
+  __builtin_unreachable();
+}
+
+/// assert() of the C library, whose own abort would look like one after damage of the heap.
+void __assert_fail(const char* assertion, const char* file, unsigned int line,
+                              const char* function) noexcept {
+  std::fprintf(stderr, "%s: %s:%u: %s: Assertion `%s' failed.\n", program_invocation_short_name, file, line,
+               function ? function : "?", assertion);
+  std::fflush(stderr);
+  abort();
+}
 
 /// A function that makes the process a different program.
 #define REHEARSE_EXEC(function, parameters, arguments) \

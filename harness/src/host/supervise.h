@@ -6,8 +6,8 @@ namespace rehearse {
 /// Must be called in main() after pin_process(), before there are threads. The program continues in a child process.
 /// This process waits for it, passes signals on and ends with its exit status. A controller may end the child past the
 /// C library: by a system call, a resource limit, damaged memory. Then this process reports the controller and the
-/// tick, saves the recorded data and ends with exit status 3. It has no effect under a debugger or valgrind, which
-/// would not follow the program.
+/// tick, closes the recordings and ends with exit status 3. It has no effect under a debugger or valgrind, which
+/// would not follow the program, or if the environment has REHEARSE_SUPERVISE=off.
 void supervise_process();
 
 /// Sets the present task of the program for that report, as "test Walk.IsAsBefore", and the number of remaining tasks.

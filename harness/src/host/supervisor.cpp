@@ -17,27 +17,31 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <new>
 #include <string>
+#include <utility>
 
 #include "guarded_call.h"
 #include "interruption.h"
-#include "mcap/recover.h"
+#include "keeper/remote_writer.h"
+#include "keeper/ring.h"
+#include "keeper/trace_keeper.h"
 #include "supervise.h"
 
 namespace rehearse {
 namespace {
 
-constexpr int controller_failed = 3;  // the exit status
-constexpr double patience = 5.0;      // time for a child to report a call that took too long [s]
-constexpr timespec silence{1, 0};     // after which a silent child is checked
+constexpr int controller_failed = 3;                  // the exit status
+constexpr double patience = 0.5;                      // time for a child to end a call that took too long [s]
+constexpr timespec child_look_period{0, 50'000'000};  // at which the child is looked at
+constexpr double longest_look = 1.0;                  // after a longer interval this process was stopped [s]
 
 /// Memory that parent and child share. The child writes, and may be killed at any time.
 struct Notes {
   std::atomic<std::uint64_t> calls{0};  // number of begins and ends; odd: a call is running
   std::atomic<bool> announced{false};
-  std::atomic<bool> recording{false};  // `file` is being written
-  int status = 0;                      // the announced exit status
+  int status = 0;  // the announced exit status
   std::int64_t tick = 0;
   double time = 0.0;   // [s] of simulation
   double limit = 0.0;  // [s]
@@ -45,7 +49,8 @@ struct Notes {
   char controller[256] = {};
   char function[64] = {};
   char task[512] = {};
-  char file[4096] = {};
+  char deed[256] = {};            // after the controller's name: how its call failed
+  std::atomic<bool> hung{false};  // the call exceeded its limit
 };
 
 Notes* notes = nullptr;  // null: this process has no supervisor
@@ -57,89 +62,127 @@ void put(char (&place)[size], const char* text) {
   place[length] = '\0';
 }
 
+/// A guest may have written into the notes.
+template <std::size_t size>
+std::string text_of(const char (&place)[size]) {
+  return std::string(place, strnlen(place, size));
+}
+
+/// True if a debugger traces the child.
+bool is_traced_by_other(pid_t child) {
+  std::ifstream status(fmt::format("/proc/{}/status", child));
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("TracerPid:")) {
+      const long tracer = std::atol(line.c_str() + line.find(':') + 1);
+      return tracer != 0 && tracer != getpid();
+    }
+  return false;
+}
+
 /// The waiting parent.
 class Parent {
  public:
-  explicit Parent(pid_t child) : child_(child) {}
+  Parent(pid_t child, Ring& ring) : child_(child), keeper_(ring) {}
   [[noreturn]] void run();
 
  private:
   bool has_ended();
   void pass_on(const siginfo_t& signal);
+  void stop_with_child();
   void look_for_hang();
+  void kill_child();
   bool was_interrupted() const;
   bool lost_its_reader() const;
-  [[noreturn]] void mirror() const;
+  [[noreturn]] void leave(int status);
+  [[noreturn]] void mirror();
   std::string sentence() const;
-  std::string saved() const;
+  std::string close_traces();
 
   const pid_t child_;
+  TraceKeeper keeper_;
   int ended_ = 0;        // as returned by waitpid()
   sigset_t received_{};  // signals from outside
   std::uint64_t calls_ = 0;
-  std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now(), looked_ = since_;
   bool hung_ = false;
 };
 
 void Parent::run() {
-  // Signals that stop a job keep their actions: a shell waits until this process has stopped, too.
   sigset_t all;
   sigfillset(&all);
-  for (const int number : {SIGTSTP, SIGTTIN, SIGTTOU, SIGCONT}) sigdelset(&all, number);
   sigemptyset(&received_);
   while (!has_ended()) {
     siginfo_t signal{};
-    const int number = sigtimedwait(&all, &signal, &silence);
-    if (number > 0 && number != SIGCHLD) pass_on(signal);
-    if (number < 0 && errno == EAGAIN) look_for_hang();
+    const int number = sigtimedwait(&all, &signal, &child_look_period);
+    if (number == SIGTSTP || number == SIGTTIN || number == SIGTTOU)
+      stop_with_child();
+    else if (number > 0 && number != SIGCHLD)
+      pass_on(signal);
+    if (keeper_.is_damaged()) kill_child();
+    look_for_hang();
   }
   for (siginfo_t signal{}; sigtimedwait(&all, &signal, std::array<timespec, 1>{}.data()) > 0;)
     sigaddset(&received_, signal.si_signo);
+  kill(-child_, SIGKILL);  // processes that a controller forked
+  keeper_.finish();
   if (lost_its_reader()) {
-    if (notes->recording) static_cast<void>(saved());
+    static_cast<void>(close_traces());
     mirror();
   }
-  const bool announced = notes->announced;
-  if (announced && WIFEXITED(ended_)) _exit(WEXITSTATUS(ended_) != 0 ? WEXITSTATUS(ended_) : notes->status);
-  if (announced) _exit(notes->status != 0 ? notes->status : controller_failed);
+  const bool announced = notes->announced && !keeper_.is_damaged();
+  if (announced && WIFEXITED(ended_)) leave(WEXITSTATUS(ended_) != 0 ? WEXITSTATUS(ended_) : notes->status);
+  if (announced) leave(notes->status != 0 ? notes->status : controller_failed);
   if (notes->calls == 0 || was_interrupted()) mirror();
   std::string text = "error: " + sentence() + "\n";
   if (notes->task[0] != '\0')
-    text += fmt::format("error: it was in {}; {} not run\n", notes->task,
+    text += fmt::format("error: it was in {}; {} not run\n", text_of(notes->task),
                         notes->tasks_left == 1 ? "1 after it was" : fmt::format("{} after it were", notes->tasks_left));
-  if (notes->recording) text += saved() + "\n";
+  text += close_traces();
   std::fputs(text.c_str(), stderr);
-  _exit(controller_failed);
+  leave(controller_failed);
 }
 
 bool Parent::has_ended() {
   pid_t ended = 0;
   do ended = waitpid(child_, &ended_, WNOHANG);
   while (ended < 0 && errno == EINTR);
+  if (ended == child_ && WIFSTOPPED(ended_)) return false;  // it made this process its tracer
   return ended == child_ || ended < 0;
 }
 
-/// A terminal signals all of its foreground processes, the child among them; only a signal to this process alone is
-/// passed on.
+/// The child is in a process group of its own, so that a controller's signal to its group doesn't reach this process.
+/// So signals of the terminal don't reach the child.
 void Parent::pass_on(const siginfo_t& signal) {
+  if (signal.si_code <= 0 && signal.si_pid == child_) return;
   sigaddset(&received_, signal.si_signo);
-  const bool from_outside = signal.si_code <= 0 && signal.si_pid != child_;
-  if (from_outside) kill(child_, signal.si_signo);
+  kill(child_, signal.si_signo);
 }
 
-/// Kills a child with a hanging call. The child reports such a call itself, unless its controller disabled the signal
-/// for that, or holds a lock that the report needs.
+/// The shell waits until this process has stopped, and continues it.
+void Parent::stop_with_child() {
+  kill(-child_, SIGSTOP);
+  raise(SIGSTOP);
+  kill(-child_, SIGCONT);
+}
+
+/// The group, because a controller may have forked.
+void Parent::kill_child() { kill(-child_, SIGKILL); }
+
+/// Kills a child with a hanging call. The child ends such a call itself, unless its controller disabled the signal for
+/// that, is stopped, or waits in the C library.
 void Parent::look_for_hang() {
   const std::uint64_t calls = notes->calls;
   const auto now = std::chrono::steady_clock::now();
-  if (calls != calls_ || calls % 2 == 0) {
+  const auto seconds_since = [now](auto past) { return std::chrono::duration<double>(now - past).count(); };
+  if (calls != calls_ || calls % 2 == 0 || seconds_since(std::exchange(looked_, now)) > longest_look) {
     calls_ = calls;
     since_ = now;
+    looked_ = now;
   }
-  const double silent = std::chrono::duration<double>(now - since_).count();
-  if (silent < 2.0 * notes->limit + patience || is_traced(fmt::format("/proc/{}/status", child_).c_str())) return;
+  if (seconds_since(since_) < notes->limit + patience) return;
+  if (is_traced_by_other(child_)) return;
   hung_ = true;
-  kill(child_, SIGKILL);
+  kill_child();
 }
 
 /// True if both processes were interrupted by the same sender.
@@ -156,9 +199,16 @@ bool Parent::lost_its_reader() const {
   return WIFSIGNALED(ended_) && WTERMSIG(ended_) == SIGPIPE && (notes->calls == 0 || is_reader_gone());
 }
 
+/// Recordings that are still open stay without their end: the child gave them up.
+void Parent::leave(int status) {
+  keeper_.drop_traces();
+  _exit(status);
+}
+
 /// Ends in the same way as the child.
-void Parent::mirror() const {
-  if (WIFEXITED(ended_)) _exit(WEXITSTATUS(ended_));
+void Parent::mirror() {
+  if (WIFEXITED(ended_)) leave(WEXITSTATUS(ended_));
+  keeper_.drop_traces();
   const int number = WTERMSIG(ended_);
   const rlimit no_core{};
   setrlimit(RLIMIT_CORE, &no_core);
@@ -172,32 +222,31 @@ void Parent::mirror() const {
 }
 
 std::string Parent::sentence() const {
-  const std::string function = notes->function;
+  const std::string function = text_of(notes->function), controller = text_of(notes->controller);
   const std::string where = function == loading || function == unloading
                                 ? fmt::format("while its library was {}", function)
                                 : fmt::format("in {}() at tick {} ({} s)", function, notes->tick, notes->time);
-  if (hung_)
-    return fmt::format("controller '{}' did not return within {} s {}, and its process had to be killed",
-                       notes->controller, notes->limit, where);
+  if (hung_ || notes->hung)
+    return fmt::format("controller '{}' did not return within {} s {}", controller, notes->limit, where);
+  if (keeper_.is_damaged())
+    return fmt::format("controller '{}' wrote into memory that is not its own {}", controller, where);
   const std::string how = WIFEXITED(ended_) ? fmt::format("with exit status {}", WEXITSTATUS(ended_))
                                             : fmt::format("by SIG{}", sigabbrev_np(WTERMSIG(ended_)));
-  if (notes->calls % 2 == 1)
-    return fmt::format("controller '{}' ended the process {} {}", notes->controller, how, where);
+  if (notes->deed[0] != '\0') return fmt::format("controller '{}' {} {}", controller, text_of(notes->deed), where);
+  if (notes->calls % 2 == 1) return fmt::format("controller '{}' ended the process {} {}", controller, how, where);
   return fmt::format(
       "the process was ended {} after controller '{}' was called {}: by a thread, timer or limit that a controller "
       "set, by memory that it damaged, or from outside",
-      how, notes->controller, where);
+      how, controller, where);
 }
 
-/// Recovers the recording as far as it was written.
-std::string Parent::saved() const {
-  const std::filesystem::path file = notes->file, saved = file.string() + ".saved";
-  const auto recovery = mcap::recover(file, saved);
-  std::error_code failed;
-  if (recovery) std::filesystem::rename(saved, file, failed);
-  if (!recovery || failed) return fmt::format("nothing of the trace {} can be saved", file.string());
-  return fmt::format("the trace, as far as it was written, to {:g} s: {}",
-                     static_cast<double>(recovery->last_time) / 1e9, file.string());
+/// Closes the recordings with all that the child has sent. Returns a line for each.
+std::string Parent::close_traces() {
+  std::string text;
+  for (const std::string& line :
+       keeper_.close_failed({text_of(notes->controller), sentence(), notes->tick, notes->time}))
+    text += line + "\n";
+  return text;
 }
 
 void announce(int status, void*) { announce_end(status); }
@@ -205,20 +254,27 @@ void announce(int status, void*) { announce_end(status); }
 }  // namespace
 
 void supervise_process() {
+  const char* const wish = std::getenv("REHEARSE_SUPERVISE");
+  if (wish && std::string_view(wish) == "off") return;
   if (notes || is_traced() || runs_under_valgrind()) return;  // under valgrind it would become two programs
   void* shared = mmap(nullptr, sizeof(Notes), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  if (shared == MAP_FAILED) return;
+  Ring* const ring = Ring::create();
+  if (shared == MAP_FAILED || !ring) return;
   notes = new (shared) Notes;
   std::fflush(nullptr);
   // The program that started this one may ignore it: then the end of a child would not be reported.
   signal(SIGCHLD, SIG_DFL);
   sigset_t all, before;
   sigfillset(&all);
-  for (const int number : {SIGTSTP, SIGTTIN, SIGTTOU, SIGCONT}) sigdelset(&all, number);
   sigprocmask(SIG_BLOCK, &all, &before);
   const pid_t parent = getpid(), child = fork();
-  if (child > 0) Parent(child).run();
+  if (child > 0) {
+    setpgid(child, child);
+    Parent(child, *ring).run();
+  }
   if (child == 0) {
+    setpgid(0, 0);
+    send_recordings_through(*ring);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(controller_failed);
     on_exit(announce, nullptr);
@@ -249,12 +305,19 @@ void note_call_end() {
   if (notes) notes->calls.fetch_add(1, std::memory_order_release);
 }
 
-void note_recording(const std::filesystem::path& file) {
+void fail_process(const char* deed) {
   if (!notes) return;
-  notes->recording = false;
-  std::error_code ignored;
-  put(notes->file, std::filesystem::absolute(file, ignored).c_str());
-  notes->recording = !file.empty();
+  if (deed) put(notes->deed, deed);
+  notes->hung = !deed;
+  kill(getpid(), SIGKILL);
+}
+
+void fail_process_by_thread(const char* deed) {
+  if (!notes) return;
+  put(notes->deed, "started a thread that ");
+  const std::size_t length = std::strlen(notes->deed);
+  std::strncpy(notes->deed + length, deed, sizeof notes->deed - length - 1);
+  kill(getpid(), SIGKILL);
 }
 
 /// In a call it is the controller, or a thread of its own, that ends the process.

@@ -2,12 +2,11 @@
 //
 // A controller can end its process in ways that the process itself can't handle: by a system call, a resource limit,
 // damaged memory. Nothing in that process can report this. So the process that runs controllers is the child of a
-// waiting parent; it notes in shared memory which controller is called. An end that was not announced is a failed
-// controller.
+// parent that writes its recordings (keeper/). The child notes in shared memory which controller is called. An end that
+// was not announced is a failed controller: the parent closes the recordings with that failure.
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 
 namespace rehearse {
 
@@ -20,8 +19,12 @@ inline constexpr const char* unloading = "unloaded";
 void note_call_begin(const char* controller, const char* function, std::int64_t tick, double time, double limit);
 void note_call_end();
 
-/// Sets the recording that is being written; empty: none.
-void note_recording(const std::filesystem::path& file);
+/// Ends the process because a controller's call failed in a way that leaves the process unusable: `deed` after the
+/// controller's name, "crashed: ..."; null: it exceeded its limit. Returns if there is no parent to report it. They are
+/// called in signal handlers.
+void fail_process(const char* deed);
+/// The same for a failure of a thread that a controller started.
+void fail_process_by_thread(const char* deed);
 
 /// Announces that the process will regularly end with this exit status.
 void announce_end(int status);

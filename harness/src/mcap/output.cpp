@@ -111,8 +111,8 @@ void Output::compose(ChunkData& chunk) {
     const std::size_t data_at = head - shift + record_head + message_head;
     copy(copied, data_at);
     copied = data_at;
-    const std::vector<std::byte> data = message.compose();
-    message.compose = nullptr;  // releases its memory
+    const std::vector<std::byte> data = message.compose(message.raw);
+    message.raw = {};  // releases its memory
     const std::uint64_t length = message_head + data.size();
     std::memcpy(&composed_[head + 1], &length, sizeof length);
     composed_.insert(composed_.end(), data.begin(), data.end());

@@ -21,7 +21,8 @@ namespace rehearse::mcap {
 /// A deferred message of a chunk: its record has no data so far.
 struct PutOff {
   std::size_t entry = 0;  // its entry in the chunk's index
-  std::function<std::vector<std::byte>()> compose;
+  std::vector<std::byte> raw;
+  Compose compose = nullptr;
 };
 
 /// A chunk while it is filled, and until it is written; or messages that will be in no chunk.

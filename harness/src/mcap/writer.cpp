@@ -1,3 +1,4 @@
+#include "definitions.h"
 #include "output.h"
 
 #include <fmt/format.h>
@@ -13,8 +14,6 @@ namespace rehearse::mcap {
 namespace {
 /// Later than any log time.
 constexpr std::uint64_t no_time = std::numeric_limits<std::uint64_t>::max();
-constexpr std::size_t most_schemas = 0xffff;  // the id 0 means none
-constexpr std::size_t most_channels = 0x10000;
 }  // namespace
 
 /// The only implementation of Writer.
@@ -35,7 +34,7 @@ class FileWriter final : public Writer {
   Result<void> write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, Bytes data,
                      std::optional<std::uint32_t> sequence) override;
   Result<void> write_later(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, std::size_t held,
-                           std::function<std::vector<std::byte>()> compose) override;
+                           std::vector<std::byte> raw, Compose compose) override;
   Result<void> add_attachment(std::string_view name, std::string_view media_type, Bytes data, std::uint64_t log_time,
                               std::uint64_t create_time) override;
   Result<void> add_metadata(std::string_view name, const StringMap& values) override;
@@ -54,7 +53,7 @@ class FileWriter final : public Writer {
     bool defined_in_open = false;  // its definition is in the open chunk of its group
   };
 
-  static std::size_t index_of(std::uint16_t channel) { return static_cast<std::uint16_t>(channel - 1); }
+  static std::size_t index_of(std::uint16_t channel) { return Definitions::index_of(channel); }
   std::size_t find_or_add_group(ChunkGroup key);
   void define_in_chunk(std::uint16_t channel, ChunkData& chunk);
   /// The log time at which the chunk must be finished by age.
@@ -68,10 +67,8 @@ class FileWriter final : public Writer {
   void finish_old_chunks(std::uint64_t now);
 
   const WriterOptions options_;
-  std::vector<Schema> schemas_;
-  std::multimap<std::string, std::uint16_t, std::less<>> schemas_by_name_;
-  std::vector<Channel> channels_;     // at index_of(id)
-  std::vector<ChannelState> states_;  // parallel to channels_
+  Definitions definitions_;
+  std::vector<ChannelState> states_;  // parallel to the channels
   std::vector<Group> groups_;
   std::uint64_t next_deadline_ = no_time;       // log time at which the first chunk must be finished
   std::uint64_t unwritten_deadline_ = no_time;  // the same time for chunks in the queue
@@ -83,47 +80,38 @@ class FileWriter final : public Writer {
 };
 
 std::uint16_t FileWriter::add_schema(std::string_view name, std::string_view encoding, std::string_view data) {
-  const auto [first, last] = schemas_by_name_.equal_range(name);
-  for (auto place = first; place != last; ++place) {
-    const Schema& schema = schemas_[place->second - 1u];
-    if (schema.encoding == encoding && schema.data == data) return schema.id;
-  }
-  if (schemas_.size() == most_schemas) {
-    output_.fail(error(fmt::format("the schema {} is one too many: a file contains at most {}", name, most_schemas)));
-    return 0;
-  }
-  schemas_.push_back(
-      {static_cast<std::uint16_t>(schemas_.size() + 1), std::string(name), std::string(encoding), std::string(data)});
-  schemas_by_name_.emplace(name, schemas_.back().id);
-  if (!options_.form.has_definitions_in_chunks()) {
+  bool added = false;
+  const std::uint16_t id = definitions_.add_schema(name, encoding, data, added);
+  if (id == 0)
+    output_.fail(error(
+        fmt::format("the schema {} is one too many: a file contains at most {}", name, Definitions::most_schemas)));
+  if (added && !options_.form.has_definitions_in_chunks()) {
     RawJob job;
     ByteWriter out(job.bytes);
-    put_schema(out, schemas_.back());
+    put_schema(out, definitions_.schema(id));
     output_.push(std::move(job));
   }
-  return schemas_.back().id;
+  return id;
 }
 
 std::uint16_t FileWriter::add_channel(std::uint16_t schema, std::string_view topic, std::string_view message_encoding,
                                       StringMap metadata, ChunkGroup group) {
-  REHEARSE_ASSERT(schema <= schemas_.size(), "a channel's schema is added before it");
-  if (channels_.size() == most_channels) {
-    output_.fail(
-        error(fmt::format("the channel {} is one too many: a file contains at most {}", topic, most_channels)));
-    return channels_.back().id;
+  REHEARSE_ASSERT(schema <= definitions_.schemas().size(), "a channel's schema is added before it");
+  if (!definitions_.has_room_for_a_channel()) {
+    output_.fail(error(
+        fmt::format("the channel {} is one too many: a file contains at most {}", topic, Definitions::most_channels)));
+    return definitions_.channels().back().id;
   }
   if (options_.profile == "ros2") metadata.try_emplace("offered_qos_profiles");
-  const auto id = static_cast<std::uint16_t>(channels_.size() + 1);  // the last id is 0
-  Channel channel{id, schema, std::string(topic), std::string(message_encoding), std::move(metadata)};
+  const std::uint16_t id = definitions_.add_channel(schema, topic, message_encoding, std::move(metadata));
   if (!options_.form.has_definitions_in_chunks()) {
     RawJob job;
     ByteWriter out(job.bytes);
-    put_channel(out, channel);
+    put_channel(out, definitions_.channel(id));
     output_.push(std::move(job));
   }
   states_.push_back({find_or_add_group(group)});
-  channels_.push_back(std::move(channel));
-  return channels_.back().id;
+  return id;
 }
 
 std::size_t FileWriter::find_or_add_group(ChunkGroup key) {
@@ -139,7 +127,7 @@ std::size_t FileWriter::find_or_add_group(ChunkGroup key) {
 /// Appends the head of a message's record, for `size` bytes of data, to the open chunk of its channel's group.
 FileWriter::Group& FileWriter::begin_message(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time,
                                              std::size_t size, std::optional<std::uint32_t> numbered) {
-  REHEARSE_ASSERT(index_of(channel) < channels_.size(), "a message's channel is added before it");
+  REHEARSE_ASSERT(definitions_.has_channel(channel), "a message's channel is added before it");
   REHEARSE_ASSERT(!closed_, "nothing is written to a closed trace");
   if (log_time >= next_deadline_) finish_old_chunks(log_time);
   ChannelState& state = states_[index_of(channel)];
@@ -176,9 +164,9 @@ FileWriter::Group& FileWriter::begin_message(std::uint16_t channel, std::uint64_
 
 /// Writes the definitions of a channel before its first message in a chunk.
 void FileWriter::define_in_chunk(std::uint16_t channel, ChunkData& chunk) {
-  const Channel& definition = channels_[index_of(channel)];
+  const Channel& definition = definitions_.channel(channel);
   ByteWriter out(chunk.records);
-  if (definition.schema_id != 0) put_schema(out, schemas_[definition.schema_id - 1u]);
+  if (definition.schema_id != 0) put_schema(out, definitions_.schema(definition.schema_id));
   put_channel(out, definition);
   chunk.defined.push_back(channel);
   states_[index_of(channel)].defined_in_open = true;
@@ -192,9 +180,9 @@ Result<void> FileWriter::write(std::uint16_t channel, std::uint64_t log_time, st
 }
 
 Result<void> FileWriter::write_later(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time,
-                                     std::size_t held, std::function<std::vector<std::byte>()> compose) {
+                                     std::size_t held, std::vector<std::byte> raw, Compose compose) {
   Group& group = begin_message(channel, log_time, publish_time, 0);
-  group.open.put_off.push_back({group.open.index.size() - 1, std::move(compose)});
+  group.open.put_off.push_back({group.open.index.size() - 1, std::move(raw), compose});
   group.open.held += held;
   return end_message(group);
 }
@@ -269,15 +257,15 @@ Result<void> FileWriter::close() {
   finish_old_chunks(no_time);
   Statistics statistics;
   statistics.message_count = message_count_;
-  statistics.schema_count = static_cast<std::uint16_t>(schemas_.size());
-  statistics.channel_count = static_cast<std::uint32_t>(channels_.size());
+  statistics.schema_count = static_cast<std::uint16_t>(definitions_.schemas().size());
+  statistics.channel_count = static_cast<std::uint32_t>(definitions_.channels().size());
   statistics.message_start_time = message_count_ == 0 ? 0 : start_time_;
   statistics.message_end_time = end_time_;
-  for (const Channel& channel : channels_) {
+  for (const Channel& channel : definitions_.channels()) {
     const std::uint64_t count = states_[index_of(channel.id)].count;
     if (count > 0) statistics.channel_message_counts[channel.id] = count;
   }
-  closed_ = output_.finish(schemas_, channels_, statistics);
+  closed_ = output_.finish(definitions_.schemas(), definitions_.channels(), statistics);
   return *closed_;
 }
 

@@ -120,18 +120,16 @@ Result<void> DeviceRecorder::write_pictures(TraceOutput& output, std::int64_t ti
   info.header = header;
   if (auto done = output.write(info_, tick, info); !done) return done;
   if (!depth_ || !reading.depth) return {};
-  const std::size_t held = reading.depth->meters.size() * sizeof(float);
-  return output.write_later<msg::Image>(depth_, tick, held, [header, picture = reading.depth] {
-    msg::Image depth;
-    depth.header = header;
-    depth.width = static_cast<std::uint32_t>(picture->width);
-    depth.height = static_cast<std::uint32_t>(picture->height);
-    depth.encoding = "32FC1";
-    depth.step = depth.width * static_cast<std::uint32_t>(sizeof(float));
-    depth.data.resize(picture->meters.size() * sizeof(float));
-    std::memcpy(depth.data.data(), picture->meters.data(), depth.data.size());
-    return depth;
-  });
+  const DepthImage& picture = *reading.depth;
+  msg::Image depth;
+  depth.header = header;
+  depth.width = static_cast<std::uint32_t>(picture.width);
+  depth.height = static_cast<std::uint32_t>(picture.height);
+  depth.encoding = "32FC1";
+  depth.step = depth.width * static_cast<std::uint32_t>(sizeof(float));
+  depth.data.resize(picture.meters.size() * sizeof(float));
+  std::memcpy(depth.data.data(), picture.meters.data(), depth.data.size());
+  return output.write(depth_, tick, depth);
 }
 
 /// A picture without a file is encoded while the simulation continues. Null: the camera was switched off.
@@ -139,8 +137,8 @@ Result<void> DeviceRecorder::write_color(TraceOutput& output, std::int64_t tick,
                                          const std::shared_ptr<const Image>& image) const {
   if (!image) return output.write(color_, tick, msg::CompressedImage{header, "", {}});
   ++output.size.frames;
-  return output.write_later<msg::CompressedImage>(color_, tick, image->pixels.size() + image->file.size(),
-                                                  [header, image] { return message_of(header, *image); });
+  return output.write_later(color_, tick, image->pixels.size() + image->file.size(), raw_picture(header, *image),
+                            compose_picture);
 }
 
 }  // namespace rehearse

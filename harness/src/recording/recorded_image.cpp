@@ -1,5 +1,7 @@
 #include "recorded_image.h"
 
+#include <rehearse/cdr.h>
+
 #include <string>
 #include <utility>
 
@@ -17,7 +19,35 @@ std::string jpeg_format_of(const Image& image) {
   return jpeg_format + hash_text(hash_bytes(image.pixels.data(), image.pixels.size()));
 }
 
+/// A picture that isn't encoded so far.
+struct RawPicture {
+  static constexpr std::string_view type_name = "RawPicture";
+  msg::Header header;
+  std::int32_t width = 0, height = 0;
+  std::vector<std::uint8_t> pixels, file;
+  REHEARSE_FIELDS(header, width, height, pixels, file)
+};
+
+template <class Message>
+std::vector<std::byte> cdr_of(const Message& message) {
+  CdrWriter cdr;
+  msg::encode(message, cdr);
+  return {cdr.bytes().begin(), cdr.bytes().end()};
+}
+
 }  // namespace
+
+std::vector<std::byte> raw_picture(const msg::Header& header, const Image& image) {
+  return cdr_of(RawPicture{header, image.width, image.height, image.pixels, image.file});
+}
+
+std::vector<std::byte> compose_picture(std::span<const std::byte> raw) {
+  CdrReader reader(raw);
+  RawPicture picture;
+  REHEARSE_ASSERT(msg::decode(reader, picture), "raw_picture() made these bytes");
+  return cdr_of(message_of(
+      picture.header, {picture.width, picture.height, std::move(picture.pixels), std::move(picture.file)}));
+}
 
 msg::CompressedImage message_of(const msg::Header& header, const Image& image) {
   if (image.file.empty()) return {header, png_format, encode_png(image)};

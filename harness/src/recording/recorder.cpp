@@ -11,6 +11,7 @@
 
 #include "contact_recorder.h"
 #include "device_recorder.h"
+#include "keeper/remote_writer.h"
 #include "provenance.h"
 #include "side_recorder.h"
 #include "trace/range_messages.h"
@@ -130,7 +131,7 @@ int Recorder::descriptor() const { return impl_->writer->descriptor(); }
 Result<std::unique_ptr<Recorder>> Recorder::create(const std::filesystem::path& file, const Scenario& scenario,
                                                    const mcap::StringMap& provenance) {
   auto impl = std::make_unique<Impl>(scenario);
-  auto writer = mcap::Writer::create(file);
+  auto writer = create_recording(file);
   if (!writer) return writer.errors();
   impl->writer = std::move(*writer);
   if (auto attached = impl->attach_sources(); !attached) return attached.errors();
@@ -192,6 +193,7 @@ void Recorder::declare(const ControllerHost* host) {
                                                    {{"axes", fmt::format("{}", fmt::join(joystick_axes, " "))},
                                                     {"buttons", fmt::format("{}", fmt::join(joystick_buttons, " "))}});
   if (host) impl.declare_controllers(*host);
+  if (impl.writer) add_metadata_at_failure(*impl.writer, records::devices_read, impl.devices_read);
   impl.transform_channel = impl.channel<msg::TFMessage>(ChannelName::of_run(ChannelKind::transforms));
   impl.contact_recorder.emplace(impl, impl.scenario);
   impl.checkpoint_channel = impl.channel<msg::Checkpoint>(ChannelName::of_run(ChannelKind::checkpoint));

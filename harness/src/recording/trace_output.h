@@ -7,7 +7,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -62,17 +61,12 @@ struct TraceOutput {
     return writer->write(to, now, now, cdr_.bytes());
   }
 
-  /// Writes a message that takes long to make: it is made on the writer's thread, from data that doesn't change any
-  /// more. `held`: size of the memory that is used until then [bytes].
-  template <class T>
-  Result<void> write_later(std::uint16_t to, std::int64_t tick, std::size_t held, std::function<T()> make) {
+  /// Writes a message that takes long to compose. `held`: the size by which it counts until then [bytes].
+  Result<void> write_later(std::uint16_t to, std::int64_t tick, std::size_t held, std::vector<std::byte> raw,
+                           mcap::Compose compose) {
     ++size.messages;
     const std::uint64_t now = nanoseconds_of(tick, time_step);
-    return writer->write_later(to, now, now, held, [make = std::move(make)] {
-      CdrWriter cdr;
-      msg::encode(make(), cdr);
-      return std::vector<std::byte>(cdr.bytes().begin(), cdr.bytes().end());
-    });
+    return writer->write_later(to, now, now, held, std::move(raw), compose);
   }
 
   msg::Time stamp(std::int64_t tick) const { return msg::Time::from_ns(nanoseconds_of(tick, time_step)); }

@@ -95,7 +95,7 @@ Result<void> CopyingSink::emit(const Moment& now) {
   same_outputs_ = same_outputs_ && now.host->output_hash() == from_->recorded().output_hash;
   if (!altered_.empty())
     if (auto done = record_altered(now); !done) return done;
-  return close_tick(now);
+  return RecordingSink::emit(now);
 }
 
 Result<void> CopyingSink::record_altered(const Moment& now) {

@@ -31,6 +31,8 @@ class CopyingSink final : public RecordingSink {
   /// the source can't be read up to there; the host reports a controller's failure.
   Result<void> copy(RecordingSource& from, Run& run, std::optional<std::int64_t> end);
 
+  /// Records nothing: the observations are copied.
+  Result<void> observe(const Moment&) override { return {}; }
   Result<void> emit(const Moment& now) override;
   /// True if the hashes of the controllers' outputs were the recorded hashes in all ticks of copy().
   bool same_outputs() const { return same_outputs_; }

@@ -2,12 +2,11 @@
 
 namespace rehearse {
 
-Result<void> RecordingSink::emit(const Moment& now) {
+Result<void> RecordingSink::observe(const Moment& now) {
   if (!now.checkpoint.empty())
     if (auto done = recorder_.record_checkpoint(now.tick, now.checkpoint); !done) return done;
   if (auto done = recorder_.record_state(now.tick, *now.seen, *now.read); !done) return done;
-  if (auto done = record_contacts(now); !done) return done;
-  return close_tick(now);
+  return record_contacts(now);
 }
 
 Result<void> RecordingSink::record_contacts(const Moment& now) {
@@ -17,7 +16,7 @@ Result<void> RecordingSink::record_contacts(const Moment& now) {
   return {};
 }
 
-Result<void> RecordingSink::close_tick(const Moment& now) {
+Result<void> RecordingSink::emit(const Moment& now) {
   TickHashes hashes{now.state_hash, 0, 0};
   if (now.host) hashes = {now.state_hash, now.host->input_hash(*now.read), now.host->output_hash()};
   if (auto done = recorder_.record_tick(now.tick, now.host, hashes); !done) return done;

@@ -22,13 +22,13 @@ class RecordingSink : public Sink {
   /// a run that begins in the middle doesn't record its first known contacts as changes.
   void take_contacts_for_known(std::int64_t before) { known_before_ = before; }
 
+  /// Records checkpoint, state, sensors and contacts.
+  Result<void> observe(const Moment& now) override;
+  /// Records the commands, the hashes and the events.
   Result<void> emit(const Moment& now) override;
   Result<void> record_events(const std::vector<msg::Event>& events);
 
  protected:
-  /// Records the commands, the hashes and the events.
-  Result<void> close_tick(const Moment& now);
-
   Recorder& recorder_;
 
  private:

@@ -1,4 +1,5 @@
-// Run: the loop of all runs. In each tick it observes, commands, emits and advances.
+// Run: the loop of all runs. In each tick it observes, commands, emits and advances. A sink gets the observation before
+// the controllers are called, so that a recording contains it however their calls end.
 //
 // A run is composed of a source of observations, a commander and a sink:
 //
@@ -74,6 +75,9 @@ class ObservationSource {
 class Sink {
  public:
   virtual ~Sink() = default;
+  /// Takes the observation of a tick, before its commands exist.
+  virtual Result<void> observe(const Moment&) { return {}; }
+  /// Takes the whole tick.
   virtual Result<void> emit(const Moment& now) = 0;
 };
 

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "host/float_mode.h"
-#include "host/supervisor.h"
 #include "model/clock.h"
 #include "recording/provenance.h"
 
@@ -24,7 +23,6 @@ Result<void> ClosedLoop::create(const std::filesystem::path& trace, const HostOp
   recorder = std::move(*recording);
   descriptor.emplace(recorder->descriptor(), "the recording");
   file = trace;
-  note_recording(file);
   world.emplace(scenario, *plant);
   commands.emplace(*host, HostedCommands::Written::in_time);
   sink.emplace(*recorder, &summary.remarks);
@@ -133,7 +131,6 @@ Result<void> ClosedLoop::close_file() {
   for (const auto& [name, text] : host->input_copies())
     if (auto done = recorder->attach(name, "application/octet-stream", text); !done) return done;
   if (auto done = recorder->close(outcome); !done) return done;
-  note_recording({});
   return {};
 }
 

@@ -80,7 +80,8 @@ class McapForms : public testing::TestWithParam<Form> {
     for (std::uint64_t i = 0; i < 50; ++i) {
       EXPECT_TRUE(writer->write(numbers, i, i, bytes_of("number " + std::to_string(i))));
       if (i % 5 != 0) continue;
-      EXPECT_TRUE(writer->write_later(pictures, i, i, 100, [i] { return Buffer(i + 1, std::byte{'p'}); }));
+      EXPECT_TRUE(writer->write_later(pictures, i, i, 100, Buffer(i + 1, std::byte{'p'}),
+                                      [](mcap::Bytes raw) { return Buffer(raw.begin(), raw.end()); }));
     }
     EXPECT_TRUE(writer->add_metadata("provenance", {{"seed", "0"}}));
     EXPECT_TRUE(writer->close());

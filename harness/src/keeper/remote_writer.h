@@ -1,0 +1,27 @@
+// The recordings of a process that has a supervisor are written by that supervisor, its parent.
+//
+// Controllers share the memory, the locks and the descriptors of the process that runs them. A recording that another
+// process writes is out of their reach, and contains everything that was sent before a failure.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+#include <rehearse/mcap.h>
+
+#include <filesystem>
+#include <memory>
+
+namespace rehearse {
+
+struct Ring;
+
+/// From now on create_recording() sends recordings to the parent. Must be called in the child, before there are
+/// threads.
+void send_recordings_through(Ring& ring);
+
+/// Creates a recording, as mcap::Writer::create() does. A supervisor writes it if there is one, else this process.
+Result<std::unique_ptr<mcap::Writer>> create_recording(const std::filesystem::path& file);
+
+/// Metadata that the supervisor adds to this recording if the process ends without closing it.
+void add_metadata_at_failure(mcap::Writer& writer, std::string_view name, const mcap::StringMap& values);
+
+}  // namespace rehearse
