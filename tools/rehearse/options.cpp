@@ -71,6 +71,9 @@ void add_host_options(CLI::App& options, HostOptions& host, std::string* alone) 
       ->allow_extra_args(false);
   add_number(options, "--call-limit", "a controller's call that takes longer has hung [s of wall time] (10)", 0.01,
              86400.0, [&host](double limit) { host.call_limit = limit; });
+  add_number(options, "--memory-limit",
+             "the process with the controllers ends if it takes more memory [MB] (four fifths of the available memory)",
+             1.0, 1e9, [&host](double limit) { host.memory_limit = limit; });
 }
 
 void add_model_options(CLI::App& options, UrdfOptions& urdf) {

@@ -163,6 +163,10 @@ Exit record_branch_of(BranchSettings settings) {
     return record_branch(*from, settings.trace, settings.options);
   }();
   if (!branch) return refuse(branch.errors());
+  if (branch->run.trace_changed) {
+    refuse(*branch->run.failure);
+    return Exit::controller_failed;
+  }
   tell_branch(settings, *branch, stopwatch.seconds());
   std::fflush(stdout);  // before related output on stderr
   tell_remarks(branch->run);
@@ -244,6 +248,10 @@ Exit record_scenario(RecordSettings& settings, const Scenario& scenario, const s
   }();
   end_if_reader_is_gone();
   if (!summary) return refuse(summary.errors());
+  if (summary->trace_changed) {
+    refuse(*summary->failure);
+    return Exit::controller_failed;
+  }
   const double seconds = stopwatch.seconds();
   const bool failed = summary->failure || summary->controller_refused;
   const auto judged = judge(scenario, trace, failed);

@@ -153,6 +153,8 @@ struct WriterOptions {
   /// The index of the chunks is kept in memory up to this size [bytes]. A larger index is made at the end from the
   /// chunks in the file. A pipe can't be read again: for a pipe the whole index is kept.
   std::size_t index_size = std::size_t{1} << 20;
+  /// close() compares the file with the written bytes, and fails if something else has changed the file.
+  bool verified = false;
   FileForm form;
 };
 
@@ -219,6 +221,9 @@ class Writer {
 
   /// The file descriptor until close(); -1 in memory, or if another process writes the file.
   virtual int descriptor() const = 0;
+
+  /// True if close() failed because something else has changed the file.
+  virtual bool is_changed_by_others() const = 0;
 
  protected:
   Writer() = default;

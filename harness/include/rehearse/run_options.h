@@ -38,6 +38,9 @@ struct HostOptions {
   std::optional<std::string> run_options;
   /// Limit of the wall time of a call into a controller [s]; a longer call counts as hung.
   double call_limit = 10.0;
+  /// Limit of the memory of the process that calls the controllers [MB]; 0: four fifths of the memory that is
+  /// available when the process starts. Without a supervisor it has no effect.
+  double memory_limit = 0.0;
   /// Libraries and the contents of their static objects stay loaded after the run.
   bool keep_libraries = false;
   /// Is notified of each call; null: nothing is notified. Must outlive the run.
@@ -77,6 +80,7 @@ struct RunSummary {
   /// A controller threw, crashed or hung, or the simulation exploded: the run ended there.
   std::optional<Diagnostic> failure;
   RunEnding end = RunEnding::complete;
+  bool trace_changed = false;       // something else has changed the trace while it was written; failure states how
   bool controller_refused = false;  // a controller returned false from configure, initialize or start
   /// Misbehaviour of controllers, and World::remarks(); warnings and errors.
   Diagnostics remarks;

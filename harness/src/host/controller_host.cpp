@@ -330,6 +330,9 @@ void ControllerHost::stop(std::int64_t end) {
   for (HostedController& hosted : controllers_)
     if (hosted.controller) call(hosted, "~SimpleController", [&] { hosted.controller.reset(); });
   keep_libraries_of_threads();
+  if (restore_streams())
+    event(Severity::warning, "process",
+          "a controller closed or redirected stdin, stdout or stderr, past the C library; they were opened again");
   if (ControllerVariables::take_strays())
     event(Severity::warning, "rehearse_variable",
           "was called where no controller is called in a tick (while a library is loaded, in stop() or after it, by "

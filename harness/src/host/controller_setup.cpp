@@ -48,6 +48,7 @@ Result<std::unique_ptr<ControllerHost>> ControllerHost::create(const Scenario& s
   std::unique_ptr<ControllerHost> host(new ControllerHost);
   host->scenario_ = &scenario;
   host->options_ = options;
+  note_memory_limit(options.memory_limit * 1e6);
   Diagnostics findings;
   for (std::size_t b = 0; b < scenario.bodies.size(); ++b) {
     const ScenarioBody& body = scenario.bodies[b];

@@ -177,6 +177,7 @@ extern "C" void leave_guarded_code(int signal_number, siginfo_t* fault, void* in
                                                               : signal_number;
   if (in_library && !is_forked_by_guest()) {
     // The process can't go on: its next call of the function may wait for ever. Its parent reports the failure.
+    if (in_guarded_call() && thread_failure.state == 2) fail_process_by_thread(thread_failure.deed);
     if (in_guarded_call()) fail_process(signal_number == hang_signal ? nullptr : describe_signal(reason));
     if (own_threads && signal_number != hang_signal) fail_process_by_thread(describe_signal(reason));
   }
@@ -298,9 +299,11 @@ void run_catching(const std::function<void()>& code, CallOutcome& outcome) {
   try {
     code();
   } catch (const std::exception& exception) {
+    ProcessGuard::instance().restore_limits();
     outcome.end = CallEnd::threw;
     outcome.what = "threw " + demangled(typeid(exception).name()) + ": " + exception.what();
   } catch (...) {
+    ProcessGuard::instance().restore_limits();
     outcome.end = CallEnd::threw;
     outcome.what = "threw something that is no std::exception";
     if (const std::type_info* type = abi::__cxa_current_exception_type())
@@ -353,6 +356,7 @@ CallOutcome guarded_call(const std::function<void()>& code, double limit) {
     run_below_gap(code, outcome);
     guarding = 0;
   } else {
+    ProcessGuard::instance().restore_limits();
     outcome.end = signal_number == exit_instead  ? CallEnd::exited
                   : signal_number == hang_signal ? CallEnd::hung
                                                  : CallEnd::crashed;

@@ -5,6 +5,7 @@
 #include <limits.h>
 #include <rehearse/pin.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/time.h>
 #include <unistd.h>
@@ -96,10 +97,24 @@ void tell_missing_guards() {
                (own_library_folder() / "librehearse_harness.so").c_str());
 }
 
+constexpr __rlimit_resource limited[] = {RLIMIT_AS,     RLIMIT_CPU,   RLIMIT_DATA, RLIMIT_FSIZE,
+                                         RLIMIT_NOFILE, RLIMIT_NPROC, RLIMIT_STACK};
+using Limits = std::array<rlimit, std::size(limited)>;
+
+Limits limits() {
+  Limits all{};
+  for (std::size_t i = 0; i < all.size(); ++i) getrlimit(limited[i], &all[i]);
+  return all;
+}
+
 constexpr int timers[] = {ITIMER_REAL, ITIMER_VIRTUAL, ITIMER_PROF};
 constexpr int signal_count = NSIG;
 
 }  // namespace
+
+namespace {
+const Limits* limits_at_start = nullptr;
+}
 
 /// The state of the whole process at one time.
 struct ProcessGuard::State {
@@ -258,8 +273,25 @@ void ProcessGuard::begin(ThreadCount threads, bool closely) {
   static const bool told = (tell_missing_guards(), true);
   static_cast<void>(told);
   threads_ = std::move(threads);
+  static const Limits at_start = limits();
+  limits_at_start = &at_start;
   prepare_guarded_calls();  // so that the host's own handlers don't count as changes by the code
   if (closely) before_ = std::make_unique<State>();
+}
+
+/// A limit that can't be raised again stays.
+void ProcessGuard::restore_limits() {
+  if (!limits_at_start) return;
+  const Limits now = limits();
+  bool changed = false;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const rlimit& before = (*limits_at_start)[i];
+    if (now[i].rlim_cur == before.rlim_cur && now[i].rlim_max == before.rlim_max) continue;
+    changed = true;
+    const rlimit highest{std::min(before.rlim_cur, now[i].rlim_max), now[i].rlim_max};
+    if (setrlimit(limited[i], &before) != 0) setrlimit(limited[i], &highest);
+  }
+  if (changed) note({Kind::limits, "set another resource limit, past the C library; it was set back"});
 }
 
 void ProcessGuard::before_change() {
@@ -329,6 +361,7 @@ std::vector<Trespass> ProcessGuard::put_right() {
   std::vector<Trespass> found;
   threads_ = nullptr;
   if (const std::unique_ptr<State> before = std::exchange(before_, nullptr)) {
+    restore_limits();
     const State now;
     before->restore_directory(now, found);
     before->restore_actions(now, found);

@@ -54,6 +54,9 @@ class ProcessGuard {
   /// Called before a guarded call into a library whose threads are counted by `threads`. `closely`: store the state of
   /// the process now, not at the first change.
   void begin(ThreadCount threads, bool closely);
+  /// Sets the limits of the process back to those at its start. Called after a call that failed, before memory is
+  /// needed.
+  void restore_limits();
   /// Called after the call: returns the changes that the code made. All but the environment is restored; that one
   /// belongs to all controllers of a run (RunEnvironment).
   std::vector<Trespass> put_right();

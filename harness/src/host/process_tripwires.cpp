@@ -228,8 +228,7 @@ void abort() noexcept {
 }
 
 /// assert() of the C library, whose own abort would look like one after damage of the heap.
-void __assert_fail(const char* assertion, const char* file, unsigned int line,
-                              const char* function) noexcept {
+void __assert_fail(const char* assertion, const char* file, unsigned int line, const char* function) noexcept {
   std::fprintf(stderr, "%s: %s:%u: %s: Assertion `%s' failed.\n", program_invocation_short_name, file, line,
                function ? function : "?", assertion);
   std::fflush(stderr);

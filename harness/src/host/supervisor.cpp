@@ -1,5 +1,6 @@
 #include "supervisor.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <pthread.h>
 #include <rehearse/pin.h>
@@ -7,6 +8,7 @@
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -18,8 +20,11 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <new>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "guarded_call.h"
@@ -28,6 +33,7 @@
 #include "keeper/ring.h"
 #include "keeper/trace_keeper.h"
 #include "supervise.h"
+#include "trace/hashing.h"
 
 namespace rehearse {
 namespace {
@@ -37,23 +43,50 @@ constexpr double patience = 0.5;                      // time for a child to end
 constexpr timespec child_look_period{0, 50'000'000};  // at which the child is looked at
 constexpr double longest_look = 1.0;                  // after a longer interval this process was stopped [s]
 
-/// Memory that parent and child share. The child writes, and may be killed at any time.
-struct Notes {
-  std::atomic<std::uint64_t> calls{0};  // number of begins and ends; odd: a call is running
-  std::atomic<bool> announced{false};
-  int status = 0;  // the announced exit status
+/// A call into a controller.
+struct NotedCall {
   std::int64_t tick = 0;
   double time = 0.0;   // [s] of simulation
   double limit = 0.0;  // [s]
-  int tasks_left = 0;
   char controller[256] = {};
   char function[64] = {};
+};
+
+std::uint64_t seal_of(const NotedCall& call) { return hash_bytes(&call, sizeof call, 1); }
+
+/// Memory that parent and child share. The child writes, and may be killed at any time. A controller may write into it,
+/// too: so the call has a seal.
+struct Notes {
+  std::atomic<std::uint64_t> calls{0};  // number of begins and ends; odd: a call is running
+  NotedCall call;                       // the last one
+  std::uint64_t seal = 0;               // of `call`
+  std::atomic<bool> announced{false};
+  int status = 0;  // the announced exit status
+  std::int64_t tick = 0;
+  double time = 0.0;                      // [s] of simulation
+  double limit = 0.0;                     // [s]
+  std::atomic<double> memory_limit{0.0};  // [bytes]; 0: not stated
+  int tasks_left = 0;
   char task[512] = {};
   char deed[256] = {};            // after the controller's name: how its call failed
   std::atomic<bool> hung{false};  // the call exceeded its limit
 };
 
 Notes* notes = nullptr;  // null: this process has no supervisor
+
+/// The files behind stdin, stdout and stderr when the process began: device and inode.
+struct Streams {
+  using Identity = std::pair<dev_t, ino_t>;
+  static constexpr std::size_t count = 3;
+  std::array<std::optional<Identity>, count> at_start;
+  pid_t parent = 0;
+
+  static std::optional<Identity> identity_of(int descriptor) {
+    struct stat status {};
+    if (fstat(descriptor, &status) != 0) return {};
+    return Identity{status.st_dev, status.st_ino};
+  }
+} streams;
 
 template <std::size_t size>
 void put(char (&place)[size], const char* text) {
@@ -66,6 +99,22 @@ void put(char (&place)[size], const char* text) {
 template <std::size_t size>
 std::string text_of(const char (&place)[size]) {
   return std::string(place, strnlen(place, size));
+}
+
+/// Available memory of the machine [bytes]; infinite if it isn't known.
+double available_memory() {
+  std::ifstream facts("/proc/meminfo");
+  for (std::string word; facts >> word;)
+    if (double kilobytes = 0.0; word == "MemAvailable:" && facts >> kilobytes) return kilobytes * 1024.0;
+  return std::numeric_limits<double>::infinity();
+}
+
+/// Memory of a process [bytes]; 0 if it isn't known.
+double memory_of(pid_t process) {
+  std::ifstream facts(fmt::format("/proc/{}/statm", process));
+  double size = 0.0, resident = 0.0;  // [pages]
+  facts >> size >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
 /// True if a debugger traces the child.
@@ -89,7 +138,9 @@ class Parent {
   bool has_ended();
   void pass_on(const siginfo_t& signal);
   void stop_with_child();
+  bool look_at_call();
   void look_for_hang();
+  void look_at_memory();
   void kill_child();
   bool was_interrupted() const;
   bool lost_its_reader() const;
@@ -104,7 +155,11 @@ class Parent {
   sigset_t received_{};  // signals from outside
   std::uint64_t calls_ = 0;
   std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now(), looked_ = since_;
+  NotedCall call_;  // the last whose seal was right
   bool hung_ = false;
+  bool damaged_ = false;  // a controller has written into memory that this process reads
+  const double default_memory_limit_ = 0.8 * available_memory();  // [bytes]
+  double memory_limit_ = 0.0;                                     // the limit that the child exceeded [bytes]
 };
 
 void Parent::run() {
@@ -120,21 +175,23 @@ void Parent::run() {
       pass_on(signal);
     if (keeper_.is_damaged()) kill_child();
     look_for_hang();
+    look_at_memory();
   }
   for (siginfo_t signal{}; sigtimedwait(&all, &signal, std::array<timespec, 1>{}.data()) > 0;)
     sigaddset(&received_, signal.si_signo);
   kill(-child_, SIGKILL);  // processes that a controller forked
   keeper_.finish();
+  damaged_ = keeper_.is_damaged() || (!look_at_call() && notes->calls != 0);
   if (lost_its_reader()) {
     static_cast<void>(close_traces());
     mirror();
   }
-  const bool announced = notes->announced && !keeper_.is_damaged();
+  const bool announced = notes->announced && !damaged_;
   if (announced && WIFEXITED(ended_)) leave(WEXITSTATUS(ended_) != 0 ? WEXITSTATUS(ended_) : notes->status);
   if (announced) leave(notes->status != 0 ? notes->status : controller_failed);
-  if (notes->calls == 0 || was_interrupted()) mirror();
+  if (!damaged_ && (notes->calls == 0 || was_interrupted())) mirror();
   std::string text = "error: " + sentence() + "\n";
-  if (notes->task[0] != '\0')
+  if (!damaged_ && notes->task[0] != '\0')
     text += fmt::format("error: it was in {}; {} not run\n", text_of(notes->task),
                         notes->tasks_left == 1 ? "1 after it was" : fmt::format("{} after it were", notes->tasks_left));
   text += close_traces();
@@ -168,6 +225,14 @@ void Parent::stop_with_child() {
 /// The group, because a controller may have forked.
 void Parent::kill_child() { kill(-child_, SIGKILL); }
 
+/// False if the seal is wrong: the child is just writing, or a controller has written there.
+bool Parent::look_at_call() {
+  const NotedCall call = notes->call;
+  if (notes->seal != seal_of(call)) return false;
+  call_ = call;
+  return true;
+}
+
 /// Kills a child with a hanging call. The child ends such a call itself, unless its controller disabled the signal for
 /// that, is stopped, or waits in the C library.
 void Parent::look_for_hang() {
@@ -179,9 +244,16 @@ void Parent::look_for_hang() {
     since_ = now;
     looked_ = now;
   }
-  if (seconds_since(since_) < notes->limit + patience) return;
+  if (!look_at_call() || seconds_since(since_) < call_.limit + patience) return;
   if (is_traced_by_other(child_)) return;
   hung_ = true;
+  kill_child();
+}
+
+void Parent::look_at_memory() {
+  const double stated = notes->memory_limit, limit = stated > 0.0 ? stated : default_memory_limit_;
+  if (memory_limit_ > 0.0 || memory_of(child_) <= limit) return;
+  memory_limit_ = limit;
   kill_child();
 }
 
@@ -222,14 +294,21 @@ void Parent::mirror() {
 }
 
 std::string Parent::sentence() const {
-  const std::string function = text_of(notes->function), controller = text_of(notes->controller);
+  const std::string function = text_of(call_.function), controller = text_of(call_.controller);
   const std::string where = function == loading || function == unloading
                                 ? fmt::format("while its library was {}", function)
-                                : fmt::format("in {}() at tick {} ({} s)", function, notes->tick, notes->time);
+                                : fmt::format("in {}() at tick {} ({} s)", function, call_.tick, call_.time);
+  if (damaged_)
+    return "a controller wrote over memory that it shares with its supervisor" +
+           (controller.empty() ? "" : fmt::format("; the last known call: controller '{}' {}", controller, where));
   if (hung_ || notes->hung)
-    return fmt::format("controller '{}' did not return within {} s {}", controller, notes->limit, where);
-  if (keeper_.is_damaged())
-    return fmt::format("controller '{}' wrote into memory that is not its own {}", controller, where);
+    return fmt::format("controller '{}' did not return within {} s {}", controller, call_.limit, where);
+  if (memory_limit_ > 0.0) {
+    const bool in_call = notes->calls % 2 == 1;
+    return fmt::format("{} took more than {:.0f} MB of memory{} {}",
+                       in_call ? "controller '" + controller + "'" : "the process", memory_limit_ / 1e6,
+                       in_call ? "" : ", after controller '" + controller + "' was called", where);
+  }
   const std::string how = WIFEXITED(ended_) ? fmt::format("with exit status {}", WEXITSTATUS(ended_))
                                             : fmt::format("by SIG{}", sigabbrev_np(WTERMSIG(ended_)));
   if (notes->deed[0] != '\0') return fmt::format("controller '{}' {} {}", controller, text_of(notes->deed), where);
@@ -243,8 +322,7 @@ std::string Parent::sentence() const {
 /// Closes the recordings with all that the child has sent. Returns a line for each.
 std::string Parent::close_traces() {
   std::string text;
-  for (const std::string& line :
-       keeper_.close_failed({text_of(notes->controller), sentence(), notes->tick, notes->time}))
+  for (const std::string& line : keeper_.close_failed({text_of(call_.controller), sentence(), call_.tick, call_.time}))
     text += line + "\n";
   return text;
 }
@@ -275,6 +353,8 @@ void supervise_process() {
   if (child == 0) {
     setpgid(0, 0);
     send_recordings_through(*ring);
+    streams.parent = parent;
+    for (int i = 0; i < static_cast<int>(Streams::count); ++i) streams.at_start[i] = Streams::identity_of(i);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(controller_failed);
     on_exit(announce, nullptr);
@@ -293,16 +373,38 @@ void note_task(const char* name, int left) {
 
 void note_call_begin(const char* controller, const char* function, std::int64_t tick, double time, double limit) {
   if (!notes) return;
-  put(notes->controller, controller);
-  put(notes->function, function);
-  notes->tick = tick;
-  notes->time = time;
-  notes->limit = limit;
+  NotedCall& call = notes->call;
+  put(call.controller, controller);
+  put(call.function, function);
+  call.tick = tick;
+  call.time = time;
+  call.limit = limit;
+  notes->seal = seal_of(call);
   notes->calls.fetch_add(1, std::memory_order_release);
 }
 
 void note_call_end() {
   if (notes) notes->calls.fetch_add(1, std::memory_order_release);
+}
+
+void note_memory_limit(double bytes) {
+  if (notes) notes->memory_limit = bytes;
+}
+
+/// The parent still has them.
+bool restore_streams() {
+  if (!notes) return false;
+  bool changed = false;
+  for (int i = 0; i < static_cast<int>(Streams::count); ++i) {
+    if (!streams.at_start[i] || Streams::identity_of(i) == streams.at_start[i]) continue;
+    changed = true;
+    const std::string of_parent = fmt::format("/proc/{}/fd/{}", streams.parent, i);
+    const int opened = open(of_parent.c_str(), i == STDIN_FILENO ? O_RDONLY : O_WRONLY | O_APPEND);
+    if (opened < 0 || opened == i) continue;
+    dup2(opened, i);
+    close(opened);
+  }
+  return changed;
 }
 
 void fail_process(const char* deed) {

@@ -19,6 +19,12 @@ inline constexpr const char* unloading = "unloaded";
 void note_call_begin(const char* controller, const char* function, std::int64_t tick, double time, double limit);
 void note_call_end();
 
+/// The process ends if it takes more memory [bytes]; 0: four fifths of the memory that was available at its start.
+void note_memory_limit(double bytes);
+
+/// Opens stdin, stdout and stderr again if a controller has closed or redirected them. True: it had.
+bool restore_streams();
+
 /// Ends the process because a controller's call failed in a way that leaves the process unusable: `deed` after the
 /// controller's name, "crashed: ..."; null: it exceeded its limit. Returns if there is no parent to report it. They are
 /// called in signal handlers.

@@ -2,6 +2,7 @@
 
 #include <pthread.h>
 
+#include <exception>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -21,10 +22,7 @@ std::uint32_t traces = 0;             // number of Writers so far
 
 Bytes bytes_of(const Head& head) { return std::as_bytes(std::span(&head, 1)); }
 
-Result<void> result_of(Bytes bytes) {
-  CdrReader reader(bytes);
-  trace_call::Answer answer;
-  if (!msg::decode(reader, answer)) return error("the supervisor's answer about the trace can't be read");
+Result<void> result_of(trace_call::Answer answer) {
   if (answer.errors.empty()) return {};
   Diagnostics errors;
   for (trace_call::Finding& one : answer.errors)
@@ -37,7 +35,7 @@ class RemoteWriter final : public mcap::Writer {
  public:
   RemoteWriter() : trace_(traces++) {}
   ~RemoteWriter() override {
-    if (to_parent) send({.kind = Kind::drop});
+    if (to_parent) send({.kind = std::uncaught_exceptions() > 0 ? Kind::abandon : Kind::drop});
   }
 
   Result<void> create(const std::filesystem::path& file) {
@@ -109,6 +107,7 @@ class RemoteWriter final : public mcap::Writer {
   Result<void> flush() override { return ask(Kind::flush); }
   Result<void> close() override { return ask(Kind::close); }
   int descriptor() const override { return -1; }
+  bool is_changed_by_others() const override { return changed_by_others_; }
 
  private:
   /// A failure of an earlier call: the parent has counted one that this process has not asked about.
@@ -139,12 +138,17 @@ class RemoteWriter final : public mcap::Writer {
     const std::scoped_lock lock(mutex_);
     if (!to_parent) return error("a process that a controller forked doesn't write its recording");
     const Head head{.kind = kind, .trace = trace_};
-    return result_of(to_parent->ask({bytes_of(head), cdr_.bytes()}));
+    CdrReader reader(to_parent->ask({bytes_of(head), cdr_.bytes()}));
+    trace_call::Answer answer;
+    if (!msg::decode(reader, answer)) return error("the supervisor's answer about the trace can't be read");
+    changed_by_others_ = answer.changed_by_others;
+    return result_of(std::move(answer));
   }
 
   static inline std::mutex mutex_;  // of to_parent
   const std::uint32_t trace_;
   std::uint32_t seen_failures_ = 0;
+  bool changed_by_others_ = false;
   mcap::Definitions definitions_;
   CdrWriter cdr_;
 };
@@ -158,7 +162,7 @@ void send_recordings_through(Ring& ring) {
 }
 
 Result<std::unique_ptr<mcap::Writer>> create_recording(const std::filesystem::path& file) {
-  if (!to_parent) return mcap::Writer::create(file);
+  if (!to_parent) return mcap::Writer::create(file, trace_call::form_of_recordings());
   auto writer = std::make_unique<RemoteWriter>();
   if (auto created = writer->create(file); !created) return created.errors();
   return std::unique_ptr<mcap::Writer>(std::move(writer));

@@ -25,8 +25,16 @@ enum class Kind : std::uint8_t {
   status,
   flush,
   close,
-  drop  // the Writer is destroyed
+  drop,    // the Writer is destroyed
+  abandon  // the same, by an exception
 };
+
+/// The form of recordings, in whichever process they are written.
+inline mcap::WriterOptions form_of_recordings() {
+  mcap::WriterOptions form;
+  form.verified = true;
+  return form;
+}
 
 /// The beginning of each message. The numbers of write() and write_later() are in it, because these are in every tick.
 struct Head {
@@ -95,7 +103,8 @@ struct Finding {
 struct Answer {
   static constexpr std::string_view type_name = "Answer";
   std::vector<Finding> errors;
-  REHEARSE_FIELDS(errors)
+  bool changed_by_others = false;
+  REHEARSE_FIELDS(errors, changed_by_others)
 };
 
 inline std::vector<StringPair> pairs_of(const mcap::StringMap& map) {

@@ -60,7 +60,7 @@ Result<void> TraceKeeper::Kept::create(Bytes rest) {
   if (!read(rest, call)) return error("the call can't be read");
   file = call.file;
   name = call.name;
-  auto created = mcap::Writer::create(file);
+  auto created = mcap::Writer::create(file, trace_call::form_of_recordings());
   if (!created) return created.errors();
   writer = *std::move(created);
   return {};
@@ -169,6 +169,7 @@ bool TraceKeeper::take(std::vector<std::byte>& message) {
     if (known != traces_.end()) traces_.erase(known);
     return true;
   }
+  if (head.kind == Kind::abandon) return true;  // the process probably ends: then close_failed() closes it
   Result<void> result;
   const bool is_new = head.kind == Kind::create;
   if (is_new != (known == traces_.end())) return false;
@@ -191,6 +192,7 @@ bool TraceKeeper::take(std::vector<std::byte>& message) {
   trace_call::Answer answer;
   for (const Diagnostic& one : !result ? result.errors() : kept->errors)
     answer.errors.push_back({one.file == kept->file ? kept->name : one.file, one.message, one.hint});
+  answer.changed_by_others = kept->writer && kept->writer->is_changed_by_others();
   from_child_.answer(encoded(answer));
   const bool ends = (is_new && !result) || head.kind == Kind::close;
   if (ends) traces_.erase(head.trace);

@@ -12,6 +12,7 @@ namespace rehearse::mcap {
 Output::Output(std::unique_ptr<Sink> sink, std::string name, const WriterOptions& options)
     : sink_(std::move(sink)),
       form_(options.form),
+      verified_(options.verified),
       name_(std::move(name)),
       queue_length_(std::max<std::size_t>(1, options.queue_length)),
       compressor_(options.zstd_level, options.lz4_level),
@@ -225,8 +226,18 @@ Result<void> Output::finish(const std::vector<Schema>& schemas, const std::vecto
             [&](ByteWriter& out) { out.put_bytes(attachment_indexes_); });
   add_group(form_.metadata_indexes, op::metadata_index, [&](ByteWriter& out) { out.put_bytes(metadata_indexes_); });
   summary.finish();
+  verify();
   close_file();
   return status();
+}
+
+/// Compares the file with the written bytes, if that is wished.
+void Output::verify() {
+  if (!verified_ || failed()) return;
+  if (const auto verdict = sink_->verify(); !verdict) {
+    changed_by_others_ = true;
+    fail(verdict.errors().front());
+  }
 }
 
 void Output::write_data(Bytes bytes) {

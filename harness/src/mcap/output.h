@@ -77,6 +77,8 @@ class Output {
 
   /// Descriptor of the open file.
   int descriptor() const { return sink_->descriptor(); }
+  /// True if finish() found that something else has changed the file.
+  bool is_changed_by_others() const { return changed_by_others_; }
   bool failed() const { return failed_.load(std::memory_order_acquire); }
   /// Success, or the failure.
   Result<void> status();
@@ -98,10 +100,13 @@ class Output {
   void put_message_indexes(const ChunkData& chunk, ByteWriter& out, ByteWriter& places) const;
   void write_data(Bytes bytes);  // bytes of the data section: included in its CRC
   void write_file(Bytes bytes);
+  void verify();
   void close_file();
 
   std::unique_ptr<Sink> sink_;
   const FileForm form_;
+  const bool verified_;
+  bool changed_by_others_ = false;
   const std::string name_;
   const std::size_t queue_length_;
   Compressor compressor_;

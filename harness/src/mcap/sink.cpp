@@ -6,11 +6,13 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <utility>
 
+#include "codec.h"
 #include "model/file_descriptor.h"
 
 namespace rehearse::mcap {
@@ -32,7 +34,8 @@ bool can_be_read(int file) {
 
 class FileSink : public Sink {
  public:
-  explicit FileSink(int file) : file_(file), readable_(can_be_read(file)), identity_(identity_of(file)) {}
+  FileSink(int file, std::filesystem::path place)
+      : file_(file), place_(std::move(place)), readable_(can_be_read(file)), identity_(identity_of(file)) {}
   ~FileSink() override { static_cast<void>(close()); }
   FileSink(const FileSink&) = delete;
   FileSink& operator=(const FileSink&) = delete;
@@ -41,6 +44,7 @@ class FileSink : public Sink {
   Result<void> close() override;
   bool readable() const override { return readable_; }
   Result<void> read_back(std::uint64_t offset, std::span<std::byte> target) override;
+  Result<void> verify() override;
   int descriptor() const override { return file_; }
 
  private:
@@ -48,8 +52,11 @@ class FileSink : public Sink {
   bool is_our_file() const { return identity_of(file_) == identity_; }
 
   int file_;
+  const std::filesystem::path place_;
   const bool readable_;
   std::pair<std::uint64_t, std::uint64_t> identity_;
+  std::uint64_t size_ = 0;  // of the written bytes
+  std::uint32_t crc_ = 0;
 };
 
 Result<void> FileSink::write(Bytes bytes) {
@@ -60,9 +67,35 @@ Result<void> FileSink::write(Bytes bytes) {
     const ssize_t written = ::write(file_, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) return error(fmt::format("can't write the trace: {}", std::strerror(errno)));
+    crc_ = crc32(bytes.first(static_cast<std::size_t>(written)), crc_);
+    size_ += static_cast<std::uint64_t>(written);
     bytes = bytes.subspan(static_cast<std::size_t>(written));
   }
   return {};
+}
+
+Result<void> FileSink::verify() {
+  if (!readable_) return {};
+  const auto changed = [](std::string how) {
+    return error("something else has " + how + " the trace while it was written",
+                 "a controller can do this to all files of its user");
+  };
+  struct stat status {
+  }, named{};
+  if (::fstat(file_, &status) != 0 || status.st_nlink == 0) return changed("deleted");
+  if (::stat(place_.c_str(), &named) != 0 || named.st_dev != status.st_dev || named.st_ino != status.st_ino)
+    return changed("replaced or renamed");
+  if (static_cast<std::uint64_t>(status.st_size) != size_)
+    return changed(status.st_size < static_cast<off_t>(size_) ? "cut" : "appended to");
+  std::vector<std::byte> block(std::size_t{1} << 20);
+  std::uint32_t crc = 0;
+  for (std::uint64_t offset = 0; offset < size_;) {
+    const Bytes::size_type count = std::min<std::uint64_t>(block.size(), size_ - offset);
+    if (auto got = read_back(offset, std::span(block).first(count)); !got) return got;
+    crc = crc32(Bytes(block).first(count), crc);
+    offset += count;
+  }
+  return crc == crc_ ? Result<void>() : changed("written into");
 }
 
 Result<void> FileSink::read_back(std::uint64_t offset, std::span<std::byte> target) {
@@ -176,7 +209,7 @@ Result<std::unique_ptr<Sink>> open_file_sink(const std::filesystem::path& file) 
   there.release();
   if (!is_new) opened = create(file);
   if (opened < 0) return refuse(fmt::format("can't create the trace: {}", std::strerror(errno)));
-  auto sink = std::make_unique<FileSink>(opened);
+  auto sink = std::make_unique<FileSink>(opened, none ? file : place);
   const bool keeps_bytes = S_ISREG(mode_of(opened));  // unlike a device as /dev/null, to which any number may write
   if (!is_new && keeps_bytes && !lock(opened)) return other_writer();
   if (!is_new && keeps_bytes && ::ftruncate(opened, 0) != 0)

@@ -21,6 +21,8 @@ class Sink {
   virtual bool readable() const { return false; }
   /// Fills `target` with the written bytes from that offset on. Fails if there are fewer.
   virtual Result<void> read_back(std::uint64_t offset, std::span<std::byte> target);
+  /// Compares the file with the written bytes. Fails if something else has written into it, cut, deleted or replaced it.
+  virtual Result<void> verify() { return {}; }
   /// Descriptor of an open file; -1 if there is none.
   virtual int descriptor() const { return -1; }
 };

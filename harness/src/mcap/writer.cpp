@@ -41,6 +41,7 @@ class FileWriter final : public Writer {
   Result<void> flush() override;
   Result<void> close() override;
   int descriptor() const override { return output_.descriptor(); }
+  bool is_changed_by_others() const override { return output_.is_changed_by_others(); }
 
  private:
   struct Group {

@@ -126,6 +126,7 @@ struct Recorder::Impl : TraceOutput {
 Recorder::Recorder(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Recorder::~Recorder() = default;
 const RecordingSize& Recorder::size() const { return impl_->size; }
+bool Recorder::is_changed_by_others() const { return impl_->writer->is_changed_by_others(); }
 int Recorder::descriptor() const { return impl_->writer->descriptor(); }
 
 Result<std::unique_ptr<Recorder>> Recorder::create(const std::filesystem::path& file, const Scenario& scenario,

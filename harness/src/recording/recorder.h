@@ -86,6 +86,8 @@ class Recorder {
   Result<void> record_events(const std::vector<msg::Event>& events);
   /// Writes the `outcome`, the end of the run; the trace is complete afterwards.
   Result<void> close(const RunOutcome& outcome);
+  /// True if close() failed because something else has changed the file.
+  bool is_changed_by_others() const;
 
   const RecordingSize& size() const;
   /// Descriptor of the open file.

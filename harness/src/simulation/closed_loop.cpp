@@ -93,7 +93,12 @@ Result<RunSummary> ClosedLoop::finish() {
   if (!summary.failure)  // a complete run ends with the state after the last step
     if (auto done = run->close(); !done) return done.errors();
   if (auto done = sink->record_events(host->take_events()); !done) return done.errors();
-  if (auto done = close_file(); !done) return done.errors();
+  if (auto done = close_file(); !done) {
+    if (!recorder->is_changed_by_others()) return done.errors();
+    summary.trace_changed = true;
+    summary.failure = done.errors().front();
+    summary.end = RunEnding::crashed;
+  }
   const RecordingSize& size = recorder->size();
   summary.ticks = size.ticks;
   summary.channels = size.channels;

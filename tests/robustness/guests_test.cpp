@@ -1,0 +1,142 @@
+// Hostile and clumsy controllers: however one ends its process, the run ends soon, its message names controller,
+// function and tick, and its recording is whole and has all ticks before the failure. tests/README.md has the table.
+#include "command.h"
+
+#include <gmock/gmock.h>
+
+#include <chrono>
+
+namespace rehearse::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double call_limit = 1.0;  // [s]
+
+/// How a run may end.
+enum class End {
+  failed,   // status 3, with the tick
+  at_stop,  // status 3, when the controller is destroyed after the last tick
+  either,   // the damage may stay without effect
+  harmless,
+  unknown,        // status 3, and nothing is certain about the place
+  trace_changed,  // status 3, and the recording is lost or damaged
+};
+
+struct Deed {
+  const char* name;
+  End end;
+  const char* words = "";  // of the message
+};
+void PrintTo(const Deed& deed, std::ostream* stream) { *stream << deed.name; }
+
+class Guests : public Command, public ::testing::WithParamInterface<Deed> {
+ protected:
+  Outcome record() {
+    const auto begin = std::chrono::steady_clock::now();
+    const fs::path scenario = pendulum(GUEST, std::string(GetParam().name) + " " + (folder() / "t.mcap").string());
+    Outcome outcome = rehearse({"record", scenario.string(), "-o", "t.mcap", "--call-limit", std::to_string(call_limit),
+                                "--memory-limit", "500"},
+                               "ASAN_OPTIONS=detect_leaks=0");
+    seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return outcome;
+  }
+  nlohmann::json info() const {
+    const Outcome checked = rehearse({"doctor", "t.mcap"});
+    EXPECT_EQ(checked.status, 0) << checked.out << checked.err;
+    return rehearse({"info", "t.mcap", "--json"}).json();
+  }
+  static nlohmann::json outcome_in(const nlohmann::json& info) {
+    for (const nlohmann::json& record : info["metadata"])
+      if (record["name"] == "rehearse.outcome") return record["values"];
+    return {};
+  }
+  void expect_failure(const Outcome& outcome) const {
+    const bool at_stop = GetParam().end == End::at_stop;
+    EXPECT_EQ(outcome.status, 3) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("'Pendulum/Swing'"));
+    EXPECT_THAT(outcome.err, HasSubstr(GetParam().words));
+    EXPECT_THAT(outcome.err, HasSubstr(at_stop ? "in ~SimpleController()" : "in control() at tick 1"));
+    const nlohmann::json facts = info();
+    EXPECT_GE(facts["ticks"], 12);
+    EXPECT_EQ(outcome_in(facts)["complete"], "false");
+    EXPECT_THAT(outcome.err, HasSubstr(outcome_in(facts)["failure"].get<std::string>()));
+  }
+  void expect_harmless(const Outcome& outcome) const {
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("50 ticks")) << outcome.err;
+    EXPECT_EQ(outcome_in(info())["complete"], "true");
+  }
+
+  double seconds_ = 0.0;  // of the last record()
+};
+
+INSTANTIATE_TEST_SUITE_P(
+    Of, Guests,
+    ::testing::Values(
+        Deed{"nothing", End::harmless}, Deed{"overrun_8", End::either},
+        Deed{"overrun_2000", End::failed, "crashed: the C library found damaged memory"},
+        Deed{"overrun_large", End::failed, "crashed"},
+        Deed{"double_free", End::failed, "crashed: the C library found damaged memory"},
+        Deed{"free_of_stack", End::failed, "crashed: the C library found damaged memory"},
+        Deed{"use_after_free", End::either}, Deed{"wild_write", End::failed, "crashed: segmentation fault"},
+        Deed{"null", End::failed, "crashed: segmentation fault"},
+        Deed{"null_to_strlen", End::failed, "crashed: segmentation fault"}, Deed{"million_allocations", End::harmless},
+        Deed{"all_memory", End::failed, "took more than 500 MB of memory"}, Deed{"unmap_stack_end", End::failed},
+        Deed{"shared_memory", End::unknown, "a controller wrote over memory"},
+        Deed{"recursion", End::failed, "its stack overflowed"}, Deed{"longjmp", End::either},
+        Deed{"throw", End::failed, "no gait"}, Deed{"throw_number", End::failed, "threw something"},
+        Deed{"terminate_in_destructor", End::failed, "crashed: it called abort"},
+        Deed{"assert", End::failed, "crashed: it called abort"}, Deed{"abort", End::failed, "crashed: it called abort"},
+        Deed{"illegal_instruction", End::failed, "crashed: illegal instruction"},
+        Deed{"division", End::failed, "crashed: arithmetic fault"}, Deed{"exit", End::failed, "called exit(0)"},
+        Deed{"quick_exit", End::failed, "called quick_exit(0)"}, Deed{"raw_exit", End::failed, "with exit status 0"},
+        Deed{"raw_exit_in_thread", End::failed, "with exit status 0"},
+        Deed{"raw_exec", End::failed, "with exit status 0"}, Deed{"kill", End::failed, "by SIGKILL"},
+        Deed{"term_group", End::failed, "by SIGTERM"}, Deed{"kill_group", End::failed, "by SIGKILL"},
+        Deed{"stop", End::failed, "did not return within 1 s"},
+        Deed{"stop_group", End::failed, "did not return within 1 s"}, Deed{"traced", End::either},
+        Deed{"traced_and_stopped", End::failed, "did not return within 1 s"},
+        Deed{"strict_seccomp", End::failed}, Deed{"no_memory_limit", End::failed, "std::bad_alloc"},
+        Deed{"no_descriptors", End::harmless}, Deed{"no_file_size", End::harmless}, Deed{"fork_many", End::harmless},
+        Deed{"fork_and_return", End::harmless}, Deed{"spin", End::failed, "did not return within 1 s"},
+        Deed{"sleep", End::failed, "did not return within 1 s"},
+        Deed{"deadlock", End::failed, "did not return within 1 s"},
+        Deed{"full_pipe", End::failed, "did not return within 1 s"},
+        Deed{"print_forever", End::failed, "did not return within 1 s"},
+        Deed{"block_and_spin", End::failed, "did not return within 1 s"},
+        Deed{"allocate_forever", End::failed, "did not return within 1 s"},
+        Deed{"own_handlers", End::failed, "did not return within 1 s"},
+        Deed{"timer", End::failed, "was ended by SIGALRM"}, Deed{"spin_at_unload", End::harmless},
+        Deed{"spin_in_destructor", End::at_stop, "did not return within 1 s"}, Deed{"threads", End::harmless},
+        Deed{"thread_crash", End::failed, "started a thread that crashed"},
+        Deed{"thread_overrun", End::failed, "started a thread that crashed"},
+        Deed{"thread_throw", End::failed, "started a thread that threw"}, Deed{"close_all", End::harmless},
+        Deed{"dup_over_everything", End::harmless}, Deed{"unlink_trace", End::trace_changed, "has deleted the trace"},
+        Deed{"cut_trace", End::trace_changed, "the trace while it was written"},
+        Deed{"replace_trace", End::trace_changed, "deleted the trace"},
+        Deed{"write_into_trace", End::trace_changed, "has written into the trace"}),
+    [](const auto& deed) { return std::string(deed.param.name); });
+
+TEST_P(Guests, EndTheRunSoonWithItsRecordingWhole) {
+  const Outcome outcome = record();
+  EXPECT_LT(seconds_, call_limit + 1.0 + 2.0) << "two seconds are for a busy machine";
+  switch (GetParam().end) {
+    case End::harmless: return expect_harmless(outcome);
+    case End::either: return outcome.status == 0 ? expect_harmless(outcome) : expect_failure(outcome);
+    case End::failed:
+    case End::at_stop: return expect_failure(outcome);
+    case End::unknown:
+      EXPECT_EQ(outcome.status, 3);
+      EXPECT_THAT(outcome.err, HasSubstr(GetParam().words));
+      EXPECT_EQ(outcome_in(info())["complete"], "false");
+      return;
+    case End::trace_changed:
+      EXPECT_EQ(outcome.status, 3);
+      EXPECT_THAT(outcome.err, HasSubstr(GetParam().words));
+      EXPECT_EQ(outcome.out, "");
+  }
+}
+
+}  // namespace
+}  // namespace rehearse::test
