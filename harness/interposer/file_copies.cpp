@@ -114,6 +114,7 @@ void normalise(char* path) {
 /// Replaces a name in the folder of copies, in place: a copy by its original, a listing by the folder that it lists.
 void restore_name(char* name) {
   char files[PATH_MAX], listings[PATH_MAX], original[PATH_MAX];
+  if (!*folder_of_copies()) return;
   if (!print(files, "%s/files/", folder_of_copies()) || !print(listings, "%s/listings/", folder_of_copies())) return;
   if (begins_with(name, files)) memmove(name, name + strlen(files) - 1, strlen(name + strlen(files) - 1) + 1);
   if (!begins_with(name, listings)) return;

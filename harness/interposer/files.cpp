@@ -180,6 +180,12 @@ REHEARSE_LOCATED(int, access, (const char* path, int mode), (path, mode), AT_FDC
 REHEARSE_LOCATED(int, faccessat, (int folder, const char* path, int mode, int flags), (folder, path, mode, flags),
                  folder, Use::look)
 REHEARSE_LOCATED(ssize_t, readlink, (const char* path, char* to, size_t size), (path, to, size), AT_FDCWD, Use::look)
+REHEARSE_LOCATED(ssize_t, readlinkat, (int folder, const char* path, char* to, size_t size), (folder, path, to, size),
+                 folder, Use::look)
+REHEARSE_LOCATED(int, statfs, (const char* path, void* space), (path, space), AT_FDCWD, Use::look)
+REHEARSE_LOCATED(int, statfs64, (const char* path, void* space), (path, space), AT_FDCWD, Use::look)
+REHEARSE_LOCATED(int, statvfs, (const char* path, void* space), (path, space), AT_FDCWD, Use::look)
+REHEARSE_LOCATED(int, statvfs64, (const char* path, void* space), (path, space), AT_FDCWD, Use::look)
 REHEARSE_LOCATED(int, truncate, (const char* path, off_t length), (path, length), AT_FDCWD, Use::change)
 REHEARSE_LOCATED(int, chmod, (const char* path, mode_t mode), (path, mode), AT_FDCWD, Use::change)
 REHEARSE_LOCATED(int, fchmodat, (int folder, const char* path, mode_t mode, int flags), (folder, path, mode, flags),

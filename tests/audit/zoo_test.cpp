@@ -123,6 +123,7 @@ const Animal animals[] = {
     {"two_trees", "walks a tree there and one here", nullptr, "", "", "fts_open(/etc/apt) called in"},
     {"scanned_below", "lists by scandirat()", nullptr, "", "", "scandirat(/etc/apt) called in"},
     {"opened_below", "reads a file in an opened folder", nullptr, "", "", "/gain.txt) called in OpenedBelow::begin()"},
+    {"disk_space", "stops on a full disk", nullptr, "", "", "statvfs(/) called in"},
     {"time_stamp_branch", "branches on the processor's counter", nullptr, "", "", "the processor's clock (rdtsc in "},
     {"time_stamp_core", "branches on the counter by rdtscp", nullptr, "", "", "the processor's clock (rdtscp in "},
     {"random_instruction", "draws from the processor", "nothing",
