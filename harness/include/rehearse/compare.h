@@ -39,6 +39,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace rehearse {
@@ -67,7 +68,7 @@ struct Divergence {
   bool is_beyond() const { return !note.empty() || !(judged() <= tolerance); }
 };
 
-/// Differences between two runs, counted in the order in which they are found.
+/// Differences between two runs.
 struct Differences {
   std::int64_t values = 0;  // numbers compared
   std::int64_t values_different = 0;
@@ -75,7 +76,12 @@ struct Differences {
   std::optional<Divergence> worst;   // by absolute difference
   std::optional<Divergence> beyond;  // the first beyond its tolerance, or with a note
 
-  void add(Divergence found);
+  void add(Divergence found) {
+    const bool is_beyond = found.is_beyond();
+    add(std::move(found), is_beyond);
+  }
+  /// It may be of an earlier tick than the differences so far.
+  void add(Divergence found, bool is_beyond);
 };
 
 /// Sets the members that two numbers determine: expected, actual, difference, ulps and unit.
