@@ -30,7 +30,7 @@ ReplayComparison::ReplayComparison(const ReplayOptions& options, const Scenario&
       judge_(options.tolerances ? &*options.tolerances : nullptr, std::move(scales), scenario.time_step,
              [this](Divergence&& found) { this->report(std::move(found)); }),
       outputs_(host, record_.fields(), recording, judge_),
-      results_(record_.fields(), options.tolerances ? &*options.tolerances : nullptr, scenario.time_step),
+      results_(record_.fields(), options, scenario.time_step),
       delays_(host, recording),
       channels_(words_.channels()),
       from_(static_cast<std::uint64_t>(std::llround(std::max(0.0, options.from) * 1e9))) {
