@@ -1,5 +1,6 @@
 // Logs a controller that closes file descriptors of others.
 #include <dirent.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -12,6 +13,7 @@ namespace {
 
 constexpr int most_descriptors = 1024;
 bool is_hosts[most_descriptors];
+char relative_names[most_descriptors][256];  // longer ones are cut
 
 }  // namespace
 
@@ -32,7 +34,18 @@ int now_controllers(int descriptor) {
   return descriptor;
 }
 
+const char* relative_name_of(int descriptor) {
+  return descriptor >= 0 && descriptor < most_descriptors ? relative_names[descriptor] : "";
+}
+
+void set_relative_name(int descriptor, const char* name) {
+  if (descriptor < 0 || descriptor >= most_descriptors) return;
+  char* const to = relative_names[descriptor];
+  if (*to || *name) snprintf(to, sizeof relative_names[0], "%s", name);
+}
+
 REHEARSE_INTERPOSED(int, close, (int descriptor)) {
+  set_relative_name(descriptor, "");
   if (watching() && descriptor >= 0 && descriptor < most_descriptors && is_hosts[descriptor]) {
     const Caller caller = note(Source::process, "close", Digits(descriptor), __builtin_return_address(0));
     if (caller.is_controller) now_controllers(descriptor);

@@ -10,6 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "descriptors.h"
+
 namespace rehearse::interposer {
 namespace {
 
@@ -112,6 +114,7 @@ void normalise(char* path) {
 /// Replaces a name in the folder of copies, in place: a copy by its original, a listing by the folder that it lists.
 void restore_name(char* name) {
   char files[PATH_MAX], listings[PATH_MAX], original[PATH_MAX];
+  if (!*folder_of_copies()) return;
   if (!print(files, "%s/files/", folder_of_copies()) || !print(listings, "%s/listings/", folder_of_copies())) return;
   if (begins_with(name, files)) memmove(name, name + strlen(files) - 1, strlen(name + strlen(files) - 1) + 1);
   if (!begins_with(name, listings)) return;
@@ -123,6 +126,15 @@ void restore_name(char* name) {
   if (length <= 0) return;
   original[length] = 0;
   print(name, "%s%s", original, rest);
+}
+
+/// The absolute name of an opened file; false: it has none.
+bool name_of_descriptor(int descriptor, char* name) {
+  char link[64];
+  snprintf(link, sizeof link, "/proc/self/fd/%d", descriptor);
+  const ssize_t length = readlink(link, name, PATH_MAX - 1);
+  name[length > 0 ? length : 0] = 0;
+  return *name == '/';
 }
 
 bool is_writable_folder(const char* name) {
@@ -162,6 +174,33 @@ void link_entries(const char* folder, const char* name, const char* listing) {
 
 }  // namespace
 
+StatedName::StatedName(int folder, const char* path) {
+  snprintf(text, sizeof text, "%s", path ? path : "");
+  if (folder == AT_FDCWD || !path || *path == '/') return;
+  const Busy busy;
+  const KeepErrno keep;
+  char base[PATH_MAX];
+  snprintf(base, sizeof base, "%s", relative_name_of(folder));
+  if (!*base) {
+    if (!name_of_descriptor(folder, base)) return;
+    restore_name(base);
+  }
+  const bool is_here = strcmp(base, ".") == 0 && *path;
+  print(text, "%s%s%s", is_here ? "" : base, is_here || !*path || base[strlen(base) - 1] == '/' ? "" : "/", path);
+}
+
+bool is_own_folder(const char* path) {
+  char files[PATH_MAX];
+  return path && *folder_of_copies() && print(files, "%s/files/", folder_of_copies()) && begins_with(path, files);
+}
+
+bool is_own_folder(int descriptor) {
+  const Busy busy;
+  const KeepErrno keep;
+  char name[PATH_MAX];
+  return name_of_descriptor(descriptor, name) && is_own_folder(name);
+}
+
 Located::Located(const Caller& caller, int folder, const char* path, Use use) : given_(path) {
   if (!*folder_of_copies() || !caller.is_controller || !path || !*path) return;
   const Busy busy;
@@ -185,12 +224,8 @@ bool Located::find_name(int folder) {
   if (*given_ != '/') {
     if (folder == AT_FDCWD) {
       if (!getcwd(base, sizeof base)) return false;
-    } else {
-      char link[64];
-      snprintf(link, sizeof link, "/proc/self/fd/%d", folder);
-      const ssize_t length = readlink(link, base, sizeof base - 1);
-      if (length <= 0) return false;
-      base[length] = 0;
+    } else if (!name_of_descriptor(folder, base)) {
+      return false;
     }
   }
   if (!print(name_, "%s/%s", base, given_)) return false;

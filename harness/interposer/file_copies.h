@@ -17,6 +17,19 @@ enum class Use {
   list,    // to list a folder
 };
 
+/// The name of a file as the log states it: the given one; after a folder's descriptor with the name of that folder.
+struct StatedName {
+  char text[PATH_MAX];
+  /// `path` may be null or empty. The folder is a descriptor, or AT_FDCWD.
+  StatedName(int folder, const char* path);
+  operator const char*() const { return text; }
+  bool is_relative() const { return *text && *text != '/'; }
+};
+
+/// True for the copy of a folder that the controller made itself, which has no original.
+bool is_own_folder(const char* path);
+bool is_own_folder(int descriptor);
+
 /// The name by which to access a file: the given name, or the name of its copy. Keeps errno.
 class Located {
  public:

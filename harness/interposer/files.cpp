@@ -1,5 +1,4 @@
 // Files and networks: their names, and the content of a file when it was opened for reading.
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -80,23 +79,29 @@ bool changes(const char* mode) { return mode && (mode[0] != 'r' || strchr(mode, 
 /// Logs the opening of a file, with the file's digest if it is opened for reading, and finds the file to open instead.
 struct Opening {
   Caller caller;
+  StatedName name;
   Located path;
   int instead = -2;  // a replacing descriptor; -2: none
 
   Opening(const char* function, int folder, const char* wanted, bool reading, Use use, void* return_address)
-      : caller(find_caller(return_address)), path(caller, folder, wanted, use) {
+      : caller(find_caller(return_address)), name(folder, wanted), path(caller, folder, wanted, use) {
     const Substitution& substitution = substitution_for(caller);
-    if (is_random_device(wanted)) {
-      note(caller, Source::random, function, wanted);
+    if (is_random_device(name)) {
+      note(caller, Source::random, function, name);
       if (substitution.has_seed) instead = open_random_file(substitution.seed);
-    } else if (is_machine_file(wanted)) {
-      note(caller, Source::environment, function, wanted);
-      if (substitution.machine > 0) instead = open_machine_file(substitution.machine, wanted);
+    } else if (is_machine_file(name)) {
+      note(caller, Source::environment, function, name);
+      if (substitution.machine > 0) instead = open_machine_file(substitution.machine, name);
     } else if (reading) {
-      note(caller, Source::file, function, wanted, Digest(folder, path).text);
+      note(caller, Source::file, function, name, Digest(folder, path).text);
     } else {
-      note(caller, Source::file, function, wanted);
+      note(caller, Source::file, function, name);
     }
+  }
+
+  int opened(int descriptor) const {
+    if (caller.is_controller) set_relative_name(descriptor, name.is_relative() ? name : "");
+    return now_controllers(descriptor);
   }
 };
 
@@ -114,7 +119,7 @@ Use use_of(const char* mode) { return changes(mode) ? Use::change : Use::look; }
     if (!watching()) return next_##name.get() arguments;                                                  \
     const Opening opening(#name, folder, path, reads(flags), use_of(flags), __builtin_return_address(0)); \
     path = opening.path;                                                                                  \
-    return now_controllers(opening.instead == -2 ? next_##name.get() arguments : opening.instead);        \
+    return opening.opened(opening.instead == -2 ? next_##name.get() arguments : opening.instead);         \
   }
 REHEARSE_OPENED(open, (const char* path, int flags, unsigned mode), (path, flags, mode), AT_FDCWD, flags)
 REHEARSE_OPENED(open64, (const char* path, int flags, unsigned mode), (path, flags, mode), AT_FDCWD, flags)
@@ -144,25 +149,15 @@ REHEARSE_FILE_OPENED(freopen64, (const char* path, const char* mode, FILE* file)
 #undef REHEARSE_FILE_OPENED
 
 /// A function with the name of a file as argument: it is logged, and applied to the process's copy if there is one.
-#define REHEARSE_LOCATED(result, name, parameters, arguments, folder, use)              \
-  REHEARSE_INTERPOSED(result, name, parameters) {                                       \
-    if (!watching()) return next_##name.get() arguments;                                \
-    const Caller caller = note(Source::file, #name, path, __builtin_return_address(0)); \
-    const Located located(caller, folder, path, use);                                   \
-    path = located;                                                                     \
-    return next_##name.get() arguments;                                                 \
+#define REHEARSE_LOCATED(result, name, parameters, arguments, folder, use)                \
+  REHEARSE_INTERPOSED(result, name, parameters) {                                         \
+    if (!watching()) return next_##name.get() arguments;                                  \
+    const StatedName stated(folder, path);                                                \
+    const Caller caller = note(Source::file, #name, stated, __builtin_return_address(0)); \
+    const Located located(caller, folder, path, use);                                     \
+    path = located;                                                                       \
+    return next_##name.get() arguments;                                                   \
   }
-REHEARSE_LOCATED(DIR*, opendir, (const char* path), (path), AT_FDCWD, Use::list)
-using Entry = dirent;
-using Entry64 = dirent64;
-REHEARSE_LOCATED(int, scandir,
-                 (const char* path, Entry*** list, int (*choose)(const Entry*),
-                  int (*order)(const Entry**, const Entry**)),
-                 (path, list, choose, order), AT_FDCWD, Use::list)
-REHEARSE_LOCATED(int, scandir64,
-                 (const char* path, Entry64*** list, int (*choose)(const Entry64*),
-                  int (*order)(const Entry64**, const Entry64**)),
-                 (path, list, choose, order), AT_FDCWD, Use::list)
 using VisitFile = int (*)(const char*, const void*, int);
 REHEARSE_LOCATED(int, ftw, (const char* path, VisitFile visit, int depth), (path, visit, depth), AT_FDCWD, Use::list)
 REHEARSE_LOCATED(int, ftw64, (const char* path, VisitFile visit, int depth), (path, visit, depth), AT_FDCWD, Use::list)
@@ -185,6 +180,12 @@ REHEARSE_LOCATED(int, access, (const char* path, int mode), (path, mode), AT_FDC
 REHEARSE_LOCATED(int, faccessat, (int folder, const char* path, int mode, int flags), (folder, path, mode, flags),
                  folder, Use::look)
 REHEARSE_LOCATED(ssize_t, readlink, (const char* path, char* to, size_t size), (path, to, size), AT_FDCWD, Use::look)
+REHEARSE_LOCATED(ssize_t, readlinkat, (int folder, const char* path, char* to, size_t size), (folder, path, to, size),
+                 folder, Use::look)
+REHEARSE_LOCATED(int, statfs, (const char* path, void* space), (path, space), AT_FDCWD, Use::look)
+REHEARSE_LOCATED(int, statfs64, (const char* path, void* space), (path, space), AT_FDCWD, Use::look)
+REHEARSE_LOCATED(int, statvfs, (const char* path, void* space), (path, space), AT_FDCWD, Use::look)
+REHEARSE_LOCATED(int, statvfs64, (const char* path, void* space), (path, space), AT_FDCWD, Use::look)
 REHEARSE_LOCATED(int, truncate, (const char* path, off_t length), (path, length), AT_FDCWD, Use::change)
 REHEARSE_LOCATED(int, chmod, (const char* path, mode_t mode), (path, mode), AT_FDCWD, Use::change)
 REHEARSE_LOCATED(int, fchmodat, (int folder, const char* path, mode_t mode, int flags), (folder, path, mode, flags),
@@ -205,14 +206,15 @@ REHEARSE_INTERPOSED(char*, realpath, (const char* path, char* to)) {
   return to ? strcpy(to, located.name()) : strdup(located.name());
 }
 
-#define REHEARSE_REMOVED(name, parameters, arguments, folder)                           \
-  REHEARSE_INTERPOSED(int, name, parameters) {                                          \
-    if (!watching()) return next_##name.get() arguments;                                \
-    const Caller caller = note(Source::file, #name, path, __builtin_return_address(0)); \
-    const Removal removal(caller, folder, path);                                        \
-    if (removal.is_done()) return 0;                                                    \
-    path = removal;                                                                     \
-    return next_##name.get() arguments;                                                 \
+#define REHEARSE_REMOVED(name, parameters, arguments, folder)                             \
+  REHEARSE_INTERPOSED(int, name, parameters) {                                            \
+    if (!watching()) return next_##name.get() arguments;                                  \
+    const StatedName stated(folder, path);                                                \
+    const Caller caller = note(Source::file, #name, stated, __builtin_return_address(0)); \
+    const Removal removal(caller, folder, path);                                          \
+    if (removal.is_done()) return 0;                                                      \
+    path = removal;                                                                       \
+    return next_##name.get() arguments;                                                   \
   }
 REHEARSE_REMOVED(unlink, (const char* path), (path), AT_FDCWD)
 REHEARSE_REMOVED(unlinkat, (int folder, const char* path, int flags), (folder, path, flags), folder)
@@ -286,33 +288,14 @@ REHEARSE_NOTED(file, int, shmget, (int key, size_t size, int flags), (key, size,
 REHEARSE_NOTED(file, int, semget, (int key, int count, int flags), (key, count, flags), Digits(key))
 REHEARSE_NOTED(file, int, msgget, (int key, int flags), (key, flags), Digits(key))
 
-/// libstdc++ opens a folder by openat() and lists it by fdopendir(). The process's own copies are left out.
-REHEARSE_INTERPOSED(DIR*, fdopendir, (int folder)) {
-  if (!watching()) return next_fdopendir.get()(folder);
-  char link[64], path[PATH_MAX] = "";
-  snprintf(link, sizeof link, "/proc/self/fd/%d", folder);
-  const ssize_t size = next_readlink.get()(link, path, sizeof path - 1);
-  path[size > 0 ? size : 0] = '\0';
-  const char* const copies = folder_of_copies();
-  if (!copies || !*copies || strncmp(path, copies, strlen(copies)) != 0)
-    note(Source::file, "fdopendir", path, __builtin_return_address(0));
-  return next_fdopendir.get()(folder);
-}
 REHEARSE_NOTED(file, int, glob, (const char* pattern, int flags, int (*failed)(const char*, int), void* found),
                (pattern, flags, failed, found), pattern)
 REHEARSE_NOTED(file, int, glob64, (const char* pattern, int flags, int (*failed)(const char*, int), void* found),
                (pattern, flags, failed, found), pattern)
 
-REHEARSE_NOTED(file, int, scandirat, (int folder, const char* path, void* list, void* choose, void* order),
-               (folder, path, list, choose, order), path)
-REHEARSE_NOTED(file, int, scandirat64, (int folder, const char* path, void* list, void* choose, void* order),
-               (folder, path, list, choose, order), path)
-REHEARSE_NOTED(file, void*, fts_open, (char* const* paths, int options, void* order), (paths, options, order), paths[0])
-REHEARSE_NOTED(file, void*, fts64_open, (char* const* paths, int options, void* order), (paths, options, order),
-               paths[0])
 REHEARSE_NOTED(file, int, wordexp, (const char* words, void* found, int flags), (words, found, flags), words)
 REHEARSE_NOTED(file, ssize_t, getdents64, (int folder, void* entries, size_t size), (folder, entries, size),
-               Digits(folder))
+               StatedName(folder, ""))
 REHEARSE_NOTED(file, void*, shmat, (int id, const void* address, int flags), (id, address, flags), Digits(id))
 
 REHEARSE_NOTED(network, int, getifaddrs, (void** result), (result), "")

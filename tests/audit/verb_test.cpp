@@ -18,7 +18,7 @@ TEST_F(AuditVerb, TakesARecording) {
   EXPECT_THAT(outcome.out,
               StartsWith("Pendulum/Zoo is a function of its inputs: 8 replays of 0.2 s under other memory, "
                          "addresses and variables gave the same 200 commands, bit for bit\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("recorded in closed loop                 not varied: the recording was given\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("recorded in closed loop                  not varied: the recording was given\n"));
 }
 
 TEST_F(AuditVerb, TakesAnotherLibraryForIt) {

@@ -7,6 +7,7 @@ namespace {
 using testing::Compare;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using testing::nan_value;
 using testing::SmallTick;
 using testing::SmallTrace;
 
@@ -62,6 +63,39 @@ TEST_F(Compare, CallsAJointOfAnotherNameMissingAndExtra) {
   EXPECT_FALSE(comparison.within);
   EXPECT_EQ(comparison.first->element, "KNEE/q");
   EXPECT_EQ(comparison.first->note, "is missing");
+}
+
+/// A controller may read more or less and command the same.
+TEST_F(Compare, RemarksThatAControllerReadsOtherJoints) {
+  actual_.joints_read = {"WHEEL", "KNEE"};
+  const Comparison more = compared();
+  EXPECT_TRUE(more.equal) << verdict(more);
+  EXPECT_THAT(more.other_inputs, ElementsAre("+ WHEEL/q of Robot/Pd"));
+  EXPECT_EQ(table(more), "  note: the controller reads other inputs: + WHEEL/q of Robot/Pd\n");
+  std::swap(golden_, actual_);
+  EXPECT_TRUE(compared().equal);
+  EXPECT_THAT(compared().other_inputs, ElementsAre("- WHEEL/q of Robot/Pd"));
+  for (SmallTick& tick : actual_.ticks) tick.input_q = 0.6;
+  EXPECT_EQ(compared().first->element, "KNEE/q") << "both runs have this joint";
+}
+
+TEST_F(Compare, RemarksThatAControllerReadsAnotherQuantityOfAJoint) {
+  for (SmallTrace* trace : {&golden_, &actual_}) trace->joints_read = {"KNEE", "WHEEL"};
+  for (SmallTick& tick : actual_.ticks) tick.input_dq = {nan_value, 2.0};
+  EXPECT_TRUE(compared().equal) << verdict(compared());
+  EXPECT_THAT(compared().other_inputs, ElementsAre("+ WHEEL/dq of Robot/Pd")) << "the knee's isn't read";
+  for (SmallTick& tick : golden_.ticks) tick.input_dq = {1.0, 2.0};
+  EXPECT_TRUE(compared().equal) << verdict(compared());
+  EXPECT_THAT(compared().other_inputs, ElementsAre("- KNEE/dq of Robot/Pd"));
+}
+
+TEST_F(Compare, CallsAnInputThatIsNoNumberInOneTickADifference) {
+  for (SmallTrace* trace : {&golden_, &actual_})
+    for (SmallTick& tick : trace->ticks) tick.input_dq = {1.0};
+  actual_.ticks[1].input_dq = {nan_value};
+  EXPECT_EQ(compared().first->tick, 1);
+  EXPECT_EQ(compared().first->element, "KNEE/dq");
+  EXPECT_THAT(compared().other_inputs, ElementsAre());
 }
 
 TEST_F(Compare, MatchesJointsByNameNotByOrder) {

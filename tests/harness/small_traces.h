@@ -52,7 +52,7 @@ struct SmallTick {
   std::array<double, 3> position{10.0, 0.0, 0.7};      // [m]
   std::array<double, 4> rotation{0.0, 0.0, 0.0, 1.0};  // x, y, z, w
   double force = 650.0;                                // [N]
-  double input_q = 0.5;                                // [rad]
+  double input_q = 0.5;                                // [rad], of all joints that are read
   double u = 12.0;                                     // [N·m]
   Image image{4, 2, std::vector<std::uint8_t>(24, 100)};
   std::vector<float> depth{1.0F, 2.0F, 3.0F, 4.0F};
@@ -60,6 +60,7 @@ struct SmallTick {
   std::optional<std::vector<msg::Contact>> contacts = std::nullopt;               // not recorded unless given
   // of the knee [N·m]; not recorded unless given
   std::optional<double> applied = std::nullopt;
+  std::vector<double> input_dq = {};  // [rad/s], of the joints that are read; empty: none
 };
 
 struct SmallTrace {
@@ -74,6 +75,7 @@ struct SmallTrace {
   bool has_helper = false;                                         // a second controller
   std::vector<std::string> left_out;                               // topics
   std::vector<std::string> joint_names{"KNEE", "WHEEL"};
+  std::vector<std::string> joints_read{"KNEE"};  // by the controller
   std::string scenario = "rehearse: 1\n";
   mcap::StringMap provenance{{"trace_version", "1"}, {"rehearse", "0.1.0"}};
   mcap::StringMap outcome{{"ticks", "3"}, {"complete", "true"}};
@@ -144,7 +146,9 @@ inline void write_tick(SmallWriter& to, const SmallTrace& trace, const SmallTick
   msg::Image depth{header, 2, 2, "32FC1", 0, 8, std::vector<std::uint8_t>(16)};
   std::memcpy(depth.data.data(), tick.depth.data(), 16);
   to.write("/Robot/Eye/depth", time, depth, {{"unit", "m"}});
-  to.write("/Robot/Pd/input/joints", time, msg::JointState{header, {"KNEE"}, {tick.input_q}, {}, {}}, joint_units);
+  const std::vector<double> positions(trace.joints_read.size(), tick.input_q);
+  to.write("/Robot/Pd/input/joints", time, msg::JointState{header, trace.joints_read, positions, tick.input_dq, {}},
+           joint_units);
   if (tick.contacts)
     to.write("/Robot/Pd/input/FOOT/contacts", time, msg::Contacts{header, *tick.contacts},
              {{"unit:position", "m"}, {"unit:force", "N"}, {"unit:depth", "m"}});

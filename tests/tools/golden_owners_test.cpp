@@ -71,6 +71,17 @@ TEST_F(GoldenOwners, PruneAsksForARunOfTheTests) {
   EXPECT_TRUE(exists("golden/Old.Falls.mcap"));
 }
 
+TEST_F(GoldenOwners, PruneRemovesNothingIfATestProgramDoesNotRunToItsEnd) {
+  const fs::path program =
+      write("ends", "#!/bin/sh\ntest \"$1\" = --gtest_list_tests && exec '" OWNING_TESTS "' \"$1\"\nkill -SEGV $$\n");
+  fs::permissions(program, fs::perms::owner_all);
+  const Outcome refused = rehearse({"golden", "prune", "--yes", "--tests", program.string()}, folders());
+  EXPECT_EQ(refused.status, 2) << refused.out;
+  EXPECT_THAT(refused.err, HasSubstr("before all its tests had run"));
+  EXPECT_THAT(refused.err, HasSubstr("the goldens of its tests are unknown"));
+  EXPECT_TRUE(exists("golden/Old.Falls.mcap"));
+}
+
 TEST_F(GoldenOwners, PruneKeepsGoldensOfTestsWhoseNamesNoSourceHolds) {
   const nlohmann::json done =
       rehearse({"golden", "prune", "--yes", "--json", "--tests", OWNING_TESTS}, folders()).json();

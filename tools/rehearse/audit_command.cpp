@@ -36,7 +36,7 @@ const char* words_for(Factor factor) {
     case Factor::memory: return "content of fresh and freed memory";
     case Factor::addresses: return "addresses";
     case Factor::environment: return "environment variables";
-    case Factor::machine: return "processors, host, load, terminal, user";
+    case Factor::machine: return "machine, terminal, user, order of lists";
     case Factor::folder: return "working folder";
     case Factor::locale: return "locale, with a decimal comma";
     case Factor::clock: return "date, and how fast time runs";

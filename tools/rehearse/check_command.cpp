@@ -255,10 +255,10 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
 /// Checks one scenario and prints the result.
 Result<CheckOutcome> check_one(const CheckSettings& settings, const Scenario& scenario) {
   tell_warnings(scenario);
-  const auto checked = check_beside_others(settings, scenario);
+  auto checked = check_beside_others(settings, scenario);
   if (!checked) return checked.errors();
   if (!settings.json) tell_files(*checked);
-  return outcome_of(scenario, *checked);
+  return outcome_of(scenario, *std::move(checked));
 }
 
 /// Checks the scenarios and adds their outcomes to `all`, in order.
@@ -270,7 +270,7 @@ Exit check_all(const CheckSettings& settings, const std::vector<Scenario>& scena
         [&](std::size_t i) -> Result<std::string> {
           const auto outcome = check_one(settings, scenarios[i]);
           if (!outcome) return outcome.errors();
-          return form_of(*outcome);
+          return form_of(*outcome, settings.json);
         },
         [&](const std::string& form) { all.push_back(outcome_in(form)); });
   supervise_process();
@@ -329,7 +329,7 @@ Exit run_check(const CheckSettings& settings, const CLI::App& options) {
   if (const Exit ended = check_all(settings, *scenarios, all); ended != Exit::done || interruption() != 0) return ended;
   Exit worst = Exit::done;
   for (const CheckOutcome& outcome : all) worst = std::max(worst, outcome.exit);
-  if (settings.json) print(all.size() == 1 ? all[0].json : json_of_checks(all));
+  if (settings.json) print(all.size() == 1 ? json_of(all[0]) : json_of_checks(all));
   if (!settings.no_report) keep_index(*scenarios, all, !settings.json);
   if (!settings.junit.empty())
     if (const auto written = write_junit(settings.junit, all); !written) return refuse(written.errors());

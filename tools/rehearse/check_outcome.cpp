@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <string_view>
+#include <utility>
 
 #include "check/check_json.h"
 #include "check/compared.h"
@@ -30,6 +31,14 @@ Json json_of_check(const Checked& checked) {
   object["message"] = checked.report.message;
   object["report"] = checked.page ? Json(checked.page->file.string()) : Json();
   return object;
+}
+
+/// The verdict, the differences of the closed loop and what to do, in lines.
+std::string details_of(const CheckOutcome& outcome) {
+  const auto* checked = std::get_if<Checked>(&outcome.findings);
+  if (!checked) return std::get<TextsOfFindings>(outcome.findings).details;
+  const CheckReport& report = checked->report;
+  return report.verdict + '\n' + (report.comparison ? table(*report.comparison) : "") + report.message;
 }
 
 /// A State of TestResult or CiCase.
@@ -82,7 +91,7 @@ CiCase ci_case(const CheckOutcome& outcome) {
   one.seconds = outcome.seconds;
   one.state = state_of<CiCase::State>(outcome);
   one.line = outcome.line;
-  one.details = outcome.details;
+  one.details = details_of(outcome);
   one.report = outcome.report;
   return one;
 }
@@ -174,33 +183,36 @@ void tell_files(const Checked& checked) {
   if (report.run) tell_remarks(*report.run);
 }
 
-CheckOutcome outcome_of(const Scenario& scenario, const Checked& checked) {
+CheckOutcome outcome_of(const Scenario& scenario, Checked checked) {
   const CheckReport& report = checked.report;
   CheckOutcome outcome{.scenario = checked.scenario,
                        .file = checked.file,
                        .kind = scenario.golden.empty() ? "expectations" : "golden",
                        .exit = exit_of(report),
                        .verdict = report.verdict,
+                       .equal = compared_anything(report) && report.equal(),
+                       .within = compared_anything(report) && report.within(),
                        .proved = report.proved,
                        .controller = report.controller,
                        .plant = report.plant,
                        .closed = report.closed,
-                       .details = report.verdict + '\n',
-                       .seconds = checked.seconds,
-                       .json = json_of_check(checked)};
-  outcome.equal = compared_anything(report) && report.equal();
-  outcome.within = compared_anything(report) && report.within();
-  if (report.comparison) outcome.details += table(*report.comparison);
-  outcome.details += report.message;
+                       .seconds = checked.seconds};
   if (const ExpectationResult* violation = first_violation(report.expectations))
     outcome.line = violation->expectation.place.line;
-  if (!checked.page) return outcome;
-  outcome.report = checked.page->file.string();
-  outcome.tick = checked.page->summary.first_tick;
+  if (checked.page) {
+    outcome.report = checked.page->file.string();
+    outcome.tick = checked.page->summary.first_tick;
+  }
+  outcome.findings = std::move(checked);
   return outcome;
 }
 
-std::string form_of(const CheckOutcome& outcome) {
+Json json_of(const CheckOutcome& outcome) {
+  const auto* checked = std::get_if<Checked>(&outcome.findings);
+  return checked ? json_of_check(*checked) : std::get<TextsOfFindings>(outcome.findings).json;
+}
+
+std::string form_of(const CheckOutcome& outcome, bool json) {
   const Json form{{"scenario", outcome.scenario},
                   {"file", outcome.file},
                   {"kind", outcome.kind},
@@ -212,12 +224,12 @@ std::string form_of(const CheckOutcome& outcome) {
                   {"controller", outcome.controller},
                   {"plant", outcome.plant},
                   {"closed", outcome.closed},
-                  {"details", outcome.details},
+                  {"details", details_of(outcome)},
                   {"report", outcome.report},
                   {"tick", outcome.tick ? Json(*outcome.tick) : Json()},
                   {"line", outcome.line},
                   {"seconds", outcome.seconds},
-                  {"json", outcome.json}};
+                  {"json", json ? json_of(outcome) : Json()}};
   return form.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -236,12 +248,11 @@ CheckOutcome outcome_in(const std::string& text) {
   take("controller", outcome.controller);
   take("plant", outcome.plant);
   take("closed", outcome.closed);
-  take("details", outcome.details);
   take("report", outcome.report);
   if (!form.at("tick").is_null()) outcome.tick = form.at("tick").get<std::int64_t>();
   take("line", outcome.line);
   take("seconds", outcome.seconds);
-  outcome.json = form.at("json");
+  outcome.findings = TextsOfFindings{form.at("details"), form.at("json")};
   return outcome;
 }
 
@@ -251,7 +262,7 @@ Json json_of_checks(const std::vector<CheckOutcome>& all) {
     return std::ranges::all_of(all, [&](const CheckOutcome& outcome) { return outcome.*member; });
   };
   Json scenarios = Json::array();
-  for (const CheckOutcome& outcome : all) scenarios.push_back(outcome.json);
+  for (const CheckOutcome& outcome : all) scenarios.push_back(json_of(outcome));
   return {{"verdict", bad == all.end() ? fmt::format("{} as they should be", count_text(std::ssize(all), "scenario"))
                                        : bad->scenario + ": " + bad->verdict},
           {"equal", all_are(&CheckOutcome::equal)},
@@ -261,7 +272,7 @@ Json json_of_checks(const std::vector<CheckOutcome>& all) {
            {{"controller", together(all, &CheckOutcome::controller)},
             {"plant", together(all, &CheckOutcome::plant)},
             {"closed", together(all, &CheckOutcome::closed)}}},
-          {"first", bad == all.end() ? Json(nullptr) : bad->json["first"]},
+          {"first", bad == all.end() ? Json() : scenarios[static_cast<std::size_t>(bad - all.begin())]["first"]},
           {"scenarios", scenarios}};
 }
 

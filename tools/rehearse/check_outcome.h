@@ -1,5 +1,5 @@
-// The outcome of a check: as text for a person, as JSON for the user and between processes, and in formats for
-// continuous integration.
+// The outcome of a check, and its writers: for the terminal, as JSON, as JUnit's XML, for GitHub, and for the list of
+// reports. Each of them reads the check's result and makes its text of it.
 #pragma once
 
 #include <rehearse/check.h>
@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "command.h"
@@ -34,7 +35,13 @@ void tell_verdict(const Checked& checked);
 /// Prints the notes, the files that wait for a decision, and the address of the report.
 void tell_files(const Checked& checked);
 
-/// What remains of a check when it is over, for lists, summaries and continuous integration.
+/// The findings of a check in another process, as the texts that the writers here put into theirs.
+struct TextsOfFindings {
+  std::string details;  // lines
+  Json json = nullptr;  // the object for the user; null: it wasn't wanted
+};
+
+/// What remains of a check when it is over.
 struct CheckOutcome {
   std::string scenario;  // name
   std::string file;
@@ -43,19 +50,20 @@ struct CheckOutcome {
   std::string verdict;  // one sentence
   bool equal = false, within = false, proved = false;
   LevelState controller = LevelState::skipped, plant = LevelState::skipped, closed = LevelState::skipped;
-  std::string details;                              // lines
   std::string report = {};                          // an HTML file; empty: there is none
   std::optional<std::int64_t> tick = std::nullopt;  // where the report begins
   int line = 1;                                     // of the first violated expectation, else 1
   double seconds = 0.0;                             // wall time [s]
-  Json json = nullptr;                              // the object for the user
+  std::variant<Checked, TextsOfFindings> findings = TextsOfFindings();
 };
 
-CheckOutcome outcome_of(const Scenario& scenario, const Checked& checked);
-/// The form in which a process passes an outcome to another, and back.
-std::string form_of(const CheckOutcome& outcome);
+CheckOutcome outcome_of(const Scenario& scenario, Checked checked);
+/// The form in which a process passes an outcome to another, and back. `json`: with the object for the user.
+std::string form_of(const CheckOutcome& outcome, bool json);
 CheckOutcome outcome_in(const std::string& form);
 
+/// The object for the user.
+Json json_of(const CheckOutcome& outcome);
 /// One object for several scenarios: the same members as for one, and each scenario in `scenarios`.
 Json json_of_checks(const std::vector<CheckOutcome>& all);
 

@@ -42,7 +42,7 @@ enum class Factor {
   memory,       // contents of fresh and freed memory and of the stack
   addresses,    // addresses of code and data
   environment,  // environment variables of the process
-  machine,      // processors, host name, load, memory, terminal, user
+  machine,      // processors, host name, load, memory, terminal, user, order of lists of folders
   folder,       // the working folder
   locale,       // a locale with a decimal comma
   clock,        // the date, and the rate of time

@@ -5,9 +5,10 @@
 //
 // Messages of a channel are matched by their time, rows of tables by the names of their elements. An item that only one
 // trace contains is a finding with its place. A missing tick, body, controller or device is one finding for all its
-// channels. The hashes in /tick are no quantities: they state whether bits are equal and up to which tick, and fail
-// nothing. Integers and booleans are exact. NaN equals NaN of the same tick; -0 and 0 have different bits and are the
-// same number.
+// channels. An input that a controller reads in one of the runs only is a remark: the controller may command the same.
+// The hashes in /tick are no quantities: they state whether bits are equal and up to which tick, and fail nothing; that
+// of the inputs isn't compared if controllers read other inputs. Integers and booleans are exact. NaN equals NaN of the
+// same tick; -0 and 0 have different bits and are the same number.
 //
 // Two orientations are compared by the angle between them, 2 atan2(|v|, |w|) of q_golden^-1 q_actual = (v, w), so q and
 // -q are equal; their norms are compared separately. An angle whose channel has `wrap:<element>` in its metadata is
@@ -38,6 +39,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace rehearse {
@@ -66,7 +68,7 @@ struct Divergence {
   bool is_beyond() const { return !note.empty() || !(judged() <= tolerance); }
 };
 
-/// Differences between two runs, counted in the order in which they are found.
+/// Differences between two runs.
 struct Differences {
   std::int64_t values = 0;  // numbers compared
   std::int64_t values_different = 0;
@@ -74,7 +76,12 @@ struct Differences {
   std::optional<Divergence> worst;   // by absolute difference
   std::optional<Divergence> beyond;  // the first beyond its tolerance, or with a note
 
-  void add(Divergence found);
+  void add(Divergence found) {
+    const bool is_beyond = found.is_beyond();
+    add(std::move(found), is_beyond);
+  }
+  /// It may be of an earlier tick than the differences so far.
+  void add(Divergence found, bool is_beyond);
 };
 
 /// Sets the members that two numbers determine: expected, actual, difference, ulps and unit.
@@ -176,8 +183,11 @@ struct Comparison {
   std::vector<ChannelComparison> same;             // all other channels that were compared
   std::vector<std::string> equal_channels;         // topics of all channels without difference, in the golden's order
   std::vector<EventDifference> event_differences;  // by tick, the first thousand
-  std::vector<std::string> changed_files;          // attachments whose content differs from the golden's
-  bool same_arithmetic = true;                     // versions and pins that influence bits are equal to the golden's
+  /// Inputs that controllers read in the golden only ("- Rig/Gyro"), or in the run only ("+ KNEE/dq of Rig/C"). They
+  /// fail nothing, because the commands may be equal.
+  std::vector<std::string> other_inputs;
+  std::vector<std::string> changed_files;  // attachments whose content differs from the golden's
+  bool same_arithmetic = true;             // versions and pins that influence bits are equal to the golden's
   /// All sources that the traces state are equal: scenario, models, controllers, the same programs byte for byte. Then
   /// their bits must be equal. False if one of the traces states no sources.
   bool same_origin = false;
@@ -241,7 +251,7 @@ std::string verdict(const Comparison& comparison, std::optional<double> until);
 /// The differences, with similar channels grouped, and with counts and the worst of each group. Then the worst of all,
 /// the channels that are equal bit for bit, remarks and warnings. The table has at most sixteen lines besides warnings,
 /// each with its newline and, unless names are long, at most 120 characters. Empty if the traces are equal and there
-/// are no warnings.
+/// are no warnings, except for a note if controllers read other inputs.
 std::string table(const Comparison& comparison);
 
 /// An object with the same content: verdict, equal, within, agreement, first, first_bit, worst (null, or objects as

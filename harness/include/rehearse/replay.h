@@ -49,6 +49,8 @@ struct ReplayOptions : HostOptions {
   /// The allowed difference of a command from the recorded command, for ReplayReport::within(); none: no difference is
   /// allowed.
   std::optional<std::vector<ToleranceRule>> tolerances;
+  /// Rules that apply to results of control() without `tolerances`, too: those with `ticks`.
+  std::vector<ToleranceRule> rules_of_results;
   /// Called with each difference, in the order of ticks; null: never called.
   std::function<void(const Divergence&)> on_difference;
   /// Called with the first different line of a tick, and with each different variable that no rule names, after the

@@ -52,7 +52,9 @@ struct ReportOptions {
   std::vector<std::string> topics;  // globs of the topics whose series and pictures are included; empty: all
   /// Tolerances of the comparison; none: those of the golden's scenario.
   std::optional<std::vector<ToleranceRule>> tolerances;
-  std::optional<double> horizon;         // values are judged up to this time [s]; none: all
+  std::optional<double> horizon;  // values are judged up to this time [s]; none: all
+  /// The comparison of both recordings, whose findings are shown; none: both are compared.
+  std::optional<Comparison> comparison;
   std::optional<ReportVerdict> verdict;  // none: that of the comparison and the expectations
   /// The judged expectations; none: those of the recorded scenario are judged.
   std::optional<std::vector<ExpectationResult>> expectations;

@@ -53,18 +53,28 @@ Aspect surroundings_of(const ObservedCall& call) {
   return {"the environment", Factor::environment};
 }
 
-/// Functions that list a folder, and those of memory, semaphores and queues that processes share by a number.
-constexpr std::string_view listings =
-    " fdopendir fts64_open fts_open ftw ftw64 getdents glob glob64 nftw nftw64 opendir scandir scandir64 scandirat "
-    "scandirat64 wordexp ";
+/// Functions that list a folder. An imaginary machine lists in another order, where that can be changed.
+constexpr std::string_view listings_in_order =
+    " fdopendir fts64_open fts_open opendir scandir scandir64 scandirat scandirat64 ";
+constexpr std::string_view listings_as_they_are = " ftw ftw64 getdents glob glob64 nftw nftw64 wordexp ";
+/// Functions of memory, semaphores and queues that processes share by a number.
 constexpr std::string_view shared_by_number = " msgget semget shmat shmget ";
+
+bool is_listing(const ObservedCall& call) {
+  return is_one_of(call.function, listings_in_order) || is_one_of(call.function, listings_as_they_are);
+}
 
 Aspect file_aspect_of(const ObservedCall& call) {
   if (is_one_of(call.function, shared_by_number)) return {"what processes share by a number", std::nullopt};
-  constexpr std::string_view without_name = " getdents wordexp ";  // their argument is no name of a file
-  const bool is_relative = !call.argument.empty() && call.argument.front() != '/';
-  if (is_one_of(call.function, listings) && (!is_relative || is_one_of(call.function, without_name)))
-    return {"the entries of a folder", std::nullopt};
+  // wordexp() gets words, not a name; "..." stands for further names at the same place
+  const bool is_relative =
+      !call.argument.empty() && call.argument.front() != '/' && call.argument != "..." && call.function != "wordexp";
+  const bool is_own = !call.digest.empty();  // of a folder that the controller made: it determined the names
+  if (is_listing(call) && is_relative && !is_own)
+    return {"the entries of a folder named relative to the working folder", Factor::folder};
+  if (is_one_of(call.function, listings_in_order))
+    return {.words = "the order of a folder's entries", .factor = Factor::machine, .in_part = !is_own};
+  if (is_listing(call)) return {"the entries of a folder", std::nullopt};
   Aspect aspect{"a file", std::nullopt};
   if (is_relative) aspect = {"the working folder", Factor::folder};
   aspect.has_answer = !is_one_of(call.function, openings) || !call.digest.empty();
@@ -101,7 +111,7 @@ Aspect aspect_of(const ObservedCall& call) {
 }
 
 bool is_of_own_file(const std::vector<ObservedCall>& calls, const ObservedCall& call) {
-  if (call.source != Source::file || is_one_of(call.function, listings)) return false;
+  if (call.source != Source::file || is_listing(call)) return false;
   for (const ObservedCall& earlier : calls) {
     if (&earlier == &call) return false;
     if (earlier.source != Source::file || earlier.argument != call.argument || earlier.controller != call.controller)

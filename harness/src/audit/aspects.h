@@ -15,6 +15,7 @@ struct Aspect {
   std::string_view words;        // "the clock", "the number of processors"
   std::optional<Factor> factor;  // the factor that varies it; none: no factor does
   bool has_answer = true;        // false: it only has an effect
+  bool in_part = false;          // true: the factor varies the order of the answer, and not its content
 };
 
 Aspect aspect_of(const ObservedCall& call);

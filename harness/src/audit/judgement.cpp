@@ -165,7 +165,9 @@ void judge_calls(const Evidence& evidence, const std::vector<ObservedCall>& seen
   const bool is_restless = differs_under(audit.factors, Factor::nothing) && is_repeatable(evidence, audit.controller);
   for (std::size_t i = 0; i < seen.size(); ++i) {
     AuditedCall& call = audit.calls[i];
-    const auto factor = aspect_of(seen[i]).factor;
+    const Aspect aspect = aspect_of(seen[i]);
+    const auto factor = aspect.factor;
+    const Reached unless_reached = aspect.in_part ? Reached::unknown : Reached::no;
     if (!call.note.empty()) {
       call.reached = differs_under(audit.factors, Factor::nothing) || differs_under(audit.factors, Factor::again)
                          ? Reached::yes
@@ -176,7 +178,7 @@ void judge_calls(const Evidence& evidence, const std::vector<ObservedCall>& seen
         std::find_if(tried.begin(), tried.end(), [&](const auto& t) { return t.first == seen[i].place; });
     const bool one_is_known = std::any_of(tried.begin(), tried.end(), [](const auto& t) { return t.second; });
     if (asked != tried.end()) {
-      if (one_is_known) call.reached = asked->second ? Reached::yes : Reached::no;
+      if (one_is_known) call.reached = asked->second ? Reached::yes : unless_reached;
       continue;
     }
     const FactorResult* result = factor ? find_factor(audit.factors, *factor) : nullptr;
@@ -186,7 +188,7 @@ void judge_calls(const Evidence& evidence, const std::vector<ObservedCall>& seen
     };
     if (!result->first) {
       if (!is_restless || (factor != Factor::clock && factor != Factor::random && factor != Factor::machine))
-        call.reached = Reached::no;
+        call.reached = unless_reached;
     } else if (std::none_of(seen.begin(), seen.end(), alike)) {
       call.reached = Reached::yes;
     }
@@ -204,7 +206,8 @@ std::vector<std::string> what_it_rests_on(const Evidence& evidence, const std::v
     const bool is_given = evidence.virtualised && (aspect.factor == Factor::clock || aspect.factor == Factor::random);
     if (audit.calls[i].reached != AuditedCall::Reached::unknown || !aspect.has_answer || is_given) continue;
     if (!is_of_own_file(seen, seen[i]))
-      add(fmt::format("{} called in {}", audit.calls[i].function, audit.calls[i].place));
+      add(fmt::format("{} called in {}{}", audit.calls[i].function, audit.calls[i].place,
+                      aspect.in_part ? " (its order was varied)" : ""));
   }
   const bool hidden = evidence.plain.log.hidden_calls || evidence.still.log.hidden_calls;
   for (const AuditedCode& code : audit.code) {

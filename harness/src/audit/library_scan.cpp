@@ -172,6 +172,7 @@ std::optional<Kind> kind_of(std::string_view mnemonic) {
       if (begins_with_one_of({"rcpp", "rcps", "rsqrt"})) return Kind::approximation;
       if (is_one_of({"rdtsc", "rdtscp", "rdpmc"})) return Kind::time_stamp_counter;
       if (is_one_of({"rdrand", "rdseed"})) return Kind::hardware_random;
+      if (mnemonic == "rdpid") return Kind::processor_query;
       return std::nullopt;
     case 'f':
       if (is_one_of({"fsin", "fcos", "fsincos", "fptan", "fpatan", "f2xm1", "fyl2x", "fyl2xp1"}))
@@ -215,6 +216,12 @@ class Disassembler {
   csh handle_ = 0;
   cs_insn* instruction_ = nullptr;
 };
+
+/// capstone 4 takes rdpid for rdseed, which has no such prefix.
+std::string_view name_of(const cs_insn& instruction) {
+  const std::string_view mnemonic = instruction.mnemonic;
+  return mnemonic == "rdseed" && instruction.bytes[0] == 0xf3 ? "rdpid" : mnemonic;
+}
 
 struct Spot {
   std::int64_t count = 0;
@@ -266,12 +273,13 @@ std::map<Kind, Spot> remarkable_instructions(const ElfLibrary& library, std::opt
   Disassembler disassembler;
   for (const CodeSection& section : library.code)
     disassembler.each(section, section.address, [&](const cs_insn& instruction) {
-      const auto kind = kind_of(instruction.mnemonic);
+      const std::string_view name = name_of(instruction);
+      const auto kind = kind_of(name);
       if (!kind || (startup == instruction.address)) return true;
       Spot& spot = spots[*kind];
       if (spot.count++ > 0) return true;
       spot.first = instruction.address;
-      spot.instruction = instruction.mnemonic;
+      spot.instruction = name;
       return true;
     });
   return spots;

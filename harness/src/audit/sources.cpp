@@ -25,8 +25,9 @@ constexpr FunctionGroup functions[] = {
      " __open64_2 __open_2 __openat64_2 __openat_2 access chmod creat creat64 faccessat fchmodat fdopendir fopen "
      "fopen64 freopen freopen64 fstatat fstatat64 fts64_open fts_open ftw ftw64 getdents64 glob glob64 lstat "
      "lstat64 mkdir mkdtemp mkostemp mkstemp mkstemp64 mq_open msgget nftw nftw64 open open64 openat openat64 "
-     "opendir readlink realpath remove rename rmdir scandir scandir64 scandirat scandirat64 semget shm_open "
-     "shm_unlink shmat shmget stat stat64 statx tmpfile tmpfile64 truncate unlink unlinkat utimensat wordexp "},
+     "opendir readlink readlinkat realpath remove rename rmdir scandir scandir64 scandirat scandirat64 semget shm_open "
+     "shm_unlink shmat shmget stat stat64 statfs statfs64 statvfs statvfs64 statx tmpfile tmpfile64 truncate unlink "
+     "unlinkat utimensat wordexp "},
     {Source::network, " bind connect getaddrinfo gethostbyname getifaddrs socket "},
     {Source::environment,
      " clearenv environ get_current_dir_name get_nprocs get_nprocs_conf getauxval getcpu getcwd getegid getenv geteuid "

@@ -87,11 +87,12 @@ std::string earlier_words(const ReplayReport& replayed, const Divergence& first)
                      word->channel == run_topics::events ? word->note : to_string(*word));
 }
 
-/// True if the closed loop has the golden's commands.
+/// True if the closed loop has the golden's commands and results of control().
 bool repeats_in_the_loop(const CheckReport& evidence) {
   if (!evidence.comparison || !evidence.run || evidence.run->ending()) return false;
   return std::ranges::none_of(evidence.comparison->channels, [](const ChannelComparison& channel) {
-    return channel.first_bit && ChannelName::parse(channel.channel).side == ChannelSide::output;
+    const bool of_results = channel.of_events && channel.channel == run_topics::tick;
+    return channel.first_bit && (of_results || ChannelName::parse(channel.channel).side == ChannelSide::output);
   });
 }
 
@@ -273,12 +274,15 @@ Blame blame_loop(const Suspects& with, const CheckReport& evidence) {
           first};
 }
 
-std::string nothing_differs(const CheckReport& report) {
+std::string nothing_differs(const Suspects& with, const CheckReport& report) {
   if (report.comparison) return verdict(*report.comparison, report.horizon);
   std::string sentence;
   if (report.controller != LevelState::skipped)
-    sentence = fmt::format("the controller repeats {} recorded ticks {}", report.replay->ticks,
-                           report.replay->equal() ? "bit for bit" : "within tolerance, with different arithmetic");
+    sentence =
+        fmt::format("the controller repeats {} recorded ticks {}", report.replay->ticks,
+                    report.replay->equal()                       ? "bit for bit"
+                    : computes_alike(with.scenario, with.golden) ? "within tolerance"
+                                                                 : "within tolerance, with different arithmetic");
   if (report.plant == LevelState::skipped) return sentence;
   if (report.plant == LevelState::proved) return sentence + "; the world is the one that made the golden";
   return fmt::format("{}{}the world under the recorded commands: {}", sentence, sentence.empty() ? "" : "; ",
@@ -301,7 +305,7 @@ Blame guilty_part(const Suspects& suspects, const CheckReport& report) {
   std::optional<Divergence> bit;
   if (report.comparison) bit = report.comparison->first_bit;
   if (!bit && report.plant_comparison) bit = report.plant_comparison->first_bit;
-  return {nothing_differs(report), bit};
+  return {nothing_differs(suspects, report), bit};
 }
 
 }  // namespace

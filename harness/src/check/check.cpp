@@ -303,9 +303,10 @@ void Check::blame() {
                                   report);
   report.verdict = found.sentence;
   report.first = found.place;
-  if (report.replay && !report.replay->other_inputs.empty())
-    report.verdict = fmt::format("the controller reads other inputs: {}; {}",
-                                 fmt::join(report.replay->other_inputs, ", "), report.verdict);
+  const std::vector<std::string> other_inputs = report.replay       ? report.replay->other_inputs
+                                                : report.comparison ? report.comparison->other_inputs
+                                                                    : std::vector<std::string>();
+  if (!other_inputs.empty()) report.verdict = other_inputs_sentence(other_inputs) + "; " + report.verdict;
   if (report.first || !report.comparison) return;
   report.first = report.comparison->first;  // a part that couldn't be compared alone has no place
   if (report.first && !report.controller_problem.empty()) report.first->stage = Stage::controller;

@@ -54,13 +54,17 @@ ReplayOptions as_here(const HostOptions& host) {
   return options;
 }
 
+bool computes_alike(const Scenario& scenario, const Trace& golden) {
+  const auto recorded = RunFacts::of(golden).provenance;
+  return recorded && other_arithmetic(*recorded, provenance(scenario, nullptr, "", "")).empty();
+}
+
 Result<ReplayReport> replay_golden(const Scenario& scenario, const Trace& golden, const HostOptions& host,
                                    std::optional<double> until) {
   ReplayOptions replaying = as_here(host);
   replaying.until = until;
-  const auto recorded = RunFacts::of(golden).provenance;
-  const bool computes_alike = recorded && other_arithmetic(*recorded, provenance(scenario, nullptr, "", "")).empty();
-  if (!computes_alike) replaying.tolerances = scenario.tolerances;
+  replaying.rules_of_results = scenario.tolerances;
+  if (!computes_alike(scenario, golden)) replaying.tolerances = scenario.tolerances;
   return replay(golden.file(), replaying);
 }
 

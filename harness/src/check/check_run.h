@@ -28,8 +28,12 @@ HostOptions with_controllers_of(const Scenario& scenario, const HostOptions& giv
 /// missing here is missing there, too.
 ReplayOptions as_here(const HostOptions& host);
 
+/// True if this process computes like the one that recorded the golden.
+bool computes_alike(const Scenario& scenario, const Trace& golden);
+
 /// Feeds controllers with the golden's inputs, until this time [s]. Their commands must have equal bits, unless the
 /// arithmetic differs. Then a controller that calls sin() commands different last bits, and is judged within tolerance.
+/// Results of control() may be early or late by a rule in either case.
 Result<ReplayReport> replay_golden(const Scenario& scenario, const Trace& golden, const HostOptions& host,
                                    std::optional<double> until = std::nullopt);
 LevelState state_of(const ReplayReport& replayed);

@@ -278,6 +278,8 @@ RunComparer::RunComparer(const RunSurvey& golden, const RunSurvey& actual, const
         return result;
       },
       comparison_.event_differences);
+  comparison_.other_inputs = find_other_inputs(traces_);
+  if (!comparison_.other_inputs.empty()) comparison_.remarks.push_back(other_inputs_sentence(comparison_.other_inputs));
   compare_lone_channels(traces_, taken, add, comparison_.remarks);
   for (const TraceChannel& channel : traces_.golden.channels()) {
     const TraceChannel* other = counterpart(traces_.golden, channel, traces_.actual);

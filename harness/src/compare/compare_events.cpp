@@ -14,126 +14,25 @@ namespace {
 
 constexpr std::size_t most_differences = 1000;  // number of listed differences
 
-constexpr double never = std::numeric_limits<double>::infinity();  // distance of an event that only one run has
-
-/// The allowed distance of an event without a rule [ticks].
-int default_ticks(EventKind kind) { return kind == EventKind::refusal ? 0 : 1; }
-
-std::string_view verb_of(const EventEdge& edge) { return edge.begins ? "begins" : "ends"; }
-
 /// Judges one sequence of events, and blanks the numbers between events that are early or late within a rule's
 /// tolerance.
-class SequenceJudge {
- public:
-  SequenceJudge(ComparedTraces& traces, const std::string& name, const EventSequence& sequence,
-                ChannelFindings& findings, std::vector<EventDifference>& differences)
-      : traces_(traces), name_(name), sequence_(sequence), findings_(findings), differences_(differences) {
-    const auto stated = tolerance_of(name, "", traces.rules).ticks;
-    allowed_ = stated.value_or(default_ticks(sequence.source.kind));
-    blanks_ = stated && *stated > 0;
+void judge(ComparedTraces& traces, const std::string& name, const EventSequence& sequence, ChannelFindings& findings,
+           std::vector<EventDifference>& differences) {
+  const auto stated = tolerance_of(name, "", traces.rules).ticks;
+  const int allowed = stated.value_or(default_ticks(sequence.source.kind));
+  const std::int64_t last_tick = std::min(traces.clock.tick_at(traces.end), traces.actual_clock.tick_at(traces.end));
+  const JudgedSequence judged = judge_sequence(sequence, allowed, last_tick);
+  findings.result().values += judged.events;
+  for (const JudgedEvent& event : judged.differing) {
+    if (differences.size() < most_differences)
+      differences.push_back({name, std::string(verb_of(event.edge)), event.expected, event.actual, event.beyond});
+    if (findings.count(event.place.difference, event.place.tolerance, event.beyond))
+      findings.describe(event.place, event.beyond);
   }
-
-  void judge() {
-    const std::vector<EventPair> pairs = align(sequence_.golden, sequence_.actual);
-    findings_.result().values += static_cast<std::int64_t>(pairs.size());
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      const EventPair& pair = pairs[i];
-      if (pair.golden && pair.actual) {
-        judge_pair(sequence_.golden[*pair.golden], sequence_.actual[*pair.actual]);
-      } else if (is_short(pairs, i)) {
-        judge_short(edge_of(pair), edge_of(pairs[i + 1]), pair.golden.has_value());
-        ++i;
-      } else {
-        judge_lone(edge_of(pair), pair.golden.has_value());
-      }
-    }
-  }
-
- private:
-  const EventEdge& edge_of(const EventPair& pair) const {
-    return pair.golden ? sequence_.golden[*pair.golden] : sequence_.actual[*pair.actual];
-  }
-
-  /// True for two events that only one trace has, a beginning and an end or the reverse, within the allowed distance.
-  bool is_short(const std::vector<EventPair>& pairs, std::size_t i) const {
-    if (i + 1 == pairs.size() || (pairs[i + 1].golden && pairs[i + 1].actual)) return false;
-    if (pairs[i].golden.has_value() != pairs[i + 1].golden.has_value()) return false;
-    return edge_of(pairs[i + 1]).tick - edge_of(pairs[i]).tick <= allowed_;
-  }
-
-  void judge_pair(const EventEdge& golden, const EventEdge& actual) {
-    if (golden.tick == actual.tick) return;
-    const auto off = std::abs(golden.tick - actual.tick);
-    tell(golden.tick < actual.tick ? golden : actual, golden.tick, actual.tick, off > allowed_,
-         static_cast<double>(off),
-         fmt::format("{} {} at tick {}, expected tick {}", sequence_.source.what, verb_of(golden), actual.tick,
-                     golden.tick));
-    if (blanks_ && off <= allowed_) blank(golden.time, actual.time);
-  }
-
-  void judge_short(const EventEdge& begin, const EventEdge& end, bool missing) {
-    const auto lasts = end.tick - begin.tick;
-    const std::string text = fmt::format("{} {} at tick {} for {} tick{}, which {}", sequence_.source.what,
-                                         verb_of(begin), begin.tick, lasts, lasts == 1 ? "" : "s", lacks(missing));
-    for (const EventEdge* edge : {&begin, &end}) tell_lone(*edge, missing, false, static_cast<double>(lasts), text);
-    if (blanks_) blank(begin.time, end.time);
-  }
-
-  void judge_lone(const EventEdge& edge, bool missing) {
-    // its partner may come after the end of the compared time
-    const bool at_end = last_tick() - edge.tick < allowed_;
-    tell_lone(
-        edge, missing, !at_end, never,
-        fmt::format("{} {} at tick {}, which {}", sequence_.source.what, verb_of(edge), edge.tick, lacks(missing)));
-  }
-
-  static const char* lacks(bool missing) {
-    return missing ? "is missing in this run" : "is extra: the golden hasn't it";
-  }
-
-  std::int64_t last_tick() const {
-    const std::int64_t golden = traces_.clock.tick_at(traces_.end), actual = traces_.actual_clock.tick_at(traces_.end);
-    return std::min(golden, actual);
-  }
-
-  void tell_lone(const EventEdge& edge, bool missing, bool beyond, double off, std::string note) {
-    const auto here = std::optional(edge.tick);
-    tell(edge, missing ? here : std::nullopt, missing ? std::nullopt : here, beyond, off, std::move(note));
-  }
-
-  void tell(const EventEdge& edge, std::optional<std::int64_t> expected, std::optional<std::int64_t> actual,
-            bool beyond, double off, std::string note) {
-    const EventSource& source = sequence_.source;
-    if (differences_.size() < most_differences)
-      differences_.push_back({name_, std::string(verb_of(edge)), expected, actual, beyond});
-    const double allowed = off == never ? 0.0 : allowed_;
-    if (!findings_.count(off, allowed, beyond)) return;
-    Divergence divergence;
-    divergence.tick = edge.tick;
-    divergence.time = static_cast<double>(edge.time) / 1e9;
-    divergence.channel = source.channel;
-    divergence.element = source.element;
-    divergence.stage = stage_of(source.channel);
-    divergence.difference = off;
-    divergence.tolerance = allowed;
-    divergence.unit = "ticks";
-    divergence.note = std::move(note);
-    findings_.describe(divergence, beyond);
-  }
-
-  void blank(std::uint64_t a, std::uint64_t b) {
-    for (const std::string& body : sequence_.source.bodies)
-      traces_.blanked[body].push_back({std::min(a, b), std::max(a, b)});
-  }
-
-  ComparedTraces& traces_;
-  const std::string& name_;
-  const EventSequence& sequence_;
-  ChannelFindings& findings_;
-  std::vector<EventDifference>& differences_;
-  int allowed_ = 0;  // [ticks]
-  bool blanks_ = false;
-};
+  if (!stated || *stated == 0) return;
+  for (const auto& [from, until] : judged.apart)
+    for (const std::string& body : sequence.source.bodies) traces.blanked[body].push_back({from, until});
+}
 
 std::string text_of(const msg::Event& event) {
   return fmt::format("tick {}, {}, {}: {}", event.tick, event.severity, event.source, event.text);
@@ -252,8 +151,7 @@ void compare_events(ComparedTraces& traces, const AddChannel& add, std::vector<E
       by_channel[sequence.second.source.channel].push_back(&sequence);
   for (const auto& [channel, of_channel] : by_channel) {
     ChannelFindings findings(add(channel));
-    for (const auto* sequence : of_channel)
-      SequenceJudge(traces, sequence->first, sequence->second, findings, differences).judge();
+    for (const auto* sequence : of_channel) judge(traces, sequence->first, sequence->second, findings, differences);
   }
   for (auto& [body, spans] : traces.blanked)
     std::sort(spans.begin(), spans.end(), [](const BlankedSpan& a, const BlankedSpan& b) { return a.from < b.from; });

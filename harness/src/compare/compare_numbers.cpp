@@ -51,9 +51,7 @@ NumberJudge::NumberJudge(const NumberRules& rules, const TraceChannel& golden, c
 }
 
 void NumberJudge::match_columns(const TraceChannel& golden, const TraceChannel& actual) {
-  const auto takes = [&](const TraceChannel& channel, std::string_view element) {
-    return channel.type != msg::Tick::type_name || element == "tick" || !rules_.takes || rules_.takes(element);
-  };
+  const auto takes = [&](std::string_view element) { return !rules_.takes || rules_.takes(element); };
   std::map<std::string_view, std::size_t> of_actual;
   for (std::size_t i = 0; i < actual.columns.size(); ++i) of_actual.emplace(actual.columns[i].element, i);
   same_columns_ = golden.columns.size() == actual.columns.size();
@@ -61,7 +59,7 @@ void NumberJudge::match_columns(const TraceChannel& golden, const TraceChannel& 
   for (std::size_t i = 0; i < golden.columns.size(); ++i) {
     const TraceColumn& expected = golden.columns[i];
     const auto found = of_actual.find(expected.element);
-    if (!takes(golden, expected.element)) {
+    if (!takes(expected.element)) {
       if (found != of_actual.end()) of_actual.erase(found);
       same_columns_ = false;
       continue;
@@ -93,7 +91,7 @@ void NumberJudge::match_columns(const TraceChannel& golden, const TraceChannel& 
   }
   if (!may_be_missing(golden))
     for (const TraceColumn& column : actual.columns)  // in this trace's order
-      if (of_actual.count(column.element) && takes(actual, column.element)) extra.push_back(column.element);
+      if (of_actual.count(column.element) && takes(column.element)) extra.push_back(column.element);
   if (!rules_.is_exact()) group_orientations();
 }
 
@@ -373,7 +371,12 @@ class NumberPart final : public PartJudge, public NumberFindings {
     rules.scale_of = [&](std::size_t column) { return traces.golden_run.scale_of(golden, column); };
     rules.noise_floors = &traces.options.noise_floors;
     rules.blanked = &traces.blanked;
-    rules.takes = [&](std::string_view element) { return traces.options.takes(stage_of(golden.topic, element)); };
+    rules.takes = [&](std::string_view element) {
+      if (golden.type != msg::Tick::type_name)
+        return !traces.other_inputs.values.contains({golden.topic, std::string(element)});
+      if (element == "input_hash" && traces.other_inputs.any()) return false;
+      return element == "tick" || traces.options.takes(stage_of(golden.topic, element));
+    };
     rules.another_step = traces.another_step;
     return rules;
   }

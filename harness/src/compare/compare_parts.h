@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -21,6 +22,16 @@
 #include "trace/run_facts.h"
 
 namespace rehearse {
+
+/// The inputs that a controller reads in one of two runs only. It may command the same, so they are no differences; but
+/// the hashes of all inputs aren't comparable then.
+struct OtherInputs {
+  std::set<std::string> topics;
+  std::set<std::pair<std::string, std::string>> values;  // of joints: topic and element
+  bool devices = false;                                  // it reads other devices
+
+  bool any() const { return devices || !topics.empty() || !values.empty(); }
+};
 
 /// Two runs, and the rules and options of their comparison.
 struct ComparedTraces {
@@ -37,6 +48,7 @@ struct ComparedTraces {
   std::uint64_t end = std::numeric_limits<std::uint64_t>::max();
   bool one_goes_on = false;   // after `end`, where the other run has only its closing state
   bool another_step = false;  // the time steps differ: numbers of ticks aren't comparable
+  OtherInputs other_inputs = {};
   /// The spans without judgement by the name of a body, in the order of time.
   std::map<std::string, std::vector<BlankedSpan>, std::less<>> blanked = {};
 
@@ -171,6 +183,10 @@ using AddChannel = std::function<ChannelComparison&(const std::string& topic)>;
 /// Sets traces.end: everything is compared up to the end of the shorter run. Reports runs of different length, and
 /// ticks that only one of them has.
 void compare_ticks(ComparedTraces& traces, ChannelComparison& result);
+/// Sets traces.other_inputs, and returns their names as Comparison::other_inputs has them.
+std::vector<std::string> find_other_inputs(ComparedTraces& traces);
+/// "the controller reads other inputs: + KNEE/dq of SR1/Walker"
+std::string other_inputs_sentence(const std::vector<std::string>& names);
 /// Reports the channels that only one trace has, with one entry for each body, controller, device or channel. `takes`:
 /// true for channels that are compared.
 void compare_lone_channels(const ComparedTraces& traces, const std::function<bool(const TraceChannel&)>& takes,

@@ -241,6 +241,8 @@ std::string table(const Comparison& comparison) {
     if (comparison.within && bit && !has_a_hash_alone)
       text += "  first: " + describe(*bit, when_text(comparison, *bit), has_ticks(comparison)) + "\n";
     text += remarks_text(comparison.remarks);
+  } else if (!comparison.other_inputs.empty()) {
+    text += remarks_text({other_inputs_sentence(comparison.other_inputs)});
   }
   for (const Diagnostic& warning : comparison.warnings) text += "  " + to_string(warning) + "\n";
   return text;

@@ -1,9 +1,11 @@
 // Finds ticks, bodies, controllers, devices and channels that only one of two traces has.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <rehearse/messages.h>
 
 #include <algorithm>
 #include <iterator>
+#include <set>
 #include <utility>
 
 #include "compare_parts.h"
@@ -105,6 +107,102 @@ void compare_ticks(ComparedTraces& traces, ChannelComparison& result) {
 
 namespace {
 
+/// The controllers that have channels, as "BODY/CONTROLLER".
+std::set<std::string> controllers_with_channels(const Trace& trace) {
+  std::set<std::string> labels;
+  for (const TraceChannel& channel : trace.channels())
+    if (ChannelName name = ChannelName::parse(channel.topic); !name.controller.empty()) labels.insert(name.label());
+  return labels;
+}
+
+/// Finds the inputs that only one of two runs has, of controllers that both have.
+class LoneInputs {
+ public:
+  LoneInputs(ComparedTraces& traces, bool missing, std::vector<std::string>& names)
+      : found_(traces.other_inputs),
+        sign_(missing ? '-' : '+'),
+        of_(missing ? traces.golden : traces.actual),
+        other_(missing ? traces.actual : traces.golden),
+        run_(missing ? traces.golden_run : traces.actual_run),
+        other_run_(missing ? traces.actual_run : traces.golden_run),
+        names_(names) {
+    const std::set<std::string> of_other = controllers_with_channels(other_);
+    for (const std::string& label : controllers_with_channels(of_))
+      if (of_other.contains(label)) controllers_.insert(label);
+  }
+
+  void find() {
+    for (const TraceChannel& channel : of_.channels()) {
+      const ChannelName name = ChannelName::parse(channel.topic);
+      if (name.side != ChannelSide::input || !controllers_.contains(name.label())) continue;
+      if (const TraceChannel* other = counterpart(of_, channel, other_)) {
+        if (is_joint_input(name)) find_values(channel, *other, name.label());
+      } else {
+        found_.topics.insert(channel.topic);
+        tell(channel.topic);
+      }
+    }
+    find_devices();
+  }
+
+ private:
+  void find_values(const TraceChannel& channel, const TraceChannel& other, const std::string& label) {
+    if (run_.of(channel).messages == 0 || other_run_.of(other).messages == 0) return;
+    for (std::size_t column = 0; column < channel.columns.size(); ++column) {
+      const std::string& element = channel.columns[column].element;
+      const std::size_t there = column_of(other, element);
+      const bool is_there = there < other.columns.size();
+      const bool is_read = run_.is_read(channel, column);
+      const bool is_read_there = is_there && other_run_.is_read(other, there);
+      if (is_read && !is_read_there) tell(fmt::format("{} of {}", element, label));
+      if (is_read != is_read_there || !is_there) found_.values.emplace(channel.topic, element);
+    }
+  }
+
+  void find_devices() {
+    const auto here = RunFacts::of(of_).devices_read, there = RunFacts::of(other_).devices_read;
+    if (!here || !there) return;
+    const auto reads = [](const mcap::StringMap& devices, const std::string& device, const std::string& label) {
+      const auto readers = devices.find(device);
+      return readers != devices.end() &&
+             fmt::format(", {}, ", readers->second).find(fmt::format(", {}, ", label)) != std::string::npos;
+    };
+    for (const auto& [device, readers] : *here) {
+      for (const std::string& label : controllers_) {
+        if (!reads(*here, device, label) || reads(*there, device, label)) continue;
+        found_.devices = true;
+        tell(device);
+      }
+    }
+  }
+
+  void tell(const std::string& what) { names_.push_back(fmt::format("{} {}", sign_, what)); }
+
+  OtherInputs& found_;
+  const char sign_;
+  const Trace& of_;
+  const Trace& other_;
+  const RunSurvey& run_;
+  const RunSurvey& other_run_;
+  std::vector<std::string>& names_;
+  std::set<std::string> controllers_;  // that both runs have, as "BODY/CONTROLLER"
+};
+
+}  // namespace
+
+std::vector<std::string> find_other_inputs(ComparedTraces& traces) {
+  std::vector<std::string> names;
+  if (!traces.options.takes(Stage::inputs)) return names;
+  for (const bool missing : {true, false}) LoneInputs(traces, missing, names).find();
+  return names;
+}
+
+std::string other_inputs_sentence(const std::vector<std::string>& names) {
+  return fmt::format("the controller reads other inputs: {}", fmt::join(names, ", "));
+}
+
+namespace {
+
 /// The compared channels that only one of the traces has.
 class LoneChannels {
  public:
@@ -116,7 +214,8 @@ class LoneChannels {
         other_(missing ? traces.actual : traces.golden) {
     for (const TraceChannel& channel : of_.channels()) {
       const bool later = run_.of(channel).messages > 0 && run_.of(channel).first_time > traces.end;
-      if (takes(channel) && !later && !counterpart(of_, channel, other_)) lone_.push_back(&channel);
+      const bool is_input = traces.other_inputs.topics.contains(channel.topic);
+      if (takes(channel) && !later && !is_input && !counterpart(of_, channel, other_)) lone_.push_back(&channel);
     }
   }
 
@@ -126,12 +225,6 @@ class LoneChannels {
       if (channel.type == msg::ContactChange::type_name && is_older_than_contacts()) {
         remarks.push_back(fmt::format("the {} was recorded by a version without contacts: {} is not compared",
                                       missing_ ? "run" : "golden", channel.topic));
-        lone_.erase(lone_.begin());
-        continue;
-      }
-      if (is_input_alone(channel.topic)) {
-        remarks.push_back(fmt::format("{} is {}: the controller reads other inputs", channel.topic,
-                                      missing_ ? "missing" : "not in the golden"));
         lone_.erase(lone_.begin());
         continue;
       }
@@ -156,13 +249,6 @@ class LoneChannels {
   bool is_older_than_contacts() const {
     const RunFacts other = RunFacts::of(other_);
     return other.provenance && other.trace_revision < revision_of_contacts;
-  }
-
-  /// True for an input of a controller that both runs have. A controller may read more or less and command the same;
-  /// the hashes of all inputs differ then.
-  bool is_input_alone(const std::string& topic) const {
-    const ChannelName name = ChannelName::parse(topic);
-    return name.side == ChannelSide::input && !lacks("/" + name.body + "/" + name.controller + "/");
   }
 
   /// True if no topic of the other trace has this beginning.

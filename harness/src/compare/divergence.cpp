@@ -42,11 +42,12 @@ void put_numbers(Divergence& divergence, double expected, double actual, std::st
   divergence.unit = unit;
 }
 
-void Differences::add(Divergence found) {
+void Differences::add(Divergence found, bool is_beyond) {
+  const auto is_earlier = [&](const std::optional<Divergence>& than) { return !than || found.tick < than->tick; };
   ++values_different;
-  if (!beyond && found.is_beyond()) beyond = found;
+  if (is_beyond && is_earlier(beyond)) beyond = found;
   if (!worst || found.difference > worst->difference) worst = found;
-  if (!first) first = std::move(found);
+  if (is_earlier(first)) first = std::move(found);
 }
 
 double relative_difference(const Divergence& d) {

@@ -1,5 +1,6 @@
 #include "event_sequences.h"
 
+#include <fmt/format.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 
@@ -122,6 +123,10 @@ std::uint64_t EdgeFinder::hash_of(const std::string& topic) const {
   return found == hashes_.end() ? 0 : found->second;
 }
 
+EventSource source_of_refusals(const std::string& element) {
+  return {EventKind::refusal, run_topics::tick, element, "the result false of control()", {}};
+}
+
 namespace {
 
 using EdgesOf = std::vector<EventEdge> EventSequence::*;
@@ -180,8 +185,7 @@ class SequenceMaker {
   void add_refusals(const TraceChannel& channel) {
     for (const TraceColumn& column : channel.columns) {
       if (!is_result_of_control(channel, column.element)) continue;
-      if (actual_.edges.find(channel.topic, column.element))
-        add(column.element, {EventKind::refusal, channel.topic, column.element, "the result false of control()", {}});
+      if (actual_.edges.find(channel.topic, column.element)) add(column.element, source_of_refusals(column.element));
     }
   }
 
@@ -291,6 +295,114 @@ std::vector<EventPair> align(const std::vector<EventEdge>& golden, const std::ve
     }
   }
   return pairs;
+}
+
+int default_ticks(EventKind kind) { return kind == EventKind::refusal ? 0 : 1; }
+
+std::string_view verb_of(const EventEdge& edge) { return edge.begins ? "begins" : "ends"; }
+
+namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();  // distance of an event that only one run has
+
+class SequenceJudge {
+ public:
+  SequenceJudge(const EventSequence& sequence, int allowed, std::int64_t last_tick)
+      : sequence_(sequence), allowed_(allowed), last_tick_(last_tick) {}
+
+  JudgedSequence judge() {
+    const std::vector<EventPair> pairs = align(sequence_.golden, sequence_.actual);
+    judged_.events = std::ssize(pairs);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const EventPair& pair = pairs[i];
+      if (pair.golden && pair.actual) {
+        judge_pair(sequence_.golden[*pair.golden], sequence_.actual[*pair.actual]);
+      } else if (is_short(pairs, i)) {
+        judge_short(edge_of(pair), edge_of(pairs[i + 1]), pair.golden.has_value());
+        ++i;
+      } else {
+        judge_lone(edge_of(pair), pair.golden.has_value());
+      }
+    }
+    return std::move(judged_);
+  }
+
+ private:
+  const EventEdge& edge_of(const EventPair& pair) const {
+    return pair.golden ? sequence_.golden[*pair.golden] : sequence_.actual[*pair.actual];
+  }
+
+  /// True for two events that only one trace has, a beginning and an end or the reverse, within the allowed distance.
+  bool is_short(const std::vector<EventPair>& pairs, std::size_t i) const {
+    if (i + 1 == pairs.size() || (pairs[i + 1].golden && pairs[i + 1].actual)) return false;
+    if (pairs[i].golden.has_value() != pairs[i + 1].golden.has_value()) return false;
+    return edge_of(pairs[i + 1]).tick - edge_of(pairs[i]).tick <= allowed_;
+  }
+
+  void judge_pair(const EventEdge& golden, const EventEdge& actual) {
+    if (golden.tick == actual.tick) return;
+    const auto off = std::abs(golden.tick - actual.tick);
+    tell(golden.tick < actual.tick ? golden : actual, golden.tick, actual.tick, off > allowed_,
+         static_cast<double>(off),
+         fmt::format("{} {} at tick {}, expected tick {}", sequence_.source.what, verb_of(golden), actual.tick,
+                     golden.tick));
+    if (off <= allowed_) judged_.apart.push_back(std::minmax({golden.time, actual.time}));
+  }
+
+  void judge_short(const EventEdge& begin, const EventEdge& end, bool missing) {
+    const auto lasts = end.tick - begin.tick;
+    const std::string text = fmt::format("{} {} at tick {} for {} tick{}, which {}", sequence_.source.what,
+                                         verb_of(begin), begin.tick, lasts, lasts == 1 ? "" : "s", lacks(missing));
+    for (const EventEdge* edge : {&begin, &end}) tell_lone(*edge, missing, false, static_cast<double>(lasts), text);
+    judged_.apart.emplace_back(begin.time, end.time);
+  }
+
+  void judge_lone(const EventEdge& edge, bool missing) {
+    // its partner may come after the end of the compared time
+    const bool at_end = last_tick_ - edge.tick < allowed_;
+    tell_lone(
+        edge, missing, !at_end, never,
+        fmt::format("{} {} at tick {}, which {}", sequence_.source.what, verb_of(edge), edge.tick, lacks(missing)));
+  }
+
+  static const char* lacks(bool missing) {
+    return missing ? "is missing in this run" : "is extra: the golden hasn't it";
+  }
+
+  void tell_lone(const EventEdge& edge, bool missing, bool beyond, double off, std::string note) {
+    const auto here = std::optional(edge.tick);
+    tell(edge, missing ? here : std::nullopt, missing ? std::nullopt : here, beyond, off, std::move(note));
+  }
+
+  void tell(const EventEdge& edge, std::optional<std::int64_t> expected, std::optional<std::int64_t> actual,
+            bool beyond, double off, std::string note) {
+    const EventSource& source = sequence_.source;
+    JudgedEvent& event = judged_.differing.emplace_back();
+    event.edge = edge;
+    event.expected = expected;
+    event.actual = actual;
+    event.beyond = beyond;
+    event.place.tick = edge.tick;
+    event.place.time = static_cast<double>(edge.time) / 1e9;
+    event.place.channel = source.channel;
+    event.place.element = source.element;
+    event.place.stage = stage_of(source.channel);
+    event.place.difference = off;
+    event.place.tolerance = off == never ? 0.0 : allowed_;
+    event.place.unit = "ticks";
+    event.place.note = std::move(note);
+  }
+
+  const EventSequence& sequence_;
+  const int allowed_;  // [ticks]
+  const std::int64_t last_tick_;
+  JudgedSequence judged_;
+};
+
+}  // namespace
+
+JudgedSequence judge_sequence(const EventSequence& sequence, int allowed, std::int64_t last_tick) {
+  return SequenceJudge(sequence, allowed, last_tick).judge();
 }
 
 }  // namespace rehearse

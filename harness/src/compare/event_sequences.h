@@ -1,6 +1,7 @@
 // Sequences of events, which begin and end in a run, by tick, and the alignment of two sequences. Internal.
 #pragma once
 
+#include <rehearse/compare.h>
 #include <rehearse/trace.h>
 
 #include <cstddef>
@@ -9,6 +10,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -35,6 +37,11 @@ struct EventSource {
   std::string what;                 // for a person: "the contact"
   std::vector<std::string> bodies;  // bodies whose numbers an event changes
 };
+
+/// The results of control(), by their element in /tick.
+EventSource source_of_refusals(const std::string& element);
+/// How early or late an event may be without a rule [ticks].
+int default_ticks(EventKind kind);
 
 struct EventSequence {
   EventSource source;
@@ -98,5 +105,28 @@ struct EventPair {
 /// Pairs the events of two sequences: as few as possible remain alone, and the pairs are as near in time as possible. A
 /// beginning is never paired with an end.
 std::vector<EventPair> align(const std::vector<EventEdge>& golden, const std::vector<EventEdge>& actual);
+
+/// "begins" or "ends".
+std::string_view verb_of(const EventEdge& edge);
+
+/// An event that is early, late, missing or extra.
+struct JudgedEvent {
+  EventEdge edge;                        // the earlier one of two
+  std::optional<std::int64_t> expected;  // tick in the golden; none: it is extra
+  std::optional<std::int64_t> actual;    // tick in the run; none: it is missing
+  bool beyond = false;                   // the difference is larger than allowed
+  Divergence place;                      // its difference and its tolerance are in ticks
+};
+
+struct JudgedSequence {
+  std::int64_t events = 0;  // number of pairs, and of events without a partner
+  std::vector<JudgedEvent> differing;
+  /// The spans between the two times of events that are off by no more than is allowed [ns].
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> apart;
+};
+
+/// Compares the events of two runs. `allowed`: how early or late an event may be [ticks]; an event that lasts no longer
+/// may also be missing or extra. `last_tick`: of both runs; the partner of an event just before it may come later.
+JudgedSequence judge_sequence(const EventSequence& sequence, int allowed, std::int64_t last_tick);
 
 }  // namespace rehearse

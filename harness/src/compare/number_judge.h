@@ -35,7 +35,7 @@ struct NumberRules {
   std::function<double(std::size_t column)> scale_of = {};  // of a column of the golden; null: all are 0
   const std::map<std::string, double, std::less<>>* noise_floors = nullptr;               // null: none
   const std::map<std::string, std::vector<BlankedSpan>, std::less<>>* blanked = nullptr;  // null: none
-  std::function<bool(std::string_view element)> takes = {};  // of the type Tick: elements to compare; null: all
+  std::function<bool(std::string_view element)> takes = {};  // the elements to compare; null: all
   bool another_step = false;                                 // the time steps differ: numbers of ticks are left out
 
   bool is_exact() const { return tolerances == nullptr; }

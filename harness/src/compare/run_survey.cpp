@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "compare_parts.h"
 #include "series_scale.h"
@@ -39,21 +40,27 @@ void RunSurvey::take(const Trace& piece) {
   clock.take(piece);
   edges.take(piece);
   channels_.resize(piece.channels().size());
-  scales_.resize(piece.channels().size());
+  columns_.resize(piece.channels().size());
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     const TraceChannel& channel = piece.channels()[i];
     size += channel.messages() * (2 + channel.columns.size()) * sizeof(std::uint64_t);
     channels_[i].take(channel);
-    take_scales(channel, scales_[i]);
+    take_columns(channel, columns_[i]);
   }
 }
 
-void RunSurvey::take_scales(const TraceChannel& channel, std::vector<Scale>& scales) const {
-  for (std::size_t column = scales.size(); column < channel.columns.size(); ++column)
-    scales.push_back({column_tolerance(channel, column, *rules_).rtol > 0.0});
-  for (std::size_t column = 0; column < scales.size(); ++column)
-    if (scales[column].matters)
-      scales[column].largest = std::max(scales[column].largest, rehearse::scale_of(channel, column));
+void RunSurvey::take_columns(const TraceChannel& channel, std::vector<Column>& columns) const {
+  if (columns.size() < channel.columns.size()) {
+    const bool may_lack = is_joint_input(ChannelName::parse(channel.topic));
+    for (std::size_t column = columns.size(); column < channel.columns.size(); ++column)
+      columns.push_back({column_tolerance(channel, column, *rules_).rtol > 0.0, 0.0, !may_lack});
+  }
+  for (std::size_t column = 0; column < columns.size(); ++column) {
+    Column& of = columns[column];
+    if (of.needs_scale) of.largest = std::max(of.largest, rehearse::scale_of(channel, column));
+    for (std::size_t row = 0; !of.is_read && row < channel.messages(); ++row)
+      of.is_read = !std::isnan(channel.number(row, column));
+  }
 }
 
 void RunSurvey::finish(const Trace& whole) {
@@ -68,7 +75,11 @@ std::size_t RunSurvey::index_of(const TraceChannel& channel) const {
 const ChannelSurvey& RunSurvey::of(const TraceChannel& channel) const { return channels_[index_of(channel)]; }
 
 double RunSurvey::scale_of(const TraceChannel& channel, std::size_t column) const {
-  return scales_[index_of(channel)][column].largest;
+  return columns_[index_of(channel)][column].largest;
+}
+
+bool RunSurvey::is_read(const TraceChannel& channel, std::size_t column) const {
+  return columns_[index_of(channel)][column].is_read;
 }
 
 }  // namespace rehearse

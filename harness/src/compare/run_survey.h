@@ -63,22 +63,25 @@ struct RunSurvey {
   const ChannelSurvey& of(const TraceChannel& channel) const;
   /// The scale of a column, if it is judged by a relative tolerance; else 0.
   double scale_of(const TraceChannel& channel, std::size_t column) const;
+  /// False for a value of a joint that a controller didn't read: it is NaN in all messages.
+  bool is_read(const TraceChannel& channel, std::size_t column) const;
 
   TickClock clock;
   EdgeFinder edges;
   std::size_t size = 0;  // of all numbers, approximate [bytes]
 
  private:
-  struct Scale {
-    bool matters = false;
+  struct Column {
+    bool needs_scale = false;
     double largest = 0.0;
+    bool is_read = true;
   };
-  void take_scales(const TraceChannel& channel, std::vector<Scale>& scales) const;
+  void take_columns(const TraceChannel& channel, std::vector<Column>& columns) const;
 
   const std::vector<ToleranceRule>* rules_;
   const Trace* whole_ = nullptr;
-  std::vector<ChannelSurvey> channels_;     // by index in whole().channels()
-  std::vector<std::vector<Scale>> scales_;  // by channel, then column
+  std::vector<ChannelSurvey> channels_;       // by index in whole().channels()
+  std::vector<std::vector<Column>> columns_;  // by channel, then column
 };
 
 }  // namespace rehearse

@@ -138,28 +138,50 @@ std::unique_ptr<RowJudge> LogCommands::make_judge(const ControllerHost& host, co
   return judge;
 }
 
+namespace {
+
+/// The log's numbers for the commands of a controller; NaN where the log has none.
+std::vector<std::uint64_t> row_of(const HostedController& hosted, const CommandedJoints& logged) {
+  std::vector<std::uint64_t> row;
+  for (const IoField& field : hosted.io->outputs().fields)
+    if (const auto part = commanded_part(field))
+      row.push_back(
+          std::bit_cast<std::uint64_t>((logged[field.joint].*part).value_or(std::numeric_limits<double>::quiet_NaN())));
+  return row;
+}
+
+}  // namespace
+
 std::vector<CommandPair> LogCommands::compare(std::int64_t tick, const CommandedJoints& logged,
                                               const ControllerHost& host, RowJudge& judge) const {
   std::vector<CommandPair> pairs;
-  std::vector<std::uint64_t> expected_row, actual_row;
+  std::vector<std::uint64_t> actual_row;
   for (std::size_t i = 0; i < host.controllers().size(); ++i) {
     const HostedController& hosted = host.controllers()[i];
     if (!hosted.tick.has_output) continue;
-    expected_row.clear();
+    const std::vector<std::uint64_t> expected_row = row_of(hosted, logged);
     actual_row.clear();
     for (const IoField& field : hosted.io->outputs().fields) {
       const auto part = commanded_part(field);
       if (!part) continue;
+      const std::size_t column = actual_row.size();
       const std::optional<double>& expected = logged[field.joint].*part;
       const double actual = hosted.io->output_values()[field.offset];
-      pairs.push_back({expected, actual, judge.tolerance(i, expected_row.size())});
-      const double nothing = std::numeric_limits<double>::quiet_NaN();  // a number that isn't in the log isn't compared
-      expected_row.push_back(std::bit_cast<std::uint64_t>(expected.value_or(nothing)));
-      actual_row.push_back(std::bit_cast<std::uint64_t>(expected ? actual : nothing));
+      pairs.push_back({expected, actual, judge.tolerance(i, column)});
+      // a number that isn't in the log isn't compared
+      actual_row.push_back(expected ? std::bit_cast<std::uint64_t>(actual) : expected_row[column]);
     }
     judge.add(i, tick, expected_row, actual_row);
   }
   return pairs;
+}
+
+void LogCommands::pass_over(std::int64_t tick, const CommandedJoints& logged, const ControllerHost& host,
+                            RowJudge& judge) {
+  for (std::size_t i = 0; i < host.controllers().size(); ++i) {
+    const HostedController& hosted = host.controllers()[i];
+    if (hosted.tick.has_output && judge.needs_equal_rows(i)) judge.add_golden(i, tick, row_of(hosted, logged));
+  }
 }
 
 }  // namespace rehearse

@@ -92,6 +92,8 @@ class LogCommands {
   /// Returns all numbers of the controllers, in the same order each time.
   std::vector<CommandPair> compare(std::int64_t tick, const CommandedJoints& logged, const ControllerHost& host,
                                    RowJudge& judge) const;
+  /// Passes the log's commands of a tick that isn't compared to the judge, for commands that come late.
+  static void pass_over(std::int64_t tick, const CommandedJoints& logged, const ControllerHost& host, RowJudge& judge);
 
  private:
   struct Sample {

@@ -47,8 +47,13 @@ LogSink::Judged LogSink::compare_tick(const Moment& now) {
   LogCommands& log = *log_.commands();
   const CommandedJoints* logged = log.of_tick(now.tick);
   Judged tick{now.tick, is_irregular(now.tick, logged != nullptr)};
-  if (!log.covers(now.tick) || time_of(now.tick, map_.time_step) < options_.from) return tick;
-  if (!logged || !log_.ticks().has_message(now.tick)) {
+  if (!log.covers(now.tick)) return tick;
+  const bool has_command = logged && log_.ticks().has_message(now.tick);
+  if (time_of(now.tick, map_.time_step) < options_.from) {
+    if (has_command) LogCommands::pass_over(now.tick, *logged, *now.host, *judge_);
+    return tick;
+  }
+  if (!has_command) {
     ++report_.ticks_without_command;
     timing_.add({});
     return tick;

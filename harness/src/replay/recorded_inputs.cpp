@@ -5,9 +5,9 @@
 #include <rehearse/messages.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "device_message.h"
@@ -24,26 +24,27 @@ Eigen::Vector3d vector(const msg::Point& p) { return {p.x, p.y, p.z}; }
 
 /// The destination of the messages of one channel.
 struct RecordedInputs::Feed {
-  ChannelKind kind = ChannelKind::joints;  // measured joints are joints
-  int body = -1;                           // index; -1: no body
-  int link = -1, device = -1;              // index; -1: no link, no device
+  explicit Feed(ChannelKind of_kind)
+      : kind(of_kind == ChannelKind::measured_joints ? ChannelKind::joints : of_kind),
+        joints(kind == ChannelKind::joint_accelerations ? 1 : 3) {}
+
+  ChannelKind kind;            // measured joints are joints
+  int body = -1;               // index; -1: no body
+  int link = -1, device = -1;  // index; -1: no link, no device
   JointArrays joints;
   std::vector<int> joint_ids;                             // joint id by index in the message; -1: no such joint
   std::vector<std::pair<const double*, double*>> copies;  // from the message to the observation
   std::string topic;
   /// For inputs of a controller: true for the numbers that it reads, by array of the message, then by index.
-  std::optional<std::array<std::vector<bool>, 3>> read;
+  std::optional<std::vector<std::vector<bool>>> read;
 
-  const std::vector<double>& array(std::size_t index) const {
-    return index == 0 ? joints.position() : index == 1 ? joints.velocity() : joints.effort();
-  }
   bool has(std::size_t array_index, std::size_t index) const {
-    if (array(array_index).empty()) return false;
+    if (joints.all()[array_index].empty()) return false;
     return !read || (index < (*read)[array_index].size() && (*read)[array_index][index]);
   }
   bool has(const IoField& field) const {
-    if (!read || field.quantity > Quantity::u || field.quantity == Quantity::ddq) return true;
-    const std::size_t index = field.quantity == Quantity::q ? 0 : field.quantity == Quantity::dq ? 1 : 2;
+    if (!read) return true;
+    const std::size_t index = field.quantity == Quantity::dq ? 1 : field.quantity == Quantity::u ? 2 : 0;
     const auto joint = std::find(joint_ids.begin(), joint_ids.end(), field.joint);
     return joint != joint_ids.end() && has(index, static_cast<std::size_t>(joint - joint_ids.begin()));
   }
@@ -62,11 +63,15 @@ void RecordedInputs::Feed::find_joints(const Model& model) {
 }
 
 void RecordedInputs::Feed::pair_with(std::vector<JointReading>& observed) {
-  constexpr double JointReading::*quantities[] = {&JointReading::q, &JointReading::dq, &JointReading::u};
+  constexpr double JointReading::*of_joints[] = {&JointReading::q, &JointReading::dq, &JointReading::u};
+  constexpr double JointReading::*of_accelerations[] = {&JointReading::ddq};
+  const std::span<double JointReading::*const> quantities =
+      kind == ChannelKind::joints ? std::span<double JointReading::*const>(of_joints) : of_accelerations;
   copies.clear();
   for (std::size_t i = 0; i < joint_ids.size(); ++i)
-    for (std::size_t a = 0; a < std::size(quantities); ++a)
-      if (joint_ids[i] >= 0 && has(a, i)) copies.emplace_back(&array(a)[i], &(observed[joint_ids[i]].*quantities[a]));
+    for (std::size_t a = 0; a < quantities.size(); ++a)
+      if (joint_ids[i] >= 0 && has(a, i))
+        copies.emplace_back(&joints.all()[a][i], &(observed[joint_ids[i]].*quantities[a]));
 }
 
 RecordedInputs::RecordedInputs(const Scenario& scenario, mcap::Reader& reader) : scenario_(scenario) {
@@ -86,7 +91,7 @@ RecordedInputs::RecordedInputs(const Scenario& scenario, mcap::Reader& reader) :
   for (const auto& [id, name] : names) {
     const std::string& topic = reader.channels().at(id).topic;
     if (name.kind == ChannelKind::joints && name.side == ChannelSide::none && measured.contains(name.body)) continue;
-    if (name.kind == ChannelKind::joints && name.side == ChannelSide::input)
+    if (is_joint_input(name))
       add_joints_read(reader, id, name);
     else if (!samples || !samples->reduces(topic))
       add(id, name, topic);
@@ -96,8 +101,7 @@ RecordedInputs::RecordedInputs(const Scenario& scenario, mcap::Reader& reader) :
 RecordedInputs::~RecordedInputs() = default;
 
 void RecordedInputs::add(std::uint16_t id, const ChannelName& name, const std::string& topic) {
-  Feed feed;
-  feed.kind = name.kind == ChannelKind::measured_joints ? ChannelKind::joints : name.kind;
+  Feed feed(name.kind);
   feed.topic = topic;
   const auto keep = [&] { feeds_[id] = std::make_unique<Feed>(std::move(feed)); };
   if (name.kind == ChannelKind::joystick) {
@@ -119,17 +123,17 @@ void RecordedInputs::add(std::uint16_t id, const ChannelName& name, const std::s
   if (of_body && !name.owner.empty()) {
     feed.device = body->model->find_device(name.owner);
     if (feed.device >= 0 && feed.kind != ChannelKind::camera_info) keep();
-  } else if (name.owner.empty() && of_body == (feed.kind == ChannelKind::joints)) {
-    keep();  // of a controller's channels only the accelerations, which the body's channels don't have
+  } else if (of_body && feed.kind == ChannelKind::joints) {
+    keep();
   }
 }
 
-/// Adds the joints that a controller read, by its first inputs: the values of other joints are NaN there.
+/// Adds the values of joints that a controller read, by its first inputs: the others are NaN there.
 void RecordedInputs::add_joints_read(mcap::Reader& reader, std::uint16_t id, const ChannelName& name) {
   const auto body = std::ranges::find(scenario_.bodies, name.body, &ScenarioBody::name);
   mcap::OrderedMessages messages(reader, std::span(&id, 1));
   const mcap::Message* first = messages.next();
-  auto feed = std::make_unique<Feed>();
+  auto feed = std::make_unique<Feed>(name.kind);
   if (body == scenario_.bodies.end() || first == nullptr || !feed->joints.read(first->data) ||
       !feed->joints.fit_the_names())
     return;
@@ -137,8 +141,10 @@ void RecordedInputs::add_joints_read(mcap::Reader& reader, std::uint16_t id, con
   feed->topic = reader.channels().at(id).topic;
   feed->find_joints(*body->model);
   auto& read = feed->read.emplace();
-  for (std::size_t i = 0; i < read.size(); ++i)
-    for (const double value : feed->array(i)) read[i].push_back(!std::isnan(value));
+  for (const std::vector<double>& values : feed->joints.all()) {
+    std::vector<bool>& of_array = read.emplace_back();
+    for (const double value : values) of_array.push_back(!std::isnan(value));
+  }
   feed->pair_with(observation_.bodies[feed->body].joints);
   feeds_[id] = std::move(feed);
 }
@@ -152,6 +158,20 @@ bool RecordedInputs::feeds(const Feed& feed, int body, const IoField& field) con
 bool RecordedInputs::has_input(int body, const IoField& field) const {
   return std::any_of(feeds_.begin(), feeds_.end(),
                      [&](const auto& entry) { return entry.second->read && feeds(*entry.second, body, field); });
+}
+
+std::set<std::string> RecordedInputs::joints_read() const {
+  std::set<std::string> values;
+  for (const auto& [id, feed] : feeds_) {
+    if (!feed->read) continue;
+    const ChannelName name = ChannelName::parse(feed->topic);
+    for (std::size_t array = 0; array < feed->read->size(); ++array)
+      for (std::size_t i = 0; i < feed->joints.names().size(); ++i)
+        if (feed->has(array, i))
+          values.insert(
+              fmt::format("{}/{} of {}", feed->joints.names()[i], form_of(name.kind).groups[array].name, name.label()));
+  }
+  return values;
 }
 
 bool RecordedInputs::has(int body, const IoField& field) const {
@@ -209,8 +229,8 @@ Result<void> RecordedInputs::accept(const mcap::Message& message) {
   CdrReader reader(message.data);
   bool fits = true;
   switch (feed.kind) {
-    case ChannelKind::joints: fits = accept_joints(feed, message.data); break;
-    case ChannelKind::joint_accelerations: fits = accept_accelerations(feed, message.data); break;
+    case ChannelKind::joints:
+    case ChannelKind::joint_accelerations: fits = accept_joints(feed, message.data); break;
     case ChannelKind::pose: {
       msg::PoseStamped pose;
       fits = msg::decode(reader, pose);
@@ -255,19 +275,6 @@ bool RecordedInputs::accept_joints(Feed& feed, mcap::Bytes payload) {
     feed.pair_with(observation_.bodies[feed.body].joints);
   }
   for (const auto& [from, to] : feed.copies) *to = *from;
-  return true;
-}
-
-bool RecordedInputs::accept_accelerations(const Feed& feed, mcap::Bytes payload) {
-  CdrReader reader(payload);
-  msg::JointAccelerations message;
-  if (!msg::decode(reader, message) || message.acceleration.size() != message.name.size()) return false;
-  const Model& model = *scenario_.bodies[feed.body].model;
-  for (std::size_t i = 0; i < message.name.size(); ++i) {
-    const int link = model.find_joint(message.name[i]);
-    if (link >= 0 && model.links[link].joint.id >= 0)
-      observation_.bodies[feed.body].joints[model.links[link].joint.id].ddq = message.acceleration[i];
-  }
   return true;
 }
 

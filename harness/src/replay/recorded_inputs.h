@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,8 @@ class RecordedInputs {
   bool has_device(int body, int device) const;
   bool has_contacts(int body, int link) const;
   bool has_joystick() const;
+  /// The values of joints that controllers read in the recording: "KNEE/dq of SR1/Walker".
+  std::set<std::string> joints_read() const;
 
   /// Begins a new tick: no reading of a device is fresh.
   void begin_tick();
@@ -46,7 +49,6 @@ class RecordedInputs {
   void add(std::uint16_t id, const ChannelName& name, const std::string& topic);
   void add_joints_read(mcap::Reader& reader, std::uint16_t id, const ChannelName& name);
   bool accept_joints(Feed& feed, mcap::Bytes payload);
-  bool accept_accelerations(const Feed& feed, mcap::Bytes payload);
   Result<void> accept_joystick(const mcap::Message& message);
   Result<void> accept_device(const Feed& feed, const mcap::Message& message);
 

@@ -47,10 +47,7 @@ void RecordedOutputs::sort_words() {
     for (std::size_t word = 0; word < fields_.size(); ++word) {
       const OutputField& field = fields_[word];
       if (field.controller != hosted.label) continue;
-      if (field.channel == run_topics::tick) {
-        if (field.element.starts_with("controller_results/")) result_words_.push_back(word);
-        continue;
-      }
+      if (field.channel == run_topics::tick) continue;
       const bool of_device = word_of(field.channel, "told") != none;
       const auto is_recorded = [&](const auto& entry) { return entry.second->topic() == field.channel; };
       if (!of_device)
@@ -137,7 +134,7 @@ void RecordedOutputs::pass_over(std::int64_t tick) {
 }
 
 std::int64_t RecordedOutputs::compare(std::int64_t tick, const std::vector<std::uint64_t>& row,
-                                      const std::vector<bool>& results, const OnDifference& differs) {
+                                      const OnDifference& differs) {
   std::int64_t compared = 0;
   find_unpaired();
   for (const auto& [id, channel] : by_id_) compared += compare_channel(*channel, tick, row, differs);
@@ -150,11 +147,7 @@ std::int64_t RecordedOutputs::compare(std::int64_t tick, const std::vector<std::
     found.note = "the controller commands it now, but didn't in the recording";
     differs(std::move(found));
   }
-  for (std::size_t i = 0; i < results.size(); ++i) {
-    const std::size_t word = result_words_[i];
-    if (auto found = difference(fields_[word], results[i] ? 1 : 0, row[word])) differs(*std::move(found));
-  }
-  return compared + std::ssize(results);
+  return compared;
 }
 
 /// Reports the recorded numbers that no controller commands now. A NaN of a joint is none: the recorded controller

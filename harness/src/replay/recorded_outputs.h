@@ -39,11 +39,9 @@ class RecordedOutputs {
 
   using OnDifference = std::function<void(Divergence&&)>;
   /// Passes the numbers of the tick to the judge, and calls `differs` for each other difference: recorded numbers
-  /// without a field by channel, then numbers that only the row has, then results of control(). The caller fills in
-  /// tick and time. Returns the number of compared recorded values. `results`: the recorded results of control(), by
-  /// controller.
-  std::int64_t compare(std::int64_t tick, const std::vector<std::uint64_t>& row, const std::vector<bool>& results,
-                       const OnDifference& differs);
+  /// without a field by channel, then numbers that only the row has. The caller fills in tick and time. Returns the
+  /// number of compared recorded values.
+  std::int64_t compare(std::int64_t tick, const std::vector<std::uint64_t>& row, const OnDifference& differs);
   /// Keeps the recorded numbers of a tick that isn't compared.
   void pass_over(std::int64_t tick);
 
@@ -92,9 +90,8 @@ class RecordedOutputs {
   std::map<std::uint16_t, std::unique_ptr<Channel>> by_id_;
   std::vector<Word> commands_;  // words of numbers, except those of devices
   std::vector<Word> untold_;    // words that are 1 if a device was commanded, of devices without recorded commands
-  std::vector<std::size_t> result_words_;  // word of the result of control(), by controller
-  bool new_columns_ = true;                // columns were found since unpaired_ was made
-  std::vector<Word> unpaired_;             // words of commands_ that no message of the tick contains
+  bool new_columns_ = true;     // columns were found since unpaired_ was made
+  std::vector<Word> unpaired_;  // words of commands_ that no message of the tick contains
 };
 
 }  // namespace rehearse

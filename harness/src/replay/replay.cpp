@@ -75,7 +75,7 @@ Result<ReplayReport> replay_into(mcap::Reader& recording, const Scenario& scenar
   if (auto read = altered.check_read_by(host); !read) return read.errors();
   if (options.until) source.end_before(static_cast<std::uint64_t>(std::llround(std::max(0.0, *options.until) * 1e9)));
 
-  report.other_inputs = other_inputs(recording, scenario, host);
+  report.other_inputs = other_inputs(recording, scenario, host, source.inputs());
   ReplayComparison comparison(options, scenario, recording, host, source, std::move(scales), report);
   HostedCommands commands(host, HostedCommands::Written::never);
   Run run(scenario.time_step, source, commands, comparison, 0, Run::no_end);

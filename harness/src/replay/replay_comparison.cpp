@@ -30,6 +30,7 @@ ReplayComparison::ReplayComparison(const ReplayOptions& options, const Scenario&
       judge_(options.tolerances ? &*options.tolerances : nullptr, std::move(scales), scenario.time_step,
              [this](Divergence&& found) { this->report(std::move(found)); }),
       outputs_(host, record_.fields(), recording, judge_),
+      results_(record_.fields(), options, scenario.time_step),
       delays_(host, recording),
       channels_(words_.channels()),
       from_(static_cast<std::uint64_t>(std::llround(std::max(0.0, options.from) * 1e9))) {
@@ -87,7 +88,9 @@ void ReplayComparison::compare(const Moment& now, const std::vector<std::uint64_
     report_.first_other_hash = now.tick;
   delays_.compare(count);
   if (!is_compared(now.tick)) return outputs_.pass_over(now.tick);
-  report_.values += outputs_.compare(now.tick, row, source_.recorded().controller_results, count);
+  report_.values += outputs_.compare(now.tick, row, count);
+  results_.compare(now.tick, row, source_.recorded().controller_results, count);
+  report_.values += std::ssize(source_.recorded().controller_results);
   compare_variables(now.tick);
 }
 
@@ -118,7 +121,8 @@ void ReplayComparison::differs(Divergence&& found) {
 }
 
 void ReplayComparison::report(Divergence&& found) {
-  report_.ticks_different += found.tick != std::exchange(last_different_, found.tick) ? 1 : 0;
+  const bool is_new = found.tick != std::exchange(last_different_, found.tick);
+  report_.ticks_different += is_new && !results_.differ_at(found.tick) ? 1 : 0;
   if (options_.on_difference) options_.on_difference(found);
   report_.add(std::move(found));
 }
@@ -175,6 +179,11 @@ Result<void> ReplayComparison::finish() {
     }
   }
   judge_.finish();
+  report_.ticks_different += results_.ticks_different();
+  for (JudgedEvent& event : results_.judge(last_tick_)) {
+    if (options_.on_difference) options_.on_difference(event.place);
+    report_.add(std::move(event.place), event.beyond);
+  }
   return read ? read : in_recording(recording_, read.errors()[0]);
 }
 

@@ -17,6 +17,7 @@
 #include "output_record.h"
 #include "recorded_delays.h"
 #include "recorded_outputs.h"
+#include "recorded_results.h"
 #include "recorded_words.h"
 #include "recording_source.h"
 #include "run/run.h"
@@ -66,6 +67,7 @@ class ReplayComparison final : public Sink {
   OutputRecord record_;
   RowJudge judge_;
   RecordedOutputs outputs_;
+  RecordedResults results_;
   RecordedDelays delays_;
   std::vector<std::uint16_t> channels_;
   enum class Reader { none, words, outputs, delays };

@@ -58,25 +58,32 @@ std::vector<std::string> other_controllers(const mcap::Reader& recording, const 
 
 namespace {
 
-/// A channel of inputs, and each joint and device that it has, as "/Rig/C/input/pose" or "Rig/Gyro".
-void add_inputs(const std::string& topic, const mcap::StringMap& metadata, std::set<std::string>& inputs) {
+/// A channel of inputs, except those of joints, whose values are listed one by one.
+void add_channel(const std::string& topic, std::set<std::string>& inputs) {
   const ChannelName name = ChannelName::parse(topic);
-  if (name.side != ChannelSide::input) return;
-  constexpr std::string_view unit = "unit:";
-  if (name.kind != ChannelKind::joints && name.kind != ChannelKind::joint_accelerations) inputs.insert(topic);
-  if (name.kind == ChannelKind::joint_accelerations || name.kind == ChannelKind::joints)
-    for (const auto& [key, value] : metadata)
-      if (key.starts_with(unit))
-        inputs.insert(fmt::format("{} of {}", key.substr(unit.size(), key.rfind('/') - unit.size()), name.label()));
+  if (name.side == ChannelSide::input && !is_joint_input(name)) inputs.insert(topic);
+}
+
+/// The values of joints that controllers read now, as RecordedInputs::joints_read().
+std::set<std::string> joints_read(const Scenario& scenario, const ControllerHost& host) {
+  std::set<std::string> values;
+  for (const HostedController& hosted : host.controllers()) {
+    const Model& model = *scenario.bodies[hosted.body].model;
+    for (const IoField& field : hosted.io->inputs().fields)
+      if (field.quantity <= Quantity::u)
+        values.insert(fmt::format("{}/{} of {}", model.links[model.joints[field.joint]].joint.name,
+                                  name_of(field.quantity), hosted.label));
+  }
+  return values;
 }
 
 }  // namespace
 
 std::vector<std::string> other_inputs(const mcap::Reader& recording, const Scenario& scenario,
-                                      const ControllerHost& host) {
-  std::set<std::string> recorded, here;
-  for (const auto& [topic, metadata] : Recorder::channels_of(scenario, host)) add_inputs(topic, metadata, here);
-  for (const auto& [id, channel] : recording.channels()) add_inputs(channel.topic, channel.metadata, recorded);
+                                      const ControllerHost& host, const RecordedInputs& inputs) {
+  std::set<std::string> recorded = inputs.joints_read(), here = joints_read(scenario, host);
+  for (const auto& [topic, metadata] : Recorder::channels_of(scenario, host)) add_channel(topic, here);
+  for (const auto& [id, channel] : recording.channels()) add_channel(channel.topic, recorded);
   if (const auto devices = RunFacts::of(recording).devices_read) {
     for (const auto& [device, controllers] : *devices) recorded.insert(device);
     for (const HostedController& hosted : host.controllers()) {

@@ -20,10 +20,10 @@ Diagnostics unrecorded_inputs(const mcap::Reader& recording, const Scenario& sce
 /// BODY/NAME of the controllers whose libraries differ from the recorded libraries, by their hashes.
 std::vector<std::string> other_controllers(const mcap::Reader& recording, const ControllerHost& host);
 /// The inputs that only the recorded controllers read ("- Rig/Gyro"), then those that only these controllers read
-/// ("+ SHOULDER of Rig/C"). Older recordings don't state which devices were read: then the list has no devices. The
+/// ("+ SHOULDER/dq of Rig/C"). Older recordings don't state which devices were read: then the list has no devices. The
 /// controllers must be initialised.
 std::vector<std::string> other_inputs(const mcap::Reader& recording, const Scenario& scenario,
-                                      const ControllerHost& host);
+                                      const ControllerHost& host, const RecordedInputs& inputs);
 /// True if a recording of these controllers would have the same channels of inputs and outputs as `recording`, with
 /// equal metadata. The controllers must be initialised.
 bool has_channels_of(const mcap::Reader& recording, const Scenario& scenario, const ControllerHost& host);

@@ -46,7 +46,11 @@ Result<std::optional<FailureReport>> write_failure_report(const CheckReport& che
   options.tolerances = scenario.tolerances;
   options.horizon = checked.horizon;
   options.verdict = report_verdict(checked);
-  if (trace != actual) options.expectations.emplace();  // they were judged on the closed loop
+  options.comparison = trace == actual ? checked.comparison : checked.plant_comparison;
+  if (trace != actual)
+    options.expectations.emplace();  // they were judged on the closed loop
+  else if (!checked.expectations.empty())
+    options.expectations = checked.expectations;
   options.scenario = scenario.file;
   const std::optional<fs::path> beside = fs::is_regular_file(golden, ignored) ? std::optional(golden) : std::nullopt;
   const fs::path file = fs::path(trace).replace_extension(".html");

@@ -174,7 +174,7 @@ class ReportMaker {
   ReportSummary summary_;
 };
 
-/// Compares both recordings as `diff` does.
+/// Compares both recordings as `diff` does. That finds the ticks and values to mark, also if the findings are given.
 void ReportMaker::judge() {
   if (!golden_) return;
   std::vector<ToleranceRule> rules;
@@ -187,6 +187,7 @@ void ReportMaker::judge() {
   how.until = options_.horizon;
   how.on_difference = [this](const DifferingValue& value) { judged_->take(value); };
   comparison_ = compare(golden_->trace, actual_.trace, rules, how);
+  if (options_.comparison) comparison_ = options_.comparison;
   judged_->conclude(*comparison_);
 }
 

@@ -83,6 +83,12 @@ struct ChannelName {
   bool operator==(const ChannelName&) const = default;
 };
 
+/// True for the joints that a controller reads.
+inline bool is_joint_input(const ChannelName& name) {
+  return name.side == ChannelSide::input &&
+         (name.kind == ChannelKind::joints || name.kind == ChannelKind::joint_accelerations);
+}
+
 /// The topics of the whole run, and the part that occurs in all topics and series of variables, and in no others.
 namespace run_topics {
 inline constexpr const char* tick = "/tick";

@@ -66,6 +66,20 @@ class Refuser : public Pusher {
 };
 const Add<Refuser> refuser("refuse");
 
+/// rest FROM UNTIL: control() returns false from one tick on, and true again from the other on.
+class Rester : public Pusher {
+ public:
+  explicit Rester(const Words& words) : Pusher(1.0), from_(std::stoi(words.at(0))), until_(std::stoi(words.at(1))) {}
+  bool control() override {
+    const int tick = tick_;
+    return Pusher::control() && (tick < from_ || tick >= until_);
+  }
+
+ private:
+  const int from_, until_;
+};
+const Add<Rester> rester("rest");
+
 /// push EFFORT [nodelay] [false]: commands a constant effort; with no-delay mode; control() returns false.
 class ConstantPusher : public Pusher {
  public:

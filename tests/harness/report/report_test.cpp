@@ -1,6 +1,7 @@
 // The contents of a report, compared with its recordings.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <rehearse/check.h>
 #include <rehearse/compare.h>
 #include <rehearse/report.h>
 
@@ -519,6 +520,34 @@ TEST_F(Report, ThatWouldBeTooLargeNamesAPartWithTheFirstDifference) {
   EXPECT_GT(*options_.from, 0.0);
   written(folder_ / "golden.mcap");
   EXPECT_EQ(summary_.first_tick, 8000);
+}
+
+/// The findings of a check come from the check: the report judges none of them again.
+TEST_F(Report, OfAFailedCheckShowsTheFindingsOfTheCheck) {
+  for (SmallTick& tick : actual_.ticks) tick.u = 20.0;
+  actual_.scenario = "rehearse: 1\nname: run\nduration: 1\nexpect:\n  - {channel: Robot/KNEE/q, below: 9}\n";
+  const Trace golden = golden_.load(folder_ / "golden.mcap"), actual = actual_.load(folder_ / "actual.mcap");
+  CheckReport checked;
+  checked.closed = LevelState::differs;
+  checked.verdict = "the sentence of the check";
+  checked.run.emplace();
+  checked.comparison = compare(golden, actual, {});
+  ChannelComparison& found = checked.comparison->channels.at(0);
+  found.first->note = "the finding of the check";
+  checked.first = found.first_bit = found.first;
+  checked.expectations.emplace_back();
+  checked.expectations[0].text = "what the check expected";
+  Scenario scenario;
+  const auto written =
+      write_failure_report(checked, scenario, folder_ / "golden.mcap", folder_ / "actual.mcap", options_);
+  ASSERT_TRUE(written) << to_string(written.errors());
+  ASSERT_TRUE(*written);
+  EXPECT_EQ((*written)->summary.verdict, "the sentence of the check");
+  const DecodedReport report((*written)->file);
+  ASSERT_EQ(report["divergences"].size(), 1u);
+  EXPECT_EQ(report["divergences"][0]["note"], "the finding of the check");
+  ASSERT_EQ(report["expectations"].size(), 1u);
+  EXPECT_EQ(report["expectations"][0]["text"], "what the check expected");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <rehearse/cdr.h>
 #include <rehearse/check.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <ostream>
@@ -26,6 +27,7 @@ struct Change {
   int later = 0;                  // ticks by which the effort steps later in the golden
   double effort = 0.0;            // is added to the effort [N·m]
   double scaled = 1.0;            // factor of all four numbers of the orientation
+  int refused = 0;                // number of ticks, from tick 20 on, in which control() returns false in the golden
   double turned = 0.0;            // angle by which the orientation is turned about z [rad]
   mcap::StringMap metadata = {};  // of all channels
 };
@@ -63,6 +65,10 @@ std::vector<std::byte> changed(const Change& change, const mcap::Message& messag
       const auto tick = static_cast<int>(message.log_time / 1'000'000);
       if (change.later != 0) state.effort.at(0) = tick >= 20 + change.later ? step : 0.0;
       state.effort.at(0) += change.effort;
+    });
+  if (message.channel->topic == "/tick" && change.refused > 0)
+    return edited<msg::Tick>(message, [&](msg::Tick& tick) {
+      if (tick.tick >= 20 && tick.tick < 20 + change.refused) tick.controller_results.at(0) = false;
     });
   if (message.channel->topic == pose)
     return edited<msg::PoseStamped>(message, [&](msg::PoseStamped& at) {
@@ -109,7 +115,7 @@ class OneJudge : public RunTest, public ::testing::WithParamInterface<Row> {
     return report ? *std::move(report) : ReplayReport();
   }
 
-  LogReplayReport log(const std::string& rules) const {
+  LogReplayReport log(const std::string& rules, double from = 0.0) const {
     write(
         "map.yaml",
         std::string("rehearse_map: 1\ntime_step: 0.001\nbody: Rig\ncontroller: {name: C, options: \"step 0.1 20\"}\n") +
@@ -118,6 +124,7 @@ class OneJudge : public RunTest, public ::testing::WithParamInterface<Row> {
     options.controller = "Behaviours";
     options.model = path("rig.urdf");
     options.map = path("map.yaml");
+    options.from = from;
     auto report = replay_log(path("golden.mcap"), path("log.mcap"), options);
     EXPECT_TRUE(report) << to_string(report.errors());
     return report ? *std::move(report) : LogReplayReport();
@@ -153,6 +160,7 @@ std::string rule(const std::string& channel, const std::string& more) {
 }
 
 const std::string u = "Rig/C/output/*";
+const std::string result = "controller_results/0";
 const std::string orientation = "Box/T/output/*/orientation/*";
 constexpr double turn = 2.0 * M_PI;
 constexpr bool no_log = false;
@@ -196,6 +204,15 @@ INSTANTIATE_TEST_SUITE_P(
             false,
             no_log},
         Row{"AnOrientationBeyondItsAngle", {.turned = 0.001}, rule(orientation, "atol: 0.0009"), false, false, no_log},
+        Row{"AResultOfControlWithoutARule", {.refused = 3}, "[]", false, false, no_log},
+        Row{"AResultOfControlWithinItsTicks", {.refused = 3}, rule(result, "ticks: 3"), true, false, no_log},
+        Row{"AResultOfControlBeyondItsTicks", {.refused = 3}, rule(result, "ticks: 2"), false, false, no_log},
+        Row{"AnEarlyCommandBesideALateResult",
+            {.later = 2, .refused = 3},
+            "[{channel: " + result + ", ticks: 3}, {channel: \"" + u + "\", atol: 1.0e-6, lead: 0.003}]",
+            true,
+            false,
+            no_log},
         Row{"NoRotation", {.scaled = 2.0}, "[]", false, false, no_log}),
     [](const auto& info) { return info.param.name; });
 
@@ -246,6 +263,42 @@ TEST_F(OneJudgeText, LooksBackBeyondTheBeginOfAPartialComparison) {
   const ReplayReport report = controller(options);
   EXPECT_EQ(report.values_different, 1);
   EXPECT_TRUE(report.within()) << text_of(report.beyond);
+  const LogReplayReport logged = log(rule(u, "atol: 1.0e-6, lag: 0.002"), options.from);
+  EXPECT_EQ(logged.values_different, 1);
+  EXPECT_TRUE(logged.within()) << text_of(logged.beyond);
+}
+
+/// control() returns false three ticks later than in the golden, also if that was recorded with other arithmetic.
+TEST_F(OneJudgeText, AllowsAResultOfControlToComeLateOnAllLevels) {
+  const auto resting = [](int tick, const std::string& rules) {
+    return "rehearse: 1\nduration: 0.06\ncameras: none\ntolerances: " + rules +
+           "\nbodies:\n  - name: Rig\n    model: rig.urdf\n    controllers: [" +
+           behaviour("C", "rest " + std::to_string(tick) + " 40") + "]\n";
+  };
+  for (const mcap::StringMap& provenance : {mcap::StringMap(), mcap::StringMap{{"libc", "another"}}}) {
+    record_run(resting(20, "[]"), "golden.mcap");
+    const auto done = testing::mutilate(path("golden.mcap"), testing::untouched, {}, provenance);
+    ASSERT_TRUE(done) << to_string(done.errors());
+    for (const int allowed : {0, 2, 3}) {
+      const std::string rules = allowed == 0 ? "[]" : rule(result, "ticks: " + std::to_string(allowed));
+      CheckOptions options;
+      options.plant = false;
+      const auto report = check_scenario(load(resting(23, rules)), path("golden.mcap"), path("actual.mcap"), options,
+                                         {record, run_plant});
+      ASSERT_TRUE(report) << to_string(report.errors());
+      const LevelState expected = allowed == 3 ? LevelState::within : LevelState::differs;
+      EXPECT_EQ(report->controller, expected) << report->verdict;
+      EXPECT_EQ(report->closed, expected) << report->verdict;
+      EXPECT_EQ(report->replay->ticks_different, 3);
+      if (allowed != 3) {
+        EXPECT_THAT(report->verdict, HasSubstr("fed with the golden's inputs, it differs at tick 20"));
+      }
+      if (allowed == 0) continue;
+      const auto of_events = std::ranges::find(report->comparison->channels, true, &ChannelComparison::of_events);
+      ASSERT_NE(of_events, report->comparison->channels.end());
+      EXPECT_EQ(text_of(report->replay->first), text_of(of_events->first_bit));
+    }
+  }
 }
 
 TEST_F(OneJudgeText, JudgesTheSameInALongRunAsInAShortOne) {

@@ -29,6 +29,7 @@ enum Fault {
   last_part,
   announced,     // as last_part, and writes a line in the tick before
   more_sensors,  // reads a sensor and a link that it doesn't need
+  more_joints,   // reads the effort of a joint, which it doesn't need
   earlier_runs,  // has another gain in the third and later runs of its process
 };
 
@@ -65,6 +66,7 @@ class Stand : public cnoid::SimpleController {
       io->enableInput(body_->findDevice<cnoid::AccelerationSensor>());
       io->enableInput(body_->rootLink(), cnoid::Link::LinkPosition);
     }
+    if (FAULT == more_joints) io->enableInput(body_->joint("RLEG_KNEE"), cnoid::Link::JointEffort);
     if (FAULT == earlier_runs && ++runs > 2) strength_ = 1.001;
     if (!io->optionString().empty()) strength_ = std::stod(io->optionString());
     return true;

@@ -15,11 +15,24 @@ __attribute__((target("rdrnd"))) unsigned drawn() {
   return number;
 }
 
+__attribute__((target("rdseed"))) unsigned seeded() {
+  unsigned number = 0;
+  _rdseed32_step(&number);
+  return number;
+}
+
+unsigned long long time_stamp_of_core() {
+  unsigned core = 0;
+  return __rdtscp(&core) + core;
+}
+
 unsigned processor() {
   unsigned a = 0, b = 0, c = 0, d = 0;
   __get_cpuid(1, &a, &b, &c, &d);
   return a;
 }
+
+__attribute__((target("rdpid"))) unsigned core() { return _rdpid_u32(); }
 
 long kernel_call() {
   long result = 39;  // getpid
