@@ -294,16 +294,23 @@ std::string demangled(const char* name) {
   return result;
 }
 
+/// In a call the replacements of the C library's functions change no limits.
+void restore_limits_in_call() {
+  guarding = 0;
+  ProcessGuard::instance().restore_limits();
+  guarding = 1;
+}
+
 /// Runs the code and catches its exceptions.
 void run_catching(const std::function<void()>& code, CallOutcome& outcome) {
   try {
     code();
   } catch (const std::exception& exception) {
-    ProcessGuard::instance().restore_limits();
+    restore_limits_in_call();
     outcome.end = CallEnd::threw;
     outcome.what = "threw " + demangled(typeid(exception).name()) + ": " + exception.what();
   } catch (...) {
-    ProcessGuard::instance().restore_limits();
+    restore_limits_in_call();
     outcome.end = CallEnd::threw;
     outcome.what = "threw something that is no std::exception";
     if (const std::type_info* type = abi::__cxa_current_exception_type())

@@ -279,7 +279,7 @@ void ProcessGuard::begin(ThreadCount threads, bool closely) {
   if (closely) before_ = std::make_unique<State>();
 }
 
-/// A limit that can't be raised again stays.
+/// A hard limit that was lowered can't be raised again.
 void ProcessGuard::restore_limits() {
   if (!limits_at_start) return;
   const Limits now = limits();

@@ -203,7 +203,8 @@ std::vector<std::string> TraceKeeper::close_failed(const Failure& failure) {
   std::vector<std::string> lines;
   for (auto& [number, kept] : traces_) {
     mcap::Writer& writer = *kept->writer;
-    const auto now = static_cast<std::uint64_t>(std::llround(failure.time * 1e9));
+    // calls outside of the run have no time of their own
+    const auto now = std::max(static_cast<std::uint64_t>(std::llround(failure.time * 1e9)), kept->last_time);
     const msg::Event event{msg::Time::from_ns(now), failure.tick, "error", failure.source, failure.sentence};
     if (kept->event_channel) static_cast<void>(writer.write(kept->event_channel, now, now, encoded(event)));
     for (const auto& [name, values] : kept->at_failure) static_cast<void>(writer.add_metadata(name, values));

@@ -132,8 +132,11 @@ void scribble_over_shared_memory() {
   }
 }
 
+/// The soft limit: the hard one can't be raised again, by nobody but the administrator.
 void set_limit(int resource, unsigned long value) {
-  const unsigned long limit[2] = {value, value};
+  unsigned long limit[2] = {};
+  raw(SYS_prlimit64, 0, resource, 0, reinterpret_cast<long>(limit));
+  limit[0] = value;
   raw(SYS_prlimit64, 0, resource, reinterpret_cast<long>(limit), 0);
 }
 
@@ -262,7 +265,10 @@ const std::map<std::string, void (*)(const std::string& file)> deeds{
     {"no_memory_limit",
      [](const auto&) {
        set_limit(RLIMIT_AS, 1 << 20);
-       for (int i = 0; i < 100; ++i) new char[1 << 20];
+       for (int i = 0; i < 100; ++i) {
+         char* volatile block = new char[1 << 20];
+         block[0] = 1;
+       }
      }},
     {"no_descriptors", [](const auto&) { set_limit(RLIMIT_NOFILE, 0); }},
     {"no_file_size", [](const auto&) { set_limit(RLIMIT_FSIZE, 0); }},
