@@ -179,7 +179,7 @@ void ControllerHost::show_joystick(const Observation& seen) {
     if (hosted.joystick) hosted.joystick->show(*seen.joystick);
 }
 
-bool ControllerHost::control(std::int64_t tick, const Observation& seen) {
+bool ControllerHost::input(std::int64_t tick, const Observation& seen) {
   tick_ = tick;
   if (!pass_infos()) return false;
   const double now = time_of(tick, scenario_->time_step);
@@ -202,6 +202,10 @@ bool ControllerHost::control(std::int64_t tick, const Observation& seen) {
     hosted.tick.has_input = hosted.running;
     if (hosted.running) hosted.io->input(body);
   }
+  return true;
+}
+
+bool ControllerHost::control() {
   bool alive = true;
   for (HostedController& hosted : controllers_) {
     if (!hosted.running) continue;

@@ -89,8 +89,10 @@ class ControllerHost {
   Command initialize(const Observation& initial);
   /// Calls start() of all initialised controllers.
   void start();
-  /// Copies the inputs, calls control() and reads the outputs of all. False if one failed: the run ends here.
-  bool control(std::int64_t tick, const Observation& seen);
+  /// Begins a tick: copies the inputs of all, and calls their slots for changed devices. False if one failed.
+  bool input(std::int64_t tick, const Observation& seen);
+  /// Calls control() and reads the outputs of all. False if one failed: the run ends here.
+  bool control();
   /// True if there is a controller, and control() of all that take part returned false in this tick.
   bool all_done() const;
   /// Writes the outputs of the controllers without (or with) delay into the command, in order. The last controller

@@ -64,7 +64,7 @@ class RemoteWriter final : public mcap::Writer {
 
   Result<void> write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, Bytes data,
                      std::optional<std::uint32_t> sequence) override {
-    send({.kind = Kind::write,
+    send({.kind = pending_ ? Kind::write_pending : Kind::write,
           .numbered = sequence.has_value(),
           .channel = channel,
           .log_time = log_time,
@@ -102,6 +102,11 @@ class RemoteWriter final : public mcap::Writer {
 
   void add_metadata_at_failure(std::string_view name, const mcap::StringMap& values) {
     send_encoded(Kind::add_at_failure, trace_call::AddMetadata{std::string(name), trace_call::pairs_of(values)});
+  }
+
+  void set_pending(bool pending) {
+    if (pending) send({.kind = Kind::begin_pending});
+    pending_ = pending;
   }
 
   Result<void> flush() override { return ask(Kind::flush); }
@@ -149,6 +154,7 @@ class RemoteWriter final : public mcap::Writer {
   const std::uint32_t trace_;
   std::uint32_t seen_failures_ = 0;
   bool changed_by_others_ = false;
+  bool pending_ = false;  // the present messages are
   mcap::Definitions definitions_;
   CdrWriter cdr_;
 };
@@ -167,6 +173,13 @@ Result<std::unique_ptr<mcap::Writer>> create_recording(const std::filesystem::pa
   if (auto created = writer->create(file); !created) return created.errors();
   return std::unique_ptr<mcap::Writer>(std::move(writer));
 }
+
+bool writes_pending(const mcap::Writer& writer) { return dynamic_cast<const RemoteWriter*>(&writer) != nullptr; }
+
+PendingMessages::PendingMessages(mcap::Writer& writer) : writer_(writer) {
+  static_cast<RemoteWriter&>(writer_).set_pending(true);
+}
+PendingMessages::~PendingMessages() { static_cast<RemoteWriter&>(writer_).set_pending(false); }
 
 void add_metadata_at_failure(mcap::Writer& writer, std::string_view name, const mcap::StringMap& values) {
   if (auto* const remote = dynamic_cast<RemoteWriter*>(&writer)) remote->add_metadata_at_failure(name, values);

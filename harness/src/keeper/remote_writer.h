@@ -21,6 +21,23 @@ void send_recordings_through(Ring& ring);
 /// Creates a recording, as mcap::Writer::create() does. A supervisor writes it if there is one, else this process.
 Result<std::unique_ptr<mcap::Writer>> create_recording(const std::filesystem::path& file);
 
+/// True if a supervisor writes this recording.
+bool writes_pending(const mcap::Writer& writer);
+
+/// Messages that are written in its lifetime are pending: the supervisor writes them only if the process ends before
+/// the next message on /tick. They replace those that were pending before. The Writer must be one that
+/// writes_pending().
+class PendingMessages {
+ public:
+  explicit PendingMessages(mcap::Writer& writer);
+  ~PendingMessages();
+  PendingMessages(const PendingMessages&) = delete;
+  PendingMessages& operator=(const PendingMessages&) = delete;
+
+ private:
+  mcap::Writer& writer_;
+};
+
 /// Metadata that the supervisor adds to this recording if the process ends without closing it.
 void add_metadata_at_failure(mcap::Writer& writer, std::string_view name, const mcap::StringMap& values);
 

@@ -19,6 +19,8 @@ enum class Kind : std::uint8_t {
   add_channel,
   write,
   write_later,
+  begin_pending,
+  write_pending,  // like write, if the process ends before the next message on /tick
   add_attachment,
   add_metadata,
   add_at_failure,  // metadata, if the process ends without close()

@@ -46,13 +46,21 @@ struct TraceKeeper::Kept {
   std::uint16_t event_channel = 0, tick_channel = 0;  // 0: none so far
   std::int64_t ticks = 0;
   std::uint64_t last_time = 0;  // log time of the last message [ns]
+  struct Pending {
+    Head head;
+    std::vector<std::byte> data;
+  };
+  std::vector<Pending> pending;   // the messages of the tick that is under way
+  std::size_t pending_count = 0;  // of them; the memory of the others is reused
   std::map<std::string, mcap::StringMap> at_failure;
 
   Result<void> create(Bytes rest);
   /// Carries out a call. False: no such call.
   bool call(const Head& head, Bytes rest, Result<void>& result);
   bool add_channel(Bytes rest);
+  bool has_channel(const Head& head) const { return static_cast<std::uint16_t>(head.channel - 1) < channels; }
   bool count(const Head& head);
+  void write_pending();
 };
 
 Result<void> TraceKeeper::Kept::create(Bytes rest) {
@@ -80,10 +88,20 @@ bool TraceKeeper::Kept::add_channel(Bytes rest) {
 
 /// Counts a message; false: it has no channel.
 bool TraceKeeper::Kept::count(const Head& head) {
-  if (static_cast<std::uint16_t>(head.channel - 1) >= channels) return false;
-  if (head.channel == tick_channel) ++ticks;
+  if (!has_channel(head)) return false;
+  if (head.channel == tick_channel) {
+    ++ticks;
+    pending_count = 0;
+  }
   last_time = std::max(last_time, head.log_time);
   return true;
+}
+
+void TraceKeeper::Kept::write_pending() {
+  for (const Pending& message : std::span(pending).first(std::exchange(pending_count, 0)))
+    if (count(message.head))
+      static_cast<void>(
+          writer->write(message.head.channel, message.head.log_time, message.head.publish_time, message.data));
 }
 
 bool TraceKeeper::Kept::call(const Head& head, Bytes rest, Result<void>& result) {
@@ -105,6 +123,13 @@ bool TraceKeeper::Kept::call(const Head& head, Bytes rest, Result<void>& result)
       if (!count(head) || !head.compose) return false;
       result = writer->write_later(head.channel, head.log_time, head.publish_time, head.number,
                                    {rest.begin(), rest.end()}, head.compose);
+      return true;
+    case Kind::begin_pending: pending_count = 0; return true;
+    case Kind::write_pending:
+      if (!has_channel(head)) return false;
+      if (pending_count == pending.size()) pending.emplace_back();
+      pending[pending_count].head = head;
+      pending[pending_count++].data.assign(rest.begin(), rest.end());
       return true;
     case Kind::add_attachment: {
       trace_call::AddAttachment call;
@@ -203,6 +228,7 @@ std::vector<std::string> TraceKeeper::close_failed(const Failure& failure) {
   std::vector<std::string> lines;
   for (auto& [number, kept] : traces_) {
     mcap::Writer& writer = *kept->writer;
+    kept->write_pending();
     // calls outside of the run have no time of their own
     const auto now = std::max(static_cast<std::uint64_t>(std::llround(failure.time * 1e9)), kept->last_time);
     const msg::Event event{msg::Time::from_ns(now), failure.tick, "error", failure.source, failure.sentence};
@@ -210,10 +236,10 @@ std::vector<std::string> TraceKeeper::close_failed(const Failure& failure) {
     for (const auto& [name, values] : kept->at_failure) static_cast<void>(writer.add_metadata(name, values));
     const RunOutcome outcome{.ticks = kept->ticks, .complete = false, .failure = failure.sentence};
     static_cast<void>(writer.add_metadata(records::outcome, outcome.metadata()));
-    const Result<void> closed = writer.close();  // it returns the error of an earlier call, too
-    lines.push_back(
-        closed ? fmt::format("the trace, to {:g} s: {}", static_cast<double>(kept->last_time) / 1e9, kept->name)
-               : to_string(closed.errors()));
+    const Result<void> closed = writer.close();                     // it returns the error of an earlier call, too
+    const double end = static_cast<double>(kept->last_time) / 1e9;  // [s]
+    lines.push_back(closed ? fmt::format("the trace up to there: {} ({:g} s)", kept->name, end)
+                           : to_string(closed.errors()));
   }
   traces_.clear();
   return lines;

@@ -119,6 +119,8 @@ struct Recorder::Impl : TraceOutput {
                           const std::vector<JointReading>& read);
   Result<void> write_transforms(std::int64_t tick, const Observation& seen);
   Result<void> write_joystick(std::int64_t tick, const JoystickReading& reading);
+  Result<void> write_inputs(std::int64_t tick, const HostedController& hosted, ControllerChannels& channels);
+  Result<void> close_tick(std::int64_t tick, const TickHashes& hashes);
   Result<void> write_delay(std::int64_t tick, const HostedController& hosted, ControllerChannels& channels);
   Result<void> write_variables(std::int64_t tick, const HostedController& hosted, std::vector<std::uint16_t>& channels);
 };
@@ -346,12 +348,7 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
     const HostedController& hosted = host->controllers()[c];
     message.controller_results.push_back(hosted.tick.result);
     ControllerChannels& channels = impl.controllers[c];
-    if (hosted.tick.has_input) {  // also for a controller that then failed, because its inputs may be the cause
-      if (auto done = channels.input.write(impl, tick, hosted.io->input_values()); !done) return done;
-      if (auto done = impl.contact_recorder->write_input(impl, tick, channels.contacts, hosted.io->input_contacts());
-          !done)
-        return done;
-    }
+    if (auto done = impl.write_inputs(tick, hosted, channels); !done) return done;
     if (hosted.tick.has_output)
       if (auto done = channels.output.write(impl, tick, hosted.io->output_values()); !done) return done;
     if (auto done = impl.write_delay(tick, hosted, channels); !done) return done;
@@ -372,12 +369,38 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
     if (auto done = impl.write_variables(tick, hosted, channels.variables); !done) return done;
   }
   if (host) ++impl.size.ticks;
-  message.stamp = impl.stamp(tick);
-  message.tick = tick;
-  message.state_hash = hashes.state;
-  message.input_hash = hashes.input;
-  message.output_hash = hashes.output;
-  return impl.write(impl.tick_channel, tick, message);
+  return impl.close_tick(tick, hashes);
+}
+
+Result<void> Recorder::record_pending(std::int64_t tick, const ControllerHost& host, const TickHashes& hashes) {
+  Impl& impl = *impl_;
+  if (!writes_pending(*impl.writer)) return {};
+  const PendingMessages pending(*impl.writer);
+  const RecordingSize size = impl.size;
+  for (std::size_t c = 0; c < impl.controllers.size(); ++c)
+    if (auto done = impl.write_inputs(tick, host.controllers()[c], impl.controllers[c]); !done) return done;
+  impl.tick_message.controller_results.assign(impl.controllers.size(), false);
+  auto done = impl.close_tick(tick, hashes);
+  impl.size = size;
+  return done;
+}
+
+/// Also for a controller that then fails, because its inputs may be the cause.
+Result<void> Recorder::Impl::write_inputs(std::int64_t tick, const HostedController& hosted,
+                                          ControllerChannels& channels) {
+  if (!hosted.tick.has_input) return {};
+  if (auto done = channels.input.write(*this, tick, hosted.io->input_values()); !done) return done;
+  return contact_recorder->write_input(*this, tick, channels.contacts, hosted.io->input_contacts());
+}
+
+/// Writes the message that closes a tick. Its results are set.
+Result<void> Recorder::Impl::close_tick(std::int64_t tick, const TickHashes& hashes) {
+  tick_message.stamp = stamp(tick);
+  tick_message.tick = tick;
+  tick_message.state_hash = hashes.state;
+  tick_message.input_hash = hashes.input;
+  tick_message.output_hash = hashes.output;
+  return write(tick_channel, tick, tick_message);
 }
 
 /// Writes the delay of commands that don't act at the time that their channels state.

@@ -32,7 +32,7 @@ class CopyingSink final : public RecordingSink {
   Result<void> copy(RecordingSource& from, Run& run, std::optional<std::int64_t> end);
 
   /// Records nothing: the observations are copied.
-  Result<void> observe(const Moment&) override { return {}; }
+  Result<void> begin_tick(const Moment&) override { return {}; }
   Result<void> emit(const Moment& now) override;
   /// True if the hashes of the controllers' outputs were the recorded hashes in all ticks of copy().
   bool same_outputs() const { return same_outputs_; }

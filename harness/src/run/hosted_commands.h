@@ -19,9 +19,12 @@ class HostedCommands final : public Commander {
   HostedCommands(ControllerHost& host, Written written) : host_(host), written_(written) {}
 
   bool failed() const override { return host_.failure().has_value(); }
-  void act(Moment& now) override {
+  void prepare(Moment& now) override {
     now.host = &host_;
-    now.alive = host_.control(now.tick, *now.read);
+    now.alive = host_.input(now.tick, *now.read);
+  }
+  void act(Moment& now) override {
+    now.alive = now.alive && host_.control();
     if (written_ != Written::never) host_.output(Timing::same_step, now.command);
     if (written_ == Written::at_once) host_.output(Timing::next_step, now.command);
   }

@@ -1,12 +1,16 @@
 #include "recording_sink.h"
 
+#include <utility>
+
 namespace rehearse {
 
-Result<void> RecordingSink::observe(const Moment& now) {
+Result<void> RecordingSink::begin_tick(const Moment& now) {
   if (!now.checkpoint.empty())
     if (auto done = recorder_.record_checkpoint(now.tick, now.checkpoint); !done) return done;
   if (auto done = recorder_.record_state(now.tick, *now.seen, *now.read); !done) return done;
-  return record_contacts(now);
+  if (auto done = record_contacts(now); !done || !now.host) return done;
+  input_hash_ = now.host->input_hash(*now.read);
+  return recorder_.record_pending(now.tick, *now.host, {now.state_hash, *input_hash_, 0});
 }
 
 Result<void> RecordingSink::record_contacts(const Moment& now) {
@@ -18,7 +22,8 @@ Result<void> RecordingSink::record_contacts(const Moment& now) {
 
 Result<void> RecordingSink::emit(const Moment& now) {
   TickHashes hashes{now.state_hash, 0, 0};
-  if (now.host) hashes = {now.state_hash, now.host->input_hash(*now.read), now.host->output_hash()};
+  const std::optional<std::uint64_t> known = std::exchange(input_hash_, std::nullopt);
+  if (now.host) hashes = {now.state_hash, known ? *known : now.host->input_hash(*now.read), now.host->output_hash()};
   if (auto done = recorder_.record_tick(now.tick, now.host, hashes); !done) return done;
   if (auto done = record_events(now.events); !done) return done;
   return now.host ? record_events(now.host->take_events()) : Result<void>();

@@ -5,6 +5,7 @@
 #include <rehearse/messages.h>
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "recording/recorder.h"
@@ -22,8 +23,8 @@ class RecordingSink : public Sink {
   /// a run that begins in the middle doesn't record its first known contacts as changes.
   void take_contacts_for_known(std::int64_t before) { known_before_ = before; }
 
-  /// Records checkpoint, state, sensors and contacts.
-  Result<void> observe(const Moment& now) override;
+  /// Records checkpoint, state, sensors and contacts. The inputs are kept in case that the process ends in control().
+  Result<void> begin_tick(const Moment& now) override;
   /// Records the commands, the hashes and the events.
   Result<void> emit(const Moment& now) override;
   Result<void> record_events(const std::vector<msg::Event>& events);
@@ -36,6 +37,7 @@ class RecordingSink : public Sink {
 
   Diagnostics* remarks_;
   std::int64_t known_before_ = 0;
+  std::optional<std::uint64_t> input_hash_;  // of the present tick, once its inputs are known
 };
 
 }  // namespace rehearse

@@ -14,7 +14,8 @@ Result<bool> Run::step() {
   if (!observed || !*observed) return observed;
   if ((interruption_ = interrupted_at(tick_, time_step_))) return false;
 
-  if (auto taken = sink_->observe(now); !taken) return taken.errors();
+  commands_->prepare(now);
+  if (auto taken = sink_->begin_tick(now); !taken) return taken.errors();
   commands_->act(now);
   if (auto emitted = sink_->emit(now); !emitted) return emitted.errors();
   if (!now.alive) return false;
@@ -39,7 +40,7 @@ Result<void> Run::close() {
   Moment now{tick_, command, true};
   const auto observed = source_->observe(now);
   if (!observed) return observed.errors();
-  if (auto taken = sink_->observe(now); !taken) return taken;
+  if (auto taken = sink_->begin_tick(now); !taken) return taken;
   return sink_->emit(now);
 }
 

@@ -1,5 +1,5 @@
 // Run: the loop of all runs. In each tick it observes, commands, emits and advances. A sink gets the observation before
-// the controllers are called, so that a recording contains it however their calls end.
+// control() is called, so that a recording contains it however that call ends.
 //
 // A run is composed of a source of observations, a commander and a sink:
 //
@@ -54,6 +54,8 @@ class Commander {
   virtual ~Commander() = default;
   /// True if a controller has failed: there is no further tick.
   virtual bool failed() const { return false; }
+  /// Passes the observation to the controllers.
+  virtual void prepare(Moment&) {}
   /// Determines the commands of this tick, and writes those that act in the tick's own step into the command.
   virtual void act(Moment& now) = 0;
   /// Writes the commands that act one tick late into the command. Must be called after the step.
@@ -75,8 +77,8 @@ class ObservationSource {
 class Sink {
  public:
   virtual ~Sink() = default;
-  /// Takes the observation of a tick, before its commands exist.
-  virtual Result<void> observe(const Moment&) { return {}; }
+  /// Takes the observation of a tick and the inputs of its controllers, before its commands exist.
+  virtual Result<void> begin_tick(const Moment&) { return {}; }
   /// Takes the whole tick.
   virtual Result<void> emit(const Moment& now) = 0;
 };
