@@ -148,6 +148,14 @@ TEST_F(Sweep, CountsACaseThatTakesTooLongAsHung) {
   EXPECT_EQ(verdicts("run").at("none"), "passed");
 }
 
+TEST_F(Sweep, EndsACaseThatTakesTooMuchMemory) {
+  deeds("none, leak 1");
+  rehearse({"sweep", "deeds.yaml", "-o", "run", "--memory-limit", "600"});
+  EXPECT_EQ(verdicts("run").at("leak 1"), "crashed");
+  EXPECT_EQ(verdicts("run").at("none"), "passed");
+  EXPECT_THAT(read_file(folder() / "run" / "report.json"), HasSubstr("the case took more than 600 MB of memory"));
+}
+
 TEST_F(Sweep, LosesAndDoublesNoCaseWhenItIsKilled) {
   box();
   rehearse({"sweep", "box.yaml", "--cases", "600", "-o", "whole", "-j", "2"});

@@ -222,6 +222,10 @@ class Writer {
   /// The file descriptor until close(); -1 in memory, or if another process writes the file.
   virtual int descriptor() const = 0;
 
+  /// The log time from which on a message makes the Writer wait until the earliest open chunk is in the file [ns]; the
+  /// largest number: no chunk is open.
+  virtual std::uint64_t deadline() const = 0;
+
   /// True if close() failed because something else has changed the file.
   virtual bool is_changed_by_others() const = 0;
 

@@ -34,8 +34,20 @@ const std::string refusal = "refused: ";  // begins an answer of a worker that i
 
 Diagnostic interrupted() { return error("interrupted: nothing was judged"); }
 
-std::string late_sentence(const CampaignOptions& options) {
-  return fmt::format("the case took longer than {} s", options.case_limit);
+/// The result of a case whose worker has ended.
+CaseResult lost_case(std::int64_t number, const WorkerPool::Answer& answer, const CampaignOptions& options) {
+  if (answer.exceeded == WorkerPool::Answer::Limit::time)
+    return ended_case(number, CaseVerdict::hung, fmt::format("the case took longer than {} s", options.case_limit));
+  if (answer.exceeded == WorkerPool::Answer::Limit::memory)
+    return ended_case(number, CaseVerdict::crashed,
+                      options.host.memory_limit > 0.0
+                          ? fmt::format("the case took more than {:.0f} MB of memory", options.host.memory_limit)
+                          : "the case took more than four fifths of the available memory");
+  return ended_case(number, CaseVerdict::crashed, fmt::format("the process of the case ended {}", answer.end));
+}
+
+WorkerPool::Limits limits_of(const CampaignOptions& options) {
+  return {options.case_limit, options.host.memory_limit * 1e6};
 }
 
 CaseRun timed_case(const fs::path& file, const std::string& text, const CampaignOptions& options, const fs::path& trace,
@@ -135,13 +147,12 @@ CaseResult Work::result_of(const WorkerPool::Answer& answer) const {
       result->number = answer.job;
       return *result;
     }
-  if (answer.late) return ended_case(answer.job, CaseVerdict::hung, late_sentence(campaign_.options()));
-  return ended_case(answer.job, CaseVerdict::crashed, fmt::format("the process of the case ended {}", answer.end));
+  return lost_case(answer.job, answer, campaign_.options());
 }
 
 Result<void> Work::take(const WorkerPool::Answer& answer, Phase phase) {
   // something outside of the case may have ended its process
-  if (!answer.text && !answer.late && lost_.insert(answer.job).second) {
+  if (!answer.text && !answer.exceeded && lost_.insert(answer.job).second) {
     queue_.push_front(answer.job);
     return {};
   }
@@ -255,7 +266,7 @@ Result<CaseRun> run_alone(const Campaign& campaign, const std::string& text, con
                           const fs::path& trace, const Simulation& simulation) {
   const auto scratch = RunFolder::make(campaign.folder() / "running");
   if (!scratch) return scratch.errors();
-  WorkerPool pool(1, campaign.options().case_limit, scratch->path(), [&](std::int64_t, const fs::path& folder) {
+  WorkerPool pool(1, limits_of(campaign.options()), scratch->path(), [&](std::int64_t, const fs::path& folder) {
     const CaseRun run = timed_case(file, text, campaign.options(), folder / trace_name, simulation);
     const Json answer{
         {"result", json_of_result(run.result)}, {"expectations", run.expectations}, {"libraries", run.libraries}};
@@ -271,10 +282,8 @@ Result<CaseRun> run_alone(const Campaign& campaign, const std::string& text, con
     run.result = result_of_json(object.at("result")).value_or(CaseResult{});
     run.expectations = object.at("expectations").get<std::vector<std::string>>();
     run.libraries = object.at("libraries").get<std::map<std::string, std::string>>();
-  } else if (answer->late) {
-    run.result = ended_case(-1, CaseVerdict::hung, late_sentence(campaign.options()));
   } else {
-    run.result = ended_case(-1, CaseVerdict::crashed, fmt::format("the process of the case ended {}", answer->end));
+    run.result = lost_case(-1, *answer, campaign.options());
   }
   run.result.number = -1;
   if (trace.empty()) return run;
@@ -332,7 +341,7 @@ Result<void> Campaign::work(const SweepOptions& options, const Simulation& simul
   const bool varies_libraries = std::any_of(variations.begin(), variations.end(), [](const Variation& variation) {
     return variation.path.ends_with(".library");
   });
-  WorkerPool pool(std::max<std::size_t>(options.jobs, 1), options_.case_limit, scratch->path(),
+  WorkerPool pool(std::max<std::size_t>(options.jobs, 1), limits_of(options_), scratch->path(),
                   [&](std::int64_t number, const fs::path& folder) {
                     const auto text = text_of(number);
                     if (!text) return line_of(ended_case(number, CaseVerdict::invalid, text.errors().front().message));

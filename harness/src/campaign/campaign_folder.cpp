@@ -67,6 +67,7 @@ Json json_of_options(const CampaignOptions& options) {
           {"keep", options.keep},
           {"case_limit", options.case_limit},
           {"call_limit", options.host.call_limit},
+          {"memory_limit", options.host.memory_limit},
           {"controllers", options.host.libraries},
           {"steered", steered}};
 }
@@ -79,6 +80,7 @@ CampaignOptions options_of(const Json& facts) {
   options.keep = facts.at("keep").get<int>();
   options.case_limit = facts.at("case_limit").get<double>();
   options.host.call_limit = facts.at("call_limit").get<double>();
+  options.host.memory_limit = facts.value("memory_limit", 0.0);
   options.host.libraries = facts.at("controllers").get<std::map<std::string, std::string>>();
   for (const auto& [name, normal] : facts.at("steered").items())
     options.steered.push_back({name, normal.at("mean").get<double>(), normal.at("stddev").get<double>()});

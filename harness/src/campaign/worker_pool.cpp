@@ -16,6 +16,7 @@
 #include <cstring>
 #include <utility>
 
+#include "host/child_process.h"
 #include "host/guarded_call.h"
 #include "host/process_guard.h"
 
@@ -37,8 +38,10 @@ void close_all_but(int socket) {
 
 }  // namespace
 
-WorkerPool::WorkerPool(std::size_t size, double limit, std::filesystem::path folder, Work work)
-    : limit_(limit), work_(std::move(work)), workers_(size) {
+WorkerPool::WorkerPool(std::size_t size, const Limits& limits, std::filesystem::path folder, Work work)
+    : limits_{limits.time, limits.memory > 0.0 ? limits.memory : default_memory_limit()},
+      work_(std::move(work)),
+      workers_(size) {
   for (std::size_t i = 0; i < size; ++i) workers_[i].folder = folder / fmt::format("worker-{}", i + 1);
 }
 
@@ -115,18 +118,20 @@ std::optional<WorkerPool::Answer> WorkerPool::wait() {
     if (sockets[i].revents != 0) {
       std::string text(longest, '\0');
       const ssize_t size = ::recv(worker.socket, text.data(), text.size(), 0);
-      if (size <= 0) return end_of(worker, false);
+      if (size <= 0) return end_of(worker, std::nullopt);
       text.resize(static_cast<std::size_t>(size));
-      return Answer{*std::exchange(worker.job, std::nullopt), worker.folder, std::move(text), false, {}};
+      return Answer{*std::exchange(worker.job, std::nullopt), worker.folder, std::move(text), {}, {}};
     }
-    if (Clock::now() - worker.since > limit_) return end_of(worker, true);
+    if (std::chrono::duration<double>(Clock::now() - worker.since).count() > limits_.time)
+      return end_of(worker, Answer::Limit::time);
+    if (memory_of(worker.process) > limits_.memory) return end_of(worker, Answer::Limit::memory);
   }
   return std::nullopt;
 }
 
-WorkerPool::Answer WorkerPool::end_of(Worker& worker, bool late) {
-  Answer answer{*std::exchange(worker.job, std::nullopt), worker.folder, std::nullopt, late, {}};
-  answer.end = stop(worker, !late);
+WorkerPool::Answer WorkerPool::end_of(Worker& worker, std::optional<Answer::Limit> exceeded) {
+  Answer answer{*std::exchange(worker.job, std::nullopt), worker.folder, std::nullopt, exceeded, {}};
+  answer.end = stop(worker, !exceeded);
   return answer;
 }
 

@@ -26,12 +26,17 @@ class WorkerPool {
     std::int64_t job = 0;
     std::filesystem::path folder;     // of its worker, which doesn't use it until the next job
     std::optional<std::string> text;  // none: the worker ended
-    bool late = false;                // it was killed because the job took too long
+    enum class Limit { time, memory };
+    std::optional<Limit> exceeded;    // it was killed for that
     std::string end;                  // how the worker ended: "by SIGKILL", "with exit status 1"
   };
 
-  /// `limit`: wall time of a job [s].
-  WorkerPool(std::size_t size, double limit, std::filesystem::path folder, Work work);
+  /// Of a job.
+  struct Limits {
+    double time = 0.0;    // wall time [s]
+    double memory = 0.0;  // memory of its worker [bytes]; 0: four fifths of the memory that is available now
+  };
+  WorkerPool(std::size_t size, const Limits& limits, std::filesystem::path folder, Work work);
   /// Kills the workers.
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
@@ -60,9 +65,9 @@ class WorkerPool {
   Result<void> start(Worker& worker);
   [[noreturn]] void serve(int socket, const std::filesystem::path& folder) const;
   static std::string stop(Worker& worker, bool is_ending);
-  Answer end_of(Worker& worker, bool late);
+  Answer end_of(Worker& worker, std::optional<Answer::Limit> exceeded);
 
-  const std::chrono::duration<double> limit_;
+  const Limits limits_;
   const Work work_;
   std::vector<Worker> workers_;
 };

@@ -13,6 +13,8 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <limits>
 #include <memory>
 #include <sstream>
 #include <string_view>
@@ -137,6 +139,20 @@ bool can_fix_addresses() {
   if (before == -1) return false;
   const FixedAddresses fixed(true);
   return (::personality(0xffffffff) & ADDR_NO_RANDOMIZE) != 0;
+}
+
+double memory_of(pid_t process) {
+  std::ifstream facts(fmt::format("/proc/{}/statm", process));
+  double size = 0.0, resident = 0.0;  // [pages]
+  facts >> size >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+double default_memory_limit() {
+  std::ifstream facts("/proc/meminfo");
+  for (std::string word; facts >> word;)
+    if (double kilobytes = 0.0; word == "MemAvailable:" && facts >> kilobytes) return 0.8 * 1024.0 * kilobytes;
+  return std::numeric_limits<double>::infinity();
 }
 
 }  // namespace rehearse

@@ -31,6 +31,12 @@ std::vector<char*> pointers_to(const std::vector<std::string>& words);
 /// pointer. Returns only if that fails, and sets errno.
 void replace_process(const std::filesystem::path& program, char* const words[], const EnvironmentChanges& changes);
 
+/// Memory of a process [bytes]; 0 if it isn't known.
+double memory_of(pid_t process);
+
+/// Four fifths of the memory that is available now [bytes]; infinite if that isn't known.
+double default_memory_limit();
+
 /// A program to start. Its stdin is empty.
 struct ChildProcess {
   std::vector<std::string> words;        // the program's path, and its arguments

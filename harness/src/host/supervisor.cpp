@@ -20,13 +20,13 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <limits>
 #include <new>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include "child_process.h"
 #include "guarded_call.h"
 #include "interruption.h"
 #include "keeper/remote_writer.h"
@@ -101,22 +101,6 @@ std::string text_of(const char (&place)[size]) {
   return std::string(place, strnlen(place, size));
 }
 
-/// Available memory of the machine [bytes]; infinite if it isn't known.
-double available_memory() {
-  std::ifstream facts("/proc/meminfo");
-  for (std::string word; facts >> word;)
-    if (double kilobytes = 0.0; word == "MemAvailable:" && facts >> kilobytes) return kilobytes * 1024.0;
-  return std::numeric_limits<double>::infinity();
-}
-
-/// Memory of a process [bytes]; 0 if it isn't known.
-double memory_of(pid_t process) {
-  std::ifstream facts(fmt::format("/proc/{}/statm", process));
-  double size = 0.0, resident = 0.0;  // [pages]
-  facts >> size >> resident;
-  return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
-}
-
 /// True if a debugger traces the child.
 bool is_traced_by_other(pid_t child) {
   std::ifstream status(fmt::format("/proc/{}/status", child));
@@ -158,7 +142,7 @@ class Parent {
   NotedCall call_;  // the last whose seal was right
   bool hung_ = false;
   bool damaged_ = false;  // a controller has written into memory that this process reads
-  const double default_memory_limit_ = 0.8 * available_memory();  // [bytes]
+  const double default_memory_limit_ = default_memory_limit();  // [bytes]
   double memory_limit_ = 0.0;                                     // the limit that the child exceeded [bytes]
 };
 

@@ -3,6 +3,7 @@
 #include <pthread.h>
 
 #include <exception>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -71,7 +72,7 @@ class RemoteWriter final : public mcap::Writer {
           .publish_time = publish_time,
           .number = sequence.value_or(0)},
          data);
-    return status();
+    return pending_ ? Result<void>() : status(log_time);
   }
 
   Result<void> write_later(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, std::size_t held,
@@ -83,7 +84,7 @@ class RemoteWriter final : public mcap::Writer {
           .number = held,
           .compose = compose},
          raw);
-    return status();
+    return status(log_time);
   }
 
   Result<void> add_attachment(std::string_view name, std::string_view media_type, Bytes data, std::uint64_t log_time,
@@ -113,8 +114,17 @@ class RemoteWriter final : public mcap::Writer {
   Result<void> close() override { return ask(Kind::close); }
   int descriptor() const override { return -1; }
   bool is_changed_by_others() const override { return changed_by_others_; }
+  std::uint64_t deadline() const override { return deadline_; }
 
  private:
+  /// After a message: waits for the parent if the parent has to wait for the file, so that a kill of both processes
+  /// loses no more than a kill of one process that writes its recording itself.
+  Result<void> status(std::uint64_t log_time) {
+    constexpr std::uint64_t first_look = 100'000'000;  // [ns]
+    if (deadline_ == no_deadline) deadline_ = log_time + first_look;
+    return log_time >= deadline_ ? ask(Kind::status) : status();
+  }
+
   /// A failure of an earlier call: the parent has counted one that this process has not asked about.
   Result<void> status() {
     if (!to_parent || to_parent->failures() == seen_failures_) [[likely]]
@@ -147,6 +157,7 @@ class RemoteWriter final : public mcap::Writer {
     trace_call::Answer answer;
     if (!msg::decode(reader, answer)) return error("the supervisor's answer about the trace can't be read");
     changed_by_others_ = answer.changed_by_others;
+    deadline_ = answer.deadline;
     return result_of(std::move(answer));
   }
 
@@ -154,7 +165,9 @@ class RemoteWriter final : public mcap::Writer {
   const std::uint32_t trace_;
   std::uint32_t seen_failures_ = 0;
   bool changed_by_others_ = false;
-  bool pending_ = false;  // the present messages are
+  static constexpr std::uint64_t no_deadline = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t deadline_ = no_deadline;  // of the parent's Writer [ns]
+  bool pending_ = false;                  // the present messages are
   mcap::Definitions definitions_;
   CdrWriter cdr_;
 };

@@ -106,7 +106,8 @@ struct Answer {
   static constexpr std::string_view type_name = "Answer";
   std::vector<Finding> errors;
   bool changed_by_others = false;
-  REHEARSE_FIELDS(errors, changed_by_others)
+  std::uint64_t deadline = 0;  // mcap::Writer::deadline()
+  REHEARSE_FIELDS(errors, changed_by_others, deadline)
 };
 
 inline std::vector<StringPair> pairs_of(const mcap::StringMap& map) {

@@ -217,7 +217,10 @@ bool TraceKeeper::take(std::vector<std::byte>& message) {
   trace_call::Answer answer;
   for (const Diagnostic& one : !result ? result.errors() : kept->errors)
     answer.errors.push_back({one.file == kept->file ? kept->name : one.file, one.message, one.hint});
-  answer.changed_by_others = kept->writer && kept->writer->is_changed_by_others();
+  if (kept->writer) {
+    answer.changed_by_others = kept->writer->is_changed_by_others();
+    answer.deadline = kept->writer->deadline();
+  }
   from_child_.answer(encoded(answer));
   const bool ends = (is_new && !result) || head.kind == Kind::close;
   if (ends) traces_.erase(head.trace);

@@ -41,6 +41,7 @@ class FileWriter final : public Writer {
   Result<void> flush() override;
   Result<void> close() override;
   int descriptor() const override { return output_.descriptor(); }
+  std::uint64_t deadline() const override { return next_deadline_; }
   bool is_changed_by_others() const override { return output_.is_changed_by_others(); }
 
  private:

@@ -1,5 +1,5 @@
 // A controller that does what its options say, as "crash 12": what, and in which call of control(); without a number in
-// initialize(). Knows: refuse, throw, crash, abort, exit, close, overflow, print, hang, nan, chance, slow (each
+// initialize(). Knows: refuse, throw, crash, abort, exit, close, overflow, print, hang, leak, nan, chance, slow (each
 // call takes 0.2 s); say-and-DEED: writes a line in initialize() and does DEED; and what ends the process past the C
 // library, see past_the_library().
 #include <cmath>
@@ -53,6 +53,12 @@ long system_call(long number, long first = 0, long second = 0, long third = 0, l
 void null_write() {
   volatile int* volatile nowhere = nullptr;
   *nowhere = 1;
+}
+
+/// 50 MB in each hundredth of a second, up to 4 GB.
+void leak() {
+  constexpr std::size_t size = 50'000'000;
+  for (int i = 0; i < 80; ++i, usleep(10000)) std::memset(std::malloc(size), 1, size);
 }
 
 void set_timer_and_wait() {
@@ -172,6 +178,7 @@ class Misbehaving : public cnoid::SimpleController {
     if (deed_ == "overflow") overflow_stack();
     if (deed_ == "print") std::printf("%s\n", std::string(10000, 'x').c_str());
     if (deed_ == "hang") spin();
+    if (deed_ == "leak") leak();
     past_the_library(deed_);
   }
 
