@@ -52,19 +52,21 @@ struct NotedCall {
   char function[64] = {};
 };
 
-std::uint64_t seal_of(const NotedCall& call) { return hash_bytes(&call, sizeof call, 1); }
+/// A call and its hash: a controller may write into the memory that parent and child share.
+struct SealedCall {
+  NotedCall call;
+  std::uint64_t seal = 0;
 
-/// Memory that parent and child share. The child writes, and may be killed at any time. A controller may write into it,
-/// too: so the call has a seal.
+  std::uint64_t right_seal() const { return hash_bytes(&call, sizeof call, 1); }
+};
+
+/// Memory that parent and child share. The child writes, and may be killed at any time.
 struct Notes {
-  std::atomic<std::uint64_t> calls{0};  // number of begins and ends; odd: a call is running
-  NotedCall call;                       // the last one
-  std::uint64_t seal = 0;               // of `call`
+  std::atomic<std::uint64_t> calls{0};   // number of begins and ends; odd: a call is running
+  std::array<SealedCall, 2> last_calls;  // written in turns: a kill leaves one of them whole
+  std::atomic<std::uint32_t> latest{0};  // index of the last call
   std::atomic<bool> announced{false};
-  int status = 0;  // the announced exit status
-  std::int64_t tick = 0;
-  double time = 0.0;                      // [s] of simulation
-  double limit = 0.0;                     // [s]
+  int status = 0;                         // the announced exit status
   std::atomic<double> memory_limit{0.0};  // [bytes]; 0: not stated
   int tasks_left = 0;
   char task[512] = {};
@@ -143,7 +145,7 @@ class Parent {
   bool hung_ = false;
   bool damaged_ = false;  // a controller has written into memory that this process reads
   const double default_memory_limit_ = default_memory_limit();  // [bytes]
-  double memory_limit_ = 0.0;                                     // the limit that the child exceeded [bytes]
+  double memory_limit_ = 0.0;                                   // the limit that the child exceeded [bytes]
 };
 
 void Parent::run() {
@@ -209,12 +211,16 @@ void Parent::stop_with_child() {
 /// The group, because a controller may have forked.
 void Parent::kill_child() { kill(-child_, SIGKILL); }
 
-/// False if the seal is wrong: the child is just writing, or a controller has written there.
+/// False if a controller has written over the notes.
 bool Parent::look_at_call() {
-  const NotedCall call = notes->call;
-  if (notes->seal != seal_of(call)) return false;
-  call_ = call;
-  return true;
+  const std::uint32_t latest = notes->latest;
+  for (const std::uint32_t index : {latest, latest + 1}) {
+    const SealedCall noted = notes->last_calls[index % notes->last_calls.size()];
+    if (noted.seal != noted.right_seal()) continue;
+    call_ = noted.call;
+    return true;
+  }
+  return false;
 }
 
 /// Kills a child with a hanging call. The child ends such a call itself, unless its controller disabled the signal for
@@ -357,13 +363,16 @@ void note_task(const char* name, int left) {
 
 void note_call_begin(const char* controller, const char* function, std::int64_t tick, double time, double limit) {
   if (!notes) return;
-  NotedCall& call = notes->call;
+  const std::uint32_t next = (notes->latest + 1) % notes->last_calls.size();
+  SealedCall& noted = notes->last_calls[next];
+  NotedCall& call = noted.call;
   put(call.controller, controller);
   put(call.function, function);
   call.tick = tick;
   call.time = time;
   call.limit = limit;
-  notes->seal = seal_of(call);
+  noted.seal = noted.right_seal();
+  notes->latest = next;
   notes->calls.fetch_add(1, std::memory_order_release);
 }
 
