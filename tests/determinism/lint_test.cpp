@@ -93,6 +93,8 @@ const Exception allowed[] = {
     {"harness/src/host/pin.cpp", "environment", "how a process is pinned"},
     {"harness/src/host/supervisor.cpp", "clock",
      "the parent process: decides when a child is killed, never what is in a run"},
+    {"harness/src/host/supervisor.cpp", "environment", "whether there is a parent; the recording is the same"},
+    {"harness/src/keeper/trace_keeper.h", "thread", "in the parent: writes the calls that it receives, in their order"},
     {"harness/src/host/supervisor.cpp", "identity", "the child asks whether its parent is still there"},
     {"harness/src/host/process_tripwires.cpp", "identity",
      "a controller's child asks whether its parent is still there"},

@@ -16,8 +16,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double time_step = 0.001;           // [s]
-constexpr std::int64_t most_lost = 1000 + 1;  // ticks: a second of simulation, and the tick that was under way
+constexpr double time_step = 0.001;          // [s]
+constexpr std::int64_t a_second = 1000 + 1;  // ticks: a second of simulation, and the tick that was under way
 
 int kills() {
   const char* text = std::getenv("REHEARSE_KILLS");
@@ -52,13 +52,21 @@ class Kill : public ::testing::Test {
     return file;
   }
 
-  /// Runs the command and kills it after a while; true if it had ended before.
-  bool run_and_kill(const std::vector<std::string>& words, std::chrono::microseconds after) {
+  /// The processes of a command: one writes the recording, its child runs the controllers.
+  enum class Victim { parent, child, both };
+
+  /// Runs the command and kills a process of it after a while; true if it had ended before.
+  bool run_and_kill(const std::vector<std::string>& words, std::chrono::microseconds after,
+                    Victim victim = Victim::parent) {
     counter_.reset();
-    const pid_t child = start(words, folder() / "log", [] { setenv("CI", "true", 1); });
+    const pid_t parent = start(words, folder() / "log", [] { setenv("CI", "true", 1); });
     std::this_thread::sleep_for(after);
-    kill(child, SIGKILL);
-    return wait_for(child) >= 0;
+    pid_t child = 0;
+    std::ifstream("/proc/" + std::to_string(parent) + "/task/" + std::to_string(parent) + "/children") >> child;
+    if (victim != Victim::parent && child > 0) kill(child, SIGKILL);
+    if (victim != Victim::child || child == 0) kill(parent, SIGKILL);
+    const int status = wait_for(parent);
+    return victim == Victim::child ? status == 0 : status >= 0;
   }
 
   /// The duration of the command without a kill.
@@ -70,7 +78,7 @@ class Kill : public ::testing::Test {
     return std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - begin);
   }
 
-  void examine(const fs::path& trace, bool finished, Figures& figures) const {
+  void examine(const fs::path& trace, bool finished, std::int64_t most_lost, Figures& figures) const {
     ++figures.kills;
     figures.finished += finished ? 1 : 0;
     const std::int64_t reached = counter_.calls();  // calls, so ticks 0 to reached - 1
@@ -91,6 +99,9 @@ class Kill : public ::testing::Test {
         static_cast<double>(figures.lost_at_most) * time_step);
   }
 
+  /// Kills recordings of several speeds.
+  Figures kill_recordings(Victim victim, std::int64_t most_lost);
+
   Scratch scratch_;
   CallCounter counter_;
   std::mt19937 random_{20261120};
@@ -102,7 +113,7 @@ std::chrono::microseconds moment(std::mt19937& random, std::chrono::microseconds
   return std::chrono::microseconds(distribution(random));
 }
 
-TEST_F(Kill, OfARecordingLosesAtMostASecondOfSimulation) {
+Figures Kill::kill_recordings(Victim victim, std::int64_t most_lost) {
   Figures figures;
   for (const int computing : {0, 50, 1000}) {  // far faster than time, some 15 times as fast, about as fast
     const double duration = computing == 1000 ? 1.2 : computing == 50 ? 4.0 : 8.0;  // [s] simulated
@@ -112,12 +123,18 @@ TEST_F(Kill, OfARecordingLosesAtMostASecondOfSimulation) {
     const auto whole = whole_run(words);
     for (int i = 0; i < (kills() + 2) / 3 && !HasFailure(); ++i) {
       fs::remove(trace);
-      const bool finished = run_and_kill(words, moment(random_, whole));
-      examine(trace, finished, figures);
+      const bool finished = run_and_kill(words, moment(random_, whole), victim);
+      examine(trace, finished, most_lost, figures);
     }
   }
-  tell("record", figures);
+  return figures;
 }
+
+TEST_F(Kill, OfARecordingLosesAtMostASecondOfSimulation) { tell("record", kill_recordings(Victim::parent, a_second)); }
+
+TEST_F(Kill, OfBothProcessesLosesNoMore) { tell("record, both", kill_recordings(Victim::both, a_second)); }
+
+TEST_F(Kill, OfTheProcessWithTheControllersLosesNoTick) { tell("record, child", kill_recordings(Victim::child, 0)); }
 
 /// A check that differs from its golden records a run that is to wait, and may not touch the golden.
 TEST_F(Kill, OfACheckNeverTouchesTheGolden) {
