@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "contact_recorder.h"
 #include "device_recorder.h"
@@ -104,6 +105,7 @@ struct Recorder::Impl : TraceOutput {
   std::uint16_t joystick_channel = 0;   // 0: none
   std::set<int> measured_bodies;        // bodies whose joint readings differ from the truth
   std::int64_t transform_interval = 1;  // [ticks]
+  bool inputs_are_written = false;      // of the present tick
   msg::Tick tick_message;
   msg::TFMessage transforms;
   msg::Joy joystick_message;
@@ -344,11 +346,13 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
   Impl& impl = *impl_;
   msg::Tick& message = impl.tick_message;
   message.controller_results.clear();
+  const bool inputs_are_written = std::exchange(impl.inputs_are_written, false);
   for (std::size_t c = 0; host && c < impl.controllers.size(); ++c) {
     const HostedController& hosted = host->controllers()[c];
     message.controller_results.push_back(hosted.tick.result);
     ControllerChannels& channels = impl.controllers[c];
-    if (auto done = impl.write_inputs(tick, hosted, channels); !done) return done;
+    if (!inputs_are_written)
+      if (auto done = impl.write_inputs(tick, hosted, channels); !done) return done;
     if (hosted.tick.has_output)
       if (auto done = channels.output.write(impl, tick, hosted.io->output_values()); !done) return done;
     if (auto done = impl.write_delay(tick, hosted, channels); !done) return done;
@@ -372,12 +376,16 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
   return impl.close_tick(tick, hashes);
 }
 
-Result<void> Recorder::record_pending(std::int64_t tick, const ControllerHost& host, const TickHashes& hashes) {
+Result<void> Recorder::record_inputs(std::int64_t tick, const ControllerHost& host, const TickHashes& hashes) {
   Impl& impl = *impl_;
   if (!writes_pending(*impl.writer)) return {};
+  // The outputs of a controller come between its inputs and those of the next: of several the inputs are pending.
+  impl.inputs_are_written = impl.controllers.size() == 1;
+  if (impl.inputs_are_written)
+    if (auto done = impl.write_inputs(tick, host.controllers()[0], impl.controllers[0]); !done) return done;
   const PendingMessages pending(*impl.writer);
   const RecordingSize size = impl.size;
-  for (std::size_t c = 0; c < impl.controllers.size(); ++c)
+  for (std::size_t c = 0; !impl.inputs_are_written && c < impl.controllers.size(); ++c)
     if (auto done = impl.write_inputs(tick, host.controllers()[c], impl.controllers[c]); !done) return done;
   impl.tick_message.controller_results.assign(impl.controllers.size(), false);
   auto done = impl.close_tick(tick, hashes);

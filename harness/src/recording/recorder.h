@@ -73,9 +73,9 @@ class Recorder {
   /// Records the inputs and outputs of the controllers in the tick, and closes it. `host` null: the state after the
   /// last tick.
   Result<void> record_tick(std::int64_t tick, const ControllerHost* host, const TickHashes& hashes);
-  /// Keeps the inputs of the controllers, and the end of the tick, for the case that the process ends before
-  /// record_tick(): the supervisor then records them. Without a supervisor it has no effect.
-  Result<void> record_pending(std::int64_t tick, const ControllerHost& host, const TickHashes& hashes);
+  /// Records the inputs of the controllers before they are called, and the end of the tick for the case that the process
+  /// ends before record_tick(): the supervisor then closes the tick. Without a supervisor it has no effect.
+  Result<void> record_inputs(std::int64_t tick, const ControllerHost& host, const TickHashes& hashes);
 
   // Copies parts of a different recording, for a run that begins with it.
 

@@ -10,7 +10,7 @@ Result<void> RecordingSink::begin_tick(const Moment& now) {
   if (auto done = recorder_.record_state(now.tick, *now.seen, *now.read); !done) return done;
   if (auto done = record_contacts(now); !done || !now.host) return done;
   input_hash_ = now.host->input_hash(*now.read);
-  return recorder_.record_pending(now.tick, *now.host, {now.state_hash, *input_hash_, 0});
+  return recorder_.record_inputs(now.tick, *now.host, {now.state_hash, *input_hash_, 0});
 }
 
 Result<void> RecordingSink::record_contacts(const Moment& now) {
