@@ -13,6 +13,22 @@ using ::testing::HasSubstr;
 
 constexpr double call_limit = 1.0;  // [s]
 
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define REHEARSE_ADDRESS_SANITIZER
+#endif
+#endif
+/// The words about damage that a sanitizer reports in its own words, before it ends the process.
+#if defined(REHEARSE_ADDRESS_SANITIZER) || defined(__SANITIZE_ADDRESS__)
+constexpr const char* damaged = "ended the process with exit status 1";
+constexpr const char* no_memory = damaged;
+constexpr const char* thread_damaged = damaged;
+#else
+constexpr const char* damaged = "crashed: ";
+constexpr const char* no_memory = "std::bad_alloc";
+constexpr const char* thread_damaged = "started a thread that crashed";
+#endif
+
 /// How a run may end.
 enum class End {
   failed,   // status 3, with the tick
@@ -74,12 +90,10 @@ class Guests : public Command, public ::testing::WithParamInterface<Deed> {
 INSTANTIATE_TEST_SUITE_P(
     Of, Guests,
     ::testing::Values(
-        Deed{"nothing", End::harmless}, Deed{"overrun_8", End::either},
-        Deed{"overrun_2000", End::failed, "crashed: the C library found damaged memory"},
-        Deed{"overrun_large", End::failed, "crashed"},
-        Deed{"double_free", End::failed, "crashed: the C library found damaged memory"},
-        Deed{"free_of_stack", End::failed, "crashed: the C library found damaged memory"},
-        Deed{"use_after_free", End::either}, Deed{"wild_write", End::failed, "crashed: segmentation fault"},
+        Deed{"nothing", End::harmless}, Deed{"overrun_8", End::either}, Deed{"overrun_2000", End::failed, damaged},
+        Deed{"overrun_large", End::failed, damaged}, Deed{"double_free", End::failed, damaged},
+        Deed{"free_of_stack", End::failed, damaged}, Deed{"use_after_free", End::either},
+        Deed{"wild_write", End::failed, "crashed: segmentation fault"},
         Deed{"null", End::failed, "crashed: segmentation fault"},
         Deed{"null_to_strlen", End::failed, "crashed: segmentation fault"}, Deed{"million_allocations", End::harmless},
         Deed{"all_memory", End::failed, "took more than 500 MB of memory"}, Deed{"unmap_stack_end", End::failed},
@@ -97,7 +111,7 @@ INSTANTIATE_TEST_SUITE_P(
         Deed{"stop", End::failed, "did not return within 1 s"},
         Deed{"stop_group", End::failed, "did not return within 1 s"}, Deed{"traced", End::either},
         Deed{"traced_and_stopped", End::failed, "did not return within 1 s"}, Deed{"strict_seccomp", End::failed},
-        Deed{"no_memory_limit", End::failed, "std::bad_alloc"}, Deed{"no_descriptors", End::harmless},
+        Deed{"no_memory_limit", End::failed, no_memory}, Deed{"no_descriptors", End::harmless},
         Deed{"no_file_size", End::harmless}, Deed{"fork_many", End::harmless}, Deed{"fork_and_return", End::harmless},
         Deed{"spin", End::failed, "did not return within 1 s"}, Deed{"sleep", End::failed, "did not return within 1 s"},
         Deed{"deadlock", End::failed, "did not return within 1 s"},
@@ -109,7 +123,7 @@ INSTANTIATE_TEST_SUITE_P(
         Deed{"timer", End::failed, "was ended by SIGALRM"}, Deed{"spin_at_unload", End::harmless},
         Deed{"spin_in_destructor", End::at_stop, "did not return within 1 s"}, Deed{"threads", End::harmless},
         Deed{"thread_crash", End::failed, "started a thread that crashed"},
-        Deed{"thread_overrun", End::failed, "started a thread that crashed"},
+        Deed{"thread_overrun", End::failed, thread_damaged},
         Deed{"thread_throw", End::failed, "started a thread that threw"}, Deed{"close_all", End::harmless},
         Deed{"dup_over_everything", End::harmless}, Deed{"unlink_trace", End::trace_changed, "has deleted the trace"},
         Deed{"cut_trace", End::trace_changed, "the trace while it was written"},
@@ -140,6 +154,21 @@ TEST_P(Guests, EndTheRunSoonWithItsRecordingWhole) {
       EXPECT_THAT(outcome.err, HasSubstr(GetParam().words));
       EXPECT_EQ(outcome.out, "");
   }
+}
+
+class AuditedGuests : public Command, public ::testing::WithParamInterface<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Of, AuditedGuests,
+                         ::testing::Values("overrun_2000", "overrun_large", "double_free", "free_of_stack", "deadlock",
+                                           "allocate_forever"),
+                         [](const auto& deed) { return std::string(deed.param); });
+
+TEST_P(AuditedGuests, AreNamedWithTheirTick) {
+  const auto begin = std::chrono::steady_clock::now();
+  const Outcome outcome = rehearse({"audit", pendulum(GUEST, GetParam()).string(), "--call-limit", "1"});
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("failed: controller 'Pendulum/Swing' "));
+  EXPECT_THAT(outcome.out, HasSubstr(" in control() at tick 12"));
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <random>
 
 #include "compare/place_json.h"
+#include "host/guarded_call.h"
 #include "host/interposer.h"
 #include "outputs_file.h"
 
@@ -108,6 +109,7 @@ Json pass(const AuditedReplay& work, OutputsWriter& outputs) {
 }  // namespace
 
 Result<void> make_audited_replay(const AuditedReplay& work) {
+  end_process_at_library_crashes();
   if (work.padding != 0) pad_memory(work.padding);
   const fs::path folder = fs::absolute(work.folder);  // a controller may change the working folder
   AuditedReplay here = work;

@@ -65,9 +65,10 @@ std::string memory_tunables(const ReplaySettings& settings) {
 }
 
 std::string sentence_of_death(int status, const std::optional<UnfinishedCall>& call) {
-  const std::string how = WIFEXITED(status)
-                              ? fmt::format("ended the process, with exit status {},", WEXITSTATUS(status))
-                              : fmt::format("ended the process by a signal ({})", strsignal(WTERMSIG(status)));
+  const int exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  const std::string how = exit_status <= 128
+                              ? fmt::format("ended the process, with exit status {},", exit_status)
+                              : fmt::format("ended the process by a signal ({})", strsignal(exit_status - 128));
   if (call)
     return fmt::format("controller '{}' {} in {}() at tick {}", call->controller, how, call->function, call->tick);
   return fmt::format("something that a controller left behind, as a thread or a handler, {}", how);

@@ -65,7 +65,8 @@ struct ThreadFailure {
   char deed[512] = {};
 } thread_failure;
 
-volatile sig_atomic_t ending = 0;  // true: the process is in exit()
+volatile sig_atomic_t dies_in_library = 0;  // see end_process_at_library_crashes()
+volatile sig_atomic_t ending = 0;           // true: the process is in exit()
 int end_status = 0;
 
 /// The lowest addresses of this thread's stack and of its signal stack; null: not known.
@@ -180,6 +181,7 @@ extern "C" void leave_guarded_code(int signal_number, siginfo_t* fault, void* in
     if (in_guarded_call() && thread_failure.state == 2) fail_process_by_thread(thread_failure.deed);
     if (in_guarded_call()) fail_process(signal_number == hang_signal ? nullptr : describe_signal(reason));
     if (own_threads && signal_number != hang_signal) fail_process_by_thread(describe_signal(reason));
+    if (in_guarded_call() && dies_in_library && signal_number != hang_signal) leave_process(128 + signal_number);
   }
   if (in_guarded_call()) {
     guarding = 0;
@@ -323,6 +325,8 @@ void run_catching(const std::function<void()>& code, CallOutcome& outcome) {
 void prepare_guarded_calls() { install_handlers(); }
 
 void watch_calls_after_fork() { Watchdog::forget(); }
+
+void end_process_at_library_crashes() { dies_in_library = 1; }
 
 void guard_process_end() { on_exit(guard_rest, nullptr); }
 

@@ -44,6 +44,11 @@ void watch_calls_after_fork();
 /// static destructors, which exit() runs then, may crash, hang or call exit themselves; the exit status is preserved.
 void guard_process_end();
 
+/// From now on a crash inside of the C library ends this process in the call, with exit status 128 + the signal. For a process whose parent
+/// notices that and knows the call: without a supervisor such a call ends as others do, and the next allocation may
+/// wait for ever.
+void end_process_at_library_crashes();
+
 /// Returns unless the process is in the part of exit() that guard_process_end() guards.
 void end_if_ending();
 

@@ -60,18 +60,22 @@ struct SealedCall {
   std::uint64_t right_seal() const { return hash_bytes(&call, sizeof call, 1); }
 };
 
-/// Memory that parent and child share. The child writes, and may be killed at any time.
+/// A number that a stray write hardly gives.
+constexpr std::uint64_t regular_end = 0x72656775'6c617221;
+
+/// Memory that parent and child share. The child writes, and may be killed at any time. A controller may write there,
+/// so it has no types whose bytes may be invalid.
 struct Notes {
-  std::atomic<std::uint64_t> calls{0};   // number of begins and ends; odd: a call is running
-  std::array<SealedCall, 2> last_calls;  // written in turns: a kill leaves one of them whole
-  std::atomic<std::uint32_t> latest{0};  // index of the last call
-  std::atomic<bool> announced{false};
-  int status = 0;                         // the announced exit status
-  std::atomic<double> memory_limit{0.0};  // [bytes]; 0: not stated
+  std::atomic<std::uint64_t> calls{0};      // number of begins and ends; odd: a call is running
+  std::array<SealedCall, 2> last_calls;     // written in turns: a kill leaves one of them whole
+  std::atomic<std::uint32_t> latest{0};     // index of the last call
+  std::atomic<std::uint64_t> announced{0};  // regular_end: the end was announced
+  int status = 0;                           // the announced exit status
+  std::atomic<double> memory_limit{0.0};    // [bytes]; 0: not stated
   int tasks_left = 0;
   char task[512] = {};
-  char deed[256] = {};            // after the controller's name: how its call failed
-  std::atomic<bool> hung{false};  // the call exceeded its limit
+  char deed[256] = {};                 // after the controller's name: how its call failed
+  std::atomic<std::uint32_t> hung{0};  // 1: the call exceeded its limit
 };
 
 Notes* notes = nullptr;  // null: this process has no supervisor
@@ -172,7 +176,7 @@ void Parent::run() {
     static_cast<void>(close_traces());
     mirror();
   }
-  const bool announced = notes->announced && !damaged_;
+  const bool announced = notes->announced == regular_end && !damaged_;
   if (announced && WIFEXITED(ended_)) leave(WEXITSTATUS(ended_) != 0 ? WEXITSTATUS(ended_) : notes->status);
   if (announced) leave(notes->status != 0 ? notes->status : controller_failed);
   if (!damaged_ && (notes->calls == 0 || was_interrupted())) mirror();
@@ -291,7 +295,7 @@ std::string Parent::sentence() const {
   if (damaged_)
     return "a controller wrote over memory that it shares with its supervisor" +
            (controller.empty() ? "" : fmt::format("; the last known call: controller '{}' {}", controller, where));
-  if (hung_ || notes->hung)
+  if (hung_ || notes->hung == 1)
     return fmt::format("controller '{}' did not return within {} s {}", controller, call_.limit, where);
   if (memory_limit_ > 0.0) {
     const bool in_call = notes->calls % 2 == 1;
@@ -403,7 +407,7 @@ bool restore_streams() {
 void fail_process(const char* deed) {
   if (!notes) return;
   if (deed) put(notes->deed, deed);
-  notes->hung = !deed;
+  notes->hung = deed ? 0 : 1;
   kill(getpid(), SIGKILL);
 }
 
@@ -419,7 +423,7 @@ void fail_process_by_thread(const char* deed) {
 void announce_end(int status) {
   if (!notes || notes->calls % 2 == 1 || in_controllers_code()) return;
   notes->status = status;
-  notes->announced = true;
+  notes->announced = regular_end;
 }
 
 }  // namespace rehearse

@@ -66,7 +66,7 @@ class RemoteWriter final : public mcap::Writer {
   Result<void> write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, Bytes data,
                      std::optional<std::uint32_t> sequence) override {
     send({.kind = pending_ ? Kind::write_pending : Kind::write,
-          .numbered = sequence.has_value(),
+          .numbered = static_cast<std::uint8_t>(sequence ? 1 : 0),
           .channel = channel,
           .log_time = log_time,
           .publish_time = publish_time,

@@ -41,7 +41,7 @@ inline mcap::WriterOptions form_of_recordings() {
 /// The beginning of each message. The numbers of write() and write_later() are in it, because these are in every tick.
 struct Head {
   Kind kind{};
-  bool numbered = false;  // `number` is the sequence of the message
+  std::uint8_t numbered = 0;  // 1: `number` is the sequence of the message
   std::uint16_t channel = 0;
   std::uint32_t trace = 0;  // number of the Writer
   std::uint64_t log_time = 0, publish_time = 0;

@@ -115,7 +115,7 @@ bool TraceKeeper::Kept::call(const Head& head, Bytes rest, Result<void>& result)
     case Kind::add_channel: return add_channel(rest);
     case Kind::write: {
       if (!count(head)) return false;
-      const auto sequence = head.numbered ? std::optional(static_cast<std::uint32_t>(head.number)) : std::nullopt;
+      const auto sequence = head.numbered == 1 ? std::optional(static_cast<std::uint32_t>(head.number)) : std::nullopt;
       result = writer->write(head.channel, head.log_time, head.publish_time, rest, sequence);
       return true;
     }

@@ -58,7 +58,10 @@ void null_write() {
 /// 50 MB in each hundredth of a second, up to 4 GB.
 void leak() {
   constexpr std::size_t size = 50'000'000;
-  for (int i = 0; i < 80; ++i, usleep(10000)) std::memset(std::malloc(size), 1, size);
+  for (int i = 0; i < 80; ++i, usleep(10000)) {
+    void* volatile block = std::malloc(size);
+    std::memset(block, 1, size);
+  }
 }
 
 void set_timer_and_wait() {
