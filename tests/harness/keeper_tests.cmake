@@ -1,0 +1,5 @@
+rehearse_add_test(keeper_test LABEL unit SHARDS 1
+  SOURCES
+    keeper/ring_test.cpp
+    keeper/trace_keeper_test.cpp
+  LIBRARIES Rehearse::harness)
