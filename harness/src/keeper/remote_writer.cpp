@@ -111,7 +111,13 @@ class RemoteWriter final : public mcap::Writer {
   }
 
   Result<void> flush() override { return ask(Kind::flush); }
-  Result<void> close() override { return ask(Kind::close); }
+  Result<void> close() override {
+    if (!closed_) {
+      Result<void> result = ask(Kind::close);
+      closed_ = std::move(result);
+    }
+    return *closed_;
+  }
   int descriptor() const override { return -1; }
   bool is_changed_by_others() const override { return changed_by_others_; }
   std::uint64_t deadline() const override { return deadline_; }
@@ -134,6 +140,8 @@ class RemoteWriter final : public mcap::Writer {
   }
 
   void send(Head head, Bytes rest = {}) {
+    REHEARSE_ASSERT(!closed_ || head.kind == Kind::drop || head.kind == Kind::abandon,
+                    "nothing is written to a closed trace");
     const std::scoped_lock lock(mutex_);
     head.trace = trace_;
     if (to_parent) to_parent->send({bytes_of(head), rest});
@@ -165,6 +173,7 @@ class RemoteWriter final : public mcap::Writer {
   const std::uint32_t trace_;
   std::uint32_t seen_failures_ = 0;
   bool changed_by_others_ = false;
+  std::optional<Result<void>> closed_;  // result of the first close()
   static constexpr std::uint64_t no_deadline = std::numeric_limits<std::uint64_t>::max();
   std::uint64_t deadline_ = no_deadline;  // of the parent's Writer [ns]
   bool pending_ = false;                  // the present messages are

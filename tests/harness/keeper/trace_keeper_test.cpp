@@ -54,6 +54,7 @@ void write_everything(mcap::Writer& writer) {
   }
   EXPECT_TRUE(writer.write(numbers, 4'000'000'000, 0, Buffer(8), 77));
   EXPECT_TRUE(writer.close());
+  EXPECT_TRUE(writer.close()) << "the result of the first";
 }
 
 TEST_F(Kept, HasTheBytesOfARecordingThatTheProcessWritesItself) {
