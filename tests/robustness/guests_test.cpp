@@ -4,6 +4,9 @@
 
 #include <gmock/gmock.h>
 
+#include <pty.h>
+#include <unistd.h>
+
 #include <chrono>
 
 namespace rehearse::test {
@@ -153,6 +156,23 @@ TEST_P(Guests, EndTheRunSoonWithItsRecordingWhole) {
       EXPECT_THAT(outcome.err, HasSubstr(GetParam().words));
       EXPECT_EQ(outcome.out, "");
   }
+}
+
+/// Its process isn't in the foreground of the terminal until it reads from there.
+TEST_F(Command, AGuestReadsFromTheTerminal) {
+  const fs::path scenario = pendulum(GUEST, "read_terminal");
+  int terminal = -1;
+  const pid_t program = forkpty(&terminal, nullptr, nullptr, nullptr);
+  if (program == 0) {
+    if (chdir(folder().c_str()) == 0)
+      execl(command.c_str(), command.c_str(), "record", scenario.c_str(), "-o", "t.mcap", nullptr);
+    _exit(127);
+  }
+  ASSERT_EQ(::write(terminal, "go\n", 3), 3);
+  int status = 0;
+  ASSERT_EQ(waitpid(program, &status, 0), program);
+  close(terminal);
+  EXPECT_EQ(WIFEXITED(status) ? WEXITSTATUS(status) : -1, 0);
 }
 
 class AuditedGuests : public Command, public ::testing::WithParamInterface<const char*> {};

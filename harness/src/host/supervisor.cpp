@@ -126,6 +126,7 @@ class Parent {
 
  private:
   bool has_ended();
+  void give_terminal();
   void pass_on(const siginfo_t& signal);
   void stop_with_child();
   bool look_at_call();
@@ -145,7 +146,8 @@ class Parent {
   sigset_t received_{};  // signals from outside
   std::uint64_t calls_ = 0;
   std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now(), looked_ = since_;
-  NotedCall call_;  // the last whose seal was right
+  NotedCall call_;              // the last whose seal was right
+  bool gave_terminal_ = false;  // the terminal signals the child, not this process
   bool hung_ = false;
   bool damaged_ = false;  // a controller has written into memory that this process reads
   const double default_memory_limit_ = default_memory_limit();  // [bytes]
@@ -191,10 +193,19 @@ void Parent::run() {
 
 bool Parent::has_ended() {
   pid_t ended = 0;
-  do ended = waitpid(child_, &ended_, WNOHANG);
+  do ended = waitpid(child_, &ended_, WNOHANG | WUNTRACED);
   while (ended < 0 && errno == EINTR);
-  if (ended == child_ && WIFSTOPPED(ended_)) return false;  // it made this process its tracer
-  return ended == child_ || ended < 0;
+  if (ended != child_ || !WIFSTOPPED(ended_)) return ended == child_ || ended < 0;
+  if (WSTOPSIG(ended_) == SIGTTIN || WSTOPSIG(ended_) == SIGTTOU) give_terminal();
+  if (WSTOPSIG(ended_) == SIGTSTP && gave_terminal_) stop_with_child();
+  return false;
+}
+
+/// The child reads from the terminal, or changes its settings: then it needs the place of this process there.
+void Parent::give_terminal() {
+  if (tcgetpgrp(STDIN_FILENO) != getpgrp()) return stop_with_child();  // a job in the background waits
+  gave_terminal_ = tcsetpgrp(STDIN_FILENO, child_) == 0;
+  kill(-child_, SIGCONT);
 }
 
 /// The child is in a process group of its own, so that a controller's signal to its group doesn't reach this process.
@@ -256,7 +267,7 @@ bool Parent::was_interrupted() const {
   if (!WIFSIGNALED(ended_)) return false;
   const int number = WTERMSIG(ended_);
   return (number == SIGINT || number == SIGTERM || number == SIGHUP || number == SIGQUIT) &&
-         sigismember(&received_, number) == 1;
+         (gave_terminal_ || sigismember(&received_, number) == 1);
 }
 
 /// True if nobody reads the output of the child any more. Otherwise a controller or its thread wrote to a pipe of its
