@@ -266,8 +266,9 @@ void Parent::look_at_memory() {
 bool Parent::was_interrupted() const {
   if (!WIFSIGNALED(ended_)) return false;
   const int number = WTERMSIG(ended_);
-  return (number == SIGINT || number == SIGTERM || number == SIGHUP || number == SIGQUIT) &&
-         (gave_terminal_ || sigismember(&received_, number) == 1);
+  const bool of_terminal = number == SIGINT || number == SIGQUIT;
+  return (of_terminal || number == SIGTERM || number == SIGHUP) &&
+         ((of_terminal && gave_terminal_) || sigismember(&received_, number) == 1);
 }
 
 /// True if nobody reads the output of the child any more. Otherwise a controller or its thread wrote to a pipe of its
