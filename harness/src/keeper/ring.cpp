@@ -157,6 +157,8 @@ void RingReader::wait(std::chrono::milliseconds longest) {
   if (ring_.written.load(std::memory_order_acquire) == position_) wait_on(ring_.to_reader, seen, longest);
 }
 
+void RingReader::end_wait() { wake(ring_.to_reader); }
+
 void RingReader::answer(Bytes text) {
   const std::size_t size = std::min(text.size(), Ring::longest_answer);
   std::memcpy(ring_.answer, text.data(), size);

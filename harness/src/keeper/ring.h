@@ -71,6 +71,8 @@ class RingReader {
   Got receive(std::vector<std::byte>& message);
   /// Waits until there may be a message, at most that long.
   void wait(std::chrono::milliseconds longest);
+  /// Ends a wait() of another thread.
+  void end_wait();
   /// Answers the message that was received last.
   void answer(Bytes text);
   void note_failure() { ring_.failures.fetch_add(1, std::memory_order_release); }

@@ -163,6 +163,7 @@ void TraceKeeper::drop_traces() { traces_.clear(); }
 
 void TraceKeeper::finish() {
   child_ended_ = true;
+  from_child_.end_wait();
   if (thread_.joinable()) thread_.join();
 }
 
