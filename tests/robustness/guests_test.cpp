@@ -125,6 +125,7 @@ INSTANTIATE_TEST_SUITE_P(
         Deed{"own_handlers", End::failed, hung}, Deed{"timer", End::failed, "was ended by SIGALRM"},
         Deed{"spin_at_unload", End::harmless}, Deed{"spin_in_destructor", End::at_stop, hung},
         Deed{"threads", End::harmless}, Deed{"thread_crash", End::failed, "started a thread that crashed"},
+        Deed{"thread_abort", End::failed, "started a thread that crashed: it called abort"},
         Deed{"thread_overrun", End::failed, thread_damaged},
         Deed{"thread_throw", End::failed, "started a thread that threw"}, Deed{"close_all", End::harmless},
         Deed{"dup_over_everything", End::harmless}, Deed{"unlink_trace", End::trace_changed, "has deleted the trace"},

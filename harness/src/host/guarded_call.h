@@ -57,8 +57,8 @@ bool in_guarded_call();
 
 /// Ends the present guarded call, as if the code had ended the process by `function`. `deed`: "called exit(0)".
 [[noreturn]] void leave_guarded_call(const char* deed);
-/// Ends the present guarded call, as if the code had raised SIGABRT.
-[[noreturn]] void abort_guarded_call();
+/// Ends the present guarded call, or the present thread of a controller, as if the code had raised SIGABRT.
+[[noreturn]] void abort_controllers_code();
 
 /// Reports the failure of a controller's own thread. The present guarded call ends with it, or else the next one. The
 /// thread is suspended for good, because it can't be left as a call can. `deed`: "threw std::runtime_error: ...".

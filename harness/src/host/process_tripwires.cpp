@@ -222,7 +222,7 @@ REHEARSE_EXIT(quick_exit, (int status) noexcept)
 /// The C library's own aborts, as after damage of the heap, don't come here: only calls by other code, which holds none
 /// of its locks.
 void abort() noexcept {
-  if (rehearse::in_guarded_call()) rehearse::abort_guarded_call();
+  if (rehearse::in_controllers_code() && !rehearse::is_forked_by_guest()) rehearse::abort_controllers_code();
   NEXT(abort)();
   __builtin_unreachable();
 }

@@ -209,7 +209,7 @@ Result<std::unique_ptr<Sink>> open_file_sink(const std::filesystem::path& file) 
   there.release();
   if (!is_new) opened = create(file);
   if (opened < 0) return refuse(fmt::format("can't create the trace: {}", std::strerror(errno)));
-  auto sink = std::make_unique<FileSink>(opened, none ? file : place);
+  auto sink = std::make_unique<FileSink>(opened, none ? std::filesystem::absolute(file) : place);
   const bool keeps_bytes = S_ISREG(mode_of(opened));  // unlike a device as /dev/null, to which any number may write
   if (!is_new && keeps_bytes && !lock(opened)) return other_writer();
   if (!is_new && keeps_bytes && ::ftruncate(opened, 0) != 0)

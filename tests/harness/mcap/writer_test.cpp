@@ -82,6 +82,19 @@ TEST(McapWriter, WritesTheSameBytesWhateverIsPutOff) {
   EXPECT_EQ(all_later.read(), at_once.read());
 }
 
+TEST(McapWriter, FindsItsFileAgainAfterAChangeOfTheWorkingFolder) {
+  const TempFile file;
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(file.path().parent_path());
+  mcap::WriterOptions options;
+  options.verified = true;
+  auto writer = std::move(*mcap::Writer::create(file.path().filename(), options));
+  std::filesystem::current_path("/");
+  const auto closed = writer->close();
+  std::filesystem::current_path(before);
+  EXPECT_TRUE(closed) << to_string(closed.errors());
+}
+
 std::thread::id composing_thread;
 
 TEST(McapWriter, ComposesWhatIsPutOffOnItsOwnThread) {

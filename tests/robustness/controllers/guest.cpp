@@ -202,7 +202,8 @@ const std::map<std::string, void (*)(const std::string& file)> deeds{
        const char* volatile nothing = nullptr;
        sum = static_cast<int>(std::strlen(nothing));
      }},
-    {"read_terminal", [](const auto&) {
+    {"read_terminal",
+     [](const auto&) {
        char word[16] = {};
        if (read(STDIN_FILENO, word, sizeof word - 1) > 0 && word[0] == 'g') return;
        std::abort();
@@ -309,6 +310,7 @@ const std::map<std::string, void (*)(const std::string& file)> deeds{
     // threads
     {"threads", [](const auto&) { start_threads(1000); }},
     {"thread_crash", [](const auto&) { std::thread(crash).join(); }},
+    {"thread_abort", [](const auto&) { std::thread([] { assert(!"reachable"); }).join(); }},
     {"thread_overrun", [](const auto&) { std::thread([] { overrun(4000, 6000); }).join(); }},
     {"thread_throw", [](const auto&) { std::thread([] { throw std::runtime_error("no map"); }).join(); }},
     // descriptors and the recording
