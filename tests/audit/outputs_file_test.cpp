@@ -1,5 +1,5 @@
 // The output files of an audit's processes, and the differences between two of them.
-#include "audit/outputs_file.h"
+#include "audit/audit/outputs_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

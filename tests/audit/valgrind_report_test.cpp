@@ -1,5 +1,5 @@
 // Reading memcheck's XML reports.
-#include "audit/valgrind_report.h"
+#include "audit/audit/valgrind_report.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -3,10 +3,10 @@
 
 #include "renderer/vision.h"
 
-#include "host/controller_host.h"
+#include "core/host/controller_host.h"
+#include "core/recording/recorder.h"
 #include "pairs.h"
 #include "pinned_child.h"
-#include "recording/recorder.h"
 #include "sr1_run.h"
 
 namespace rehearse {

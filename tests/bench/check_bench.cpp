@@ -5,8 +5,8 @@
 
 #include <filesystem>
 
+#include "core/replay/plant_level.h"
 #include "pairs.h"
-#include "replay/plant_level.h"
 #include "sr1_run.h"
 
 namespace rehearse {

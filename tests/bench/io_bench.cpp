@@ -1,6 +1,6 @@
 // The cost of copying a robot's inputs to its controller and the commands back.
 
-#include "host/controller_host.h"
+#include "core/host/controller_host.h"
 #include "pairs.h"
 #include "sr1_run.h"
 

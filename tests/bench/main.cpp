@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "host/supervise.h"
+#include "core/guard/supervise.h"
 #include "pinned_child.h"
 
 int main(int argc, char** argv) {

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "../harness/mcap/large_file.h"
-#include "mcap/codec.h"
-#include "mcap/records.h"
+#include "core/mcap/codec.h"
+#include "core/mcap/records.h"
 #include "pairs.h"
 
 namespace rehearse {

@@ -6,7 +6,7 @@
 #include "model/clock.h"
 #include "pairs.h"
 #include "sr1_run.h"
-#include "stepping/tick_view.h"
+#include "viewing/stepping/tick_view.h"
 
 namespace rehearse {
 namespace {

@@ -21,6 +21,6 @@ set_tests_properties(${compat_test} PROPERTIES LABELS compat TIMEOUT 1800)
 # Its sample projects, imported and run.
 string(JOIN " " project_compiler ${launcher} "${REHEARSE_GXX}" ${user_flags} -O1 -w -fPIC -shared -ffp-contract=off)
 rehearse_add_test(projects_checkout_test LABEL compat TIMEOUT 900 SOURCES projects_checkout_test.cpp
-                  LIBRARIES Rehearse::simulation Rehearse::scenario)
+                  LIBRARIES Rehearse::simulation Rehearse::choreonoid)
 target_compile_definitions(projects_checkout_test PRIVATE CHOREONOID_SOURCE="${REHEARSE_CHOREONOID_SOURCE}"
   COMPILE="${project_compiler}" OUTPUT="${CMAKE_CURRENT_BINARY_DIR}/projects")

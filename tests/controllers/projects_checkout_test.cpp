@@ -15,7 +15,7 @@
 #include <regex>
 #include <set>
 
-#include "import/import.h"
+#include "choreonoid/import/import.h"
 
 namespace {
 

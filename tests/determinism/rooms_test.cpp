@@ -1,6 +1,7 @@
-// Each folder of engine/src and harness/src is a room: a target that links the rooms it may use (rehearse_room in
-// tools/cmake/RehearseTargets.cmake). This test reads the targets' graph, which CMake wrote into ROOMS, and the
-// sources. It fails on a cycle, on an include that the links don't allow, and on a link that no include needs.
+// Each folder of engine/src, of harness/src/core and of a wing beside it is a room: a target that links the rooms it may
+// use (rehearse_room in tools/cmake/RehearseTargets.cmake). This test reads the targets' graph, which CMake wrote into
+// ROOMS, and the sources. It fails on a cycle, on an include that the links don't allow, on a link that no include
+// needs, on a room of the core that uses a wing, and on a wing that uses another one without being listed here.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 #include <set>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace rehearse {
@@ -24,6 +26,15 @@ const std::string prefix = "rehearse_room_";
 
 struct Room {
   std::string folder;               // below the repository
+
+  /// "core/mcap": its path in includes.
+  std::string path() const { return folder.substr(folder.find("/src/") + 5); }
+  /// The folder beside core that the room is in; empty: it is in the core or in the engine.
+  std::string wing() const {
+    const std::string place = path();
+    const std::size_t slash = place.find('/');
+    return slash == std::string::npos || place.rfind("core/", 0) == 0 ? "" : place.substr(0, slash);
+  }
   std::vector<std::string> uses;    // names of the rooms that it links
   std::set<std::string> installed;  // its headers in include/rehearse
   std::set<std::string> doors;      // headers of its folder that programs may include
@@ -94,7 +105,7 @@ struct Include {
 /// The rooms' headers that a file includes. A header in include/rehearse that belongs to no room counts to the room
 /// "?".
 std::vector<Include> includes_in(const Rooms& rooms, std::istream& stream) {
-  static const std::regex form(R"re(\s*#include (<rehearse/([^>]+)>|"([^"/]+)/([^"]+)").*)re");
+  static const std::regex form(R"re(\s*#include (<rehearse/([^>]+)>|"([^"]+)/([^"/]+)").*)re");
   std::vector<Include> found;
   int number = 0;
   for (std::string line; std::getline(stream, line);) {
@@ -107,8 +118,11 @@ std::vector<Include> includes_in(const Rooms& rooms, std::istream& stream) {
                                       [&](const auto& room) { return room.second.installed.count(match[2]) > 0; });
       include.room = owner == rooms.end() ? "?" : owner->first;
       include.header = match[2];
-    } else if (rooms.count(match[3]) == 0) {
-      continue;
+    } else {
+      const auto owner =
+          std::find_if(rooms.begin(), rooms.end(), [&](const auto& room) { return room.second.path() == match[3]; });
+      if (owner == rooms.end()) continue;
+      include.room = owner->first;
     }
     found.push_back(include);
   }
@@ -193,9 +207,30 @@ TEST(Rooms, AreEnteredByProgramsThroughTheirDoors) {
 TEST(Rooms, AreAllFoldersOfSources) {
   std::set<std::string> folders;
   for (const auto& [name, room] : rooms_of_the_build()) folders.insert(room.folder);
-  for (const char* part : {"engine/src", "harness/src"})
-    for (const fs::directory_entry& entry : fs::directory_iterator(root / part))
-      EXPECT_EQ(folders.count(entry.path().lexically_relative(root).string()), 1u) << entry.path() << " is no room";
+  const auto expect_rooms_in = [&](const fs::path& part) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(part)) {
+      const bool is_room = folders.count(entry.path().lexically_relative(root).string()) > 0;
+      EXPECT_TRUE(is_room || !entry.is_directory()) << entry.path() << " is no room";
+    }
+  };
+  expect_rooms_in(root / "engine/src");
+  for (const fs::directory_entry& wing : fs::directory_iterator(root / "harness/src")) expect_rooms_in(wing.path());
+}
+
+/// Pairs of wings of which the first uses the second.
+std::set<std::pair<std::string, std::string>> wings_that_use_wings(const Rooms& rooms) {
+  std::set<std::pair<std::string, std::string>> pairs;
+  for (const auto& [name, room] : rooms)
+    for (const std::string& used : room.uses)
+      if (const std::string wing = rooms.at(used).wing(); !wing.empty() && wing != room.wing())
+        pairs.emplace(room.wing().empty() ? "core: " + name : room.wing(), wing);
+  return pairs;
+}
+
+TEST(Rooms, OfTheCoreUseNoWingAndWingsUseViewing) {
+  using Pairs = std::set<std::pair<std::string, std::string>>;
+  const Pairs known{{"campaigns", "viewing"}, {"gtest", "viewing"}, {"gtest", "campaigns"}};
+  EXPECT_EQ(wings_that_use_wings(rooms_of_the_build()), known);
 }
 
 TEST(Rooms, HaveEachInstalledHeaderOnce) {
@@ -228,8 +263,8 @@ TEST(Rooms, AreInTheReadmesAsTheyAre) {
   }
 }
 
-const Rooms two_rooms{{"cellar", {"harness/src/cellar", {}, {"cellar.h"}, {"door.h"}}},
-                      {"attic", {"harness/src/attic", {"cellar"}, {"attic.h"}, {}}}};
+const Rooms two_rooms{{"cellar", {"harness/src/core/cellar", {}, {"cellar.h"}, {"door.h"}}},
+                      {"attic", {"harness/src/views/attic", {"cellar"}, {"attic.h"}, {}}}};
 
 std::vector<std::string> forbidden(const std::string& name, const std::string& source) {
   std::istringstream stream(source);
@@ -238,10 +273,10 @@ std::vector<std::string> forbidden(const std::string& name, const std::string& s
 }
 
 TEST(RoomsRule, FindsAnIncludeThatNoLinkAllows) {
-  EXPECT_EQ(forbidden("attic", "#include <rehearse/cellar.h>\n#include \"cellar/wine.h\"\n#include \"own.h\"\n"),
+  EXPECT_EQ(forbidden("attic", "#include <rehearse/cellar.h>\n#include \"core/cellar/wine.h\"\n#include \"own.h\"\n"),
             std::vector<std::string>{});
-  EXPECT_EQ(forbidden("cellar", "// first\n#include \"attic/box.h\"\n"),
-            std::vector<std::string>{"a.cpp:2: the room cellar may not use the room attic: \"attic/box.h\""});
+  EXPECT_EQ(forbidden("cellar", "// first\n#include \"views/attic/box.h\"\n"),
+            std::vector<std::string>{"a.cpp:2: the room cellar may not use the room attic: \"views/attic/box.h\""});
   EXPECT_EQ(forbidden("cellar", "#include <rehearse/attic.h>\n"),
             std::vector<std::string>{"a.cpp:1: the room cellar may not use the room attic: <rehearse/attic.h>"});
   EXPECT_EQ(forbidden("attic", "#include <rehearse/garden.h>\n"),
@@ -255,11 +290,19 @@ TEST(RoomsRule, FindsACycle) {
   EXPECT_EQ(cycle_in(rooms), "attic uses cellar uses attic");
 }
 
+TEST(RoomsRule, FindsARoomOfTheCoreThatUsesAWing) {
+  using Pairs = std::set<std::pair<std::string, std::string>>;
+  EXPECT_EQ(wings_that_use_wings(two_rooms), Pairs{});
+  Rooms rooms = two_rooms;
+  rooms["cellar"].uses.push_back("attic");
+  EXPECT_EQ(wings_that_use_wings(rooms), (Pairs{{"core: cellar", "views"}}));
+}
+
 TEST(RoomsRule, FindsAProgramThatEntersByAWindow) {
-  std::istringstream stream("#include \"cellar/door.h\"\n#include \"cellar/window.h\"\n#include <rehearse/attic.h>\n");
+  std::istringstream stream("#include \"core/cellar/door.h\"\n#include \"core/cellar/window.h\"\n#include <rehearse/attic.h>\n");
   EXPECT_EQ(past_doors_in(two_rooms, "main.cpp", includes_in(two_rooms, stream)),
             std::vector<std::string>{"main.cpp:2: programs may not include a header that the room cellar keeps to "
-                                     "itself: \"cellar/window.h\""});
+                                     "itself: \"core/cellar/window.h\""});
 }
 
 }  // namespace

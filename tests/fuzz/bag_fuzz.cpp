@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-#include "bag/bag_folder.h"
+#include "logs/bag/bag_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace rehearse;

@@ -15,8 +15,8 @@
 #include <string_view>
 #include <vector>
 
-#include "trace/message_json.h"
-#include "trace/ros2msg.h"
+#include "core/ros2msg/ros2msg.h"
+#include "core/trace/message_json.h"
 
 using namespace rehearse;
 

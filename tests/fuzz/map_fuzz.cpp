@@ -6,7 +6,7 @@
 #include <string>
 
 #include "../harness/log/mapped_robot.h"
-#include "log_map/log_map.h"
+#include "logs/map/log_map.h"
 
 using namespace rehearse;
 

@@ -12,8 +12,8 @@
 #include <tuple>
 #include <vector>
 
-#include "mcap/stream.h"
-#include "trace/ros2msg.h"
+#include "core/mcap/stream.h"
+#include "core/ros2msg/ros2msg.h"
 
 using namespace rehearse;
 

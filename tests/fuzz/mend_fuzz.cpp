@@ -1,5 +1,5 @@
-// For any bytes, the doctor finds at least the errors that the Reader finds. recover() makes a complete file of them, or
-// reports that nothing can be saved, unless the file is compressed as a whole and its container can't be opened.
+// For any bytes, the doctor finds at least the errors that the Reader finds. recover() makes a complete file of them,
+// or reports that nothing can be saved, unless the file is compressed as a whole and its container can't be opened.
 
 #include <unistd.h>
 #include <cstddef>
@@ -10,9 +10,9 @@
 #include <fstream>
 #include <string>
 
-#include "mcap/file_view.h"
-#include "mcap/recover.h"
-#include "trace/trace_doctor.h"
+#include "core/mcap/file_view.h"
+#include "core/mcap/recover.h"
+#include "core/trace/trace_doctor.h"
 
 using namespace rehearse;
 

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "import/import.h"
+#include "choreonoid/import/import.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   rehearse::ImportOptions options;

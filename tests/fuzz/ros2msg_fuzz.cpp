@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "trace/ros2msg.h"
+#include "core/ros2msg/ros2msg.h"
 
 using namespace rehearse;
 

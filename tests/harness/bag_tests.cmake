@@ -3,4 +3,4 @@ rehearse_add_test(bag_test LABEL unit
     bag/broken_bags_test.cpp
     bag/containers_test.cpp
     bag/standard_types_test.cpp
-  LIBRARIES Rehearse::trace sqlite3 zstd)
+  LIBRARIES Rehearse::logs sqlite3 zstd)

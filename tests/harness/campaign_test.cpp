@@ -1,8 +1,8 @@
 // The values of cases, and the statistics of campaigns.
-#include "campaign/case_run.h"
-#include "campaign/case_values.h"
-#include "campaign/csv_text.h"
-#include "campaign/result_lines.h"
+#include "campaigns/campaign/case_run.h"
+#include "campaigns/campaign/case_values.h"
+#include "campaigns/campaign/csv_text.h"
+#include "campaigns/campaign/result_lines.h"
 #include "scenario_files.h"
 
 #include <rehearse/campaign.h>

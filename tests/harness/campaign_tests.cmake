@@ -1,3 +1,3 @@
 rehearse_add_test(campaign_test LABEL unit
   SOURCES campaign_test.cpp
-  LIBRARIES Rehearse::campaign nlohmann_json::nlohmann_json)
+  LIBRARIES Rehearse::campaigns nlohmann_json::nlohmann_json)

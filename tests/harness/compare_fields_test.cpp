@@ -5,8 +5,8 @@
 
 #include <numbers>
 
+#include "core/ros2msg/ros2msg.h"
 #include "small_traces.h"
-#include "trace/ros2msg.h"
 
 namespace rehearse {
 namespace {

@@ -1,5 +1,5 @@
 // Comparison of two sequences of events.
-#include "compare/event_sequences.h"
+#include "core/compare/event_sequences.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <set>
 
-#include "import/import.h"
+#include "choreonoid/import/import.h"
 
 namespace rehearse {
 namespace {

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "import/import.h"
+#include "choreonoid/import/import.h"
 
 namespace rehearse {
 namespace {

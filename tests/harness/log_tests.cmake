@@ -13,7 +13,7 @@ rehearse_add_test(log_test LABEL unit SHARDS 2
     log/robot_run_test.cpp
     log/ticks_test.cpp
     log/watch_test.cpp
-  LIBRARIES Rehearse::log Rehearse::testing JPEG::JPEG)
+  LIBRARIES Rehearse::logs Rehearse::testing JPEG::JPEG)
 add_dependencies(log_test CameraFollowerController RoverController SR1MinimumController ScoutController TankController TrotController)
 
 # A bag that others recorded isn't part of this repository, so without it the test is skipped.
@@ -22,7 +22,7 @@ include(RehearseControllers)
 rehearse_add_simple_controller(TwistDriver log/controllers/twist_driver.cpp)
 set_target_properties(TwistDriver PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${test_controllers})
 rehearse_add_test(public_bag_test LABEL compat SOURCES log/public_bag_test.cpp
-  LIBRARIES Rehearse::log Rehearse::testing sqlite3)
+  LIBRARIES Rehearse::logs Rehearse::testing sqlite3)
 target_compile_definitions(public_bag_test PRIVATE PUBLIC_BAG="${REHEARSE_PUBLIC_BAG}"
   TEST_CONTROLLERS="${test_controllers}")
 add_dependencies(public_bag_test TwistDriver)

@@ -1,4 +1,4 @@
-#include "check/noise_floor.h"
+#include "core/check/noise_floor.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -6,4 +6,4 @@ rehearse_add_test(report_test LABEL unit SHARDS 2
   SOURCES
     report/report_robots_test.cpp
     report/report_test.cpp
-  LIBRARIES Rehearse::report Rehearse::simulation Rehearse::trace nlohmann_json::nlohmann_json PkgConfig::LIBDEFLATE)
+  LIBRARIES Rehearse::viewing Rehearse::simulation Rehearse::trace nlohmann_json::nlohmann_json PkgConfig::LIBDEFLATE)

@@ -15,7 +15,7 @@
 #include <fstream>
 #include <iostream>
 
-#include "simulation/plant.h"
+#include "core/simulation/plant.h"
 #include "world/initial_motion.h"
 
 namespace rehearse {

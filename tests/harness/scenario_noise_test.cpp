@@ -1,6 +1,6 @@
 // Noise in a scenario: the sensors to which a rule applies, and the priority of rules. The mistakes, one by one, are in
 // scenario_broken_test.cpp.
-#include "scenario/normal_quantile.h"
+#include "core/scenario/normal_quantile.h"
 #include "scenario_files.h"
 
 #include <cmath>

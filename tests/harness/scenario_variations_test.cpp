@@ -1,7 +1,7 @@
 // `vary:` of a scenario: where the values are, and the text with others in their places.
 #include "scenario_files.h"
 
-#include "scenario/scenario_variations.h"
+#include "core/scenario/scenario_variations.h"
 
 #include <gmock/gmock.h>
 

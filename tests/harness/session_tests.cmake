@@ -38,7 +38,7 @@ rehearse_add_test(session_tests LABEL sim SHARDS 6
     session/traps_test.cpp
     session/words_test.cpp
     session/world_remarks_test.cpp
-  LIBRARIES Rehearse::simulation Rehearse::harness Rehearse::log Rehearse::world Rehearse::cnoid)
+  LIBRARIES Rehearse::simulation Rehearse::harness Rehearse::logs Rehearse::world Rehearse::cnoid)
 target_include_directories(session_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(session_tests PRIVATE TEST_CONTROLLERS="${test_controllers}")
 

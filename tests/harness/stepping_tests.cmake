@@ -3,7 +3,7 @@ rehearse_add_test(stepping_tests LABEL sim SHARDS 1
   SOURCES
     stepping/expression_test.cpp
     stepping/stepped_trace_test.cpp
-  LIBRARIES Rehearse::simulation Rehearse::world)
+  LIBRARIES Rehearse::simulation Rehearse::viewing Rehearse::world)
 target_include_directories(stepping_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(stepping_tests PRIVATE TEST_CONTROLLERS="${CMAKE_BINARY_DIR}/tests/controllers")
 add_dependencies(stepping_tests Behaviours HingePd HingePdChanged)

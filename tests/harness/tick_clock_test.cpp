@@ -1,5 +1,5 @@
 // The clock of a run, against a list of its ticks.
-#include "compare/tick_clock.h"
+#include "core/compare/tick_clock.h"
 
 #include <gtest/gtest.h>
 

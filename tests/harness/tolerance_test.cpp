@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "mcap/glob.h"
+#include "core/mcap/glob.h"
 
 namespace rehearse {
 namespace {

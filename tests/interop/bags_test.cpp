@@ -30,7 +30,7 @@ class InteropBags : public NodeTest {
 
 TEST_F(InteropBags, StandardTypesAreThoseOfHumble) {
   const Output output = run("node " + quoted(fs::path(INTEROP_DIR) / "check_standard_types.mjs") + " " +
-                            quoted(fs::path(SOURCE_DIR) / "harness/src/bag/standard_types.cpp"));
+                            quoted(fs::path(SOURCE_DIR) / "harness/src/logs/bag/standard_types.cpp"));
   EXPECT_EQ(output.status, 0) << output.text;
   EXPECT_EQ(output.text,
             "125 types; not in the package: control_msgs/DynamicJointState control_msgs/InterfaceValue "

@@ -16,9 +16,9 @@
 #include <limits>
 #include <sstream>
 
-#include "mcap/copy.h"
+#include "core/mcap/copy.h"
+#include "core/ros2msg/ros2msg.h"
 #include "node.h"
-#include "trace/ros2msg.h"
 
 using namespace rehearse;
 using namespace rehearse::test;

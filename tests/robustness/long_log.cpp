@@ -4,8 +4,8 @@
 
 #include <chrono>
 
-#include "log/message_reader.h"
-#include "log/sensor_codecs.h"
+#include "logs/robot_log/message_reader.h"
+#include "logs/robot_log/sensor_codecs.h"
 
 namespace rehearse {
 namespace {

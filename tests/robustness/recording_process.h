@@ -21,8 +21,8 @@
 #include <string>
 #include <vector>
 
-#include "mcap/recover.h"
-#include "trace/trace_doctor.h"
+#include "core/mcap/recover.h"
+#include "core/trace/trace_doctor.h"
 
 namespace rehearse::test {
 

@@ -10,7 +10,7 @@
 #include <iomanip>
 #include <iterator>
 
-#include "check/noise_floor.h"
+#include "core/check/noise_floor.h"
 #include "small_traces.h"
 
 namespace rehearse {

@@ -9,11 +9,11 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "core/trace/filter.h"
+#include "core/trace/hashing.h"
+#include "gtest/testing/test_recordings.h"
 #include "small_traces.h"
 #include "swinging_arm.h"
-#include "testing/test_recordings.h"
-#include "trace/filter.h"
-#include "trace/hashing.h"
 
 namespace rehearse {
 namespace {

@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
+#include "gtest/testing/test_reports.h"
 #include "small_traces.h"
 #include "swinging_arm.h"
-#include "testing/test_reports.h"
 
 namespace rehearse {
 namespace {

@@ -2,7 +2,7 @@
 // explains.
 #include <gmock/gmock.h>
 
-#include "scenario/structure_change.h"
+#include "core/scenario/structure_change.h"
 #include "standing_robot.h"
 
 namespace rehearse {

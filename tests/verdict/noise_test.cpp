@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "check/noise_floor.h"
+#include "core/check/noise_floor.h"
 
 namespace rehearse {
 namespace {

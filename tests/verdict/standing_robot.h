@@ -12,9 +12,9 @@
 #include <set>
 #include <string>
 
-#include "golden/state_samples.h"
+#include "core/golden/state_samples.h"
+#include "core/trace/filter.h"
 #include "small_traces.h"
-#include "trace/filter.h"
 
 namespace rehearse {
 

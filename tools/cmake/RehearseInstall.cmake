@@ -9,18 +9,19 @@ include(CMakePackageConfigHelpers)
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # tests need not be built to install
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/Rehearse)
-set(libraries cnoid model world renderer mcap trace scenario harness report campaign log audit simulation testing gtest)
-list(TRANSFORM libraries PREPEND rehearse_)
+get_property(libraries GLOBAL PROPERTY REHEARSE_LIBRARIES)
+get_property(headers GLOBAL PROPERTY REHEARSE_HEADERS)
 
 install(TARGETS ${libraries} EXPORT RehearseTargets
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} NAMELINK_COMPONENT development
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
   FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-# no target links it: audit passes its name to the dynamic linker
-install(TARGETS rehearse_interposer LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(DIRECTORY engine/include/rehearse harness/include/rehearse DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
-  COMPONENT development)
+if(TARGET rehearse_interposer)
+  # no target links it: audit passes its name to the dynamic linker
+  install(TARGETS rehearse_interposer LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+endif()
+install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rehearse COMPONENT development)
 install(TARGETS ${REHEARSE_SAMPLES}
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/rehearse/controllers COMPONENT samples OPTIONAL)
 install(FILES fixtures/motions/pick_up.seq fixtures/motions/sr1_squat.seq fixtures/motions/sr1_walk.seq
@@ -61,10 +62,12 @@ else()
 endif()
 
 # Everything that is installed, except the samples: tools/demo builds only this.
-add_custom_target(rehearse_installed DEPENDS ${libraries} rehearse_interposer rehearse rehearse-simulate rehearse-audit)
-if(TARGET rehearse_pages)
-  add_dependencies(rehearse_installed rehearse_pages)
-endif()
+add_custom_target(rehearse_installed DEPENDS ${libraries} rehearse rehearse-simulate)
+foreach(target rehearse_interposer rehearse-audit rehearse_pages)
+  if(TARGET ${target})
+    add_dependencies(rehearse_installed ${target})
+  endif()
+endforeach()
 
 if(PROJECT_IS_TOP_LEVEL)
   include(RehearsePackage)

@@ -71,23 +71,22 @@ add_library(rehearse_private_headers INTERFACE)
 target_include_directories(rehearse_private_headers INTERFACE ${PROJECT_SOURCE_DIR}/engine/src ${PROJECT_SOURCE_DIR}/harness/src)
 
 # rehearse_room(NAME [COLD] SOURCES... PUBLIC headers... DOOR headers... MAY_USE rooms... LIBRARIES targets...): a folder
-# of sources as a separate target, rehearse_room_NAME. Without sources it is a folder of headers. COLD: the room
-# takes little of a tick's time (rehearse_cold_flags).
+# below engine/src or harness/src as a separate target, rehearse_room_NAME. Without sources it is a folder of headers.
+# COLD: the room takes little of a tick's time (rehearse_cold_flags).
 #
 # A file of the room may include the room's own headers and those of the rooms after MAY_USE, no others: headers in
-# their folders and their installed headers (PUBLIC, in include/rehearse). Programs in tools/ may include installed
-# headers, and the headers after DOOR. tests/determinism/rooms_test.cpp reads all this from the targets. LIBRARIES are
-# targets of other projects, and Rehearse::cnoid.
+# their folders, by their paths below src, and their installed headers (PUBLIC, in include/rehearse). Programs in tools/
+# may include installed headers, and the headers after DOOR. tests/determinism/rooms_test.cpp reads all this from the
+# targets. LIBRARIES are targets of other projects, and Rehearse::cnoid.
 function(rehearse_room name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "COLD" "" "SOURCES;PUBLIC;DOOR;MAY_USE;LIBRARIES")
   list(TRANSFORM arg_MAY_USE PREPEND rehearse_room_)
   set(room rehearse_room_${name})
-  cmake_path(GET CMAKE_CURRENT_SOURCE_DIR PARENT_PATH folders)
-  cmake_path(GET folders PARENT_PATH part)
+  string(REGEX MATCH "^${PROJECT_SOURCE_DIR}/[a-z]+" part ${CMAKE_CURRENT_SOURCE_DIR})
   if(arg_SOURCES)
     add_library(${room} OBJECT ${arg_SOURCES})
     target_compile_features(${room} PRIVATE cxx_std_20)
-    target_include_directories(${room} PUBLIC ${part}/include ${folders})
+    target_include_directories(${room} PUBLIC ${part}/include ${part}/src)
     set(flags rehearse_flags)
     if(arg_COLD)
       set(flags rehearse_cold_flags)
@@ -95,12 +94,14 @@ function(rehearse_room name)
     target_link_libraries(${room} PUBLIC ${arg_MAY_USE} ${arg_LIBRARIES} PRIVATE ${flags})
   else()
     add_library(${room} INTERFACE)
-    target_include_directories(${room} INTERFACE ${folders})
+    target_include_directories(${room} INTERFACE ${part}/src)
   endif()
   set_target_properties(${room} PROPERTIES
     REHEARSE_FOLDER "${CMAKE_CURRENT_SOURCE_DIR}" REHEARSE_PUBLIC "${arg_PUBLIC}" REHEARSE_DOOR "${arg_DOOR}"
     REHEARSE_LIBRARIES "${arg_LIBRARIES}")
   set_property(GLOBAL APPEND PROPERTY REHEARSE_ROOMS ${room})
+  list(TRANSFORM arg_PUBLIC PREPEND ${part}/include/rehearse/)
+  set_property(GLOBAL APPEND PROPERTY REHEARSE_HEADERS ${arg_PUBLIC})
 endfunction()
 
 # rehearse_write_rooms(FILE): writes the graph of the rooms for the test: a line each of name, folder, links, public
@@ -139,7 +140,9 @@ function(rehearse_add_library name)
     target_link_libraries(rehearse_${name} PRIVATE ${libraries})
   endforeach()
   if(arg_ROOMS)
+    string(REGEX MATCH "^${PROJECT_SOURCE_DIR}/[a-z]+" part ${CMAKE_CURRENT_SOURCE_DIR})
     target_include_directories(rehearse_${name} PUBLIC
-      $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+      $<BUILD_INTERFACE:${part}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   endif()
+  set_property(GLOBAL APPEND PROPERTY REHEARSE_LIBRARIES rehearse_${name})
 endfunction()

@@ -9,8 +9,8 @@
 #include <string>
 
 #include "command.h"
-#include "host/interruption.h"
-#include "mcap/replaceable.h"
+#include "core/guard/interruption.h"
+#include "core/mcap/replaceable.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"

@@ -11,12 +11,12 @@
 #include <string>
 
 #include "command.h"
-#include "mcap/stream.h"
+#include "core/mcap/stream.h"
+#include "core/trace/message_print.h"
+#include "core/trace/select.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
-#include "trace/message_print.h"
-#include "trace/select.h"
 
 namespace rehearse::tool {
 namespace {

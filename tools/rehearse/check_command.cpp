@@ -15,26 +15,27 @@
 #include <utility>
 #include <vector>
 
-#include "check/compared.h"
 #include "check_outcome.h"
 #include "command.h"
+#include "core/check/compared.h"
+#include "core/golden/run_folder.h"
+#include "core/golden/stale_report.h"
+#include "core/guard/interruption.h"
+#include "core/guard/supervise.h"
+#include "core/host/virtualised.h"
+#include "core/scenario/project.h"
+#include "core/scenario/trace_scenario.h"
+#include "core/trace/run_facts.h"
 #include "debugger.h"
-#include "golden/run_folder.h"
-#include "golden/stale_report.h"
 #include "golden_verbs.h"
-#include "host/interruption.h"
-#include "host/supervise.h"
-#include "host/virtualised.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
-#include "report/call_stack.h"
-#include "report/report_index.h"
-#include "scenario/project.h"
-#include "scenario/trace_scenario.h"
 #include "scenario_text.h"
 #include "side_by_side.h"
-#include "trace/run_facts.h"
+#include "viewing/report/call_stack.h"
+#include "viewing/report/report_index.h"
+#include "wings.h"
 
 namespace rehearse::tool {
 namespace {
@@ -203,25 +204,30 @@ std::string name_of(const CheckSettings& settings, const Scenario& scenario) {
 
 /// Writes the report of a failed check. If it can't be written, the verdict doesn't change.
 void add_page(const CheckSettings& settings, const Scenario& scenario, const fs::path& actual, Checked& checked) {
-  if (settings.no_report) return;
-  if (const auto page = report_page(); !page) {
-    if (!checked.report.within()) checked.no_page = page.errors()[0].message;
-    return;
-  }
-  const auto allowed =
-      check_replaceable(pending_folder() / actual.filename().replace_extension(".html"), report_magic, "report");
-  const fs::path golden = golden_of(settings, scenario);
-  ReportOptions options;
-  if (checked.report.controller == LevelState::differs) options.call_stack = call_stack_of(golden, settings.check.run);
-  auto written = allowed ? write_failure_report(checked.report, scenario, golden, actual, std::move(options))
-                         : Result<std::optional<FailureReport>>(allowed.errors());
-  if (written) {
-    checked.page = *std::move(written);
-    return;
-  }
-  for (Diagnostic problem : written.errors()) {
-    problem.severity = Severity::warning;
-    fmt::print(stderr, "{}\n", to_string(problem));
+  if constexpr (has_viewing) {
+    if (settings.no_report) return;
+    if (const auto page = report_page(); !page) {
+      if (!checked.report.within()) checked.no_page = page.errors()[0].message;
+      return;
+    }
+    const auto allowed =
+        check_replaceable(pending_folder() / actual.filename().replace_extension(".html"), report_magic, "report");
+    const fs::path golden = golden_of(settings, scenario);
+    ReportOptions options;
+    if (checked.report.controller == LevelState::differs)
+      options.call_stack = call_stack_of(golden, settings.check.run);
+    auto written = allowed ? write_failure_report(checked.report, scenario, golden, actual, std::move(options))
+                           : Result<std::optional<FailureReport>>(allowed.errors());
+    if (written) {
+      checked.page = *std::move(written);
+      return;
+    }
+    for (Diagnostic problem : written.errors()) {
+      problem.severity = Severity::warning;
+      fmt::print(stderr, "{}\n", to_string(problem));
+    }
+  } else if (!checked.report.within()) {
+    checked.no_page = "this build leaves out the wing viewing";
   }
 }
 

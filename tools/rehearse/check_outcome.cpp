@@ -11,12 +11,13 @@
 #include <string_view>
 #include <utility>
 
-#include "check/check_json.h"
-#include "check/compared.h"
-#include "golden/run_folder.h"
-#include "report/report_index.h"
+#include "core/check/check_json.h"
+#include "core/check/compared.h"
+#include "core/golden/run_folder.h"
+#include "core/simulation/recorded_view.h"
 #include "scenario_text.h"
-#include "simulation/recorded_view.h"
+#include "viewing/report/report_index.h"
+#include "wings.h"
 
 namespace rehearse::tool {
 namespace {
@@ -177,7 +178,8 @@ void tell_files(const Checked& checked) {
   if (!report.message.empty()) fmt::print("{}\n", report.message);
   if (checked.page && is_ci()) fmt::print("report: {}\n", checked.page->file.string());
   if (checked.page && !is_ci())
-    fmt::print("in a browser: {}\n", report_link(checked.page->file, checked.page->summary.first_tick));
+    if constexpr (has_viewing)
+      fmt::print("in a browser: {}\n", report_link(checked.page->file, checked.page->summary.first_tick));
   if (!checked.no_page.empty()) fmt::print("  note: there is no report to look at: {}\n", checked.no_page);
   std::fflush(stdout);  // before related output on stderr
   if (report.run) tell_remarks(*report.run);
@@ -277,14 +279,16 @@ Json json_of_checks(const std::vector<CheckOutcome>& all) {
 }
 
 void keep_index(const std::vector<Scenario>& scenarios, const std::vector<CheckOutcome>& all, bool tells) {
-  std::error_code ignored;
-  const bool all_passed = std::ranges::all_of(all, &CheckOutcome::within);
-  if (all_passed && !fs::exists(pending_folder() / "index.html", ignored)) return;
-  const FolderLock alone(pending_folder());
-  for (std::size_t i = 0; i < all.size(); ++i) keep_result(pending_folder(), result_of(scenarios[i], all[i]));
-  const auto index = refresh_index(pending_folder());
-  if (!index || all_passed || !tells) return;
-  fmt::print("all reports: {}\n", is_ci() ? index->string() : report_link(*index));
+  if constexpr (has_viewing) {
+    std::error_code ignored;
+    const bool all_passed = std::ranges::all_of(all, &CheckOutcome::within);
+    if (all_passed && !fs::exists(pending_folder() / "index.html", ignored)) return;
+    const FolderLock alone(pending_folder());
+    for (std::size_t i = 0; i < all.size(); ++i) keep_result(pending_folder(), result_of(scenarios[i], all[i]));
+    const auto index = refresh_index(pending_folder());
+    if (!index || all_passed || !tells) return;
+    fmt::print("all reports: {}\n", is_ci() ? index->string() : report_link(*index));
+  }
 }
 
 Result<void> write_junit(const fs::path& file, const std::vector<CheckOutcome>& all) {

@@ -13,10 +13,11 @@
 #include <utility>
 #include <vector>
 
+#include "core/guard/interruption.h"
 #include "debugger.h"
-#include "host/interruption.h"
 #include "output.h"
 #include "progress.h"
+#include "wings.h"
 
 namespace rehearse::tool {
 namespace {
@@ -26,23 +27,28 @@ constexpr VerbSummary verbs[] = {
     {"check", "run scenarios and compare them with their goldens", Program::simulate},
     {"replay", "feed a recording's inputs to its controllers, without physics, and compare their commands",
      Program::rehearse},
-    {"step", "go through a recording tick by tick, backwards as well, and look at all of it", Program::rehearse},
+    {"step", "go through a recording tick by tick, backwards as well, and look at all of it", Program::rehearse,
+     Rounding::matters, has_viewing, "viewing"},
     {"diff", "compare two traces and list their differences, the first one first", Program::rehearse},
     {"report", "one HTML file to look at a run in a browser: robot, plots, pictures, and its golden beside it",
-     Program::rehearse, Rounding::is_none},
+     Program::rehearse, Rounding::is_none, has_viewing, "viewing"},
     {"golden", "list the goldens; review, accept or reject the runs that wait to be one; measure noise",
      Program::simulate},
     {"sweep", "run many variations of a scenario, report which fail and why, and shrink a failing one",
-     Program::simulate},
-    {"audit", "is a controller a function of its inputs, and if not, what else does it depend on", Program::audit},
+     Program::simulate, Rounding::matters, has_campaigns, "campaigns"},
+    {"audit", "is a controller a function of its inputs, and if not, what else does it depend on", Program::audit,
+     Rounding::matters, has_audit, "audit"},
     {"info", "print duration, channels, metadata and events of a trace", Program::rehearse, Rounding::is_none},
     {"cat", "print the messages of a trace, one a line", Program::rehearse, Rounding::is_none},
-    {"export", "write a trace as tables (CSV), pictures or a video", Program::rehearse, Rounding::is_none},
+    {"export", "write a trace as tables (CSV), pictures or a video", Program::rehearse, Rounding::is_none, has_viewing,
+     "viewing"},
     {"filter", "write a part of a trace: topics, a span of time, of ticks", Program::rehearse, Rounding::is_none},
     {"merge", "write several traces into one, in the order of time", Program::rehearse, Rounding::is_none},
     {"recover", "save the readable messages of a trace that is cut or damaged", Program::rehearse, Rounding::is_none},
-    {"map", "write a first map from a robot's log to the inputs of a controller", Program::rehearse, Rounding::is_none},
-    {"import", "write the scenario that a project of Choreonoid (.cnoid) runs", Program::rehearse, Rounding::is_none},
+    {"map", "write a first map from a robot's log to the inputs of a controller", Program::rehearse, Rounding::is_none,
+     has_logs, "logs"},
+    {"import", "write the scenario that a project of Choreonoid (.cnoid) runs", Program::rehearse, Rounding::is_none,
+     has_choreonoid, "choreonoid"},
     {"doctor", "find all that is wrong with trace files, each with its place", Program::rehearse, Rounding::is_none},
     {"inspect", "load a robot model and report its contents and findings", Program::rehearse},
     {"render", "draw a picture of a scenario or a model", Program::simulate},
@@ -98,6 +104,11 @@ const VerbSummary* find_verb(std::string_view name) {
   return found == std::end(verbs) ? nullptr : found;
 }
 
+Diagnostic left_out(std::string_view asked, std::string_view wing) {
+  return error(fmt::format("this build leaves out {}", asked),
+               fmt::format("it is in a build whose REHEARSE_WINGS has {}", wing));
+}
+
 std::string overview() {
   std::string text =
       "Rehearse records robot controllers in a deterministic simulation, and replays and judges the recordings.\n"
@@ -107,7 +118,8 @@ std::string overview() {
       "       rehearse --version\n"
       "\n"
       "Verbs:\n";
-  for (const VerbSummary& verb : verbs) text += fmt::format("  {:<9}{}\n", verb.name, verb.summary);
+  for (const VerbSummary& verb : verbs)
+    if (verb.is_built) text += fmt::format("  {:<9}{}\n", verb.name, verb.summary);
   const auto paragraph = [&](std::string_view sentences) { text += "\n" + wrapped(sentences, 100, 0) + "\n"; };
   paragraph(
       "--no-pin, or REHEARSE_PIN=off in the environment: mathematics and pictures use the best instructions of "
@@ -117,6 +129,14 @@ std::string overview() {
       "4 done, with warnings (doctor, import). A signal ends a verb with 128 and its number, as 141 (SIGPIPE) if the "
       "reader of its output is gone.");
   return text;
+}
+
+Exit run_own_verb(std::string_view program, int argc, char** argv) {
+  const std::string_view word = argc < 2 ? "" : argv[1];
+  for (const Verb* verb : own_verbs())
+    if (verb->name == word) return run_verb(*verb, argc, argv);
+  return refuse(error(fmt::format("{} is a part of rehearse and not meant to be started by hand", program),
+                      "rehearse --help lists all verbs"));
 }
 
 Exit run_verb(const Verb& verb, int argc, char** argv) {

@@ -34,29 +34,10 @@ struct Verb {
   std::function<Exit()> (*declare)(CLI::App& options);
 };
 
-// Defined in NAME_command.cpp.
-extern const Verb audit_verb;
-extern const Verb cat_verb;
-extern const Verb check_verb;
-extern const Verb diff_verb;
-extern const Verb doc_verb;
-extern const Verb doctor_verb;
-extern const Verb export_verb;
-extern const Verb filter_verb;
-extern const Verb golden_verb;
-extern const Verb import_verb;
-extern const Verb info_verb;
-extern const Verb inspect_verb;
-extern const Verb map_verb;
-extern const Verb merge_verb;
-extern const Verb new_verb;
-extern const Verb record_verb;
-extern const Verb recover_verb;
-extern const Verb render_verb;
-extern const Verb replay_verb;
-extern const Verb report_verb;
-extern const Verb step_verb;
-extern const Verb sweep_verb;
+/// The verbs of this program. The build lists them; NAME_command.cpp defines NAME_verb.
+std::span<const Verb* const> own_verbs();
+/// Runs the verb that the first argument names. For a program that only `rehearse` starts.
+Exit run_own_verb(std::string_view program, int argc, char** argv);
 
 /// The programs that contain verbs.
 enum class Program { rehearse, simulate, audit };
@@ -71,12 +52,16 @@ struct VerbSummary {
   std::string_view summary;
   Program program;
   Rounding rounding = Rounding::matters;
+  bool is_built = true;        // false: this build leaves out its wing
+  std::string_view wing = {};  // empty: it is of the core
 };
 
-/// All verbs, in the order of `rehearse --help`.
+/// All verbs, in the order of `rehearse --help`, also those that this build leaves out.
 std::span<const VerbSummary> all_verbs();
 /// Null if no verb has this name.
 const VerbSummary* find_verb(std::string_view name);
+/// The error for a verb or an option of a wing that this build leaves out. `asked`: "the verb map".
+Diagnostic left_out(std::string_view asked, std::string_view wing);
 
 /// The text of `rehearse --help`.
 std::string overview();

@@ -12,14 +12,15 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "host/child_process.h"
-#include "host/controller_library.h"
-#include "mcap/whole_input.h"
+#include "core/guard/child_process.h"
+#include "core/host/controller_library.h"
+#include "core/mcap/whole_input.h"
+#include "core/scenario/trace_scenario.h"
+#include "core/trace/channel_name.h"
+#include "core/trace/hashing.h"
+#include "core/trace/run_facts.h"
 #include "model/clock.h"
 #include "output.h"
-#include "scenario/trace_scenario.h"
-#include "trace/channel_name.h"
-#include "trace/run_facts.h"
 
 namespace rehearse::tool {
 namespace {

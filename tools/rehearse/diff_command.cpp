@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "command.h"
+#include "core/trace/align.h"
 #include "options.h"
 #include "output.h"
 #include "scratch_folder.h"
-#include "trace/align.h"
 
 namespace rehearse::tool {
 namespace {

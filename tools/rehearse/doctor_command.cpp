@@ -10,11 +10,12 @@
 #include <vector>
 
 #include "command.h"
+#include "core/trace/trace_doctor.h"
+#include "logs/bag/bag_doctor.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
-#include "trace/bag_doctor.h"
-#include "trace/trace_doctor.h"
+#include "wings.h"
 
 namespace rehearse::tool {
 namespace {
@@ -66,29 +67,35 @@ Visit visit(const std::string& file) {
     visit.examination = std::move(*examination);
   else
     visit.unreadable = examination.errors();
-  if (auto findings = examine_container(file)) {
-    visit.is_mcap = false;
-    visit.container = *std::move(findings);
+  if constexpr (has_logs) {
+    if (auto findings = examine_container(file)) {
+      visit.is_mcap = false;
+      visit.container = *std::move(findings);
+    }
   }
   return visit;
 }
 
 /// The visits of a rosbag2 folder: its metadata.yaml, then its files.
 std::vector<Visit> visit_folder(const std::string& path) {
-  const auto folder = bag::read_folder(path);
-  if (!folder) return {{path, folder.errors(), {}, true, {}}};
-  std::vector<Visit> visits;
-  bool readable = true;
-  for (const std::filesystem::path& file : folder->files) {
-    visits.push_back(visit(file.string()));
-    readable = readable && visits.back().unreadable.empty();
+  if constexpr (has_logs) {
+    const auto folder = bag::read_folder(path);
+    if (!folder) return {{path, folder.errors(), {}, true, {}}};
+    std::vector<Visit> visits;
+    bool readable = true;
+    for (const std::filesystem::path& file : folder->files) {
+      visits.push_back(visit(file.string()));
+      readable = readable && visits.back().unreadable.empty();
+    }
+    Visit metadata{folder->metadata.string(), {}, {}, false, {}};
+    std::error_code ignored;
+    metadata.examination.size = std::filesystem::file_size(folder->metadata, ignored);
+    if (readable) metadata.container = examine_metadata(*folder, path);
+    visits.insert(visits.begin(), std::move(metadata));
+    return visits;
+  } else {
+    return {visit(path)};
   }
-  Visit metadata{folder->metadata.string(), {}, {}, false, {}};
-  std::error_code ignored;
-  metadata.examination.size = std::filesystem::file_size(folder->metadata, ignored);
-  if (readable) metadata.container = examine_metadata(*folder, path);
-  visits.insert(visits.begin(), std::move(metadata));
-  return visits;
 }
 
 std::string place_text(const mcap::Place& place) {

@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "command.h"
-#include "export/trace_export.h"
-#include "export/viewer_export.h"
 #include "options.h"
 #include "output.h"
 #include "output_file.h"
 #include "progress.h"
+#include "viewing/export/trace_export.h"
+#include "viewing/export/viewer_export.h"
 
 namespace rehearse::tool {
 namespace {

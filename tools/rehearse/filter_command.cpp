@@ -8,10 +8,10 @@
 #include <string>
 
 #include "command.h"
+#include "core/trace/filter.h"
 #include "options.h"
 #include "output.h"
 #include "output_file.h"
-#include "trace/filter.h"
 
 namespace rehearse::tool {
 namespace {

@@ -9,10 +9,10 @@
 #include <map>
 #include <memory>
 
+#include "core/trace/run_facts.h"
 #include "golden_verbs.h"
 #include "model/names.h"
 #include "options.h"
-#include "trace/run_facts.h"
 
 namespace rehearse::tool {
 namespace {

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "check/noise_floor.h"
-#include "check/perturbed_run.h"
+#include "core/check/noise_floor.h"
+#include "core/check/perturbed_run.h"
+#include "core/guard/interruption.h"
 #include "golden_verbs.h"
-#include "host/interruption.h"
 #include "options.h"
 #include "progress.h"
 #include "scratch_folder.h"

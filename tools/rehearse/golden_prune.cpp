@@ -7,9 +7,9 @@
 #include <memory>
 #include <set>
 
-#include "golden/run_folder.h"
+#include "core/golden/run_folder.h"
+#include "core/guard/child_process.h"
 #include "golden_verbs.h"
-#include "host/child_process.h"
 #include "options.h"
 #include "terminal.h"
 

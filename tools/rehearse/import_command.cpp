@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "choreonoid/import/import.h"
 #include "command.h"
-#include "import/import.h"
 #include "options.h"
 #include "output.h"
 
@@ -96,7 +96,7 @@ Json json_of_import(const ImportedProject& imported, const std::string& scenario
                      {"line", item.line},
                      {"taken", item.is_taken},
                      {"outcome", item.outcome}});
-  return {{"scenario", scenario}, {"items", items}, {"remarks", json_of(imported.remarks)}};
+  return {{"scenario", scenario}, {"items", items}, {"remarks", tool::json_of(imported.remarks)}};
 }
 
 /// A project without mistakes may result in a scenario with mistakes: a missing mesh is one. `file`: was not written.

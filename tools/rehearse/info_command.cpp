@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "command.h"
+#include "core/trace/run_facts.h"
 #include "options.h"
 #include "output.h"
-#include "trace/run_facts.h"
 
 namespace rehearse::tool {
 namespace {

@@ -1,6 +1,7 @@
 // rehearse: the command. Verbs that simulate are in a separate program, so that this one links neither physics nor
 // renderer.
 #include <fmt/format.h>
+#include <rehearse/logs.h>
 #include <rehearse/pin.h>
 #include <unistd.h>
 
@@ -9,18 +10,14 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <iterator>
 #include <string>
 #include <string_view>
 
 #include "command.h"
+#include "wings.h"
 
 namespace rehearse::tool {
 namespace {
-
-constexpr const Verb* own_verbs[] = {
-    &replay_verb, &diff_verb,    &info_verb,   &cat_verb,     &export_verb, &filter_verb, &import_verb, &map_verb,
-    &merge_verb,  &recover_verb, &doctor_verb, &inspect_verb, &new_verb,    &report_verb, &step_verb,   &doc_verb};
 
 /// Executes a different program of Rehearse, at a fixed place relative to this one. Returns only on failure.
 Exit become(const char* program, char** argv) {
@@ -67,13 +64,12 @@ Exit run(int argc, char** argv) {
   if (word.empty()) return refuse(error("no verb given", "rehearse --help lists all verbs"));
   const VerbSummary* known = find_verb(word);
   if (!known) return refuse(error(fmt::format("there is no verb '{}'", word), hint_for(word)));
+  if (!known->is_built) return refuse(left_out(fmt::format("the verb {}", word), known->wing));
   if (known->program == Program::simulate) return become("rehearse-simulate", argv);
   if (known->program == Program::audit) return become("rehearse-audit", argv);
   if (known->rounding == Rounding::matters) pin_process(argv);
-  const auto verb = std::find_if(std::begin(own_verbs), std::end(own_verbs),
-                                 [&](const Verb* candidate) { return candidate->name == word; });
-  REHEARSE_ASSERT(verb != std::end(own_verbs), "a verb that is listed is in one of the programs");
-  return run_verb(**verb, argc, argv);
+  if constexpr (has_logs) read_rosbag2_logs();
+  return run_own_verb("rehearse", argc, argv);
 }
 
 }  // namespace

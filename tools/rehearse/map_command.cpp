@@ -10,7 +10,7 @@
 #include <string>
 
 #include "command.h"
-#include "log_map/map_draft.h"
+#include "logs/map/map_draft.h"
 #include "options.h"
 #include "output.h"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "command.h"
-#include "mcap/merge.h"
+#include "core/mcap/merge.h"
 #include "options.h"
 #include "output.h"
 #include "output_file.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "log/log_replay.h"
+#include "logs/robot_log/log_replay.h"
 
 namespace rehearse::tool {
 

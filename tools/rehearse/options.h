@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "trace/select.h"
+#include "core/trace/select.h"
 
 namespace rehearse::tool {
 

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "compare/report_json.h"
+#include "core/compare/report_json.h"
 
 namespace rehearse::tool {
 

@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "command.h"
-#include "mcap/replaceable.h"
+#include "core/mcap/replaceable.h"
 #include "output.h"
 #include "progress.h"
 #include "scratch_folder.h"

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "host/interruption.h"
-#include "host/supervise.h"
+#include "core/guard/interruption.h"
+#include "core/guard/supervise.h"
 
 namespace rehearse::tool {
 namespace {

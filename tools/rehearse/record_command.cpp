@@ -13,12 +13,12 @@
 #include <utility>
 
 #include "command.h"
+#include "core/guard/interruption.h"
+#include "core/guard/supervise.h"
+#include "core/host/interposer.h"
+#include "core/host/virtualised.h"
+#include "core/mcap/replaceable.h"
 #include "debugger.h"
-#include "host/interposer.h"
-#include "host/interruption.h"
-#include "host/supervise.h"
-#include "host/virtualised.h"
-#include "mcap/replaceable.h"
 #include "model/clock.h"
 #include "model_scenario.h"
 #include "options.h"

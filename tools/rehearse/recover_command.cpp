@@ -8,7 +8,7 @@
 #include <string>
 
 #include "command.h"
-#include "mcap/recover.h"
+#include "core/mcap/recover.h"
 #include "options.h"
 #include "output.h"
 #include "output_file.h"

@@ -19,14 +19,14 @@
 #include <vector>
 
 #include "command.h"
-#include "mcap/replaceable.h"
+#include "core/mcap/replaceable.h"
+#include "core/simulation/viewpoint.h"
 #include "model_scenario.h"
 #include "options.h"
 #include "output.h"
 #include "output_file.h"
 #include "picture/picture.h"
 #include "scenario_text.h"
-#include "simulation/viewpoint.h"
 
 namespace rehearse::tool {
 namespace {

@@ -14,16 +14,17 @@
 #include <vector>
 
 #include "command.h"
+#include "core/guard/interruption.h"
+#include "core/guard/supervise.h"
+#include "core/host/virtualised.h"
+#include "core/mcap/replaceable.h"
 #include "debugger.h"
-#include "host/interruption.h"
-#include "host/supervise.h"
-#include "host/virtualised.h"
-#include "mcap/replaceable.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
 #include "replay_log.h"
 #include "replay_ticks.h"
+#include "wings.h"
 
 namespace rehearse::tool {
 namespace {
@@ -129,7 +130,10 @@ Exit run_log(const ReplaySettings& settings) {
   log.replay.map = settings.map;
   log.replay.from = settings.replay.from;
   log.replay.until = settings.replay.until;
-  return replay_log_of(std::move(log));
+  if constexpr (has_logs)
+    return replay_log_of(std::move(log));
+  else
+    return refuse(left_out("the replay of a robot's log", "logs"));
 }
 
 Exit run_ticks(ReplaySettings& settings) {
@@ -142,8 +146,12 @@ Exit run_ticks(ReplaySettings& settings) {
   ticks.from = settings.replay.from;
   ticks.until = settings.replay.until;
   ticks.json = settings.json;
-  if (const auto usable = check_usage(ticks); !usable) return refuse(usable.errors());
-  return show_ticks(ticks);
+  if constexpr (has_viewing) {
+    if (const auto usable = check_usage(ticks); !usable) return refuse(usable.errors());
+    return show_ticks(ticks);
+  } else {
+    return refuse(left_out("--tick, --at, --watch and --when", "viewing"));
+  }
 }
 
 Exit run_replay(ReplaySettings& settings, const CLI::App& options) {

@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "host/virtualised.h"
-#include "mcap/replaceable.h"
+#include "core/host/virtualised.h"
+#include "core/mcap/replaceable.h"
 #include "model_scenario.h"
 #include "output.h"
 #include "progress.h"

@@ -1,7 +1,7 @@
 // `rehearse replay LOG --controller LIB --model ROBOT --map FILE`: replays the log of a robot into a controller.
 #pragma once
 
-#include "log/log_replay.h"
+#include "logs/robot_log/log_replay.h"
 
 #include <string>
 
@@ -11,7 +11,7 @@ namespace rehearse::tool {
 
 struct LogSettings {
   std::string log;
-  std::string trace;  // output file; empty: named like the log, in the working directory
+  std::string trace;     // output file; empty: named like the log, in the working directory
   std::string scenario;  // of a run that begins as the log did, to write; empty: none
   bool json = false;
   LogReplayOptions replay;

@@ -1,7 +1,7 @@
 // rehearse replay --tick, --at, --watch and --when: prints parts of a recording while its controllers are replayed.
 #pragma once
 
-#include "stepping/tick_view.h"
+#include "viewing/stepping/tick_view.h"
 
 #include <optional>
 #include <string>

@@ -12,7 +12,7 @@
 #include "output.h"
 #include "output_file.h"
 #include "progress.h"
-#include "report/call_stack.h"
+#include "viewing/report/call_stack.h"
 
 namespace rehearse::tool {
 namespace {

@@ -14,8 +14,8 @@
 #include <thread>
 #include <vector>
 
-#include "host/interruption.h"
-#include "host/supervise.h"
+#include "core/guard/interruption.h"
+#include "core/guard/supervise.h"
 #include "output.h"
 
 namespace rehearse::tool {

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "host/child_process.h"
+#include "core/guard/child_process.h"
 #include "output.h"
 
 namespace rehearse::tool {

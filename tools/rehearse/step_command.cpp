@@ -6,13 +6,13 @@
 #include <string>
 
 #include "command.h"
-#include "host/virtualised.h"
+#include "core/host/virtualised.h"
 #include "line_editor.h"
 #include "options.h"
 #include "progress.h"
 #include "replay_ticks.h"
 #include "step_session.h"
-#include "stepping/tick_view.h"
+#include "viewing/stepping/tick_view.h"
 
 namespace rehearse::tool {
 namespace {

@@ -11,7 +11,7 @@
 #include <optional>
 #include <set>
 
-#include "mcap/replaceable.h"
+#include "core/mcap/replaceable.h"
 #include "model/text.h"
 #include "output.h"
 #include "tick_print.h"

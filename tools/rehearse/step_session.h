@@ -1,7 +1,7 @@
 // StepSession: executes the commands of `rehearse step`. It stores the current tick in the recording.
 #pragma once
 
-#include "stepping/tick_view.h"
+#include "viewing/stepping/tick_view.h"
 
 #include <cstdint>
 #include <functional>

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "host/interruption.h"
+#include "core/guard/interruption.h"
 #include "output.h"
 #include "progress.h"
 #include "sweep.h"

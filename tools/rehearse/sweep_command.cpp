@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "command.h"
-#include "host/interruption.h"
+#include "core/guard/interruption.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"

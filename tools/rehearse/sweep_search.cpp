@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "host/interruption.h"
+#include "core/guard/interruption.h"
 #include "output.h"
 #include "progress.h"
 #include "side_by_side.h"

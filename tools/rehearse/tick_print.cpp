@@ -7,7 +7,7 @@
 #include <limits>
 #include <tuple>
 
-#include "trace/channel_name.h"
+#include "core/trace/channel_name.h"
 
 namespace rehearse::tool {
 namespace {

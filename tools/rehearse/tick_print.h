@@ -1,7 +1,7 @@
 // Prints a tick of a recording, for a terminal and as JSON.
 #pragma once
 
-#include "stepping/tick_view.h"
+#include "viewing/stepping/tick_view.h"
 
 #include <string>
 #include <string_view>

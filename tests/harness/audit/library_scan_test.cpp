@@ -1,5 +1,5 @@
 // The properties of a library that a scan of its file finds.
-#include "audit/library_scan.h"
+#include "audit/audit/library_scan.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,8 +13,8 @@
 #include <iterator>
 #include <optional>
 
-#include "audit/aspects.h"
-#include "host/interposer.h"
+#include "audit/audit/aspects.h"
+#include "core/host/interposer.h"
 
 namespace rehearse {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "host/interposer.h"
+#include "core/host/interposer.h"
 
 namespace rehearse {
 namespace {

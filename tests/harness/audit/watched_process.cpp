@@ -7,7 +7,7 @@
 #include <ctime>
 #include <string>
 
-#include "host/interposer.h"
+#include "core/host/interposer.h"
 
 int main(int, char** arguments) {
   using namespace rehearse;

@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "audit/call_log.h"
-#include "host/interposer.h"
+#include "audit/audit/call_log.h"
+#include "core/host/interposer.h"
 
 namespace rehearse {
 

@@ -2,6 +2,7 @@
 // writes it, and files compressed by libzstd.
 #pragma once
 
+#include <rehearse/logs.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
 
@@ -19,6 +20,8 @@ namespace rehearse::test {
 
 namespace fs = std::filesystem;
 using Buffer = std::vector<std::byte>;
+
+inline const bool bags_are_read = (read_rosbag2_logs(), true);
 
 /// A folder for this test alone; removed with the object.
 class TempFolder {

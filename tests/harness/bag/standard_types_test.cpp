@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "bag/standard_types.h"
+#include "logs/bag/standard_types.h"
 
 namespace rehearse {
 namespace {

@@ -1,5 +1,5 @@
 // The ring in shared memory: order and sizes of messages, answers, and damage by someone else.
-#include "keeper/ring.h"
+#include "core/keeper/ring.h"
 
 #include <gmock/gmock.h>
 

@@ -1,13 +1,13 @@
 // Recordings that another process writes: here the parent's side is a thread of the same process.
-#include "keeper/trace_keeper.h"
+#include "core/keeper/trace_keeper.h"
 
 #include <gmock/gmock.h>
 #include <rehearse/cdr.h>
 #include <rehearse/messages.h>
 
 #include "../mcap/mcap_files.h"
-#include "keeper/remote_writer.h"
-#include "trace/run_facts.h"
+#include "core/keeper/remote_writer.h"
+#include "core/trace/run_facts.h"
 
 namespace rehearse {
 namespace {

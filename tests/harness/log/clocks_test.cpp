@@ -1,7 +1,7 @@
 // The offset of stamps from the log's clock.
 #include <gtest/gtest.h>
 
-#include "log/log_clocks.h"
+#include "logs/robot_log/log_clocks.h"
 
 namespace rehearse {
 namespace {

@@ -9,8 +9,8 @@
 #include <limits>
 #include <numbers>
 
-#include "log/log_feed.h"
-#include "log_map/log_map.h"
+#include "logs/map/log_map.h"
+#include "logs/robot_log/log_feed.h"
 #include "mapped_robot.h"
 
 namespace rehearse {

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "bag/standard_types.h"
-#include "log/joint_messages.h"
-#include "log/number_messages.h"
+#include "logs/bag/standard_types.h"
+#include "logs/robot_log/joint_messages.h"
+#include "logs/robot_log/number_messages.h"
 
 namespace rehearse {
 namespace {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <set>
 
-#include "log_map/log_map.h"
+#include "logs/map/log_map.h"
 #include "mapped_robot.h"
 
 namespace rehearse {

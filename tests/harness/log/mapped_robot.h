@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "log_map/log_topics.h"
+#include "logs/map/log_topics.h"
 
 namespace rehearse {
 

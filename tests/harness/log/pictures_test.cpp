@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "../../jpeg_file.h"
-#include "log/sensor_codecs.h"
+#include "core/recording/recorded_image.h"
+#include "logs/robot_log/sensor_codecs.h"
 #include "picture/picture.h"
-#include "recording/recorded_image.h"
 
 namespace rehearse {
 namespace {

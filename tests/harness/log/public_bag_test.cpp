@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rehearse/gtest.h>
+#include <rehearse/logs.h>
 #include <rehearse/replay.h>
 #include <rehearse/trace.h>
 #include <rehearse/urdf.h>
@@ -16,14 +17,16 @@
 #include <fstream>
 #include <vector>
 
-#include "log/log_replay.h"
-#include "log_map/map_draft.h"
+#include "logs/map/map_draft.h"
+#include "logs/robot_log/log_replay.h"
 
 namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
+
+const bool bags_are_read = (read_rosbag2_logs(), true);
 
 struct Velocity {
   std::int64_t time = 0;  // [ns]

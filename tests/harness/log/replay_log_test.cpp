@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "../../jpeg_file.h"
-#include "log/log_replay.h"
+#include "logs/robot_log/log_replay.h"
 #include "picture/picture.h"
 #include "robot_log.h"
 

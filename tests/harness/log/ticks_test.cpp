@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "log/log_ticks.h"
+#include "logs/robot_log/log_ticks.h"
 
 namespace rehearse {
 namespace {

@@ -1,8 +1,8 @@
 // Statistics of a topic's messages relative to the ticks, and values between its messages.
 #include <gtest/gtest.h>
 
-#include "log/log_track.h"
-#include "log/topic_watch.h"
+#include "logs/robot_log/log_track.h"
+#include "logs/robot_log/topic_watch.h"
 
 namespace rehearse {
 namespace {

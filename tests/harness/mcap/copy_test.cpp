@@ -1,6 +1,6 @@
 #include <gmock/gmock.h>
 
-#include "mcap/copy.h"
+#include "core/mcap/copy.h"
 #include "mcap_files.h"
 
 using namespace rehearse;

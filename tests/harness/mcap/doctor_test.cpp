@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "mcap/doctor.h"
+#include "core/mcap/doctor.h"
 #include "mcap_files.h"
 
 using namespace rehearse;

@@ -2,10 +2,10 @@
 
 #include <gmock/gmock.h>
 
-#include "mcap/doctor.h"
-#include "mcap/merge.h"
+#include "core/mcap/doctor.h"
+#include "core/mcap/merge.h"
+#include "core/trace/filter.h"
 #include "mcap_files.h"
-#include "trace/filter.h"
 
 using namespace rehearse;
 using namespace rehearse::test;

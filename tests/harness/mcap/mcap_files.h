@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "mcap/stream.h"
+#include "core/mcap/stream.h"
 
 namespace rehearse::test {
 

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <map>
 
-#include "mcap/codec.h"
-#include "mcap/records.h"
+#include "core/mcap/codec.h"
+#include "core/mcap/records.h"
 
 using namespace rehearse;
 using namespace rehearse::test;

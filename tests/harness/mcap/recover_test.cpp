@@ -2,8 +2,8 @@
 
 #include <gmock/gmock.h>
 
-#include "mcap/doctor.h"
-#include "mcap/recover.h"
+#include "core/mcap/doctor.h"
+#include "core/mcap/recover.h"
 #include "mcap_files.h"
 
 using namespace rehearse;

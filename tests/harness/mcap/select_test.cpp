@@ -2,9 +2,9 @@
 
 #include <gmock/gmock.h>
 
-#include "mcap/glob.h"
+#include "core/mcap/glob.h"
+#include "core/trace/select.h"
 #include "mcap_files.h"
-#include "trace/select.h"
 
 using namespace rehearse;
 using namespace rehearse::test;

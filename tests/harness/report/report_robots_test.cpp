@@ -11,8 +11,8 @@
 #include <map>
 
 #include "../small_traces.h"
+#include "core/scenario/trace_scenario.h"
 #include "decoded_report.h"
-#include "scenario/trace_scenario.h"
 
 namespace rehearse::testing {
 namespace {

@@ -12,7 +12,7 @@
 
 #include "../small_traces.h"
 #include "decoded_report.h"
-#include "report/report_series.h"
+#include "viewing/report/report_series.h"
 
 namespace rehearse::testing {
 namespace {

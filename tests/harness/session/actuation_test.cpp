@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "core/trace/channel_name.h"
 #include "runs.h"
-#include "trace/channel_name.h"
 
 namespace rehearse {
 namespace {

@@ -1,5 +1,5 @@
 // The calls of a ControllerWatch during a recording and during a replay.
-#include "host/controller_watch.h"
+#include "core/host/controller_watch.h"
 
 #include <utility>
 

@@ -2,8 +2,8 @@
 #include <rehearse/golden.h>
 #include <rehearse/session.h>
 
+#include "core/trace/run_facts.h"
 #include "runs.h"
-#include "trace/run_facts.h"
 
 namespace rehearse {
 namespace {

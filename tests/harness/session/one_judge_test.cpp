@@ -8,7 +8,7 @@
 #include <limits>
 #include <ostream>
 
-#include "log/log_replay.h"
+#include "logs/robot_log/log_replay.h"
 #include "mutilate.h"
 #include "runs.h"
 

@@ -2,9 +2,9 @@
 // Every run of these tests (runs.h) checks that the plant repeats, whatever the controllers do.
 #include <rehearse/session.h>
 
+#include "core/simulation/checkpoint_trial.h"
 #include "mutilate.h"
 #include "runs.h"
-#include "simulation/checkpoint_trial.h"
 
 namespace rehearse {
 namespace {

@@ -8,7 +8,7 @@
 #include <clocale>
 #include <utility>
 
-#include "host/float_mode.h"
+#include "core/guard/float_mode.h"
 #include "runs.h"
 
 namespace rehearse {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "host/interruption.h"
-#include "run/run.h"
+#include "core/guard/interruption.h"
+#include "core/run/run.h"
 
 namespace rehearse {
 namespace {

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "made_up_source.h"
-#include "stepping/expression.h"
+#include "viewing/stepping/expression.h"
 
 namespace rehearse {
 namespace {

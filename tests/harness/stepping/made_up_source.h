@@ -1,15 +1,15 @@
 // An artificial recording of three series and three links, for tests of expressions.
 #pragma once
 
-#include "stepping/expression.h"
-#include "mcap/glob.h"
+#include "core/mcap/glob.h"
+#include "viewing/stepping/expression.h"
 
 #include <algorithm>
 #include <limits>
 #include <string>
 #include <vector>
 
-#include "stepping/name_search.h"
+#include "viewing/stepping/name_search.h"
 
 namespace rehearse {
 

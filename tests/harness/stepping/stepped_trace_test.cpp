@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "session/runs.h"
-#include "stepping/tick_view.h"
+#include "viewing/stepping/tick_view.h"
 
 namespace rehearse {
 namespace {

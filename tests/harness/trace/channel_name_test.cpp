@@ -1,5 +1,5 @@
 // The vocabulary of recordings: topics, and the table of kinds.
-#include "trace/channel_name.h"
+#include "core/trace/channel_name.h"
 
 #include <rehearse/mcap.h>
 

@@ -8,7 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "trace/message_json.h"
+#include "core/trace/message_json.h"
 
 using namespace rehearse;
 using testing::HasSubstr;

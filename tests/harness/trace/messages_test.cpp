@@ -7,7 +7,7 @@
 #include <concepts>
 #include <map>
 
-#include "trace/ros2msg.h"
+#include "core/ros2msg/ros2msg.h"
 
 using namespace rehearse;
 

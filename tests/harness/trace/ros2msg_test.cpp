@@ -5,7 +5,7 @@
 
 #include <sstream>
 
-#include "trace/ros2msg.h"
+#include "core/ros2msg/ros2msg.h"
 
 using namespace rehearse;
 using ros2msg::FieldType;

@@ -1,5 +1,5 @@
 // The facts of a run, as the metadata of its recording states them.
-#include "trace/run_facts.h"
+#include "core/trace/run_facts.h"
 
 #include <rehearse/mcap.h>
 

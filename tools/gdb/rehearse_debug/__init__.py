@@ -1,6 +1,6 @@
 """Rehearse's extension of gdb: the place of a run, moves to a tick, a controller's inputs and commands.
 
-place      reads the place of the process (harness/src/host/debug_hook.h)
+place      reads the place of the process (harness/src/core/host/debug_hook.h)
 travel     runs to a tick, forwards or by starting again
 values     reads C++ objects: strings, vectors, Eigen's types
 printers   pretty printers of Eigen's and cnoid's types

@@ -1,4 +1,4 @@
-"""The place of the process, read from the variables of harness/src/host/debug_hook.h.
+"""The place of the process, read from the variables of harness/src/core/host/debug_hook.h.
 
 They are read as bytes, so that no debug information of Rehearse is needed.
 """

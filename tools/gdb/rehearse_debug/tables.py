@@ -1,7 +1,7 @@
 """Inputs and commands of the controller that is being called, as tables.
 
 Inputs and commands are the quantities that the harness copies: the tables of its ControllerIo
-(harness/src/host/io_layout.h). The numbers are those in the controller's body.
+(harness/src/core/host/io_layout.h). The numbers are those in the controller's body.
 """
 
 import enum

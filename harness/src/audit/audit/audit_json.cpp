@@ -1,0 +1,81 @@
+// The results of an audit as JSON.
+#include <rehearse/audit.h>
+
+#include <algorithm>
+
+#include "core/compare/report_json.h"
+
+namespace rehearse {
+namespace {
+
+using AuditJson = nlohmann::ordered_json;
+
+AuditJson object_of(const FactorResult& result) {
+  return {{"factor", to_string(result.factor)},
+          {"state", !result.not_varied.empty() ? "not varied"
+                    : result.first             ? "differs"
+                                               : "same"},
+          {"replays", result.replays},
+          {"why_not", result.not_varied.empty() ? AuditJson(nullptr) : AuditJson(result.not_varied)},
+          {"first", json_of(result.first)}};
+}
+
+AuditJson object_of(const AuditedCall& call) {
+  return {{"source", call.source}, {"function", call.function},          {"phase", call.phase},
+          {"place", call.place},   {"first_tick", call.first_tick},      {"last_tick", call.last_tick},
+          {"count", call.count},   {"reached", to_string(call.reached)}, {"note", call.note}};
+}
+
+AuditJson object_of(const AuditedCode& code) {
+  return {{"kind", code.kind},
+          {"count", code.count},
+          {"function", code.function},
+          {"place", code.place},
+          {"sentence", code.sentence}};
+}
+
+AuditJson object_of(const ControllerAudit& controller);
+
+template <class T>
+AuditJson list_of(const std::vector<T>& items) {
+  AuditJson list = AuditJson::array();
+  for (const T& item : items) list.push_back(object_of(item));
+  return list;
+}
+
+AuditJson object_of(const ControllerAudit& controller) {
+  return {{"controller", controller.controller},
+          {"deterministic", controller.deterministic},
+          {"reason", controller.reason.empty() ? AuditJson(nullptr) : AuditJson(controller.reason)},
+          {"depends_on", controller.depends_on ? AuditJson(to_string(*controller.depends_on)) : AuditJson(nullptr)},
+          {"first", json_of(controller.first)},
+          {"factors", list_of(controller.factors)},
+          {"calls", list_of(controller.calls)},
+          {"rests_on", controller.rests_on},
+          {"library", {{"file", controller.library.string()}, {"findings", list_of(controller.code)}}}};
+}
+
+}  // namespace
+
+std::string to_json(const AuditReport& report) {
+  AuditJson object{{"verdict", report.verdict}, {"deterministic", report.deterministic}};
+  auto shown = std::find_if(report.controllers.begin(), report.controllers.end(),
+                            [](const ControllerAudit& controller) { return !controller.deterministic; });
+  if (shown == report.controllers.end()) shown = report.controllers.begin();
+  const AuditJson first = shown == report.controllers.end() ? AuditJson::object() : object_of(*shown);
+  for (const char* key : {"first", "depends_on", "rests_on", "factors", "calls", "library"})
+    object[key] = first.value(key, AuditJson());
+  object["controllers"] = list_of(report.controllers);
+  object["failure"] = report.failure ? AuditJson(report.failure->message) : AuditJson(nullptr);
+  object["controller_refused"] = report.controller_refused;
+  object["memory_errors"] = report.memory_errors;
+  object["ticks"] = report.ticks;
+  object["commands"] = report.commands;
+  object["replays"] = report.replays;
+  object["remarks"] = AuditJson::array();
+  for (const Diagnostic& remark : report.remarks)
+    object["remarks"].push_back({{"severity", to_string(remark.severity)}, {"message", remark.message}});
+  return text_of(object);
+}
+
+}  // namespace rehearse

@@ -1,0 +1,358 @@
+// The work on a campaign: cases are given to workers, and their results are appended.
+#include <fmt/format.h>
+#include <rehearse/campaign.h>
+
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <utility>
+
+#include "campaign_folder.h"
+#include "case_run.h"
+#include "case_values.h"
+#include "core/golden/run_folder.h"
+#include "core/guard/interruption.h"
+#include "result_lines.h"
+#include "worker_pool.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+constexpr double share_of_twice = 0.02;
+constexpr const char* trace_name = "run.mcap";
+constexpr const char* new_campaign =
+    "begin another campaign in a new folder, and compare: rehearse sweep report NEW --against OLD";
+const std::string refusal = "refused: ";  // begins an answer of a worker that isn't a result
+
+Diagnostic interrupted() { return error("interrupted: nothing was judged"); }
+
+/// The result of a case whose worker has ended.
+CaseResult lost_case(std::int64_t number, const WorkerPool::Answer& answer, const CampaignOptions& options) {
+  if (answer.exceeded == WorkerPool::Answer::Limit::time)
+    return ended_case(number, CaseVerdict::hung, fmt::format("the case took longer than {} s", options.case_limit));
+  if (answer.exceeded == WorkerPool::Answer::Limit::memory)
+    return ended_case(number, CaseVerdict::crashed,
+                      options.host.memory_limit > 0.0
+                          ? fmt::format("the case took more than {:.0f} MB of memory", options.host.memory_limit)
+                          : "the case took more than four fifths of the available memory");
+  return ended_case(number, CaseVerdict::crashed, fmt::format("the process of the case ended {}", answer.end));
+}
+
+WorkerPool::Limits limits_of(const CampaignOptions& options) {
+  return {options.case_limit, options.host.memory_limit * 1e6};
+}
+
+CaseRun timed_case(const fs::path& file, const std::string& text, const CampaignOptions& options, const fs::path& trace,
+                   const Simulation& simulation) {
+  const Clock::time_point begin = Clock::now();
+  CaseRun run = run_case(file, text, options, trace, simulation);
+  run.result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  return run;
+}
+
+/// Keeps the trace of a failure if its case is among the lowest of its verdict. All kept traces are found by the names
+/// of their files, because other processes may keep traces there, too.
+void keep_trace(const Campaign& campaign, const CaseResult& result, const fs::path& trace) {
+  std::error_code ignored;
+  if (result.passed() || !fs::exists(trace, ignored)) return;
+  const fs::path kept = kept_trace_file(campaign.folder(), result);
+  std::map<std::int64_t, fs::path> by_case{{result.number, kept}};
+  for (fs::directory_iterator entry(kept.parent_path(), ignored), end; !ignored && entry != end;
+       entry.increment(ignored))
+    if (const auto number = case_of_kept_trace(entry->path(), result.verdict)) by_case[*number] = entry->path();
+  fs::rename(trace, kept, ignored);
+  const auto most = static_cast<std::size_t>(campaign.options().keep);
+  for (; by_case.size() > most; by_case.erase(std::prev(by_case.end())))
+    fs::remove(std::prev(by_case.end())->second, ignored);
+}
+
+/// The first runs of cases and their second ones that have results.
+struct Done {
+  explicit Done(const Campaign& campaign)
+      : first(static_cast<std::size_t>(campaign.options().cases)), again(first.size()) {}
+  void take(const CaseResult& result) {
+    (result.again ? again : first)[static_cast<std::size_t>(result.number)] = true;
+  }
+
+  std::vector<bool> first, again;  // by case
+};
+
+/// The cases of one process.
+class Work {
+ public:
+  Work(const Campaign& campaign, const SweepOptions& options, ResultFile& file, WorkerPool& pool)
+      : campaign_(campaign), options_(options), file_(file), pool_(pool), done_(campaign) {}
+
+  Result<void> run();
+
+ private:
+  enum class Phase { first, again };
+  Result<void> read_results();
+  std::deque<std::int64_t> queue_of(Phase phase);
+  Result<void> run_queue(Phase phase);
+  Result<void> take(const WorkerPool::Answer& answer, Phase phase);
+  CaseResult result_of(const WorkerPool::Answer& answer) const;
+  bool goes_on();
+
+  const Campaign& campaign_;
+  const SweepOptions& options_;
+  ResultFile& file_;
+  WorkerPool& pool_;
+  Done done_;
+  std::deque<std::int64_t> queue_;
+  std::set<std::int64_t> lost_;  // cases whose worker ended once
+  SweepProgress progress_;
+  Clock::time_point begin_ = Clock::now();
+};
+
+Result<void> Work::read_results() {
+  return campaign_.read_results([&](const CaseResult& result) {
+    if (!result.again && !result.passed() && !done_.first[static_cast<std::size_t>(result.number)]) ++progress_.failed;
+    done_.take(result);
+  });
+}
+
+std::deque<std::int64_t> Work::queue_of(Phase phase) {
+  const bool again = phase == Phase::again;
+  const Slice slice = options_.slice.value_or(Slice{});
+  std::deque<std::int64_t> queue;
+  for (std::int64_t number = again ? slice.first_second_run() : slice.first_case(); number < campaign_.options().cases;
+       number += slice.count) {
+    if (again && !campaign_.runs_twice(number)) continue;
+    ++progress_.all;
+    const bool is_done = (again ? done_.again : done_.first)[static_cast<std::size_t>(number)];
+    progress_.done += is_done ? 1 : 0;
+    if (!is_done) options_.backwards ? queue.push_front(number) : queue.push_back(number);
+  }
+  return queue;
+}
+
+bool Work::goes_on() {
+  progress_.seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
+  return interruption() == 0 && progress_.failed < options_.most_failures &&
+         (!options_.progress || options_.progress(progress_));
+}
+
+CaseResult Work::result_of(const WorkerPool::Answer& answer) const {
+  if (answer.text)
+    if (auto result = result_of_line(*answer.text)) {
+      result->number = answer.job;
+      return *result;
+    }
+  return lost_case(answer.job, answer, campaign_.options());
+}
+
+Result<void> Work::take(const WorkerPool::Answer& answer, Phase phase) {
+  // something outside of the case may have ended its process
+  if (!answer.text && !answer.exceeded && lost_.insert(answer.job).second) {
+    queue_.push_front(answer.job);
+    return {};
+  }
+  if (answer.text && answer.text->starts_with(refusal))
+    return error_in(campaign_.folder().string(), answer.text->substr(refusal.size()), new_campaign);
+  CaseResult result = result_of(answer);
+  result.again = phase == Phase::again;
+  if (phase == Phase::first && answer.text) keep_trace(campaign_, result, answer.folder / trace_name);
+  if (auto written = file_.append(result); !written) return written;
+  ++progress_.done;
+  ++progress_.here;
+  if (!result.passed() && !result.again) ++progress_.failed;
+  // interrupted code may have left anything in the memory
+  const bool is_sound = result.passed() || result.verdict == CaseVerdict::violated ||
+                        result.verdict == CaseVerdict::differs || result.verdict == CaseVerdict::exploded;
+  if (!is_sound) pool_.renew(answer.folder);
+  return {};
+}
+
+Result<void> Work::run_queue(Phase phase) {
+  for (;;) {
+    if (!goes_on()) {
+      queue_.clear();
+      return {};
+    }
+    while (!queue_.empty() && pool_.has_room()) {
+      const std::int64_t number = queue_.front();
+      queue_.pop_front();
+      if (auto given = pool_.give(number); !given) return given;
+    }
+    if (pool_.is_idle() && queue_.empty()) return {};
+    const auto answer = pool_.wait();
+    if (!answer) continue;
+    if (auto taken = take(*answer, phase); !taken) return taken;
+  }
+}
+
+Result<void> Work::run() {
+  if (auto read = read_results(); !read) return read;
+  const std::deque<std::int64_t> again = queue_of(Phase::again);
+  queue_ = queue_of(Phase::first);
+  if (auto run = run_queue(Phase::first); !run) return run;
+  if (!goes_on() || !pool_.is_idle()) return {};
+  pool_.renew_all();  // in processes that haven't run them
+  lost_.clear();
+  queue_ = again;
+  return run_queue(Phase::again);
+}
+
+}  // namespace
+
+std::vector<std::string> Campaign::values_of(std::int64_t number) const { return values_->of(number); }
+
+std::vector<std::string> Campaign::with_links(std::vector<std::string> values) const {
+  return values_->with_links(std::move(values));
+}
+
+bool Campaign::runs_twice(std::int64_t number) const {
+  return number == 0 || uniform_number(options_.seed, number, "") < share_of_twice;
+}
+
+Result<std::string> Campaign::text_of(std::int64_t number) const { return scenario_.varied_text(values_of(number)); }
+
+Result<void> Campaign::check_number(std::int64_t number) const {
+  if (number >= 0 && number < options_.cases) return {};
+  return error_in(folder_.string(), fmt::format("there is no case {}", number),
+                  fmt::format("expected a number from 0 to {}", options_.cases - 1));
+}
+
+Result<void> Campaign::read_results(const std::function<void(const CaseResult&)>& take) const {
+  std::vector<fs::path> files;
+  std::error_code failed;
+  for (fs::directory_iterator entry(folder_, failed), end; !failed && entry != end; entry.increment(failed))
+    if (entry->path().filename().string().starts_with("results") && entry->path().extension() == ".jsonl")
+      files.push_back(entry->path());
+  if (failed) return error_in(folder_.string(), fmt::format("it can't be read: {}", failed.message()));
+  std::sort(files.begin(), files.end());
+  for (const fs::path& file : files) {
+    std::ifstream stream(file, std::ios::binary);
+    std::int64_t number = 0;
+    for (std::string line; std::getline(stream, line);) {
+      ++number;
+      const bool is_whole = !stream.eof();
+      const auto result = result_of_line(line);
+      if (result && check_number(result->number))
+        take(*result);
+      else if (is_whole)
+        return error_in(file.string(), fmt::format("line {} is no result of this campaign", number));
+    }
+  }
+  return {};
+}
+
+Result<std::vector<std::int64_t>> Campaign::unfinished_slices(std::int64_t count) const {
+  Done done(*this);
+  if (auto read = read_results([&](const CaseResult& result) { done.take(result); }); !read) return read.errors();
+  std::vector<std::int64_t> unfinished;
+  for (Slice slice{1, count}; slice.index <= count; ++slice.index) {
+    const auto lacks = [&](std::int64_t number, const std::vector<bool>& results, bool again) {
+      for (; number < options_.cases; number += count)
+        if (!results[static_cast<std::size_t>(number)] && (!again || runs_twice(number))) return true;
+      return false;
+    };
+    if (lacks(slice.first_case(), done.first, false) || lacks(slice.first_second_run(), done.again, true))
+      unfinished.push_back(slice.index);
+  }
+  return unfinished;
+}
+
+Result<CaseRun> run_alone(const Campaign& campaign, const std::string& text, const fs::path& file,
+                          const fs::path& trace, const Simulation& simulation) {
+  const auto scratch = RunFolder::make(campaign.folder() / "running");
+  if (!scratch) return scratch.errors();
+  WorkerPool pool(1, limits_of(campaign.options()), scratch->path(), [&](std::int64_t, const fs::path& folder) {
+    const CaseRun run = timed_case(file, text, campaign.options(), folder / trace_name, simulation);
+    const Json answer{
+        {"result", json_of_result(run.result)}, {"expectations", run.expectations}, {"libraries", run.libraries}};
+    return answer.dump(-1, ' ', false, Json::error_handler_t::replace);
+  });
+  if (auto given = pool.give(0); !given) return given.errors();
+  std::optional<WorkerPool::Answer> answer;
+  while (!answer && interruption() == 0) answer = pool.wait();
+  if (!answer) return interrupted();
+  CaseRun run;
+  const Json object = answer->text ? Json::parse(*answer->text, nullptr, false) : Json();
+  if (object.is_object()) {
+    run.result = result_of_json(object.at("result")).value_or(CaseResult{});
+    run.expectations = object.at("expectations").get<std::vector<std::string>>();
+    run.libraries = object.at("libraries").get<std::map<std::string, std::string>>();
+  } else {
+    run.result = lost_case(-1, *answer, campaign.options());
+  }
+  run.result.number = -1;
+  if (trace.empty()) return run;
+  std::error_code failed;
+  const fs::path made = answer->folder / trace_name;
+  if (fs::exists(made, failed)) {
+    fs::create_directories(trace.parent_path().empty() ? fs::path(".") : trace.parent_path(), failed);
+    fs::rename(made, trace, failed);
+    if (failed) fs::copy_file(made, trace, fs::copy_options::overwrite_existing, failed);
+    if (failed) return error_in(trace.string(), fmt::format("it can't be written: {}", failed.message()));
+  }
+  return run;
+}
+
+Result<CaseResult> Campaign::run_text(const std::string& text, const fs::path& trace,
+                                      const Simulation& simulation) const {
+  auto run = run_alone(*this, text, scenario_.file, trace, simulation);
+  if (!run) return run.errors();
+  return run->result;
+}
+
+Result<void> Campaign::check_libraries(const std::map<std::string, std::string>& now) const {
+  for (const auto& [controller, library] : libraries_)
+    if (const auto found = now.find(controller); found == now.end() || found->second != library)
+      return error_in(folder_.string(),
+                      fmt::format("the controller {} has changed since the campaign began", controller), new_campaign);
+  return {};
+}
+
+/// Results of different controllers, models or programs must not be counted together.
+Result<void> Campaign::check_nominal(const Simulation& simulation) const {
+  const auto now = run_alone(*this, scenario_.text, scenario_.file, {}, simulation);
+  if (!now) return now.errors();
+  if (auto same = check_libraries(now->libraries); !same) return same;
+  if (now->result.repeats(nominal_)) return {};
+  return error_in(
+      folder_.string(), "the nominal run has changed since the campaign began",
+      "something that it depends on has changed, or it doesn't repeat itself: rehearse audit; begin another "
+      "campaign in a new folder");
+}
+
+Result<void> Campaign::work(const SweepOptions& options, const Simulation& simulation) {
+  const auto lock = CampaignLock::take(folder_, options.slice.has_value());
+  if (!lock) return lock.errors();
+  auto file = ResultFile::open(result_file(folder_, options.slice));
+  if (!file) return file.errors();
+  if (!is_new_)
+    if (auto same = check_nominal(simulation); !same) return same;
+  is_new_ = false;
+  const auto scratch = RunFolder::make(folder_ / "running");
+  if (!scratch) return scratch.errors();
+  std::error_code ignored;
+  fs::create_directories(trace_folder(folder_), ignored);
+  const auto& variations = scenario_.variations;
+  const bool varies_libraries = std::any_of(variations.begin(), variations.end(), [](const Variation& variation) {
+    return variation.path.ends_with(".library");
+  });
+  WorkerPool pool(std::max<std::size_t>(options.jobs, 1), limits_of(options_), scratch->path(),
+                  [&](std::int64_t number, const fs::path& folder) {
+                    const auto text = text_of(number);
+                    if (!text) return line_of(ended_case(number, CaseVerdict::invalid, text.errors().front().message));
+                    CaseRun run = timed_case(scenario_.file, *text, options_, folder / trace_name, simulation);
+                    if (!run.libraries.empty() && !varies_libraries)
+                      if (const auto same = check_libraries(run.libraries); !same)
+                        return refusal + same.errors().front().message;
+                    run.result.number = number;
+                    return line_of(run.result);
+                  });
+  return Work(*this, options, *file, pool).run();
+}
+
+}  // namespace rehearse

@@ -1,0 +1,354 @@
+#include "campaign_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "viewing/report/html_text.h"
+
+namespace rehearse {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t parts = 4;           // of a range, in cells
+constexpr std::size_t bins = 20;           // of a histogram
+constexpr std::size_t most_points = 2000;  // of a scatter
+constexpr std::size_t most_pairs = 6;
+constexpr double width = 260.0, height = 150.0;  // of a picture [px]
+
+struct Extent {
+  double low = 0.0, high = 1.0;
+  double share(double value) const { return high > low ? (value - low) / (high - low) : 0.5; }
+};
+
+Extent extent_of(const std::vector<double>& values) {
+  Extent extent;
+  bool any = false;
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    extent.low = any ? std::min(extent.low, value) : value;
+    extent.high = any ? std::max(extent.high, value) : value;
+    any = true;
+  }
+  return extent;
+}
+
+std::size_t cells_of_parameter(const CaseTable& table, std::size_t parameter) {
+  return table.words[parameter].empty() ? parts : table.words[parameter].size();
+}
+
+std::size_t cell_of(const CaseTable& table, std::size_t parameter, const Extent& extent, double value) {
+  if (!table.words[parameter].empty()) return static_cast<std::size_t>(value);
+  return std::min(parts - 1, static_cast<std::size_t>(extent.share(value) * static_cast<double>(parts)));
+}
+
+std::string short_number(double value) { return fmt::format("{:.4g}", value); }
+
+std::string percent(double share) { return fmt::format("{:.4g} %", 100.0 * share); }
+
+std::string text_of(const Json& value) {
+  if (value.is_null()) return "-";
+  if (value.is_number_float()) return short_number(value.get<double>());
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+std::string list_of(const Json& cases) {
+  std::string text;
+  for (const Json& number : cases) text += (text.empty() ? "" : ", ") + text_of(number);
+  return text;
+}
+
+using Row = std::vector<std::string>;
+
+/// A table of the report, for both forms.
+struct ReportTable {
+  std::string title, remark;
+  Row heading;
+  std::vector<Row> rows;
+};
+
+ReportTable verdict_table(const Json& report) {
+  ReportTable table{"Verdicts", "", {"verdict", "cases"}, {}};
+  for (const auto& [verdict, count] : report["summary"]["verdicts"].items())
+    table.rows.push_back({verdict, text_of(count)});
+  table.rows.push_back({"missing", text_of(report["summary"]["missing"])});
+  return table;
+}
+
+ReportTable failure_table(const Json& report) {
+  ReportTable table{"Failures", "", {"cases", "verdict", "failure", "for example", "first cases"}, {}};
+  for (const Json& failure : report["failures"])
+    table.rows.push_back({text_of(failure["count"]), text_of(failure["verdict"]), text_of(failure["reason"]),
+                          text_of(failure["sentence"]), list_of(failure["cases"])});
+  return table;
+}
+
+ReportTable parameter_table(const Json& report) {
+  ReportTable table{
+      "Parameters",
+      "Rank correlation (Spearman) of each parameter with passing, and with the margin on which it has "
+      "the largest effect.",
+      {"parameter", "path", "nominal", "with passing", "with a margin", "median of passed", "median of failed"},
+      {}};
+  for (const Json& parameter : report["parameters"]) {
+    const Json& margin = parameter["correlation_with_margin"];
+    table.rows.push_back(
+        {text_of(parameter["name"]), text_of(parameter["path"]), text_of(parameter["nominal"]),
+         text_of(parameter["correlation_with_passing"]),
+         margin.is_null() ? "-" : fmt::format("{}: {}", text_of(margin["correlation"]), text_of(margin["expectation"])),
+         text_of(parameter["median_of_passed"]), text_of(parameter["median_of_failed"])});
+  }
+  return table;
+}
+
+ReportTable margin_table(const Json& report) {
+  ReportTable table{"Margins",
+                    "Distance of each expectation from a violation, in its unit; below 0 it is violated. The worst "
+                    "passes are the passing cases that were nearest to it.",
+                    {"expectation", "least", "5 %", "median", "largest", "worst passes"},
+                    {}};
+  for (const Json& margin : report["margins"]) {
+    std::string worst;
+    for (const Json& pass : margin["worst_passes"])
+      worst += fmt::format("{}case {} ({})", worst.empty() ? "" : ", ", text_of(pass["case"]), text_of(pass["margin"]));
+    table.rows.push_back({text_of(margin["expectation"]), text_of(margin["least"]), text_of(margin["percentile_5"]),
+                          text_of(margin["median"]), text_of(margin["largest"]), worst});
+  }
+  return table;
+}
+
+ReportTable cell_table(const Json& report) {
+  ReportTable table{"Cells that no case visited",
+                    "Pairs of parameters in four by four equal parts of their ranges.",
+                    {"parameters", "unvisited", "of", "for example"},
+                    {}};
+  for (const Json& cells : report["cells"]) {
+    if (cells["unvisited"] == 0) continue;
+    std::string examples;
+    for (const Json& cell : cells["examples"])
+      examples += fmt::format("{}({}; {})", examples.empty() ? "" : ", ", text_of(cell[0]), text_of(cell[1]));
+    table.rows.push_back({fmt::format("{}, {}", text_of(cells["parameters"][0]), text_of(cells["parameters"][1])),
+                          text_of(cells["unvisited"]), text_of(cells["cells"]), examples});
+  }
+  return table;
+}
+
+ReportTable change_table(const Json& change) {
+  ReportTable table{"Before and after",
+                    "The same cases in another campaign. p: the probability of flips as unequal as these, if both "
+                    "directions were as likely (McNemar's exact test).",
+                    {"", "cases", "first cases"},
+                    {}};
+  table.rows.push_back({"compared", text_of(change["compared"]), ""});
+  table.rows.push_back({"with the same bits", text_of(change["same_bits"]), ""});
+  table.rows.push_back({"passed before, fail now", text_of(change["broken"]), list_of(change["broken_cases"])});
+  table.rows.push_back({"failed before, pass now", text_of(change["mended"]), list_of(change["mended_cases"])});
+  table.rows.push_back({"p", text_of(change["p"]), ""});
+  return table;
+}
+
+std::vector<ReportTable> tables_of(const Json& report) {
+  std::vector<ReportTable> tables{verdict_table(report)};
+  if (report.contains("against")) tables.push_back(change_table(report["against"]));
+  for (auto* make : {failure_table, parameter_table, margin_table, cell_table})
+    if (ReportTable table = make(report); !table.rows.empty()) tables.push_back(std::move(table));
+  return tables;
+}
+
+std::string subtitle_of(const Json& report) {
+  const Json& summary = report["summary"];
+  std::string text = fmt::format("Scenario {}, seed {}, plan {}. ", text_of(report["scenario"]),
+                                 text_of(report["seed"]), text_of(report["plan"]));
+  text += fmt::format("The share that passes is within {} to {} with 95 % confidence (Wilson's interval). ",
+                      percent(summary["interval"][0].get<double>()), percent(summary["interval"][1].get<double>()));
+  text += fmt::format("The nominal scenario: {}. ", text_of(report["nominal"]["verdict"]));
+  return text + fmt::format("Cases that ran twice, in different processes: {}; {}.", text_of(summary["repeated"]),
+                            summary["unrepeated"].empty() ? "each gave the same bits"
+                                                          : "these differed: " + list_of(summary["unrepeated"]));
+}
+
+std::string md_cell(std::string text) {
+  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.replace(at, 1, "\\|");
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+std::string html_row(const Row& row, const char* cell) {
+  std::string text = "<tr>";
+  for (const std::string& content : row) text += fmt::format("<{0}>{1}</{0}>", cell, html_text(content));
+  return text + "</tr>\n";
+}
+
+std::string svg(const std::string& label, const std::string& content) {
+  return fmt::format(
+      "<svg viewBox=\"-8 -8 {:g} {:g}\" width=\"{:g}\" role=\"img\" aria-label=\"{}\"><rect class=\"frame\" "
+      "width=\"{:g}\" height=\"{:g}\"/>{}</svg>",
+      width + 16.0, height + 16.0, width + 16.0, html_text(label), width, height, content);
+}
+
+std::string ends_of(const CaseTable& table, std::size_t parameter) {
+  if (!table.words[parameter].empty()) return fmt::format("{} values", table.words[parameter].size());
+  const Extent extent = extent_of(table.values[parameter]);
+  return fmt::format("{} to {}", short_number(extent.low), short_number(extent.high));
+}
+
+/// The distributions of passed and failed cases over a column, each as shares of its own number.
+std::string histogram(const CaseTable& table, const std::vector<double>& column, const std::string& label) {
+  const Extent extent = extent_of(column);
+  std::vector<double> counts[2] = {std::vector<double>(bins), std::vector<double>(bins)};
+  double sums[2] = {0.0, 0.0};
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    if (!table.has(i) || !std::isfinite(column[i])) continue;
+    const auto bin = static_cast<std::size_t>(extent.share(column[i]) * static_cast<double>(bins));
+    const std::size_t kind = table.passed(i) ? 0 : 1;
+    ++counts[kind][std::min(bin, bins - 1)];
+    ++sums[kind];
+  }
+  double largest = 1e-12;
+  for (std::size_t kind = 0; kind < 2; ++kind)
+    for (double& count : counts[kind]) largest = std::max(largest, count /= std::max(sums[kind], 1.0));
+  std::string bars;
+  constexpr double bar = width / static_cast<double>(bins);
+  for (std::size_t kind = 0; kind < 2; ++kind)
+    for (std::size_t i = 0; i < bins; ++i) {
+      const double size = height * counts[kind][i] / largest;
+      if (size > 0.0)
+        bars += fmt::format("<rect class=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>",
+                            kind == 0 ? "passed" : "failed", bar * static_cast<double>(i), height - size, bar, size);
+    }
+  return svg(label, bars);
+}
+
+/// Failed cases are drawn above passed ones; of many of a kind only some.
+std::string scatter(const CaseTable& table, std::size_t a, std::size_t b, const std::string& label) {
+  const Extent x = extent_of(table.values[a]), y = extent_of(table.values[b]);
+  std::string points;
+  for (const bool passed : {true, false}) {
+    std::vector<std::size_t> cases;
+    for (std::size_t i = 0; i < table.size(); ++i)
+      if (table.has(i) && table.passed(i) == passed) cases.push_back(i);
+    const std::size_t step = std::max<std::size_t>(1, cases.size() / most_points);
+    for (std::size_t i = 0; i < cases.size(); i += step)
+      points +=
+          fmt::format("<circle class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.5\"/>", passed ? "passed" : "failed",
+                      width * x.share(table.values[a][cases[i]]), height * (1.0 - y.share(table.values[b][cases[i]])));
+  }
+  return svg(label, points);
+}
+
+std::string figure(const std::string& picture, const std::string& caption) {
+  return fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", picture, html_text(caption));
+}
+
+/// The parameters with the largest effect on passing or on a margin come first.
+std::vector<std::size_t> by_effect(const Json& report) {
+  std::vector<std::pair<double, std::size_t>> effects;
+  for (std::size_t i = 0; i < report["parameters"].size(); ++i) {
+    const Json& parameter = report["parameters"][i];
+    const Json& passing = parameter["correlation_with_passing"];
+    const Json& margin = parameter["correlation_with_margin"];
+    const double effect = std::max(passing.is_null() ? 0.0 : std::abs(passing.get<double>()),
+                                   margin.is_null() ? 0.0 : std::abs(margin["correlation"].get<double>()));
+    effects.emplace_back(-effect, i);
+  }
+  std::stable_sort(effects.begin(), effects.end());
+  std::vector<std::size_t> order;
+  for (const auto& [effect, index] : effects) order.push_back(index);
+  return order;
+}
+
+std::string pictures_of(const Campaign& campaign, const CaseTable& table, const Json& report) {
+  const std::vector<Variation>& variations = campaign.scenario().variations;
+  const std::vector<std::size_t> order = by_effect(report);
+  std::string text =
+      "<h2>Passed and failed</h2>\n<p>Each distribution in shares of its own cases: <b class=\"passed\">passed</b>, "
+      "<b class=\"failed\">failed</b>.</p>\n<div class=\"pictures\">\n";
+  for (const std::size_t i : order)
+    text += figure(histogram(table, table.values[i], variations[i].name),
+                   fmt::format("{}: {}", variations[i].name, ends_of(table, i)));
+  for (std::size_t e = 0; e < table.margins.size(); ++e) {
+    const auto is_number = [](double margin) { return std::isfinite(margin); };
+    if (std::none_of(table.margins[e].begin(), table.margins[e].end(), is_number)) continue;  // the margin of an event
+    const Extent extent = extent_of(table.margins[e]);
+    const std::string& expectation = campaign.expectations()[e];
+    text +=
+        figure(histogram(table, table.margins[e], expectation),
+               fmt::format("margin of {}: {} to {}", expectation, short_number(extent.low), short_number(extent.high)));
+  }
+  text += "</div>\n<h2>Pairs of parameters</h2>\n<div class=\"pictures\">\n";
+  std::size_t drawn = 0;
+  for (std::size_t b = 1; b < order.size(); ++b)
+    for (std::size_t a = 0; a < b && drawn < most_pairs; ++a, ++drawn)
+      text += figure(scatter(table, order[a], order[b], variations[order[a]].name + ", " + variations[order[b]].name),
+                     fmt::format("across {}, {}; up {}, {}", variations[order[a]].name, ends_of(table, order[a]),
+                                 variations[order[b]].name, ends_of(table, order[b])));
+  return text + "</div>\n";
+}
+
+}  // namespace
+
+CellGrid::CellGrid(const CaseTable& table, std::size_t a, std::size_t b)
+    : columns(cells_of_parameter(table, a)), rows(cells_of_parameter(table, b)), counts(columns * rows) {
+  const Extent x = extent_of(table.values[a]), y = extent_of(table.values[b]);
+  for (std::size_t i = 0; i < table.size(); ++i)
+    if (table.has(i))
+      ++counts[cell_of(table, b, y, table.values[b][i]) * columns + cell_of(table, a, x, table.values[a][i])];
+}
+
+std::string cell_text(const CaseTable& table, std::size_t parameter, std::size_t cell) {
+  if (!table.words[parameter].empty()) return table.words[parameter][cell];
+  const Extent extent = extent_of(table.values[parameter]);
+  const double part = (extent.high - extent.low) / static_cast<double>(parts);
+  return fmt::format("{} to {}", short_number(extent.low + part * static_cast<double>(cell)),
+                     short_number(extent.low + part * static_cast<double>(cell + 1)));
+}
+
+std::string markdown_of(const Json& report) {
+  std::string text = fmt::format("# {}\n\n{}\n", text_of(report["summary"]["verdict"]), subtitle_of(report));
+  for (const ReportTable& table : tables_of(report)) {
+    text += fmt::format("\n## {}\n\n", table.title);
+    if (!table.remark.empty()) text += table.remark + "\n\n";
+    const auto row_of = [](const Row& row) {
+      std::string line = "|";
+      for (const std::string& cell : row) line += ' ' + md_cell(cell) + " |";
+      return line + '\n';
+    };
+    text += row_of(table.heading) + row_of(Row(table.heading.size(), "---"));
+    for (const Row& row : table.rows) text += row_of(row);
+  }
+  return text;
+}
+
+std::string page_of(const Campaign& campaign, const CaseTable& table, const Json& report) {
+  const std::string title = html_text(text_of(report["summary"]["verdict"]));
+  std::string text = fmt::format(
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title>\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><style>\n{1}"
+      "th {{ text-align: left; padding: .4rem .6rem; font-weight: 600 }}\n"
+      ".scroll {{ overflow-x: auto }} .scroll td {{ overflow-wrap: break-word }}\n"
+      ".pictures {{ display: flex; flex-wrap: wrap; gap: 1rem }}\n"
+      "figure {{ margin: 0; width: 276px }} figcaption {{ font-size: .85rem; overflow-wrap: anywhere }}\n"
+      ".frame {{ fill: none; stroke: #8888 }}\n"
+      "b.passed {{ color: light-dark(#1b7a37, #7ddc97) }} b.failed {{ color: light-dark(#b3261e, #ff8a80) }}\n"
+      "svg .passed {{ fill: light-dark(#1b7a37, #7ddc97); fill-opacity: .45 }}\n"
+      "svg .failed {{ fill: light-dark(#b3261e, #ff8a80); fill-opacity: .6 }}\n"
+      "</style></head><body>\n<h1>{0}</h1>\n<p>{2}</p>\n",
+      title, html_style, html_text(subtitle_of(report)));
+  bool has_pictures = false;
+  for (const ReportTable& part : tables_of(report)) {
+    if (part.title == "Parameters" && !has_pictures) {
+      text += pictures_of(campaign, table, report);
+      has_pictures = true;
+    }
+    text += fmt::format("<h2>{}</h2>\n", html_text(part.title));
+    if (!part.remark.empty()) text += fmt::format("<p>{}</p>\n", html_text(part.remark));
+    text += "<div class=\"scroll\"><table>\n" + html_row(part.heading, "th");
+    for (const Row& row : part.rows) text += html_row(row, "td");
+    text += "</table></div>\n";
+  }
+  return text + "</body></html>\n";
+}
+
+}  // namespace rehearse

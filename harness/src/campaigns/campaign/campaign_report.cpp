@@ -1,0 +1,373 @@
+// The results of a campaign: its summary, and the files of its report.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <set>
+
+#include "campaign_page.h"
+#include "case_table.h"
+#include "core/golden/golden_files.h"
+#include "core/trace/hashing.h"
+#include "csv_text.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t listed_cases = 5, listed_passes = 3, listed_flips = 20, most_unrepeated = 100;
+
+std::uint64_t hash_of_text(const std::string& text) {
+  std::uint64_t hash = 0;
+  std::from_chars(text.data(), text.data() + text.size(), hash, 16);
+  return hash;
+}
+
+void read_values(const Campaign& campaign, CaseTable& table) {
+  const std::size_t count = campaign.scenario().variations.size();
+  table.values.assign(count, std::vector<double>(table.size()));
+  table.words.resize(count);
+  std::vector<std::map<std::string, std::size_t>> places(count);
+  for (std::size_t number = 0; number < table.size(); ++number) {
+    const std::vector<std::string> values = campaign.values_of(static_cast<std::int64_t>(number));
+    for (std::size_t i = 0; i < count; ++i) {
+      double& value = table.values[i][number];
+      const char* const end = values[i].data() + values[i].size();
+      const auto [stop, status] = std::from_chars(values[i].data(), end, value);
+      if (status == std::errc() && stop == end && places[i].empty()) continue;
+      const auto [place, is_new] = places[i].emplace(values[i], places[i].size());
+      if (is_new) table.words[i].push_back(values[i]);
+      value = static_cast<double>(place->second);
+    }
+  }
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return none;
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json json_of_interval(const Interval& interval) { return Json::array({interval.low, interval.high}); }
+
+/// The kinds of failures, the most frequent first.
+Json failures_of(const CaseTable& table) {
+  std::vector<std::vector<std::int64_t>> cases(table.reason_texts.size());
+  for (std::size_t i = 0; i < table.size(); ++i)
+    if (table.has(i) && !table.passed(i)) cases[table.reasons[i]].push_back(static_cast<std::int64_t>(i));
+  std::vector<std::size_t> order(cases.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::erase_if(order, [&](std::size_t reason) { return cases[reason].empty(); });
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return cases[a].size() != cases[b].size() ? cases[a].size() > cases[b].size() : cases[a][0] < cases[b][0];
+  });
+  Json failures = Json::array();
+  for (const std::size_t reason : order) {
+    const std::vector<std::int64_t>& these = cases[reason];
+    const auto listed = these.begin() + static_cast<std::ptrdiff_t>(std::min(these.size(), listed_cases));
+    failures.push_back({{"reason", table.reason_texts[reason]},
+                        {"verdict", std::string(to_string(*table.verdicts[static_cast<std::size_t>(these[0])]))},
+                        {"count", these.size()},
+                        {"sentence", table.reason_examples[reason]},
+                        {"cases", std::vector<std::int64_t>(these.begin(), listed)}});
+  }
+  return failures;
+}
+
+/// The rank correlation with a column, over the cases that have both.
+double correlation(const CaseTable& table, const std::vector<double>& values, const std::vector<double>& column) {
+  std::vector<double> a, b;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    if (!table.has(i) || std::isnan(column[i])) continue;
+    a.push_back(values[i]);
+    b.push_back(column[i]);
+  }
+  return rank_correlation(a, b);
+}
+
+Json json_of_parameter(const Campaign& campaign, const CaseTable& table, std::size_t index) {
+  const Variation& variation = campaign.scenario().variations[index];
+  const std::vector<double>& values = table.values[index];
+  std::vector<double> passing(table.size(), none), of_passed, of_failed;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    if (!table.has(i)) continue;
+    passing[i] = table.passed(i) ? 1.0 : 0.0;
+    (table.passed(i) ? of_passed : of_failed).push_back(values[i]);
+  }
+  Json object{{"name", variation.name},
+              {"path", variation.path},
+              {"nominal", variation.nominal},
+              {"correlation_with_passing", number_or_null(correlation(table, values, passing))}};
+  double strongest = 0.0;
+  std::string of_expectation;
+  for (std::size_t e = 0; e < table.margins.size(); ++e) {
+    const double found = correlation(table, values, table.margins[e]);
+    if (!(std::abs(found) > std::abs(strongest))) continue;
+    strongest = found;
+    of_expectation = campaign.expectations()[e];
+  }
+  object["correlation_with_margin"] =
+      of_expectation.empty() ? Json(nullptr) : Json{{"expectation", of_expectation}, {"correlation", strongest}};
+  const bool is_number = table.words[index].empty();
+  object["median_of_passed"] = is_number ? number_or_null(median(of_passed)) : Json(nullptr);
+  object["median_of_failed"] = is_number ? number_or_null(median(of_failed)) : Json(nullptr);
+  return object;
+}
+
+Json json_of_margins(const Campaign& campaign, const CaseTable& table, std::size_t expectation) {
+  std::vector<double> found;
+  std::vector<std::pair<double, std::int64_t>> passes;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const double margin = table.margins[expectation][i];
+    if (std::isnan(margin)) continue;
+    found.push_back(margin);
+    if (table.passed(i)) passes.emplace_back(margin, static_cast<std::int64_t>(i));
+  }
+  std::sort(found.begin(), found.end());
+  std::sort(passes.begin(), passes.end());
+  const auto quantile = [&](double share) {
+    return found.empty() ? Json(nullptr)
+                         : Json(found[static_cast<std::size_t>(share * static_cast<double>(found.size() - 1))]);
+  };
+  Json worst = Json::array();
+  for (std::size_t i = 0; i < std::min(passes.size(), listed_passes); ++i)
+    worst.push_back({{"case", passes[i].second}, {"margin", passes[i].first}});
+  return {{"expectation", campaign.expectations()[expectation]},
+          {"least", quantile(0.0)},
+          {"percentile_5", quantile(0.05)},
+          {"median", quantile(0.5)},
+          {"largest", quantile(1.0)},
+          {"worst_passes", worst}};
+}
+
+/// The cells of a pair of parameters, 4 by 4 in equal parts of the ranges that occur, which no case with a result
+/// visited.
+Json cells_of(const Campaign& campaign, const CaseTable& table, std::size_t a, std::size_t b) {
+  const CellGrid grid(table, a, b);
+  Json unvisited = Json::array();
+  for (std::size_t row = 0; row < grid.rows; ++row)
+    for (std::size_t column = 0; column < grid.columns; ++column)
+      if (grid.counts[row * grid.columns + column] == 0 && unvisited.size() < listed_cases)
+        unvisited.push_back({cell_text(table, a, column), cell_text(table, b, row)});
+  const auto empty = std::count(grid.counts.begin(), grid.counts.end(), std::size_t{0});
+  return {{"parameters", {campaign.scenario().variations[a].name, campaign.scenario().variations[b].name}},
+          {"cells", grid.counts.size()},
+          {"unvisited", empty},
+          {"examples", unvisited}};
+}
+
+Json json_of_summary(const CampaignSummary& summary) {
+  Json verdicts = Json::object();
+  for (std::size_t i = 0; i < case_verdict_count; ++i)
+    verdicts[std::string(to_string(static_cast<CaseVerdict>(i)))] = summary.verdicts[i];
+  const double share =
+      summary.judged() == 0 ? none : static_cast<double>(summary.passed()) / static_cast<double>(summary.judged());
+  return {{"verdict", verdict(summary)},    {"cases", summary.cases},
+          {"verdicts", verdicts},           {"missing", summary.missing},
+          {"share", number_or_null(share)}, {"interval", json_of_interval(summary.interval())},
+          {"repeated", summary.repeated},   {"unrepeated", summary.unrepeated}};
+}
+
+/// The cases whose verdict flipped between two campaigns over the same cases.
+Json json_of_change(const CaseTable& now, const CaseTable& before) {
+  std::vector<std::int64_t> broken, mended;
+  std::int64_t both = 0, same_hash = 0;
+  for (std::size_t i = 0; i < std::min(now.size(), before.size()); ++i) {
+    if (!now.has(i) || !before.has(i)) continue;
+    ++both;
+    same_hash += now.hashes[i] == before.hashes[i] ? 1 : 0;
+    if (before.passed(i) && !now.passed(i)) broken.push_back(static_cast<std::int64_t>(i));
+    if (!before.passed(i) && now.passed(i)) mended.push_back(static_cast<std::int64_t>(i));
+  }
+  const double p = mcnemar_exact(static_cast<std::int64_t>(broken.size()), static_cast<std::int64_t>(mended.size()));
+  const auto first_of = [](std::vector<std::int64_t> cases) {
+    cases.resize(std::min(cases.size(), listed_flips));
+    return cases;
+  };
+  return {{"compared", both},
+          {"same_bits", same_hash},
+          {"broken", broken.size()},
+          {"mended", mended.size()},
+          {"p", p},
+          {"broken_cases", first_of(broken)},
+          {"mended_cases", first_of(mended)}};
+}
+
+CampaignSummary summary_of(const CaseTable& table) {
+  CampaignSummary summary;
+  summary.cases = static_cast<std::int64_t>(table.size());
+  for (const auto& verdict : table.verdicts) {
+    if (verdict)
+      ++summary.verdicts[static_cast<std::size_t>(*verdict)];
+    else
+      ++summary.missing;
+  }
+  summary.repeated = table.repeated;
+  summary.unrepeated = table.unrepeated;
+  return summary;
+}
+
+Result<void> write_csv(const Campaign& campaign, const CaseTable& table) {
+  const fs::path file = campaign.folder() / "results.csv", draft = file.string() + ".part";
+  std::ofstream stream(draft, std::ios::binary);
+  std::string line = "case";
+  for (const Variation& variation : campaign.scenario().variations) line += ',' + variation.name;
+  line += ",verdict,tick,ticks,hash,reason";
+  for (const std::string& expectation : campaign.expectations()) line += ',' + csv_cell("margin: " + expectation);
+  stream << line << '\n';
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    line = fmt::format("{}", i);
+    for (const std::string& value : campaign.values_of(static_cast<std::int64_t>(i))) line += ',' + csv_cell(value);
+    if (table.has(i)) {
+      const bool passed = table.passed(i);
+      line += fmt::format(",{},{},{},{},{}", to_string(*table.verdicts[i]),
+                          table.failing_ticks[i] < 0 ? "" : fmt::format("{}", table.failing_ticks[i]), table.ticks[i],
+                          table.hashes[i] == 0 ? "" : hash_text(table.hashes[i]),
+                          passed ? "" : csv_cell(table.reason_texts[table.reasons[i]]));
+    } else {
+      line += ",missing,,,,";
+    }
+    for (const std::vector<double>& margins : table.margins)
+      line += std::isnan(margins[i]) ? "," : fmt::format(",{}", margins[i]);
+    stream << line << '\n';
+  }
+  stream.close();
+  std::error_code failed;
+  if (stream) fs::rename(draft, file, failed);
+  if (!stream || failed) return error_in(file.string(), "it can't be written", "is the disk full?");
+  return {};
+}
+
+Json json_of_report(const Campaign& campaign, const CaseTable& table, const CampaignSummary& summary) {
+  Json report{{"schema", 1},
+              {"scenario", campaign.scenario().name},
+              {"seed", campaign.options().seed},
+              {"plan", campaign.digest()},
+              {"summary", json_of_summary(summary)},
+              {"nominal",
+               {{"verdict", std::string(to_string(campaign.nominal().verdict))},
+                {"sentence", campaign.nominal().sentence},
+                {"hash", campaign.nominal().hash}}},
+              {"failures", failures_of(table)}};
+  report["parameters"] = Json::array();
+  const std::size_t count = campaign.scenario().variations.size();
+  for (std::size_t i = 0; i < count; ++i) report["parameters"].push_back(json_of_parameter(campaign, table, i));
+  report["margins"] = Json::array();
+  for (std::size_t i = 0; i < table.margins.size(); ++i)
+    report["margins"].push_back(json_of_margins(campaign, table, i));
+  report["cells"] = Json::array();
+  for (std::size_t a = 0; a < count; ++a)
+    for (std::size_t b = a + 1; b < count; ++b) report["cells"].push_back(cells_of(campaign, table, a, b));
+  return report;
+}
+
+}  // namespace
+
+Result<CaseTable> CaseTable::of(const Campaign& campaign) {
+  CaseTable table;
+  const auto size = static_cast<std::size_t>(campaign.options().cases);
+  table.verdicts.resize(size);
+  table.ticks.assign(size, -1);
+  table.failing_ticks.assign(size, -1);
+  table.hashes.resize(size);
+  table.reasons.resize(size);
+  table.margins.assign(campaign.expectations().size(), std::vector<double>(size, none));
+  std::map<std::string, std::size_t> places;
+  std::vector<std::int64_t> lowest;  // case by reason
+  std::vector<CaseResult> second_runs;
+  auto read = campaign.read_results([&](const CaseResult& result) {
+    const auto i = static_cast<std::size_t>(result.number);
+    if (result.again || table.verdicts[i]) return second_runs.push_back(result);
+    table.verdicts[i] = result.verdict;
+    table.ticks[i] = result.ticks;
+    table.failing_ticks[i] = result.tick.value_or(-1);
+    table.hashes[i] = hash_of_text(result.hash);
+    const auto [place, is_new] = places.emplace(result.reason, places.size());
+    table.reasons[i] = place->second;
+    if (is_new) {
+      table.reason_texts.push_back(result.reason);
+      table.reason_examples.emplace_back();
+      lowest.push_back(result.number + 1);
+    }
+    if (result.number < lowest[place->second]) {
+      table.reason_examples[place->second] = result.sentence;
+      lowest[place->second] = result.number;
+    }
+    for (std::size_t e = 0; e < std::min(table.margins.size(), result.margins.size()); ++e)
+      table.margins[e][i] = result.margins[e].value_or(none);
+  });
+  if (!read) return read.errors();
+  std::set<std::int64_t> twice, different;
+  for (const CaseResult& second : second_runs) {
+    const auto i = static_cast<std::size_t>(second.number);
+    if (!table.verdicts[i]) continue;  // another process hasn't made the first run yet
+    twice.insert(second.number);
+    const bool is_same = table.verdicts[i] == second.verdict && table.hashes[i] == hash_of_text(second.hash) &&
+                         table.failing_ticks[i] == second.tick.value_or(-1) && table.ticks[i] == second.ticks;
+    if (!is_same) different.insert(second.number);
+  }
+  table.repeated = static_cast<std::int64_t>(twice.size());
+  for (const std::int64_t number : different)
+    if (table.unrepeated.size() < most_unrepeated) table.unrepeated.push_back(number);
+  read_values(campaign, table);
+  return table;
+}
+
+Result<CampaignSummary> summary_of(const Campaign& campaign) {
+  const auto table = CaseTable::of(campaign);
+  if (!table) return table.errors();
+  return summary_of(*table);
+}
+
+std::string verdict(const CampaignSummary& summary) {
+  if (!summary.unrepeated.empty())
+    return fmt::format("the campaign doesn't repeat itself: case {} gave another result in another process",
+                       summary.unrepeated.front());
+  if (summary.judged() == 0) return fmt::format("none of {} cases has a result", summary.cases);
+  const Interval interval = summary.interval();
+  std::string text =
+      fmt::format("{} of {} cases pass: {:.4g} % ({:.4g} % to {:.4g} %)", summary.passed(), summary.judged(),
+                  100.0 * static_cast<double>(summary.passed()) / static_cast<double>(summary.judged()),
+                  100.0 * interval.low, 100.0 * interval.high);
+  if (summary.missing > 0) text += fmt::format("; {} have no result yet", summary.missing);
+  return text;
+}
+
+std::string to_json(const CampaignSummary& summary) { return json_of_summary(summary).dump(); }
+
+Result<CampaignSummary> write_campaign_report(const Campaign& campaign, const Campaign* against) {
+  const auto table = CaseTable::of(campaign);
+  if (!table) return table.errors();
+  const CampaignSummary summary = summary_of(*table);
+  Json report = json_of_report(campaign, *table, summary);
+  if (against) {
+    if (against->digest() != campaign.digest())
+      return error_in(
+          against->folder().string(),
+          fmt::format("its plan differs from that of {}: their cases can't be paired", campaign.folder().string()),
+          "run both with the same vary:, --cases and --seed");
+    const auto before = CaseTable::of(*against);
+    if (!before) return before.errors();
+    report["against"] = json_of_change(*table, *before);
+  }
+  if (auto written = write_csv(campaign, *table); !written) return written.errors();
+  const fs::path& folder = campaign.folder();
+  const std::string json = report.dump(1, ' ', false, Json::error_handler_t::replace) + '\n';
+  if (auto written = replace_text(folder / "report.json", json); !written) return written.errors();
+  if (auto written = replace_text(folder / "report.md", markdown_of(report)); !written) return written.errors();
+  if (auto written = replace_text(folder / "report.html", page_of(campaign, *table, report)); !written)
+    return written.errors();
+  return summary;
+}
+
+}  // namespace rehearse

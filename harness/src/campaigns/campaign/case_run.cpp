@@ -1,0 +1,120 @@
+#include "case_run.h"
+
+#include <fmt/format.h>
+#include <rehearse/compare.h>
+#include <rehearse/mcap.h>
+
+#include <cctype>
+
+#include "core/trace/hashing.h"
+#include "core/trace/run_facts.h"
+
+namespace rehearse {
+namespace {
+
+CaseVerdict verdict_of(RunEnding ending) {
+  switch (ending) {
+    case RunEnding::complete:
+    case RunEnding::interrupted: break;
+    case RunEnding::refused:
+    case RunEnding::threw:
+    case RunEnding::exited: return CaseVerdict::failed;
+    case RunEnding::crashed: return CaseVerdict::crashed;
+    case RunEnding::hung: return CaseVerdict::hung;
+    case RunEnding::exploded: return CaseVerdict::exploded;
+  }
+  return CaseVerdict::passed;
+}
+
+void take_violation(const JudgedRecording& judged, CaseResult& result) {
+  for (const ExpectationResult& expectation : judged.expectations) result.margins.push_back(expectation.margin);
+  const ExpectationResult* violation = first_violation(judged.expectations);
+  if (!violation || !result.passed()) return;
+  result.verdict = CaseVerdict::violated;
+  result.sentence = violation->sentence;
+  result.reason = violation->text;
+  if (violation->first) result.tick = violation->first->tick;
+}
+
+Result<void> compare_with_golden(const Scenario& scenario, const CampaignOptions& options,
+                                 const std::filesystem::path& trace, CaseResult& result) {
+  if (options.golden.empty() || !result.passed()) return {};
+  CompareOptions comparing;
+  comparing.until = scenario.horizon;
+  const auto compared = compare(options.golden, trace, scenario.tolerances, comparing);
+  if (!compared) return compared.errors();
+  if (compared->within) return {};
+  result.verdict = CaseVerdict::differs;
+  result.sentence = verdict(*compared);
+  result.reason = "beyond the golden's tolerances";
+  if (compared->first) {
+    result.reason =
+        fmt::format("{} {} is beyond the golden's tolerances", compared->first->channel, compared->first->element);
+    result.tick = compared->first->tick;
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string without_numbers(std::string_view sentence) {
+  std::string text;
+  for (std::size_t i = 0; i < sentence.size(); ++i) {
+    const char c = sentence[i];
+    const bool in_word =
+        i > 0 && (std::isalpha(static_cast<unsigned char>(sentence[i - 1])) != 0 || sentence[i - 1] == '_');
+    const bool in_number = text.ends_with('#') && (std::isdigit(static_cast<unsigned char>(c)) != 0 || c == '.' ||
+                                                   c == 'e' || c == '-' || c == '+');
+    if (in_number && !(c == '.' && (i + 1 == sentence.size() || sentence[i + 1] == ' '))) continue;
+    text += std::isdigit(static_cast<unsigned char>(c)) != 0 && !in_word ? '#' : c;
+  }
+  return text;
+}
+
+CaseResult ended_case(std::int64_t number, CaseVerdict verdict, std::string sentence) {
+  CaseResult result;
+  result.number = number;
+  result.verdict = verdict;
+  result.reason = without_numbers(sentence);
+  result.sentence = std::move(sentence);
+  return result;
+}
+
+CaseRun run_case(const std::filesystem::path& file, const std::string& text, const CampaignOptions& options,
+                 const std::filesystem::path& trace, const Simulation& simulation) {
+  CaseRun made;
+  CaseResult& result = made.result;
+  const auto invalid = [&](const Diagnostics& problems) {
+    result.verdict = CaseVerdict::invalid;
+    result.sentence = problems.front().message;
+    result.reason = without_numbers(result.sentence);
+    return made;
+  };
+  std::error_code ignored;
+  std::filesystem::remove(trace, ignored);  // the trace of the previous case
+  const auto scenario = Scenario::load_text(text, file);
+  if (!scenario) return invalid(scenario.errors());
+  RecordOptions recording;
+  static_cast<HostOptions&>(recording) = options.host;
+  if (options.golden.empty()) recording.checkpoint_period = 0.0;  // goldens have checkpoints
+  const auto run = simulation.record(*scenario, trace, recording);
+  if (!run) return invalid(run.errors());
+  result.ticks = run->ticks;
+  result.verdict = verdict_of(run->end);
+  if (!result.passed()) {
+    result.sentence = run->failure->message;
+    result.reason = without_numbers(result.sentence);
+    result.tick = run->ticks;
+  }
+  const auto judged = judge_recording(scenario->expectations, trace);
+  if (!judged) return invalid(judged.errors());
+  result.hash = hash_text(judged->content);
+  for (const ExpectationResult& expectation : judged->expectations) made.expectations.push_back(expectation.text);
+  take_violation(*judged, result);
+  if (const auto compared = compare_with_golden(*scenario, options, trace, result); !compared)
+    return invalid(compared.errors());
+  if (const auto reader = mcap::Reader::open(trace)) made.libraries = RunFacts::of(**reader).controllers;
+  return made;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,325 @@
+#include "blame.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <rehearse/mcap.h>
+#include <rehearse/replay.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "check_run.h"
+#include "core/compare/compare_parts.h"
+#include "core/replay/plant_level.h"
+#include "core/scenario/structure_change.h"
+#include "core/scenario/trace_scenario.h"
+#include "core/trace/hashing.h"
+#include "model/clock.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A hash of the outputs of each tick.
+Result<std::vector<std::uint64_t>> replayed_outputs(const fs::path& recording, const HostOptions& host) {
+  std::vector<std::uint64_t> hashes;
+  ReplayOptions options = as_here(host);
+  options.on_outputs = [&hashes](std::int64_t, const std::vector<std::uint64_t>& row) {
+    hashes.push_back(hash_bytes(row.data(), row.size() * sizeof(row[0])));
+  };
+  if (auto replayed = replay(recording, options); !replayed) return replayed.errors();
+  return hashes;
+}
+
+/// The first tick in which two replays of the recording have different outputs; none: they have equal bits in all
+/// ticks. Fails if the recording can't be replayed.
+Result<std::optional<std::int64_t>> first_unrepeated_tick(const fs::path& recording, const HostOptions& host) {
+  const auto once = replayed_outputs(recording, host), again = replayed_outputs(recording, host);
+  if (!once) return once.errors();
+  if (!again) return again.errors();
+  if (*once == *again) return std::optional<std::int64_t>();
+  return std::optional(std::ranges::mismatch(*once, *again).in1 - once->begin());
+}
+
+/// Repeats level plant, up to the beginning of the tick `options.until`. None: the run failed.
+std::optional<Comparison> plant_again(const Suspects& with, const Scenario& scenario, const PlantOptions& options) {
+  auto again = compare_plant(with.simulation, scenario, with.golden, with.scratch, options);
+  std::error_code ignored;
+  fs::remove(with.scratch, ignored);
+  if (!again) return std::nullopt;
+  return std::move(again->comparison);
+}
+
+/// The report, and, if level closed differs, the results of the other levels up to its first difference.
+CheckReport with_all_levels(const Suspects& with, const CheckReport& report) {
+  CheckReport evidence = report;
+  if (report.closed != LevelState::differs) return evidence;
+  const std::int64_t tick = report.comparison->first->tick;
+  if (evidence.controller == LevelState::skipped) {
+    const double until = time_of(tick + 1, with.scenario.time_step);
+    if (auto replayed = replay_golden(with.scenario, with.golden, with.host, until)) {
+      evidence.controller = state_of(*replayed);
+      evidence.replay = *std::move(replayed);
+    }
+  }
+  if (evidence.plant == LevelState::skipped) {
+    PlantOptions options;
+    options.until = tick;
+    evidence.plant_comparison = plant_again(with, with.scenario, options);
+    if (evidence.plant_comparison)
+      evidence.plant = evidence.plant_comparison->within ? LevelState::within : LevelState::differs;
+  }
+  return evidence;
+}
+
+/// The changed files that the controllers read beside their inputs, for a verdict; empty if there are none.
+std::string files_text(const ReplayReport& replayed) {
+  return replayed.changed_files.empty() ? "" : fmt::format("; {}", fmt::join(replayed.changed_files, "; "));
+}
+
+/// The first line or variable that the controllers wrote otherwise before their first different command; empty: none.
+std::string earlier_words(const ReplayReport& replayed, const Divergence& first) {
+  const std::optional<Divergence>& word = replayed.words.first;
+  if (!word || word->tick >= first.tick) return "";
+  return fmt::format("at tick {} ({:g} s), before its commands differ, {}; ", word->tick, word->time,
+                     word->channel == run_topics::events ? word->note : to_string(*word));
+}
+
+/// True if the closed loop has the golden's commands and results of control().
+bool repeats_in_the_loop(const CheckReport& evidence) {
+  if (!evidence.comparison || !evidence.run || evidence.run->ending()) return false;
+  return std::ranges::none_of(evidence.comparison->channels, [](const ChannelComparison& channel) {
+    const bool of_results = channel.of_events && channel.channel == run_topics::tick;
+    return channel.first_bit && (of_results || ChannelName::parse(channel.channel).side == ChannelSide::output);
+  });
+}
+
+/// The verdict for a controller that doesn't repeat its own commands: then its library may be new, but isn't to blame
+/// for the difference. None: nothing shows that.
+std::optional<Blame> unsteady_controller(const Suspects& with, const Divergence& first, const CheckReport& evidence) {
+  const auto unrepeated = first_unrepeated_tick(with.golden.file(), with.host);
+  if (unrepeated && *unrepeated)
+    return Blame{fmt::format("the controller is no function of its inputs: {}two replays of the golden differ from "
+                             "each other at tick {}; fed with the golden's inputs, it differs at {}; it depends on "
+                             "uninitialised memory, the clock, earlier runs or chance; `rehearse audit` finds the "
+                             "cause",
+                             evidence.replay->same_controllers ? "it is the recorded one, but " : "", **unrepeated,
+                             to_string(first)),
+                 first};
+  if (!repeats_in_the_loop(evidence)) return std::nullopt;
+  return Blame{fmt::format("an earlier run left data behind, or the controller is no function of its inputs: in the "
+                           "closed loop it gave the golden's commands, but fed with the golden's inputs later in the "
+                           "same process, it differs at {}; `rehearse audit` finds the cause",
+                           to_string(first)),
+               first};
+}
+
+/// The verdict for a controller whose library is the recorded one, but whose commands differ.
+Blame same_controller(const Divergence& first, const ReplayReport& replayed) {
+  const std::string files = files_text(replayed);
+  return {
+      fmt::format(
+          "something beside the controller's inputs has changed since the recording: the controller is the recorded "
+          "one, and two replays agree with each other, but fed with the golden's inputs it differs at {}{}",
+          to_string(first),
+          files.empty() ? "; `rehearse audit` reports whether it depends on files, variables or uninitialised memory"
+                        : files),
+      first};
+}
+
+Blame blame_controller(const Suspects& with, const CheckReport& evidence) {
+  if (!evidence.replay)
+    return {"the controllers can't be fed with the golden's inputs: " + evidence.controller_problem, std::nullopt};
+  if (!evidence.replay->first)
+    return {"the controller changed: fed with the golden's inputs, " + evidence.replay->failure->message +
+                files_text(*evidence.replay),
+            std::nullopt};
+  const Divergence& first = evidence.replay->beyond ? *evidence.replay->beyond : *evidence.replay->first;
+  if (first.stage == Stage::inputs)
+    return {"the golden differs from the run that was recorded: at " + to_string(first), first};
+  if (auto unsteady = unsteady_controller(with, first, evidence)) return *std::move(unsteady);
+  if (evidence.replay->same_controllers) return same_controller(first, *evidence.replay);
+  return {"the controller changed: " + earlier_words(*evidence.replay, first) +
+              "fed with the golden's inputs, it differs at " + to_string(first) + files_text(*evidence.replay),
+          first};
+}
+
+/// The first difference of the state before `place`, if it shows that the physics changed; null: there is none.
+/// Measurements of sensors and cameras follow from the state, and may leave their tolerances before the state does.
+/// With equal arithmetic, different bits in the state show a change of the physics. After the last sample of a golden
+/// that contains samples, the hash of the state shows it, which also depends on the seed.
+const Divergence* state_before(const Divergence& place, const Comparison& comparison, const Trace& golden) {
+  if (place.stage == Stage::physics) return nullptr;
+  const auto samples = RunFacts::of(golden).state_rate;
+  const Divergence* before = nullptr;
+  for (const ChannelComparison& channel : comparison.channels) {
+    if (!channel.first_bit || channel.first_bit->stage != Stage::physics) continue;
+    const bool is_hash = channel.channel == run_topics::tick;
+    if (is_hash && (!samples || channel.first_bit->tick <= samples->last_sample(place.tick))) continue;
+    const Divergence& bit = *channel.first_bit;
+    const bool notable = comparison.same_arithmetic ||
+                         (channel.worst && times_tolerance(channel.worst->judged(), channel.worst->tolerance) > 1e-3);
+    if (notable && bit.tick <= place.tick && (!before || bit.tick < before->tick)) before = &bit;
+  }
+  return before;
+}
+
+/// True if the world agrees with the golden under the noise of the recorded scenario, instead of this one's.
+bool is_noise(const Suspects& with, const Divergence& place, const Scenario& recorded) {
+  const auto noisy = [](const Scenario& scenario) {
+    return std::any_of(scenario.bodies.begin(), scenario.bodies.end(), [](const ScenarioBody& body) {
+      return !body.noise.devices.empty() || !body.noise.joints.empty();
+    });
+  };
+  const bool same_bodies = recorded.bodies.size() == with.scenario.bodies.size();
+  if (!same_bodies || (!noisy(with.scenario) && !noisy(recorded))) return false;
+  PlantOptions options;
+  options.until = place.tick;
+  options.noise_of = &recorded;
+  const auto again = plant_again(with, with.scenario, options);
+  return again && again->within;
+}
+
+/// True for a mesh that a recording doesn't contain: heightmaps are attached to it.
+bool is_mesh(const Shape& shape) {
+  const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+  return mesh && !mesh->heightmap;
+}
+
+/// The changed attachments; "" if there are none.
+std::string changed_files(const Comparison& comparison) {
+  return fmt::format("{}", fmt::join(comparison.changed_files, ", "));
+}
+
+/// The cause of a difference of the plant: the noise, the files, or the programs.
+std::string origin(const Suspects& with, const Divergence& place, const Comparison& comparison) {
+  const std::string files = changed_files(comparison);
+  const auto recorded = recorded_scenario(with.golden);
+  if (!recorded) return files.empty() ? "" : fmt::format("; changed since it was recorded: {}", files);
+  if (place.stage != Stage::physics && is_noise(with, place, *recorded)) {
+    const auto stated = RunFacts::of(with.golden).seed;
+    const std::string seed = stated ? std::to_string(*stated) : "?";
+    return seed == std::to_string(with.scenario.seed)
+               ? "; the noise changed: with the golden's noise, the world agrees"
+               : fmt::format(
+                     "; the random stream of the noise changed: with the golden's seed {} instead of {}, the world "
+                     "agrees",
+                     seed, with.scenario.seed);
+  }
+  if (files.empty()) return "; scenario and models are what they were: the simulation itself changed";
+  const bool has_meshes = std::any_of(recorded->bodies.begin(), recorded->bodies.end(), [](const ScenarioBody& body) {
+    return std::any_of(body.model->links.begin(), body.model->links.end(), [](const Link& link) {
+      return std::any_of(link.collisions.begin(), link.collisions.end(), is_mesh);
+    });
+  });
+  if (has_meshes) return fmt::format("; changed since it was recorded: {}", files);
+  PlantOptions options;
+  options.until = place.tick;
+  const auto again = plant_again(with, *recorded, options);
+  if (!again) return fmt::format("; changed since it was recorded: {}", files);
+  return again->within ? fmt::format("; the cause is {}: with the recorded version, the world agrees", files)
+                       : fmt::format("; {} changed, too, but with the recorded version the world also differs", files);
+}
+
+Blame blame_plant(const Suspects& with, const CheckReport& evidence) {
+  if (!evidence.plant_comparison)
+    return {"the world can't be moved by the golden's commands: " + evidence.plant_problem, std::nullopt};
+  const Comparison& comparison = *evidence.plant_comparison;
+  Divergence place = *comparison.first;
+  std::string since;
+  if (const Divergence* before = state_before(place, comparison, with.golden)) {
+    since = fmt::format("; before that, the last bits of {} {} differ from tick {} on", before->channel,
+                        before->element, before->tick);
+    place.stage = Stage::physics;
+  }
+  const bool innocent = evidence.controller == LevelState::equal && evidence.replay && evidence.replay->values > 0;
+  return {
+      fmt::format("{} changed{}: under the golden's commands, the world differs at {}{}{}", to_string(place.stage),
+                  innocent ? ", the controller did not" : "", to_string(place), since, origin(with, place, comparison)),
+      place};
+}
+
+/// The verdict if no part differs alone, but the closed loop does.
+Blame blame_loop(const Suspects& with, const CheckReport& evidence) {
+  const Comparison& comparison = *evidence.comparison;
+  const Divergence& first = *comparison.first;
+  const bool both_known = evidence.controller == LevelState::equal && evidence.plant != LevelState::skipped;
+  if (!both_known) return {verdict(comparison), first};
+  const Divergence& bit = *comparison.first_bit;
+  const bool follows_state = state_before(first, comparison, with.golden) != nullptr;
+  if (bit.stage == Stage::inputs || (first.stage == Stage::inputs && !follows_state))
+    return {"the controller got other inputs than in the golden: the run " + verdict(comparison), first};
+  if (evidence.plant == LevelState::within)
+    return {fmt::format("no part changed beyond its tolerance, but the loop amplifies small changes: the run {} (bits "
+                        "differ since tick {})",
+                        verdict(comparison), bit.tick),
+            first};
+  Divergence place = first;  // the world follows its commands: if it differs, they differed
+  place.stage = Stage::controller;
+  if (!comparison.changed_files.empty())
+    return {fmt::format("the controller depends on a change in {}: with the golden's version, it repeats its recorded "
+                        "commands, with the present one it doesn't; the run differs at {}",
+                        changed_files(comparison), to_string(place)),
+            place};
+  const auto unrepeated = first_unrepeated_tick(with.actual, with.host);
+  if (unrepeated && *unrepeated)
+    return {
+        fmt::format("the controller is no function of its inputs: two replays of this run differ from each other at "
+                    "tick {}; the run differs at {}; `rehearse audit` finds the cause",
+                    **unrepeated, to_string(place)),
+        place};
+  return {"the controller repeats the golden's commands and the world follows them, but the run " + verdict(comparison),
+          first};
+}
+
+std::string nothing_differs(const Suspects& with, const CheckReport& report) {
+  if (report.comparison) return verdict(*report.comparison, report.horizon);
+  std::string sentence;
+  if (report.controller != LevelState::skipped)
+    sentence =
+        fmt::format("the controller repeats {} recorded ticks {}", report.replay->ticks,
+                    report.replay->equal()                       ? "bit for bit"
+                    : computes_alike(with.scenario, with.golden) ? "within tolerance"
+                                                                 : "within tolerance, with different arithmetic");
+  if (report.plant == LevelState::skipped) return sentence;
+  if (report.plant == LevelState::proved) return sentence + "; the world is the one that made the golden";
+  return fmt::format("{}{}the world under the recorded commands: {}", sentence, sentence.empty() ? "" : "; ",
+                     verdict(*report.plant_comparison));
+}
+
+/// The part of the loop that differs, if the scenario is the recorded one.
+Blame guilty_part(const Suspects& suspects, const CheckReport& report) {
+  const CheckReport evidence = with_all_levels(suspects, report);
+  const bool controller_differs = evidence.controller == LevelState::differs;
+  const bool plant_differs = evidence.plant == LevelState::differs;
+  if (controller_differs && plant_differs) {
+    const Blame controller = blame_controller(suspects, evidence), plant = blame_plant(suspects, evidence);
+    const bool plant_first = plant.place && (!controller.place || comes_before(*plant.place, *controller.place));
+    return {controller.sentence + "; besides, " + plant.sentence, plant_first ? plant.place : controller.place};
+  }
+  if (controller_differs) return blame_controller(suspects, evidence);
+  if (plant_differs) return blame_plant(suspects, evidence);
+  if (report.closed == LevelState::differs) return blame_loop(suspects, evidence);
+  std::optional<Divergence> bit;
+  if (report.comparison) bit = report.comparison->first_bit;
+  if (!bit && report.plant_comparison) bit = report.plant_comparison->first_bit;
+  return {nothing_differs(suspects, report), bit};
+}
+
+}  // namespace
+
+/// Parts of a scenario with other bodies or controllers can't be compared alone, so its change comes first.
+Blame find_guilty(const Suspects& suspects, const CheckReport& report) {
+  Blame found = guilty_part(suspects, report);
+  const mcap::Attachment* recorded = suspects.golden.find_attachment("scenario.yaml");
+  if (!recorded || report.within()) return found;
+  const std::string change = structure_change(std::string(recorded->text()), suspects.scenario.text);
+  if (change.empty()) return found;
+  found.sentence = fmt::format("the scenario changed: {}", change);
+  if (report.comparison) found.sentence += "; the run " + verdict(*report.comparison);
+  return found;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,495 @@
+#include <fmt/format.h>
+#include <rehearse/check.h>
+#include <rehearse/compare.h>
+
+#include <algorithm>
+
+#include "blame.h"
+#include "check_run.h"
+#include "core/compare/compare_parts.h"
+#include "core/compare/compared_files.h"
+#include "core/compare/scenario_changes.h"
+#include "core/recording/provenance.h"
+#include "core/replay/plant_level.h"
+#include "core/scenario/branch_origin.h"
+#include "core/trace/channel_name.h"
+#include "core/trace/hashing.h"
+#include "core/trace/run_facts.h"
+#include "core/trace/trace_windows.h"
+#include "expectation_judge.h"
+#include "model/clock.h"
+#include "noise_floor.h"
+#include "proof.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+
+LevelState state_of(const Comparison& comparison) {
+  if (comparison.equal) return LevelState::equal;
+  return comparison.within ? LevelState::within : LevelState::differs;
+}
+
+/// Reads the whole recording, to find its damage and its events.
+Result<Trace> load_without_messages(const fs::path& file) {
+  return Trace::load_in_pieces(file, [](const Trace&) {});
+}
+
+/// Reads the events and commands of a golden: a run that begins at one of its checkpoints needs no more of it. The CRC
+/// of its data section covers the rest.
+Result<Trace> load_commands(const fs::path& golden) {
+  const auto wanted = [](const mcap::Channel& channel) {
+    const ChannelName name = ChannelName::parse(channel.topic);
+    return name.kind == ChannelKind::events || name.side == ChannelSide::output || name.side == ChannelSide::acted;
+  };
+  return load_wanted_in_pieces(
+      golden, wanted, [](const Trace&) {}, Trace::usual_piece_size);
+}
+
+/// One check under way.
+struct Check {
+  const Scenario& scenario;
+  const Trace& golden;  // without messages
+  fs::path actual;
+  const CheckOptions& options;
+  const Simulation& simulation;
+  CheckReport report;
+  bool world_is_known = false;                       // it makes the golden under the golden's commands
+  std::optional<NoiseFloor> noise = std::nullopt;    // the measured noise of the golden
+  std::optional<Trace> whole_golden = std::nullopt;  // if its noise was measured: for the hash of its numbers
+
+  fs::path plant_trace() const { return actual.parent_path() / "plant" / actual.filename(); }
+  Result<void> check_controller();
+  Result<void> check_proved(const Proof& proof);
+  Result<void> tell_unmatched_rules(const Proof& proof);
+  Result<void> certify(const Proof& proof);
+  Result<void> make_closed_loop();
+  Result<void> simulate();
+  Result<void> check_plant();
+  Result<void> check_closed();
+  void blame();
+  Result<void> test_reproduction();
+  Result<void> tell_time_step(const Divergence& change);
+  void tell_duration(const Divergence& change, const Trace& fresh);
+  void judge_by_expectations(const Trace& fresh);
+  Result<void> find_noise();
+  void judge_tolerances();
+  void tell_files(const Trace& fresh, const Comparison& comparison, const fs::path& file, const char* what);
+};
+
+Result<void> Check::check_controller() {
+  if (report.controller_problem = changed_controllers(scenario, golden); !report.controller_problem.empty()) {
+    report.controller = LevelState::differs;
+    return {};
+  }
+  auto replayed = replay_golden(scenario, golden, with_controllers_of(scenario, options.run));
+  if (!replayed && !options.closed) return replayed.errors();
+  report.controller = LevelState::differs;
+  if (!replayed) {
+    report.controller_problem = replayed.errors()[0].message;
+    return {};
+  }
+  report.controller = state_of(*replayed);
+  report.replay = *std::move(replayed);
+  return {};
+}
+
+/// Without a simulation: it is proved that the world makes the golden. Levels that remain unproved are simulated later.
+Result<void> Check::check_proved(const Proof& proof) {
+  if (options.plant) report.plant = LevelState::proved;
+  if (options.controller || options.closed)
+    if (auto done = check_controller(); !done) return done;
+  const bool repeats = report.replay && report.replay->repeats_the_run;
+  std::vector<ExpectationResult> results;
+  if (options.closed && repeats) {
+    auto judged = judge_expectations(scenario.expectations, golden.file());
+    if (!judged) return judged.errors();
+    results = *std::move(judged);
+  }
+  report.proved = (repeats || (!options.controller && !options.closed)) && !first_violation(results);
+  if (!options.controller) {  // not requested
+    report.controller = LevelState::skipped;
+    report.replay.reset();
+    report.controller_problem.clear();
+  }
+  if (!report.proved) return {};
+  if (auto told = tell_unmatched_rules(proof); !told) return told;
+  report.expectations = std::move(results);
+  if (options.closed) report.closed = LevelState::proved;
+  report.verdict =
+      options.closed || options.controller
+          ? "proved without simulating: the world is the one that made the golden, and the controllers repeat its "
+            "commands"
+          : "proved without simulating: the world is the one that made the golden";
+  if (!report.expectations.empty()) report.verdict += "; " + verdict(report.expectations);
+  return {};
+}
+
+/// Adds a remark for each tolerance that applies to nothing in the golden, which is the run. The whole golden has to be
+/// read for its names. So a second kind of certificate states the rules, and those of them that apply to nothing.
+Result<void> Check::tell_unmatched_rules(const Proof& proof) {
+  if (scenario.tolerances.empty()) return {};
+  const auto unmatched_line = [](const ToleranceRule& rule) { return fmt::format("\nunmatched: {}\n", rule.channel); };
+  std::string rules;
+  for (const ToleranceRule& rule : scenario.tolerances) rules += fmt::format("rule: {}\n", rule.channel);
+  rules += "end of rules\n";
+  const Certificates surveyed(*options.certificates, "rules-" + hash_text(proof.golden_hash()));
+  std::string facts;
+  for (std::string& stated : surveyed.all())
+    if (stated.starts_with(rules)) facts = std::move(stated);
+  if (facts.empty()) {
+    const auto whole = load_without_messages(golden.file());
+    if (!whole) return whole.errors();
+    const Trace* traces[] = {&*whole};
+    facts = rules;
+    for (const ToleranceRule& rule : scenario.tolerances)
+      if (!unmatched_rules({rule}, traces).empty()) facts += unmatched_line(rule);
+    if (auto stored = surveyed.add(facts); !stored) return stored;
+  }
+  for (const ToleranceRule& rule : scenario.tolerances)
+    if (facts.find(unmatched_line(rule)) != std::string::npos)
+      report.remarks.push_back(to_string(applies_to_nothing(rule)));
+  return {};
+}
+
+/// Stores a certificate if every bit of the golden was compared and is equal.
+Result<void> Check::certify(const Proof& proof) {
+  const bool is_equal = report.closed == LevelState::equal && report.controller != LevelState::differs;
+  if (!is_equal || report.run->ending()) return {};
+  if (report.horizon) {  // only the time before the horizon was compared
+    const auto compared = compare(golden.file(), actual, scenario.tolerances, {});
+    if (!compared) return compared.errors();
+    if (!compared->equal) return {};
+  }
+  if (auto stored = proof.certify(); !stored) report.remarks.push_back(stored.errors()[0].message);
+  return {};
+}
+
+Result<void> Check::check_plant() {
+  const fs::path file = plant_trace();
+  PlantOptions running;
+  running.progress = options.run.progress;
+  auto level = compare_plant(simulation, scenario, golden, file, running,
+                             noise ? noise_of_series(*noise, *whole_golden) : NoiseOfSeries());
+  report.plant = LevelState::differs;
+  if (!level) {
+    report.plant_problem = level.errors()[0].message;
+    return {};
+  }
+  report.plant = state_of(level->comparison);
+  if (report.plant == LevelState::differs) {
+    tell_files(level->trace, level->comparison, file, "the golden's commands in this world");
+  } else {
+    std::error_code ignored;
+    fs::remove(file, ignored);
+    remove_picture_differences(file);
+  }
+  report.plant_run = std::move(level->run);
+  report.plant_comparison = std::move(level->comparison);
+  return {};
+}
+
+Result<void> Check::check_closed() {
+  const std::optional<double> measured = whole_golden ? estimated_horizon(*whole_golden) : std::nullopt;
+  report.horizon = horizon_of(scenario, options.estimated_horizon ? options.estimated_horizon : measured);
+  const auto duration = changed_duration(scenario, golden);
+  if (duration) report.horizon = std::min(duration->time, report.horizon.value_or(duration->time));
+  CompareOptions what;
+  what.until = report.horizon;
+  ExpectationJudge judge(scenario.expectations);
+  auto compared = compare_files(golden.file(), actual, scenario.tolerances, what,
+                                [&judge](const Trace& piece) { judge.take(piece); });
+  if (!compared) return compared.errors();
+  report.comparison = std::move(compared->comparison);
+  const Trace& fresh = compared->actual;
+  report.closed = state_of(*report.comparison);
+  const bool compares_samples = RunFacts::of(golden).state_rate.has_value();
+  auto judged = compares_samples ? judge_expectations(scenario.expectations, actual) : judge.finish(fresh);
+  if (!judged) return judged.errors();
+  report.expectations = *std::move(judged);
+  if (report.closed == LevelState::differs || first_violation(report.expectations))
+    tell_files(fresh, *report.comparison, actual, "this run");
+  blame();
+  if (auto done = test_reproduction(); !done) return done;
+  if (report.not_reproduced) tell_files(fresh, *report.comparison, actual, "this run");
+  if (duration) tell_duration(*duration, fresh);
+  judge_by_expectations(fresh);
+  return {};
+}
+
+/// Reports a changed time step. No tick is compared, but the run may become the next golden, so its expectations are
+/// judged.
+Result<void> Check::tell_time_step(const Divergence& change) {
+  report.verdict =
+      fmt::format("the scenario's time step changed: it is {} s, and the golden's {} s; nothing was compared",
+                  change.actual, change.expected);
+  report.first = change;
+  (options.closed ? report.closed : options.plant ? report.plant : report.controller) = LevelState::differs;
+  if (!options.closed) return {};
+  const auto fresh = load_without_messages(actual);
+  if (!fresh) return fresh.errors();
+  report.message = fmt::format("this run: {}", actual.string());
+  auto judged = judge_expectations(scenario.expectations, actual);
+  if (!judged) return judged.errors();
+  report.expectations = *std::move(judged);
+  judge_by_expectations(*fresh);
+  return {};
+}
+
+/// Reports a changed duration. The runs were compared up to the end of the shorter one.
+void Check::tell_duration(const Divergence& change, const Trace& fresh) {
+  const std::string sentence =
+      fmt::format("the scenario's duration changed: it is {} s, and the golden's {} s", change.actual, change.expected);
+  const bool is_alone = report.within();
+  report.verdict = is_alone ? sentence + "; " + report.verdict : report.verdict + "; besides, " + sentence;
+  if (!is_alone) return;
+  report.first = change;
+  report.closed = LevelState::differs;
+  tell_files(fresh, *report.comparison, actual, "this run");
+}
+
+/// Tests whether a run within tolerance repeats itself. Tolerances allow for changes. If nothing changed, or if a run
+/// doesn't repeat itself, different bits are chance, and a golden that is met by chance proves nothing.
+Result<void> Check::test_reproduction() {
+  if (report.closed != LevelState::within || report.comparison->words_alone) return {};
+  const auto fresh = Trace::load(actual);
+  if (!fresh) return fresh.errors();
+  auto found = try_reproduction(scenario, *fresh, actual, options.run, simulation);
+  if (!found) return found.errors();
+  const Divergence& bit = *report.comparison->first_bit;
+  if (!found->reproduced()) {
+    report.verdict =
+        fmt::format("the golden isn't certified, though this run is within its tolerances: {}", found->verdict);
+    report.first = found->first ? found->first : bit;
+  } else if (report.comparison->same_origin) {
+    report.verdict = fmt::format(
+        "the golden isn't certified, though this run is within its tolerances: it states the same programs, files and "
+        "controllers, but this run, which repeats itself, has different bits: {}",
+        to_string(bit));
+    report.first = bit;
+  } else {
+    return {};
+  }
+  report.not_reproduced = true;
+  report.closed = LevelState::differs;
+  return {};
+}
+
+/// Adds the expectations to the verdict. A run that is within tolerance, or was not compared, may violate them.
+void Check::judge_by_expectations(const Trace& fresh) {
+  if (report.expectations.empty()) return;
+  const std::string judged = verdict(report.expectations);
+  const ExpectationResult* violation = first_violation(report.expectations);
+  const bool is_alone = violation && report.within();
+  const bool failed = report.run && report.run->ending();
+  // a run that a controller ended violates expectations because of that
+  report.verdict = violation && !failed ? judged + "; " + report.verdict : report.verdict + "; " + judged;
+  if (is_alone) report.first = divergence_of(*violation, fresh);
+  if (violation) report.closed = LevelState::differs;
+  report.message += violation_lines(report.expectations);
+}
+
+void Check::tell_files(const Trace& fresh, const Comparison& comparison, const fs::path& file, const char* what) {
+  report.message +=
+      fmt::format("{}{}: {}{}", report.message.empty() ? "" : "\n", what, file.string(),
+                  picture_lines(write_picture_differences(golden, fresh, comparison, scenario.tolerances, file)));
+}
+
+/// Sets the verdict that names the part that changed.
+void Check::blame() {
+  const Blame found = find_guilty({scenario, golden, simulation, with_controllers_of(scenario, options.run), actual,
+                                   plant_trace().concat(".again")},
+                                  report);
+  report.verdict = found.sentence;
+  report.first = found.place;
+  const std::vector<std::string> other_inputs = report.replay       ? report.replay->other_inputs
+                                                : report.comparison ? report.comparison->other_inputs
+                                                                    : std::vector<std::string>();
+  if (!other_inputs.empty()) report.verdict = other_inputs_sentence(other_inputs) + "; " + report.verdict;
+  if (report.first || !report.comparison) return;
+  report.first = report.comparison->first;  // a part that couldn't be compared alone has no place
+  if (report.first && !report.controller_problem.empty()) report.first->stage = Stage::controller;
+}
+
+/// Loads the measured noise of the golden. A golden without a measurement is valid.
+Result<void> Check::find_noise() {
+  const fs::path file = noise_file_of(golden.file());
+  std::error_code ignored;
+  if (!fs::exists(file, ignored)) return {};
+  auto whole = Trace::load(golden.file());
+  if (!whole) return whole.errors();
+  whole_golden = *std::move(whole);
+  auto found = load_noise_floor(file);
+  if (found)
+    noise = *std::move(found);
+  else
+    report.remarks.push_back("the measured noise can't be read: " + to_string(found.errors()[0]));
+  return {};
+}
+
+/// Adds remarks on tolerances that don't agree with the measured noise.
+void Check::judge_tolerances() {
+  if (!noise) return;
+  std::vector<const Comparison*> comparisons;
+  if (report.plant_comparison) comparisons.push_back(&*report.plant_comparison);
+  if (report.comparison) comparisons.push_back(&*report.comparison);
+  for (std::string& remark : noise_remarks(*noise, *whole_golden, comparisons))
+    report.remarks.push_back(std::move(remark));
+  if (scenario.horizon && noise->horizon() && *scenario.horizon >= *noise->horizon())
+    report.remarks.push_back(
+        fmt::format("the scenario's horizon, {:g} s, is not before {:g} s, when a perturbed run left the "
+                    "tolerances",
+                    *scenario.horizon, *noise->horizon()));
+}
+
+Result<void> Check::make_closed_loop() {
+  auto run = make_run(scenario, golden, world_is_known && report.replay ? &*report.replay : nullptr, actual,
+                      options.run, simulation);
+  if (!run) return run.errors();
+  report.simulated_from = run->from;
+  report.run = std::move(run->summary);
+  return {};
+}
+
+/// Makes the levels that aren't proved.
+Result<void> Check::simulate() {
+  if (auto done = find_noise(); !done) return done;
+  if (options.closed)
+    if (auto made = make_closed_loop(); !made) return made;
+  if (const auto change = changed_time_step(scenario, golden)) return tell_time_step(*change);
+  if (options.controller && report.controller == LevelState::skipped)
+    if (auto done = check_controller(); !done) return done;
+  if (options.plant && report.plant == LevelState::skipped)
+    if (auto done = check_plant(); !done) return done;
+  if (options.closed) {
+    if (auto done = check_closed(); !done) return done;
+  } else {
+    blame();
+  }
+  judge_tolerances();
+  return {};
+}
+
+/// The reason why the golden's world can't be simulated again: then only its controllers can be checked. Empty: it can
+/// be simulated again.
+std::string why_no_world(const Trace& golden) {
+  const RunFacts run = RunFacts::of(golden);
+  if (run.is_of_log) return "the golden was recorded from a log: there is no physics to repeat";
+  const std::optional<BranchOrigin>& origin = run.branch;
+  if (origin && !origin->simulated) return "the golden is a replay: its world didn't follow its commands";
+  if (origin && !origin->set.empty())
+    return "the golden is a branch with altered inputs: a simulation doesn't make them again";
+  return {};
+}
+
+/// Adds the pushes of a branch to those of its scenario.
+Result<Scenario> with_pushes_of(const std::optional<BranchOrigin>& origin, Scenario scenario) {
+  if (!origin) return scenario;
+  for (const std::string& text : origin->push) {
+    const auto push = parse_push(text, scenario);
+    if (!push) return push.errors();
+    scenario.pushes.push_back(*push);
+  }
+  return scenario;
+}
+
+}  // namespace
+
+std::string_view to_string(LevelState state) {
+  switch (state) {
+    case LevelState::equal: return "equal";
+    case LevelState::proved: return "proved";
+    case LevelState::within: return "within";
+    case LevelState::differs: return "differs";
+    case LevelState::skipped: return "skipped";
+  }
+  return "";
+}
+
+bool CheckReport::equal() const {
+  for (const LevelState level : {controller, plant, closed})
+    if (level == LevelState::within || level == LevelState::differs) return false;
+  return true;
+}
+
+bool CheckReport::within() const {
+  for (const LevelState level : {controller, plant, closed})
+    if (level == LevelState::differs) return false;
+  return true;
+}
+
+bool CheckReport::failed() const {
+  const bool run_failed = run && (run->failure || run->controller_refused);
+  return run_failed || (replay && (replay->failure || replay->controller_refused));
+}
+
+namespace {
+
+/// Leaves out the levels that the golden can't have.
+void leave_out_levels(const Trace& golden, CheckOptions& options, CheckReport& report) {
+  const auto origin = RunFacts::of(golden).branch;
+  if (const std::string why = why_no_world(golden); !why.empty()) {
+    options.plant = options.closed = false;
+    report.remarks.push_back(why + ", so the levels plant and closed are skipped");
+  } else if (origin && origin->acted_until) {
+    options.closed = false;
+    report.remarks.push_back(
+        fmt::format("the golden is a branch: until tick {} other controllers moved its world, so the "
+                    "level closed is skipped",
+                    *origin->acted_until));
+  }
+}
+
+/// Simulates a share of the proved checks as well.
+Result<CheckReport> sampled(Check check) {
+  const auto chosen = is_sampled(check.scenario.name, check.options.sampled);
+  if (!chosen) return chosen.errors();
+  if (!*chosen) return std::move(check.report);
+  CheckOptions simulating = check.options;
+  simulating.certificates.reset();
+  auto again = check_scenario(check.scenario, check.golden.file(), check.actual, simulating, check.simulation);
+  if (!again) return again;
+  if (again->equal()) return std::move(check.report);
+  again->verdict = "the proof was wrong: it found no change since the golden, but simulated: " + again->verdict;
+  again->closed = LevelState::differs;
+  return again;
+}
+
+}  // namespace
+
+Result<CheckReport> check_scenario(const Scenario& plain, const fs::path& golden, const fs::path& actual,
+                                   const CheckOptions& asked, const Simulation& simulation) {
+  const auto outline = Trace::outline(golden);
+  if (!outline) {  // a pass over the whole file finds the damage
+    const auto whole = load_without_messages(golden);
+    return whole ? outline.errors() : whole.errors();
+  }
+  if (const auto known = check_version(*outline); !known) return known.errors();
+  const auto pushed = with_pushes_of(RunFacts::of(*outline).branch, plain);
+  if (!pushed) return pushed.errors();
+  const Scenario& scenario = *pushed;
+  CheckOptions options = asked;
+  Check proving{scenario, *outline, actual, options, simulation, {}};
+  leave_out_levels(*outline, options, proving.report);
+  const Proof proof(scenario, *outline, options, simulation);
+  if (proof.holds())
+    if (auto done = proving.check_proved(proof); !done) return done.errors();
+  if (proving.report.proved) return sampled(std::move(proving));
+
+  const auto expected = proof.holds() ? load_commands(golden) : load_without_messages(golden);
+  if (!expected) return expected.errors();
+  Check check{scenario, *expected, actual, options, simulation, std::move(proving.report)};
+  check.report.not_proved = proof.objection();
+  check.world_is_known = proof.holds();
+  if (auto done = check.simulate(); !done) return done.errors();
+  if (auto done = check.certify(proof); !done) return done.errors();
+  if (check.report.within()) {
+    std::error_code ignored;
+    fs::remove(actual, ignored);
+    remove_picture_differences(actual);
+  }
+  return std::move(check.report);
+}
+
+}  // namespace rehearse

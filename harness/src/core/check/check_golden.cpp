@@ -1,0 +1,162 @@
+// Compares a scenario with the golden that it names, and writes or replaces that golden.
+#include <fmt/format.h>
+#include <rehearse/compare.h>
+
+#include "check_run.h"
+#include "core/recording/provenance.h"
+#include "core/trace/hashing.h"
+#include "core/trace/run_facts.h"
+#include "proof.h"
+
+namespace rehearse {
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Judges a run without a golden, by the expectations of its scenario alone.
+Result<CheckReport> check_by_expectations(const Scenario& scenario, const fs::path& actual, const CheckOptions& options,
+                                          const Simulation& simulation) {
+  CheckReport report;
+  auto run = make_run(scenario, actual, options.run, simulation);
+  if (!run) return run.errors();
+  report.run = std::move(*run);
+  if (scenario.expectations.empty()) return report;
+  auto judged = judge_expectations(scenario.expectations, actual);
+  if (!judged) return judged.errors();
+  report.expectations = *std::move(judged);
+  report.verdict = verdict(report.expectations);
+  report.closed = LevelState::within;
+  if (const ExpectationResult* violation = first_violation(report.expectations)) {
+    report.closed = LevelState::differs;
+    const auto fresh = Trace::load_in_pieces(actual, [](const Trace&) {});
+    if (!fresh) return fresh.errors();
+    report.first = divergence_of(*violation, *fresh);
+    report.message = fmt::format("this run: {}{}", actual.string(), violation_lines(report.expectations));
+  }
+  return report;
+}
+
+/// True if a run that is to become a golden repeats itself. If it doesn't, the reason is in the report.
+Result<bool> certify_candidate(const Scenario& scenario, const fs::path& actual, const HostOptions& host,
+                               const Simulation& simulation, CheckReport& report) {
+  const auto candidate = Trace::load(actual);
+  if (!candidate) return candidate.errors();
+  const auto found = try_reproduction(scenario, *candidate, actual, host, simulation);
+  if (!found) return found.errors();
+  if (found->reproduced()) return true;
+  report.closed = LevelState::differs;
+  report.not_reproduced = true;
+  report.verdict = fmt::format("this run becomes no golden: {}", found->verdict);
+  report.first = found->first;
+  report.message = fmt::format("this run: {}", actual.string());
+  return false;
+}
+
+/// The command that stops in the controller whose failure ended a run, on its own line. Empty for a refusal, which no
+/// tick repeats, and in CI, where a person can't reach the disk.
+std::string debugging_advice(const RunSummary& summary, const fs::path& run) {
+  return is_ci() || !summary.failure ? "" : fmt::format("\nstop there in gdb: rehearse replay {} --gdb", run.string());
+}
+
+/// There is no golden yet: the run becomes the golden, or stays pending.
+Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, GoldenMode mode,
+                                 const CheckOptions& options, const Simulation& simulation) {
+  const fs::path actual = store.pending_file(scenario.golden);
+  auto report = check_by_expectations(scenario, actual, options, simulation);
+  if (!report) return report;
+  if (const Diagnostic* ending = report->run->ending()) {
+    report->closed = LevelState::differs;
+    report->verdict = ending->message;
+    report->message = fmt::format("this run: {}{}", actual.string(), debugging_advice(*report->run, actual));
+    return report;
+  }
+  const bool violated = !report->within();
+  const std::string judged = report->verdict.empty() ? "" : "; " + report->verdict;
+  if (mode == GoldenMode::check || violated) {
+    report->closed = LevelState::differs;
+    report->verdict = fmt::format("there is no golden {}{}", store.trace_file(scenario.golden).string(), judged);
+    if (!violated)
+      report->message = fmt::format("this run: {}\n{}", actual.string(), acceptance_advice(scenario.golden));
+    return report;
+  }
+  auto certified = certify_candidate(scenario, actual, options.run, simulation, *report);
+  if (!certified) return certified.errors();
+  if (!*certified) return report;
+  if (auto accepted = store.accept_pending(scenario.golden); !accepted) return accepted.errors();
+  report->closed = LevelState::skipped;  // there was nothing to compare with
+  report->golden_written = true;
+  report->verdict = fmt::format("wrote the new golden {}{}", store.trace_file(scenario.golden).string(), judged);
+  return report;
+}
+
+/// Checks a scenario that names no golden, but has expectations.
+Result<CheckReport> check_without_golden(const Scenario& scenario, const fs::path& actual, const CheckOptions& options,
+                                         const Simulation& simulation) {
+  auto report = check_by_expectations(scenario, actual, options, simulation);
+  std::error_code ignored;
+  if (report && report->within()) fs::remove(actual, ignored);
+  return report;
+}
+
+/// Accepts a pending run, or adds advice to the report.
+Result<void> settle_pending(const Scenario& scenario, GoldenStore& store, GoldenMode mode, const HostOptions& host,
+                            const Simulation& simulation, CheckReport& report) {
+  const std::string& name = scenario.golden;
+  if (report.run && report.run->ending()) {
+    report.message += debugging_advice(*report.run, store.pending_file(name));
+  } else if (first_violation(report.expectations)) {
+    report.message += fmt::format("\nif the run is right, correct the expectations in {}", scenario.file);
+  } else if (mode == GoldenMode::accept) {
+    auto certified = certify_candidate(scenario, store.pending_file(name), host, simulation, report);
+    if (!certified) return certified.errors();
+    if (!*certified) return {};
+    if (auto accepted = store.accept_pending(name); !accepted) return accepted.errors();
+    report.golden_written = true;
+    report.message = fmt::format("replaced {}", store.trace_file(name).string());
+  } else {
+    report.message += '\n' + acceptance_advice(name);
+  }
+  return {};
+}
+
+/// Compares a golden with its digest. Files that agreed before, according to the same programs, agree now.
+Result<void> check_digest(const Scenario& scenario, const GoldenStore& store,
+                          const std::optional<fs::path>& certificates) {
+  const auto golden = hash_of_file(store.trace_file(scenario.golden));
+  const auto digest = hash_of_file(store.digest_file(scenario.golden));
+  const std::string programs = stated(provenance(scenario, nullptr, "", ""), facts::programs);
+  if (!certificates || !golden || !digest || programs.empty()) return store.check_digest(scenario.golden);
+  const Certificates known(*certificates, "digest-" + hash_text(*golden));
+  const std::string agreement = fmt::format("digest: {}\nprograms: {}\n", hash_text(*digest), programs);
+  if (known.has(agreement)) return {};
+  if (auto agrees = store.check_digest(scenario.golden); !agrees) return agrees;
+  (void)known.add(agreement);  // without the certificate, the next check reads both files again
+  return {};
+}
+
+}  // namespace
+
+Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, GoldenMode mode,
+                                 const CheckOptions& options, const Simulation& simulation) {
+  const std::string& name = scenario.golden;
+  if (name.empty() && options.closed && !scenario.expectations.empty())
+    return check_without_golden(scenario, store.pending_file(scenario.name), options, simulation);
+  if (name.empty())
+    return error_in(scenario.file, "the scenario names no golden to compare with, and has no expectations",
+                    "golden: Suite.Test, or expect: with the conditions of a run");
+  if (!store.has(name)) return first_golden(scenario, store, mode, options, simulation);
+  const fs::path actual = store.pending_file(name);
+  auto report = check_scenario(scenario, store.trace_file(name), actual, options, simulation);
+  if (!report) return report;
+  if (options.closed && !report->within()) {
+    if (auto kept = store.keep_pending_verdict(name, report->verdict); !kept) return kept.errors();
+    if (auto done = settle_pending(scenario, store, mode, options.run, simulation, *report); !done)
+      return done.errors();
+  } else if (const auto digest = check_digest(scenario, store, options.certificates); !digest) {
+    if (mode != GoldenMode::accept) return digest.errors();
+    if (auto renewed = store.accept(name, store.trace_file(name)); !renewed) return renewed.errors();
+  }
+  return report;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,53 @@
+// A check's report as JSON.
+#include "check_json.h"
+
+#include "core/compare/report_json.h"
+
+namespace rehearse {
+namespace {
+
+nlohmann::ordered_json or_null(const std::optional<Comparison>& comparison) {
+  return comparison ? json_of(*comparison) : nlohmann::ordered_json();
+}
+
+nlohmann::ordered_json json_of(const ExpectationResult& result) {
+  nlohmann::ordered_json object{
+      {"text", result.text}, {"line", result.expectation.place.line}, {"holds", result.holds}, {"first", nullptr}};
+  if (result.first)
+    object["first"] = {{"series", result.series},
+                       {"tick", result.first->tick},
+                       {"time", result.first->time},
+                       {"value", result.first->value ? number_json(*result.first->value) : nlohmann::ordered_json()}};
+  return object;
+}
+
+}  // namespace
+
+nlohmann::ordered_json json_of(const CheckReport& report) {
+  nlohmann::ordered_json object{
+      {"verdict", report.verdict},
+      {"equal", report.equal()},
+      {"within", report.within()},
+      {"not_reproduced", report.not_reproduced},
+      {"proved", report.proved},
+      {"simulated_from", nullptr},
+      {"not_proved", nullptr},
+      {"levels",
+       {{"controller", to_string(report.controller)},
+        {"plant", to_string(report.plant)},
+        {"closed", to_string(report.closed)}}},
+      {"first", json_of(report.first)},
+      {"comparisons", {{"plant", or_null(report.plant_comparison)}, {"closed", or_null(report.comparison)}}},
+      {"horizon", nullptr},
+      {"expectations", nlohmann::ordered_json::array()},
+      {"remarks", report.remarks}};
+  if (report.simulated_from) object["simulated_from"] = *report.simulated_from;
+  if (!report.not_proved.empty()) object["not_proved"] = report.not_proved;
+  if (report.horizon) object["horizon"] = *report.horizon;
+  for (const ExpectationResult& result : report.expectations) object["expectations"].push_back(json_of(result));
+  return object;
+}
+
+std::string to_json(const CheckReport& report) { return text_of(json_of(report)); }
+
+}  // namespace rehearse

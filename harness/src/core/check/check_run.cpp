@@ -1,0 +1,83 @@
+#include "check_run.h"
+
+#include "core/recording/provenance.h"
+#include "core/replay/plant_level.h"
+#include "core/trace/run_facts.h"
+
+namespace rehearse {
+
+namespace fs = std::filesystem;
+
+Result<ResumedRun> make_run(const Scenario& scenario, const Trace& golden, const ReplayReport* replayed,
+                            const fs::path& actual, const RecordOptions& options, const Simulation& simulation) {
+  const bool begins_alike =
+      replayed && replayed->first_other_hash && !replayed->failure && !replayed->controller_refused;
+  if (!begins_alike || !simulation.record_from) {
+    auto whole = make_run(scenario, actual, options, simulation);
+    if (!whole) return whole.errors();
+    return ResumedRun{*std::move(whole), 0};
+  }
+  if (auto made = make_folder_of(actual); !made) return made.errors();
+  return simulation.record_from(scenario, golden, *replayed->first_other_hash, actual, options);
+}
+
+Result<RunSummary> make_run(const Scenario& scenario, const fs::path& actual, const RecordOptions& options,
+                            const Simulation& simulation) {
+  if (auto made = make_folder_of(actual); !made) return made.errors();
+  return simulation.record(scenario, actual, options);
+}
+
+HostOptions with_controllers_of(const Scenario& scenario, const HostOptions& given) {
+  HostOptions options = given;
+  const auto add = [&](const ScenarioBody& body, const ScenarioController& controller) {
+    const fs::path file = fs::path(scenario.file).parent_path() / controller.library;
+    std::error_code ignored;
+    const bool is_beside = fs::is_regular_file(file, ignored);  // a recording has no folder for relative paths
+    options.controllers[body.name + "/" + controller.name] = {
+        is_beside ? fs::absolute(file, ignored).string() : controller.library, controller.options, controller.delay,
+        controller.optional};
+  };
+  options.run_options = scenario.options;
+  for (const ScenarioBody& body : scenario.bodies) {
+    for (const ScenarioController& controller : body.controllers) {
+      add(body, controller);
+      for (const ScenarioController& child : controller.children) add(body, child);
+    }
+  }
+  return options;
+}
+
+ReplayOptions as_here(const HostOptions& host) {
+  ReplayOptions options;
+  static_cast<HostOptions&>(options) = host;
+  options.provides_files = false;
+  return options;
+}
+
+bool computes_alike(const Scenario& scenario, const Trace& golden) {
+  const auto recorded = RunFacts::of(golden).provenance;
+  return recorded && other_arithmetic(*recorded, provenance(scenario, nullptr, "", "")).empty();
+}
+
+Result<ReplayReport> replay_golden(const Scenario& scenario, const Trace& golden, const HostOptions& host,
+                                   std::optional<double> until) {
+  ReplayOptions replaying = as_here(host);
+  replaying.until = until;
+  replaying.rules_of_results = scenario.tolerances;
+  if (!computes_alike(scenario, golden)) replaying.tolerances = scenario.tolerances;
+  return replay(golden.file(), replaying);
+}
+
+LevelState state_of(const ReplayReport& replayed) {
+  if (replayed.equal()) return LevelState::equal;
+  return replayed.within() ? LevelState::within : LevelState::differs;
+}
+
+Result<Reproduction> try_reproduction(const Scenario& scenario, const Trace& run, const fs::path& file,
+                                      const HostOptions& host, const Simulation& simulation) {
+  ReproductionOptions trying;
+  static_cast<HostOptions&>(trying) = with_controllers_of(scenario, host);
+  return reproduce(scenario, run, fs::path(file).concat(".again"), trying, simulation);
+}
+
+}  // namespace rehearse

@@ -1,0 +1,151 @@
+#include <fmt/format.h>
+#include <rehearse/check.h>
+#include <rehearse/mcap.h>
+#include <rehearse/scenario.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+#include "core/trace/channel_name.h"
+#include "core/trace/hashing.h"
+#include "core/trace/trace_windows.h"
+#include "expectation_judge.h"
+#include "model/clock.h"
+
+namespace rehearse {
+
+std::vector<ExpectationResult> judge_expectations(const std::vector<Expectation>& expectations, const Trace& run) {
+  ExpectationJudge judge(expectations);
+  judge.take(run);
+  return judge.finish(run);
+}
+
+Result<std::vector<ExpectationResult>> judge_expectations(const std::vector<Expectation>& expectations,
+                                                          const std::filesystem::path& recording,
+                                                          std::size_t piece_size) {
+  if (expectations.empty()) return std::vector<ExpectationResult>();
+  const auto is_judged = [&expectations](const mcap::Channel& channel) {
+    return channel.topic == run_topics::tick || channel.topic == run_topics::events ||
+           std::ranges::any_of(expectations, [&](const Expectation& expectation) {
+             return expectation.subject == Expectation::Subject::series &&
+                    may_match(channel.topic, expectation.pattern);
+           });
+  };
+  ExpectationJudge judge(expectations);
+  const auto some = load_wanted_in_pieces(
+      recording, is_judged, [&judge](const Trace& piece) { judge.take(piece); }, piece_size);
+  if (!some) return some.errors();
+  if (judge.found_all()) return judge.finish(*some);
+  ExpectationJudge by_all(expectations);
+  const auto all = Trace::load_in_pieces(
+      recording, [&by_all](const Trace& piece) { by_all.take(piece); }, piece_size);
+  if (!all) return all.errors();
+  return by_all.finish(*all);
+}
+
+namespace {
+
+/// The hash of the messages of a recording that comes in pieces.
+class ContentHash {
+ public:
+  void take(const Trace& piece) {
+    for (const TraceChannel& channel : piece.channels()) {
+      RunningHash& hash = by_topic_[channel.topic];
+      hash.add(channel.times.data(), channel.times.size() * sizeof(std::uint64_t));
+      hash.add(channel.hashes.data(), channel.hashes.size() * sizeof(std::uint64_t));
+    }
+  }
+  std::uint64_t value() const {
+    std::uint64_t hash = 0;
+    for (const auto& [topic, of_channel] : by_topic_) {
+      const std::uint64_t messages = of_channel.value();
+      hash = hash_bytes(topic.data(), topic.size(), hash_bytes(&messages, sizeof messages, hash));
+    }
+    return hash;
+  }
+
+ private:
+  std::map<std::string, RunningHash> by_topic_;
+};
+
+}  // namespace
+
+Result<JudgedRecording> judge_recording(const std::vector<Expectation>& expectations,
+                                        const std::filesystem::path& recording) {
+  ExpectationJudge judge(expectations);
+  ContentHash content;
+  const auto last = Trace::load_in_pieces(recording, [&](const Trace& piece) {
+    judge.take(piece);
+    content.take(piece);
+  });
+  if (!last) return last.errors();
+  return JudgedRecording{judge.finish(*last), content.value()};
+}
+
+const ExpectationResult* first_violation(const std::vector<ExpectationResult>& results) {
+  // only the end of a run shows that something never came
+  const auto known_at = [](const ExpectationResult& result) {
+    const bool at_once = result.first && !result.expectation.sometime;
+    return at_once ? result.first->time : std::numeric_limits<double>::infinity();
+  };
+  const ExpectationResult* first = nullptr;
+  for (const ExpectationResult& result : results)
+    if (!result.holds && (!first || known_at(result) < known_at(*first))) first = &result;
+  return first;
+}
+
+Divergence divergence_of(const ExpectationResult& violation, const Trace& run) {
+  Divergence divergence;
+  TickClock clock;
+  if (const TraceChannel* ticks = run.find_channel(run_topics::tick); ticks && !violation.first)
+    for_each_window(run, {static_cast<std::size_t>(ticks - run.channels().data())},
+                    [&](const Trace& window) { return clock.take(window), true; });
+  const auto place = run.find_series(violation.series);
+  if (violation.first) {
+    divergence.tick = violation.first->tick;
+    divergence.time = violation.first->time;
+  } else if (!clock.empty()) {
+    divergence.tick = clock.tick_at(clock.last_time());
+    divergence.time = seconds_of(clock.last_time());
+  }
+  if (place) {
+    const TraceChannel& channel = run.channels()[place->channel];
+    divergence.channel = channel.topic;
+    divergence.element = channel.columns[place->column].element;
+    divergence.unit = unit_of(channel.metadata, divergence.element);
+    divergence.stage = stage_of(divergence.channel, divergence.element);
+  } else if (violation.expectation.subject != Expectation::Subject::series) {
+    divergence.channel = run_topics::events;
+    divergence.stage = stage_of(divergence.channel);
+  }
+  if (violation.first && violation.first->value) divergence.actual = *violation.first->value;
+  divergence.note = violation.sentence;
+  return divergence;
+}
+
+std::string verdict(const std::vector<ExpectationResult>& results) {
+  if (results.empty()) return {};
+  const ExpectationResult* first = first_violation(results);
+  if (first == nullptr)
+    return results.size() == 1 ? fmt::format("the expectation holds: {}", results[0].text)
+                               : fmt::format("all {} expectations hold", results.size());
+  const auto violated = std::count_if(results.begin(), results.end(), [](const auto& result) { return !result.holds; });
+  if (violated == 1) return first->sentence;
+  return fmt::format("{}; {} more of {} expectations {} violated", first->sentence, violated - 1, results.size(),
+                     violated == 2 ? "is" : "are");
+}
+
+std::string violation_lines(const std::vector<ExpectationResult>& results) {
+  std::string text;
+  for (const ExpectationResult& result : results)
+    if (!result.holds)
+      text += fmt::format("\n{}:{}: {}", result.expectation.place.file, result.expectation.place.line, result.sentence);
+  return text;
+}
+
+std::optional<double> horizon_of(const Scenario& scenario, std::optional<double> estimated) {
+  return scenario.horizon ? scenario.horizon : estimated;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,99 @@
+// ExpectationJudge: judges a run by the expectations of its scenario, in one pass over its pieces. Internal.
+#pragma once
+
+#include <rehearse/check.h>
+#include <rehearse/messages.h>
+#include <rehearse/trace.h>
+
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/compare/tick_clock.h"
+
+namespace rehearse {
+
+/// Judges one series of a run by one expectation. The run comes in pieces.
+class SeriesJudge {
+ public:
+  explicit SeriesJudge(const Expectation& expectation) : expectation_(&expectation) {}
+
+  void take(const TraceChannel& channel, std::size_t column);
+  /// False if the expectation doesn't hold. Then `first` is set, or `problem` if there is no violating sample.
+  bool finish();
+  /// Sets the ticks of `first` and `worst`, which are known only after all pieces.
+  void set_ticks(const TickClock& clock);
+
+  std::optional<ViolatingSample> first, worst;
+  std::optional<double> margin;
+  std::string problem;
+
+ private:
+  bool is_asked_for(std::uint64_t time) const;
+  void take_sample(const ViolatingSample& sample);
+
+  const Expectation* expectation_;
+  std::optional<double> baseline_;
+  std::uint64_t baseline_time_ = 0;
+  std::optional<ViolatingSample> latest_;  // for a moment: the latest sample at it or before
+  std::uint64_t latest_time_ = 0;
+  bool any_ = false, any_right_ = false;
+  std::optional<ViolatingSample> nearest_;  // sample out of the bounds that is nearest to them
+  double worst_excess_ = 0.0, nearest_excess_ = 0.0;
+};
+
+/// Judges one run, piece by piece, by all expectations.
+class ExpectationJudge {
+ public:
+  /// The expectations must outlive this.
+  explicit ExpectationJudge(const std::vector<Expectation>& expectations) : expectations_(expectations) {
+    cases_.resize(expectations.size());
+  }
+
+  void take(const Trace& piece);
+  /// False if the run has no ticks, or no series for an expectation: then the results depend on all of its channels.
+  bool found_all() const;
+  /// `last`: the last piece, which also contains the data of the whole run.
+  std::vector<ExpectationResult> finish(const Trace& last);
+
+ private:
+  struct JudgedSeries {
+    SeriesJudge judge;
+    std::string unit;
+  };
+  struct Case {
+    std::map<std::string, JudgedSeries, std::less<>> series;  // those that match
+    std::optional<msg::Event> event;                          // the first that matches
+  };
+  /// Summary of the series that match.
+  struct Tally {
+    std::int64_t found = 0, violating = 0;
+    std::string unit;        // of all series; empty if there are several units
+    std::string first_unit;  // of the series with the first violation
+    std::string problem;     // of that series, if it has no violating sample
+  };
+
+  void take_times(const Trace& piece);
+  void take_series(const Expectation& expectation, const Trace& piece, Case& to) const;
+  static void take_events(const Expectation& expectation, const Trace& piece, Case& to);
+  void set_end(const Trace& last);
+
+  std::string missing_time(const Expectation& expectation) const;
+  void judge_events(const Case& found, ExpectationResult& result) const;
+  void judge_series(Case& found, const Trace& last, ExpectationResult& result) const;
+  std::string violation_of(ExpectationResult& result, const Tally& tally, const Trace& last) const;
+  static void take(const SeriesJudge& judge, const std::string& name, const std::string& unit,
+                   ExpectationResult& result, Tally& tally);
+
+  const std::vector<Expectation>& expectations_;
+  std::vector<Case> cases_;  // by index in expectations_
+  TickClock clock_;
+  std::uint64_t earliest_ = std::numeric_limits<std::uint64_t>::max(), latest_ = 0;  // of all messages [ns]
+  std::uint64_t end_time_ = 0;                                                       // of the last tick [ns]
+  bool ended_early_ = false;                                                         // the run failed, or was cut off
+};
+
+}  // namespace rehearse

@@ -1,0 +1,91 @@
+// guarded_call: runs code of a controller, and returns to the host in all cases.
+//
+// A controller may throw, access a null pointer, call abort, overflow its stack or never return. In each case the call
+// ends with a report, and the process continues, because it must still close its trace. A call of exit is caught in the
+// same way, where it reaches the replacement in process_tripwires.cpp. Signals are caught on a separate stack and left
+// by siglongjmp. So the destructors of the interrupted code don't run, and its memory and locks are not released. After
+// a crash or a hang no further code of that controller may be called. The calls of one process are made by one thread.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "float_mode.h"
+
+namespace rehearse {
+
+enum class CallEnd {
+  returned,
+  threw,    // an exception left it
+  crashed,  // a signal: segmentation fault, abort, ...
+  hung,     // it did not return within the limit
+  exited,   // it called exit, _exit, quick_exit or exec
+};
+
+struct CallOutcome {
+  CallEnd end = CallEnd::returned;
+  std::string what;                    // for a person: "threw std::runtime_error: no gait"; empty if it returned
+  FloatMode float_mode;                // mode at the end of the call; the mode from before the call is restored
+  bool changed_float_mode = false;     // float_mode isn't the standard one
+  const void* by_thread_of = nullptr;  // not null: a thread failed, of the library with this count of threads
+};
+
+/// Runs `code` in the standard floating-point mode, at most `limit` seconds of wall time [s].
+CallOutcome guarded_call(const std::function<void()>& code, double limit);
+
+/// Installs the signal handlers that end calls. The first guarded_call() does so at the latest.
+void prepare_guarded_calls();
+
+/// Must be called outside of a guarded call in a process that was forked to make guarded calls of its own. The thread
+/// that limits their time isn't in such a process.
+void watch_calls_after_fork();
+
+/// Must be called when code of a controller has been loaded. Such code stays in memory until the process ends. Its
+/// static destructors, which exit() runs then, may crash, hang or call exit themselves; the exit status is preserved.
+void guard_process_end();
+
+/// From now on a crash inside of the C library ends this process in the call, with exit status 128 + the signal. For a
+/// process whose parent notices that and knows the call: without a supervisor such a call ends as others do, and the
+/// next allocation may wait for ever.
+void end_process_at_library_crashes();
+
+/// Returns unless the process is in the part of exit() that guard_process_end() guards.
+void end_if_ending();
+
+/// True if this is the thread that makes the guarded calls, and it is inside of one.
+bool in_guarded_call();
+
+/// Ends the present guarded call, as if the code had ended the process by `function`. `deed`: "called exit(0)".
+[[noreturn]] void leave_guarded_call(const char* deed);
+/// Ends the present guarded call, or the present thread of a controller, as if the code had raised SIGABRT.
+[[noreturn]] void abort_controllers_code();
+
+/// Reports the failure of a controller's own thread. The present guarded call ends with it, or else the next one. The
+/// thread is suspended for good, because it can't be left as a call can. `deed`: "threw std::runtime_error: ...".
+[[noreturn]] void fail_on_own_thread(const char* deed);
+
+/// True if code in a guarded call, or a controller's own thread, has forked this process. It ends where that call ends.
+bool is_forked_by_guest();
+
+/// True if this thread runs code of a controller: in a guarded call, or as a thread that a controller started.
+bool in_controllers_code();
+
+/// Ends the process, without the functions that exit() would call.
+[[noreturn]] void leave_process(int status);
+
+/// A signal stack for this thread during its lifetime, so that an overflow of its ordinary stack can be handled.
+class SignalStack {
+ public:
+  SignalStack();
+  ~SignalStack();
+  SignalStack(const SignalStack&) = delete;
+  SignalStack& operator=(const SignalStack&) = delete;
+
+ private:
+  char* memory_;
+};
+
+/// True for a signal that ends a call that crashes or hangs. The host must receive it, even if the code blocks signals.
+bool ends_calls(int signal_number);
+
+}  // namespace rehearse

@@ -1,0 +1,441 @@
+#include "supervisor.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <pthread.h>
+#include <rehearse/pin.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <new>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "child_process.h"
+#include "core/keeper/remote_writer.h"
+#include "core/keeper/ring.h"
+#include "core/keeper/trace_keeper.h"
+#include "core/trace/hashing.h"
+#include "guarded_call.h"
+#include "interruption.h"
+#include "supervise.h"
+
+namespace rehearse {
+namespace {
+
+constexpr int controller_failed = 3;                  // the exit status
+constexpr double patience = 0.5;                      // time for a child to end a call that took too long [s]
+constexpr timespec child_look_period{0, 50'000'000};  // at which the child is looked at
+constexpr double longest_look = 1.0;                  // after a longer interval this process was stopped [s]
+
+/// A call into a controller.
+struct NotedCall {
+  std::int64_t tick = 0;
+  double time = 0.0;   // [s] of simulation
+  double limit = 0.0;  // [s]
+  char controller[256] = {};
+  char function[64] = {};
+};
+
+/// A call and its hash: a controller may write into the memory that parent and child share.
+struct SealedCall {
+  NotedCall call;
+  std::uint64_t seal = 0;
+
+  std::uint64_t right_seal() const { return hash_bytes(&call, sizeof call, 1); }
+};
+
+/// A number that a stray write hardly gives.
+constexpr std::uint64_t regular_end = 0x72656775'6c617221;
+
+/// Memory that parent and child share. The child writes, and may be killed at any time. A controller may write there,
+/// so it has no types whose bytes may be invalid.
+struct Notes {
+  std::atomic<std::uint64_t> calls{0};      // number of begins and ends; odd: a call is running
+  std::array<SealedCall, 2> last_calls;     // written in turns: a kill leaves one of them whole
+  std::atomic<std::uint32_t> latest{0};     // index of the last call
+  std::atomic<std::uint64_t> announced{0};  // regular_end: the end was announced
+  int status = 0;                           // the announced exit status
+  std::atomic<double> memory_limit{0.0};    // [bytes]; 0: not stated
+  int tasks_left = 0;
+  char task[512] = {};
+  char deed[256] = {};                 // after the controller's name: how its call failed
+  std::atomic<std::uint32_t> hung{0};  // 1: the call exceeded its limit
+};
+
+Notes* notes = nullptr;  // null: this process has no supervisor
+
+/// The files behind stdin, stdout and stderr when the process began: device and inode.
+struct Streams {
+  using Identity = std::pair<dev_t, ino_t>;
+  static constexpr std::size_t count = 3;
+  std::array<std::optional<Identity>, count> at_start;
+  pid_t parent = 0;
+
+  static std::optional<Identity> identity_of(int descriptor) {
+    struct stat status {};
+    if (fstat(descriptor, &status) != 0) return {};
+    return Identity{status.st_dev, status.st_ino};
+  }
+} streams;
+
+template <std::size_t size>
+void put(char (&place)[size], const char* text) {
+  const std::size_t length = strnlen(text, size - 1);
+  std::memcpy(place, text, length);
+  place[length] = '\0';
+}
+
+/// A guest may have written into the notes.
+template <std::size_t size>
+std::string text_of(const char (&place)[size]) {
+  return std::string(place, strnlen(place, size));
+}
+
+/// True if a debugger traces the child.
+bool is_traced_by_other(pid_t child) {
+  std::ifstream status(fmt::format("/proc/{}/status", child));
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("TracerPid:")) {
+      const long tracer = std::atol(line.c_str() + line.find(':') + 1);
+      return tracer != 0 && tracer != getpid();
+    }
+  return false;
+}
+
+/// The waiting parent.
+class Parent {
+ public:
+  Parent(pid_t child, Ring& ring) : child_(child), keeper_(ring) {}
+  [[noreturn]] void run();
+
+ private:
+  bool has_ended();
+  void give_terminal();
+  void pass_on(const siginfo_t& signal);
+  void stop_with_child();
+  bool look_at_call();
+  void look_for_hang();
+  void look_at_memory();
+  void kill_child();
+  bool was_interrupted() const;
+  bool lost_its_reader() const;
+  [[noreturn]] void leave(int status);
+  [[noreturn]] void mirror();
+  std::string sentence() const;
+  std::string close_traces();
+
+  const pid_t child_;
+  TraceKeeper keeper_;
+  int ended_ = 0;        // as returned by waitpid()
+  sigset_t received_{};  // signals from outside
+  std::uint64_t calls_ = 0;
+  std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now(), looked_ = since_;
+  NotedCall call_;              // the last whose seal was right
+  bool gave_terminal_ = false;  // the terminal signals the child, not this process
+  bool hung_ = false;
+  bool damaged_ = false;  // a controller has written into memory that this process reads
+  const double default_memory_limit_ = default_memory_limit();  // [bytes]
+  double memory_limit_ = 0.0;                                   // the limit that the child exceeded [bytes]
+};
+
+void Parent::run() {
+  sigset_t all;
+  sigfillset(&all);
+  sigemptyset(&received_);
+  while (!has_ended()) {
+    siginfo_t signal{};
+    const int number = sigtimedwait(&all, &signal, &child_look_period);
+    if (number == SIGTSTP || number == SIGTTIN || number == SIGTTOU)
+      stop_with_child();
+    else if (number > 0 && number != SIGCHLD)
+      pass_on(signal);
+    if (keeper_.is_damaged()) kill_child();
+    look_for_hang();
+    look_at_memory();
+  }
+  for (siginfo_t signal{}; sigtimedwait(&all, &signal, std::array<timespec, 1>{}.data()) > 0;)
+    sigaddset(&received_, signal.si_signo);
+  kill(-child_, SIGKILL);  // processes that a controller forked
+  keeper_.finish();
+  damaged_ = keeper_.is_damaged() || (!look_at_call() && notes->calls != 0);
+  if (lost_its_reader()) {
+    static_cast<void>(close_traces());
+    mirror();
+  }
+  const bool announced = notes->announced == regular_end && !damaged_;
+  if (announced && WIFEXITED(ended_)) leave(WEXITSTATUS(ended_) != 0 ? WEXITSTATUS(ended_) : notes->status);
+  if (announced) leave(notes->status != 0 ? notes->status : controller_failed);
+  if (!damaged_ && (notes->calls == 0 || was_interrupted())) mirror();
+  std::string text = "error: " + sentence() + "\n";
+  if (!damaged_ && notes->task[0] != '\0')
+    text += fmt::format("error: it was in {}; {} not run\n", text_of(notes->task),
+                        notes->tasks_left == 1 ? "1 after it was" : fmt::format("{} after it were", notes->tasks_left));
+  text += close_traces();
+  std::fputs(text.c_str(), stderr);
+  leave(controller_failed);
+}
+
+bool Parent::has_ended() {
+  pid_t ended = 0;
+  do ended = waitpid(child_, &ended_, WNOHANG | WUNTRACED);
+  while (ended < 0 && errno == EINTR);
+  if (ended != child_ || !WIFSTOPPED(ended_)) return ended == child_ || ended < 0;
+  if (WSTOPSIG(ended_) == SIGTTIN || WSTOPSIG(ended_) == SIGTTOU) give_terminal();
+  if (WSTOPSIG(ended_) == SIGTSTP && gave_terminal_) stop_with_child();
+  return false;
+}
+
+/// The child reads from the terminal, or changes its settings: then it needs the place of this process there.
+void Parent::give_terminal() {
+  if (tcgetpgrp(STDIN_FILENO) != getpgrp()) return stop_with_child();  // a job in the background waits
+  gave_terminal_ = tcsetpgrp(STDIN_FILENO, child_) == 0;
+  kill(-child_, SIGCONT);
+}
+
+/// The child is in a process group of its own, so that a controller's signal to its group doesn't reach this process.
+/// So signals of the terminal don't reach the child.
+void Parent::pass_on(const siginfo_t& signal) {
+  if (signal.si_code <= 0 && signal.si_pid == child_) return;
+  sigaddset(&received_, signal.si_signo);
+  kill(child_, signal.si_signo);
+}
+
+/// The shell waits until this process has stopped, and continues it.
+void Parent::stop_with_child() {
+  kill(-child_, SIGSTOP);
+  raise(SIGSTOP);
+  kill(-child_, SIGCONT);
+}
+
+/// The group, because a controller may have forked.
+void Parent::kill_child() { kill(-child_, SIGKILL); }
+
+/// False if a controller has written over the notes.
+bool Parent::look_at_call() {
+  const std::uint32_t latest = notes->latest;
+  for (const std::uint32_t index : {latest, latest + 1}) {
+    const SealedCall noted = notes->last_calls[index % notes->last_calls.size()];
+    if (noted.seal != noted.right_seal()) continue;
+    call_ = noted.call;
+    return true;
+  }
+  return false;
+}
+
+/// Kills a child with a hanging call. The child ends such a call itself, unless its controller disabled the signal for
+/// that, is stopped, or waits in the C library.
+void Parent::look_for_hang() {
+  const std::uint64_t calls = notes->calls;
+  const auto now = std::chrono::steady_clock::now();
+  const auto seconds_since = [now](auto past) { return std::chrono::duration<double>(now - past).count(); };
+  if (calls != calls_ || calls % 2 == 0 || seconds_since(std::exchange(looked_, now)) > longest_look) {
+    calls_ = calls;
+    since_ = now;
+    looked_ = now;
+  }
+  if (!look_at_call() || seconds_since(since_) < call_.limit + patience) return;
+  if (is_traced_by_other(child_)) return;
+  hung_ = true;
+  kill_child();
+}
+
+void Parent::look_at_memory() {
+  const double stated = notes->memory_limit, limit = stated > 0.0 ? stated : default_memory_limit_;
+  if (memory_limit_ > 0.0 || memory_of(child_) <= limit) return;
+  memory_limit_ = limit;
+  kill_child();
+}
+
+/// True if both processes were interrupted by the same sender.
+bool Parent::was_interrupted() const {
+  if (!WIFSIGNALED(ended_)) return false;
+  const int number = WTERMSIG(ended_);
+  const bool of_terminal = number == SIGINT || number == SIGQUIT;
+  return (of_terminal || number == SIGTERM || number == SIGHUP) &&
+         ((of_terminal && gave_terminal_) || sigismember(&received_, number) == 1);
+}
+
+/// True if nobody reads the output of the child any more. Otherwise a controller or its thread wrote to a pipe of its
+/// own.
+bool Parent::lost_its_reader() const {
+  return WIFSIGNALED(ended_) && WTERMSIG(ended_) == SIGPIPE && (notes->calls == 0 || is_reader_gone());
+}
+
+/// Recordings that are still open stay without their end: the child gave them up.
+void Parent::leave(int status) {
+  keeper_.drop_traces();
+  _exit(status);
+}
+
+/// Ends in the same way as the child.
+void Parent::mirror() {
+  if (WIFEXITED(ended_)) leave(WEXITSTATUS(ended_));
+  keeper_.drop_traces();
+  const int number = WTERMSIG(ended_);
+  const rlimit no_core{};
+  setrlimit(RLIMIT_CORE, &no_core);
+  signal(number, SIG_DFL);
+  sigset_t one;
+  sigemptyset(&one);
+  sigaddset(&one, number);
+  sigprocmask(SIG_UNBLOCK, &one, nullptr);
+  raise(number);
+  _exit(128 + number);
+}
+
+std::string Parent::sentence() const {
+  const std::string function = text_of(call_.function), controller = text_of(call_.controller);
+  const std::string where = function == loading || function == unloading
+                                ? fmt::format("while its library was {}", function)
+                                : fmt::format("in {}() at tick {} ({} s)", function, call_.tick, call_.time);
+  if (damaged_)
+    return "a controller wrote over memory that it shares with its supervisor" +
+           (controller.empty() ? "" : fmt::format("; the last known call: controller '{}' {}", controller, where));
+  if (hung_ || notes->hung == 1)
+    return fmt::format("controller '{}' did not return within {} s {}", controller, call_.limit, where);
+  if (memory_limit_ > 0.0) {
+    const bool in_call = notes->calls % 2 == 1;
+    return fmt::format("{} took more than {:.0f} MB of memory{} {}",
+                       in_call ? "controller '" + controller + "'" : "the process", memory_limit_ / 1e6,
+                       in_call ? "" : ", after controller '" + controller + "' was called", where);
+  }
+  const std::string how = WIFEXITED(ended_) ? fmt::format("with exit status {}", WEXITSTATUS(ended_))
+                                            : fmt::format("by SIG{}", sigabbrev_np(WTERMSIG(ended_)));
+  if (notes->deed[0] != '\0') return fmt::format("controller '{}' {} {}", controller, text_of(notes->deed), where);
+  if (notes->calls % 2 == 1) return fmt::format("controller '{}' ended the process {} {}", controller, how, where);
+  return fmt::format(
+      "the process was ended {} after controller '{}' was called {}: by a thread, timer or limit that a controller "
+      "set, by memory that it damaged, or from outside",
+      how, controller, where);
+}
+
+/// Closes the recordings with all that the child has sent. Returns a line for each.
+std::string Parent::close_traces() {
+  std::string text;
+  for (const std::string& line : keeper_.close_failed({text_of(call_.controller), sentence(), call_.tick, call_.time}))
+    text += line + "\n";
+  return text;
+}
+
+void announce(int status, void*) { announce_end(status); }
+
+}  // namespace
+
+void supervise_process() {
+  const char* const wish = std::getenv("REHEARSE_SUPERVISE");
+  if (wish && std::string_view(wish) == "off") return;
+  if (notes || is_traced() || runs_under_valgrind()) return;  // under valgrind it would become two programs
+  void* shared = mmap(nullptr, sizeof(Notes), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  Ring* const ring = Ring::create();
+  if (shared == MAP_FAILED || !ring) return;
+  notes = new (shared) Notes;
+  std::fflush(nullptr);
+  // The program that started this one may ignore it: then the end of a child would not be reported.
+  signal(SIGCHLD, SIG_DFL);
+  sigset_t all, before;
+  sigfillset(&all);
+  sigprocmask(SIG_BLOCK, &all, &before);
+  const pid_t parent = getpid(), child = fork();
+  if (child > 0) {
+    setpgid(child, child);
+    Parent(child, *ring).run();
+  }
+  if (child == 0) {
+    setpgid(0, 0);
+    send_recordings_through(*ring);
+    streams.parent = parent;
+    for (int i = 0; i < static_cast<int>(Streams::count); ++i) streams.at_start[i] = Streams::identity_of(i);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) _exit(controller_failed);
+    on_exit(announce, nullptr);
+    pthread_atfork(nullptr, nullptr, [] { notes = nullptr; });  // children of this process don't write into the notes
+  } else {
+    notes = nullptr;  // fork failed: continue without a parent
+  }
+  sigprocmask(SIG_SETMASK, &before, nullptr);
+}
+
+void note_task(const char* name, int left) {
+  if (!notes) return;
+  put(notes->task, name);
+  notes->tasks_left = left;
+}
+
+void note_call_begin(const char* controller, const char* function, std::int64_t tick, double time, double limit) {
+  if (!notes) return;
+  const std::uint32_t next = (notes->latest + 1) % notes->last_calls.size();
+  SealedCall& noted = notes->last_calls[next];
+  NotedCall& call = noted.call;
+  put(call.controller, controller);
+  put(call.function, function);
+  call.tick = tick;
+  call.time = time;
+  call.limit = limit;
+  noted.seal = noted.right_seal();
+  notes->latest = next;
+  notes->calls.fetch_add(1, std::memory_order_release);
+}
+
+void note_call_end() {
+  if (notes) notes->calls.fetch_add(1, std::memory_order_release);
+}
+
+void note_memory_limit(double bytes) {
+  if (notes) notes->memory_limit = bytes;
+}
+
+/// The parent still has them.
+bool restore_streams() {
+  if (!notes) return false;
+  bool changed = false;
+  for (int i = 0; i < static_cast<int>(Streams::count); ++i) {
+    if (!streams.at_start[i] || Streams::identity_of(i) == streams.at_start[i]) continue;
+    changed = true;
+    const std::string of_parent = fmt::format("/proc/{}/fd/{}", streams.parent, i);
+    const int opened = open(of_parent.c_str(), i == STDIN_FILENO ? O_RDONLY : O_WRONLY | O_APPEND);
+    if (opened < 0 || opened == i) continue;
+    dup2(opened, i);
+    close(opened);
+  }
+  return changed;
+}
+
+void fail_process(const char* deed) {
+  if (!notes) return;
+  if (deed) put(notes->deed, deed);
+  notes->hung = deed ? 0 : 1;
+  kill(getpid(), SIGKILL);
+}
+
+void fail_process_by_thread(const char* deed) {
+  if (!notes) return;
+  put(notes->deed, "started a thread that ");
+  const std::size_t length = std::strlen(notes->deed);
+  std::strncpy(notes->deed + length, deed, sizeof notes->deed - length - 1);
+  kill(getpid(), SIGKILL);
+}
+
+/// In a call it is the controller, or a thread of its own, that ends the process.
+void announce_end(int status) {
+  if (!notes || notes->calls % 2 == 1 || in_controllers_code()) return;
+  notes->status = status;
+  notes->announced = regular_end;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,217 @@
+#include "controller_library.h"
+
+#include <cnoid/SimpleController>
+
+#include <cxxabi.h>
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/guard/guarded_call.h"
+#include "core/guard/own_library.h"
+#include "core/guard/supervisor.h"
+#include "core/scenario/project.h"
+#include "core/trace/hashing.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* factory_name = "createSimpleController";
+constexpr const char* abi_name = "rehearseCnoidAbi";
+
+std::vector<fs::path> stated_folders() {
+  std::vector<fs::path> folders;
+  if (const char* listed = std::getenv("REHEARSE_CONTROLLER_PATH")) {
+    std::string_view rest = listed;
+    while (!rest.empty()) {
+      const std::size_t colon = rest.find(':');
+      if (colon != 0) folders.emplace_back(rest.substr(0, colon));
+      rest = colon == std::string_view::npos ? std::string_view() : rest.substr(colon + 1);
+    }
+  }
+  return folders;
+}
+
+bool is_inside(const fs::path& path, const fs::path& folder) {
+  const fs::path relative = path.lexically_relative(folder);
+  return !relative.empty() && *relative.begin() != "..";
+}
+
+/// The folders of controllers of a project's builds; the folder with the newest library of that name comes first.
+std::vector<fs::path> built_folders(const fs::path& project, const std::string& name) {
+  std::vector<fs::path> folders;
+  for (const fs::path& build : build_folders(project)) folders.push_back(build / "lib/rehearse/controllers");
+  std::ranges::stable_sort(folders, std::greater(), [&](const fs::path& folder) {
+    std::error_code missing;
+    const auto written = fs::last_write_time(folder / (name + ".so"), missing);
+    return missing ? fs::file_time_type::min() : written;
+  });
+  return folders;
+}
+
+/// The folders in which a controller is searched by its name: the user's folders, the builds of the project, the folder
+/// of this installation. A program that runs from a build of the project uses controllers of that build alone. Other
+/// controllers may be made with different compilers, or with sanitizers.
+std::vector<fs::path> search_folders(const std::string& name, const fs::path& directory) {
+  const fs::path own = own_library_folder() / "rehearse" / "controllers";
+  std::vector<fs::path> folders = stated_folders();
+  for (const fs::path& inside : {directory / "", fs::current_path() / ""}) {
+    const auto project = find_project(inside);
+    if (!project || is_inside(own, *project)) continue;
+    for (const fs::path& folder : built_folders(*project, name))
+      if (std::ranges::find(folders, folder) == folders.end()) folders.push_back(folder);
+  }
+  folders.push_back(own);
+  return folders;
+}
+
+/// Advice about a missing controller.
+std::string advice_on_missing(const std::string& looked, const fs::path& directory) {
+  const auto project = find_project(directory / "");
+  if (project && build_folders(*project).empty()) {
+    std::error_code ignored;
+    const std::string source = fs::proximate(*project, ignored).string();
+    const std::string build = fs::proximate(*project / "build", ignored).string();
+    return fmt::format("build it first: cmake -S {0} -B {1} && cmake --build {1}", source, build);
+  }
+  return "looked for " + looked + "; REHEARSE_CONTROLLER_PATH names further folders";
+}
+
+bool is_path(const std::string& name) { return name.find('/') != std::string::npos || name.ends_with(".so"); }
+
+/// The dynamic linker's message, with demangled C++ names.
+std::string readable(std::string message) {
+  constexpr std::string_view marker = "undefined symbol: ";
+  const std::size_t at = message.find(marker);
+  if (at == std::string::npos) return message;
+  std::string symbol = message.substr(at + marker.size());
+  symbol = symbol.substr(0, symbol.find_first_of(" \t\n,("));
+  int status = 0;
+  char* demangled = abi::__cxa_demangle(symbol.c_str(), nullptr, nullptr, &status);
+  if (status == 0 && demangled) symbol = demangled;
+  std::free(demangled);
+  return "it needs the symbol '" + symbol + "', which nothing here defines";
+}
+
+/// The changes that the library made to the process while it was loaded. A library that is in memory already makes no
+/// changes. Then the changes of its first load are returned, so that the remarks of a run don't depend on earlier runs.
+std::vector<std::string> remarks_on_loading(const std::string& name, const std::string& content_hash,
+                                            const CallOutcome& outcome) {
+  static auto& told = *new std::map<std::string, std::vector<std::string>>;
+  std::vector<std::string> remarks;
+  if (outcome.changed_float_mode)
+    remarks.push_back(fmt::format("{} switches the whole process to {} when it is loaded{}; it was set back", name,
+                                  describe(outcome.float_mode),
+                                  is_fast_math(outcome.float_mode) ? ": it was linked with -ffast-math" : ""));
+  for (const Trespass& trespass : ProcessGuard::instance().put_right())
+    remarks.push_back(fmt::format("{}, while it was loaded, {}", name, trespass.deed));
+  if (!remarks.empty()) told[content_hash] = remarks;
+  const auto before = told.find(content_hash);
+  return before == told.end() ? remarks : before->second;
+}
+
+/// The libraries of this process that were interrupted while they were loaded or unloaded, by file, with a description.
+/// The dynamic linker treats such a library as loaded, although its static objects weren't constructed, or were
+/// destroyed.
+std::map<fs::path, std::string>& interrupted_libraries() {
+  static auto& all = *new std::map<fs::path, std::string>;
+  return all;
+}
+
+}  // namespace
+
+Result<fs::path> find_controller_library(const std::string& name, const fs::path& directory) {
+  std::vector<fs::path> candidates;
+  if (is_path(name)) {
+    candidates = {directory / name, fs::current_path() / name};
+    if (candidates[0].lexically_normal() == candidates[1].lexically_normal()) candidates.pop_back();
+  } else {
+    for (const fs::path& folder : search_folders(name, directory)) {
+      candidates.push_back(folder / (name + ".so"));
+      candidates.push_back(folder / ("lib" + name + ".so"));
+    }
+  }
+  std::string looked;
+  for (const fs::path& candidate : candidates) {
+    std::error_code ignored;
+    if (fs::is_regular_file(candidate, ignored)) return candidate;
+    looked += (looked.empty() ? "" : ", ") + candidate.lexically_normal().string();
+  }
+  return error("controller library '" + name + "' not found",
+               is_path(name) ? "looked for " + looked : advice_on_missing(looked, directory));
+}
+
+Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::path& file, double call_limit) {
+  std::shared_ptr<ControllerLibrary> library(new ControllerLibrary);
+  library->file_ = file;
+  library->call_limit_ = call_limit;
+  library->content_hash_ = content_hash_of(file);
+  const fs::path absolute = fs::absolute(file);  // before the call, because the call may end at any instruction
+  const std::string name = "controller library '" + file.filename().string() + "'";
+  if (const auto before = interrupted_libraries().find(absolute); before != interrupted_libraries().end())
+    return error(name + " can't be loaded again in this process: before, it " + before->second,
+                 "its static objects are incomplete; another process can load it");
+  std::string problem;
+  // Its static objects are constructed here: code of the library's author.
+  ProcessGuard::instance().begin(library->threads_, true);
+  const CallOutcome outcome = guarded_call(
+      [&] {
+        library->handle_ = dlopen(absolute.c_str(), RTLD_NOW | RTLD_LOCAL);
+        if (!library->handle_) problem = dlerror();
+      },
+      call_limit);
+  library->remarks_ = remarks_on_loading(name, library->content_hash_, outcome);
+  if (outcome.end != CallEnd::returned) {
+    library->keep_loaded();
+    interrupted_libraries()[absolute] = "failed while it was loaded: it " + outcome.what;
+    return error(name + " failed while it was loaded: it " + outcome.what);
+  }
+  if (!library->handle_) {
+    if (problem.find("invalid ELF header") != std::string::npos || problem.find("file too short") != std::string::npos)
+      return error(name + " is not a shared library", "build it with rehearse_add_simple_controller or -shared -fPIC");
+    return error(name + " can't be loaded: " + readable(problem));
+  }
+  library->factory_ = reinterpret_cast<Factory>(dlsym(library->handle_, factory_name));
+  if (!library->factory_)
+    return error(name + " is not a controller: it defines no " + factory_name,
+                 "end its source with CNOID_IMPLEMENT_SIMPLE_CONTROLLER_FACTORY(YourClass)");
+  const auto abi = reinterpret_cast<int (*)()>(dlsym(library->handle_, abi_name));
+  if (!abi || abi() != REHEARSE_CNOID_ABI)
+    return error(name +
+                     (abi ? " was compiled with the <cnoid/...> headers of another version of Rehearse"
+                          : " was not compiled with Rehearse's <cnoid/...> headers") +
+                     ", whose classes have another memory layout",
+                 "compile it again with the headers of this version");
+  return library;
+}
+
+void ControllerLibrary::keep_loaded() {
+  if (!std::exchange(keep_loaded_, true)) guard_process_end();
+}
+
+ControllerLibrary::~ControllerLibrary() {
+  if (!handle_ || keep_loaded_) return;
+  // Its static objects are destroyed here. Changes that they make to the process are undone but not reported.
+  note_call_begin(file_.filename().c_str(), unloading, 0, 0.0, call_limit_);
+  ProcessGuard::instance().begin(threads_, true);
+  const CallOutcome outcome = guarded_call([&] { dlclose(handle_); }, call_limit_);
+  ProcessGuard::instance().put_right();
+  note_call_end();
+  if (outcome.end == CallEnd::returned) return;
+  guard_process_end();
+  interrupted_libraries()[fs::absolute(file_)] = "failed while it was unloaded: it " + outcome.what;
+  fmt::print(stderr, "warning: controller library '{}' failed while it was unloaded: it {}\n",
+             file_.filename().string(), outcome.what);
+}
+
+}  // namespace rehearse

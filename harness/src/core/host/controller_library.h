@@ -1,0 +1,61 @@
+// ControllerLibrary: finds and loads the shared library of a controller, and returns its factory.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/guard/process_guard.h"
+
+namespace cnoid {
+class SimpleController;
+}
+
+namespace rehearse {
+
+/// Finds the file of a library. `name` with a slash or the ending .so is a path, relative to `directory`, else to the
+/// working directory. Any other name is searched as NAME.so and libNAME.so in three places. These are the folders of
+/// REHEARSE_CONTROLLER_PATH (separated by colons), the builds of the project (the newest first), and
+/// lib/rehearse/controllers beside this library. The project is that of `directory` or of the working directory. A
+/// program that was built in the project searches its own build alone. Fails with the list of searched places.
+Result<std::filesystem::path> find_controller_library(const std::string& name, const std::filesystem::path& directory);
+
+class ControllerLibrary {
+ public:
+  /// Loads the file. Fails if it can't be loaded (the message has the C++ name of an undefined symbol) or is no
+  /// controller. `call_limit` limits the time of the code that runs while it loads [s].
+  static Result<std::shared_ptr<ControllerLibrary>> open(const std::filesystem::path& file, double call_limit);
+  ~ControllerLibrary();
+  ControllerLibrary(const ControllerLibrary&) = delete;
+  ControllerLibrary& operator=(const ControllerLibrary&) = delete;
+
+  /// Creates a new controller. Runs the library's code: must be called in a guarded call.
+  cnoid::SimpleController* create() const { return factory_(); }
+
+  const std::filesystem::path& file() const { return file_; }
+  /// content_hash_of() the library's file.
+  const std::string& content_hash() const { return content_hash_; }
+  /// Changes that the library made to the process while it was loaded, and their repair.
+  const std::vector<std::string>& remarks() const { return remarks_; }
+  /// The number of running threads that its code has started.
+  const ThreadCount& threads() const { return threads_; }
+  /// Leaves the library in memory for good: its code crashed or never returned, so it must not be unloaded.
+  void keep_loaded();
+
+ private:
+  ControllerLibrary() = default;
+  using Factory = cnoid::SimpleController* (*)();
+  std::filesystem::path file_;
+  std::string content_hash_;
+  double call_limit_ = 0.0;  // [s]
+  void* handle_ = nullptr;
+  Factory factory_ = nullptr;
+  bool keep_loaded_ = false;
+  std::vector<std::string> remarks_;
+  ThreadCount threads_ = std::make_shared<std::atomic<int>>(0);
+};
+
+}  // namespace rehearse

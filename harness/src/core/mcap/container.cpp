@@ -1,0 +1,31 @@
+#include "container.h"
+
+#include <atomic>
+#include <cstring>
+#include <string_view>
+
+#include "contents.h"
+
+namespace rehearse::mcap {
+namespace {
+
+bool begins_with(Bytes bytes, std::string_view text) {
+  return bytes.size() >= text.size() && std::memcmp(bytes.data(), text.data(), text.size()) == 0;
+}
+
+std::atomic<const ContainerReader*> reader_of_others{nullptr};
+
+}  // namespace
+
+Container container_of(Bytes start) {
+  if (begins_with_magic(start)) return Container::mcap;
+  if (begins_with(start, std::string_view("SQLite format 3\0", 16))) return Container::sqlite;
+  if (begins_with(start, "\x28\xb5\x2f\xfd")) return Container::zstd;
+  if (begins_with(start, "#ROSBAG V")) return Container::ros1_bag;
+  return Container::unknown;
+}
+
+void set_container_reader(const ContainerReader& reader) { reader_of_others = &reader; }
+const ContainerReader* container_reader() { return reader_of_others; }
+
+}  // namespace rehearse::mcap

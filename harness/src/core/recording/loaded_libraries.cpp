@@ -1,0 +1,163 @@
+#include "loaded_libraries.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <link.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <set>
+#include <sstream>
+#include <string_view>
+#include <utility>
+
+#include "core/trace/hashing.h"
+
+namespace rehearse {
+namespace {
+
+std::string build_id(const dl_phdr_info& library) {
+  for (int i = 0; i < library.dlpi_phnum; ++i) {
+    const ElfW(Phdr)& header = library.dlpi_phdr[i];
+    if (header.p_type != PT_NOTE) continue;
+    const char* at = reinterpret_cast<const char*>(library.dlpi_addr + header.p_vaddr);
+    const char* const end = at + header.p_memsz;
+    while (at + sizeof(ElfW(Nhdr)) <= end) {
+      ElfW(Nhdr) note;
+      std::memcpy(&note, at, sizeof note);
+      const char* name = at + sizeof note;
+      const char* content = name + (note.n_namesz + 3) / 4 * 4;
+      if (content + note.n_descsz > end) break;
+      if (note.n_type == NT_GNU_BUILD_ID && std::string_view(name, note.n_namesz) == std::string_view("GNU", 4))
+        return std::string(content, note.n_descsz);
+      at = content + (note.n_descsz + 3) / 4 * 4;
+    }
+  }
+  return {};
+}
+
+std::string file_name(std::string_view path) { return std::string(path.substr(path.rfind('/') + 1)); }
+
+/// The parts of the file that the linker loads, without the notes in them, and without the header of the file, which
+/// states the size of the debug information.
+std::vector<FilePart> parts_in_memory(const dl_phdr_info& library) {
+  std::vector<FilePart> parts, notes{{0, sizeof(ElfW(Ehdr))}};
+  for (int i = 0; i < library.dlpi_phnum; ++i) {
+    const ElfW(Phdr)& header = library.dlpi_phdr[i];
+    if (header.p_type == PT_LOAD) parts.push_back({header.p_offset, header.p_filesz});
+    if (header.p_type == PT_NOTE) notes.push_back({header.p_offset, header.p_filesz});
+  }
+  for (const FilePart& note : notes) {
+    const auto holds = [&](const FilePart& part) {
+      return part.offset <= note.offset && note.offset + note.size <= part.offset + part.size;
+    };
+    const auto part = std::ranges::find_if(parts, holds);
+    if (part == parts.end()) continue;
+    const std::uint64_t end = part->offset + part->size, after = note.offset + note.size;
+    part->size = note.offset - part->offset;
+    parts.insert(part + 1, {after, end - after});
+  }
+  return parts;
+}
+
+/// The inodes of the files in this process's memory, by the address at which each part begins.
+std::map<std::uint64_t, std::uint64_t> mapped_inodes() {
+  std::map<std::uint64_t, std::uint64_t> inodes;
+  std::ifstream maps("/proc/self/maps");
+  for (std::string line; std::getline(maps, line);) {
+    std::istringstream words(line);
+    std::string range, permissions, offset, device;
+    std::uint64_t inode = 0;
+    if (words >> range >> permissions >> offset >> device >> inode) inodes[std::stoull(range, nullptr, 16)] = inode;
+  }
+  return inodes;
+}
+
+std::uint64_t inode_of(const dl_phdr_info& library, const std::map<std::uint64_t, std::uint64_t>& inodes) {
+  for (int i = 0; i < library.dlpi_phnum; ++i) {
+    if (library.dlpi_phdr[i].p_type != PT_LOAD) continue;
+    const auto after = inodes.upper_bound(library.dlpi_addr + library.dlpi_phdr[i].p_vaddr);
+    return after == inodes.begin() ? 0 : std::prev(after)->second;
+  }
+  return 0;
+}
+
+Result<std::string> read_code_hash(const std::string& path, const LoadedLibrary& library) {
+  struct stat found = {};
+  std::ifstream file(path, std::ios::binary);
+  if (!file || stat(path.c_str(), &found) != 0) return error(fmt::format("{} can't be read", path));
+  if (found.st_ino != library.inode)
+    return error(fmt::format("{} was replaced after this process had loaded it", path));
+  RunningHash hash;
+  std::vector<char> block(std::size_t{1} << 20);
+  for (const FilePart& part : library.parts) {
+    file.seekg(static_cast<std::streamoff>(part.offset));
+    for (std::uint64_t left = part.size; left > 0;) {
+      const std::uint64_t size = std::min<std::uint64_t>(left, block.size());
+      if (!file.read(block.data(), static_cast<std::streamsize>(size)))
+        return error(fmt::format("{} can't be read", path));
+      hash.add(block.data(), size);
+      left -= size;
+    }
+  }
+  return hash_text(hash.value());
+}
+
+/// Adds the file names of a library and of the libraries that its dynamic section names.
+Result<void> add_needed(const char* library, std::set<std::string>& names) {
+  void* handle = ::dlopen(library, RTLD_NOW | RTLD_LOCAL);  // stays loaded
+  link_map* map = nullptr;
+  if (!handle || ::dlinfo(handle, RTLD_DI_LINKMAP, &map) != 0)
+    return error(fmt::format("{} can't be loaded: {}", library, ::dlerror()));
+  if (!names.insert(file_name(map->l_name)).second) return {};
+  const char* texts = nullptr;
+  for (const ElfW(Dyn)* entry = map->l_ld; entry->d_tag != DT_NULL; ++entry)
+    if (entry->d_tag == DT_STRTAB) texts = reinterpret_cast<const char*>(entry->d_un.d_ptr);
+  for (const ElfW(Dyn)* entry = map->l_ld; entry->d_tag != DT_NULL; ++entry)
+    if (entry->d_tag == DT_NEEDED)
+      if (auto added = add_needed(texts + entry->d_un.d_val, names); !added) return added;
+  return {};
+}
+
+}  // namespace
+
+Result<std::map<std::string, LoadedLibrary>> load_library(const std::string& name) {
+  std::set<std::string> needed;
+  if (auto added = add_needed(name.c_str(), needed); !added) return added.errors();
+  auto libraries = loaded_libraries();
+  std::erase_if(libraries, [&needed](const auto& entry) { return !needed.contains(entry.first); });
+  return libraries;
+}
+
+std::map<std::string, LoadedLibrary> loaded_libraries() {
+  struct Found {
+    std::map<std::uint64_t, std::uint64_t> inodes = mapped_inodes();
+    std::map<std::string, LoadedLibrary> libraries = {};
+  } found;
+  const auto take = [](dl_phdr_info* library, std::size_t, void* into) {
+    auto& [inodes, libraries] = *static_cast<Found*>(into);
+    libraries.emplace(
+        file_name(library->dlpi_name),
+        LoadedLibrary{library->dlpi_name, build_id(*library), parts_in_memory(*library), inode_of(*library, inodes)});
+    return 0;
+  };
+  dl_iterate_phdr(take, &found);
+  return std::move(found.libraries);
+}
+
+Result<std::string> code_hash_of(const LoadedLibrary& library) {
+  static std::mutex mutex;
+  static auto& known = *new std::map<std::string, std::string>;  // by file: a loaded file stays what it is
+  const std::lock_guard lock(mutex);
+  const auto before = known.find(library.file);
+  if (before != known.end()) return before->second;
+  auto hash = read_code_hash(library.file.empty() ? "/proc/self/exe" : library.file, library);
+  if (hash) known.emplace(library.file, *hash);
+  return hash;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,169 @@
+#include "provenance.h"
+
+#include <fmt/format.h>
+#include <gnu/libc-version.h>
+#include <rehearse/pin.h>
+
+#include <algorithm>
+#include <cfloat>
+#include <cstdlib>
+#include <fstream>
+#include <set>
+#include <string_view>
+
+#include "core/host/virtualised.h"
+#include "core/trace/hashing.h"
+#include "core/trace/run_facts.h"
+#include "loaded_libraries.h"
+
+// The build checks this with the compiler, too; here the check covers the final compilation of this file.
+static_assert(FLT_EVAL_METHOD == 0 || *REHEARSE_OTHER_FLAGS, "intermediate results are rounded to their type");
+#if defined(__FAST_MATH__) || defined(__FMA__) || defined(__AVX__)
+static_assert(*REHEARSE_OTHER_FLAGS, "built with flags that change the bits of recordings");
+#endif
+
+namespace rehearse {
+namespace {
+
+std::string processor() {
+  std::ifstream cpus("/proc/cpuinfo");
+  for (std::string line; std::getline(cpus, line);) {
+    if (!line.starts_with("model name")) continue;
+    const std::size_t colon = line.find(": ");
+    return colon == std::string::npos ? std::string() : line.substr(colon + 2);
+  }
+  return "unknown";
+}
+
+std::string compiler() {
+#if defined(__clang__)
+  return "clang " __clang_version__;
+#else
+  return "gcc " __VERSION__;
+#endif
+}
+
+/// A hash over the loaded libraries whose code influences bits: Rehearse's libraries, and the libraries that they
+/// compute with. OSMesa is included only if it draws, because an earlier run may have loaded it. Empty if a library has
+/// no build identifier.
+std::string programs(bool draws) {
+  constexpr std::string_view deciding[] = {"librehearse_model.",
+                                           "librehearse_world.",
+                                           "librehearse_renderer.",
+                                           "librehearse_scenario.",
+                                           "librehearse_harness.",
+                                           "librehearse_mcap.",
+                                           "librehearse_trace.",
+                                           "librehearse_cnoid.",
+                                           "librehearse_simulation.",
+                                           "libode.",
+                                           "libOSMesa.",
+                                           "libm.",
+                                           "libc.",
+                                           "libstdc++."};
+  std::string all;
+  for (const auto& [name, library] : loaded_libraries()) {
+    const auto names_it = [&name = name](std::string_view prefix) { return name.starts_with(prefix); };
+    if (std::none_of(std::begin(deciding), std::end(deciding), names_it)) continue;
+    if (!draws && name.starts_with("libOSMesa.")) continue;
+    if (library.build_id.empty()) return {};
+    all += name + '\0' + library.build_id + '\0';
+  }
+  return all.empty() ? all : hash_text(hash_bytes(all.data(), all.size()));
+}
+
+std::string environment(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value ? value : "";
+}
+
+/// The tunables of the processor. The user's other tunables influence no bit and aren't recorded.
+std::string tunables_of_the_processor() {
+  std::string all = environment("GLIBC_TUNABLES"), kept;
+  for (std::size_t begin = 0; begin < all.size();) {
+    const std::size_t end = std::min(all.find(':', begin), all.size());
+    const std::string one = all.substr(begin, end - begin);
+    if (one.starts_with("glibc.cpu.")) kept += (kept.empty() ? "" : ":") + one;
+    begin = end + 1;
+  }
+  return kept;
+}
+
+}  // namespace
+
+mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host, const std::string& physics,
+                           const std::string& renderer) {
+  const SolverSettings& solver = scenario.solver;
+  mcap::StringMap stated{
+      {facts::trace_version, std::to_string(trace_version)},
+      {facts::trace_revision, std::to_string(trace_revision)},
+      {facts::rehearse, REHEARSE_VERSION},
+      {facts::scenario, scenario.name},
+      {facts::seed, std::to_string(scenario.seed)},
+      {facts::time_step, fmt::format("{}", scenario.time_step)},
+      {facts::duration, fmt::format("{}", scenario.duration)},
+      {facts::solver, fmt::format("{}, {}{} iterations, over-relaxation {}, erp {}, cfm {}",
+                                  solver.method == SolverSettings::Method::quick ? "quick" : "exact",
+                                  solver.converge ? "at least " : "", solver.iterations, solver.over_relaxation,
+                                  solver.erp, solver.cfm)},
+      {facts::physics, physics},
+      {facts::libc, std::string("glibc ") + gnu_get_libc_version()},
+      {facts::compiler, compiler()},
+      {facts::processor, processor()},
+      {facts::pinned, pinned_fact()},
+      {facts::pinned_mathematics, tunables_of_the_processor()},
+      {facts::pinned_renderer, environment("GALLIUM_OVERRIDE_CPU_CAPS")},
+  };
+  if (!renderer.empty()) stated[facts::renderer] = renderer;
+  if (const std::string mark = programs(!renderer.empty()); !mark.empty()) stated[facts::programs] = mark;
+  if (const std::string given = virtualisation(); !given.empty()) stated[facts::virtualised] = given;
+  if (*REHEARSE_OTHER_FLAGS) stated[facts::build] = "other flags: " REHEARSE_OTHER_FLAGS;
+  if (host) stated.merge(controller_facts(*host));
+  return stated;
+}
+
+std::string other_arithmetic(const mcap::StringMap& recorded, const mcap::StringMap& here) {
+  const bool unpinned = stated(here, facts::pinned_mathematics).empty();
+  std::string text;
+  for (const std::string fact :
+       {facts::libc, facts::compiler, facts::build, facts::pinned_mathematics, facts::processor}) {
+    const std::string then = stated(recorded, fact), now = stated(here, fact);
+    if (then == now || (fact == facts::processor && !unpinned)) continue;
+    const bool is_pin = fact == facts::pinned_mathematics;
+    const std::string before = is_pin && recorded.count(facts::pinned) ? stated(recorded, facts::pinned) : then;
+    const std::string after = is_pin ? stated(here, facts::pinned) : now;
+    text += fmt::format("{}{} was \"{}\" and is \"{}\"", text.empty() ? "" : ", ", is_pin ? facts::pinned : fact,
+                        before, after);
+  }
+  return text;
+}
+
+mcap::StringMap controller_facts(const ControllerHost& host) {
+  mcap::StringMap libraries;
+  for (const HostedController& hosted : host.controllers())
+    libraries[facts::controller_prefix + hosted.label] =
+        hosted.library->file().filename().string() + " " + hosted.library->content_hash();
+  return libraries;
+}
+
+std::string mesh_digests(const Model& model) {
+  std::string text;
+  std::set<std::string> listed;
+  const auto add = [&](const std::string& digest, const std::string& file) {
+    if (listed.insert(file).second) text += fmt::format("{}  {}\n", digest, file);
+  };
+  const auto list = [&](const std::vector<Shape>& shapes) {
+    for (const Shape& shape : shapes) {
+      const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+      if (mesh != nullptr && !mesh->heightmap && !mesh->file.empty()) add(mesh->data->digest, mesh->file);
+      if (shape.texture && !shape.texture->digest.empty()) add(shape.texture->digest, shape.texture->file);
+    }
+  };
+  for (const Link& link : model.links) {
+    list(link.visuals);
+    list(link.collisions);
+  }
+  return text;
+}
+
+}  // namespace rehearse

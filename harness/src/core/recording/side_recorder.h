@@ -1,0 +1,58 @@
+// SideRecorder: records the inputs or the outputs of one controller as messages of a trace.
+#pragma once
+
+#include <rehearse/io.h>
+#include <rehearse/mcap.h>
+#include <rehearse/messages.h>
+#include <rehearse/model.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/host/io_layout.h"
+#include "trace_output.h"
+
+namespace rehearse {
+
+/// Units of the elements of a message of joints, by their ids. No element has a `wrap:` entry, because angles count
+/// turns.
+mcap::StringMap joint_metadata(ChannelKind kind, const Model& model, const std::vector<int>& joints);
+
+class SideRecorder {
+ public:
+  /// Adds the channels of one side of the controller `label`. `metadata`: metadata of each channel, in addition to
+  /// units.
+  SideRecorder(TraceOutput& output, const std::string& label, ChannelSide side, const Model& model,
+               const IoLayout& layout, mcap::StringMap metadata = {});
+  /// Records the numbers of a tick, in the order of the layout.
+  Result<void> write(TraceOutput& output, std::int64_t tick, const std::vector<double>& values);
+
+  const mcap::StringMap& metadata() const { return metadata_; }
+
+ private:
+  /// The place of a number of the layout in the message of joints.
+  struct Slot {
+    int offset;  // offset in the layout
+    std::vector<double> msg::JointState::*array;
+    std::size_t index;  // index in the array
+  };
+  struct LinkChannel {
+    std::uint16_t channel;
+    IoField field;
+  };
+  void add_joints(TraceOutput& output, const ChannelName& of_side, const Model& model, const IoLayout& layout);
+  void add_link(TraceOutput& output, ChannelName name, const Model& model, const IoField& field);
+  Result<void> write_joints(TraceOutput& output, std::int64_t tick, const std::vector<double>& values);
+
+  mcap::StringMap metadata_;
+  std::uint16_t joints_ = 0, accelerations_ = 0;  // channels; 0: none
+  msg::JointState joint_message_;
+  std::vector<Slot> slots_;
+  msg::JointAccelerations acceleration_message_;
+  std::vector<int> acceleration_offsets_;  // offsets in the layout, by index in the message; -1: not enabled
+  std::vector<LinkChannel> links_;
+};
+
+}  // namespace rehearse

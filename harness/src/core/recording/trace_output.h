@@ -1,0 +1,78 @@
+// TraceOutput: writes the channels and messages of a run into its trace. Used by Recorder and its parts.
+#pragma once
+
+#include <rehearse/cdr.h>
+#include <rehearse/mcap.h>
+#include <rehearse/messages.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/trace/channel_name.h"
+#include "model/clock.h"
+
+namespace rehearse {
+
+/// The size of a recording.
+struct RecordingSize {
+  std::int64_t ticks = 0;
+  int channels = 0;
+  std::int64_t frames = 0;  // colour pictures
+  std::int64_t messages = 0;
+};
+
+struct TraceOutput {
+  explicit TraceOutput(double seconds_a_tick) : time_step(seconds_a_tick) {}
+
+  double time_step;                      // [s]
+  std::unique_ptr<mcap::Writer> writer;  // null: channels are listed, and nothing is written
+  RecordingSize size;
+  std::map<std::string, std::uint16_t> by_topic;       // ids of channels
+  std::map<std::string, mcap::StringMap> listed = {};  // metadata of channels by topic, if nothing is written
+
+  /// Adds a channel for messages of type T, which is the type of the name's kind. Returns its id, which is never 0. Its
+  /// metadata is the units of that kind, and `metadata`.
+  template <class T>
+  std::uint16_t channel(const ChannelName& name, mcap::StringMap metadata = {}) {
+    REHEARSE_ASSERT(form_of(name.kind).type == T::type_name, "a channel has the messages of its kind");
+    const std::string topic = name.topic();
+    metadata.merge(unit_metadata(name.kind));
+    if (!writer) {
+      listed[topic] = std::move(metadata);
+      return static_cast<std::uint16_t>(listed.size());
+    }
+    const std::uint16_t schema = writer->add_schema(T::type_name, "ros2msg", msg::schema_text<T>());
+    ++size.channels;
+    return by_topic[topic] = writer->add_channel(schema, topic, "cdr", std::move(metadata), chunk_group_of(name));
+  }
+
+  /// Writes a message of that tick.
+  template <class T>
+  Result<void> write(std::uint16_t to, std::int64_t tick, const T& message) {
+    cdr_.reset();
+    msg::encode(message, cdr_);
+    ++size.messages;
+    const std::uint64_t now = nanoseconds_of(tick, time_step);
+    return writer->write(to, now, now, cdr_.bytes());
+  }
+
+  /// Writes a message that takes long to compose. `held`: the size by which it counts until then [bytes].
+  Result<void> write_later(std::uint16_t to, std::int64_t tick, std::size_t held, std::vector<std::byte> raw,
+                           mcap::Compose compose) {
+    ++size.messages;
+    const std::uint64_t now = nanoseconds_of(tick, time_step);
+    return writer->write_later(to, now, now, held, std::move(raw), compose);
+  }
+
+  msg::Time stamp(std::int64_t tick) const { return msg::Time::from_ns(nanoseconds_of(tick, time_step)); }
+
+ private:
+  CdrWriter cdr_;
+};
+
+}  // namespace rehearse

@@ -1,0 +1,214 @@
+#include "replay_comparison.h"
+
+#include <fmt/format.h>
+#include <rehearse/messages.h>
+#include <rehearse/scenario.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "core/compare/compare_parts.h"
+#include "core/trace/channel_name.h"
+#include "model/clock.h"
+
+namespace rehearse {
+
+ReplayComparison::ReplayComparison(const ReplayOptions& options, const Scenario& scenario, mcap::Reader& recording,
+                                   ControllerHost& host, const RecordingSource& source, SeriesScales scales,
+                                   ReplayReport& report)
+    : options_(options),
+      scenario_(scenario),
+      recording_(recording),
+      host_(host),
+      source_(source),
+      report_(report),
+      words_(host, recording),
+      record_(host, scenario),
+      judge_(options.tolerances ? &*options.tolerances : nullptr, std::move(scales), scenario.time_step,
+             [this](Divergence&& found) { this->report(std::move(found)); }),
+      outputs_(host, record_.fields(), recording, judge_),
+      results_(record_.fields(), options, scenario.time_step),
+      delays_(host, recording),
+      channels_(words_.channels()),
+      from_(static_cast<std::uint64_t>(std::llround(std::max(0.0, options.from) * 1e9))) {
+  reader_of_.assign(std::size_t{recording.channels().rbegin()->first} + 1, Reader::none);
+  for (const std::uint16_t id : words_.channels()) reader_of_[id] = Reader::words;
+  for (const std::uint16_t id : outputs_.channels()) reader_of_[id] = Reader::outputs;
+  for (const std::uint16_t id : delays_.channels()) reader_of_[id] = Reader::delays;
+  channels_.insert(channels_.end(), outputs_.channels().begin(), outputs_.channels().end());
+  channels_.insert(channels_.end(), delays_.channels().begin(), delays_.channels().end());
+  if (options.on_started) options.on_started(record_.fields());
+}
+
+Result<void> ReplayComparison::take(const mcap::Message& message) {
+  const Reader reader = reader_of_[message.channel->id];
+  if (reader == Reader::none) return {};
+  if (reader == Reader::delays) return delays_.accept(message), Result<void>();
+  auto accepted = reader == Reader::words ? words_.accept(message) : outputs_.accept(message);
+  return accepted ? accepted : in_recording(recording_, accepted.errors()[0]);
+}
+
+Result<void> ReplayComparison::emit(const Moment& now) {
+  const std::int64_t before = std::max<std::int64_t>(0, now.tick - 1);
+  words_.begin_tick([&](Divergence&& found) { word_differs(std::move(found), before); });
+  if (now.alive) {
+    const std::vector<std::uint64_t>& row = record_.row();
+    report_outputs(now.tick, row);
+    compare(now, row);
+    judge_.end_tick(now.tick);
+    last_tick_ = now.tick;
+    ++report_.ticks;
+  }
+  take_events();
+  outputs_.begin_tick();
+  return {};
+}
+
+void ReplayComparison::report_outputs(std::int64_t tick, const std::vector<std::uint64_t>& row) {
+  if (options_.on_outputs) options_.on_outputs(tick, row);
+  if (!options_.on_variable) return;
+  for (const HostedController& hosted : host_.controllers())
+    for (const ControllerVariables::Variable& variable : hosted.variables.all())
+      if (variable.is_set)
+        options_.on_variable(tick, ChannelName::of_variable(hosted.label, variable.name).topic().substr(1),
+                             variable.value);
+}
+
+bool ReplayComparison::is_compared(std::int64_t tick) const {
+  return nanoseconds_of(tick, scenario_.time_step) >= from_;
+}
+
+void ReplayComparison::compare(const Moment& now, const std::vector<std::uint64_t>& row) {
+  const auto count = [this](Divergence&& found) { differs(std::move(found)); };
+  if (!source_.alters()) compare_inputs(now);
+  if (!report_.first_other_hash && host_.output_hash() != source_.recorded().output_hash)
+    report_.first_other_hash = now.tick;
+  delays_.compare(count);
+  if (!is_compared(now.tick)) return outputs_.pass_over(now.tick);
+  report_.values += outputs_.compare(now.tick, row, count);
+  results_.compare(now.tick, row, source_.recorded().controller_results, count);
+  report_.values += std::ssize(source_.recorded().controller_results);
+  compare_variables(now.tick);
+}
+
+/// Compares the hashes of the inputs. A controller that reads more or fewer values than the recorded controller has
+/// other hashes from the first tick on: then a comparison of them has no meaning. Else a different hash in a later tick
+/// means that the recorded inputs differ from the inputs of the run.
+void ReplayComparison::compare_inputs(const Moment& now) {
+  if (!report_.other_inputs.empty()) reads_the_same_ = false;
+  if (reads_the_same_ && !*reads_the_same_ && report_.first_other_hash) return;
+  const bool same = host_.input_hash(*now.read) == source_.recorded().input_hash;
+  if (!same && !report_.first_other_hash) report_.first_other_hash = now.tick;
+  if (!reads_the_same_) reads_the_same_ = same;
+  if (same || !*reads_the_same_ || !is_compared(now.tick)) return;
+  Divergence found;
+  found.channel = run_topics::tick;
+  found.element = "input_hash";
+  found.stage = Stage::inputs;
+  found.note = "the recorded inputs differ from those that the controllers got when the recording was made";
+  differs(std::move(found));
+  reads_the_same_ = false;  // reported once
+}
+
+/// Takes a difference other than of two numbers.
+void ReplayComparison::differs(Divergence&& found) {
+  found.tick = source_.recorded().tick;
+  found.time = time_of(source_.recorded().tick, scenario_.time_step);
+  judge_.add(std::move(found));
+}
+
+void ReplayComparison::report(Divergence&& found) {
+  const bool is_new = found.tick != std::exchange(last_different_, found.tick);
+  report_.ticks_different += is_new && !results_.differ_at(found.tick) ? 1 : 0;
+  if (options_.on_difference) options_.on_difference(found);
+  report_.add(std::move(found));
+}
+
+/// Variables that a rule of tolerances names are compared like commands.
+std::optional<std::size_t> ReplayComparison::judged_variable(const std::string& topic) {
+  const auto [entry, is_new] = variables_.try_emplace(topic);
+  if (is_new && asks_for_variable(topic.substr(1), scenario_.tolerances)) {
+    TraceChannel channel;
+    channel.topic = topic;
+    channel.type = msg::Float64::type_name;
+    entry->second = judge_.add_channel(channel);
+    judge_.set_columns(*entry->second, {{topic_segment(ChannelName::parse(topic).owner), {}, CellKind::floating}});
+  }
+  return entry->second;
+}
+
+void ReplayComparison::compare_variables(std::int64_t tick) {
+  const auto compare = [&](const std::string& topic, std::optional<double> recorded, std::optional<double> now) {
+    const std::optional<std::size_t> judged = judged_variable(topic);
+    const bool same = recorded && now && identical(*recorded, *now);
+    if (judged && recorded && now) {
+      const auto expected = std::bit_cast<std::uint64_t>(*recorded), actual = std::bit_cast<std::uint64_t>(*now);
+      report_.values += same ? 0 : 1;
+      judge_.add(*judged, tick, std::span(&expected, 1), std::span(&actual, 1));
+      return;
+    }
+    if (same) return;
+    Divergence found;
+    found.channel = topic;
+    found.element = topic_segment(ChannelName::parse(topic).owner);
+    found.stage = Stage::controller;
+    if (recorded && now)
+      put_numbers(found, *recorded, *now);
+    else
+      found.note = now ? "is set now, but wasn't in the recording" : "was set in the recording, but isn't now";
+    if (!judged) return word_differs(std::move(found), source_.recorded().tick);
+    ++report_.values;
+    differs(std::move(found));
+  };
+  report_.words.variables += words_.compare_variables(compare);
+}
+
+Result<void> ReplayComparison::finish() {
+  Result<void> read;
+  const bool goes_on = source_.was_cut_short() || host_.failure();
+  if (goes_on && judge_.lead() > 0.0 && !outputs_.channels().empty()) {
+    const std::uint64_t begin = nanoseconds_of(last_tick_ + 1, scenario_.time_step);
+    const std::uint64_t end = begin + static_cast<std::uint64_t>(std::llround(judge_.lead() * 1e9));
+    mcap::OrderedMessages messages(recording_, outputs_.channels(), begin);
+    for (const mcap::Message* message; read && (message = messages.next()) && message->log_time < end;) {
+      const double ticks = static_cast<double>(message->log_time) * 1e-9 / scenario_.time_step;
+      read = outputs_.accept_later(*message, std::llround(ticks));
+    }
+  }
+  judge_.finish();
+  report_.ticks_different += results_.ticks_different();
+  for (JudgedEvent& event : results_.judge(last_tick_)) {
+    if (options_.on_difference) options_.on_difference(event.place);
+    report_.add(std::move(event.place), event.beyond);
+  }
+  return read ? read : in_recording(recording_, read.errors()[0]);
+}
+
+void ReplayComparison::word_differs(Divergence&& found, std::int64_t tick) {
+  found.tick = tick;
+  found.time = time_of(tick, scenario_.time_step);
+  if (found.time < options_.from) return;
+  ++report_.words.different;
+  if (options_.on_word) options_.on_word(found);
+  if (!report_.words.first || found.tick < report_.words.first->tick) report_.words.first = std::move(found);
+}
+
+void ReplayComparison::take_events() {
+  const std::vector<msg::Event> events = host_.take_events();
+  append_remarks(events, report_.remarks);
+  words_.say(events);
+  if (options_.on_event)
+    for (const msg::Event& event : events) options_.on_event(event);
+}
+
+/// Compares the lines of the last tick. The lines of an earlier tick are compared when the next tick begins.
+void ReplayComparison::end_lines() {
+  const std::int64_t last = host_.failure() ? source_.recorded().tick : std::max<std::int64_t>(0, report_.ticks - 1);
+  words_.end([&](Divergence&& found) { word_differs(std::move(found), last); });
+  report_.words.lines = words_.lines();
+}
+
+}  // namespace rehearse

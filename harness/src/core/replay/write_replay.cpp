@@ -1,0 +1,89 @@
+#include <fmt/format.h>
+#include <rehearse/replay.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "copying_sink.h"
+#include "core/guard/float_mode.h"
+#include "core/guard/process_guard.h"
+#include "core/host/controller_host.h"
+#include "core/mcap/whole_input.h"
+#include "core/recording/provenance.h"
+#include "core/recording/recorder.h"
+#include "core/run/hosted_commands.h"
+#include "core/scenario/branch_origin.h"
+#include "core/scenario/trace_scenario.h"
+#include "model/clock.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The provenance of this process, with the engine and the renderer of the recording: they made the recorded world.
+mcap::StringMap facts_of(const Scenario& scenario, const ControllerHost& host, const mcap::Reader& recording) {
+  mcap::StringMap stated = provenance(scenario, &host, "", "");
+  const RunFacts recorded = RunFacts::of(recording);
+  for (const char* fact : {facts::physics, facts::renderer})
+    if (recorded.provenance && recorded.provenance->contains(fact)) stated[fact] = recorded.stated(fact);
+  return stated;
+}
+
+Result<void> write(mcap::Reader& reader, const Scenario& scenario, const std::string& source, const fs::path& trace,
+                   const ReplayOptions& options) {
+  auto host = ControllerHost::create(scenario, options);
+  if (!host) return host.errors();
+  auto altered = AlteredInputs::parse(options.set, scenario);
+  if (!altered) return altered.errors();
+  Command at_rest = (*host)->initialize(initial_observation(scenario));
+  if (auto read = altered->check_read_by(**host); !read) return read;
+  auto recorder = Recorder::create(trace, scenario, facts_of(scenario, **host, reader));
+  if (!recorder) return recorder.errors();
+  std::optional<ProtectedDescriptor> descriptor(std::in_place, (*recorder)->descriptor(), "the recording");
+  BranchOrigin origin;
+  origin.source = source;
+  origin.simulated = false;
+  origin.set = options.set;
+  for (const auto& [name, library] : options.libraries)
+    origin.controllers.push_back(name + "=" + fs::path(library).filename().string());
+  if (auto done = (*recorder)->add_metadata(records::branch, origin.metadata()); !done) return done;
+  for (std::size_t body = 0; body < scenario.bodies.size(); ++body)
+    if (altered->alters_joints(static_cast<int>(body))) (*recorder)->measure_joints(static_cast<int>(body));
+  (*recorder)->declare(host->get());
+  (*host)->start();
+  RecordingSource inputs(scenario, reader, **host, *altered);
+  HostedCommands commands(**host, HostedCommands::Written::in_time);
+  CopyingSink copy(scenario, reader, **host, **recorder, *altered);
+  Run run(scenario.time_step, inputs, commands, copy, 0, Run::no_end);
+  run.command = std::move(at_rest);
+  if (auto done = copy.copy(inputs, run, std::nullopt); !done) return done;
+  const std::optional<msg::Tick>& last = inputs.last_state();
+  (*host)->stop(last ? last->tick : run.tick());
+  if (last)
+    if (auto done = (*recorder)->record_tick(last->tick, nullptr, {last->state_hash, 0, 0}); !done) return done;
+  if (auto done = (*recorder)->record_events((*host)->take_events()); !done) return done;
+  RunOutcome outcome{.ticks = run.tick(), .complete = last.has_value(), .checkpoints = "none"};
+  if ((*host)->failure()) outcome.failure = (*host)->failure()->message;
+  descriptor.reset();
+  return (*recorder)->close(outcome);
+}
+
+}  // namespace
+
+Result<void> write_replay(const fs::path& recording, const fs::path& trace, const ReplayOptions& options) {
+  const StandardFloatMode float_mode;
+  std::error_code ignored;
+  if (fs::equivalent(recording, trace, ignored))
+    return error_in(trace.string(), "it is the recording itself", "name another file for the replay");
+  auto reader = mcap::Reader::open(recording);
+  if (!reader) return reader.errors();
+  if (!(*reader)->damage().empty()) return mcap::with_recover_hint((*reader)->damage());
+  const auto scenario = scenario_of(**reader);
+  if (!scenario) return scenario.errors();
+  const auto source = name_and_hash(recording);
+  if (!source) return source.errors();
+  return write(**reader, *scenario, *source, trace, options);
+}
+
+}  // namespace rehearse

@@ -1,0 +1,44 @@
+#include "core/scenario/project.h"
+
+#include <algorithm>
+
+namespace rehearse {
+
+namespace fs = std::filesystem;
+
+std::optional<fs::path> find_project(const fs::path& inside) {
+  std::error_code ignored;
+  std::optional<fs::path> with_build;
+  const fs::path begin = fs::absolute(inside.empty() ? "./" : inside, ignored);  // absolute() has no result for ""
+  for (fs::path folder = begin.lexically_normal().parent_path();; folder = folder.parent_path()) {
+    if (fs::is_directory(folder / "golden", ignored)) return folder;
+    if (!with_build && fs::is_regular_file(folder / "CMakeLists.txt", ignored)) with_build = folder;
+    if (folder == folder.parent_path()) return with_build;
+  }
+}
+
+std::vector<fs::path> scenario_files(const fs::path& project) {
+  std::vector<fs::path> files;
+  for (const char* folder : {"scenarios", "fixtures/scenarios"}) {
+    std::error_code missing;
+    for (fs::recursive_directory_iterator entry(project / folder, missing), end; !missing && entry != end;
+         entry.increment(missing))
+      if (entry->path().extension() == ".yaml") files.push_back(entry->path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::vector<fs::path> build_folders(const fs::path& project) {
+  std::vector<fs::path> folders;
+  std::error_code missing;
+  for (fs::directory_iterator entry(project, missing), end; !missing && entry != end; entry.increment(missing)) {
+    std::error_code ignored;
+    if (entry->path().filename().string().starts_with("build") && entry->is_directory(ignored))
+      folders.push_back(entry->path());
+  }
+  std::sort(folders.begin(), folders.end());
+  return folders;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,41 @@
+#include <rehearse/scenario.h>
+
+#include "core/mcap/glob.h"
+
+namespace rehearse {
+
+Tolerance default_tolerance(std::string_view unit) {
+  struct UnitDefault {
+    std::string_view unit;
+    double atol;
+  };
+  constexpr double edges = 0.0005;  // share of the pixels
+  if (unit == "pixels") return {.pixel_share = edges, .pixel_delta = 2.0};
+  if (unit == "depth") return {.rtol = 1e-3, .pixel_share = edges};
+  if (unit == "range") return {.atol = 1e-9, .rtol = 0x1p-23};
+  constexpr UnitDefault defaults[] = {{"rad", 1e-9},   {"m", 1e-9},   {"quaternion", 1e-9}, {"unit vector", 1e-9},
+                                      {"rad/s", 1e-7}, {"m/s", 1e-7}, {"rad/s²", 1e-4},     {"m/s²", 1e-4},
+                                      {"N·m", 1e-3},   {"N", 1e-4},   {"camera", 1e-9}};
+  for (const UnitDefault& known : defaults)
+    if (known.unit == unit) return {.atol = known.atol};
+  return {};
+}
+
+Tolerance tolerance_of(std::string_view series, std::string_view unit, const std::vector<ToleranceRule>& rules) {
+  Tolerance tolerance = default_tolerance(unit);
+  for (auto rule = rules.rbegin(); rule != rules.rend(); ++rule) {
+    if (!matches(rule->channel, series)) continue;
+    tolerance.atol = rule->atol.value_or(tolerance.atol);
+    tolerance.rtol = rule->rtol.value_or(tolerance.rtol);
+    tolerance.lead = rule->lead.value_or(0.0);
+    tolerance.lag = rule->lag.value_or(0.0);
+    tolerance.ticks = rule->ticks;
+    tolerance.pixel_share = rule->pixel_share.value_or(tolerance.pixel_share);
+    tolerance.pixel_delta = rule->pixel_delta.value_or(tolerance.pixel_delta);
+    tolerance.pixel_window = rule->pixel_window.value_or(tolerance.pixel_window);
+    break;
+  }
+  return tolerance;
+}
+
+}  // namespace rehearse

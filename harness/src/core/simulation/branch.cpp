@@ -1,0 +1,268 @@
+#include <fmt/format.h>
+#include <rehearse/scenario.h>
+#include <rehearse/session.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "branch_source.h"
+#include "closed_loop.h"
+#include "core/guard/float_mode.h"
+#include "core/recording/provenance.h"
+#include "core/replay/copying_sink.h"
+#include "core/replay/recording_source.h"
+#include "core/replay/replay_recording.h"
+#include "core/scenario/branch_origin.h"
+#include "core/trace/run_facts.h"
+#include "led_world.h"
+#include "model/clock.h"
+#include "model/text.h"
+#include "recorded_checkpoints.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Branch {
+ public:
+  Branch(const BranchPoint& from, fs::path trace, const BranchOptions& options)
+      : from_(from), file_(from.trace.string()), trace_(std::move(trace)), options_(options) {}
+
+  Result<BranchSummary> make();
+
+ private:
+  Result<void> open();
+  Result<void> find_moment();
+  Result<void> set_end();
+  Result<void> add_pushes();
+  Result<void> replay_before();
+  Result<void> create(ClosedLoop& loop);
+  Result<void> lead_world(ClosedLoop& loop);
+  Result<void> choose_checkpoint();
+  Result<void> copy_source(ClosedLoop& loop);
+  Result<BranchSummary> go_on();
+
+  const BranchPoint& from_;
+  const std::string file_;
+  const fs::path trace_;
+  const BranchOptions& options_;
+  std::optional<BranchSource> source_;
+  Scenario* scenario_ = nullptr;  // the source's, with the branch's own end and pushes
+  BranchOrigin origin_;
+  std::int64_t checkpoint_ = 0;  // tick at which the world begins
+  Command moved_;                // the commands that moved the world before the moment
+  BranchSummary summary_;
+};
+
+Result<void> Branch::open() {
+  auto source = BranchSource::open(from_.trace, options_.scenario);
+  if (!source) return source.errors();
+  source_.emplace(*std::move(source));
+  scenario_ = &source_->scenario;
+  return {};
+}
+
+Result<void> Branch::find_moment() {
+  const double step = scenario_->time_step;
+  const double wanted = from_.tick ? static_cast<double>(*from_.tick) : std::round(*from_.time / step);
+  if (!(wanted <= static_cast<double>(source_->whole_ticks)))
+    return error_in(file_,
+                    fmt::format("its last whole tick is {} ({:g} s){}, before {}", source_->whole_ticks - 1,
+                                time_of(source_->whole_ticks - 1, step),
+                                source_->recording.damage().empty() ? "" : ", where it is cut or damaged",
+                                from_.tick ? fmt::format("tick {}", *from_.tick) : fmt::format("{:g} s", *from_.time)),
+                    fmt::format("branch from @tick:{} at the latest", source_->whole_ticks));
+  origin_.tick = static_cast<std::int64_t>(wanted);
+  origin_.time = time_of(origin_.tick, step);
+  return {};
+}
+
+Result<void> Branch::set_end() {
+  if (options_.until) scenario_->duration = *options_.until;
+  if (options_.duration) scenario_->duration = origin_.time + *options_.duration;
+  const bool too_long = !(scenario_->duration <= Scenario::max_duration);
+  if (!too_long && scenario_->ticks() > origin_.tick) return {};
+  return error_in(file_,
+                  too_long ? fmt::format("a run to {:g} s is too long", scenario_->duration)
+                           : fmt::format("there is nothing to simulate: the branch begins at {:g} s and ends at {:g} s",
+                                         origin_.time, scenario_->duration),
+                  too_long ? fmt::format("expected at most {:g} s", Scenario::max_duration)
+                           : "state the end, --until S, or the length, --duration S");
+}
+
+Result<void> Branch::add_pushes() {
+  Diagnostics findings;
+  for (const std::string& text : options_.push) {
+    const auto push = parse_push(text, *scenario_);
+    if (!push) {
+      findings.insert(findings.end(), push.errors().begin(), push.errors().end());
+    } else if (push->from < origin_.time) {
+      findings.push_back(
+          error(fmt::format("the push '{}' begins at {:g} s, before the moment {:g} s: the time before it "
+                            "is recorded already",
+                            text, push->from, origin_.time)));
+    } else {
+      scenario_->pushes.push_back(*push);
+    }
+  }
+  if (!findings.empty()) return findings;
+  origin_.push = source_->origin ? source_->origin->push : std::vector<std::string>();
+  origin_.push.insert(origin_.push.end(), options_.push.begin(), options_.push.end());
+  return {};
+}
+
+Result<void> Branch::choose_checkpoint() {
+  const RecordedCheckpoints checkpoints(source_->recording, *scenario_);
+  const auto objection = checkpoints.objection();
+  if (!objection) return objection.errors();
+  checkpoint_ = objection->empty() ? latest_checkpoint(checkpoints, *scenario_, origin_.tick) : 0;
+  origin_.checkpoint = checkpoint_ > 0 ? fmt::format("tick {}", checkpoint_) : "none, from the start";
+  summary_.world = checkpoint_ > 0
+                       ? fmt::format(
+                             "the world was set to the checkpoint of tick {} and led to tick {} by the recorded "
+                             "commands",
+                             checkpoint_, origin_.tick)
+                       : fmt::format("the world was led from the start to tick {} by the recorded commands{}",
+                                     origin_.tick, objection->empty() ? "" : ": " + *objection);
+  return {};
+}
+
+/// Replays the controllers before the moment, and compares with the recorded outputs.
+Result<void> Branch::replay_before() {
+  ReplayOptions replaying;
+  static_cast<HostOptions&>(replaying) = options_;
+  replaying.until = origin_.time;
+  std::vector<std::string> before;
+  for (const std::string& text : options_.set) {
+    const auto altered = AlteredInputs::parse({text}, *scenario_);
+    if (!altered) return altered.errors();
+    if (altered->begins() < origin_.tick) before.push_back(text);
+  }
+  replaying.set = before;
+  auto report = replay_recording(*source_->reader, *scenario_, replaying);
+  if (!report) return report.errors();
+  summary_.before = *std::move(report);
+  if (!summary_.before.failure) return {};
+  return error_in(file_, "before the moment, " + summary_.before.failure->message);
+}
+
+Result<void> Branch::create(ClosedLoop& loop) {
+  auto altered = AlteredInputs::parse(options_.set, *scenario_);
+  if (!altered) return altered.errors();
+  loop.altered = *std::move(altered);
+  if (auto created = loop.create(trace_, options_); !created) return created;
+  origin_.set = options_.set;
+  const RunFacts source = RunFacts::of(source_->recording);
+  for (const auto& [fact, library] : controller_facts(*loop.host))
+    if (source.stated(fact) != library) origin_.controllers.push_back(fact.substr(fact.find('.') + 1) + " " + library);
+  if (!summary_.before.equal() || !summary_.before.same_controllers)
+    origin_.acted_until = origin_.tick;
+  else if (source_->origin && source_->origin->acted_until)
+    origin_.acted_until = std::min(*source_->origin->acted_until, origin_.tick);
+  if (auto done = loop.recorder->add_metadata(records::branch, origin_.metadata()); !done) return done;
+  for (std::size_t body = 0; body < scenario_->bodies.size(); ++body)
+    if (loop.altered.alters_joints(static_cast<int>(body))) loop.recorder->measure_joints(static_cast<int>(body));
+  loop.initialize();
+  if (auto read = loop.altered.check_read_by(*loop.host); !read) return read;
+  loop.start();
+  return {};
+}
+
+/// Moves the world to its state at the moment, with all pending captures.
+Result<void> Branch::lead_world(ClosedLoop& loop) {
+  auto led = rehearse::lead_world(*scenario_, source_->recording, checkpoint_, origin_.tick, *loop.plant, *loop.world,
+                                  *loop.recorder);
+  if (!led) return led.errors();
+  moved_ = std::move(led->command);
+  const auto moment = static_cast<std::size_t>(origin_.tick);
+  const auto& hashes = source_->state_hashes;
+  if (moment >= hashes.size() || loop.plant->world().state_hash() == hashes[moment]) return {};
+  summary_.run.remarks.push_back(
+      warning(fmt::format("led by the recorded commands, the world at tick {} isn't the recorded one, bit for bit",
+                          origin_.tick),
+              "another version or another arithmetic recorded it, or it doesn't repeat itself: run rehearse check"));
+  return {};
+}
+
+Result<void> Branch::copy_source(ClosedLoop& loop) {
+  RecordingSource inputs(*scenario_, *source_->reader, *loop.host, loop.altered);
+  CopyingSink copy(*scenario_, *source_->reader, *loop.host, *loop.recorder, loop.altered);
+  copy.keep_acted(origin_.acted_until, source_->origin ? source_->origin->acted_until : std::nullopt);
+  loop.run->change(inputs, copy, origin_.tick);
+  if (auto done = copy.copy(inputs, *loop.run, origin_.tick); !done) return done;
+  if (loop.host->failure()) return error_in(file_, "before the moment, " + loop.host->failure()->message);
+  return {};
+}
+
+Result<BranchSummary> Branch::make() {
+  if (auto opened = open(); !opened) return opened.errors();
+  std::error_code ignored;
+  if (fs::equivalent(from_.trace, trace_, ignored))
+    return error_in(trace_.string(), "that is the recording to branch from", "name another file for the branch");
+  if (auto found = find_moment(); !found) return found.errors();
+  if (auto set = set_end(); !set) return set.errors();
+  if (auto added = add_pushes(); !added) return added.errors();
+  if (auto chosen = choose_checkpoint(); !chosen) return chosen.errors();
+  auto hash = name_and_hash(from_.trace);
+  if (!hash) return hash.errors();
+  origin_.source = *std::move(hash);
+  if (auto replayed = replay_before(); !replayed) return replayed.errors();
+
+  auto run = go_on();
+  if (run) return run;
+  fs::remove(trace_, ignored);
+  return run.errors();
+}
+
+/// Runs the branch itself; its source was checked.
+Result<BranchSummary> Branch::go_on() {
+  ClosedLoop loop(*scenario_);
+  if (auto created = create(loop); !created) return created.errors();
+  if (auto led = lead_world(loop); !led) return led.errors();
+  if (auto copied = copy_source(loop); !copied) return copied.errors();
+  auto run = loop.go_on(std::move(moved_), source_->checkpoint_interval(), options_.progress);
+  if (!run) return run.errors();
+  run->remarks.insert(run->remarks.begin(), summary_.run.remarks.begin(), summary_.run.remarks.end());
+  for (Diagnostic& remark : loop.altered.unused()) run->remarks.push_back(std::move(remark));
+  summary_.run = *std::move(run);
+  summary_.tick = origin_.tick;
+  summary_.time = origin_.time;
+  return std::move(summary_);
+}
+
+}  // namespace
+
+Result<BranchPoint> BranchPoint::parse(const std::string& text) {
+  const std::size_t at = text.rfind('@');
+  if (at == std::string::npos || at == 0)
+    return error_at({text, text.size(), 1}, "that names no moment: expected TRACE@3.2s or TRACE@tick:640");
+  BranchPoint point;
+  point.trace = text.substr(0, at);
+  const std::string moment = text.substr(at + 1);
+  const bool is_tick = moment.starts_with("tick:");
+  const bool has_form = is_tick || moment.ends_with('s');
+  const std::string_view digits = is_tick ? std::string_view(moment).substr(5)
+                                          : std::string_view(moment).substr(0, moment.empty() ? 0 : moment.size() - 1);
+  constexpr double most = 1e15;
+  const auto number = number_in<double>(digits);
+  if (!has_form || !number || !(*number >= 0.0 && *number <= most) || (is_tick && *number != std::floor(*number)))
+    return error_at({text, at + 1, moment.size()}, fmt::format("'{}' is no moment: expected 3.2s or tick:640", moment));
+  if (is_tick)
+    point.tick = static_cast<std::int64_t>(*number);
+  else
+    point.time = *number;
+  return point;
+}
+
+Result<BranchSummary> record_branch(const BranchPoint& from, const fs::path& trace, const BranchOptions& options) {
+  const StandardFloatMode float_mode;
+  return Branch(from, trace, options).make();
+}
+
+}  // namespace rehearse

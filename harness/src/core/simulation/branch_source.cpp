@@ -1,0 +1,111 @@
+#include "branch_source.h"
+
+#include <fmt/format.h>
+#include <rehearse/messages.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/recording/provenance.h"
+#include "core/replay/recording_source.h"
+#include "core/scenario/trace_scenario.h"
+#include "core/trace/run_facts.h"
+#include "recorded_checkpoints.h"
+
+namespace rehearse {
+namespace {
+
+void find_ticks(BranchSource& source) {
+  const TraceChannel* channel = source.recording.find_channel(run_topics::tick);
+  if (!channel) return;
+  std::size_t state = channel->columns.size();
+  for (std::size_t column = 0; column < channel->columns.size(); ++column)
+    if (channel->columns[column].element == "state_hash") state = column;
+  if (state < channel->columns.size())
+    for (std::size_t row = 0; row < channel->rows(); ++row) source.state_hashes.push_back(channel->bits(row, state));
+  source.whole_ticks = static_cast<std::int64_t>(source.state_hashes.size());
+  const auto outcome = RunFacts::of(source.recording).outcome;
+  if (outcome && outcome->complete) --source.whole_ticks;  // the last one is the final state
+}
+
+/// Loads the models with their meshes, from the scenario's files.
+Result<void> take_meshes(BranchSource& source, const std::filesystem::path& scenario_file) {
+  Scenario& scenario = source.scenario;
+  const auto text_of = [&](const std::string& name) {
+    for (const mcap::Attachment& attachment : source.reader->attachments())
+      if (attachment.name == name) return std::string(attachment.text());
+    return std::string();
+  };
+  if (scenario_file.empty()) {
+    for (const ScenarioBody& body : scenario.bodies)
+      if (!text_of(body.model_file + ".meshes").empty())
+        return in_recording(*source.reader,
+                            error(fmt::format("{} has meshes, which a recording doesn't contain", body.model_file),
+                                  "name the scenario that was recorded as well: rehearse record SCENARIO "
+                                  "--from-checkpoint TRACE@..."));
+    return {};
+  }
+  auto loaded = Scenario::load(scenario_file);
+  if (!loaded) return loaded.errors();
+  const auto other = [&](const std::string& what) {
+    return error_in(scenario_file.string(),
+                    fmt::format("{} has changed since {} was recorded", what, source.reader->name()));
+  };
+  if (loaded->text != scenario.text) return other("it");
+  for (const ScenarioBody& body : loaded->bodies) {
+    if (body.model_file.empty()) continue;
+    if (body.model->source_text != text_of(body.model_file)) return other(body.model_file);
+    if (mesh_digests(*body.model) != text_of(body.model_file + ".meshes")) return other("a mesh of " + body.model_file);
+  }
+  loaded->seed = scenario.seed;
+  loaded->duration = scenario.duration;
+  loaded->pushes = scenario.pushes;
+  scenario = *std::move(loaded);
+  return {};
+}
+
+/// Fails for a log, which has no world, and for a replay, whose world didn't follow its commands.
+Result<void> check_simulated(const BranchSource& source) {
+  const bool of_a_log = RunFacts::of(source.recording).is_of_log;
+  if (!of_a_log && (!source.origin || source.origin->simulated)) return {};
+  return in_recording(*source.reader,
+                      error(of_a_log ? "it was recorded from a log, and has no world that can continue"
+                                     : "it is a replay: its world didn't follow its commands, and can't continue",
+                            "branch from the recording of a simulation"));
+}
+
+}  // namespace
+
+Result<BranchSource> BranchSource::open(const std::filesystem::path& file, const std::filesystem::path& scenario_file) {
+  BranchSource source;
+  auto reader = mcap::Reader::open(file);
+  if (!reader) return reader.errors();
+  source.reader = std::move(*reader);
+  auto scenario = scenario_of(*source.reader);
+  if (!scenario) return scenario.errors();
+  source.scenario = *std::move(scenario);
+  if (auto taken = take_meshes(source, scenario_file); !taken) return taken.errors();
+  auto recording = Trace::load(file, Trace::Damage::tolerate);
+  if (!recording) return recording.errors();
+  source.recording = *std::move(recording);
+  source.origin = RunFacts::of(*source.reader).branch;
+  if (auto simulated = check_simulated(source); !simulated) return simulated.errors();
+  const bool has_pictures =
+      std::any_of(source.recording.channels().begin(), source.recording.channels().end(),
+                  [](const TraceChannel& channel) { return channel.type == msg::CompressedImage::type_name; });
+  source.scenario.record_frames = source.scenario.record_frames && has_pictures;
+  find_ticks(source);
+  if (source.whole_ticks > 0) return source;
+  return in_recording(*source.reader, error("it has no ticks: nothing of the run was recorded"));
+}
+
+std::int64_t BranchSource::checkpoint_interval() const {
+  const std::vector<std::int64_t> at = RecordedCheckpoints(recording, scenario).ticks();
+  if (at.size() >= 2) return at[1] - at[0];
+  if (at.empty()) return 0;
+  constexpr double usual = 0.1;  // [s]
+  return std::max(whole_ticks, static_cast<std::int64_t>(std::llround(usual / scenario.time_step)));
+}
+
+}  // namespace rehearse

@@ -1,0 +1,110 @@
+#include <cpuid.h>
+#include <fmt/format.h>
+#include <rehearse/pin.h>
+#include <rehearse/renderer.h>
+#include <rehearse/session.h>
+#include <rehearse/world.h>
+
+#include <cstring>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "core/host/virtualised.h"
+#include "core/recording/loaded_libraries.h"
+#include "core/recording/provenance.h"
+#include "core/recording/recorder.h"
+#include "core/scenario/plant_text.h"
+#include "core/trace/hashing.h"
+#include "core/trace/run_facts.h"
+
+extern char** environ;
+
+namespace rehearse {
+namespace {
+
+/// The libraries with which the program began. Controllers are loaded later, and no other code uses their symbols.
+const std::map<std::string, LoadedLibrary> libraries_at_start = loaded_libraries();
+
+std::string hash_of(const std::string& text) { return hash_text(hash_bytes(text.data(), text.size())); }
+
+/// Adds the program and all libraries, by the hashes of their code: any of them may replace functions of others. If a
+/// camera runs, the renderer's libraries are among them.
+Result<void> add_libraries(const Scenario& scenario, mcap::StringMap& plant) {
+  std::map<std::string, LoadedLibrary> libraries = libraries_at_start;
+  if (scenario.runs_a_camera()) {
+    auto renderer = load_library(Renderer::library);
+    if (!renderer) return renderer.errors();
+    libraries.merge(*renderer);
+  }
+  for (const auto& [name, library] : libraries) {
+    const bool is_program = name.empty();
+    const std::string file = is_program ? own_program().filename().string() : name;
+    if (library.file == "linux-vdso.so.1") continue;  // it has no file: the kernel provides it
+    const auto code = code_hash_of(library);
+    if (!code) return code.errors();
+    plant[fmt::format("{} {}", is_program ? "the program" : "the library", file)] = *code;
+  }
+  return {};
+}
+
+/// The vendor of the processor, and whether a program emulates it. Read by CPUID, which an emulator answers itself.
+std::string processor() {
+  unsigned a = 0, registers[3] = {};
+  char vendor[13] = {}, hypervisor[13] = {}, brand[49] = {};
+  __cpuid(0, a, registers[0], registers[2], registers[1]);  // the order of the name's letters
+  std::memcpy(vendor, registers, 12);
+  unsigned b = 0, c = 0, d = 0;
+  __cpuid(1, a, b, c, d);
+  if (c & (1U << 31)) {  // there is a hypervisor
+    __cpuid(0x40000000, a, registers[0], registers[1], registers[2]);
+    std::memcpy(hypervisor, registers, 12);
+  }
+  __cpuid(0x80000000, a, b, c, d);
+  for (unsigned leaf = 0; a >= 0x80000004 && leaf < 3; ++leaf) {
+    unsigned words[4] = {};
+    __cpuid(0x80000002 + leaf, words[0], words[1], words[2], words[3]);
+    std::memcpy(brand + 16 * leaf, words, 16);
+  }
+  const bool emulated = std::strcmp(hypervisor, "TCGTCGTCGTCG") == 0 || std::strstr(brand, "QEMU") != nullptr ||
+                        std::strstr(brand, "Virtual") != nullptr;
+  return emulated ? fmt::format("{}, emulated: {} {}", vendor, brand, hypervisor) : vendor;
+}
+
+/// The variables of the environment that Mesa and its compiler read.
+std::string environment_of_renderer() {
+  std::set<std::string> found;
+  for (char** entry = environ; *entry; ++entry)
+    for (const std::string_view prefix : {"MESA", "GALLIUM", "LP_", "LIBGL", "DRAW_", "ST_", "TGSI_", "NIR_", "LLVM",
+                                          "OSMESA", "SOFTPIPE", "GALLIVM", "LVP_", "UTIL_"})
+      if (std::string_view(*entry).starts_with(prefix)) found.insert(*entry);
+  return fmt::format("{}", fmt::join(found, " "));
+}
+
+Result<void> add_scenario(const Scenario& scenario, mcap::StringMap& plant) {
+  const auto text = plant_text(scenario);
+  if (!text) return text.errors();
+  plant["the scenario"] = hash_of(fmt::format("{}{} {} {} {}", *text, scenario.duration, scenario.time_step,
+                                              scenario.seed, scenario.record_frames));
+  for (const SourceFile& source : sources_of(scenario))
+    if (source.name != "scenario.yaml") plant[source.name] = hash_of(source.text);
+  return {};
+}
+
+}  // namespace
+
+Result<mcap::StringMap> describe_plant(const Scenario& scenario) {
+  mcap::StringMap plant;
+  const mcap::StringMap here = provenance(scenario, nullptr, World::engine_description(), "");
+  if (!is_pinned()) return error(fmt::format("the process isn't pinned: {}", pinned_fact()));
+  if (!virtualisation().empty()) return error("the controllers have simulated time and seeded random numbers");
+  for (const char* fact : {facts::compiler, facts::build, facts::physics, facts::pinned_mathematics, facts::solver})
+    if (const std::string value = stated(here, fact); !value.empty()) plant[fact] = value;
+  plant["the processor"] = processor();
+  plant["the renderer's environment"] = environment_of_renderer();
+  if (auto added = add_libraries(scenario, plant); !added) return added.errors();
+  if (auto added = add_scenario(scenario, plant); !added) return added.errors();
+  return plant;
+}
+
+}  // namespace rehearse

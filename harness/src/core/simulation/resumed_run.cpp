@@ -1,0 +1,76 @@
+// record_from(): a closed loop whose first part is taken from a golden.
+#include <rehearse/mcap.h>
+#include <rehearse/session.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "closed_loop.h"
+#include "core/guard/float_mode.h"
+#include "core/replay/copying_sink.h"
+#include "core/replay/recording_source.h"
+#include "led_world.h"
+#include "recorded_checkpoints.h"
+
+namespace rehearse {
+namespace {
+
+/// The latest checkpoint from which the world can be led to the moment; 0: the start.
+Result<std::int64_t> checkpoint_before(std::int64_t moment, const Trace& golden, const Scenario& scenario) {
+  const RecordedCheckpoints checkpoints(golden, scenario);
+  const auto objection = checkpoints.objection();
+  if (!objection) return objection.errors();
+  return objection->empty() ? latest_checkpoint(checkpoints, scenario, moment) : 0;
+}
+
+/// None: the part before the moment can't be taken from the golden as it is.
+Result<std::optional<RunSummary>> resume(const Scenario& scenario, const Trace& golden, std::int64_t checkpoint,
+                                         std::int64_t moment, const std::filesystem::path& trace,
+                                         const RecordOptions& options) {
+  auto reader = mcap::Reader::open(golden.file());
+  if (!reader) return reader.errors();
+  ClosedLoop loop(scenario);
+  if (auto created = loop.create(trace, options); !created) return created.errors();
+  loop.initialize();
+  loop.start();
+  if (auto done = loop.sink->record_events(loop.host->take_events()); !done) return done.errors();
+  auto led = lead_world(scenario, golden, checkpoint, moment, *loop.plant, *loop.world, *loop.recorder);
+  if (!led) return led.errors();
+  RecordingSource inputs(scenario, **reader, *loop.host, loop.altered);
+  CopyingSink copy(scenario, **reader, *loop.host, *loop.recorder, loop.altered, &loop.summary.remarks);
+  loop.run->change(inputs, copy, moment);
+  if (auto done = copy.copy(inputs, *loop.run, moment); !done) return done.errors();
+  if (loop.host->failure() || !copy.same_outputs() || inputs.recorded().state_hash != led->hash_before)
+    return std::optional<RunSummary>();
+
+  const auto interval = std::max<std::int64_t>(1, std::llround(options.checkpoint_period / scenario.time_step));
+  auto summary = loop.go_on(std::move(led->command), interval, options.progress);
+  if (!summary) return summary.errors();
+  return std::optional<RunSummary>(*std::move(summary));
+}
+
+/// Events of the world have their order among events of the controllers only in a run that is made.
+bool has_events_of_world(const Trace& golden) {
+  return std::any_of(golden.events().begin(), golden.events().end(),
+                     [](const msg::Event& event) { return event.source == "world"; });
+}
+
+}  // namespace
+
+Result<ResumedRun> record_from(const Scenario& scenario, const Trace& golden, std::int64_t moment,
+                               const std::filesystem::path& trace, const RecordOptions& options) {
+  const StandardFloatMode float_mode;
+  const auto checkpoint = checkpoint_before(moment, golden, scenario);
+  if (!checkpoint) return checkpoint.errors();
+  if (*checkpoint > 0 && options.checkpoint_period > 0.0 && !has_events_of_world(golden)) {
+    auto resumed = resume(scenario, golden, *checkpoint, moment, trace, options);
+    if (!resumed) return resumed.errors();
+    if (*resumed) return ResumedRun{**std::move(resumed), *checkpoint};
+  }
+  auto whole = record(scenario, trace, options);
+  if (!whole) return whole.errors();
+  return ResumedRun{*std::move(whole), 0};
+}
+
+}  // namespace rehearse

@@ -1,0 +1,49 @@
+#include "hashing.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <vector>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+namespace rehearse {
+
+std::uint64_t hash_bytes(const void* data, std::size_t size, std::uint64_t seed) {
+  return XXH3_64bits_withSeed(data, size, seed);
+}
+
+struct RunningHash::State {
+  XXH3_state_t xxh;
+};
+
+RunningHash::RunningHash(std::uint64_t seed) : state_(std::make_unique<State>()) {
+  XXH3_64bits_reset_withSeed(&state_->xxh, seed);
+}
+
+RunningHash::~RunningHash() = default;
+RunningHash::RunningHash(RunningHash&&) noexcept = default;
+
+void RunningHash::add(const void* data, std::size_t size) { XXH3_64bits_update(&state_->xxh, data, size); }
+
+std::uint64_t RunningHash::value() const { return XXH3_64bits_digest(&state_->xxh); }
+
+Result<std::uint64_t> hash_of_file(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  RunningHash hash;
+  std::vector<char> block(std::size_t{1} << 18);
+  while (stream.read(block.data(), static_cast<std::streamsize>(block.size())) || stream.gcount() > 0)
+    hash.add(block.data(), static_cast<std::size_t>(stream.gcount()));
+  if (!stream.eof()) return error(fmt::format("{} can't be read", file.string()));
+  return hash.value();
+}
+
+std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
+
+std::string content_hash_of(const std::filesystem::path& file) {
+  const auto hash = hash_of_file(file);
+  return hash_text(hash ? *hash : hash_bytes(nullptr, 0));
+}
+
+}  // namespace rehearse

@@ -1,0 +1,279 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <rehearse/body.h>
+#include <rehearse/controller_bench.h>
+#include <rehearse/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
+#include "core/host/controller_host.h"
+#include "core/run/hosted_commands.h"
+#include "core/run/run.h"
+#include "model/clock.h"
+
+namespace rehearse {
+namespace {
+
+template <class T>
+T value_or_throw(Result<T> result) {
+  if (!result) throw std::runtime_error(to_string(result.errors()));
+  return std::move(*result);
+}
+
+/// The number of values that a test may set: values, or a range sensor's distances.
+std::size_t numbers_of(const Device& device) {
+  const auto* laser = std::get_if<RangeSensor>(&device.kind);
+  return static_cast<std::size_t>(laser ? laser->beams() : value_count(device));
+}
+
+/// There are few names here, so messages list all of them.
+template <class Names>
+[[noreturn]] void unknown(std::string_view owner, std::string_view what, std::string_view name, const Names& names) {
+  throw std::out_of_range(fmt::format("the {} has no {} \"{}\"; it has {}", owner, what, name,
+                                      names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+}
+
+}  // namespace
+
+struct ControllerBench::Impl final : ObservationSource, Sink {
+  Scenario scenario;
+  std::unique_ptr<ControllerHost> host;
+  Observation seen;
+  std::vector<BenchJoint> joints;                       // by joint id
+  std::vector<BenchLink> links;                         // by link index
+  std::vector<BenchDevice> devices;                     // by device index
+  std::vector<std::shared_ptr<const Image>> delivered;  // by device index: the last delivered picture
+  std::array<double, joystick_axes.size()> axes{};
+  std::array<bool, joystick_buttons.size()> buttons{};
+  std::vector<std::string> messages;
+  std::optional<HostedCommands> commands;
+  std::optional<Run> run;
+
+  const Model& model() const { return *scenario.bodies[0].model; }
+  void set_up(const std::string& library, const std::string& model_file, const BenchOptions& options);
+  Result<bool> observe(Moment& now) override;
+  Result<void> emit(const Moment& now) override;
+  Result<bool> advance(Moment&, Commander&) override { return true; }  // nothing moves by itself
+  void observe_device(std::size_t index, std::int64_t tick);
+  void observe_joystick();
+  void require_joystick(std::string_view what) const;
+  void read_outputs();
+  void check();
+};
+
+ControllerBench::ControllerBench(const std::string& library, const std::string& model, const BenchOptions& options)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->set_up(library, model, options);
+}
+
+ControllerBench::~ControllerBench() = default;
+double ControllerBench::time() const { return time_of(ticks(), impl_->scenario.time_step); }
+std::int64_t ControllerBench::ticks() const { return impl_->run->tick(); }
+const std::vector<std::string>& ControllerBench::messages() const { return impl_->messages; }
+
+void ControllerBench::Impl::set_up(const std::string& library, const std::string& model_file,
+                                   const BenchOptions& options) {
+  scenario.file = fixture_path("bench");  // makes paths relative to the fixtures
+  scenario.name = "bench";
+  scenario.time_step = options.time_step;
+  ScenarioBody& body = scenario.bodies.emplace_back();
+  body.model_file = fixture_path(model_file);
+  body.model = std::make_shared<const Model>(value_or_throw(load_model(body.model_file)));
+  body.name = model().name;
+  body.fixed = model().links[0].joint.type == JointType::fixed;
+  body.position = options.position;
+  body.joints.assign(model().joints.size(), 0.0);
+  for (const auto& [name, q] : options.joints) {
+    const int link = model().find_joint(name);
+    if (link < 0 || model().links[link].joint.id < 0)
+      throw std::out_of_range(fmt::format("the model has no joint \"{}\"", name));
+    body.joints[model().links[link].joint.id] = q;
+  }
+  ScenarioController& controller = body.controllers.emplace_back();
+  controller.name = controller.library = library;
+  controller.options = options.options;
+  controller.place.file = "ControllerBench";
+  if (options.joystick) scenario.joystick.emplace();
+
+  seen = initial_observation(scenario);
+  for (const JointReading& joint : seen.bodies[0].joints) joints.push_back({joint.q, 0.0, 0.0, 0.0, joint.q, 0.0});
+  for (const LinkReading& link : seen.bodies[0].links) {
+    BenchLink& made = links.emplace_back();
+    made.position = link.position;
+    made.rotation = link.rotation;
+  }
+  devices.resize(model().devices.size());
+  delivered.resize(model().devices.size());
+  host = value_or_throw(ControllerHost::create(scenario, {}));
+  host->initialize(seen);
+  host->start();
+  check();
+  commands.emplace(*host, HostedCommands::Written::never);
+  run.emplace(scenario.time_step, *this, *commands, *this, 0, Run::no_end);
+}
+
+/// Reads the host's messages, and throws if the controller has failed.
+void ControllerBench::Impl::check() {
+  std::string last_error;
+  for (const msg::Event& event : host->take_events()) {
+    messages.push_back(event.text);
+    if (event.severity == to_string(Severity::error)) last_error = event.source + ": " + event.text;
+  }
+  if (host->failure()) throw std::runtime_error(host->failure()->message);
+  if (host->any_refused()) throw std::runtime_error(last_error);
+}
+
+Result<bool> ControllerBench::Impl::observe(Moment& now) {
+  BodyObservation& body = seen.bodies[0];
+  for (std::size_t i = 0; i < joints.size(); ++i)
+    body.joints[i] = {joints[i].q, joints[i].dq, joints[i].ddq, joints[i].u};
+  body.contacts.resize(links.size());
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const BenchLink& link = links[i];
+    body.contacts[i].clear();
+    for (const BenchContact& contact : link.contacts)
+      body.contacts[i].push_back({contact.position, contact.normal, contact.force, contact.velocity, contact.depth});
+    body.links[i] = {link.position,     Eigen::Quaterniond(link.rotation), link.velocity, link.angular_velocity,
+                     link.acceleration, link.angular_acceleration};
+  }
+  for (std::size_t i = 0; i < devices.size(); ++i) observe_device(i, now.tick);
+  if (seen.joystick) observe_joystick();
+  now.seen = now.read = &seen;
+  return true;
+}
+
+void ControllerBench::Impl::observe_joystick() {
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    if (!(axes[i] >= lowest_position(i) && axes[i] <= 1.0))
+      throw std::invalid_argument(
+          fmt::format("axis \"{}\" is at {}, but it goes from {} to 1", joystick_axes[i], axes[i], lowest_position(i)));
+    seen.joystick->axes[i] = static_cast<float>(axes[i]);
+  }
+  seen.joystick->buttons = buttons;
+}
+
+void ControllerBench::Impl::require_joystick(std::string_view what) const {
+  if (!seen.joystick)
+    throw std::logic_error(fmt::format("there is no {}: the options of the bench exclude a joystick", what));
+}
+
+void ControllerBench::Impl::observe_device(std::size_t index, std::int64_t tick) {
+  const BenchDevice& device = devices[index];
+  const Device& described = model().devices[index];
+  DeviceReading& reading = seen.bodies[0].devices[index];
+  const std::size_t wanted = numbers_of(described);
+  if (!device.values.empty() && device.values.size() != wanted)
+    throw std::invalid_argument(fmt::format("device \"{}\" has {} values, but a {} has {}", described.name,
+                                            device.values.size(), type_name(described), wanted));
+  reading.values.clear();
+  reading.ranges = nullptr;
+  if (!std::holds_alternative<RangeSensor>(described.kind))
+    reading.values = device.values;
+  else if (!device.values.empty())
+    reading.ranges = std::make_shared<const std::vector<float>>(device.values.begin(), device.values.end());
+  reading.measured_at = time_of(tick, scenario.time_step);
+  reading.image = device.image;
+  reading.depth = device.depth;
+  reading.fresh = !device.values.empty() || (device.image && device.image != delivered[index]);
+  delivered[index] = device.image;
+}
+
+void ControllerBench::Impl::read_outputs() {
+  for (const HostedController& hosted : host->controllers()) {
+    for (const IoField& field : hosted.io->outputs().fields) {
+      const double* value = hosted.io->output_values().data() + field.offset;
+      switch (field.quantity) {
+        case Quantity::q: joints[field.joint].q_target = *value; break;
+        case Quantity::dq: joints[field.joint].dq_target = *value; break;
+        case Quantity::u: joints[field.joint].u = *value; break;
+        case Quantity::wrench:
+          links[field.link].force = {value[0], value[1], value[2]};
+          links[field.link].torque = {value[3], value[4], value[5]};
+          break;
+        default: break;  // other quantities move no robot
+      }
+    }
+    for (const DeviceOutput& output : hosted.tick.device_outputs) devices[output.device].on = output.on;
+  }
+}
+
+Result<void> ControllerBench::Impl::emit(const Moment&) {
+  check();
+  read_outputs();
+  return {};
+}
+
+bool ControllerBench::tick() {
+  value_or_throw(impl_->run->step());
+  if (impl_->run->interruption()) throw std::runtime_error(impl_->run->interruption()->message);
+  impl_->check();  // the controller may have failed in an earlier tick
+  return impl_->host->controllers()[0].tick.result;
+}
+
+BenchJoint& ControllerBench::joint(std::string_view name) {
+  const Model& model = impl_->model();
+  const int link = model.find_joint(name);
+  if (link >= 0 && model.links[link].joint.id >= 0) return impl_->joints[model.links[link].joint.id];
+  std::vector<std::string> names;
+  for (const int moved : model.joints) names.push_back(model.links[moved].joint.name);
+  unknown("model", "joint", name, names);
+}
+
+BenchLink& ControllerBench::link(std::string_view name) {
+  const Model& model = impl_->model();
+  const int link = model.find_link(name);
+  if (link >= 0) return impl_->links[link];
+  std::vector<std::string> names;
+  for (const Link& other : model.links) names.push_back(other.name);
+  unknown("model", "link", name, names);
+}
+
+BenchDevice& ControllerBench::device(std::string_view name) {
+  const Model& model = impl_->model();
+  const int device = model.find_device(name);
+  if (device >= 0) return impl_->devices[device];
+  std::vector<std::string> names;
+  for (const Device& other : model.devices) names.push_back(other.name);
+  unknown("model", "device", name, names);
+}
+
+double ControllerBench::variable(std::string_view name) const {
+  const ControllerVariables& variables = impl_->host->controllers()[0].variables;
+  if (const ControllerVariables::Variable* found = variables.find(name)) return found->value;
+  std::vector<std::string> names;
+  for (const ControllerVariables::Variable& other : variables.all()) names.push_back(other.name);
+  unknown("controller", "variable", name, names);
+}
+
+double& ControllerBench::axis(std::string_view name) {
+  impl_->require_joystick("axis");
+  if (const auto axis = find_control(joystick_axes, name)) return impl_->axes[*axis];
+  unknown("joystick", "axis", name, joystick_axes);
+}
+
+bool& ControllerBench::button(std::string_view name) {
+  impl_->require_joystick("button");
+  if (const auto button = find_control(joystick_buttons, name)) return impl_->buttons[*button];
+  unknown("joystick", "button", name, joystick_buttons);
+}
+
+void ControllerBench::update_links() {
+  Impl& bench = *impl_;
+  const Eigen::Isometry3d root =
+      pose_of(bench.links[0].position, Eigen::Quaterniond(bench.links[0].rotation).normalized());
+  std::vector<double> q;
+  for (const BenchJoint& joint : bench.joints) q.push_back(joint.q);
+  const std::vector<Eigen::Isometry3d> poses = forward_kinematics(bench.model(), root, q);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    std::vector<BenchContact> contacts = std::move(bench.links[i].contacts);
+    bench.links[i] = {};
+    bench.links[i].contacts = std::move(contacts);
+    bench.links[i].position = poses[i].translation();
+    bench.links[i].rotation = Eigen::Quaterniond(poses[i].linear()).normalized();
+  }
+}
+
+}  // namespace rehearse

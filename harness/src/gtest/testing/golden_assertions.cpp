@@ -1,0 +1,241 @@
+// EXPECT_MATCHES_GOLDEN and EXPECT_HOLDS, without GoogleTest.
+#include <fmt/format.h>
+#include <rehearse/check.h>
+#include <rehearse/golden.h>
+#include <rehearse/gtest.h>
+#include <rehearse/mcap.h>
+#include <rehearse/scenario.h>
+#include <rehearse/session.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "core/check/compared.h"
+#include "core/check/noise_floor.h"
+#include "core/golden/run_folder.h"
+#include "core/mcap/glob.h"
+#include "core/scenario/trace_scenario.h"
+#include "test_recordings.h"
+#include "test_reports.h"
+
+namespace rehearse::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The scenario that determines how a recording is judged. A recording of other programs contains no scenario: then the
+/// defaults apply.
+Result<Scenario> scenario_in(const Trace& trace) {
+  if (!trace.find_attachment("scenario.yaml")) return Scenario();
+  const auto reader = mcap::Reader::open(trace.file());
+  if (!reader) return reader.errors();
+  auto scenario = scenario_of(**reader);
+  if (!scenario) return scenario;
+  if (const std::string file = scenario_file_of(trace); !file.empty())
+    for (Expectation& expectation : scenario->expectations) expectation.place.file = file;
+  return scenario;
+}
+
+bool is_at_least_0(double value) { return std::isfinite(value) && value >= 0.0; }
+
+bool has_series(const Trace& trace, const std::string& pattern) {
+  const auto& series = trace.series();
+  if (std::any_of(series.begin(), series.end(), [&](const auto& named) { return matches(pattern, named.first); }))
+    return true;
+  return std::any_of(trace.channels().begin(), trace.channels().end(),  // pictures have no series
+                     [&](const TraceChannel& channel) { return matches("/" + pattern, channel.topic); });
+}
+
+/// A mistake in the options; empty if there is none.
+std::string mistake_in(const MatchOptions& options, const Trace& trace) {
+  for (const Near& near : options.near) {
+    if (!is_at_least_0(near.atol) || !is_at_least_0(near.rtol))
+      return fmt::format("Near{{\"{}\", {}, {}}}: a tolerance is a number, at least 0", near.channel, near.atol,
+                         near.rtol);
+    if (!has_series(trace, near.channel))
+      return fmt::format("Near{{\"{}\", ...}}: the run has no such series; the nearest are {}", near.channel,
+                         trace.nearest_series(near.channel));
+  }
+  constexpr double resolution = 1e-9;  // of times in a trace [s]
+  if (options.until && !(*options.until >= 0.0 && *options.until <= trace.duration() + resolution))
+    return fmt::format("Until{{{}}}: expected a time in the run, 0 to {} s", *options.until, trace.duration());
+  if (options.levels.empty()) return "Levels{}: expected controller, plant or closed";
+  return {};
+}
+
+ToleranceRule rule_for(std::string channel, double atol, double rtol) {
+  ToleranceRule rule;
+  rule.channel = std::move(channel);
+  rule.atol = atol;
+  rule.rtol = rtol;
+  return rule;
+}
+
+std::vector<ToleranceRule> rules_of(const Scenario& scenario, const MatchOptions& options) {
+  std::vector<ToleranceRule> rules = scenario.tolerances;
+  if (options.exact) rules.push_back(equal_bits());
+  for (const Near& near : options.near) rules.push_back(rule_for(near.channel, near.atol, near.rtol));
+  return rules;
+}
+
+bool wants(const MatchOptions& options, Level level) {
+  return std::find(options.levels.begin(), options.levels.end(), level) != options.levels.end();
+}
+
+/// The horizon by the measured noise of a golden, if it was measured.
+std::optional<double> measured_horizon(const fs::path& golden) {
+  std::error_code ignored;
+  if (!fs::exists(noise_file_of(golden), ignored)) return std::nullopt;
+  const auto trace = Trace::load(golden);
+  return trace ? estimated_horizon(*trace) : std::nullopt;
+}
+
+/// The result of a check whose run is replaced by this recording.
+Result<CheckReport> check_recording(const Trace& trace, const Scenario& judged_by, const MatchOptions& options,
+                                    const fs::path& golden, const fs::path& actual) {
+  auto scenario = Scenario::load(scenario_file_of(trace));  // with all its meshes, which a recording lacks
+  if (!scenario) return scenario.errors();
+  scenario->tolerances = judged_by.tolerances;
+  scenario->horizon = judged_by.horizon;
+  CheckOptions levels;
+  levels.controller = wants(options, Level::controller);
+  levels.plant = wants(options, Level::plant);
+  levels.closed = wants(options, Level::closed);
+  const auto take_recording = [&](const Scenario&, const fs::path& file, const RecordOptions&) -> Result<RunSummary> {
+    std::error_code failed;
+    fs::copy_file(trace.file(), file, fs::copy_options::overwrite_existing, failed);
+    if (failed) return error(fmt::format("can't write {}: {}", file.string(), failed.message()));
+    return RunSummary();
+  };
+  const auto proving = proof_mode();
+  if (proving && proving->on && !levels.closed) levels.certificates = certificates_of(golden_store());
+  return check_scenario(*scenario, golden, actual, levels, {take_recording, run_plant, describe_plant});
+}
+
+/// The reason why a run of this program must not become a golden: it doesn't repeat itself. Empty if it does.
+Result<std::string> doubt_about(const Trace& trace) {
+  if (scenario_file_of(trace).empty()) return std::string();
+  const auto scenario = Scenario::load(scenario_file_of(trace));
+  if (!scenario) return scenario.errors();
+  const auto found = reproduce(*scenario, trace, fs::path(trace.file()).concat(".again"), {}, simulation());
+  if (!found) return found.errors();
+  return found->reproduced() ? std::string() : found->verdict;
+}
+
+/// The text that `rehearse check` would print.
+std::string text_of(const CheckReport& report, const fs::path& golden, const std::string& name) {
+  std::string text =
+      fmt::format("{}\n  controller on recorded inputs: {}; world under recorded commands: {}; closed loop: {}\n",
+                  report.verdict, to_string(report.controller), to_string(report.plant), to_string(report.closed));
+  if (report.plant == LevelState::differs && report.plant_comparison)
+    text += "  under the recorded commands:\n" + table(*report.plant_comparison);
+  if (report.comparison) text += table(*report.comparison);
+  text += fmt::format("golden: {}\n{}", golden.string(), report.message);
+  if (report.closed != LevelState::differs) return text;
+  if (const ExpectationResult* violation = first_violation(report.expectations))
+    return text +
+           fmt::format("\nif the run is right, correct the expectations in {}", violation->expectation.place.file);
+  return text + '\n' + acceptance_advice(name);
+}
+
+/// Checks the requested levels; for a run that differs also finds the faulty part.
+TestVerdict check_levels(const Trace& trace, const std::string& test, const Scenario& judged_by,
+                         const MatchOptions& options, GoldenResult settled, bool wrong, const GoldenStore& store,
+                         std::optional<CheckReport>& checked) {
+  const bool beside_closed = wants(options, Level::controller) || wants(options, Level::plant);
+  // A run within tolerance with different bits must repeat itself; a check tests this.
+  const bool certain = !settled.comparison || settled.comparison->equal || scenario_file_of(trace).empty();
+  if (settled.passed && !beside_closed && certain) return {true, std::move(settled.message)};
+  // Without a golden or without wrong values no part is faulty.
+  const bool differs = settled.comparison && (wrong || !settled.comparison->within);
+  if (!settled.passed && !differs) return {false, std::move(settled.message)};
+  if (scenario_file_of(trace).empty()) {
+    if (!beside_closed) return {settled.passed, std::move(settled.message)};
+    return {false, "the levels controller and plant need a recording that this program made by rehearse::record()"};
+  }
+  const auto report = check_recording(trace, judged_by, options, store.trace_file(test), store.pending_file(test));
+  if (!report) return {false, settled.message + "\n" + to_string(report.errors())};
+  checked = *report;
+  if (!compared_anything(*report))
+    return {false, "nothing was compared: " + text_of(*report, store.trace_file(test), test)};
+  if (settled.passed && report->within()) return {true, report->verdict};
+  return {false, text_of(*report, store.trace_file(test), test)};
+}
+
+/// The verdict on a recording, and the findings on the way to it, for its report.
+TestVerdict judge(const Trace& trace, const std::string& test, const MatchOptions& options, GoldenStore& store,
+                  ComparedTest& compared) {
+  const auto mode = golden_mode();
+  if (!mode) return {false, to_string(mode.errors())};
+  if (std::string mistake = mistake_in(options, trace); !mistake.empty()) return {false, std::move(mistake)};
+  auto scenario = scenario_in(trace);
+  if (!scenario) return {false, to_string(scenario.errors())};
+  scenario->tolerances = rules_of(*scenario, options);
+  scenario->horizon = options.until ? options.until : horizon_of(*scenario, measured_horizon(store.trace_file(test)));
+  compared.golden = store.trace_file(test);
+  compared.scenario = scenario_file_of(trace);
+  compared.tolerances = scenario->tolerances;
+  compared.horizon = scenario->horizon;
+  const auto expectations = judge_expectations(scenario->expectations, trace);
+  SettleOptions settling;
+  settling.compare.until = scenario->horizon;
+  settling.exact = options.exact && options.near.empty();
+  if (first_violation(expectations)) settling.violation = verdict(expectations);
+  if (*mode != GoldenMode::check && settling.violation.empty()) {
+    auto doubt = doubt_about(trace);
+    if (!doubt) return {false, to_string(doubt.errors())};
+    settling.violation = *std::move(doubt);
+  }
+  const bool is_compared = wants(options, Level::closed) || *mode != GoldenMode::check || !store.has(test);
+  GoldenResult result = is_compared ? store.settle(test, trace, scenario->tolerances, *mode, settling)
+                                    : GoldenResult{true, "", std::nullopt, false};
+  if (result.written) {
+    fmt::print("{}\n", result.message);
+    return {result.passed, std::move(result.message)};
+  }
+  TestVerdict verdict = check_levels(trace, test, *scenario, options, std::move(result), !settling.violation.empty(),
+                                     store, compared.checked);
+  if (verdict.passed)
+    if (const auto stored = certify(trace, scenario->tolerances); !stored)
+      fmt::print(stderr, "{}\n", to_string(stored.errors()));
+  return verdict;
+}
+
+}  // namespace
+
+TestVerdict match_golden(const Trace& trace, const std::string& test, const MatchOptions& options) {
+  const GoldenStore goldens = golden_store();
+  report_golden_owner(goldens.where_runs_wait(), test, test);
+  auto waiting = WaitingRun::begin(goldens.where_runs_wait(), test);
+  if (!waiting) return {false, to_string(waiting.errors())};
+  GoldenStore store(goldens.folder(), waiting->folder());
+  ComparedTest compared;
+  TestVerdict verdict = judge(trace, test, options, store, compared);
+  if (compared.golden.empty()) return verdict;  // nothing was compared, because the options were wrong
+  if (!verdict.passed && fs::exists(store.pending_file(test)))
+    if (auto kept = store.keep_pending_verdict(test, verdict.message.substr(0, verdict.message.find('\n'))); !kept)
+      verdict.message += "\n" + to_string(kept.errors());
+  const auto beside = waiting->publish(verdict.message);
+  if (!beside) return {false, verdict.message + "\n" + to_string(beside.errors())};
+  if (!beside->empty() && !verdict.passed) verdict.message += "\n" + *beside;
+  const std::string told = keep_test_report(trace, test, "golden", verdict, compared);
+  if (!verdict.passed) verdict.message += told;
+  return verdict;
+}
+
+TestVerdict hold_expectations(const Trace& trace, const std::string& test) {
+  const auto scenario = scenario_in(trace);
+  if (!scenario) return {false, to_string(scenario.errors())};
+  if (scenario->expectations.empty()) return {false, "the scenario has no expectations: it has no 'expect:'"};
+  const auto results = judge_expectations(scenario->expectations, trace);
+  const std::string violations = violation_lines(results);
+  TestVerdict verdict{violations.empty(), violations.empty() ? "" : violations.substr(1)};
+  ComparedTest compared;
+  compared.scenario = scenario_file_of(trace);
+  const std::string told = keep_test_report(trace, test, "expectations", verdict, compared);
+  if (!verdict.passed) verdict.message += told;
+  return verdict;
+}
+
+}  // namespace rehearse::internal

@@ -1,0 +1,27 @@
+// main() of tests that use <rehearse/gtest.h>.
+#include <gtest/gtest.h>
+#include <rehearse/pin.h>
+
+#include "core/guard/supervise.h"
+
+namespace {
+
+/// Notes the running test and the number of remaining ones, for the report on a controller that ends the process.
+class Tasks : public testing::EmptyTestEventListener {
+  void OnTestIterationStart(const testing::UnitTest& all, int) override { left_ = all.test_to_run_count(); }
+  void OnTestStart(const testing::TestInfo& test) override {
+    const std::string name = std::string("test ") + test.test_suite_name() + "." + test.name();
+    rehearse::note_task(name.c_str(), --left_);
+  }
+  int left_ = 0;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  rehearse::pin_process(argv);  // first, because it starts the program once more, before any computation
+  rehearse::supervise_process();
+  ::testing::InitGoogleTest(&argc, argv);
+  ::testing::UnitTest::GetInstance()->listeners().Append(new Tasks);
+  return RUN_ALL_TESTS();
+}

@@ -1,0 +1,148 @@
+#include "log_map.h"
+
+#include <fmt/format.h>
+
+#include "core/scenario/scenario_parts.h"
+#include "log_map_parts.h"
+
+namespace rehearse {
+
+bool LogMapReader::check_version(const YamlNode& root) {
+  if (root.kind != YamlNode::Kind::map) {
+    expected(findings_, root, "the map", "a map that begins with rehearse_map: 1");
+    return false;
+  }
+  const YamlNode* version = find_key(root, "rehearse_map");
+  if (version == nullptr) {
+    const bool is_scenario = find_key(root, "rehearse") != nullptr;
+    findings_.error(root, is_scenario ? "it is a scenario, not a map" : "the map has no 'rehearse_map'",
+                    "expected rehearse_map: 1, the version of the form");
+    return !is_scenario;
+  }
+  if (version->kind == YamlNode::Kind::scalar && version->text == "1") return true;
+  expected(findings_, *version, "rehearse_map", "1, the version of the form that this program reads");
+  return false;
+}
+
+void LogMapReader::read(const YamlNode& root) {
+  if (!check_version(root)) return;
+  const Keys keys(findings_, root, "the map",
+                  {"rehearse_map", "body", "time_step", "tick", "clock", "start", "max_age", "controller", "joints",
+                   "imus", "wrenches", "cameras", "ranges", "joystick", "root", "commands", "tolerances"});
+  read_body(keys, root);
+  read_clock(keys);
+  keys.word("start", "all (when each input has had a message) or first (with the first message)",
+            {{"all", false}, {"first", true}}, map_.start_with_first);
+  keys.number("max_age", {0.0, Scenario::max_duration, "[s]", true}, max_age_);
+  if (const YamlNode* node = keys.find("controller")) read_controller(*node);
+  if (const YamlNode* node = keys.find("joints")) each(*node, "joints", [&](const YamlNode& one) { read_joints(one); });
+  if (const YamlNode* node = keys.find("imus")) each(*node, "imus", [&](const YamlNode& one) { read_imu(one); });
+  if (const YamlNode* node = keys.find("wrenches"))
+    each(*node, "wrenches", [&](const YamlNode& one) { read_wrench(one); });
+  if (const YamlNode* node = keys.find("cameras"))
+    each(*node, "cameras", [&](const YamlNode& one) { read_camera(one); });
+  if (const YamlNode* node = keys.find("ranges")) each(*node, "ranges", [&](const YamlNode& one) { read_ranges(one); });
+  if (const YamlNode* node = keys.find("joystick")) read_joystick(*node);
+  if (const YamlNode* node = keys.find("root")) read_root(*node);
+  if (const YamlNode* node = keys.find("commands")) read_commands(*node);
+  if (const YamlNode* node = keys.find("tick")) read_tick(*node);
+  if (const YamlNode* node = keys.find("tolerances")) {
+    Scenario place;  // read_tolerances() writes the list into it, in the form of a scenario's tolerances
+    place.file = map_.file;
+    read_tolerances(findings_, *node, place);
+    map_.tolerances = std::move(place.tolerances);
+    if (!keys.find("commands"))
+      findings_.error(*node, "'tolerances' without 'commands'", "they apply to commands of the log: commands: TOPIC");
+  }
+  check_something_is_mapped(root);
+}
+
+void LogMapReader::read_body(const Keys& keys, const YamlNode& root) {
+  map_.body = model_.name;
+  if (const YamlNode* node = keys.find("body")) {
+    map_.body = read_name(findings_, *node, "body").value_or(map_.body);
+    return;
+  }
+  YamlNode of_the_model;
+  of_the_model.kind = YamlNode::Kind::scalar;
+  of_the_model.text = model_.name;
+  Findings unsaid(map_.file);
+  if (!read_name(unsaid, of_the_model, "body"))
+    findings_.error(root, fmt::format("channels can't be named after the model, '{}'", shortened(model_.name)),
+                    "expected body: a short name without blanks and none of / * ? [ ]");
+}
+
+void LogMapReader::read_clock(const Keys& keys) {
+  const Range steps{Scenario::min_time_step, Scenario::max_time_step, "[s]"};
+  if (const YamlNode* node = keys.require("time_step", "the controller's tick [s]"))
+    map_.time_step = read_number(findings_, *node, "time_step", steps).value_or(map_.time_step);
+  read_clock_name(keys, clock_);
+}
+
+void LogMapReader::read_clock_name(const Keys& keys, LogClock& clock) {
+  keys.word("clock", "log_time (when a message was written into the log) or header.stamp (when it was measured)",
+            {{"log_time", LogClock::log_time}, {"header.stamp", LogClock::header_stamp}}, clock);
+}
+
+/// Any topic with messages can be the tick. Its clock is that of the topic's other sources.
+void LogMapReader::read_tick(const YamlNode& node) {
+  std::optional<Keys> keys;
+  if (node.kind == YamlNode::Kind::map)
+    keys.emplace(findings_, node, "the tick",
+                 std::initializer_list<std::string_view>{"topic", "grid", "latency", "clock", "clock_offset"});
+  const YamlNode* topic = keys ? keys->require("topic", name_of_topic) : &node;
+  if (topic == nullptr) return;
+  TickSource source;
+  read_source(keys ? &*keys : nullptr, source, std::nullopt);
+  const auto known = clocks_.find(topic->text);
+  if (known != clocks_.end() && !(keys && keys->find("clock"))) source.clock = known->second.first;
+  if (!find_topic(*topic, "tick", {{}}, "messages", source)) return;
+  if (keys) keys->flag("grid", source.grid);
+  const YamlNode* latency = keys ? keys->find("latency") : nullptr;
+  const bool is_of_commands = map_.commands && map_.commands->topic == source.topic;
+  source.before_commands = is_of_commands && (latency || source.grid);
+  if (latency && !is_of_commands) {
+    findings_.error(*latency,
+                    fmt::format("'latency' is given for '{}', which isn't the topic of the commands", source.topic),
+                    "expected the topic of the commands, which come some time after their ticks");
+  } else if (latency && !(latency->kind == YamlNode::Kind::scalar && latency->text == "measured")) {
+    source.latency = read_number(findings_, *latency, "latency", {0.0, Scenario::max_time_step, "[s], or measured"});
+  }
+  map_.tick = std::move(source);
+}
+
+void LogMapReader::read_controller(const YamlNode& node) {
+  const Keys keys(findings_, node, "the controller", {"name", "options", "delay"});
+  if (const YamlNode* name = keys.find("name")) map_.controller.name = read_name(findings_, *name, "name").value_or("");
+  keys.text("options", map_.controller.options);
+  keys.flag("delay", map_.controller.delay);
+}
+
+void LogMapReader::check_something_is_mapped(const YamlNode& root) {
+  for (const std::string_view key : {"joints", "imus", "wrenches", "cameras", "ranges", "joystick", "root"})
+    if (find_key(root, key) != nullptr) return;
+  if (findings_.any_error()) return;  // the reason may be a misspelt key
+  findings_.error(root, "the map names no input", "expected at least one topic, as joints: /joint_states");
+}
+
+Result<LogMap> LogMap::parse(std::string text, const std::string& file, const Model& model,
+                             const std::vector<LogTopic>& topics) {
+  const Result<YamlNodePtr> root = parse_yaml(text, file);
+  if (!root) return root.errors();
+  LogMap map;
+  map.file = file;
+  map.text = std::move(text);
+  Findings findings(file);
+  LogMapReader(findings, model, topics, map).read(**root);
+  if (findings.any_error()) return findings.errors();
+  return map;
+}
+
+Result<LogMap> LogMap::load(const std::filesystem::path& file, const Model& model,
+                            const std::vector<LogTopic>& topics) {
+  Result<std::string> text = read_yaml_file(file, "a map");
+  if (!text) return text.errors();
+  return parse(std::move(*text), file.string(), model, topics);
+}
+
+}  // namespace rehearse

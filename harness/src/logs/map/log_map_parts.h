@@ -1,0 +1,102 @@
+// The reader of a map's parts, which checks each against the model and the log's topics.
+#pragma once
+
+#include <initializer_list>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/scenario/scenario_values.h"
+#include "log_map.h"
+
+namespace rehearse {
+
+inline constexpr std::string_view name_of_topic = "the name of one of the log's topics";
+/// The default of max_age [s]. Pictures and scans have a longer one, and a joystick none: it sends when it is moved.
+inline constexpr double max_age_of_numbers = 0.1;
+
+/// True if messages of that kind are measurements of the device.
+bool fits(DeviceSource::Kind kind, const Device& device);
+
+/// The reader of one map file.
+class LogMapReader {
+ public:
+  LogMapReader(Findings& findings, const Model& model, const std::vector<LogTopic>& topics, LogMap& map)
+      : findings_(findings), model_(model), topics_(topics), map_(map) {}
+
+  void read(const YamlNode& root);
+
+ private:
+  /// Alternative sets of fields. A topic must have all fields of one set.
+  using Needs = std::vector<std::pair<std::string, FieldContent>>;
+
+  // log_map.cpp
+  bool check_version(const YamlNode& root);
+  void read_body(const Keys& keys, const YamlNode& root);
+  void read_clock(const Keys& keys);
+  static void read_clock_name(const Keys& keys, LogClock& clock);
+  void read_tick(const YamlNode& node);
+  void read_controller(const YamlNode& node);
+  void check_something_is_mapped(const YamlNode& root);
+
+  // log_map_sources.cpp
+  /// A single source or a list of them; `read` is called with each.
+  template <class Read>
+  void each(const YamlNode& node, std::string_view label, Read&& read) {
+    if (node.kind != YamlNode::Kind::list) return read(node);
+    if (node.items.empty())
+      findings_.error(node, std::string(label) + " is an empty list", "expected at least one source, or no such key");
+    for (const YamlNodePtr& item : read_list(findings_, node, label, "a list of sources")) read(*item);
+  }
+  /// The topic of that name that has one of the sets of fields; null, and an error is reported, if there is none.
+  const LogTopic* find_topic(const YamlNode& node, std::string_view label, const std::vector<Needs>& needs,
+                             std::string_view what, LogSource& source);
+  /// The keys of a source; none if the source is a topic alone.
+  std::optional<Keys> keys_of(const YamlNode& node, std::string_view owner,
+                              std::initializer_list<std::string_view> known);
+  /// The settings that all sources have: clock, clock_offset and, unless its default is nullopt, max_age. A setting
+  /// that the source lacks is the map's. Null keys: the source is a topic alone.
+  void read_source(const Keys* keys, LogSource& source, std::optional<double> max_age);
+  void check_clock(const YamlNode& node, const LogTopic& topic, const LogSource& source);
+  static void read_sampling(const Keys& keys, LogSource& source);
+  void read_names(const YamlNode& node, std::map<std::string, JointRename>& names);
+  std::optional<int> read_joint(const YamlNode& node);
+  void read_joints(const YamlNode& node);
+  void read_root(const YamlNode& node);
+  void read_joystick(const YamlNode& node);
+  void read_axes(const YamlNode& node, JoySource& source);
+  void read_buttons(const YamlNode& node, JoySource& source);
+  void read_commands(const YamlNode& node);
+  void read_array_commands(const Keys& keys, CommandSource& source);
+
+  // log_map_devices.cpp
+  void read_imu(const YamlNode& node);
+  void read_wrench(const YamlNode& node);
+  void read_camera(const YamlNode& node);
+  void read_ranges(const YamlNode& node);
+  static Needs two_vectors(std::string_view one, std::string_view other);
+  static Needs twist() { return two_vectors("linear", "angular"); }
+  static Needs twist_stamped() { return two_vectors("twist/linear", "twist/angular"); }
+  void read_vectors(const Keys& keys, DeviceSource::Kind kind, std::string_view devices, const Needs& needs,
+                    std::string_view type);
+  void read_sensor(const Keys& keys, DeviceSource source, std::string_view devices, const std::vector<Needs>& needs,
+                   std::string_view type);
+  std::vector<int> read_devices(const Keys& keys, DeviceSource::Kind kind, std::string_view what);
+  void read_device(const YamlNode& node, DeviceSource::Kind kind, std::string_view what, std::vector<int>& devices);
+
+  Findings& findings_;
+  const Model& model_;
+  const std::vector<LogTopic>& topics_;
+  LogMap& map_;
+  LogClock clock_ = LogClock::log_time;                             // of all sources without their own
+  std::optional<double> max_age_;                                   // stated in the map for all sources [s]
+  std::map<std::string, std::pair<LogClock, int>> clocks_;          // by topic, with the line of its first source
+  std::set<std::string> joint_topics_;                              // joint topics read so far
+  std::map<std::pair<int, DeviceSource::Kind>, int> device_lines_;  // lines that already named a device
+};
+
+}  // namespace rehearse

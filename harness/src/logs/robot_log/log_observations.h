@@ -1,0 +1,84 @@
+// LogObservations: observations from the messages of a log, by a feed for each source of its map.
+#pragma once
+
+#include <rehearse/model.h>
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/run/run.h"
+#include "log_commands.h"
+#include "log_feed.h"
+#include "log_replay.h"
+#include "log_survey.h"
+#include "log_tick_plan.h"
+#include "topic_watch.h"
+
+namespace rehearse {
+
+class LogObservations final : public ObservationSource {
+ public:
+  /// All arguments must outlive this. Null `plan`: ticks are the nominal grid.
+  LogObservations(const LogMap& map, const Model& model, const std::vector<MappedSource>& sources,
+                  const LogSurvey& survey, const LogTicks& ticks, const TickPlan* plan)
+      : map_(map), model_(model), sources_(sources), survey_(survey), ticks_(ticks), plan_(plan) {}
+
+  Result<void> make_feeds(const std::vector<LogTopic>& topics);
+  /// A tick may need messages that are later than it by less than this [ns].
+  std::int64_t lookahead() const { return lookahead_; }
+  const LogTicks& ticks() const { return ticks_; }
+  /// True if the controller may have had another message in the last tick. Either one is missing in the log, or one
+  /// came so near to the tick that it may belong to the tick before or after.
+  bool may_miss_input() const;
+
+  /// Adds the next message in the order of the log, with its time [ns].
+  void take(std::int64_t time, const mcap::Message& message);
+  /// The commands of the robot's own controller; null: the map states none.
+  LogCommands* commands() { return commands_.get(); }
+
+  /// The robot at tick 0; NaN for joints without a source.
+  const BodyObservation& look_first();
+  /// Sets the displacements of those joints [rad] or [m], by joint id.
+  void complete_posture(const std::vector<double>& joints);
+  /// The sources that have had messages, none of which can be read.
+  Diagnostics unreadable_sources() const;
+  Diagnostics take_remarks();
+
+  Result<bool> observe(Moment& now) override;
+  Result<bool> advance(Moment& now, Commander& commands) override;
+
+  /// The use of the messages of each source so far: all members except names and facts of the whole log.
+  std::vector<LogTopicReport> report() const;
+
+ private:
+  /// A source with its feed.
+  struct Fed {
+    const MappedSource& mapped;
+    std::unique_ptr<LogFeed> feed;  // null: a source of commands
+    TopicWatch watch;
+    std::vector<LogUnreadable> unreadable_for = {};
+    std::optional<Diagnostic> unreadable_first = {};
+    std::int64_t readable = 0;
+    std::int64_t gap_events = 0;
+  };
+  bool has_position(int joint) const;
+  void look(std::int64_t tick);
+  void reject(Fed& fed, std::int64_t time, const Diagnostic& reason);
+  void add_gap_event(Fed& fed, std::int64_t tick, std::string what);
+  void place_links();
+
+  const LogMap& map_;
+  const Model& model_;
+  const std::vector<MappedSource>& sources_;
+  const LogSurvey& survey_;
+  const LogTicks& ticks_;
+  const TickPlan* plan_;
+  std::vector<Fed> fed_;  // parallel to sources_
+  std::unique_ptr<LogCommands> commands_;
+  std::int64_t lookahead_ = 0;  // [ns]
+  Observation seen_;
+  std::vector<msg::Event> gap_events_;
+};
+
+}  // namespace rehearse

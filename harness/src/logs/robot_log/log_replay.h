@@ -1,0 +1,175 @@
+// Log replay: feeds the log of a real robot to a controller, without physics. A log is a ROS 2 bag (MCAP, cdr). A map,
+// a YAML file described in fixtures/README.md, assigns topics to inputs.
+//
+// The result is an ordinary recording: the inputs of the controller at its ticks, and its commands. It can be replayed
+// (replay.h), compared and accepted as a golden; it has no physics to repeat. Links neither ODE nor OSMesa.
+#pragma once
+
+#include <rehearse/compare.h>
+#include <rehearse/diagnostic.h>
+#include <rehearse/run_options.h>
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "logs/map/log_map.h"
+
+namespace rehearse {
+
+struct LogReplayOptions : HostOptions {
+  std::string controller;       // the library, a name or a path
+  std::filesystem::path model;  // the robot, a URDF or .body file
+  std::filesystem::path map;    // assigns topics to inputs
+  double from = 0.0;            // commands before this time are not compared [s]
+  std::optional<double> until;  // end of the replay [s]
+  /// Called with each difference from the log's commands, in the order of ticks; null: not.
+  std::function<void(const Divergence&)> on_difference;
+  /// Called about every hundredth of the log with the number of ticks done and of all; null: not.
+  std::function<void(std::int64_t done, std::int64_t all)> progress;
+};
+
+/// Spans in which values at ticks were older than the map allows; the ticks used the last value. Times are seconds from
+/// the first tick on.
+struct LogGaps {
+  double worst_age = 0.0;          // largest age of a value at a tick [s]
+  double worst_age_at = 0.0;       // time of that tick [s]
+  std::int64_t gaps = 0;           // number of such spans
+  std::int64_t ticks_in_gaps = 0;  // ticks in them
+};
+
+/// A joint with gaps while its topic had messages of other joints.
+struct SilentJoint : LogGaps {
+  std::string joint;
+};
+
+/// Messages that can't be read, for one reason.
+struct LogUnreadable {
+  std::string reason;
+  std::int64_t messages = 0;
+  double first_at = 0.0;  // [s] from the first tick on
+};
+
+/// The offset of a topic's stamps from the log's clock.
+struct LogClockReport {
+  std::int64_t offset = 0;     // at `reference` [ns]: log's clock minus stamp; 0: the clocks agree
+  double drift = 0.0;          // growth of the offset per time
+  std::int64_t reference = 0;  // a stamp [ns]
+  double least_delay = 0.0;    // smallest log time minus stamp [s]
+  bool is_stated = false;      // by the map, not estimated
+};
+
+/// The use of a topic of the log in the replay. Times are seconds from the first tick on; earlier ones are negative.
+struct LogTopicReport : LogGaps {
+  std::string topic;
+  std::string type;           // sensor_msgs/msg/Imu
+  std::string use;            // "joints", "WaistIMU", "commands"
+  std::int64_t messages = 0;  // in the log
+  std::int64_t used = 0;      // used in at least one tick
+  /// Messages that were replaced between two ticks, or came before the first or after the last.
+  std::int64_t skipped = 0;
+  std::int64_t out_of_order = 0;  // messages after one of a later log time in the file
+  std::int64_t same_stamp = 0;    // messages with the time of the previous message
+  std::int64_t backwards = 0;     // messages with an earlier time than the previous message; they are not used
+  std::int64_t unreadable = 0;    // messages that can't be read; they are not used
+  std::vector<LogUnreadable> unreadable_for;  // the first reasons, in the order of their first messages
+  std::vector<SilentJoint> silent_joints;
+  std::optional<LogClockReport> clock;  // of stamps that were converted to the log's clock
+  double rate = 0.0;                    // messages per second, over all of them; 0 for fewer than two
+  double longest_gap = 0.0;             // between two messages [s]
+  double longest_gap_at = 0.0;          // where it begins [s]
+  std::int64_t ticks_without = 0;       // ticks before its first message
+};
+
+/// Ticks by the messages of a topic.
+struct LogTickReport {
+  std::string topic;
+  bool is_grid = false;           // evenly spaced, not at the messages
+  double interval = 0.0;          // between two messages, median [s]
+  double rate = 0.0;              // of the messages [Hz], estimated from all of them
+  double drift = 0.0;             // of their interval from time_step, relative
+  double jitter = 0.0;            // nine of ten messages are within this time of their regular times [s]
+  double phase = 0.0;             // of the ticks after the messages [s]; negative: before
+  std::int64_t missing = 0;       // ticks whose message is missing
+  std::optional<double> latency;  // from a tick to its command, median [s]
+  std::string measured_by;        // the input of which the latency is half the time to the command; else empty
+};
+
+/// A timing of the commands at which nine of ten ticks that differ agree.
+struct LogTiming {
+  /// The log has the commands this number of ticks later; none: at the tick before or after, or see tick_topic.
+  std::optional<int> shift;
+  /// Other ticks, with which the log was replayed again: each message of this topic. Empty: the map's ticks.
+  std::string tick_topic;
+  double time_step = 0.0;  // with tick_topic [s]
+  std::int64_t ticks = 0;  // ticks compared with this timing; without shift and topic, the ticks that differ
+  std::int64_t different = 0;
+};
+
+/// A change of the joystick; controls by their names in scenarios.
+struct JoystickMove {
+  double at = 0.0;  // [s]
+  std::vector<std::pair<std::string, float>> axes;
+  std::vector<std::pair<std::string, bool>> buttons;
+};
+
+/// The beginning of a log's run, and the moves of the joystick.
+struct LogStart {
+  struct Root {
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();  // [m]
+    Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  };
+  std::optional<Root> root;    // none: the map has no source for it
+  std::vector<double> joints;  // displacements by joint id [rad] or [m]; 0 or a limit for joints without a source
+  bool has_joystick = false;
+  std::vector<JoystickMove> joystick;  // the first moves, as many as a scenario may have
+  std::int64_t moves_left_out = 0;
+};
+
+/// Differences from the log's commands, in the order of ticks.
+struct LogReplayReport : Differences {
+  std::int64_t ticks = 0;
+  double duration = 0.0;   // [s]
+  std::int64_t start = 0;  // the log's time of the first tick [ns]
+  std::string log_hash;    // of the log's bytes, 16 hexadecimal digits
+  std::vector<LogTopicReport> topics;
+  bool has_commands = false;  // the map names topics with commands to compare
+  std::int64_t ticks_compared = 0;
+  std::int64_t ticks_different = 0;
+  /// Ticks between the first and the last command of the log for which it has no command: a message is missing or late.
+  std::int64_t ticks_without_command = 0;
+  /// Ticks that differ after a missing or late message, before five ticks in a row agree again. They aren't in
+  /// ticks_different: the message may be an input, or a controller with a state may need time. More than a hundred in a
+  /// row are different.
+  std::int64_t ticks_in_doubt = 0;
+  std::optional<LogTiming> timing;    // set if commands differ, and the time explains it
+  std::optional<LogTickReport> tick;  // none: the ticks are a grid
+  LogStart begin;
+  double time_step = 0.0;             // of the controller [s]
+  std::string body;                   // the robot's name in channels
+  MappedController controller;        // the map's settings of the controller
+  int channels = 0;                   // of the trace
+  std::int64_t frames = 0;            // colour pictures in the trace
+  std::uintmax_t bytes = 0;           // size of the trace
+  std::optional<Diagnostic> failure;  // a controller threw, crashed or hung; the replay ended there
+  bool controller_refused = false;    // it returned false from configure, initialize or start
+  /// Misbehaviour of controllers, and faults of the log.
+  Diagnostics remarks;
+
+  bool equal() const { return !first && !failure; }
+  bool within() const { return !beyond && !failure; }
+  std::int64_t ticks_unknown() const { return ticks_without_command + ticks_in_doubt; }
+};
+
+/// Replays a log and writes the trace. Fails, and writes nothing, if the replay can't begin. Reasons are a log without
+/// messages, a map that doesn't fit the log or the model, or a controller that reads inputs without a source in the
+/// map.
+Result<LogReplayReport> replay_log(const std::filesystem::path& log, const std::filesystem::path& trace,
+                                   const LogReplayOptions& options);
+
+}  // namespace rehearse

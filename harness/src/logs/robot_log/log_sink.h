@@ -1,0 +1,77 @@
+// LogSink: writes the replay of a log into a trace, and compares its commands with those of the robot's own controller.
+#pragma once
+
+#include <rehearse/scenario.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "command_timing.h"
+#include "core/compare/row_judge.h"
+#include "core/run/recording_sink.h"
+#include "log_observations.h"
+#include "log_replay.h"
+
+namespace rehearse {
+
+class LogSink final : public RecordingSink {
+ public:
+  LogSink(Recorder& recorder, const LogReplayOptions& options, const LogMap& map, const Scenario& scenario,
+          LogObservations& log, LogReplayReport& report)
+      : RecordingSink(recorder, &report.remarks),
+        options_(options),
+        map_(map),
+        scenario_(scenario),
+        log_(log),
+        report_(report) {}
+
+  Result<void> emit(const Moment& now) override {
+    auto done = RecordingSink::emit(now);
+    if (now.seen->joystick) note_joystick(now);
+    if (done && now.alive && log_.commands()) compare(now);
+    return done;
+  }
+  /// After the last tick.
+  void finish();
+
+ private:
+  /// The comparison of one tick.
+  struct Judged {
+    std::int64_t tick = 0;
+    bool is_irregular = false;  // its command may depend on a message that is late or missing
+    std::int64_t compared = 0;  // numbers
+    std::vector<Divergence> differences = {};
+  };
+  void compare(const Moment& now);
+  Judged compare_tick(const Moment& now);
+  void take_judged();
+  void note_joystick(const Moment& now);
+  bool is_irregular(std::int64_t tick, bool has_command) const;
+  void judge(Judged tick);
+  void report(Judged tick);
+  void end_doubt();
+
+  const LogReplayOptions& options_;
+  const LogMap& map_;
+  const Scenario& scenario_;
+  LogObservations& log_;
+  LogReplayReport& report_;
+  /// A late message may also be taken for one of a later tick.
+  static constexpr int ticks_of_doubt = 5;
+  /// After this number of successive ticks that differ, the differences count: missing or late messages don't explain
+  /// them.
+  static constexpr std::size_t longest_doubt = 100;
+  CommandTiming timing_;
+  std::unique_ptr<RowJudge> judge_;     // none before the first tick
+  std::deque<Judged> waiting_;          // ticks whose differences aren't all known
+  std::deque<Divergence> differences_;  // of the waiting ticks
+  JoystickReading joystick_;            // at the last tick
+  bool agreed_ = true;                  // in the last tick that was compared
+  int doubt_ = 0;                       // number of ticks in a row that have to agree until a difference counts
+  std::vector<Judged> in_doubt_;        // the last ticks, if all of them differ and are in doubt
+};
+
+}  // namespace rehearse
