@@ -9,6 +9,19 @@ export const arrowsOf = (mermaid) =>
     .filter(Boolean)
     .flatMap(([, from, to]) => to.split('&').map((name) => [from, name.trim()]));
 
+/** The boxes of a graph: Map of name to box, for the names in lines between `subgraph BOX` and `end`. */
+export function groupsOf(mermaid) {
+  const groups = new Map();
+  let box = null;
+  for (const line of mermaid.split('\n')) {
+    const begin = line.match(/^\s*subgraph (\w+)$/);
+    if (begin) box = begin[1];
+    else if (/^\s*end$/.test(line)) box = null;
+    else if (box) for (const [from] of arrowsOf(line)) groups.set(from, box);
+  }
+  return groups;
+}
+
 /** The rooms of the build and what each links, from the file that CMake writes: Map of name to names. */
 export function roomsOf(text) {
   const room = (target) => target.match(/^rehearse_room_(\w+)$/)?.[1];
