@@ -1,5 +1,6 @@
 // docs_form_test.mjs SOURCE: the form of READMEs, of pages of the site and of other Markdown files: a cell of a table has at
-// most 160 characters, a paragraph or an item of a list at most 90 words, the README of a top folder at most 10,000 bytes.
+// most 160 characters, a paragraph or an item of a list at most 90 words, the README of a top folder at most 10,000 bytes,
+// and a link is on one line, because links are examined line by line.
 // It also examines a page with one mistake of each kind, which must be found.
 import assert from 'node:assert/strict';
 import { readdirSync, readFileSync } from 'node:fs';
@@ -35,6 +36,7 @@ function mistakesOf(file, text) {
       end();
     } else if (!inBlock) {
       if (/^\s*([-*]|\d+\.|:) /.test(line)) end();
+      if (/^[^[\]]*\]\([^)\s]+\)/.test(line)) mistakes.push(`${file}:${index + 1}: a link begins on the line before`);
       paragraph.line ||= index + 1;
       paragraph.words += readable(line).split(/\s+/).filter(Boolean).length;
     }
@@ -47,9 +49,9 @@ function mistakesOf(file, text) {
 }
 
 const longText = 'word '.repeat(longestParagraph + 1).trim();
-const sample = ['# A', '', longText, '', `| ${'x'.repeat(longestCell + 1)} |`, '', `- ${longText}`].join('\n') + '\n' + '\n'.repeat(largestReadme);
+const sample = ['# A', '', longText, '', `| ${'x'.repeat(longestCell + 1)} |`, '', `- ${longText}`, '', '[a', 'link](b.md)'].join('\n') + '\n' + '\n'.repeat(largestReadme);
 const found = mistakesOf('engine/README.md', sample).map((text) => text.split(': ')[0]);
-assert.deepEqual(found, [3, 5, 7, 1].map((line) => `engine/README.md:${line}`));
+assert.deepEqual(found, [3, 5, 7, 10, 1].map((line) => `engine/README.md:${line}`));
 assert.deepEqual(mistakesOf('README.md', `# A\n\n${longText.slice(5)}\n\n| ${'x'.repeat(longestCell)} |\n`), []);
 
 /** All Markdown files of the sources, without those of builds and packages. */
