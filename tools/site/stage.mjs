@@ -1,9 +1,9 @@
 // stage.mjs SOURCE BUILD OUT: composes the pages that Sphinx reads, in OUT, from tools/site/pages, the READMEs and facts
 // of the sources. Fails with file and line if a page includes or links something that doesn't exist.
 //
-//   <!-- include: harness/README.md#one-tick -->   the section, below the heading before it
-//   <!-- text of: harness/README.md#one-tick -->   the section without its heading, at the place of this line
-//   <!-- made: verbs -->                           a part made by reference.mjs
+//   <!-- include: tests/README.md#choreonoids-traps -->   the section, below the heading before it
+//   <!-- text of: tests/README.md#choreonoids-traps -->   the section without its heading, at the place of this line
+//   <!-- made: verbs -->                                  a part made by reference.mjs
 //
 // A link of a README, or one that begins with `/`, leads to the place in the site where the section is. A link to a
 // file that isn't part of the site becomes its name. A link between pages must lead to a page and a heading of it.
