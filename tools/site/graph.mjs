@@ -34,6 +34,18 @@ export function roomsOf(text) {
   );
 }
 
+/** The part of each room, from the same file: Map of name to `engine`, `core` or the name of a wing. */
+export function partsOf(text) {
+  const parts = new Map();
+  for (const line of text.split('\n')) {
+    const [target, folder = ''] = line.split('|');
+    const name = target.match(/^rehearse_room_(\w+)$/)?.[1];
+    const [, part, ...rest] = folder.match(/\/(engine|harness)\/src\/(\w+)(\/\w+)?$/) ?? [];
+    if (name && part) parts.set(name, part === 'harness' && rest[1] ? rest[0] : part);
+  }
+  return parts;
+}
+
 /** The arrows of a graph without those that a path of other arrows makes. */
 export function reduced(rooms) {
   const reaches = (from, to, past) =>
