@@ -9,7 +9,7 @@ export const arrowsOf = (mermaid) =>
     .filter(Boolean)
     .flatMap(([, from, to]) => to.split('&').map((name) => [from, name.trim()]));
 
-/** The boxes of a graph: Map of name to box, for the names in lines between `subgraph BOX` and `end`. */
+/** The boxes of a graph: Map of name to the box in which it is first, for lines between `subgraph BOX` and `end`. */
 export function groupsOf(mermaid) {
   const groups = new Map();
   let box = null;
@@ -17,7 +17,8 @@ export function groupsOf(mermaid) {
     const begin = line.match(/^\s*subgraph (\w+)$/);
     if (begin) box = begin[1];
     else if (/^\s*end$/.test(line)) box = null;
-    else if (box) for (const [from] of arrowsOf(line)) groups.set(from, box);
+    else if (box)
+      for (const name of arrowsOf(line).flat()) if (!groups.has(name)) groups.set(name, box);
   }
   return groups;
 }
