@@ -31,20 +31,21 @@ function covers(what, names, text, place) {
   assert.deepEqual(without([...names, 'a_new_one'], text).slice(missing.length), ['a_new_one']);
 }
 
+const reference = (names) => names.map((name) => `tools/site/pages/reference/${name}.md`);
 const forms = {
-  scenario: ['fixtures/README.md', 'the-form-of-a-scenario'],
-  map: ['fixtures/README.md', 'the-form-of-a-map'],
+  scenario: reference(['scenario', 'bodies', 'inputs', 'noise', 'tolerances', 'expectations', 'variations']),
+  map: reference(['map', 'log_ticks']),
 };
-for (const [form, [file, anchor]] of Object.entries(forms))
+for (const [form, files] of Object.entries(forms))
   for (const { owner, keys } of parserKeys(source).filter((table) => table.form === form))
-    covers(`key of ${owner}`, keys, section(file, anchor), `${file}#${anchor}`);
+    covers(`key of ${owner}`, keys, files.map(read).join('\n'), files.join(' '));
 
 const variables = 'tools/site/pages/reference/environment.md';
 covers('variable', environmentVariables(source), read(variables), variables);
 
 const statuses = exitStatuses(source).map(({ status }) => status);
 for (const status of statuses)
-  assert(new RegExp(`^\\| ${status}[ ,|]`, 'm').test(section('tools/README.md', 'how-it-ends')), `exit status ${status} has no text`);
+  assert(new RegExp(`^\\| ${status}[ ,|]`, 'm').test(read('tools/site/pages/reference/exit.md')), `exit status ${status} has no text`);
 
 // Types that are only parts of others are described by their fields.
 const types = messageTypes(source);
@@ -81,10 +82,10 @@ const objects = [
   ['recover', golden, '-o', 'whole.mcap'],
   ['merge', golden, golden, '-o', 'both.mcap', '--keep-apart'],
 ];
-const json = section('tools/README.md', 'json');
+const json = read('tools/site/pages/reference/json.md');
 for (const words of objects) {
   const fields = Object.keys(jsonOf(...words, '--json'));
-  covers(`field of ${words.slice(0, words[0] === 'golden' ? 2 : 1).join(' ')} --json`, fields, json, 'tools/README.md#json');
+  covers(`field of ${words.slice(0, words[0] === 'golden' ? 2 : 1).join(' ')} --json`, fields, json, 'tools/site/pages/reference/json.md');
 }
 rmSync(scratch, { recursive: true });
 

@@ -25,21 +25,51 @@ namespace fs = std::filesystem;
 
 struct Topic {
   std::string_view name;
-  std::string_view page;  // path in the folder of the manual
-  std::string_view site;  // path in the folder of the site
+  std::string_view page;  // path in the folders of the manual and of the site, without its ending
   std::string_view summary;
 };
 
 constexpr Topic topics[] = {
-    {"start", "README.md", "learn/index.html", "the way from nothing to a first verdict"},
-    {"command", "tools/README.md", "reference/verbs.html", "the verbs, expressions, JSON, gdb"},
-    {"controllers", "controllers/README.md", "reference/cnoid.html", "the API of controllers, member by member"},
-    {"scenarios", "fixtures/README.md", "reference/scenario.html",
-     "scenarios, models, tolerances, expectations, maps of logs"},
-    {"verdicts", "harness/README.md", "concepts/index.html", "how runs are recorded, replayed, compared and audited"},
-    {"traces", "harness/TRACE_FORMAT.md", "reference/trace_format.html", "the content of a trace file"},
-    {"goldens", "golden/README.md", "concepts/goldens.html", "goldens: review, acceptance, noise"},
-    {"physics", "engine/README.md", "concepts/physics.html", "the simulation: bodies, joints, contacts, sensors"},
+    {"start", "learn/first_golden", "the way from nothing to a first verdict"},
+    {"command", "reference/verbs", "the verbs, beside their options, and projects"},
+    {"expressions", "reference/expressions", "how topics, times, series and ticks are selected"},
+    {"exit", "reference/exit", "exit statuses, output files"},
+    {"json", "reference/json", "the fields of --json"},
+    {"environment", "reference/environment", "variables of the environment"},
+    {"scenarios", "reference/scenario", "the YAML file of a run"},
+    {"bodies", "reference/bodies", "bodies, ground, joints and welds of a scenario"},
+    {"inputs", "reference/inputs", "controllers, pushes and the joystick of a scenario"},
+    {"noise", "reference/noise", "noise of sensors"},
+    {"tolerances", "reference/tolerances", "how far a channel may be from the golden"},
+    {"expectations", "reference/expectations", "what every run must do, and the horizon"},
+    {"variations", "reference/variations", "varied parameters of campaigns"},
+    {"urdf", "reference/urdf", "robot models: what is accepted, repaired, refused"},
+    {"body", "reference/body", "Choreonoid's models"},
+    {"meshes", "reference/meshes", "mesh files, and where they are searched"},
+    {"devices", "reference/devices", "sensors, cameras and lights of a model"},
+    {"import", "reference/import", "projects of Choreonoid as scenarios"},
+    {"logs", "reference/logs", "the forms of a robot's log"},
+    {"maps", "reference/map", "from the topics of a log to the inputs of a controller"},
+    {"ticks", "reference/log_ticks", "ticks and clocks of a log"},
+    {"controllers", "reference/cnoid", "the API of controllers, member by member"},
+    {"calls", "concepts/controller", "when the functions of a controller are called"},
+    {"samples", "reference/samples", "controllers to begin with"},
+    {"traces", "reference/trace_format", "the content of a trace file"},
+    {"verdicts", "concepts/comparisons", "the three comparisons, and the part to blame"},
+    {"proof", "concepts/proof", "why most checks need no simulation"},
+    {"goldens", "concepts/goldens", "goldens: review, acceptance, parts of a run"},
+    {"horizon", "concepts/noise", "the noise of a scenario, and its horizon"},
+    {"audits", "concepts/audit", "is a controller a function of its inputs?"},
+    {"campaigns", "concepts/campaigns", "many variations of a scenario"},
+    {"physics", "concepts/physics", "links, drives, joints and the solver"},
+    {"contacts", "concepts/contacts", "contacts and friction"},
+    {"sensors", "concepts/sensors", "the formulas of sensors"},
+    {"red", "howto/red_test", "from a red test to the line at fault"},
+    {"step", "howto/step", "a run tick by tick"},
+    {"gdb", "howto/gdb", "a controller in gdb, forwards and backwards"},
+    {"what_if", "howto/what_if", "altered inputs, branches of a recording"},
+    {"bags", "howto/ros2_bag", "a ROS 2 bag into a controller"},
+    {"terms", "concepts/terms", "golden, trace, tick, level, horizon, ..."},
 };
 
 /// The folder of the manual's pages, in the build folder or installed.
@@ -77,8 +107,8 @@ Exit show(const std::string& name, bool as_text) {
   if (topic == std::end(topics))
     return refuse(error(fmt::format("there is no topic '{}'", name), "rehearse doc lists the topics"));
   if (const fs::path pages = site(); !as_text && is_terminal(stdout) && !pages.empty())
-    open_in_browser(pages / topic->site);
-  const fs::path page = manual() / topic->page;
+    open_in_browser(pages / (std::string(topic->page) + ".html"));
+  const fs::path page = manual() / (std::string(topic->page) + ".md");
   std::ifstream stream(page, std::ios::binary);
   std::ostringstream text;
   text << stream.rdbuf();

@@ -436,8 +436,8 @@ StepSession::Answer StepSession::help(Words rest) {
                     std::string(command.help)});
   for (const TableRow& row : rows) fmt::print("  {:2} {:44} {}\n", row[0], row[1], row[2]);
   fmt::print(
-      "An empty line does the last command again. EXPR: SR1/KNEE/u > 100 && contact(FOOT); tools/README.md has all of "
-      "it.\n");
+      "An empty line does the last command again. EXPR: SR1/KNEE/u > 100 && contact(FOOT); rehearse doc expressions "
+      "has all of it.\n");
   return Answer::done;
 }
 

@@ -22,7 +22,7 @@ export function parserKeys(source) {
     const made = [...text.matchAll(/\b(?:Keys(?: keys)?\(\w+, [^,;{)]+|keys_of\(\s*\w+), /g)].length;
     if (made !== found.length)
       throw new Error(`${file}: ${made} parsers of keys are made, but the keys of only ${found.length} can be read`);
-    const form = file.includes('/log_map/') ? 'map' : file.includes('/check/') ? 'noise file' : 'scenario';
+    const form = /\/(log_map|logs\/map)\//.test(file) ? 'map' : file.includes('/check/') ? 'noise file' : 'scenario';
     for (const [, owner, list] of found)
       tables.push({ form, owner, keys: [...list.matchAll(/"([^"]+)"/g)].map((match) => match[1]) });
   }

@@ -9,6 +9,20 @@ export const arrowsOf = (mermaid) =>
     .filter(Boolean)
     .flatMap(([, from, to]) => to.split('&').map((name) => [from, name.trim()]));
 
+/** The boxes of a graph: Map of name to the box in which it is first, for lines between `subgraph BOX` and `end`. */
+export function groupsOf(mermaid) {
+  const groups = new Map();
+  let box = null;
+  for (const line of mermaid.split('\n')) {
+    const begin = line.match(/^\s*subgraph (\w+)$/);
+    if (begin) box = begin[1];
+    else if (/^\s*end$/.test(line)) box = null;
+    else if (box)
+      for (const name of arrowsOf(line).flat()) if (!groups.has(name)) groups.set(name, box);
+  }
+  return groups;
+}
+
 /** The rooms of the build and what each links, from the file that CMake writes: Map of name to names. */
 export function roomsOf(text) {
   const room = (target) => target.match(/^rehearse_room_(\w+)$/)?.[1];
@@ -19,6 +33,18 @@ export function roomsOf(text) {
       .filter(([target]) => room(target ?? ''))
       .map(([target, , links]) => [room(target), links.split(';').map(room).filter(Boolean)]),
   );
+}
+
+/** The part of each room, from the same file: Map of name to `engine`, `core` or the name of a wing. */
+export function partsOf(text) {
+  const parts = new Map();
+  for (const line of text.split('\n')) {
+    const [target, folder = ''] = line.split('|');
+    const name = target.match(/^rehearse_room_(\w+)$/)?.[1];
+    const [, part, ...rest] = folder.match(/\/(engine|harness)\/src\/(\w+)(\/\w+)?$/) ?? [];
+    if (name && part) parts.set(name, part === 'harness' && rest[1] ? rest[0] : part);
+  }
+  return parts;
 }
 
 /** The arrows of a graph without those that a path of other arrows makes. */

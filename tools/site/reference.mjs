@@ -3,7 +3,7 @@ import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { figures } from './figures.mjs';
 import { messageTypes, parserKeys, verbs } from './facts.mjs';
-import { drawing, reduced, roomsOf } from './graph.mjs';
+import { drawing, partsOf, reduced, roomsOf } from './graph.mjs';
 
 const cell = (text) => text.replaceAll('|', '\\|').replaceAll('<', '\\<').replaceAll('*', '\\*');
 const code = (text) => '`' + text.replaceAll('|', '\\|') + '`';
@@ -108,13 +108,12 @@ export const headerPages = ({ source }) =>
     text: `# rehearse/${name}\n\n${commentText(headComment(file))}\n\n\`\`\`{doxygenfile} ${name}\n:project: rehearse\n:sections: briefdescription detaileddescription innerclass innernamespace func public-attrib public-func public-static-func public-static-attrib public-type enum typedef define var user-defined\n\`\`\`\n`,
   }));
 
-const engineRooms = ['model', 'mesh', 'urdf', 'png', 'renderer', 'world'];
-
 const architecture = ({ build }) => {
   const file = join(build, 'rooms.txt');
   if (!existsSync(file)) throw new Error(`${file} is missing: CMake writes it when it configures the build`);
-  const rooms = roomsOf(readFileSync(file, 'utf8'));
-  const groups = new Map([...rooms.keys()].map((name) => [name, engineRooms.includes(name) ? 'engine' : 'harness']));
+  const text = readFileSync(file, 'utf8');
+  const rooms = roomsOf(text);
+  const groups = partsOf(text);
   return '```{raw} html\n' + drawing(reduced(rooms), { title: 'rooms and the rooms they use', groups }) + '\n```';
 };
 

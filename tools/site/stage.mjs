@@ -1,15 +1,15 @@
 // stage.mjs SOURCE BUILD OUT: composes the pages that Sphinx reads, in OUT, from tools/site/pages, the READMEs and facts
 // of the sources. Fails with file and line if a page includes or links something that doesn't exist.
 //
-//   <!-- include: harness/README.md#one-tick -->   the section, below the heading before it
-//   <!-- text of: harness/README.md#one-tick -->   the section without its heading, at the place of this line
-//   <!-- made: verbs -->                           a part made by reference.mjs
+//   <!-- include: tests/README.md#choreonoids-traps -->   the section, below the heading before it
+//   <!-- text of: tests/README.md#choreonoids-traps -->   the section without its heading, at the place of this line
+//   <!-- made: verbs -->                                  a part made by reference.mjs
 //
 // A link of a README, or one that begins with `/`, leads to the place in the site where the section is. A link to a
-// file that isn't part of the site becomes its name.
+// file that isn't part of the site becomes its name. A link between pages must lead to a page and a heading of it.
 import { cpSync, existsSync, mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
-import { basename, dirname, join, relative } from 'node:path';
-import { arrowsOf, drawing } from './graph.mjs';
+import { basename, dirname, join, normalize, relative } from 'node:path';
+import { arrowsOf, drawing, groupsOf } from './graph.mjs';
 import { blocksOf, headingsOf, pageAt, sectionOf, targetOf } from './markdown.mjs';
 import { headerPages, makers, verbPages } from './reference.mjs';
 
@@ -76,13 +76,23 @@ function picture(path) {
   return target;
 }
 
+/** Whether a link of a page leads to a page, and to a heading of it. */
+function hasPlace(page, link) {
+  const [path, anchor] = link.split('#');
+  const target = path ? anchorsOfPages.get(normalize(join(dirname(page.path), path))) : anchorsOfPages.get(page.path);
+  return target !== undefined && (!anchor || target.has(anchor));
+}
+
 function resolve(page, line, link, places, isPicture) {
   if (/^[a-z]+:/.test(link)) return link;
   const own = line.file === page.file;
-  if (own && !link.startsWith('/')) return link; // Sphinx examines it
+  if (own && !link.startsWith('/')) return hasPlace(page, link) ? link : fault(page, line, link);
   const { path, anchor } = targetOf(line.file, link);
   const ofSite = path.match(/^tools\/site\/pages\/(.*)$/);
-  if (ofSite) return linkTo(page.path, ofSite[1]) + (anchor ? `#${anchor}` : '');
+  if (ofSite) {
+    const target = linkTo(page.path, ofSite[1]) + (anchor ? `#${anchor}` : '');
+    return hasPlace(page, target) ? target : fault(page, line, link);
+  }
   if (isPicture) return existsSync(join(source, path)) ? `${depth(page.path)}${picture(path)}` : fault(page, line, link);
   const readme = pageAt(source, path);
   const place = places.get(`${readme}#${anchor}`);
@@ -121,7 +131,7 @@ function rendered(page, lines, places) {
     if (block) {
       if (line.text.startsWith('```')) {
         if (block.language === 'mermaid')
-          result.push('```{raw} html', drawing(arrowsOf(block.text.join('\n')), { title: page.title }));
+          result.push('```{raw} html', drawing(arrowsOf(block.text.join('\n')), { title: page.title, groups: groupsOf(block.text.join('\n')) }));
         result.push('```');
         if (block.skip) result.push('', `<p class="not-run">Not run by the tests: ${escaped(block.skip)}.</p>`, '');
         block = null;
@@ -152,9 +162,11 @@ for (const { path, text } of [...verbPages({ source, build }), ...headerPages({ 
 for (const page of pages) page.title = page.text.match(/^# (.*)$/m)?.[1] ?? page.path;
 
 const places = new Map();
+const anchorsOfPages = new Map();
 for (const page of pages) {
   page.lines = linesOf(page, places);
   const anchors = headingsOf(page.lines.map((line) => line.text).join('\n'));
+  anchorsOfPages.set(page.path, new Set(anchors.map(({ anchor }) => anchor)));
   for (const heading of anchors) {
     const name = page.lines[heading.line].names;
     if (name) places.set(name, { page: page.path, anchor: heading.anchor });
