@@ -1,6 +1,6 @@
 // The cost of a campaign's case, and the gain by a second worker.
-#include <rehearse/campaign.h>
 #include <rehearse/session.h>
+#include <rehearse/sweep.h>
 
 #include <filesystem>
 #include <fstream>
@@ -44,12 +44,12 @@ class Sweeps {
     fs::remove_all(folder_, ignored);
     CampaignOptions options;
     options.cases = cases_;
-    return must(Campaign::create(varied_scenario(), folder_, options, simulation()));
+    return must(create_campaign(varied_scenario(), folder_, options, simulation()));
   }
   static void run(Campaign& campaign, std::size_t jobs) {
     SweepOptions options;
     options.jobs = jobs;
-    must_succeed(campaign.work(options, simulation()));
+    must_succeed(run_cases(campaign, options, simulation()));
   }
 
  private:

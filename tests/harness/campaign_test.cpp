@@ -1,11 +1,11 @@
 // The values of cases, and the statistics of campaigns.
-#include "campaigns/campaign/case_run.h"
-#include "campaigns/campaign/case_values.h"
-#include "campaigns/campaign/csv_text.h"
-#include "campaigns/campaign/result_lines.h"
+#include "campaigns/plan/case_values.h"
+#include "campaigns/plan/csv_text.h"
+#include "campaigns/plan/result_lines.h"
+#include "campaigns/run/case_run.h"
 #include "scenario_files.h"
 
-#include <rehearse/campaign.h>
+#include <rehearse/shrink.h>
 
 #include <gmock/gmock.h>
 

@@ -140,10 +140,6 @@ std::string time_text(std::uint64_t time_ns) {
   return fmt::format("{:%Y-%m-%d %H:%M:%S}.{:09} UTC", fmt::gmtime(seconds), time_ns % 1'000'000'000);
 }
 
-std::string count_text(std::int64_t count, std::string_view noun) {
-  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
-}
-
 void print_table(const std::vector<TableRow>& rows) {
   std::vector<std::size_t> widths(rows[0].size(), 0);
   for (const TableRow& row : rows)

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/compare/report_json.h"
+#include "model/text.h"
 
 namespace rehearse::tool {
 
@@ -53,11 +54,6 @@ std::string colored(std::string_view text, TextColor color);
 
 /// "812 bytes", "5.4 MB".
 std::string file_size_text(std::uintmax_t bytes);
-/// "1 link", "3 links".
-std::string count_text(std::int64_t count, std::string_view noun);
-std::string count_text(std::integral auto count, std::string_view noun) {
-  return count_text(static_cast<std::int64_t>(count), noun);
-}
 
 /// Prints remarks on stderr, except those that contain the message of the failure.
 void tell_remarks(const Diagnostics& remarks, const std::optional<Diagnostic>& failure);

@@ -1,13 +1,13 @@
 // The parts of `rehearse sweep`.
 #pragma once
 
-#include <rehearse/campaign.h>
+#include <rehearse/shrink.h>
 
 #include <cstdint>
 #include <string>
 
+#include "campaigns/slurm/slurm.h"
 #include "command.h"
-#include "slurm.h"
 
 namespace rehearse::tool {
 

@@ -76,7 +76,7 @@ Exit run_case_again(SweepSettings& settings) {
   const fs::path trace = settings.output.empty()
                              ? campaign->folder() / "traces" / fmt::format("case-{}.mcap", settings.number)
                              : fs::path(settings.output);
-  const auto result = campaign->run_text(*text, trace, simulation());
+  const auto result = run_text(*campaign, *text, trace, simulation());
   if (!result) return refuse(result.errors());
   const std::string same = agreement(*kept, *result);
   if (settings.json) {

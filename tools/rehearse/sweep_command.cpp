@@ -1,6 +1,6 @@
 // rehearse sweep: runs many variations of a scenario, and reports, repeats and shrinks them.
 #include <fmt/format.h>
-#include <rehearse/campaign.h>
+#include <rehearse/campaign_report.h>
 #include <rehearse/golden.h>
 #include <rehearse/report.h>
 #include <rehearse/session.h>
@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "campaigns/slurm/slurm.h"
 #include "command.h"
 #include "core/guard/interruption.h"
 #include "options.h"
@@ -22,7 +23,6 @@
 #include "progress.h"
 #include "scenario_text.h"
 #include "side_by_side.h"
-#include "slurm.h"
 #include "sweep.h"
 
 namespace rehearse::tool {
@@ -99,7 +99,7 @@ Exit work_on(Campaign& campaign, SweepSettings& settings) {
       progress.show(now.here, now.here + now.all - now.done);
       return true;
     };
-    if (auto worked = campaign.work(settings.sweep, simulation()); !worked) return refuse(worked.errors());
+    if (auto worked = run_cases(campaign, settings.sweep, simulation()); !worked) return refuse(worked.errors());
   }
   if (interruption() == 0) return Exit::done;
   fmt::print(stderr, "interrupted; the results so far are kept ({})\n", resume_advice(settings.folder));
@@ -157,7 +157,7 @@ Exit run_new(SweepSettings& settings) {
     settings.campaign.golden = *std::move(golden);
   }
   if (!settings.search.expectation.empty()) return run_search(settings);
-  auto campaign = Campaign::create(settings.scenario, settings.folder, settings.campaign, simulation());
+  auto campaign = create_campaign(settings.scenario, settings.folder, settings.campaign, simulation());
   if (!campaign) return refuse(campaign.errors());
   tell_warnings(campaign->scenario());
   if (settings.in_slurm) return submit(*campaign, settings);

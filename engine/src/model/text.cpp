@@ -1,5 +1,7 @@
 #include "text.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace rehearse {
@@ -30,5 +32,9 @@ std::string printable(std::string_view text, std::size_t longest) {
 }
 
 std::string in_quotes(std::string_view text, std::size_t longest) { return "'" + printable(text, longest) + "'"; }
+
+std::string count_text(std::int64_t count, std::string_view noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
 
 }  // namespace rehearse

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <charconv>
+#include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -50,5 +52,11 @@ std::string printable(std::string_view text, std::size_t longest = longest_quote
 
 /// printable(text, longest) in single quotes, for names and values.
 std::string in_quotes(std::string_view text, std::size_t longest = longest_quote);
+
+/// "1 link", "3 links".
+std::string count_text(std::int64_t count, std::string_view noun);
+std::string count_text(std::integral auto count, std::string_view noun) {
+  return count_text(static_cast<std::int64_t>(count), noun);
+}
 
 }  // namespace rehearse

@@ -1,7 +1,8 @@
 // Variations of a scenario in tests.
 #include <fmt/format.h>
-#include <rehearse/campaign.h>
+#include <rehearse/campaign_report.h>
 #include <rehearse/gtest.h>
+#include <rehearse/sweep.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -61,10 +62,11 @@ SweepResult sweep_for_test(const std::string& scenario, const SweepCases& cases,
   options.seed = cases.seed;
   options.case_limit = cases.case_limit;
   const Simulation runs = simulation();
-  Campaign campaign = checked(Campaign::create(fixture_path(scenario), new_folder(test), options, runs));
+  Campaign campaign = checked(create_campaign(fixture_path(scenario), new_folder(test), options, runs));
   SweepOptions sweeping;
   sweeping.jobs = static_cast<std::size_t>(cases.jobs > 0 ? cases.jobs : std::max(1L, sysconf(_SC_NPROCESSORS_ONLN)));
-  if (const auto worked = campaign.work(sweeping, runs); !worked) throw std::runtime_error(to_string(worked.errors()));
+  if (const auto worked = run_cases(campaign, sweeping, runs); !worked)
+    throw std::runtime_error(to_string(worked.errors()));
   const CampaignSummary summary = checked(write_campaign_report(campaign));
   SweepResult result;
   result.cases = summary.judged();

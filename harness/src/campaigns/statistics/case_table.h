@@ -1,7 +1,7 @@
 // The results of a campaign as columns of numbers. Internal.
 #pragma once
 
-#include <rehearse/campaign.h>
+#include <rehearse/campaign_report.h>
 
 #include <cstddef>
 #include <cstdint>

@@ -1,7 +1,7 @@
 // The report of a campaign as a page and as Markdown. Internal.
 #pragma once
 
-#include <rehearse/campaign.h>
+#include <rehearse/campaign_report.h>
 
 #include <cstddef>
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-#include <rehearse/campaign.h>
+#include <rehearse/campaign_report.h>
 
 #include <algorithm>
 #include <cmath>

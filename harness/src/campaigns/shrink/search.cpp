@@ -1,11 +1,12 @@
 // Rounds of campaigns that are steered towards the failure of an expectation.
 #include <fmt/format.h>
+#include <rehearse/shrink.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "campaign_folder.h"
-#include "case_table.h"
+#include "campaigns/plan/campaign_folder.h"
+#include "campaigns/statistics/case_table.h"
 #include "core/guard/interruption.h"
 #include "model/names.h"
 
@@ -121,7 +122,7 @@ class Search {
 
 Result<Campaign> Search::begin(const fs::path& folder) const {
   std::error_code ignored;
-  if (!fs::exists(facts_file(folder), ignored)) return Campaign::create(scenario_, folder, options_, simulation_);
+  if (!fs::exists(facts_file(folder), ignored)) return create_campaign(scenario_, folder, options_, simulation_);
   auto campaign = Campaign::open(folder);
   if (!campaign) return campaign;
   if (are_same(campaign->options(), options_)) return campaign;
@@ -164,7 +165,7 @@ Result<SearchRound> Search::run_round(const fs::path& folder) {
   if (!expectation) return expectation.errors();
   const auto indices = steered_variations(campaign->scenario(), search_.over);
   if (!indices) return indices.errors();
-  if (auto worked = campaign->work(sweep_, simulation_); !worked) return worked.errors();
+  if (auto worked = run_cases(*campaign, sweep_, simulation_); !worked) return worked.errors();
   if (interruption() != 0) return error("interrupted; the same command continues");
   auto summary = write_campaign_report(*campaign);
   if (!summary) return summary.errors();

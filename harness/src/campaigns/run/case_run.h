@@ -1,7 +1,7 @@
 // One run of a case, and its judgement. Internal.
 #pragma once
 
-#include <rehearse/campaign.h>
+#include <rehearse/sweep.h>
 
 #include <filesystem>
 #include <map>

@@ -54,7 +54,7 @@ std::string text_of(const Json& value) {
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
-std::string list_of(const Json& cases) {
+std::string case_list(const Json& cases) {
   std::string text;
   for (const Json& number : cases) text += (text.empty() ? "" : ", ") + text_of(number);
   return text;
@@ -81,7 +81,7 @@ ReportTable failure_table(const Json& report) {
   ReportTable table{"Failures", "", {"cases", "verdict", "failure", "for example", "first cases"}, {}};
   for (const Json& failure : report["failures"])
     table.rows.push_back({text_of(failure["count"]), text_of(failure["verdict"]), text_of(failure["reason"]),
-                          text_of(failure["sentence"]), list_of(failure["cases"])});
+                          text_of(failure["sentence"]), case_list(failure["cases"])});
   return table;
 }
 
@@ -143,8 +143,8 @@ ReportTable change_table(const Json& change) {
                     {}};
   table.rows.push_back({"compared", text_of(change["compared"]), ""});
   table.rows.push_back({"with the same bits", text_of(change["same_bits"]), ""});
-  table.rows.push_back({"passed before, fail now", text_of(change["broken"]), list_of(change["broken_cases"])});
-  table.rows.push_back({"failed before, pass now", text_of(change["mended"]), list_of(change["mended_cases"])});
+  table.rows.push_back({"passed before, fail now", text_of(change["broken"]), case_list(change["broken_cases"])});
+  table.rows.push_back({"failed before, pass now", text_of(change["mended"]), case_list(change["mended_cases"])});
   table.rows.push_back({"p", text_of(change["p"]), ""});
   return table;
 }
@@ -166,7 +166,7 @@ std::string subtitle_of(const Json& report) {
   text += fmt::format("The nominal scenario: {}. ", text_of(report["nominal"]["verdict"]));
   return text + fmt::format("Cases that ran twice, in different processes: {}; {}.", text_of(summary["repeated"]),
                             summary["unrepeated"].empty() ? "each gave the same bits"
-                                                          : "these differed: " + list_of(summary["unrepeated"]));
+                                                          : "these differed: " + case_list(summary["unrepeated"]));
 }
 
 std::string md_cell(std::string text) {

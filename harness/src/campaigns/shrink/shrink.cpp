@@ -1,11 +1,12 @@
 // The smallest change of the nominal scenario that fails like a case.
 #include <fmt/format.h>
+#include <rehearse/shrink.h>
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "case_run.h"
+#include "campaigns/run/case_run.h"
 #include "core/golden/golden_files.h"
 #include "core/guard/interruption.h"
 #include "core/scenario/scenario_variations.h"
@@ -63,7 +64,7 @@ Result<Shrinker::Tried> Shrinker::attempt(const std::vector<std::string>& values
   if (text && duration != campaign_.scenario().duration)
     text = text_with(*text, campaign_.scenario().file, "duration", fmt::format("{}", duration));
   if (!text) return text.errors();
-  const auto result = campaign_.run_text(*text, {}, simulation_);
+  const auto result = run_text(campaign_, *text, {}, simulation_);
   if (!result && interruption() != 0) return Tried::ended;
   if (!result) return result.errors();
   ++best_.runs;

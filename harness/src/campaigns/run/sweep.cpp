@@ -1,6 +1,6 @@
 // The work on a campaign: cases are given to workers, and their results are appended.
 #include <fmt/format.h>
-#include <rehearse/campaign.h>
+#include <rehearse/sweep.h>
 
 #include <algorithm>
 #include <chrono>
@@ -11,12 +11,12 @@
 #include <set>
 #include <utility>
 
-#include "campaign_folder.h"
+#include "campaigns/plan/campaign_folder.h"
+#include "campaigns/plan/finished_cases.h"
+#include "campaigns/plan/result_lines.h"
 #include "case_run.h"
-#include "case_values.h"
 #include "core/golden/run_folder.h"
 #include "core/guard/interruption.h"
-#include "result_lines.h"
 #include "worker_pool.h"
 
 namespace rehearse {
@@ -26,7 +26,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-constexpr double share_of_twice = 0.02;
 constexpr const char* trace_name = "run.mcap";
 constexpr const char* new_campaign =
     "begin another campaign in a new folder, and compare: rehearse sweep report NEW --against OLD";
@@ -74,17 +73,6 @@ void keep_trace(const Campaign& campaign, const CaseResult& result, const fs::pa
     fs::remove(std::prev(by_case.end())->second, ignored);
 }
 
-/// The first runs of cases and their second ones that have results.
-struct Done {
-  explicit Done(const Campaign& campaign)
-      : first(static_cast<std::size_t>(campaign.options().cases)), again(first.size()) {}
-  void take(const CaseResult& result) {
-    (result.again ? again : first)[static_cast<std::size_t>(result.number)] = true;
-  }
-
-  std::vector<bool> first, again;  // by case
-};
-
 /// The cases of one process.
 class Work {
  public:
@@ -106,7 +94,7 @@ class Work {
   const SweepOptions& options_;
   ResultFile& file_;
   WorkerPool& pool_;
-  Done done_;
+  FinishedCases done_;
   std::deque<std::int64_t> queue_;
   std::set<std::int64_t> lost_;  // cases whose worker ended once
   SweepProgress progress_;
@@ -204,64 +192,6 @@ Result<void> Work::run() {
 
 }  // namespace
 
-std::vector<std::string> Campaign::values_of(std::int64_t number) const { return values_->of(number); }
-
-std::vector<std::string> Campaign::with_links(std::vector<std::string> values) const {
-  return values_->with_links(std::move(values));
-}
-
-bool Campaign::runs_twice(std::int64_t number) const {
-  return number == 0 || uniform_number(options_.seed, number, "") < share_of_twice;
-}
-
-Result<std::string> Campaign::text_of(std::int64_t number) const { return scenario_.varied_text(values_of(number)); }
-
-Result<void> Campaign::check_number(std::int64_t number) const {
-  if (number >= 0 && number < options_.cases) return {};
-  return error_in(folder_.string(), fmt::format("there is no case {}", number),
-                  fmt::format("expected a number from 0 to {}", options_.cases - 1));
-}
-
-Result<void> Campaign::read_results(const std::function<void(const CaseResult&)>& take) const {
-  std::vector<fs::path> files;
-  std::error_code failed;
-  for (fs::directory_iterator entry(folder_, failed), end; !failed && entry != end; entry.increment(failed))
-    if (entry->path().filename().string().starts_with("results") && entry->path().extension() == ".jsonl")
-      files.push_back(entry->path());
-  if (failed) return error_in(folder_.string(), fmt::format("it can't be read: {}", failed.message()));
-  std::sort(files.begin(), files.end());
-  for (const fs::path& file : files) {
-    std::ifstream stream(file, std::ios::binary);
-    std::int64_t number = 0;
-    for (std::string line; std::getline(stream, line);) {
-      ++number;
-      const bool is_whole = !stream.eof();
-      const auto result = result_of_line(line);
-      if (result && check_number(result->number))
-        take(*result);
-      else if (is_whole)
-        return error_in(file.string(), fmt::format("line {} is no result of this campaign", number));
-    }
-  }
-  return {};
-}
-
-Result<std::vector<std::int64_t>> Campaign::unfinished_slices(std::int64_t count) const {
-  Done done(*this);
-  if (auto read = read_results([&](const CaseResult& result) { done.take(result); }); !read) return read.errors();
-  std::vector<std::int64_t> unfinished;
-  for (Slice slice{1, count}; slice.index <= count; ++slice.index) {
-    const auto lacks = [&](std::int64_t number, const std::vector<bool>& results, bool again) {
-      for (; number < options_.cases; number += count)
-        if (!results[static_cast<std::size_t>(number)] && (!again || runs_twice(number))) return true;
-      return false;
-    };
-    if (lacks(slice.first_case(), done.first, false) || lacks(slice.first_second_run(), done.again, true))
-      unfinished.push_back(slice.index);
-  }
-  return unfinished;
-}
-
 Result<CaseRun> run_alone(const Campaign& campaign, const std::string& text, const fs::path& file,
                           const fs::path& trace, const Simulation& simulation) {
   const auto scratch = RunFolder::make(campaign.folder() / "running");
@@ -298,61 +228,89 @@ Result<CaseRun> run_alone(const Campaign& campaign, const std::string& text, con
   return run;
 }
 
-Result<CaseResult> Campaign::run_text(const std::string& text, const fs::path& trace,
-                                      const Simulation& simulation) const {
-  auto run = run_alone(*this, text, scenario_.file, trace, simulation);
+Result<CaseResult> run_text(const Campaign& campaign, const std::string& text, const fs::path& trace,
+                            const Simulation& simulation) {
+  auto run = run_alone(campaign, text, campaign.scenario().file, trace, simulation);
   if (!run) return run.errors();
   return run->result;
 }
 
-Result<void> Campaign::check_libraries(const std::map<std::string, std::string>& now) const {
-  for (const auto& [controller, library] : libraries_)
+namespace {
+
+Result<void> check_libraries(const Campaign& campaign, const std::map<std::string, std::string>& now) {
+  for (const auto& [controller, library] : campaign.libraries())
     if (const auto found = now.find(controller); found == now.end() || found->second != library)
-      return error_in(folder_.string(),
+      return error_in(campaign.folder().string(),
                       fmt::format("the controller {} has changed since the campaign began", controller), new_campaign);
   return {};
 }
 
 /// Results of different controllers, models or programs must not be counted together.
-Result<void> Campaign::check_nominal(const Simulation& simulation) const {
-  const auto now = run_alone(*this, scenario_.text, scenario_.file, {}, simulation);
+Result<void> check_nominal(const Campaign& campaign, const Simulation& simulation) {
+  const auto now = run_alone(campaign, campaign.scenario().text, campaign.scenario().file, {}, simulation);
   if (!now) return now.errors();
-  if (auto same = check_libraries(now->libraries); !same) return same;
-  if (now->result.repeats(nominal_)) return {};
+  if (auto same = check_libraries(campaign, now->libraries); !same) return same;
+  if (now->result.repeats(campaign.nominal())) return {};
   return error_in(
-      folder_.string(), "the nominal run has changed since the campaign began",
+      campaign.folder().string(), "the nominal run has changed since the campaign began",
       "something that it depends on has changed, or it doesn't repeat itself: rehearse audit; begin another "
       "campaign in a new folder");
 }
 
-Result<void> Campaign::work(const SweepOptions& options, const Simulation& simulation) {
-  const auto lock = CampaignLock::take(folder_, options.slice.has_value());
+}  // namespace
+
+Result<Campaign> create_campaign(const fs::path& scenario, const fs::path& folder, const CampaignOptions& options,
+                                 const Simulation& simulation) {
+  auto loaded = Scenario::load(scenario);
+  if (!loaded) return loaded.errors();
+  auto campaign = CampaignFolder::begin(*std::move(loaded), folder, options);
+  if (!campaign) return campaign;
+  if (auto bounds = CampaignFolder::check_bounds(*campaign); !bounds) return bounds.errors();
+  if (auto allowed = CampaignFolder::check_unused(folder); !allowed) return allowed.errors();
+  const auto lock = CampaignLock::take(folder, false);
   if (!lock) return lock.errors();
-  auto file = ResultFile::open(result_file(folder_, options.slice));
+  auto nominal = run_alone(*campaign, campaign->scenario().text, scenario, {}, simulation);
+  if (!nominal || nominal->result.verdict == CaseVerdict::invalid) {
+    std::error_code ignored;
+    fs::remove(folder / "lock", ignored);
+    fs::remove(folder, ignored);
+    if (!nominal) return nominal.errors();
+    return error_in(scenario.string(), "the scenario can't run with its nominal values: " + nominal->result.sentence);
+  }
+  auto written = CampaignFolder::write_new(*campaign, nominal->result, nominal->libraries, nominal->expectations);
+  if (!written) return written.errors();
+  return campaign;
+}
+
+Result<void> run_cases(Campaign& campaign, const SweepOptions& options, const Simulation& simulation) {
+  const fs::path& own_folder = campaign.folder();
+  const auto lock = CampaignLock::take(own_folder, options.slice.has_value());
+  if (!lock) return lock.errors();
+  auto file = ResultFile::open(result_file(own_folder, options.slice));
   if (!file) return file.errors();
-  if (!is_new_)
-    if (auto same = check_nominal(simulation); !same) return same;
-  is_new_ = false;
-  const auto scratch = RunFolder::make(folder_ / "running");
+  if (!CampaignFolder::take_new(campaign))
+    if (auto same = check_nominal(campaign, simulation); !same) return same;
+  const auto scratch = RunFolder::make(own_folder / "running");
   if (!scratch) return scratch.errors();
   std::error_code ignored;
-  fs::create_directories(trace_folder(folder_), ignored);
-  const auto& variations = scenario_.variations;
+  fs::create_directories(trace_folder(own_folder), ignored);
+  const auto& variations = campaign.scenario().variations;
   const bool varies_libraries = std::any_of(variations.begin(), variations.end(), [](const Variation& variation) {
     return variation.path.ends_with(".library");
   });
-  WorkerPool pool(std::max<std::size_t>(options.jobs, 1), limits_of(options_), scratch->path(),
+  WorkerPool pool(std::max<std::size_t>(options.jobs, 1), limits_of(campaign.options()), scratch->path(),
                   [&](std::int64_t number, const fs::path& folder) {
-                    const auto text = text_of(number);
+                    const auto text = campaign.text_of(number);
                     if (!text) return line_of(ended_case(number, CaseVerdict::invalid, text.errors().front().message));
-                    CaseRun run = timed_case(scenario_.file, *text, options_, folder / trace_name, simulation);
+                    CaseRun run = timed_case(campaign.scenario().file, *text, campaign.options(), folder / trace_name,
+                                             simulation);
                     if (!run.libraries.empty() && !varies_libraries)
-                      if (const auto same = check_libraries(run.libraries); !same)
+                      if (const auto same = check_libraries(campaign, run.libraries); !same)
                         return refusal + same.errors().front().message;
                     run.result.number = number;
                     return line_of(run.result);
                   });
-  return Work(*this, options, *file, pool).run();
+  return Work(campaign, options, *file, pool).run();
 }
 
 }  // namespace rehearse

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace rehearse::tool {
+namespace rehearse {
 
 struct SlurmOptions {
   std::vector<std::string> sbatch;  // further options of sbatch, as "--partition=long"
@@ -33,4 +33,4 @@ Result<void> check_slurm_queue(const Campaign& campaign);
 /// sentence about them. Fails if tasks are in the queue, or with the words of sbatch.
 Result<std::string> submit_to_slurm(const Campaign& campaign, const SlurmOptions& options);
 
-}  // namespace rehearse::tool
+}  // namespace rehearse

@@ -9,8 +9,8 @@
 #include <numbers>
 #include <optional>
 
-#include "core/scenario/normal_quantile.h"
 #include "core/trace/hashing.h"
+#include "core/scenario/normal_quantile.h"
 #include "csv_text.h"
 #include "model/names.h"
 #include "model/text.h"

@@ -7,16 +7,18 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "core/golden/golden_files.h"
 #include "core/guard/child_process.h"
-#include "output.h"
+#include "model/text.h"
 
-namespace rehearse::tool {
+namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
 using Numbers = std::vector<std::int64_t>;
 
 constexpr double task_seconds = 30.0;      // of work, so that Slurm's time between tasks doesn't matter
@@ -37,15 +39,11 @@ struct Submission {
 fs::path slurm_folder(const Campaign& campaign) { return campaign.folder() / "slurm"; }
 fs::path submission_file(const Campaign& campaign) { return slurm_folder(campaign) / "submission.json"; }
 
-std::string text_of(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
-
 Result<Submission> submission_of(const Campaign& campaign) {
   const fs::path file = submission_file(campaign);
-  const Json object = Json::parse(text_of(file), nullptr, false);
+  const auto text = read_text(file);
+  if (!text) return text.errors();
+  const Json object = Json::parse(*text, nullptr, false);
   Submission submission;
   if (object.is_object()) submission = {object.value("name", ""), object.value("tasks", std::int64_t{0})};
   if (submission.name.empty() || submission.tasks < 1) return error_in(file.string(), "the file is damaged");
@@ -65,9 +63,9 @@ Result<Submission> make_submission(const Campaign& campaign, const SlurmOptions&
   const fs::path folder = fs::absolute(campaign.folder(), failed).lexically_normal();
   fs::create_directories(slurm_folder(campaign), failed);
   const Submission made{fmt::format("rehearse-{:016x}", fs::hash_value(folder)), tasks_for(campaign, options)};
-  if (auto written = write_text(slurm_folder(campaign) / "task.sh", task_script); !written) return written.errors();
+  if (auto written = replace_text(slurm_folder(campaign) / "task.sh", task_script); !written) return written.errors();
   const Json object{{"name", made.name}, {"tasks", made.tasks}};
-  if (auto written = write_text(submission_file(campaign), object.dump() + '\n'); !written) return written.errors();
+  if (auto written = replace_text(submission_file(campaign), object.dump() + '\n'); !written) return written.errors();
   return made;
 }
 
@@ -216,4 +214,4 @@ Result<std::string> submit_to_slurm(const Campaign& campaign, const SlurmOptions
                      count_text(slices->size(), "task"), jobs.size() == 1 ? "" : "s", fmt::join(jobs, ", "));
 }
 
-}  // namespace rehearse::tool
+}  // namespace rehearse

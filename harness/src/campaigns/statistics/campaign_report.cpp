@@ -11,10 +11,10 @@
 #include <set>
 
 #include "campaign_page.h"
+#include "campaigns/plan/csv_text.h"
 #include "case_table.h"
 #include "core/golden/golden_files.h"
 #include "core/trace/hashing.h"
-#include "csv_text.h"
 
 namespace rehearse {
 namespace {

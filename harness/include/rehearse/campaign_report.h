@@ -1,0 +1,65 @@
+// The results of a campaign, counted and reported.
+#pragma once
+
+#include <rehearse/campaign.h>
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rehearse {
+
+// Statistics of shares.
+
+struct Interval {
+  double low = 0.0, high = 1.0;
+};
+
+/// The interval of a share with 95 % confidence: E. B. Wilson, Probable Inference, the Law of Succession, and
+/// Statistical Inference, Journal of the American Statistical Association 22 (1927), pp. 209-212. L. D. Brown, T. T.
+/// Cai, A. DasGupta, Interval Estimation for a Binomial Proportion, Statistical Science 16 (2001) recommend it.
+Interval wilson_interval(std::int64_t passed, std::int64_t all);
+
+/// The probability of these numbers of flips in the two directions, or of more unequal ones, if both directions were
+/// equally likely: Q. McNemar, Note on the sampling error of the difference between correlated proportions or
+/// percentages, Psychometrika 12 (1947), with the exact binomial distribution, two-sided.
+double mcnemar_exact(std::int64_t one_way, std::int64_t other_way);
+
+/// Rank correlation of two lists of equal length, -1 to 1; equal values have their mean rank. C. Spearman, The proof
+/// and measurement of association between two things, American Journal of Psychology 15 (1904). NaN if one of the lists
+/// has only one value.
+double rank_correlation(const std::vector<double>& a, const std::vector<double>& b);
+
+// Reports.
+
+/// The results of a campaign, counted.
+struct CampaignSummary {
+  std::int64_t cases = 0;  // of the plan
+  std::array<std::int64_t, case_verdict_count> verdicts{};
+  std::int64_t missing = 0;              // cases without a result
+  std::int64_t repeated = 0;             // cases that ran twice
+  std::vector<std::int64_t> unrepeated;  // cases whose second run differed; at most 100 of them
+
+  std::int64_t passed() const { return verdicts[0]; }
+  std::int64_t judged() const { return cases - missing; }
+  std::int64_t failed() const { return judged() - passed(); }
+  Interval interval() const { return wilson_interval(passed(), judged()); }
+};
+
+Result<CampaignSummary> summary_of(const Campaign& campaign);
+
+/// A sentence, without a full stop: "981 of 1000 cases pass: 98.1 % (97.1 % to 98.8 %)".
+std::string verdict(const CampaignSummary& summary);
+
+/// A JSON object: verdict, cases, verdicts (counts by name), missing, share and interval of those that pass, repeated,
+/// unrepeated.
+std::string to_json(const CampaignSummary& summary);
+
+/// Writes report.html, report.md, report.json and results.csv into the campaign's folder. `against`: a campaign with
+/// the same plan, before a change; null: none. Fails if the plans differ, or a file can't be written.
+Result<CampaignSummary> write_campaign_report(const Campaign& campaign, const Campaign* against = nullptr);
+
+}  // namespace rehearse
