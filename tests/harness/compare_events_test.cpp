@@ -87,7 +87,7 @@ TEST_F(CompareEvents, ComparesSequencesBeforeTimes) {
 TEST_F(CompareEvents, CallsAContactThatIsExtraAFinding) {
   golden({1});
   actual({1, 4, 7});
-  EXPECT_EQ(compared().first->note, "the contact ends at tick 4, which is extra: the golden hasn't it");
+  EXPECT_EQ(compared().first->note, "the contact ends at tick 4, which is not in the golden");
 }
 
 TEST_F(CompareEvents, LetsAContactComeAndGoWithinWhatItMayBeOff) {

@@ -167,7 +167,7 @@ TEST_F(Compare, CallsAMissingControllerOneFinding) {
 
 TEST_F(Compare, CallsAnExtraControllerOneFinding) {
   actual_.has_helper = true;
-  EXPECT_EQ(compared().first->note, "controller 'Robot/Helper' is extra: the golden hasn't it (its 2 channels)");
+  EXPECT_EQ(compared().first->note, "controller 'Robot/Helper' is not in the golden (its 2 channels)");
 }
 
 TEST_F(Compare, CallsAMissingDeviceOneFinding) {

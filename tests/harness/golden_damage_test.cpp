@@ -101,7 +101,7 @@ TEST_F(GoldenDamage, WithoutAChannelSaysWhich) {
   SmallTrace old;
   old.left_out = {"/Robot/Foot/wrench"};
   place_golden(old);
-  EXPECT_THAT(settled(), HasSubstr("/Robot/Foot/wrench: the channel is extra: the golden hasn't it"));
+  EXPECT_THAT(settled(), HasSubstr("/Robot/Foot/wrench: the channel is not in the golden"));
 }
 
 TEST_F(GoldenDamage, ARunThatIsDamagedIsNotAcceptedAndWaitsOn) {

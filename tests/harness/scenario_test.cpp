@@ -54,7 +54,7 @@ TEST(Scenario, LoadsABoxAboveTheFloor) {
 }
 
 TEST(Scenario, LoadsTheExampleOfTheManual) {
-  const std::string manual = read_file(fixtures / "README.md");
+  const std::string manual = read_file(fixtures.parent_path() / "tools/site/pages/reference/scenario.md");
   const std::string fence = "```yaml\n";
   const std::size_t begin = manual.find(fence) + fence.size();
   ASSERT_GT(begin, fence.size());

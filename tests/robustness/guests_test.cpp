@@ -1,5 +1,5 @@
 // Hostile and clumsy controllers: however one ends its process, the run ends soon, its message names controller,
-// function and tick, and its recording is whole and has all ticks before the failure. tests/README.md has the table.
+// function and tick, and its recording is whole and has all ticks before the failure. The page contribute/robustness_tests.md has the table.
 #include "command.h"
 
 #include <gmock/gmock.h>

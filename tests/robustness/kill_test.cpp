@@ -1,7 +1,7 @@
 // Recordings killed by SIGKILL at random moments: from before the file exists to after the end. The remaining file can
 // be read and recovered, at most a second of simulation is lost, and a golden is never changed.
 //
-// REHEARSE_KILLS: the number of kills; tests/README.md has the results of a thousand.
+// REHEARSE_KILLS: the number of kills; the page contribute/robustness_tests.md has the results of a thousand.
 #include "recording_process.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // long_log FOLDER SECONDS: writes a log that is so long, with its map and its robot. long_log FOLDER: reads it once in
-// order, decodes each message, and prints the time. For measurements (tests/README.md).
+// order, decodes each message, and prints the time. For measurements (the page contribute/robustness_tests.md).
 #include "long_log.h"
 
 #include <chrono>

@@ -1,5 +1,5 @@
 // The memory of a recording, of a comparison of two, and of the choice of a part does not depend on their length. (For
-// an hour see tests/README.md.)
+// an hour see the page contribute/robustness_tests.md.)
 #include "recording_process.h"
 
 #include <sys/resource.h>

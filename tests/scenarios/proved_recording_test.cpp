@@ -9,8 +9,8 @@
 #include <iterator>
 #include <stdexcept>
 
+#include "core/mcap/hashing.h"
 #include "core/trace/filter.h"
-#include "core/trace/hashing.h"
 #include "gtest/testing/test_recordings.h"
 #include "small_traces.h"
 #include "swinging_arm.h"

@@ -70,7 +70,7 @@ TEST_F(DiffFiles, ComparesEachChannelOfATopicThatComesTwice) {
 
 TEST_F(DiffFiles, NamesAChannelThatOneOfThemLacks) {
   write_file("b.mcap", 0.5, "bytes", "same", true);
-  EXPECT_THAT(diff("b.mcap").out, HasSubstr("/extra: the channel is extra"));
+  EXPECT_THAT(diff("b.mcap").out, HasSubstr("/extra: the channel is not in the golden"));
   EXPECT_THAT(rehearse({"diff", "b.mcap", "a.mcap"}).out, HasSubstr("/extra: the channel is missing"));
 }
 

@@ -14,10 +14,10 @@
 
 #include "core/guard/child_process.h"
 #include "core/host/controller_library.h"
+#include "core/kinds/channel_name.h"
+#include "core/mcap/hashing.h"
 #include "core/mcap/whole_input.h"
 #include "core/scenario/trace_scenario.h"
-#include "core/trace/channel_name.h"
-#include "core/trace/hashing.h"
 #include "core/trace/run_facts.h"
 #include "model/clock.h"
 #include "output.h"

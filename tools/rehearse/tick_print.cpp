@@ -7,7 +7,7 @@
 #include <limits>
 #include <tuple>
 
-#include "core/trace/channel_name.h"
+#include "core/kinds/channel_name.h"
 
 namespace rehearse::tool {
 namespace {

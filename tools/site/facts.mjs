@@ -47,9 +47,42 @@ export function exitStatuses(source) {
   return [...text.matchAll(/(\w+) = (\d+)/g)].map(([, name, status]) => ({ name, status }));
 }
 
-/** The message types that a recording can have: [{type, text, fields: [{type, name, text}]}], in the header's order. */
+const kindsFolder = 'harness/src/core/kinds';
+
+/** The names of the kinds of channels, in the order of their list. */
+const kindNames = (source) =>
+  [...readFileSync(join(source, kindsFolder, 'kinds.inl'), 'utf8').matchAll(/^REHEARSE_KIND\((\w+)\)/gm)].map(([, name]) => name);
+
+/** The kinds of channels: [{name, text, level, segment, type, stage, elements: [{name, unit}]}], each from its file. */
+export function channelKinds(source) {
+  const types = new Map(messageTypes(source).map(({ name, type }) => [name, type]));
+  const headers = ['joint_rows.h', 'range_frame.h'].map((file) => readFileSync(join(source, kindsFolder, file), 'utf8'));
+  return kindNames(source).map((name) => {
+    const text = readFileSync(join(source, kindsFolder, `${name}.cpp`), 'utf8');
+    const member = (key, form) => text.match(new RegExp(`\\.${key} = ${form}`))?.[1] ?? '';
+    const list = member('groups', '(\\w+)');
+    const groups = list && [text, ...headers].join('\n').match(new RegExp(`${list}\\[\\] = \\{([^;]*)\\};`))[1];
+    const elements = [...(groups || '').matchAll(/\{"(\w*)", "([^"]*)"(?:, "(\w+)")?/g)].map(([, element, unit, axes]) => ({
+      name: axes ? `${element}/${[...axes].join(' ')}` : element,
+      unit,
+    }));
+    return {
+      name,
+      text: text.match(/^\/\/ (.*)/)[1],
+      level: member('level', 'ChannelForm::Level::(\\w+)'),
+      segment: member('segment', '"(\\w*)"'),
+      type: types.get(member('type', 'msg::(\\w+)')),
+      stage: member('stage', 'Stage::(\\w+)'),
+      elements,
+    };
+  });
+}
+
+/** The message types that a recording can have: [{type, text, fields: [{type, name, text}]}]: those of the public header
+ * in its order, then those that only a kind of channel uses. */
 export function messageTypes(source) {
-  const lines = readFileSync(join(source, 'harness/include/rehearse/messages.h'), 'utf8').split('\n');
+  const files = ['harness/include/rehearse/messages.h', ...kindNames(source).map((name) => `${kindsFolder}/${name}.cpp`)];
+  const lines = files.flatMap((file) => readFileSync(join(source, file), 'utf8').split('\n'));
   const types = [];
   let comment = [];
   let open = null;

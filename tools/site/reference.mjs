@@ -2,7 +2,7 @@
 import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { figures } from './figures.mjs';
-import { messageTypes, parserKeys, verbs } from './facts.mjs';
+import { channelKinds, messageTypes, parserKeys, verbs } from './facts.mjs';
 import { drawing, partsOf, reduced, roomsOf } from './graph.mjs';
 
 const cell = (text) => text.replaceAll('|', '\\|').replaceAll('<', '\\<').replaceAll('*', '\\*');
@@ -59,6 +59,20 @@ const messageTable = ({ source }) =>
         table(['field', 'type', ''], fields.map((field) => [code(field.name), code(field.type), cell(field.text)])),
     )
     .join('\n\n');
+
+const kindTable = ({ source }) =>
+  table(
+    ['last segment', '', 'message', 'elements', 'stage'],
+    channelKinds(source)
+      .filter(({ segment }) => segment)
+      .map(({ segment, text, type, elements, stage }) => [
+        code(segment),
+        cell(text),
+        code(type),
+        elements.map(({ name, unit }) => (name ? `${code(name)} ` : '') + (unit ? `[${unit}]` : '')).join(', '),
+        stage,
+      ]),
+  );
 
 /** The public headers: those that are installed, without the messages, which have a page of their own. */
 export const publicHeaders = (source) =>
@@ -122,6 +136,7 @@ export const makers = {
   'scenario-keys': keyTable('scenario'),
   'map-keys': keyTable('map'),
   messages: messageTable,
+  'channel-kinds': kindTable,
   headers: headerTable,
   architecture,
   ...figures,

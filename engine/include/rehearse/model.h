@@ -220,10 +220,62 @@ struct Link {
   int line = 0;                    // of the model's file; 0: the file doesn't contain this link
 };
 
-struct ForceSensor {};
-struct Gyro {};
-struct Accelerometer {};
-struct Imu {};
+/// A quantity that a sensor or joint measures, as the noise of a scenario names it.
+struct MeasuredQuantity {
+  std::string_view name = {};
+  std::string_view unit = {};
+  int axes = 0;  // 3: x, y, z, each with a separate bias; 1: all numbers have the same noise
+};
+
+/// What all devices of a kind have in common.
+struct DeviceForm {
+  std::string_view type;                            // their name for controllers
+  int values = 0;                                   // numbers that each step measures
+  std::array<MeasuredQuantity, 2> quantities = {};  // measured; those without a name don't exist
+  std::array<std::string_view, 4> urdf_types = {};  // of a <sensor> in a URDF
+  std::array<std::string_view, 2> body_types = {};  // of an element in a .body file, if `type` and place are all of it
+  bool acts = false;                                // a controller commands it
+};
+
+struct ForceSensor {
+  static constexpr DeviceForm form() {
+    return {.type = "ForceSensor",
+            .values = 6,
+            .quantities = {{{"force", "N", 3}, {"torque", "N·m", 3}}},
+            .urdf_types = {"force_torque"},
+            .body_types = {"ForceSensor"}};
+  }
+};
+
+struct Gyro {
+  static constexpr DeviceForm form() {
+    return {.type = "RateGyroSensor",
+            .values = 3,
+            .quantities = {{{"angular_velocity", "rad/s", 3}}},
+            .urdf_types = {"gyroscope", "gyro"},
+            .body_types = {"RateGyroSensor"}};
+  }
+};
+
+struct Accelerometer {
+  static constexpr DeviceForm form() {
+    return {.type = "AccelerationSensor",
+            .values = 3,
+            .quantities = {{{"acceleration", "m/s²", 3}}},
+            .urdf_types = {"accelerometer"},
+            .body_types = {"AccelerationSensor"}};
+  }
+};
+
+struct Imu {
+  static constexpr DeviceForm form() {
+    return {.type = "Imu",
+            .values = 6,
+            .quantities = {{{"angular_velocity", "rad/s", 3}, {"acceleration", "m/s²", 3}}},
+            .urdf_types = {"imu"},
+            .body_types = {"IMU", "Imu"}};
+  }
+};
 
 /// A pinhole camera. It looks along its device frame's -z with +y up (the convention of OpenGL and of Choreonoid).
 struct Camera {
@@ -236,6 +288,12 @@ struct Camera {
   bool depth = false;               // the camera also measures depth (a RangeCamera)
   bool shadows = false;             // the sun casts shadows in its pictures
   bool antialiasing = false;        // edges in its pictures are smooth
+
+  constexpr DeviceForm form() const {
+    const MeasuredQuantity color{"color", "of 255", 1}, distance{"depth", "m", 1};
+    if (depth) return {.type = "RangeCamera", .quantities = {{color, distance}}};
+    return {.type = "Camera", .quantities = {{color}}};
+  }
 };
 
 /// One direction of a range sensor's grid: evenly spaced beams from the lower to the upper angle, both included. For a
@@ -260,6 +318,11 @@ struct RangeSensor {
   double scan_rate = 10.0;     // [Hz] of simulated time
 
   int beams() const { return yaw.samples * pitch.samples; }
+  static constexpr DeviceForm form() {
+    return {.type = "RangeSensor",
+            .quantities = {{{"range", "m", 1}}},
+            .urdf_types = {"ray", "gpu_ray", "lidar", "gpu_lidar"}};
+  }
 };
 
 /// The cone of a spot light. Angles are measured from the direction.
@@ -284,18 +347,26 @@ struct Light {
   float quadratic = 0.0f;         // [1/m²]
   double range = unlimited;       // no light beyond this distance [m]
   std::optional<LightCone> cone;  // nullopt: the light shines in all directions
+
+  constexpr DeviceForm form() const { return {.type = cone ? "SpotLight" : "PointLight", .acts = true}; }
 };
 
 /// Measures whether its link touches anything. In each step it measures four numbers: the number of contact points, and
 /// the sum of the forces on the link at these points, x, y, z in the device frame [N].
 struct ContactSensor {
   int collision = -1;  // the only shape whose contacts count, an index into the link's collisions; -1: all shapes
+
+  static constexpr DeviceForm form() {
+    return {.type = "ContactSensor", .values = 4, .quantities = {{{"force", "N", 3}}}, .urdf_types = {"contact"}};
+  }
 };
 
 /// A propeller, as Choreonoid's RotorDevice. A controller commands its thrust F [N] and its torque M [N·m]; it pushes
 /// its link with F d at its place and turns it with M d, where d is its direction. A turned-off rotor does neither.
 struct Rotor {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  // in the device frame, unit length
+
+  static constexpr DeviceForm form() { return {.type = "RotorDevice", .acts = true}; }
 };
 
 /// A gripper that holds a link while it is on, as Choreonoid's HolderDevice. It takes hold in the first step in which
@@ -309,6 +380,8 @@ struct Holder {
   Condition condition = Condition::distance;
   double max_distance = 0.1;  // from the device's place [m]
   std::string target;         // the name of a body
+
+  static constexpr DeviceForm form() { return {.type = "HolderDevice", .acts = true}; }
 };
 
 using DeviceKind =
@@ -349,9 +422,19 @@ bool is_linear(JointType type);
 /// "free", "fixed", "revolute", "continuous", "prismatic" or "track".
 std::string_view type_name(JointType type);
 
-/// "ForceSensor", "RateGyroSensor", "AccelerationSensor", "Imu", "Camera", "RangeCamera", "RangeSensor", "PointLight",
-/// "SpotLight", "ContactSensor", "RotorDevice" or "HolderDevice".
+/// DeviceForm::type: "ForceSensor", "Camera", ...
 std::string_view type_name(const Device& device);
+
+/// All kinds of devices; a camera twice, with and without depth.
+std::vector<DeviceKind> device_kinds();
+
+/// The kind of a <sensor> of this type in a URDF; nullopt: none, or one that needs more than its type (cameras).
+std::optional<DeviceKind> device_kind_of_urdf(std::string_view type);
+/// The kind of an element of this type in a .body file, if the type is all of it; nullopt: none.
+std::optional<DeviceKind> device_kind_of_body(std::string_view type);
+
+/// The quantities that a device measures.
+std::vector<MeasuredQuantity> quantities_of(const Device& device);
 
 /// Returns `light` with the state given by `values` (see Light), or unchanged if there are too few values.
 Light light_of_state(Light light, const std::vector<double>& values);
@@ -447,6 +530,19 @@ struct Connection {
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  // unit vector in the joint's frame
   double from = 0.0;                                // connected while from <= t < until [s]
   double until = unlimited;
+};
+
+/// What a world is, apart from its bodies.
+struct WorldSettings {
+  double time_step = 0.001;                     // [s]
+  Eigen::Vector3d gravity{0.0, 0.0, -9.80665};  // [m/s²]
+  std::uint32_t seed = 0;
+  SolverSettings solver;
+  /// Accelerometers and IMUs measure the acceleration at their own place. False: at their link's origin, as in
+  /// Choreonoid.
+  bool lever_arms = true;
+  std::vector<MaterialPair> pairs = {};      // of materials of the bodies
+  std::vector<Connection> connections = {};  // joints and welds between bodies
 };
 
 /// A lamp of the scene, which belongs to no robot. The direction of its cone is along the world's axes.

@@ -14,15 +14,15 @@
 //   then has the inertia of the solid box around its collision shapes (else its visible ones) and those of links fixed
 //   to it; without shapes, of a ball of water (1000 kg/m³) about its origin. This is a repair.
 // - A moving link with mass but without inertia gets that of its shapes; one that isn't positive definite becomes the
-//   nearest that is. Both are repairs, described in fixtures/README.md.
+//   nearest that is. Both are repairs, described in the page reference/urdf.md.
 // - An effort or velocity limit of 0 means "not given", as CAD exporters write it: unlimited.
 // - Shapes are box, sphere, cylinder, capsule (radius, length without the caps) and mesh: STL, DAE, OBJ, glTF and GLB.
-//   fixtures/README.md describes the search for mesh files and the meaning of the formats. A mesh that is missing or
+//   The page reference/meshes.md describes the search for mesh files and the meaning of the formats. A mesh that is missing or
 //   cannot be read is an error. UrdfOptions::contact determines the geometry that contacts use for a mesh, else the
 //   file: PyBullet's <collision concave="yes"> means triangles, Drake's <drake:declare_convex/> in <mesh> the hull.
 //   For a mesh that moves, contacts never use triangles, but convex parts.
 // - The contact properties in <gazebo reference="LINK"> and in PyBullet's <contact> are read into Link::surface,
-//   has_weight and collides_with_own; fixtures/README.md lists the elements.
+//   has_weight and collides_with_own; the page reference/urdf.md lists the elements.
 // - Sensors are those of `<gazebo reference="LINK"><sensor name=".." type="..">`, with SDF's elements: type imu,
 //   accelerometer, gyroscope (or gyro), force_torque (reference: link, or joint = its child link), contact, camera,
 //   multicamera, ray (or gpu_ray, lidar, gpu_lidar), and depth, depth_camera, rgbd or rgbd_camera (cameras that measure

@@ -27,18 +27,6 @@
 
 namespace rehearse {
 
-struct WorldSettings {
-  double time_step = 0.001;                     // [s]
-  Eigen::Vector3d gravity{0.0, 0.0, -9.80665};  // [m/s²]
-  std::uint32_t seed = 0;
-  SolverSettings solver;
-  /// Accelerometers and IMUs measure the acceleration at their own place. False: at their link's origin, as in
-  /// Choreonoid.
-  bool lever_arms = true;
-  std::vector<MaterialPair> pairs = {};
-  std::vector<Connection> connections = {};
-};
-
 /// One body, its initial pose and its initial velocity.
 struct WorldBody {
   std::string name;

@@ -195,14 +195,8 @@ bool ElementReader::read_device(const std::string& type, Mapping& keys, const Pl
   const std::string name = fmt::format("{} {}", type, in_quotes(device.name));
   std::optional<DeviceKind> kind;
   bool is_vision = false;
-  if (type == "ForceSensor") {
-    kind = ForceSensor{};
-  } else if (type == "RateGyroSensor") {
-    kind = Gyro{};
-  } else if (type == "AccelerationSensor") {
-    kind = Accelerometer{};
-  } else if (type == "IMU" || type == "Imu") {
-    kind = Imu{};
+  if ((kind = device_kind_of_body(type))) {
+    // its type and place are all of it
   } else if (type == "Camera" || type == "CameraDevice" || type == "RangeCamera") {
     kind = read_camera(keys, name);
     is_vision = true;

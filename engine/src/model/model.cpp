@@ -1,5 +1,6 @@
 #include <rehearse/model.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -88,42 +89,60 @@ std::string_view type_name(JointType type) {
   REHEARSE_ASSERT(false, "a JointType outside its enumeration");
 }
 
-std::string_view type_name(const Device& device) {
-  struct Namer {
-    std::string_view operator()(const ForceSensor&) const { return "ForceSensor"; }
-    std::string_view operator()(const Gyro&) const { return "RateGyroSensor"; }
-    std::string_view operator()(const Accelerometer&) const { return "AccelerationSensor"; }
-    std::string_view operator()(const Imu&) const { return "Imu"; }
-    std::string_view operator()(const Camera& camera) const { return camera.depth ? "RangeCamera" : "Camera"; }
-    std::string_view operator()(const RangeSensor&) const { return "RangeSensor"; }
-    std::string_view operator()(const Light& light) const { return light.cone ? "SpotLight" : "PointLight"; }
-    std::string_view operator()(const ContactSensor&) const { return "ContactSensor"; }
-    std::string_view operator()(const Rotor&) const { return "RotorDevice"; }
-    std::string_view operator()(const Holder&) const { return "HolderDevice"; }
-  };
-  return std::visit(Namer{}, device.kind);
+namespace {
+
+DeviceForm form_of(const DeviceKind& kind) {
+  return std::visit([](const auto& of_kind) { return of_kind.form(); }, kind);
+}
+
+template <std::size_t... indices>
+std::vector<DeviceKind> default_kinds(std::index_sequence<indices...>) {
+  return {DeviceKind(std::in_place_index<indices>)...};
+}
+
+/// The first kind with that name in the list; nullopt: none.
+template <class Names>
+std::optional<DeviceKind> kind_named(std::string_view name, Names DeviceForm::*list) {
+  if (name.empty()) return std::nullopt;
+  for (const DeviceKind& kind : device_kinds()) {
+    const Names names = form_of(kind).*list;
+    if (std::find(names.begin(), names.end(), name) != names.end()) return kind;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<DeviceKind> device_kinds() {
+  std::vector<DeviceKind> kinds = default_kinds(std::make_index_sequence<std::variant_size_v<DeviceKind>>());
+  Camera with_depth;
+  with_depth.depth = true;
+  kinds.emplace_back(with_depth);
+  return kinds;
+}
+
+std::string_view type_name(const Device& device) { return form_of(device.kind).type; }
+
+std::optional<DeviceKind> device_kind_of_urdf(std::string_view type) {
+  return kind_named(type, &DeviceForm::urdf_types);
+}
+
+std::optional<DeviceKind> device_kind_of_body(std::string_view type) {
+  return kind_named(type, &DeviceForm::body_types);
+}
+
+std::vector<MeasuredQuantity> quantities_of(const Device& device) {
+  std::vector<MeasuredQuantity> quantities;
+  for (const MeasuredQuantity& quantity : form_of(device.kind).quantities)
+    if (!quantity.name.empty()) quantities.push_back(quantity);
+  return quantities;
 }
 
 int value_count(const Device& device) {
-  struct Counter {
-    int operator()(const ForceSensor&) const { return 6; }
-    int operator()(const Gyro&) const { return 3; }
-    int operator()(const Accelerometer&) const { return 3; }
-    int operator()(const Imu&) const { return 6; }
-    int operator()(const Camera&) const { return 0; }
-    int operator()(const RangeSensor&) const { return 0; }
-    int operator()(const Light&) const { return 0; }
-    int operator()(const ContactSensor&) const { return 4; }
-    int operator()(const Rotor&) const { return 0; }
-    int operator()(const Holder&) const { return 0; }
-  };
-  return std::visit(Counter{}, device.kind);
+  return std::visit([](const auto& kind) { return kind.form().values; }, device.kind);
 }
 
-bool is_actuator(const Device& device) {
-  return std::holds_alternative<Light>(device.kind) || std::holds_alternative<Rotor>(device.kind) ||
-         std::holds_alternative<Holder>(device.kind);
-}
+bool is_actuator(const Device& device) { return form_of(device.kind).acts; }
 
 std::vector<Eigen::Vector3d> beam_directions(const RangeSensor& sensor) {
   std::vector<Eigen::Vector3d> ahead;  // horizontal direction of each yaw

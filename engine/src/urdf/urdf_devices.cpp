@@ -19,12 +19,7 @@ namespace {
 using tinyxml2::XMLElement;
 
 std::optional<DeviceKind> kind_of_sensor(std::string_view type) {
-  if (type == "imu") return Imu{};
-  if (type == "accelerometer") return Accelerometer{};
-  if (type == "gyroscope" || type == "gyro") return Gyro{};
-  if (type == "force_torque") return ForceSensor{};
-  if (type == "contact") return ContactSensor{};
-  if (type == "ray" || type == "gpu_ray" || type == "lidar" || type == "gpu_lidar") return RangeSensor{};
+  if (const auto kind = device_kind_of_urdf(type)) return kind;
   Camera camera;
   camera.depth = type == "depth" || type == "depth_camera" || type == "rgbd" || type == "rgbd_camera";
   if (camera.depth || type == "camera" || type == "multicamera") return camera;

@@ -19,19 +19,42 @@ Eigen::Vector3d acceleration_at(const Eigen::Vector3d& arm, const LinkReading& l
   return link.acceleration + link.angular_acceleration.cross(arm) + w.cross(w.cross(arm));
 }
 
-/// The readings of a gyro, an accelerometer or an Imu from the link's motion, in the device's frame.
-std::vector<double> inertial_reading(const Device& device, const LinkReading& link, const WorldSettings& settings) {
-  const Eigen::Matrix3d to_world = link.rotation.toRotationMatrix();
-  const Eigen::Matrix3d to_sensor = (to_world * device.pose.linear()).transpose();
-  const Eigen::Vector3d w = to_sensor * link.angular_velocity;
-  if (std::holds_alternative<Gyro>(device.kind)) return {w.x(), w.y(), w.z()};
-  const Eigen::Vector3d& arm = device.pose.translation();
-  const bool has_arm = settings.lever_arms && !arm.isZero(0.0);
-  const Eigen::Vector3d acceleration = has_arm ? acceleration_at(to_world * arm, link) : link.acceleration;
-  const Eigen::Vector3d f = to_sensor * (acceleration - settings.gravity);  // specific force
-  if (std::holds_alternative<Accelerometer>(device.kind)) return {f.x(), f.y(), f.z()};
-  return {w.x(), w.y(), w.z(), f.x(), f.y(), f.z()};
-}
+/// The readings of sensors that depend on the motion of their link alone, in the device's frame; of all other devices
+/// none.
+class LinkSensor {
+ public:
+  LinkSensor(const Device& device, const LinkReading& link, const WorldSettings& settings)
+      : link_(link),
+        settings_(settings),
+        arm_(device.pose.translation()),
+        to_world_(link.rotation.toRotationMatrix()),
+        to_sensor_((to_world_ * device.pose.linear()).transpose()) {}
+
+  std::vector<double> operator()(const Gyro&) const { return numbers(angular_velocity()); }
+  std::vector<double> operator()(const Accelerometer&) const { return numbers(specific_force()); }
+  std::vector<double> operator()(const Imu&) const {
+    const Eigen::Vector3d w = angular_velocity(), f = specific_force();
+    return {w.x(), w.y(), w.z(), f.x(), f.y(), f.z()};
+  }
+  template <class Other>
+  std::vector<double> operator()(const Other&) const {
+    return {};
+  }
+
+ private:
+  static std::vector<double> numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+  Eigen::Vector3d angular_velocity() const { return to_sensor_ * link_.angular_velocity; }
+  Eigen::Vector3d specific_force() const {
+    const bool has_arm = settings_.lever_arms && !arm_.isZero(0.0);
+    const Eigen::Vector3d acceleration = has_arm ? acceleration_at(to_world_ * arm_, link_) : link_.acceleration;
+    return to_sensor_ * (acceleration - settings_.gravity);
+  }
+
+  const LinkReading& link_;
+  const WorldSettings& settings_;
+  const Eigen::Vector3d arm_;
+  const Eigen::Matrix3d to_world_, to_sensor_;
+};
 
 }  // namespace
 
@@ -160,7 +183,7 @@ void SimulatedBody::observe_devices(BodyObservation& observation, const WorldSet
     else if (std::holds_alternative<ContactSensor>(device.kind))
       reading.values = contact_reading(i, link);
     else
-      reading.values = inertial_reading(device, link, settings);
+      reading.values = std::visit(LinkSensor(device, link, settings), device.kind);
     if (!stepped) reading.values.assign(reading.values.size(), 0.0);
   }
   if (watched_.empty()) return;

@@ -1,4 +1,4 @@
-// Scenario: all settings that determine a run, as a YAML file states them. fixtures/README.md describes the file
+// Scenario: all settings that determine a run, as a YAML file states them. The page reference/scenario.md describes the file
 // format.
 //
 // Loading checks the file itself and compares it with the models that it names. Every mistake is a Diagnostic with
@@ -74,17 +74,6 @@ struct UrdfOptions;
 // is a function of the scenario's seed, the sensor's name, the tick and the index of the number in the reading. It
 // depends on nothing else. So noise at one sensor changes no other sensor's noise, and a run that continues from a
 // checkpoint has the same noise.
-
-/// A quantity that a sensor or joint measures.
-struct MeasuredQuantity {
-  std::string_view name;
-  std::string_view unit;
-  int axes;  // 3: x, y, z, each with a separate bias; 1: all numbers have the same noise
-};
-
-/// The quantities of a device. Gyro: angular_velocity; Accelerometer: acceleration; Imu: both; ForceSensor: force and
-/// torque; ContactSensor: force; RangeSensor: range; camera: color, and depth if it measures it; lights: none.
-std::vector<MeasuredQuantity> quantities_of(const Device& device);
 
 /// displacement, velocity and effort. Their unit is "rad or m" and so on.
 inline constexpr std::size_t joint_quantity_count = 3;
@@ -244,7 +233,8 @@ struct Variation {
   Place place;                      // of its name
 };
 
-struct Scenario {
+/// The settings of its world, of which `connections` are those after `joints:` and `welds:`, and everything else.
+struct Scenario : WorldSettings {
   static constexpr double max_duration = 86400.0;  // [s]
   static constexpr double min_time_step = 1e-5;    // [s]
   static constexpr double max_time_step = 0.1;     // [s]
@@ -257,16 +247,9 @@ struct Scenario {
   std::optional<double> golden_state_rate;
   double duration = 0.0;        // [s]
   bool ends_when_done = false;  // the run ends after the step in which every control() returned false
-  double time_step = 0.001;     // [s]
-  std::uint32_t seed = 0;
-  Eigen::Vector3d gravity{0.0, 0.0, -9.80665};  // [m/s²]
-  SolverSettings solver;
-  bool planar = false;     // root links that aren't fixed stay in the plane of x and z in which they begin
-  bool lever_arms = true;  // accelerometers and IMUs measure at their own place, not at their link's origin
-  std::string options;     // option string of the simulator, before each controller's option string
+  bool planar = false;          // root links that aren't fixed stay in the plane of x and z in which they begin
+  std::string options;          // option string of the simulator, before each controller's option string
   std::vector<ScenarioBody> bodies;
-  std::vector<MaterialPair> pairs;      // of materials of the bodies
-  std::vector<Connection> connections;  // `joints:` and `welds:`
   std::vector<Push> pushes;
   std::optional<JoystickScript> joystick;  // nullopt: the scenario has none
   Look look;                               // of all pictures

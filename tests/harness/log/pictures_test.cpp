@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "../../jpeg_file.h"
-#include "core/recording/recorded_image.h"
+#include "core/kinds/recorded_image.h"
 #include "logs/robot_log/sensor_codecs.h"
 #include "picture/picture.h"
 

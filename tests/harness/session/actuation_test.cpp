@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "core/trace/channel_name.h"
+#include "core/kinds/channel_name.h"
 #include "runs.h"
 
 namespace rehearse {

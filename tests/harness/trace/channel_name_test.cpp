@@ -1,5 +1,5 @@
 // The vocabulary of recordings: topics, and the table of kinds.
-#include "core/trace/channel_name.h"
+#include "core/kinds/channel_name.h"
 
 #include <rehearse/mcap.h>
 
@@ -167,12 +167,27 @@ TEST(ChannelName, ExcludesSeriesThatItsMessagesCannotHave) {
   EXPECT_TRUE(may_match("/odometry", "*"));
 }
 
-TEST(ChannelForms, StandInTheOrderOfTheKinds) {
+TEST(ChannelForms, HaveEachSegmentOnce) {
   std::set<std::pair<int, std::string_view>> segments;
-  for (int kind = 0; kind < static_cast<int>(ChannelKind::other); ++kind) {
-    const ChannelForm& form = form_of(static_cast<ChannelKind>(kind));
-    EXPECT_EQ(static_cast<int>(form.kind), kind);
-    EXPECT_TRUE(segments.emplace(static_cast<int>(form.level), form.segment).second) << form.segment;
+  for (const ChannelForm* form : channel_forms())
+    EXPECT_TRUE(segments.emplace(static_cast<int>(form->level), form->segment).second) << form->segment;
+}
+
+TEST(ChannelForms, HaveWhatTheirReadersNeed) {
+  for (const ChannelForm* form : channel_forms()) {
+    EXPECT_THAT(form->schema(), testing::Not(testing::IsEmpty())) << form->segment;
+    EXPECT_TRUE(!form->has_fixed_elements || (!form->groups.empty() && form->make_rows)) << form->segment;
+    EXPECT_TRUE(!form->measurement || form->measurement->encode || form->numbers) << form->segment;
+  }
+}
+
+TEST(ChannelForms, AreFoundForEachSensor) {
+  for (const DeviceKind& kind : device_kinds()) {
+    Device device;
+    device.kind = kind;
+    const std::vector<ChannelKind> kinds = kinds_of(device);
+    EXPECT_EQ(kinds.empty(), quantities_of(device).empty() && !std::holds_alternative<Light>(kind)) << type_name(device);
+    EXPECT_EQ(value_elements(device).size(), static_cast<std::size_t>(value_count(device))) << type_name(device);
   }
 }
 

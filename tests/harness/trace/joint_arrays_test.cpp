@@ -1,5 +1,5 @@
 // The numbers of joint messages, which are read without decoding names while the layout stays the same.
-#include "core/trace/joint_arrays.h"
+#include "core/kinds/joint_arrays.h"
 
 #include <gmock/gmock.h>
 #include <rehearse/cdr.h>

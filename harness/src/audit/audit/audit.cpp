@@ -307,7 +307,7 @@ Result<void> Audit::judge() {
   return {};
 }
 
-std::string list_of(const std::vector<std::string>& words) {
+std::string english_list(const std::vector<std::string>& words) {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i)
     text += (i == 0 ? "" : i + 1 == words.size() ? " and " : ", ") + words[i];
@@ -334,7 +334,7 @@ std::string varied_in(const std::vector<FactorResult>& factors) {
   for (const auto& [factor, name] : names)
     if (const FactorResult* result = find_factor(factors, factor); result && result->not_varied.empty())
       words.emplace_back(name);
-  return "other " + list_of(words);
+  return "other " + english_list(words);
 }
 
 void Audit::sum_up() {
@@ -356,7 +356,7 @@ void Audit::sum_up() {
   }
   if (reasons.empty() && !report_.memory_errors.empty())
     reasons.push_back(
-        fmt::format("{} gave the same commands, but by chance: {}", list_of(names), report_.memory_errors[0]));
+        fmt::format("{} gave the same commands, but by chance: {}", english_list(names), report_.memory_errors[0]));
   else if (!reasons.empty() && !report_.memory_errors.empty())
     reasons.back() += "; valgrind: " + report_.memory_errors[0];
   report_.deterministic = reasons.empty();
@@ -367,7 +367,7 @@ void Audit::sum_up() {
   }
   if (report_.commands == 0) {
     report_.verdict =
-        fmt::format("nothing was compared: {} commanded nothing in {:g} s{}", list_of(names), report_.time, given);
+        fmt::format("nothing was compared: {} commanded nothing in {:g} s{}", english_list(names), report_.time, given);
     return;
   }
   std::vector<std::string> rests_on;
@@ -377,12 +377,12 @@ void Audit::sum_up() {
     report_.verdict = fmt::format(
         "{} gave the same {} commands{}, bit for bit, in {} replays of {:g} s under {}; wasn't varied, and may change "
         "them: {}",
-        list_of(names), report_.commands, given, report_.replays, report_.time,
-        varied_in(report_.controllers[0].factors), list_of(shortened(rests_on)));
+        english_list(names), report_.commands, given, report_.replays, report_.time,
+        varied_in(report_.controllers[0].factors), english_list(shortened(rests_on)));
     return;
   }
   report_.verdict = fmt::format(
-      "{} {} of {} inputs{}: {} replays of {:g} s under {} gave the same {} commands, bit for bit", list_of(names),
+      "{} {} of {} inputs{}: {} replays of {:g} s under {} gave the same {} commands, bit for bit", english_list(names),
       names.size() == 1 ? "is a function" : "are functions", names.size() == 1 ? "its" : "their", given,
       report_.replays, report_.time, varied_in(report_.controllers[0].factors), report_.commands);
 }

@@ -37,7 +37,7 @@ AuditJson object_of(const AuditedCode& code) {
 AuditJson object_of(const ControllerAudit& controller);
 
 template <class T>
-AuditJson list_of(const std::vector<T>& items) {
+AuditJson json_array(const std::vector<T>& items) {
   AuditJson list = AuditJson::array();
   for (const T& item : items) list.push_back(object_of(item));
   return list;
@@ -49,10 +49,10 @@ AuditJson object_of(const ControllerAudit& controller) {
           {"reason", controller.reason.empty() ? AuditJson(nullptr) : AuditJson(controller.reason)},
           {"depends_on", controller.depends_on ? AuditJson(to_string(*controller.depends_on)) : AuditJson(nullptr)},
           {"first", json_of(controller.first)},
-          {"factors", list_of(controller.factors)},
-          {"calls", list_of(controller.calls)},
+          {"factors", json_array(controller.factors)},
+          {"calls", json_array(controller.calls)},
           {"rests_on", controller.rests_on},
-          {"library", {{"file", controller.library.string()}, {"findings", list_of(controller.code)}}}};
+          {"library", {{"file", controller.library.string()}, {"findings", json_array(controller.code)}}}};
 }
 
 }  // namespace
@@ -65,7 +65,7 @@ std::string to_json(const AuditReport& report) {
   const AuditJson first = shown == report.controllers.end() ? AuditJson::object() : object_of(*shown);
   for (const char* key : {"first", "depends_on", "rests_on", "factors", "calls", "library"})
     object[key] = first.value(key, AuditJson());
-  object["controllers"] = list_of(report.controllers);
+  object["controllers"] = json_array(report.controllers);
   object["failure"] = report.failure ? AuditJson(report.failure->message) : AuditJson(nullptr);
   object["controller_refused"] = report.controller_refused;
   object["memory_errors"] = report.memory_errors;

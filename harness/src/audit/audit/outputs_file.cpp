@@ -12,8 +12,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "core/kinds/channel_name.h"
 #include "core/replay/output_record.h"
-#include "core/trace/channel_name.h"
 #include "model/clock.h"
 
 namespace rehearse {

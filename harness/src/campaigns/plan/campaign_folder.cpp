@@ -15,7 +15,7 @@
 
 #include "case_values.h"
 #include "core/golden/golden_files.h"
-#include "core/trace/hashing.h"
+#include "core/mcap/hashing.h"
 #include "csv_text.h"
 #include "model/text.h"
 #include "result_lines.h"

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <optional>
 
-#include "core/trace/hashing.h"
+#include "core/mcap/hashing.h"
 #include "core/scenario/normal_quantile.h"
 #include "csv_text.h"
 #include "model/names.h"

@@ -6,7 +6,7 @@
 
 #include <cctype>
 
-#include "core/trace/hashing.h"
+#include "core/mcap/hashing.h"
 #include "core/trace/run_facts.h"
 
 namespace rehearse {

@@ -14,7 +14,7 @@
 #include "campaigns/plan/csv_text.h"
 #include "case_table.h"
 #include "core/golden/golden_files.h"
-#include "core/trace/hashing.h"
+#include "core/mcap/hashing.h"
 
 namespace rehearse {
 namespace {

@@ -10,11 +10,13 @@
 #include <vector>
 
 #include "check_run.h"
-#include "core/compare/compare_parts.h"
+#include "core/compare/divergence_text.h"
+#include "core/kinds/channel_name.h"
+#include "core/mcap/hashing.h"
 #include "core/replay/plant_level.h"
 #include "core/scenario/structure_change.h"
 #include "core/scenario/trace_scenario.h"
-#include "core/trace/hashing.h"
+#include "core/trace/run_facts.h"
 #include "model/clock.h"
 
 namespace rehearse {
@@ -101,19 +103,22 @@ bool repeats_in_the_loop(const CheckReport& evidence) {
 std::optional<Blame> unsteady_controller(const Suspects& with, const Divergence& first, const CheckReport& evidence) {
   const auto unrepeated = first_unrepeated_tick(with.golden.file(), with.host);
   if (unrepeated && *unrepeated)
-    return Blame{fmt::format("the controller is no function of its inputs: {}two replays of the golden differ from "
-                             "each other at tick {}; fed with the golden's inputs, it differs at {}; it depends on "
-                             "uninitialised memory, the clock, earlier runs or chance; `rehearse audit` finds the "
-                             "cause",
-                             evidence.replay->same_controllers ? "it is the recorded one, but " : "", **unrepeated,
-                             to_string(first)),
-                 first};
+    return Blame{
+        fmt::format("the controller depends on something besides its recorded inputs: {}two replays of the golden "
+                    "differ from each other at tick {}; fed with the golden's inputs, it differs at {}; it depends on "
+                    "uninitialised memory, the clock, earlier runs or chance; `rehearse audit` finds the "
+                    "cause",
+                    evidence.replay->same_controllers ? "it is the recorded one, but " : "", **unrepeated,
+                    to_string(first)),
+        first};
   if (!repeats_in_the_loop(evidence)) return std::nullopt;
-  return Blame{fmt::format("an earlier run left data behind, or the controller is no function of its inputs: in the "
-                           "closed loop it gave the golden's commands, but fed with the golden's inputs later in the "
-                           "same process, it differs at {}; `rehearse audit` finds the cause",
-                           to_string(first)),
-               first};
+  return Blame{
+      fmt::format(
+          "an earlier run left data behind, or the controller depends on something besides its recorded "
+          "inputs: in the closed loop it gave the golden's commands, but fed with the golden's inputs later in the "
+          "same process, it differs at {}; `rehearse audit` finds the cause",
+          to_string(first)),
+      first};
 }
 
 /// The verdict for a controller whose library is the recorded one, but whose commands differ.
@@ -266,8 +271,8 @@ Blame blame_loop(const Suspects& with, const CheckReport& evidence) {
   const auto unrepeated = first_unrepeated_tick(with.actual, with.host);
   if (unrepeated && *unrepeated)
     return {
-        fmt::format("the controller is no function of its inputs: two replays of this run differ from each other at "
-                    "tick {}; the run differs at {}; `rehearse audit` finds the cause",
+        fmt::format("the controller depends on something besides its recorded inputs: two replays of this run differ "
+                    "from each other at tick {}; the run differs at {}; `rehearse audit` finds the cause",
                     **unrepeated, to_string(place)),
         place};
   return {"the controller repeats the golden's commands and the world follows them, but the run " + verdict(comparison),

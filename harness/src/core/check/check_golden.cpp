@@ -3,8 +3,8 @@
 #include <rehearse/compare.h>
 
 #include "check_run.h"
+#include "core/mcap/hashing.h"
 #include "core/recording/provenance.h"
-#include "core/trace/hashing.h"
 #include "core/trace/run_facts.h"
 #include "proof.h"
 

@@ -7,8 +7,8 @@
 #include <limits>
 #include <map>
 
-#include "core/trace/channel_name.h"
-#include "core/trace/hashing.h"
+#include "core/kinds/channel_name.h"
+#include "core/mcap/hashing.h"
 #include "core/trace/trace_windows.h"
 #include "expectation_judge.h"
 #include "model/clock.h"

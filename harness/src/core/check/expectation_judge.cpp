@@ -8,8 +8,8 @@
 #include <numbers>
 #include <utility>
 
+#include "core/kinds/channel_name.h"
 #include "core/mcap/glob.h"
-#include "core/trace/channel_name.h"
 #include "core/trace/run_facts.h"
 #include "model/clock.h"
 

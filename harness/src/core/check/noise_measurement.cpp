@@ -6,8 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "core/compare/compare_parts.h"
+#include "core/compare/series_rules.h"
 #include "core/recording/provenance.h"
+#include "core/trace/run_facts.h"
 #include "model/clock.h"
 #include "noise_floor.h"
 #include "perturbed_run.h"

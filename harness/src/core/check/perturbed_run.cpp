@@ -10,7 +10,7 @@
 #include "core/compare/place_json.h"
 #include "core/golden/golden_files.h"
 #include "core/guard/interruption.h"
-#include "core/trace/hashing.h"
+#include "core/mcap/hashing.h"
 
 namespace rehearse {
 namespace {

@@ -12,9 +12,9 @@
 
 #include "core/golden/golden_files.h"
 #include "core/golden/state_samples.h"
+#include "core/mcap/hashing.h"
 #include "core/replay/plant_level.h"
 #include "core/scenario/plant_text.h"
-#include "core/trace/hashing.h"
 #include "core/trace/run_facts.h"
 #include "model/names.h"
 #include "model/text.h"

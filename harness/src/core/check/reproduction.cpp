@@ -9,8 +9,8 @@
 
 #include "check_run.h"
 #include "core/compare/tick_clock.h"
+#include "core/kinds/channel_name.h"
 #include "core/replay/plant_level.h"
-#include "core/trace/channel_name.h"
 #include "core/trace/trace_windows.h"
 
 namespace rehearse {

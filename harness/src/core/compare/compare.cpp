@@ -9,13 +9,20 @@
 #include <set>
 #include <utility>
 
+#include "channel_findings.h"
 #include "compare_channel.h"
-#include "compare_parts.h"
+#include "compare_provenance.h"
+#include "compare_structure.h"
+#include "compare_variables.h"
 #include "compared_files.h"
+#include "core/kinds/channel_name.h"
 #include "core/mcap/quiet_thread.h"
 #include "core/scenario/trace_scenario.h"
+#include "core/trace/run_facts.h"
 #include "core/trace/trace_windows.h"
+#include "divergence_text.h"
 #include "model/clock.h"
+#include "series_rules.h"
 
 namespace rehearse {
 

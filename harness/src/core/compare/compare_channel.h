@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "compare_parts.h"
+#include "channel_findings.h"
 
 namespace rehearse {
 

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "compare_parts.h"
+#include "channel_findings.h"
+#include "compare_structure.h"
+#include "core/kinds/channel_name.h"
 #include "core/mcap/glob.h"
 #include "event_sequences.h"
 

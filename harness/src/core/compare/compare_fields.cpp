@@ -126,7 +126,7 @@ bool FieldJudge::compare(std::size_t golden_message, mcap::Bytes expected, mcap:
     if (!same_paths) of_actual.erase(other);
   }
   for (const MessageField& field : actual_fields)
-    if (field.path != left_out && of_actual.contains(field.path)) report_lone(field, "is extra: the golden hasn't it");
+    if (field.path != left_out && of_actual.contains(field.path)) report_lone(field, "is not in the golden");
   return found_;
 }
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "compare_parts.h"
+#include "channel_findings.h"
 #include "core/ros2msg/ros2msg.h"
 
 namespace rehearse {

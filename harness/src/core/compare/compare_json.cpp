@@ -63,7 +63,7 @@ ordered_json object_of(const EventDifference& event) {
 }
 
 template <class T>
-ordered_json list_of(const std::vector<T>& items) {
+ordered_json json_array(const std::vector<T>& items) {
   ordered_json list = ordered_json::array();
   for (const T& item : items) list.push_back(object_of(item));
   return list;
@@ -93,9 +93,9 @@ ordered_json json_of(const Comparison& comparison) {
           {"in_noise", comparison.in_noise},
           {"beyond", comparison.beyond},
           {"blanked", comparison.blanked},
-          {"channels", list_of(comparison.channels)},
+          {"channels", json_array(comparison.channels)},
           {"equal_channels", comparison.equal_channels},
-          {"events", list_of(comparison.event_differences)},
+          {"events", json_array(comparison.event_differences)},
           {"remarks", comparison.remarks},
           {"warnings", warnings}};
 }

@@ -10,8 +10,11 @@
 #include <numbers>
 #include <utility>
 
-#include "compare_parts.h"
+#include "channel_findings.h"
+#include "core/kinds/channel_name.h"
+#include "divergence_text.h"
 #include "number_judge.h"
+#include "series_rules.h"
 
 namespace rehearse {
 namespace {
@@ -326,7 +329,7 @@ class NumberPart final : public PartJudge, public NumberFindings {
     report_lone(channel.golden, channel.golden_survey, missing, "is missing");
     report_lone(channel.golden, channel.golden_survey, of_another_kind,
                 "is a number of a different kind than in the golden");
-    report_lone(channel.actual, channel.actual_survey, extra, "is extra: the golden hasn't it");
+    report_lone(channel.actual, channel.actual_survey, extra, "is not in the golden");
   }
 
   void take(const MatchedChannel& window) override {

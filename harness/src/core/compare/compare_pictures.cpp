@@ -4,9 +4,11 @@
 
 #include <optional>
 
+#include "channel_findings.h"
 #include "compare_fields.h"
-#include "compare_parts.h"
+#include "core/kinds/channel_name.h"
 #include "recorded_picture.h"
+#include "series_rules.h"
 
 namespace rehearse {
 namespace {

@@ -7,9 +7,12 @@
 #include <algorithm>
 #include <set>
 
-#include "compare_parts.h"
+#include "compare_provenance.h"
+#include "core/kinds/channel_name.h"
 #include "core/mcap/glob.h"
+#include "core/trace/run_facts.h"
 #include "model/names.h"
+#include "series_rules.h"
 
 namespace rehearse {
 namespace {

@@ -5,7 +5,8 @@
 #include <cmath>
 #include <map>
 
-#include "compare_parts.h"
+#include "compare_structure.h"
+#include "divergence_text.h"
 
 namespace rehearse {
 namespace {

@@ -8,7 +8,11 @@
 #include <set>
 #include <utility>
 
-#include "compare_parts.h"
+#include "channel_findings.h"
+#include "compare_structure.h"
+#include "core/kinds/channel_name.h"
+#include "core/trace/run_facts.h"
+#include "series_rules.h"
 
 namespace rehearse {
 namespace {
@@ -61,7 +65,7 @@ void compare_clocks(const ComparedTraces& traces, bool missing, ChannelFindings&
   const auto tick_text = [&](std::size_t index) { return fmt::format("tick {}", of.tick_at(of.time(index))); };
   std::string neighbours = first == 0 ? "the first" : "after " + tick_text(first - 1);
   neighbours += after == of.size() ? ", the last" : ", before " + tick_text(after);
-  divergence.note = run == 1 ? fmt::format("this tick is {}", missing ? "missing" : "extra: the golden hasn't it")
+  divergence.note = run == 1 ? fmt::format("this tick is {}", missing ? "missing" : "not in the golden")
                              : fmt::format("ticks {} to {} are {}", divergence.tick, of.tick_at(of.time(after - 1)),
                                            missing ? "missing" : "extra: the golden hasn't them");
   divergence.note += " (" + neighbours + ")";
@@ -281,7 +285,7 @@ class LoneChannels {
   }
 
   std::string text_of(const Group& group, int channels) const {
-    const char* what = missing_ ? "missing" : "extra: the golden hasn't it";
+    const char* what = missing_ ? "missing" : "not in the golden";
     if (group.what.empty() && channels > 1) return fmt::format("{} channels of this topic are {}", channels, what);
     if (group.what.empty() || channels == 1) return fmt::format("the channel is {}", what);
     return fmt::format("{} is {} (its {} channels)", group.what, what, channels);

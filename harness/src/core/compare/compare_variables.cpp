@@ -5,8 +5,10 @@
 #include <optional>
 #include <utility>
 
-#include "compare_parts.h"
+#include "compare_variables.h"
+#include "core/kinds/channel_name.h"
 #include "core/mcap/glob.h"
+#include "series_rules.h"
 
 namespace rehearse {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "compare_parts.h"
+#include "divergence_text.h"
 
 namespace rehearse {
 namespace {

@@ -10,9 +10,11 @@
 #include <cstdlib>
 #include <functional>
 
-#include "compare_parts.h"
-#include "core/trace/hashing.h"
+#include "core/kinds/channel_name.h"
+#include "core/mcap/hashing.h"
+#include "core/trace/run_facts.h"
 #include "run_survey.h"
+#include "series_rules.h"
 
 namespace rehearse {
 namespace {
@@ -365,9 +367,7 @@ class SequenceJudge {
         fmt::format("{} {} at tick {}, which {}", sequence_.source.what, verb_of(edge), edge.tick, lacks(missing)));
   }
 
-  static const char* lacks(bool missing) {
-    return missing ? "is missing in this run" : "is extra: the golden hasn't it";
-  }
+  static const char* lacks(bool missing) { return missing ? "is missing in this run" : "is not in the golden"; }
 
   void tell_lone(const EventEdge& edge, bool missing, bool beyond, double off, std::string note) {
     const auto here = std::optional(edge.tick);

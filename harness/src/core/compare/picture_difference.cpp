@@ -7,9 +7,9 @@
 #include <cmath>
 #include <fstream>
 
-#include "compare_parts.h"
 #include "picture/picture.h"
 #include "recorded_picture.h"
+#include "series_rules.h"
 
 namespace rehearse {
 namespace {

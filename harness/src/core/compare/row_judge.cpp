@@ -5,8 +5,10 @@
 #include <iterator>
 #include <tuple>
 
-#include "compare_parts.h"
+#include "compared_traces.h"
+#include "core/kinds/channel_name.h"
 #include "core/trace/trace_windows.h"
+#include "divergence_text.h"
 #include "model/clock.h"
 
 namespace rehearse {

@@ -4,8 +4,9 @@
 #include <array>
 #include <cmath>
 
-#include "compare_parts.h"
-#include "core/trace/hashing.h"
+#include "core/kinds/channel_name.h"
+#include "core/mcap/hashing.h"
+#include "series_rules.h"
 #include "series_scale.h"
 
 namespace rehearse {

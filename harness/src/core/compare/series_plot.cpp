@@ -5,7 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "compare_parts.h"
+#include "core/kinds/channel_name.h"
+#include "series_rules.h"
 
 namespace rehearse {
 namespace {

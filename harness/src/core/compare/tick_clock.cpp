@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "compare_parts.h"
+#include "series_rules.h"
 
 namespace rehearse {
 

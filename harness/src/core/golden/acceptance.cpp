@@ -10,7 +10,7 @@
 #include <limits>
 #include <map>
 
-#include "core/trace/channel_name.h"
+#include "core/kinds/channel_name.h"
 #include "core/trace/run_facts.h"
 #include "model/text.h"
 

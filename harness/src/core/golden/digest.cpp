@@ -13,8 +13,11 @@
 #include <numeric>
 #include <vector>
 
-#include "core/compare/compare_parts.h"
-#include "core/trace/hashing.h"
+#include "core/compare/divergence_text.h"
+#include "core/compare/series_rules.h"
+#include "core/kinds/channel_name.h"
+#include "core/mcap/hashing.h"
+#include "core/trace/run_facts.h"
 #include "core/trace/trace_windows.h"
 
 namespace rehearse {

@@ -9,8 +9,8 @@
 #include <map>
 #include <string_view>
 
+#include "core/mcap/hashing.h"
 #include "core/scenario/project.h"
-#include "core/trace/hashing.h"
 #include "core/trace/run_facts.h"
 #include "golden_files.h"
 

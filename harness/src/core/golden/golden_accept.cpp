@@ -12,7 +12,7 @@
 #include <set>
 
 #include "core/mcap/copy.h"
-#include "core/trace/hashing.h"
+#include "core/mcap/hashing.h"
 #include "core/trace/run_facts.h"
 #include "golden_files.h"
 #include "model/file_descriptor.h"

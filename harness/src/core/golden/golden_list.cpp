@@ -9,7 +9,7 @@
 #include <set>
 #include <string_view>
 
-#include "core/trace/channel_name.h"
+#include "core/kinds/channel_name.h"
 #include "core/trace/run_facts.h"
 #include "golden_files.h"
 

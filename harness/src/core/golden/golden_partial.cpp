@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-#include "core/compare/compare_parts.h"
+#include "core/compare/divergence_text.h"
 #include "core/host/controller_host.h"
 #include "core/recording/provenance.h"
 #include "core/replay/plant_level.h"

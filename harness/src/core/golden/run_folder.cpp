@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/trace/hashing.h"
+#include "core/mcap/hashing.h"
 #include "golden_files.h"
 
 namespace rehearse {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "core/kinds/channel_name.h"
 #include "core/mcap/glob.h"
 #include "core/scenario/trace_scenario.h"
-#include "core/trace/channel_name.h"
 #include "core/trace/filter.h"
 #include "core/trace/run_facts.h"
 

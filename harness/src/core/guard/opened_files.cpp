@@ -11,7 +11,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "core/trace/hashing.h"
+#include "core/mcap/hashing.h"
 
 namespace rehearse {
 namespace {

@@ -30,7 +30,7 @@
 #include "core/keeper/remote_writer.h"
 #include "core/keeper/ring.h"
 #include "core/keeper/trace_keeper.h"
-#include "core/trace/hashing.h"
+#include "core/mcap/hashing.h"
 #include "guarded_call.h"
 #include "interruption.h"
 #include "supervise.h"

@@ -1,20 +1,12 @@
 #include "cnoid_body.h"
 
-#include "model/pinhole.h"
-
 #include <cmath>
-#include <cnoid/AccelerationSensor>
-#include <cnoid/ForceSensor>
 #include <cnoid/HolderDevice>
-#include <cnoid/Imu>
-#include <cnoid/RangeCamera>
-#include <cnoid/RangeSensor>
-#include <cnoid/RateGyroSensor>
 #include <cnoid/RotorDevice>
-#include <cnoid/SpotLight>
 #include <limits>
 
-#include "contact_device.h"
+#include "core/kinds/kinds.h"
+#include "core/kinds/values_device.h"
 
 namespace rehearse {
 namespace {
@@ -56,50 +48,6 @@ cnoid::LinkPtr make_link(const Link& link, bool fixed) {
   return made;
 }
 
-cnoid::DevicePtr make_camera(const Camera& camera) {
-  cnoid::CameraPtr made = camera.depth ? new cnoid::RangeCamera : new cnoid::Camera;
-  made->setImageType(cnoid::Camera::COLOR_IMAGE);
-  made->setResolution(camera.width, camera.height);
-  made->setFieldOfView(camera.field_of_view);
-  made->setNearClipDistance(camera.near_clip);
-  made->setFarClipDistance(camera.far_clip);
-  made->setFrameRate(camera.frame_rate);
-  return made;
-}
-
-cnoid::DevicePtr make_range_sensor(const RangeSensor& sensor) {
-  cnoid::RangeSensorPtr made = new cnoid::RangeSensor;
-  made->setYawRange(sensor.yaw.lower, sensor.yaw.upper);
-  made->setNumYawSamples(sensor.yaw.samples);
-  made->setPitchRange(sensor.pitch.lower, sensor.pitch.upper);
-  made->setNumPitchSamples(sensor.pitch.samples);
-  made->setMinDistance(sensor.min_distance);
-  made->setMaxDistance(sensor.max_distance);
-  made->setScanRate(sensor.scan_rate);
-  return made;
-}
-
-cnoid::DevicePtr make_light(const Light& light) {
-  cnoid::PointLightPtr made;
-  if (light.cone) {
-    const cnoid::SpotLightPtr spot = new cnoid::SpotLight;
-    spot->setDirection(light.cone->direction);
-    spot->setBeamWidth(light.cone->beam_width);
-    spot->setCutOffAngle(light.cone->cut_off_angle);
-    spot->setCutOffExponent(light.cone->cut_off_exponent);
-    made = spot;
-  } else {
-    made = new cnoid::PointLight;
-  }
-  made->on(light.on);
-  made->setColor(light.color);
-  made->setIntensity(light.intensity);
-  made->setConstantAttenuation(light.constant);
-  made->setLinearAttenuation(light.linear);
-  made->setQuadraticAttenuation(light.quadratic);
-  return made;
-}
-
 cnoid::DevicePtr make_rotor(const Device& device) {
   const Multicopter::RotorDevicePtr made = new Multicopter::RotorDevice;
   made->setPosition(device.pose.translation());
@@ -117,53 +65,28 @@ cnoid::DevicePtr make_holder(const Holder& holder) {
   return made;
 }
 
+/// The first function of this name that a kind of the device has; null: none.
+template <class Function>
+Function first_of_kinds(const Device& device, Function DeviceMeasurement::*function) {
+  for (const ChannelKind kind : kinds_of(device))
+    if (const Function found = form_of(kind).measurement->*function) return found;
+  return nullptr;
+}
+
 cnoid::DevicePtr make_device(const Device& device) {
-  struct Maker {
-    const Device& device;
-    cnoid::DevicePtr operator()(const ForceSensor&) const { return new cnoid::ForceSensor; }
-    cnoid::DevicePtr operator()(const Gyro&) const { return new cnoid::RateGyroSensor; }
-    cnoid::DevicePtr operator()(const Accelerometer&) const { return new cnoid::AccelerationSensor; }
-    cnoid::DevicePtr operator()(const Imu&) const { return new cnoid::Imu; }
-    cnoid::DevicePtr operator()(const Camera& camera) const { return make_camera(camera); }
-    cnoid::DevicePtr operator()(const RangeSensor& sensor) const { return make_range_sensor(sensor); }
-    cnoid::DevicePtr operator()(const Light& light) const { return make_light(light); }
-    cnoid::DevicePtr operator()(const ContactSensor&) const { return new ContactDevice; }
-    cnoid::DevicePtr operator()(const Rotor&) const { return make_rotor(device); }
-    cnoid::DevicePtr operator()(const Holder& holder) const { return make_holder(holder); }
-  };
-  cnoid::DevicePtr made = std::visit(Maker{device}, device.kind);
+  cnoid::DevicePtr made;
+  if (std::holds_alternative<Rotor>(device.kind))
+    made = make_rotor(device);
+  else if (const auto* holder = std::get_if<Holder>(&device.kind))
+    made = make_holder(*holder);
+  else if (const auto make = first_of_kinds(device, &DeviceMeasurement::make))
+    made = make(device);
+  else
+    made = new ValuesDevice(std::string(type_name(device)), static_cast<std::size_t>(value_count(device)));
   made->setName(device.name);
   made->setId(device.id);
   made->setLocalPosition(device.pose);
   return made;
-}
-
-void feed_camera(cnoid::Camera& target, const Camera& camera, const DeviceReading& reading, double delivered_at) {
-  if (!reading.image) {
-    target.clearState();
-    return;
-  }
-  const auto image = std::make_shared<cnoid::Image>();
-  image->setSize(reading.image->width, reading.image->height, 3);
-  std::copy(reading.image->pixels.begin(), reading.image->pixels.end(), image->pixels());
-  std::shared_ptr<cnoid::Image> handed = image;
-  target.setImage(handed);
-  target.setDelay(delivered_at - reading.measured_at);
-  auto* range_camera = dynamic_cast<cnoid::RangeCamera*>(&target);
-  if (!range_camera || !reading.depth) return;
-  auto points = std::make_shared<cnoid::RangeCamera::PointData>();
-  points_from_depth(camera, *reading.depth, *points);
-  range_camera->setPoints(points);
-}
-
-void feed_range_sensor(cnoid::RangeSensor& target, const DeviceReading& reading, double delivered_at) {
-  if (!reading.ranges) {
-    target.clearState();
-    return;
-  }
-  auto ranges = std::make_shared<cnoid::RangeSensor::RangeData>(reading.ranges->begin(), reading.ranges->end());
-  target.setRangeData(ranges);
-  target.setDelay(delivered_at - reading.measured_at);
 }
 
 }  // namespace
@@ -193,13 +116,11 @@ void set_initial_state(cnoid::Body& body, const Model& model, const BodyObservat
   body.initializeDeviceStates();
 }
 
-void feed_device(cnoid::Device& target, const Device& device, const DeviceReading& reading, double delivered_at) {
-  if (const auto* camera = std::get_if<Camera>(&device.kind))
-    feed_camera(static_cast<cnoid::Camera&>(target), *camera, reading, delivered_at);
-  else if (std::holds_alternative<RangeSensor>(device.kind))
-    feed_range_sensor(static_cast<cnoid::RangeSensor&>(target), reading, delivered_at);
-  else
+FeedFunction device_feed(const Device& device) {
+  if (const auto feed = first_of_kinds(device, &DeviceMeasurement::feed)) return feed;
+  return [](cnoid::Device& target, const Device&, const DeviceReading& reading, double) {
     target.readState(reading.values.data(), static_cast<int>(reading.values.size()));
+  };
 }
 
 }  // namespace rehearse

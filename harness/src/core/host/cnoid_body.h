@@ -19,6 +19,8 @@ void set_initial_state(cnoid::Body& body, const Model& model, const BodyObservat
 
 /// Copies a reading into the controller's device: values, picture and points, or ranges. Doesn't notify.
 /// `delivered_at`: time of delivery of a picture or scan [s].
-void feed_device(cnoid::Device& target, const Device& device, const DeviceReading& reading, double delivered_at);
+using FeedFunction = void (*)(cnoid::Device& target, const Device& device, const DeviceReading& reading,
+                              double delivered_at);
+FeedFunction device_feed(const Device& device);
 
 }  // namespace rehearse

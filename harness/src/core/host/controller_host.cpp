@@ -8,7 +8,7 @@
 #include "controller_watch.h"
 #include "core/guard/opened_files.h"
 #include "core/guard/supervisor.h"
-#include "core/trace/hashing.h"
+#include "core/mcap/hashing.h"
 #include "debug_hook.h"
 #include "model/clock.h"
 
@@ -274,8 +274,8 @@ bool ControllerHost::is_delayed(const HostedController& hosted) const {
   return !(hosted.parent >= 0 ? controllers_[hosted.parent] : hosted).io->isNoDelayMode();
 }
 
-void ControllerHost::tell(const HostedController& hosted, const DeviceOutput& output, Command& command) {
-  if (output.told) return;
+void ControllerHost::apply_device_output(const HostedController& hosted, const DeviceOutput& output, Command& command) {
+  if (output.acted_in_initialize) return;
   const auto is_odd = [](double number) { return !std::isfinite(number); };
   if (std::any_of(output.values.begin(), output.values.end(), is_odd)) {
     event(
@@ -290,7 +290,7 @@ void ControllerHost::tell(const HostedController& hosted, const DeviceOutput& ou
 
 void ControllerHost::apply(HostedController& hosted, Command& command) {
   BodyCommand& body = command.bodies[hosted.body];
-  for (const DeviceOutput& output : hosted.tick.device_outputs) tell(hosted, output, command);
+  for (const DeviceOutput& output : hosted.tick.device_outputs) apply_device_output(hosted, output, command);
   if (!hosted.running) return;
   const std::vector<double>& values = hosted.io->output_values();
   for (const IoField& field : hosted.io->outputs().fields) {

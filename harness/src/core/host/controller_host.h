@@ -149,7 +149,7 @@ class ControllerHost {
   void set_drives(std::size_t index, Command& command);
   bool pass_infos();
   void take_device_outputs(HostedController& hosted);
-  void tell(const HostedController& hosted, const DeviceOutput& output, Command& command);
+  void apply_device_output(const HostedController& hosted, const DeviceOutput& output, Command& command);
   void apply(HostedController& hosted, Command& command);
 
   RunEnvironment environment_;  // declared first: libraries that are closed may still change it

@@ -18,8 +18,8 @@
 #include "core/guard/guarded_call.h"
 #include "core/guard/own_library.h"
 #include "core/guard/supervisor.h"
+#include "core/mcap/hashing.h"
 #include "core/scenario/project.h"
-#include "core/trace/hashing.h"
 
 namespace rehearse {
 namespace {

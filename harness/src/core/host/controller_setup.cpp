@@ -174,8 +174,8 @@ Command ControllerHost::initialize(const Observation& initial) {
     // Commands to devices in initialize() act before the run, and are recorded with tick 0.
     HostedController& leader = hosted.parent >= 0 ? controllers_[hosted.parent] : hosted;
     for (DeviceOutput& output : leader.io_body->take_device_outputs()) {
-      tell(hosted, output, command);
-      output.told = true;
+      apply_device_output(hosted, output, command);
+      output.acted_in_initialize = true;
       leader.early_outputs.push_back(std::move(output));
     }
   }

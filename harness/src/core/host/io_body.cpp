@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "cnoid_body.h"
-
 namespace rehearse {
 
 std::string text_of(const cnoid::ValueNode* node) {
@@ -33,6 +31,7 @@ IoBody::IoBody(const ScenarioBody& description, const BodyObservation& initial)
       new_info_(model().devices.size(), false),
       said_(model().devices.size()) {
   set_initial_state(*body_, model(), initial);
+  for (const Device& device : model().devices) feeds_.push_back(device_feed(device));
   for (int i = 0; i < body_->numDevices(); ++i) {
     connections_.emplace_back(body_->device(i)->sigStateChanged().connect([this, i] {
       notified_[i] = true;
@@ -54,7 +53,7 @@ void IoBody::input_devices(const BodyObservation& seen, double delivered_at) {
     if (std::holds_alternative<Light>(model().devices[i].kind) && std::exchange(said_[i], {}) == seen.devices[i].values)
       continue;  // it sent the change itself
     cnoid::Device& device = *body_->device(static_cast<int>(i));
-    feed_device(device, model().devices[i], seen.devices[i], delivered_at);
+    feeds_[i](device, model().devices[i], seen.devices[i], delivered_at);
     connections_[i].block();  // incoming changes are not sent out again
     device.notifyStateChange();
     connections_[i].unblock();

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "cnoid_body.h"
+
 namespace rehearse {
 
 /// A command of a controller to a device by notifyStateChange(): the numbers of the device's writeState().
@@ -18,7 +20,7 @@ struct DeviceOutput {
   int device = 0;  // index into the model's devices
   bool on = true;
   std::vector<double> values;
-  bool told = false;  // it has acted already, and is only recorded
+  bool acted_in_initialize = false;  // it has acted already, and is only recorded
 };
 
 /// The info() of a device that a controller announced by notifyInfoChange(), as a separate copy.
@@ -58,6 +60,7 @@ class IoBody {
  private:
   const ScenarioBody& description_;  // the scenario outlives the run
   cnoid::BodyPtr body_;
+  std::vector<FeedFunction> feeds_;        // by device index
   std::vector<bool> enabled_;              // by device index
   std::vector<bool> notified_;             // by device index
   std::vector<bool> new_info_;             // by device index

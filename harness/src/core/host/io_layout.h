@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/trace/channel_name.h"
+#include "core/kinds/channel_name.h"
 
 namespace rehearse {
 

@@ -10,7 +10,7 @@
 #include <limits>
 #include <new>
 
-#include "core/trace/hashing.h"
+#include "core/mcap/hashing.h"
 
 namespace rehearse {
 namespace {

@@ -10,8 +10,8 @@
 #include <functional>
 #include <utility>
 
+#include "core/kinds/channel_name.h"
 #include "core/mcap/quiet_thread.h"
-#include "core/trace/channel_name.h"
 #include "core/trace/run_facts.h"
 #include "trace_call.h"
 

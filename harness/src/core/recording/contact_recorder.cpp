@@ -1,6 +1,6 @@
 #include "contact_recorder.h"
 
-#include "vector_messages.h"
+#include "core/kinds/vector_messages.h"
 
 namespace rehearse {
 

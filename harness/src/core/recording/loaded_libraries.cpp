@@ -15,7 +15,7 @@
 #include <string_view>
 #include <utility>
 
-#include "core/trace/hashing.h"
+#include "core/mcap/hashing.h"
 
 namespace rehearse {
 namespace {

@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "core/host/virtualised.h"
-#include "core/trace/hashing.h"
+#include "core/mcap/hashing.h"
 #include "core/trace/run_facts.h"
 #include "loaded_libraries.h"
 

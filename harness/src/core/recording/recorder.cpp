@@ -12,12 +12,11 @@
 
 #include "contact_recorder.h"
 #include "core/keeper/remote_writer.h"
-#include "core/trace/range_messages.h"
+#include "core/kinds/vector_messages.h"
 #include "device_recorder.h"
 #include "provenance.h"
 #include "side_recorder.h"
 #include "trace_output.h"
-#include "vector_messages.h"
 
 namespace rehearse {
 namespace {
@@ -84,7 +83,7 @@ std::string load_report(const Scenario& scenario, const std::string& model_file)
 /// The metadata of the channel of a device's states. Commands in initialize() act before the run.
 mcap::StringMap first_words_metadata(const ControllerChannels& channels, const DeviceOutput& first) {
   mcap::StringMap metadata = channels.output.metadata();
-  if (first.told) metadata["since"] = "initialize";
+  if (first.acted_in_initialize) metadata["since"] = "initialize";
   return metadata;
 }
 
@@ -324,12 +323,13 @@ Result<void> Recorder::Impl::write_transforms(std::int64_t tick, const Observati
       next(body.name + "/" + body.model->links[i].name) = {vector3(links[i].position),
                                                            quaternion(links[i].rotation.coeffs().data())};
     for (const Device& device : body.model->devices) {
-      if (!std::holds_alternative<RangeSensor>(device.kind)) continue;
+      const MessageFrame* frame = message_frame(device);
+      if (!frame) continue;
       const LinkReading& link = links[device.link];
       const Eigen::Vector3d place = link.position + link.rotation * device.pose.translation();
       const Eigen::Quaterniond turn =
-          link.rotation * Eigen::Quaterniond(Eigen::Matrix3d(device.pose.linear() * scan_axes()));
-      next(scan_frame(body.name, device)) = {vector3(place), quaternion(turn.coeffs().data())};
+          link.rotation * Eigen::Quaterniond(Eigen::Matrix3d(device.pose.linear() * frame->axes()));
+      next(frame_of(body.name, device)) = {vector3(place), quaternion(turn.coeffs().data())};
     }
   }
   return write(transform_channel, tick, transforms);

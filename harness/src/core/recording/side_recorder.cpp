@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "vector_messages.h"
+#include "core/kinds/vector_messages.h"
 
 namespace rehearse {
 namespace {
@@ -72,31 +72,17 @@ void SideRecorder::add_joints(TraceOutput& output, const ChannelName& of_side, c
 void SideRecorder::add_link(TraceOutput& output, ChannelName name, const Model& model, const IoField& field) {
   name.kind = channel_kind_of(field.quantity);
   name.owner = model.links[field.link].name;
-  std::uint16_t id = 0;
-  switch (field.quantity) {
-    case Quantity::pose: id = output.channel<msg::PoseStamped>(name, metadata_); break;
-    case Quantity::twist: id = output.channel<msg::TwistStamped>(name, metadata_); break;
-    case Quantity::acceleration: id = output.channel<msg::AccelStamped>(name, metadata_); break;
-    default: id = output.channel<msg::WrenchStamped>(name, metadata_); break;
-  }
-  links_.push_back({id, field});
+  links_.push_back({output.channel(name, metadata_), field, form_of(name.kind).numbers});
 }
 
 Result<void> SideRecorder::write(TraceOutput& output, std::int64_t tick, const std::vector<double>& values) {
   if (auto done = write_joints(output, tick, values); !done) return done;
   const msg::Header header{output.stamp(tick), "world"};
   for (const LinkChannel& link : links_) {
-    const double* v = values.data() + link.field.offset;
-    const auto write = [&](const auto& message) { return output.write(link.channel, tick, message); };
-    const Result<void> done = [&] {
-      switch (link.field.quantity) {
-        case Quantity::pose: return write(msg::PoseStamped{header, {point(v), quaternion(v + 3)}});
-        case Quantity::twist: return write(msg::TwistStamped{header, {vector3(v), vector3(v + 3)}});
-        case Quantity::acceleration: return write(msg::AccelStamped{header, {vector3(v), vector3(v + 3)}});
-        default: return write(msg::WrenchStamped{header, {vector3(v), vector3(v + 3)}});
-      }
-    }();
-    if (!done) return done;
+    const std::span numbers = std::span(values).subspan(link.field.offset, width_of(link.field.quantity));
+    link_message_.reset();
+    link.message->encode(header, numbers, link_message_);
+    if (auto done = output.write_encoded(link.channel, tick, link_message_.bytes()); !done) return done;
   }
   return {};
 }

@@ -41,6 +41,7 @@ class SideRecorder {
   struct LinkChannel {
     std::uint16_t channel;
     IoField field;
+    const NumberMessage* message;
   };
   void add_joints(TraceOutput& output, const ChannelName& of_side, const Model& model, const IoLayout& layout);
   void add_link(TraceOutput& output, ChannelName name, const Model& model, const IoField& field);
@@ -53,6 +54,7 @@ class SideRecorder {
   msg::JointAccelerations acceleration_message_;
   std::vector<int> acceleration_offsets_;  // offsets in the layout, by index in the message; -1: not enabled
   std::vector<LinkChannel> links_;
+  CdrWriter link_message_;
 };
 
 }  // namespace rehearse

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/trace/channel_name.h"
+#include "core/kinds/channel_name.h"
 #include "model/clock.h"
 
 namespace rehearse {
@@ -34,19 +34,25 @@ struct TraceOutput {
   RecordingSize size;
   std::map<std::string, std::uint16_t> by_topic;       // ids of channels
   std::map<std::string, mcap::StringMap> listed = {};  // metadata of channels by topic, if nothing is written
+  DeviceMessage device_message = {};                   // its memory is reused
 
   /// Adds a channel for messages of type T, which is the type of the name's kind. Returns its id, which is never 0. Its
   /// metadata is the units of that kind, and `metadata`.
   template <class T>
   std::uint16_t channel(const ChannelName& name, mcap::StringMap metadata = {}) {
     REHEARSE_ASSERT(form_of(name.kind).type == T::type_name, "a channel has the messages of its kind");
+    return channel(name, std::move(metadata));
+  }
+
+  std::uint16_t channel(const ChannelName& name, mcap::StringMap metadata = {}) {
+    const ChannelForm& form = form_of(name.kind);
     const std::string topic = name.topic();
     metadata.merge(unit_metadata(name.kind));
     if (!writer) {
       listed[topic] = std::move(metadata);
       return static_cast<std::uint16_t>(listed.size());
     }
-    const std::uint16_t schema = writer->add_schema(T::type_name, "ros2msg", msg::schema_text<T>());
+    const std::uint16_t schema = writer->add_schema(form.type, "ros2msg", form.schema());
     ++size.channels;
     return by_topic[topic] = writer->add_channel(schema, topic, "cdr", std::move(metadata), chunk_group_of(name));
   }
@@ -56,9 +62,13 @@ struct TraceOutput {
   Result<void> write(std::uint16_t to, std::int64_t tick, const T& message) {
     cdr_.reset();
     msg::encode(message, cdr_);
+    return write_encoded(to, tick, cdr_.bytes());
+  }
+
+  Result<void> write_encoded(std::uint16_t to, std::int64_t tick, mcap::Bytes message) {
     ++size.messages;
     const std::uint64_t now = nanoseconds_of(tick, time_step);
-    return writer->write(to, now, now, cdr_.bytes());
+    return writer->write(to, now, now, message);
   }
 
   /// Writes a message that takes long to compose. `held`: the size by which it counts until then [bytes].

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/trace/channel_name.h"
+#include "core/kinds/channel_name.h"
 #include "model/clock.h"
 
 namespace rehearse {

@@ -5,9 +5,12 @@
 #include <rehearse/mcap.h>
 #include <rehearse/model.h>
 
-#include "core/trace/channel_name.h"
+#include "core/kinds/channel_name.h"
 
 namespace rehearse {
+
+/// True if replays read messages of this kind as measurements of the device.
+bool is_read_from(const Device& device, ChannelKind kind);
 
 /// Sets the measured values of `device` and their time. `kind`: kind of the message's channel; `time_step` [s]. Fails
 /// if the message isn't of this device, or a picture can't be decoded.

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/trace/channel_name.h"
+#include "core/kinds/channel_name.h"
 #include "model/names.h"
 #include "model/text.h"
 
@@ -18,17 +18,6 @@ namespace {
 
 using Kind = InputTarget::Kind;
 using NamedTarget = std::pair<std::string, InputTarget>;
-
-/// The elements (name and unit) of a device's values, by index.
-std::span<const ChannelElement> value_elements(const Device& device) {
-  const std::span<const ChannelElement> of_imu = elements_of(ChannelKind::imu);
-  if (std::holds_alternative<ForceSensor>(device.kind)) return elements_of(ChannelKind::wrench);
-  if (std::holds_alternative<Gyro>(device.kind)) return of_imu.first(3);
-  if (std::holds_alternative<Accelerometer>(device.kind)) return of_imu.last(3);
-  if (std::holds_alternative<Imu>(device.kind)) return of_imu;
-  if (std::holds_alternative<ContactSensor>(device.kind)) return elements_of(ChannelKind::contact);
-  return {};
-}
 
 /// The number after the text `before`: 3 for "ranges/3" and "ranges/".
 std::optional<std::size_t> number_behind(std::string_view text, std::string_view before) {

@@ -6,13 +6,15 @@
 #include <bit>
 #include <cnoid/Device>
 
-#include "core/compare/compare_parts.h"
+#include "core/compare/compared_traces.h"
+#include "core/compare/divergence_text.h"
+#include "core/kinds/channel_name.h"
 
 namespace rehearse {
 namespace {
 
 std::string text_of_flag(const OutputField& field, bool actual) {
-  if (field.element == "told")
+  if (field.element == "commanded")
     return actual ? "the device is commanded, expected no command" : "the device isn't commanded, expected a command";
   if (field.element.starts_with("running"))
     return actual ? "the controller takes part, but is expected not to"
@@ -85,7 +87,7 @@ void OutputRecord::add_devices(const HostedController& hosted, const Model& mode
     const std::string channel =
         ChannelName::of_controller(hosted.label, ChannelSide::output, ChannelKind::device_state, model.devices[d].name)
             .topic();
-    add(hosted, channel, "told", "", CellKind::boolean);
+    add(hosted, channel, "commanded", "", CellKind::boolean);
     for (std::size_t i = 0; i < place.values; ++i)
       add(hosted, channel, fmt::format("values/{}", i), "", CellKind::floating);
   }

@@ -10,17 +10,12 @@
 #include <span>
 #include <utility>
 
-#include "core/trace/joint_arrays.h"
+#include "core/kinds/joint_arrays.h"
 #include "core/trace/run_facts.h"
 #include "device_message.h"
 
 namespace rehearse {
-namespace {
-
-Eigen::Vector3d vector(const msg::Vector3& v) { return {v.x, v.y, v.z}; }
-Eigen::Vector3d vector(const msg::Point& p) { return {p.x, p.y, p.z}; }
-
-}  // namespace
+namespace {}  // namespace
 
 /// The destination of the messages of one channel.
 struct RecordedInputs::Feed {
@@ -116,13 +111,13 @@ void RecordedInputs::add(std::uint16_t id, const ChannelName& name, const std::s
   if (!of_body && name.side != ChannelSide::input) return;
   if (name.is_of_link()) {
     feed.link = body->model->find_link(name.owner);
-    if (feed.link < 0 || feed.kind == ChannelKind::wrench) return;  // a wrench that is read is always zero
+    if (feed.link < 0 || !form_of(feed.kind).read_link) return;
     if (feed.kind == ChannelKind::contacts) observation_.bodies[feed.body].contacts.resize(body->model->links.size());
     return keep();
   }
   if (of_body && !name.owner.empty()) {
     feed.device = body->model->find_device(name.owner);
-    if (feed.device >= 0 && feed.kind != ChannelKind::camera_info) keep();
+    if (feed.device >= 0 && is_read_from(body->model->devices[feed.device], feed.kind)) keep();
   } else if (of_body && feed.kind == ChannelKind::joints) {
     keep();
   }
@@ -225,45 +220,9 @@ Result<void> RecordedInputs::accept(const mcap::Message& message) {
   Feed& feed = *feeds_.at(message.channel->id);
   if (feed.kind == ChannelKind::joystick) return accept_joystick(message);
   if (feed.device >= 0) return accept_device(feed, message);
-  BodyObservation& body = observation_.bodies[feed.body];
-  CdrReader reader(message.data);
-  bool fits = true;
-  switch (feed.kind) {
-    case ChannelKind::joints:
-    case ChannelKind::joint_accelerations: fits = accept_joints(feed, message.data); break;
-    case ChannelKind::pose: {
-      msg::PoseStamped pose;
-      fits = msg::decode(reader, pose);
-      const auto& [position, orientation] = pose.pose;
-      body.links[feed.link].position = vector(position);
-      body.links[feed.link].rotation = {orientation.w, orientation.x, orientation.y, orientation.z};
-      break;
-    }
-    case ChannelKind::twist: {
-      msg::TwistStamped twist;
-      fits = msg::decode(reader, twist);
-      body.links[feed.link].velocity = vector(twist.twist.linear);
-      body.links[feed.link].angular_velocity = vector(twist.twist.angular);
-      break;
-    }
-    case ChannelKind::acceleration: {
-      msg::AccelStamped acceleration;
-      fits = msg::decode(reader, acceleration);
-      body.links[feed.link].acceleration = vector(acceleration.accel.linear);
-      body.links[feed.link].angular_acceleration = vector(acceleration.accel.angular);
-      break;
-    }
-    case ChannelKind::contacts: {
-      msg::Contacts contacts;
-      fits = msg::decode(reader, contacts);
-      body.contacts[feed.link].clear();
-      for (const msg::Contact& contact : contacts.contacts)
-        body.contacts[feed.link].push_back({vector(contact.position), vector(contact.normal), vector(contact.force),
-                                            vector(contact.velocity), contact.depth});
-      break;
-    }
-    default: break;  // add() keeps no other kinds
-  }
+  const auto read_link = form_of(feed.kind).read_link;
+  const bool fits = read_link ? read_link(message.data, feed.link, observation_.bodies[feed.body])
+                              : accept_joints(feed, message.data);
   if (fits) return {};
   return error(fmt::format("a message on {} at {} ns is not of its type", feed.topic, message.log_time));
 }

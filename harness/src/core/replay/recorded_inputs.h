@@ -14,7 +14,7 @@
 
 #include "core/host/controller_host.h"
 #include "core/host/io_layout.h"
-#include "core/trace/channel_name.h"
+#include "core/kinds/channel_name.h"
 
 namespace rehearse {
 

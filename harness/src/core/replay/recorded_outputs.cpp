@@ -35,7 +35,7 @@ void RecordedOutputs::add_channel(const mcap::Reader& trace, const mcap::Channel
                                   const HostedController& hosted) {
   auto added = std::make_unique<Channel>(channel, trace.schema_of(channel));
   added->hosted = &hosted;
-  added->told = word_of(channel.topic, "told");
+  added->commanded = word_of(channel.topic, "commanded");
   added->judged = judge_.add_channel(added->rows.table);
   by_id_[channel.id] = std::move(added);
   channels_.push_back(channel.id);
@@ -48,12 +48,12 @@ void RecordedOutputs::sort_words() {
       const OutputField& field = fields_[word];
       if (field.controller != hosted.label) continue;
       if (field.channel == run_topics::tick) continue;
-      const bool of_device = word_of(field.channel, "told") != none;
+      const bool of_device = word_of(field.channel, "commanded") != none;
       const auto is_recorded = [&](const auto& entry) { return entry.second->topic() == field.channel; };
       if (!of_device)
         commands_.push_back({word, &hosted});
       else if (field.kind == CellKind::boolean && std::ranges::none_of(by_id_, is_recorded))
-        untold_.push_back({word, &hosted});
+        uncommanded_.push_back({word, &hosted});
     }
   }
 }
@@ -138,7 +138,7 @@ std::int64_t RecordedOutputs::compare(std::int64_t tick, const std::vector<std::
   std::int64_t compared = 0;
   find_unpaired();
   for (const auto& [id, channel] : by_id_) compared += compare_channel(*channel, tick, row, differs);
-  for (const Word& at : untold_)
+  for (const Word& at : uncommanded_)
     if (auto found = difference(fields_[at.word], 0, row[at.word]); found && at.hosted->running)
       differs(*std::move(found));
   for (const Word& at : unpaired_) {
@@ -175,8 +175,8 @@ std::int64_t RecordedOutputs::compare_unmatched(const Channel& channel, const On
 
 std::int64_t RecordedOutputs::compare_channel(Channel& channel, std::int64_t tick,
                                               const std::vector<std::uint64_t>& row, const OnDifference& differs) {
-  if (channel.told != none) {
-    auto found = difference(fields_[channel.told], channel.here ? 1 : 0, row[channel.told]);
+  if (channel.commanded != none) {
+    auto found = difference(fields_[channel.commanded], channel.here ? 1 : 0, row[channel.commanded]);
     if (found) differs(*std::move(found));
     if (found) return 1;
   }

@@ -17,7 +17,7 @@
 
 #include "core/compare/row_judge.h"
 #include "core/host/controller_host.h"
-#include "core/trace/channel_name.h"
+#include "core/kinds/channel_name.h"
 #include "core/trace/trace_rows.h"
 
 namespace rehearse {
@@ -56,7 +56,7 @@ class RecordedOutputs {
     ChannelRows rows;  // the row of the last message
     const HostedController* hosted = nullptr;
     std::size_t judged = 0;              // its number in the judge
-    std::size_t told = none;             // the word that is 1 if the device was commanded; none: no device's channel
+    std::size_t commanded = none;        // the word that is 1 if the device was commanded; none: no device's channel
     bool here = false;                   // the channel had a message in this tick
     bool was_here = false;               // the channel had a message in the tick of unpaired_
     std::vector<TraceColumn> columns;    // of its rows, then the values of a device that the recording lacks
@@ -88,10 +88,10 @@ class RecordedOutputs {
   std::map<std::pair<std::string, std::string>, std::size_t> words_;  // index of the word by channel and element
   std::vector<std::uint16_t> channels_;
   std::map<std::uint16_t, std::unique_ptr<Channel>> by_id_;
-  std::vector<Word> commands_;  // words of numbers, except those of devices
-  std::vector<Word> untold_;    // words that are 1 if a device was commanded, of devices without recorded commands
-  bool new_columns_ = true;     // columns were found since unpaired_ was made
-  std::vector<Word> unpaired_;  // words of commands_ that no message of the tick contains
+  std::vector<Word> commands_;     // words of numbers, except those of devices
+  std::vector<Word> uncommanded_;  // words that are 1 if a device was commanded, of devices without recorded commands
+  bool new_columns_ = true;        // columns were found since unpaired_ was made
+  std::vector<Word> unpaired_;     // words of commands_ that no message of the tick contains
 };
 
 }  // namespace rehearse

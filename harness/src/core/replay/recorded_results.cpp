@@ -4,7 +4,7 @@
 #include <iterator>
 #include <utility>
 
-#include "core/trace/channel_name.h"
+#include "core/kinds/channel_name.h"
 #include "model/clock.h"
 #include "output_record.h"
 

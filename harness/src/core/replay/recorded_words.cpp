@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/trace/channel_name.h"
+#include "core/kinds/channel_name.h"
 
 namespace rehearse {
 namespace {

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "core/host/controller_host.h"
-#include "core/trace/hashing.h"
+#include "core/mcap/hashing.h"
 
 namespace rehearse {
 

@@ -5,7 +5,7 @@
 
 #include <utility>
 
-#include "core/trace/channel_name.h"
+#include "core/kinds/channel_name.h"
 #include "model/clock.h"
 
 namespace rehearse {

@@ -10,8 +10,8 @@
 #include <span>
 #include <utility>
 
-#include "core/compare/compare_parts.h"
-#include "core/trace/channel_name.h"
+#include "core/compare/compare_variables.h"
+#include "core/kinds/channel_name.h"
 #include "model/clock.h"
 
 namespace rehearse {

@@ -7,9 +7,9 @@
 
 #include "core/guard/opened_files.h"
 #include "core/host/virtualised.h"
+#include "core/kinds/channel_name.h"
 #include "core/recording/provenance.h"
 #include "core/recording/recorder.h"
-#include "core/trace/channel_name.h"
 #include "core/trace/run_facts.h"
 #include "recording_source.h"
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <vector>
 
-#include "core/trace/hashing.h"
+#include "core/mcap/hashing.h"
 #include "model/clock.h"
 #include "model/names.h"
 #include "model/text.h"

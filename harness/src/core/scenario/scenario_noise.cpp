@@ -15,8 +15,22 @@
 namespace rehearse {
 namespace {
 
-constexpr std::array quantity_keys{"angular_velocity", "acceleration", "force", "torque", "range", "color", "depth",
-                                   "displacement",     "velocity",     "effort"};
+/// The quantities of all devices, and those of joints.
+const std::vector<std::string_view>& quantity_keys() {
+  static const std::vector<std::string_view> all = [] {
+    std::vector<std::string_view> names;
+    for (const DeviceKind& kind : device_kinds()) {
+      Device device;
+      device.kind = kind;
+      for (const MeasuredQuantity& quantity : quantities_of(device))
+        if (std::find(names.begin(), names.end(), quantity.name) == names.end()) names.push_back(quantity.name);
+    }
+    for (const MeasuredQuantity& quantity : joint_quantities) names.push_back(quantity.name);
+    return names;
+  }();
+  return all;
+}
+
 constexpr double largest = 1e6;  // of a bias or standard deviation, in any unit
 
 /// A device or a joint with noise.
@@ -118,7 +132,7 @@ Noise NoiseReader::read_noise(const NamedEntry& entry, int axes) const {
 NoiseReader::Given NoiseReader::read_quantities(const Keys& keys, const std::vector<const Target*>& targets) const {
   Given given;
   for (const NamedEntry& entry : keys.entries()) {
-    if (std::find(quantity_keys.begin(), quantity_keys.end(), entry.name) == quantity_keys.end()) continue;
+    if (std::find(quantity_keys().begin(), quantity_keys().end(), entry.name) == quantity_keys().end()) continue;
     std::vector<std::string> known;
     std::optional<MeasuredQuantity> found;
     for (const Target* target : targets) {
@@ -154,9 +168,9 @@ void NoiseReader::give(const Target& target, const Given& given, double dropout)
 }
 
 void NoiseReader::read_rule(const YamlNode& node) {
-  const Keys keys(findings_, node, "noise",
-                  {"sensor", "joint", "dropout", "angular_velocity", "acceleration", "force", "torque", "range",
-                   "color", "depth", "displacement", "velocity", "effort"});
+  std::vector<std::string_view> known{"sensor", "joint", "dropout"};
+  known.insert(known.end(), quantity_keys().begin(), quantity_keys().end());
+  const Keys keys(findings_, node, "noise", known);
   if (!keys.is_map()) return;
   const auto targets = find_targets(keys, node);
   if (!targets) return;

@@ -280,8 +280,7 @@ const YamlNode* find_key(const YamlNode& map, std::string_view key) {
   return nullptr;
 }
 
-Keys::Keys(Findings& findings, const YamlNode& node, std::string_view owner,
-           std::initializer_list<std::string_view> known)
+Keys::Keys(Findings& findings, const YamlNode& node, std::string_view owner, const std::vector<std::string_view>& known)
     : findings_(findings), node_(node), owner_(owner) {
   if (!is_map()) {
     findings_.error(node, fmt::format("{} is {}", owner, describe(node)), "expected a map of KEY: VALUE");

@@ -105,7 +105,7 @@ const YamlNode* find_key(const YamlNode& map, std::string_view key);
 class Keys {
  public:
   /// `owner` is the described object, with its article: "a body".
-  Keys(Findings& findings, const YamlNode& node, std::string_view owner, std::initializer_list<std::string_view> known);
+  Keys(Findings& findings, const YamlNode& node, std::string_view owner, const std::vector<std::string_view>& known);
 
   bool is_map() const { return node_.kind == YamlNode::Kind::map; }
   /// The value, or null if the key is missing.

@@ -12,7 +12,7 @@ void CheckpointTrial::begin(std::int64_t number, std::span<const std::byte> stat
   const bool tried = number == 0 || std::has_single_bit(static_cast<std::uint64_t>(number));
   if (!tried || !finding_.empty()) return;
   if (!twin_) {
-    auto world = World::create(world_settings(scenario_), world_bodies(scenario_));
+    auto world = World::create(scenario_, world_bodies(scenario_));
     REHEARSE_ASSERT(world, "a second world can be made like the first");
     twin_ = std::move(*world);
   }

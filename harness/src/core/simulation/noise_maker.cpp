@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/trace/hashing.h"
+#include "core/mcap/hashing.h"
 
 namespace rehearse {
 namespace {

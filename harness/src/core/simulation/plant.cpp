@@ -37,14 +37,9 @@ std::vector<WorldBody> world_bodies(const Scenario& scenario) {
   return bodies;
 }
 
-WorldSettings world_settings(const Scenario& scenario) {
-  return {scenario.time_step,  scenario.gravity, scenario.seed,       scenario.solver,
-          scenario.lever_arms, scenario.pairs,   scenario.connections};
-}
-
 Result<std::unique_ptr<Plant>> Plant::create(const Scenario& scenario, const Scenario* noise_of) {
   std::unique_ptr<Plant> plant(new Plant(scenario, noise_of ? *noise_of : scenario));
-  auto world = World::create(world_settings(scenario), world_bodies(scenario));
+  auto world = World::create(scenario, world_bodies(scenario));
   if (!world) return world.errors();
   plant->world_ = std::move(*world);
   plant->scanner_ = std::make_unique<Scanner>(*plant->world_, scenario.time_step, models_of(scenario));

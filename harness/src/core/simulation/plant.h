@@ -69,6 +69,5 @@ void use_up_wrenches(Command& command);
 
 /// The bodies of the world of a scenario.
 std::vector<WorldBody> world_bodies(const Scenario& scenario);
-WorldSettings world_settings(const Scenario& scenario);
 
 }  // namespace rehearse

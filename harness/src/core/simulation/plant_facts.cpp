@@ -11,11 +11,11 @@
 #include <utility>
 
 #include "core/host/virtualised.h"
+#include "core/mcap/hashing.h"
 #include "core/recording/loaded_libraries.h"
 #include "core/recording/provenance.h"
 #include "core/recording/recorder.h"
 #include "core/scenario/plant_text.h"
-#include "core/trace/hashing.h"
 #include "core/trace/run_facts.h"
 
 extern char** environ;

@@ -72,7 +72,7 @@ Result<void> RecordedCheckpoints::make_recorded_world() {
     for (Link& link : model.links) link.collisions.clear();
     body.model = std::make_shared<const Model>(std::move(model));
   }
-  auto world = World::create(world_settings(*recorded), std::move(bodies));
+  auto world = World::create(*recorded, std::move(bodies));
   if (!world) return world.errors();
   recorded_world_ = *std::move(world);
   return {};

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "core/trace/channel_name.h"
+#include "core/kinds/channel_name.h"
 #include "core/trace/trace_windows.h"
 
 namespace rehearse {

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "core/host/timing.h"
+#include "core/kinds/channel_name.h"
 #include "core/run/run.h"
-#include "core/trace/channel_name.h"
 #include "core/trace/trace_windows.h"
 
 namespace rehearse {

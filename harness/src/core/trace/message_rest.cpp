@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include "core/mcap/glob.h"
-#include "hashing.h"
+#include "core/mcap/hashing.h"
 
 namespace rehearse {
 namespace {

@@ -33,7 +33,7 @@ void put_list(mcap::StringMap& metadata, const char* key, const std::vector<std:
   for (std::size_t i = 0; i < texts.size(); ++i) metadata[fmt::format("{}.{}", key, i + 1)] = texts[i];
 }
 
-std::vector<std::string> list_of(const mcap::StringMap& metadata, const char* key) {
+std::vector<std::string> numbered_values(const mcap::StringMap& metadata, const char* key) {
   std::vector<std::string> texts;
   while (const auto text = text_of(metadata, fmt::format("{}.{}", key, texts.size() + 1).c_str()))
     texts.push_back(*text);
@@ -93,9 +93,9 @@ BranchOrigin BranchOrigin::of(const mcap::StringMap& metadata) {
   origin.tick = number_of<std::int64_t>(metadata, tick_key).value_or(0);
   origin.time = number_of<double>(metadata, time_key).value_or(0.0);
   origin.checkpoint = stated(metadata, checkpoint_key);
-  origin.set = list_of(metadata, set_key);
-  origin.push = list_of(metadata, push_key);
-  origin.controllers = list_of(metadata, controller_key);
+  origin.set = numbered_values(metadata, set_key);
+  origin.push = numbered_values(metadata, push_key);
+  origin.controllers = numbered_values(metadata, controller_key);
   origin.acted_until = number_of<std::int64_t>(metadata, acted_until_key);
   return origin;
 }

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "channel_name.h"
+#include "core/kinds/channel_name.h"
 #include "model/text.h"
 #include "run_facts.h"
 
@@ -22,7 +22,7 @@ double number_or_zero(const mcap::StringMap& metadata, const char* key) {
 
 bool is_state(std::string_view topic) {
   const ChannelName name = ChannelName::parse(topic);
-  return name.side == ChannelSide::none && name.kind >= ChannelKind::joints && name.kind <= ChannelKind::contact;
+  return name.side == ChannelSide::none && name.kind != ChannelKind::other && form_of(name.kind).is_state;
 }
 
 bool StateRate::reduces(std::string_view topic) const { return !whole.contains(std::string(topic)) && is_state(topic); }

@@ -16,23 +16,6 @@
 
 namespace rehearse {
 
-double TraceChannel::number(std::size_t row_index, std::size_t column) const {
-  const std::uint64_t cell = bits(row_index, column);
-  switch (columns[column].kind) {
-    case CellKind::floating: return std::bit_cast<double>(cell);
-    case CellKind::signed_integer: return static_cast<double>(static_cast<std::int64_t>(cell));
-    case CellKind::unsigned_integer:
-    case CellKind::boolean: return static_cast<double>(cell);
-  }
-  REHEARSE_ASSERT(false, "the value is no CellKind");
-}
-
-const TraceRest* TraceChannel::rest_of(std::size_t message) const {
-  const auto after = std::upper_bound(rests.begin(), rests.end(), message,
-                                      [](std::size_t index, const TraceRest& rest) { return index < rest.first; });
-  return after == rests.begin() ? nullptr : &*std::prev(after);
-}
-
 /// The samples of a series that exists and has at least one sample.
 struct Trace::Samples {
   const TraceChannel& channel;

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <string_view>
 
-#include "channel_name.h"
+#include "core/kinds/channel_name.h"
 #include "model/text.h"
 #include "run_facts.h"
 

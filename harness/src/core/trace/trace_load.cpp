@@ -6,8 +6,8 @@
 #include <iterator>
 #include <numeric>
 
-#include "channel_name.h"
-#include "hashing.h"
+#include "core/kinds/channel_name.h"
+#include "core/mcap/hashing.h"
 #include "message_rest.h"
 #include "trace_windows.h"
 

@@ -5,44 +5,9 @@
 #include <rehearse/messages.h>
 #include <rehearse/trace.h>
 
-#include <bit>
+#include "core/kinds/rows.h"
 
 namespace rehearse {
-
-/// Appends rows to a channel's table. Columns are found by name, and added for new names.
-class RowWriter {
- public:
-  /// The channel may have columns already.
-  explicit RowWriter(TraceChannel& channel);
-
-  void begin_row();
-  void put(std::string_view element, CellKind kind, std::uint64_t bits);
-  void put(std::string_view element, double value) {
-    put(element, CellKind::floating, std::bit_cast<std::uint64_t>(value));
-  }
-  /// Writes the last columns of the row, `name`/0, `name`/1, ...; rows may have different numbers of them.
-  void put_array(std::string_view name, std::span<const float> values);
-  /// The next cells of the row. The columns must be equal to the columns of the row before.
-  std::span<std::uint64_t> next_cells(std::size_t count);
-
- private:
-  std::size_t add_column(std::string_view element, CellKind kind);
-  void widen(std::size_t added, CellKind kind);
-
-  TraceChannel& channel_;
-  std::map<std::string, std::size_t, std::less<>> by_name_;
-  std::vector<std::uint64_t> empty_row_;
-  std::size_t cursor_ = 0;  // the column after the last written column: nearly always the next column to write
-  std::size_t array_begin_ = 0, array_size_ = 0;  // the columns of put_array
-};
-
-/// Reads the messages of one channel into its table.
-class RowReader {
- public:
-  virtual ~RowReader() = default;
-  /// Appends one row; false if the payload doesn't fit the schema.
-  virtual bool read(std::span<const std::byte> payload) = 0;
-};
 
 /// A reader for the types with a specific table in TRACE_FORMAT.md; null for all others.
 std::unique_ptr<RowReader> make_typed_row_reader(TraceChannel& channel);

@@ -1,4 +1,4 @@
-// LogMap: assigns topics of a robot's log to inputs of a controller, from a YAML file. fixtures/README.md describes the
+// LogMap: assigns topics of a robot's log to inputs of a controller, from a YAML file. The page reference/map.md describes the
 // file format.
 //
 // A map is checked against the model and the log's topics. So every mistake (a missing joint, device or topic, a type

@@ -17,7 +17,7 @@ namespace rehearse {
 namespace {
 
 /// The first names, for a message.
-std::string list_of(std::vector<std::string> names) {
+std::string first_names(std::vector<std::string> names) {
   constexpr std::size_t most = 6;
   if (names.size() > most) names.resize(most), names.emplace_back("...");
   return fmt::format("{}", fmt::join(names, ", "));
@@ -66,7 +66,7 @@ std::string quantities_of(const SourceSurvey& survey, const Model& model) {
     if (given.dq) names.push_back(name + "/dq");
     if (given.u) names.push_back(name + "/u");
   }
-  return names.empty() ? "no joint of the model" : list_of(names);
+  return names.empty() ? "no joint of the model" : first_names(names);
 }
 
 class Requirements {
@@ -197,7 +197,7 @@ Diagnostics mistakes_in_names(const std::vector<MappedSource>& sources, const Lo
     }
     for (const auto& [topic, joints] : shared)
       mistakes.push_back(at(sources[i].source->place, error(fmt::format("'{}' and '{}' both have {}", topic,
-                                                                        sources[i].source->topic, list_of(joints)),
+                                                                        sources[i].source->topic, first_names(joints)),
                                                             "expected one source for a joint")));
   }
   return mistakes;
@@ -222,7 +222,7 @@ Result<void> check_commands(const ControllerHost& host, const Model& model, cons
   if (commanded.empty())
     return at(source.place, error("nothing can be compared: the controller commands no joint", "take commands out"));
   if (missing.empty()) return {};
-  const std::string list = list_of(missing);
+  const std::string list = first_names(missing);
   if (missing.size() == commanded.size())
     return at(source.place, error(fmt::format("nothing can be compared: the controller commands {}, and '{}' has {}",
                                               list, source.topic, quantities_of(survey, model)),

@@ -1,5 +1,5 @@
 // Log replay: feeds the log of a real robot to a controller, without physics. A log is a ROS 2 bag (MCAP, cdr). A map,
-// a YAML file described in fixtures/README.md, assigns topics to inputs.
+// a YAML file described in the page reference/map.md, assigns topics to inputs.
 //
 // The result is an ordinary recording: the inputs of the controller at its ticks, and its commands. It can be replayed
 // (replay.h), compared and accepted as a golden; it has no physics to repeat. Links neither ODE nor OSMesa.

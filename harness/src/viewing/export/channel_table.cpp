@@ -10,7 +10,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/compare/compare_parts.h"
+#include "core/kinds/channel_name.h"
 #include "core/ros2msg/ros2msg.h"
 #include "core/trace/message_json.h"
 

@@ -9,10 +9,13 @@
 #include <future>
 #include <memory>
 
-#include "core/compare/compare_parts.h"
+#include "core/compare/compared_traces.h"
+#include "core/compare/series_rules.h"
+#include "core/kinds/channel_name.h"
 #include "core/mcap/glob.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/filter.h"
+#include "core/trace/run_facts.h"
 #include "report_findings.h"
 #include "report_page.h"
 #include "report_pictures.h"

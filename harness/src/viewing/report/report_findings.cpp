@@ -6,8 +6,9 @@
 #include <limits>
 #include <string_view>
 
-#include "core/compare/compare_parts.h"
+#include "core/compare/divergence_text.h"
 #include "core/compare/report_json.h"
+#include "core/compare/series_rules.h"
 
 namespace rehearse {
 namespace {

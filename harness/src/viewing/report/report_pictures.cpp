@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "core/compare/recorded_picture.h"
-#include "core/trace/channel_name.h"
+#include "core/kinds/channel_name.h"
 #include "picture/picture.h"
 #include "viewing/export/picture_file.h"
 

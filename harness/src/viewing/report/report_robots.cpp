@@ -10,7 +10,7 @@
 #include <cmath>
 #include <optional>
 
-#include "core/trace/channel_name.h"
+#include "core/kinds/channel_name.h"
 
 namespace rehearse {
 namespace {

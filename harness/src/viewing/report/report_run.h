@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/compare/compare_parts.h"
+#include "core/compare/tick_clock.h"
 
 namespace rehearse {
 

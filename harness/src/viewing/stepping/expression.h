@@ -4,7 +4,7 @@
 //   abs(delta(output/RLEG_KNEE/u)) > 5 || message("*slip*")
 //
 // An expression is parsed once, with the names of a recording, and then evaluated for any tick. It has a type, and each
-// of its parts has one; parsing reports type errors with their place. tools/README.md describes the language.
+// of its parts has one; parsing reports type errors with their place. The page reference/expressions.md describes the language.
 //
 // Numbers are doubles. A comparison with NaN is false, except !=. Functions of the tick before (prev, delta, changed)
 // return NaN and false in the first tick.

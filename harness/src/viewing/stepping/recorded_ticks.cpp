@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-#include "core/trace/channel_name.h"
+#include "core/kinds/channel_name.h"
 
 namespace rehearse {
 

@@ -11,8 +11,8 @@
 #include <map>
 #include <tuple>
 
+#include "core/kinds/channel_name.h"
 #include "core/replay/replay_recording.h"
-#include "core/trace/channel_name.h"
 #include "model/clock.h"
 
 namespace rehearse {

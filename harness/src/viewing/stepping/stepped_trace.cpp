@@ -4,10 +4,11 @@
 
 #include <algorithm>
 
-#include "core/compare/compare_parts.h"
+#include "core/kinds/channel_name.h"
 #include "core/mcap/glob.h"
 #include "core/mcap/whole_input.h"
 #include "core/scenario/trace_scenario.h"
+#include "core/trace/run_facts.h"
 #include "name_search.h"
 #include "stepped_trace_impl.h"
 #include "viewing/export/picture_file.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "contact_history.h"
-#include "core/trace/channel_name.h"
+#include "core/kinds/channel_name.h"
 #include "message_finder.h"
 #include "model/clock.h"
 #include "recorded_ticks.h"

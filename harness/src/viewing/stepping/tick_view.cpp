@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "core/compare/compare_parts.h"
+#include "core/kinds/channel_name.h"
 #include "stepped_trace_impl.h"
 #include "viewing/export/picture_file.h"
 

@@ -1,9 +1,7 @@
-// The vocabulary of a recording: the parts of the name of a channel (its topic). For each kind of channel it has the
-// message type, the names and units of its elements, and the stage that makes its values. No other code parses topics.
+// The parts of the name of a channel (its topic). No other code parses topics.
 #pragma once
 
 #include <rehearse/mcap.h>
-#include <rehearse/trace.h>
 
 #include <cstdint>
 #include <span>
@@ -11,36 +9,9 @@
 #include <string_view>
 #include <vector>
 
-namespace rehearse {
+#include "kinds.h"
 
-/// The kind of a channel's messages, as the last segment of its topic states it.
-enum class ChannelKind : std::uint8_t {
-  tick,
-  transforms,
-  joystick,
-  events,
-  contact_changes,
-  checkpoint,
-  joints,  // from here to `contact`: the kinds of is_state() in state_rate.h
-  measured_joints,
-  joint_accelerations,
-  pose,
-  twist,
-  acceleration,
-  wrench,
-  contacts,
-  imu,
-  contact,
-  scan,
-  points,
-  image,
-  depth,
-  camera_info,
-  device_state,
-  delay,
-  variable,
-  other,  // a topic that no recording of Rehearse has
-};
+namespace rehearse {
 
 /// The owner of the values: the simulated body, or one of the sides of a controller.
 enum class ChannelSide : std::uint8_t {
@@ -111,39 +82,6 @@ std::string_view distinguishing_segment(std::string_view topic);
 
 /// The body at the beginning of a series, a frame or a link's full name: "SR1" of "SR1/WAIST"; empty: there is no '/'.
 std::string_view body_of_name(std::string_view name);
-
-/// Numbers of a message that share a name and a unit.
-struct ElementGroup {
-  std::string_view name;  // "position"; empty: the whole message
-  std::string_view unit;  // may be empty; for a quantity of joints the unit of a rotational joint
-  /// "xyz": the elements are position/x, position/y, position/z; empty: one element or an array.
-  std::string_view axes = {};
-  std::string_view linear_unit = {};  // unit of a prismatic joint
-};
-
-struct ChannelForm {
-  ChannelKind kind;
-  /// The object that a channel describes: the whole run, a body (or all joints on a controller's side), one link or
-  /// device, or a variable.
-  enum class Level : std::uint8_t { run, body, owner, variable } level;
-  std::string_view segment;  // last segment of the topic
-  std::string_view type;     // type of the channel's messages
-  Stage stage;               // stage that makes the values of a channel without side
-  std::span<const ElementGroup> groups = {};
-};
-
-/// The row of the table for a kind, which must not be `other`.
-const ChannelForm& form_of(ChannelKind kind);
-
-/// An element of a message and its unit, which may be empty.
-struct ChannelElement {
-  std::string name;  // "position/x"
-  std::string_view unit;
-};
-
-/// The elements of kinds whose messages always have the same elements: poses, twists, accelerations, wrenches, IMUs and
-/// contact sensors, in the order of the message's fields.
-const std::vector<ChannelElement>& elements_of(ChannelKind kind);
 
 /// False if no series of a recorded channel matches the pattern, whatever values its messages have.
 bool may_match(std::string_view topic, std::string_view pattern);

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "core/trace/hashing.h"
+#include "core/mcap/hashing.h"
 #include "picture/picture.h"
 
 namespace rehearse {

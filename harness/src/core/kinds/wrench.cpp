@@ -1,0 +1,32 @@
+// The measurement of a force sensor; on a side of a controller the external force on a link.
+#include <cnoid/ForceSensor>
+
+#include "number_message.h"
+
+namespace rehearse {
+namespace {
+
+constexpr ElementGroup wrench_groups[] = {{"force", "N", "xyz"}, {"torque", "N·m", "xyz"}};
+
+auto places_of_wrench(msg::WrenchStamped& message) { return numbers_in(message.wrench.force, message.wrench.torque); }
+
+constexpr DeviceMeasurement wrench_measurement{
+    .is_of = [](const Device& device) { return std::holds_alternative<ForceSensor>(device.kind); },
+    .make = [](const Device&) -> cnoid::Device* { return new cnoid::ForceSensor; }};
+
+}  // namespace
+
+const ChannelForm wrench_kind{.level = ChannelForm::Level::owner,
+                              .segment = "wrench",
+                              .type = msg::WrenchStamped::type_name,
+                              .schema = msg::schema_text<msg::WrenchStamped>,
+                              .stage = Stage::sensors,
+                              .groups = wrench_groups,
+                              .has_fixed_elements = true,
+                              .is_state = true,
+                              .of_link = ChannelForm::OfLink::on_sides,
+                              .make_rows = number_rows<msg::WrenchStamped, places_of_wrench, ChannelKind::wrench>,
+                              .numbers = &number_message<msg::WrenchStamped, places_of_wrench>,
+                              .measurement = &wrench_measurement};
+
+}  // namespace rehearse
