@@ -60,6 +60,7 @@ const Broken all_broken[] = {
     {"seed_fraction", 3, 7, "seed is 1.5.*whole number"},
     {"gravity_of_two", 3, 10, "gravity has 2 elements.*3 numbers"},
     {"gravity_number", 3, 10, "gravity is -9.8.*list of 3 numbers"},
+    {"magnetic_field_of_words", 3, 17, "magnetic_field is .north.*list of 3 numbers"},
     {"gravity_overflow", 3, 17, "gravity\\[2\\] is '-1e999'.*expected a number"},
     {"options_map", 3, 10, "options is a map.*expected text"},
     {"solver_unknown_method", 3, 18, "method is 'slow'.*quick .* or exact"},

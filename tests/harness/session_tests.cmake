@@ -23,6 +23,7 @@ rehearse_add_test(session_tests LABEL sim SHARDS 6
     session/joystick_test.cpp
     session/lifecycle_test.cpp
     session/lights_test.cpp
+    session/magnetometer_test.cpp
     session/noise_test.cpp
     session/one_judge_test.cpp
     session/opened_files_test.cpp

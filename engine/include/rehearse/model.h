@@ -361,6 +361,18 @@ struct ContactSensor {
   }
 };
 
+/// Measures the magnetic field of the world at its place, x, y, z in the device frame [T]. Choreonoid has no such
+/// device.
+struct Magnetometer {
+  static constexpr DeviceForm form() {
+    return {.type = "Magnetometer",
+            .values = 3,
+            .quantities = {{{"magnetic_field", "T", 3}}},
+            .urdf_types = {"magnetometer"},
+            .body_types = {"Magnetometer"}};
+  }
+};
+
 /// A propeller, as Choreonoid's RotorDevice. A controller commands its thrust F [N] and its torque M [N·m]; it pushes
 /// its link with F d at its place and turns it with M d, where d is its direction. A turned-off rotor does neither.
 struct Rotor {
@@ -384,8 +396,8 @@ struct Holder {
   static constexpr DeviceForm form() { return {.type = "HolderDevice", .acts = true}; }
 };
 
-using DeviceKind =
-    std::variant<ForceSensor, Gyro, Accelerometer, Imu, Camera, RangeSensor, Light, ContactSensor, Rotor, Holder>;
+using DeviceKind = std::variant<ForceSensor, Gyro, Accelerometer, Imu, Camera, RangeSensor, Light, ContactSensor, Rotor,
+                                Holder, Magnetometer>;
 
 /// A sensor or light fixed to a link. Models list them in document order, stably sorted by link.
 struct Device {
@@ -541,8 +553,9 @@ struct WorldSettings {
   /// Accelerometers and IMUs measure the acceleration at their own place. False: at their link's origin, as in
   /// Choreonoid.
   bool lever_arms = true;
-  std::vector<MaterialPair> pairs = {};      // of materials of the bodies
-  std::vector<Connection> connections = {};  // joints and welds between bodies
+  Eigen::Vector3d magnetic_field = Eigen::Vector3d::Zero();  // the same everywhere, in world axes [T]
+  std::vector<MaterialPair> pairs = {};                      // of materials of the bodies
+  std::vector<Connection> connections = {};                  // joints and welds between bodies
 };
 
 /// A lamp of the scene, which belongs to no robot. The direction of its cone is along the world's axes.

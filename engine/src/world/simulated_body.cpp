@@ -36,6 +36,7 @@ class LinkSensor {
     const Eigen::Vector3d w = angular_velocity(), f = specific_force();
     return {w.x(), w.y(), w.z(), f.x(), f.y(), f.z()};
   }
+  std::vector<double> operator()(const Magnetometer&) const { return numbers(to_sensor_ * settings_.magnetic_field); }
   template <class Other>
   std::vector<double> operator()(const Other&) const {
     return {};

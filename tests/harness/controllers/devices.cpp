@@ -388,5 +388,28 @@ class Gripper : public cnoid::SimpleController {
 };
 const Add<Gripper> gripper("hold");
 
+/// compass DEVICE: reads a magnetometer, and commands 1e6 times its first number as an effort.
+class Compass : public Pusher {
+ public:
+  explicit Compass(const Words& words) : Pusher(0.0), name_(words.at(0)) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    device_ = io->body()->findDevice(name_);
+    io->os() << device_->typeName() << " " << device_->name() << ", " << device_->stateSize() << " numbers\n";
+    io->enableInput(device_);
+    return Pusher::initialize(io);
+  }
+  bool control() override {
+    double field[3];
+    device_->writeState(field);
+    effort_ = 1e6 * field[0];
+    return Pusher::control();
+  }
+
+ private:
+  std::string name_;
+  cnoid::Device* device_ = nullptr;
+};
+const Add<Compass> compass("compass");
+
 }  // namespace
 }  // namespace behaviours

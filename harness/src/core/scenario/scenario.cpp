@@ -196,10 +196,12 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
                    const Scenario::FileSource& files, Scenario& scenario) {
   if (!check_version(findings, root)) return;
   const Keys keys(findings, root, "the scenario",
-                  {"rehearse", "name",    "golden",     "duration", "ends_when_done", "planar",   "time_step",
-                   "seed",     "gravity", "options",    "solver",   "lever_arms",     "bodies",   "materials",
-                   "pairs",    "joints",  "welds",      "pushes",   "joystick",       "noise",    "look",
-                   "cameras",  "record",  "tolerances", "horizon",  "expect",         "simulate", "vary"});
+                  {"rehearse", "name",           "golden",   "duration",  "ends_when_done",
+                   "planar",   "time_step",      "seed",     "gravity",   "options",
+                   "solver",   "lever_arms",     "bodies",   "materials", "pairs",
+                   "joints",   "welds",          "pushes",   "joystick",  "noise",
+                   "look",     "magnetic_field", "cameras",  "record",    "tolerances",
+                   "horizon",  "expect",         "simulate", "vary"});
   read_names(findings, keys, scenario);
   read_clock(findings, keys, scenario);
   if (const YamlNode* node = keys.find("golden")) read_golden(findings, *node, scenario);
@@ -207,6 +209,7 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   keys.flag("planar", scenario.planar);
   read_seed(findings, keys, scenario);
   keys.vector3("gravity", any_acceleration, scenario.gravity);
+  keys.vector3("magnetic_field", {-1e3, 1e3, "[T]"}, scenario.magnetic_field);
   keys.text("options", scenario.options);
   keys.flag("lever_arms", scenario.lever_arms);
   if (const YamlNode* node = keys.find("solver")) read_solver(findings, *node, scenario.solver);
