@@ -122,7 +122,7 @@ const Exception allowed[] = {
      "starts it, and the one that opens chunks: what it gives depends on the data alone"},
     {"harness/src/core/check/proof.cpp", "environment", "whether a check simulates what it could prove"},
     {"harness/src/core/check/proof.cpp", "identity", "names a file until it is complete"},
-    {"harness/src/core/mcap/container.cpp", "identity", "names a file until SQLite has opened it"},
+    {"harness/src/logs/bag/conversion.cpp", "identity", "names a file until SQLite has opened it"},
 };
 
 /// The line's code: no text, no comment.
