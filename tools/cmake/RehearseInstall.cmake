@@ -48,10 +48,14 @@ install(FILES
 find_program(REHEARSE_HELP2MAN help2man)
 mark_as_advanced(REHEARSE_HELP2MAN)
 if(REHEARSE_HELP2MAN)
+  set(audit "")
+  if(TARGET rehearse-audit)
+    set(audit rehearse-audit)
+  endif()
   set(pages ${CMAKE_BINARY_DIR}/share/man/man1/rehearse.1.gz)
   add_custom_command(OUTPUT ${pages}
     COMMAND ${PROJECT_SOURCE_DIR}/tools/pages $<TARGET_FILE:rehearse> ${CMAKE_BINARY_DIR}/share
-    DEPENDS tools/pages rehearse rehearse-simulate rehearse-audit
+    DEPENDS tools/pages rehearse rehearse-simulate ${audit}
     COMMENT "Writing man pages and completions" VERBATIM)
   add_custom_target(rehearse_pages ALL DEPENDS ${pages})
   foreach(folder man bash-completion zsh fish)

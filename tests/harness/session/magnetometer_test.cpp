@@ -67,7 +67,7 @@ TEST_F(Magnetometer, IsADeviceLikeAnyOtherForAControllerAndInAReplay) {
   const auto report = replay_run();
   ASSERT_TRUE(report.ok()) << to_string(report.errors());
   EXPECT_TRUE(report->equal());
-  EXPECT_EQ(report->values, 500);
+  EXPECT_EQ(report->values, 1000);  // commands, and results of control()
   ReplayOptions altered;
   altered.set = {"Rig/Compass/magnetic_field/x=5e-6@tick:100"};
   const auto other = replay_run(altered);
