@@ -30,7 +30,7 @@ bool reader_complains(mcap::Bytes bytes) {
 
 void examine(mcap::Bytes bytes) {
   TraceCheck content;
-  mcap::DoctorOptions options;
+  mcap::ExamineOptions options;
   options.max_chunk_size = max_chunk_size;
   options.content = &content;
   const auto examination = mcap::examine_bytes(bytes, "fuzz.mcap", options);

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "core/mcap/doctor.h"
+#include "core/mcap/examination.h"
 #include "core/mcap/merge.h"
 #include "core/trace/filter.h"
 #include "mcap_files.h"
