@@ -12,8 +12,10 @@
 #include <tuple>
 #include <vector>
 
+#include "../harness/mcap/file_forms.h"
 #include "core/mcap/stream.h"
 #include "core/ros2msg/ros2msg.h"
+#include "scratch.h"
 
 using namespace rehearse;
 
@@ -139,19 +141,15 @@ Pass read_stream(mcap::Bytes bytes) {
   return stream ? pass_over(**stream, true) : Pass{};
 }
 
-/// For a valid file: a copy by Rehearse's Writer, in a form that the bytes determine.
+/// For a valid file: a copy by Rehearse's Writer, brought into a form that the bytes determine.
 void rewrite(mcap::Bytes bytes) {
   const auto reader = mcap::Reader::open_bytes(bytes, "fuzz.mcap", {true, mcap::Opening::walk, small_chunks});
   const std::uint64_t choice = sum(bytes);
   mcap::WriterOptions options;
   options.chunk_size = 1 + choice % 5000;
-  options.form.chunks = choice % 3 != 0;
-  options.form.definitions_in_chunks = choice % 2 == 0;
-  options.form.summary = choice % 5 != 0;
-  options.form.repeated_channels = choice % 7 != 0;
   options.compression = static_cast<mcap::Compression>(choice % 3);
-  std::vector<std::byte> copy;
-  const auto writer = mcap::Writer::create_in_memory(copy, options);
+  const Scratch file("_copy.mcap");
+  const auto writer = std::move(*mcap::Writer::create(file.path, options));
   std::map<std::uint16_t, std::uint16_t> schemas, channels;
   for (const auto& [id, schema] : (*reader)->schemas())
     schemas[id] = writer->add_schema(schema.name, schema.encoding, schema.data);
@@ -164,13 +162,19 @@ void rewrite(mcap::Bytes bytes) {
         .ok();
   });
   expect(copied.ok() && writer->close().ok());
+  test::FileForm form;
+  form.chunks = choice % 3 != 0;
+  form.definitions_in_chunks = choice % 2 == 0;
+  form.summary = choice % 5 != 0;
+  form.repeated_channels = choice % 7 != 0;
+  const std::vector<std::byte> copy = test::in_form(file.read(), form);
   const auto again = mcap::Reader::open_bytes(copy, "copy.mcap");
   expect(again.ok());
   const Pass before = pass_over(**reader, false), after = pass_over(**again, false);
   expect(after.whole && after.messages == before.messages);
   const auto indexed = mcap::Reader::open_bytes(copy, "copy.mcap", {.opening = mcap::Opening::by_summary});
-  const bool all_repeated = options.form.repeated_channels || (*reader)->channels().empty();
-  expect((*indexed)->opened_by_summary() == (options.form.summary && all_repeated));
+  const bool all_repeated = form.repeated_channels || (*reader)->channels().empty();
+  expect((*indexed)->opened_by_summary() == (form.summary && all_repeated));
 }
 
 void compare_ways(mcap::Bytes bytes) {

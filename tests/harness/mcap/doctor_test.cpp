@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "core/mcap/examination.h"
+#include "file_forms.h"
 #include "mcap_files.h"
 
 using namespace rehearse;
@@ -72,16 +73,12 @@ Composer& end_with(Composer& file, const Composer& summary) {
 
 }  // namespace
 
-TEST(McapDoctor, FindsNothingWrongWithWhatTheWriterWrites) {
+TEST(McapDoctor, FindsNothingWrongWithWholeFiles) {
   EXPECT_EQ(findings_of(small_file()), "");
-  mcap::WriterOptions bare;
-  bare.form.chunks = false;
-  EXPECT_EQ(findings_of(small_file(bare)), "");
-  mcap::WriterOptions unsummarised;
-  unsummarised.form.summary = false;
-  unsummarised.form.message_indexes = false;
-  unsummarised.form.definitions_in_chunks = true;
-  EXPECT_EQ(findings_of(small_file(unsummarised)), "");
+  EXPECT_EQ(findings_of(in_form(small_file(), {.chunks = false})), "");
+  EXPECT_EQ(
+      findings_of(in_form(small_file(), {.definitions_in_chunks = true, .message_indexes = false, .summary = false})),
+      "");
 }
 
 /// Any flipped bit is found: a CRC, or an index entry, no longer matches.

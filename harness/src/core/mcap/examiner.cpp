@@ -205,9 +205,7 @@ Examiner::Verdict Examiner::examine_record(const Record& record) {
     case op::attachment: return examine_attachment(record);
     case op::metadata: return examine_metadata(record), Verdict();
     case op::data_end: return examine_data_end(record), Verdict();
-    default:
-      fail(place, fmt::format("a {} isn't allowed in the data section", name_of(record.opcode)));
-      return {};
+    default: fail(place, fmt::format("a {} isn't allowed in the data section", name_of(record.opcode))); return {};
   }
 }
 
@@ -317,8 +315,8 @@ void Examiner::examine_message(const Record& record, Place place) {
   if (options_.content == nullptr) return;
   const Channel& definition = contents_.channels.at(head->channel);
   const Location location{place.offset, place.inside.value_or(0), place.inside.has_value()};
-  const Message message{&definition, head->sequence, head->log_time, head->publish_time,
-                        record.body.subspan(message_head), location};
+  const Message message{
+      &definition, head->sequence, head->log_time, head->publish_time, record.body.subspan(message_head), location};
   options_.content->message(message, contents_.schema_of(definition), place, findings_);
 }
 

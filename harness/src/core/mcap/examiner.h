@@ -1,5 +1,5 @@
-// The pass of an examination. Internal; examiner.cpp passes over the file, examiner_chunks.cpp examines chunks and their
-// indexes, examiner_summary.cpp compares the summary with the file's contents.
+// The pass of an examination. Internal; examiner.cpp passes over the file, examiner_chunks.cpp examines chunks and
+// their indexes, examiner_summary.cpp compares the summary with the file's contents.
 #pragma once
 
 #include <map>

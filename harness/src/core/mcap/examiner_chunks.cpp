@@ -141,9 +141,10 @@ void Examiner::compare_index(const Record& record, std::uint16_t channel, Bytes 
       continue;
     }
     if (next->log_time != entry.log_time)
-      tell(fmt::format("is wrong: the message at byte {} of the Chunk has the stated time {} ns and the actual time "
-                       "{} ns",
-                       entry.offset, entry.log_time, next->log_time));
+      tell(
+          fmt::format("is wrong: the message at byte {} of the Chunk has the stated time {} ns and the actual time "
+                      "{} ns",
+                      entry.offset, entry.log_time, next->log_time));
     ++next;
   }
   tell_missing(~std::uint64_t{0});

@@ -87,8 +87,7 @@ void Examiner::examine_summary_record(const Record& record) {
     case op::metadata_index: return examine_record_index(record, metadata_, false);
     case op::statistics: return examine_statistics(record);
     case op::summary_offset: return examine_summary_offset(record);
-    default:
-      fail({record.offset, {}}, fmt::format("a {} isn't allowed in the summary", name_of(record.opcode)));
+    default: fail({record.offset, {}}, fmt::format("a {} isn't allowed in the summary", name_of(record.opcode)));
   }
 }
 
@@ -102,8 +101,8 @@ void Examiner::examine_grouping(const Record& record) {
   const bool again =
       std::any_of(groups_.begin(), groups_.end(), [&](const auto& group) { return group.first == record.opcode; });
   if (again || (!groups_.empty() && groups_.back().first == op::summary_offset))
-    deviate({record.offset, {}}, fmt::format("the summary isn't grouped: a {} after records of other kinds",
-                                             name_of(record.opcode)));
+    deviate({record.offset, {}},
+            fmt::format("the summary isn't grouped: a {} after records of other kinds", name_of(record.opcode)));
   groups_.push_back({record.opcode, {record.offset, end}});
 }
 
@@ -117,7 +116,8 @@ void Examiner::examine_repeated(const Record& record) {
       fail({record.offset, {}},
            fmt::format("{} {} differs from its definition at byte {}", kind, repeated.id, at.offset));
     else if (!at.in_data && !damaged_)
-      deviate({record.offset, {}}, fmt::format("the summary has {} {}, but the data section doesn't", kind, repeated.id));
+      deviate({record.offset, {}},
+              fmt::format("the summary has {} {}, but the data section doesn't", kind, repeated.id));
   };
   if (record.opcode == op::channel) {
     const auto channel = parse_channel(record.body);

@@ -156,8 +156,8 @@ void count_losses(const Examination& from, Recovery& recovery) {
   if (from.contents.statistics) {
     recovery.loss_is_known = true;
     recovery.source_last_time = from.contents.statistics->message_end_time;
-    recovery.lost_messages = from.contents.statistics->message_count -
-                             std::min(from.contents.statistics->message_count, recovery.messages);
+    recovery.lost_messages =
+        from.contents.statistics->message_count - std::min(from.contents.statistics->message_count, recovery.messages);
     for (const auto& [id, count] : from.contents.statistics->channel_message_counts) {
       RecoveredChannel& channel = recovery.channels[id];
       channel.lost = count - std::min(count, channel.saved);
@@ -281,8 +281,7 @@ Result<Recovery> recover(const std::filesystem::path& source, const std::filesys
   examining.trust_damaged = options.trust_damaged;
   examining.progress = half_of(options.progress, 0);
   const Examination from = examine_view(*view, view->bytes(), examining);
-  if (from.saved.empty())
-    return error_in(source.string(), "nothing can be saved: it has no MCAP record that is whole");
+  if (from.saved.empty()) return error_in(source.string(), "nothing can be saved: it has no MCAP record that is whole");
   Recovery recovery = begin_recovery(*view, from);
   if (auto done = write_saved(*view, source, *draft, from, options, recovery); !done) return done.errors();
   if (auto whole = examine_written(draft->file(), target, recovery); !whole) return whole.errors();
