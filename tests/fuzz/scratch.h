@@ -1,4 +1,4 @@
-// A file of one fuzz test, in memory where there is a file system for that.
+// A file or folder of one fuzz test, in memory where there is a file system for that.
 #pragma once
 
 #include <unistd.h>
@@ -11,7 +11,7 @@
 
 namespace rehearse {
 
-/// The file is removed with the object.
+/// Removed with the object.
 struct Scratch {
   explicit Scratch(const char* name) {
     std::error_code none;
@@ -22,7 +22,7 @@ struct Scratch {
   }
   ~Scratch() {
     std::error_code none;
-    std::filesystem::remove(path, none);
+    std::filesystem::remove_all(path, none);
   }
   Scratch(const Scratch&) = delete;
   Scratch& operator=(const Scratch&) = delete;

@@ -23,22 +23,17 @@ std::string findings_text(const mcap::Findings& findings) {
   return text;
 }
 
-std::string findings_of(const Buffer& bytes, mcap::ExamineOptions options = {}) {
-  const auto examination = mcap::examine_bytes(bytes, "composed.mcap", options);
-  EXPECT_TRUE(examination);
-  return examination ? findings_text(examination->findings) : "";
-}
+mcap::Examination examined(mcap::Bytes bytes) { return mcap::examine_view(mcap::FileView(), bytes, {}); }
 
-std::string findings_of(const Composer& file, mcap::ExamineOptions options = {}) {
-  return findings_of(file.bytes, options);
-}
+std::string findings_of(const Buffer& bytes) { return findings_text(examined(bytes).findings); }
+
+std::string findings_of(const Composer& file) { return findings_of(file.bytes); }
 
 /// The findings without the notes that every hand-made file causes.
 std::string errors_of(const Composer& file) {
-  const auto examination = mcap::examine_bytes(file.bytes, "composed.mcap");
-  EXPECT_TRUE(examination);
+  const mcap::Examination examination = examined(file.bytes);
   std::string text;
-  for (const mcap::Finding& finding : examination->findings.list())
+  for (const mcap::Finding& finding : examination.findings.list())
     if (finding.severity == Severity::error)
       text += std::to_string(finding.place.offset) + ": " + finding.message + "\n";
   return text;
@@ -88,8 +83,7 @@ TEST(McapDoctor, FindsEveryFlippedBit) {
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     for (const int bit : {0, 3, 7}) {
       bytes[i] ^= std::byte{1} << bit;
-      const auto examination = mcap::examine_bytes(bytes, "flipped.mcap");
-      EXPECT_TRUE(!examination || examination->findings.has_error()) << "bit " << bit << " of byte " << i;
+      EXPECT_TRUE(examined(bytes).findings.has_error()) << "bit " << bit << " of byte " << i;
       bytes[i] = whole[i];
     }
   }
@@ -98,15 +92,16 @@ TEST(McapDoctor, FindsEveryFlippedBit) {
 TEST(McapDoctor, FindsEveryCut) {
   const Buffer whole = small_file();
   for (std::size_t size = 0; size < whole.size(); ++size) {
-    const auto examination = mcap::examine_bytes(mcap::Bytes(whole).first(size), "cut.mcap");
-    EXPECT_TRUE(!examination || examination->findings.has_error()) << "cut at byte " << size;
+    EXPECT_TRUE(examined(mcap::Bytes(whole).first(size)).findings.has_error()) << "cut at byte " << size;
   }
 }
 
 TEST(McapDoctor, RefusesWhatIsNoMcapFile) {
-  const auto examination = mcap::examine_bytes(bytes_of("a text"), "text.mcap");
+  const TempFile file;
+  file.write(bytes_of("a text"));
+  const auto examination = mcap::examine(file.path());
   ASSERT_FALSE(examination);
-  EXPECT_THAT(to_string(examination.errors()), HasSubstr("text.mcap: error: not an MCAP file"));
+  EXPECT_THAT(to_string(examination.errors()), HasSubstr(": error: not an MCAP file"));
 }
 
 TEST(McapDoctor, NamesWhatIsWrongWithTheFrame) {
@@ -265,14 +260,13 @@ TEST(McapDoctor, GoesOnBehindDamage) {
   std::fill(at - 40, at + 4, std::byte{0});  // the attachment's head, and the bytes before it
   const std::string found = findings_of(bytes);
   EXPECT_THAT(found, HasSubstr("the bytes there are no record; the next record begins at byte"));
-  const auto examination = mcap::examine_bytes(bytes, "damaged.mcap");
-  EXPECT_EQ(examination->messages, 5u);  // all messages are behind the damage
+  EXPECT_EQ(examined(bytes).messages, 5u);  // all messages are behind the damage
 }
 
 TEST(McapDoctor, KeepsItsListShort) {
   Composer file = begin();
   for (int i = 0; i < 5000; ++i) file.message(9, 1, "x");
-  const auto examination = mcap::examine_bytes(file.end().bytes, "full.mcap");
-  EXPECT_EQ(examination->findings.count(Severity::error), 5000u);
-  EXPECT_LE(examination->findings.list().size(), 1002u);
+  const mcap::Examination examination = examined(file.end().bytes);
+  EXPECT_EQ(examination.findings.count(Severity::error), 5000u);
+  EXPECT_LE(examination.findings.list().size(), 1002u);
 }

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "composer.h"
-#include "core/mcap/stream.h"
+#include "core/mcap/chunks.h"
 
 namespace rehearse::test {
 

@@ -128,24 +128,6 @@ TEST_P(McapForms, AreReadBackWhateverIsLeftOut) {
   EXPECT_EQ(next, (std::map<std::string, std::uint32_t>{{"/numbers", 50}, {"/pictures", 10}}));
 }
 
-TEST_P(McapForms, AreReadBackAsAStream) {
-  const Buffer bytes = file_of(GetParam());
-  const auto reader = std::move(*mcap::Reader::open_bytes(bytes, "a"));
-  const auto stream = std::move(*mcap::StreamReader::open_source(
-      [&, at = std::size_t{0}](std::span<std::byte> target) mutable {
-        const std::size_t count = std::min(target.size(), bytes.size() - at);
-        std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), count, target.begin());
-        at += count;
-        return Result<std::size_t>(count);
-      },
-      "a"));
-  std::vector<Seen> messages;
-  const auto end =
-      stream->for_each_message([&](const mcap::Message& message) { return messages.push_back(see(message)), true; });
-  EXPECT_TRUE(end) << to_string(end.errors());
-  EXPECT_EQ(messages, pass_over(*reader).messages);
-}
-
 TEST_P(McapForms, HaveNothingOfWhatIsLeftOut) {
   const Buffer bytes = file_of(GetParam());
   const auto reader = std::move(*mcap::Reader::open_bytes(bytes, "a"));
@@ -245,10 +227,8 @@ TEST(McapWriterTargets, APipeIsWrittenInto) {
   const TempFile pipe;
   ASSERT_EQ(::mkfifo(pipe.path().c_str(), 0600), 0);
   std::thread writer([&] { write_small_file(pipe.path()); });
-  auto stream = std::move(*mcap::StreamReader::open(pipe.path()));
-  int count = 0;
-  EXPECT_TRUE(stream->for_each_message([&](const mcap::Message&) { return ++count, true; }));
+  const auto reader = std::move(*mcap::Reader::open(pipe.path()));
   writer.join();
-  EXPECT_EQ(count, 5);
+  EXPECT_EQ(pass_over(*reader).messages.size(), 5u);
   EXPECT_TRUE(fs::is_fifo(pipe.path()));
 }

@@ -120,8 +120,6 @@ struct Examination {
 
 /// Fails if the file can't be read, or doesn't begin like an MCAP file.
 Result<Examination> examine(const std::filesystem::path& file, const ExamineOptions& options = {});
-/// Examines bytes; `name` is their name in a failure.
-Result<Examination> examine_bytes(Bytes bytes, const std::string& name, const ExamineOptions& options = {});
 /// Examines bytes even if they don't begin like an MCAP file. `view`: the view of them, whose memory is released; an
 /// empty one for bytes of another source.
 Examination examine_view(const FileView& view, Bytes bytes, const ExamineOptions& options);

@@ -396,9 +396,4 @@ Result<Examination> examine(const std::filesystem::path& file, const ExamineOpti
   return examine_view(*view, view->bytes(), options);
 }
 
-Result<Examination> examine_bytes(Bytes bytes, const std::string& name, const ExamineOptions& options) {
-  if (!begins_with_magic(bytes)) return error_in(name, describe_start(bytes));
-  return examine_view(FileView(), bytes, options);
-}
-
 }  // namespace rehearse::mcap

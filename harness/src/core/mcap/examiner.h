@@ -109,7 +109,7 @@ class Examiner {
   void tell_missing_parts();
 
   const Bytes file_;
-  MappedPass pass_;
+  RecordPass pass_;
   const ExamineOptions& options_;
   Examination& into_;
   Findings& findings_;
