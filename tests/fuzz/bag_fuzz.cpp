@@ -4,14 +4,18 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <string>
+#include <fstream>
 
 #include "logs/bag/bag_folder.h"
+#include "scratch.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace rehearse;
-  const std::string text(reinterpret_cast<const char*>(data), size);
-  const auto folder = bag::parse_folder(text, std::filesystem::temp_directory_path());
+  const Scratch scratch("_bag");
+  std::filesystem::create_directory(scratch.path);
+  std::ofstream(scratch.path / "metadata.yaml", std::ios::binary)
+      .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
+  const auto folder = bag::read_folder(scratch.path);
   if (!folder) {
     for (const Diagnostic& problem : folder.errors())
       REHEARSE_ASSERT(!problem.file.empty() && !problem.message.empty(), "a refusal says why");

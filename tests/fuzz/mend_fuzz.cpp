@@ -1,18 +1,17 @@
 // For any bytes, the doctor finds at least the errors that the Reader finds. recover() makes a complete file of them,
 // or reports that nothing can be saved, unless the file is compressed as a whole and its container can't be opened.
 
-#include <unistd.h>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <string>
 
 #include "core/mcap/file_view.h"
 #include "core/mcap/recover.h"
 #include "core/trace/trace_doctor.h"
+#include "scratch.h"
 
 using namespace rehearse;
 
@@ -30,47 +29,30 @@ bool reader_complains(mcap::Bytes bytes) {
 
 void examine(mcap::Bytes bytes) {
   TraceCheck content;
-  mcap::DoctorOptions options;
+  mcap::ExamineOptions options;
   options.max_chunk_size = max_chunk_size;
   options.content = &content;
-  const auto examination = mcap::examine_bytes(bytes, "fuzz.mcap", options);
-  if (examination && !examination->findings.has_error() && reader_complains(bytes)) std::abort();
+  const mcap::Examination examination = mcap::examine_view(mcap::FileView(), bytes, options);
+  if (!examination.findings.has_error() && reader_complains(bytes)) std::abort();
 }
-
-/// In memory where there is a file system for that.
-std::filesystem::path scratch(const char* name) {
-  std::error_code none;
-  const std::filesystem::path shared = "/dev/shm";
-  const bool there = std::filesystem::is_directory(shared, none);
-  return (there ? shared : std::filesystem::temp_directory_path()) /
-         ("rehearse_mend_fuzz_" + std::to_string(getpid()) + name);
-}
-
-struct Removed {
-  ~Removed() {
-    std::error_code none;
-    std::filesystem::remove(file, none);
-  }
-  std::filesystem::path file;
-};
 
 void recover(const std::uint8_t* data, std::size_t size) {
-  const Removed source{scratch(".mcap")}, target{scratch("_saved.mcap")}, again{scratch("_again.mcap")};
-  std::ofstream(source.file, std::ios::binary)
+  const Scratch source(".mcap"), target("_saved.mcap"), again("_again.mcap");
+  std::ofstream(source.path, std::ios::binary)
       .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
-  if (!mcap::FileView::open(source.file)) return;
+  if (!mcap::FileView::open(source.path)) return;
   mcap::RecoverOptions options;
   options.max_chunk_size = max_chunk_size;
   for (const bool trust : {false, true}) {
     options.trust_damaged = trust;
-    const auto saved = mcap::recover(source.file, target.file, options);
+    const auto saved = mcap::recover(source.path, target.path, options);
     if (!saved) {
       const std::string reason = to_string(saved.errors());
       if (reason.find("nothing can be saved") != std::string::npos) continue;
       std::fprintf(stderr, "%s\n", reason.c_str());
       std::abort();
     }
-    const auto twice = mcap::recover(target.file, again.file, options);
+    const auto twice = mcap::recover(target.path, again.path, options);
     if (!twice || !twice->is_whole() || twice->messages != saved->messages) std::abort();
   }
 }

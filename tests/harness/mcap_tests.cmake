@@ -6,11 +6,11 @@ rehearse_add_test(mcap_test LABEL unit SHARDS 3
     mcap/doctor_test.cpp
     mcap/filter_test.cpp
     mcap/hostile_test.cpp
+    mcap/input_test.cpp
     mcap/order_test.cpp
     mcap/reader_test.cpp
     mcap/recover_test.cpp
     mcap/select_test.cpp
-    mcap/stream_test.cpp
     mcap/writer_forms_test.cpp
     mcap/writer_test.cpp
   LIBRARIES Rehearse::trace lz4 zstd)

@@ -137,7 +137,7 @@ inline std::optional<std::int64_t> save_what_is_left(const fs::path& left, const
   EXPECT_TRUE(recovery) << to_string(recovery.errors());
   if (!recovery) return std::nullopt;
   TraceCheck content;
-  mcap::DoctorOptions options;
+  mcap::ExamineOptions options;
   options.content = &content;
   const auto examination = mcap::examine(saved, options);
   EXPECT_TRUE(examination);

@@ -103,7 +103,7 @@ TEST_F(Cat, ChoosesByTopicTimeAndNumber) {
 TEST_F(Cat, ReadsFromAPipe) {
   const Outcome outcome = shell("cat mixed.mcap | " + command.string() + " cat - --json --topics '/j*'");
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(topics(lines_of(outcome)), ElementsAre("/json", "/json", "/joints", "/joints", "/joints"));
+  EXPECT_THAT(topics(lines_of(outcome)), ElementsAre("/joints", "/joints", "/json", "/json", "/joints"));
 }
 
 TEST_F(Cat, EndsQuietlyWhenNobodyReadsOn) {
@@ -147,8 +147,7 @@ TEST_F(Cat, RefusesBadUsage) {
   EXPECT_THAT(refusal({"--ticks", "1..3"}), HasSubstr("it has no ticks"));
   EXPECT_THAT(refusal({"--limit", "0"}), HasSubstr("--limit"));
   EXPECT_EQ(rehearse({"cat", "nowhere.mcap"}).status, 2);
-  EXPECT_THAT(shell("cat mixed.mcap | " + command.string() + " cat - --ticks 1..2").err,
-              HasSubstr("ticks can't be selected from a pipe"));
+  EXPECT_THAT(shell("cat mixed.mcap | " + command.string() + " cat - --ticks 1..2").err, HasSubstr("it has no ticks"));
 }
 
 }  // namespace

@@ -4,14 +4,12 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "command.h"
-#include "core/mcap/stream.h"
 #include "core/trace/message_print.h"
 #include "core/trace/select.h"
 #include "options.h"
@@ -58,7 +56,7 @@ class Lines {
   std::optional<int> problem_;  // errno
 };
 
-Exit cat_file(const CatSettings& settings) {
+Exit run_cat(const CatSettings& settings) {
   const auto opened = mcap::Reader::open(settings.trace);
   if (!opened) return refuse(opened.errors());
   mcap::Reader& reader = **opened;
@@ -81,24 +79,6 @@ Exit cat_file(const CatSettings& settings) {
       channels);
   progress.reset();
   return lines.end(read);
-}
-
-Exit cat_stream(const CatSettings& settings) {
-  const auto opened = mcap::StreamReader::open(settings.trace);
-  if (!opened) return refuse(opened.errors());
-  mcap::StreamReader& stream = **opened;
-  auto selector = mcap::Selector::of_stream(settings.selection);
-  if (!selector) return refuse(selector.errors());
-  Lines lines(settings);
-  return lines.end(stream.for_each_message([&](const mcap::Message& message) {
-    return !selector->takes(message) || lines.print(message, stream.schema_of(*message.channel));
-  }));
-}
-
-Exit run_cat(const CatSettings& settings) {
-  std::error_code ignored;
-  const bool is_stream = settings.trace == "-" || std::filesystem::is_fifo(settings.trace, ignored);
-  return is_stream ? cat_stream(settings) : cat_file(settings);
 }
 
 std::function<Exit()> declare_cat(CLI::App& options) {

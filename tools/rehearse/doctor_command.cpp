@@ -1,4 +1,4 @@
-// rehearse doctor: reports all deviations of files from the MCAP specification and from Rehearse's trace format.
+// rehearse doctor: reports what `recover` would lose or mend of files, and deviations from Rehearse's trace format.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -56,7 +56,7 @@ Exit worse(Exit a, Exit b) {
 Visit visit(const std::string& file) {
   Visit visit{file, {}, {}, true, {}};
   TraceCheck content;
-  mcap::DoctorOptions options;
+  mcap::ExamineOptions options;
   options.content = &content;
   StoppableProgress progress("examining");
   options.progress = [&](std::uint64_t done, std::uint64_t all) {
@@ -201,14 +201,15 @@ std::function<Exit()> declare_doctor(CLI::App& options) {
 
 }  // namespace
 
-const Verb doctor_verb{"doctor",
-                       "  rehearse doctor walk.mcap\n"
-                       "  rehearse doctor golden/*.mcap --json\n"
-                       "  rehearse doctor friday/\n"
-                       "\n"
-                       "error: against the specification; warning: against its advice; note: unusual, and allowed.\n"
-                       "Exit status: 0 at most notes, 1 errors, 2 a file can't be read or is no log, 4 warnings and no "
-                       "errors.\n",
-                       declare_doctor};
+const Verb doctor_verb{
+    "doctor",
+    "  rehearse doctor walk.mcap\n"
+    "  rehearse doctor golden/*.mcap --json\n"
+    "  rehearse doctor friday/\n"
+    "\n"
+    "error: data are lost, or a reader is misled; warning: some readers miss data; note: without harm.\n"
+    "Exit status: 0 at most notes, 1 errors, 2 a file can't be read or is no log, 4 warnings and no "
+    "errors.\n",
+    declare_doctor};
 
 }  // namespace rehearse::tool

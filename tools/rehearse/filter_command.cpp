@@ -29,12 +29,12 @@ struct FilterSettings {
 Result<void> read_selection(FilterSettings& settings) {
   mcap::Selection& selection = settings.options.selection;
   if (!settings.from.empty()) {
-    const auto moment = mcap::parse_moment(settings.from);
+    const auto moment = mcap::parse_time_bound(settings.from);
     if (!moment) return moment.errors();
     selection.from = *moment;
   }
   if (!settings.until.empty()) {
-    const auto moment = mcap::parse_moment(settings.until);
+    const auto moment = mcap::parse_time_bound(settings.until);
     if (!moment) return moment.errors();
     selection.until = *moment;
   }

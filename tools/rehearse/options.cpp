@@ -104,13 +104,13 @@ void add_selection_options(CLI::App& options, mcap::Selection& selection) {
   options
       .add_option_function<std::string>(
           "--from",
-          [=, &selection](const std::string& text) { selection.from = take("--from", mcap::parse_moment(text)); },
+          [=, &selection](const std::string& text) { selection.from = take("--from", mcap::parse_time_bound(text)); },
           "only messages from this log time on [s]; +S counts from the file's first message")
       ->type_name("[+]S");
   options
       .add_option_function<std::string>(
           "--until",
-          [=, &selection](const std::string& text) { selection.until = take("--until", mcap::parse_moment(text)); },
+          [=, &selection](const std::string& text) { selection.until = take("--until", mcap::parse_time_bound(text)); },
           "only messages before this log time [s], likewise")
       ->type_name("[+]S");
   options

@@ -57,13 +57,13 @@ struct Divergence {
   double tolerance = 0.0;   // allowed difference; 0: bit for bit
   /// The distance from the golden's values within lead and lag, if the value of the same tick isn't near enough. The
   /// tolerance then applies to it instead of the difference.
-  std::optional<double> beside = std::nullopt;
+  std::optional<double> distance_from_envelope = std::nullopt;
   std::string unit;  // may be empty
   std::string note;  // for a difference that isn't one of two numbers: "missing", "120 pixels differ, ..."
   Stage stage = Stage::controller;
 
   /// What the tolerance applies to.
-  double judged() const { return beside.value_or(difference); }
+  double judged() const { return distance_from_envelope.value_or(difference); }
   /// True for a difference beyond its tolerance, or one with a note.
   bool is_beyond() const { return !note.empty() || !(judged() <= tolerance); }
 };

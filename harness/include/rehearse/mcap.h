@@ -107,28 +107,6 @@ enum class Compression { none, lz4, zstd };
 /// "", "lz4" or "zstd": the format's own names.
 std::string_view to_string(Compression compression);
 
-/// The optional parts of a file. The format demands none of them. Without them, readers must read everything to find
-/// something, or cannot detect damage.
-struct FileForm {
-  bool chunks = true;  // false: messages are not in chunks, are uncompressed, and have the order of the calls
-  bool definitions_in_chunks = false;  // schemas and channels before their first message in each chunk, nowhere else
-  bool message_indexes = true;         // after each chunk
-  bool chunk_crcs = true;
-  bool attachment_crcs = true;
-  bool data_crc = true;
-  bool summary = true;  // false: none of the parts below, except the CRC
-  bool repeated_schemas = true;
-  bool repeated_channels = true;
-  bool statistics = true;
-  bool chunk_indexes = true;
-  bool attachment_indexes = true;
-  bool metadata_indexes = true;
-  bool summary_offsets = true;
-  bool summary_crc = true;
-
-  bool has_definitions_in_chunks() const { return chunks && definitions_in_chunks; }
-};
-
 struct WriterOptions {
   /// The profile of the header. With "ros2" every channel gets the metadata key offered_qos_profiles, which this
   /// profile demands.
@@ -155,7 +133,8 @@ struct WriterOptions {
   std::size_t index_size = std::size_t{1} << 20;
   /// close() compares the file with the written bytes, and fails if something else has changed the file.
   bool verified = false;
-  FileForm form;
+  /// False: chunks and the data section have no CRC. For a file that this process alone reads.
+  bool crcs = true;
 };
 
 /// How the messages of a channel are stored. Channels with equal values share chunks.
@@ -179,9 +158,6 @@ class Writer {
   /// Creates the file, or replaces it: processes that have the old file open keep its contents, unless it has a second
   /// name or a different owner. Links, pipes and devices are written into. Fails if the file can't be opened.
   static Result<std::unique_ptr<Writer>> create(const std::filesystem::path& file, WriterOptions options = {});
-  /// Appends to bytes that outlive the Writer, and that the caller doesn't touch before close() or flush() has
-  /// returned.
-  static std::unique_ptr<Writer> create_in_memory(std::vector<std::byte>& out, WriterOptions options = {});
   virtual ~Writer() = default;
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
@@ -219,7 +195,7 @@ class Writer {
   /// close() returns the result of the first.
   virtual Result<void> close() = 0;
 
-  /// The file descriptor until close(); -1 in memory, or if another process writes the file.
+  /// The file descriptor until close(); -1 if another process writes the file.
   virtual int descriptor() const = 0;
 
   /// The log time from which on a message makes the Writer wait until the earliest open chunk is in the file [ns]; the

@@ -91,9 +91,6 @@ Result<std::filesystem::path> report_page();
 /// clickable.
 std::string report_link(const std::filesystem::path& report, std::optional<std::int64_t> tick = std::nullopt);
 
-/// The approximate size of the report of a recording, by the index of its file [bytes].
-Result<std::uintmax_t> estimated_report_size(const std::filesystem::path& trace, const ReportOptions& options = {});
-
 /// Writes the report of `trace`, beside `golden` if there is one, under a temporary name until it is complete. A
 /// recording that is cut or damaged is reported up to the damage. Fails, and writes nothing, in these cases: `trace` or
 /// `golden` is no recording of Rehearse, the page was not built, the report would be larger than `max_size`, or

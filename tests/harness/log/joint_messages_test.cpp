@@ -38,6 +38,24 @@ void put_point(CdrWriter& cdr, const std::vector<double>& positions, const std::
   cdr.put(std::uint32_t{0});
 }
 
+TEST(JointMessages, ReadAJointStateWhoseFieldsHaveAnotherOrder) {
+  JointMessages reader(schema_of("a/msg/State", "float64[] effort\nstring[] name\nfloat64[] position\n"),
+                       JointRole::measured);
+  for (const double value : {0.5, 0.75}) {
+    CdrWriter cdr;
+    cdr.put_sequence(std::span<const double>(std::vector<double>{7}));
+    put_names(cdr, {"A"});
+    cdr.put_sequence(std::span<const double>(std::vector<double>{value}));
+    const auto read = reader.read(cdr.bytes());
+    ASSERT_TRUE(read);
+    EXPECT_THAT((*read)->names(), ElementsAre("A"));
+    EXPECT_THAT((*read)->position(), ElementsAre(value));
+    EXPECT_THAT((*read)->velocity(), IsEmpty());
+    EXPECT_THAT((*read)->effort(), ElementsAre(7));
+    EXPECT_EQ((*read)->layout_changed(), value == 0.5);
+  }
+}
+
 TEST(JointMessages, ReadATrajectoryOfOnePoint) {
   JointMessages reader(standard("trajectory_msgs/msg/JointTrajectory"), JointRole::commanded);
   CdrWriter cdr;
@@ -47,11 +65,11 @@ TEST(JointMessages, ReadATrajectoryOfOnePoint) {
   put_point(cdr, {0.5, -1.5}, {7, 8});
   const auto read = reader.read(cdr.bytes());
   ASSERT_TRUE(read);
-  const msg::JointState* state = *read;
-  EXPECT_THAT(state->name, ElementsAre("A", "B"));
-  EXPECT_THAT(state->position, ElementsAre(0.5, -1.5));
-  EXPECT_THAT(state->velocity, IsEmpty());
-  EXPECT_THAT(state->effort, ElementsAre(7, 8));
+  const JointArrays* state = *read;
+  EXPECT_THAT(state->names(), ElementsAre("A", "B"));
+  EXPECT_THAT(state->position(), ElementsAre(0.5, -1.5));
+  EXPECT_THAT(state->velocity(), IsEmpty());
+  EXPECT_THAT(state->effort(), ElementsAre(7, 8));
 }
 
 TEST(JointMessages, DoNotReadATrajectoryOfSeveralPoints) {
@@ -92,12 +110,12 @@ TEST(JointMessages, ReadTheInterfacesOfADynamicJointState) {
   cdr.put_sequence(std::span<const double>(std::vector<double>{0.75, 40}));
   const auto read = reader.read(cdr.bytes());
   ASSERT_TRUE(read);
-  const msg::JointState* state = *read;
-  EXPECT_THAT(state->position, ElementsAre(0.25, 0.75));
-  EXPECT_THAT(state->velocity, IsEmpty());
-  ASSERT_EQ(state->effort.size(), 2u);
-  EXPECT_EQ(state->effort[0], 3.0);
-  EXPECT_TRUE(std::isnan(state->effort[1]));
+  const JointArrays* state = *read;
+  EXPECT_THAT(state->position(), ElementsAre(0.25, 0.75));
+  EXPECT_THAT(state->velocity(), IsEmpty());
+  ASSERT_EQ(state->effort().size(), 2u);
+  EXPECT_EQ(state->effort()[0], 3.0);
+  EXPECT_TRUE(std::isnan(state->effort()[1]));
 }
 
 TEST(JointMessages, ReadAControllersStateByItsRole) {
@@ -115,8 +133,8 @@ TEST(JointMessages, ReadAControllersStateByItsRole) {
     put_names(cdr, {"A"});
     put_point(cdr, {1}, {});
     put_point(cdr, {2}, {});
-    EXPECT_THAT(JointMessages(schema, JointRole::commanded).read(cdr.bytes()).value()->position, ElementsAre(1));
-    EXPECT_THAT(JointMessages(schema, JointRole::measured).read(cdr.bytes()).value()->position, ElementsAre(2));
+    EXPECT_THAT(JointMessages(schema, JointRole::commanded).read(cdr.bytes()).value()->position(), ElementsAre(1));
+    EXPECT_THAT(JointMessages(schema, JointRole::measured).read(cdr.bytes()).value()->position(), ElementsAre(2));
   }
 }
 

@@ -1,10 +1,10 @@
 // Opening a file by the summary at its end.
+#include "file_forms.h"
 #include "mcap_files.h"
 
 #include <gmock/gmock.h>
 
 #include <cstring>
-#include <functional>
 
 using namespace rehearse;
 using namespace rehearse::test;
@@ -15,25 +15,19 @@ namespace {
 constexpr mcap::ReaderOptions by_summary{.opening = mcap::Opening::by_summary};
 
 /// Two channels, some chunks, an attachment, metadata.
-Buffer file_with(const std::function<void(mcap::FileForm&)>& set = {}) {
+Buffer file_with(const FileForm& form = {}) {
   mcap::WriterOptions options;
   options.chunk_size = 200;
-  if (set) set(options.form);
-  Buffer bytes;
-  const auto writer = mcap::Writer::create_in_memory(bytes, options);
-  const auto schema = writer->add_schema("test/msg/Text", "ros2msg", "string text\n");
-  const auto numbers = writer->add_channel(schema, "/numbers", "cdr");
-  const auto pictures = writer->add_channel(0, "/pictures", "png", {}, mcap::pictures);
-  EXPECT_TRUE(writer->add_attachment("scenario.yaml", "application/yaml", bytes_of("rehearse: 1\n")));
-  for (std::uint64_t i = 0; i < 30; ++i)
-    EXPECT_TRUE(writer->write(i % 7 == 0 ? pictures : numbers, i, i, bytes_of("number " + std::to_string(i))));
-  EXPECT_TRUE(writer->add_metadata("provenance", {{"seed", "0"}}));
-  EXPECT_TRUE(writer->close());
-  return bytes;
-}
-
-void no_crcs(mcap::FileForm& form) {
-  form.chunk_crcs = form.attachment_crcs = form.data_crc = form.summary_crc = false;
+  const Buffer whole = written(options, [](mcap::Writer& writer) {
+    const auto schema = writer.add_schema("test/msg/Text", "ros2msg", "string text\n");
+    const auto numbers = writer.add_channel(schema, "/numbers", "cdr");
+    const auto pictures = writer.add_channel(0, "/pictures", "png", {}, mcap::pictures);
+    EXPECT_TRUE(writer.add_attachment("scenario.yaml", "application/yaml", bytes_of("rehearse: 1\n")));
+    for (std::uint64_t i = 0; i < 30; ++i)
+      EXPECT_TRUE(writer.write(i % 7 == 0 ? pictures : numbers, i, i, bytes_of("number " + std::to_string(i))));
+    EXPECT_TRUE(writer.add_metadata("provenance", {{"seed", "0"}}));
+  });
+  return in_form(whole, form);
 }
 
 /// All information about a file that is available without a pass.
@@ -113,13 +107,11 @@ TEST(McapBySummary, APassFindsTheDamageThatTheSummaryHides) {
 }
 
 TEST(McapBySummary, WalksAFileWhoseSummaryDoesNotSayAll) {
-  using Form = mcap::FileForm;
-  for (const auto& without : std::vector<std::function<void(Form&)>>{
-           [](Form& form) { form.summary = false; }, [](Form& form) { form.statistics = false; },
-           [](Form& form) { form.repeated_schemas = false; }, [](Form& form) { form.repeated_channels = false; },
-           [](Form& form) { form.chunk_indexes = false; }, [](Form& form) { form.attachment_indexes = false; },
-           [](Form& form) { form.metadata_indexes = false; }}) {
-    const Buffer bytes = file_with(without);
+  for (const FileForm& form :
+       {FileForm{.summary = false}, FileForm{.repeated_schemas = false}, FileForm{.repeated_channels = false},
+        FileForm{.statistics = false}, FileForm{.chunk_indexes = false}, FileForm{.attachment_indexes = false},
+        FileForm{.metadata_indexes = false}}) {
+    const Buffer bytes = file_with(form);
     const auto reader = std::move(*mcap::Reader::open_bytes(bytes, "a", by_summary));
     EXPECT_FALSE(reader->opened_by_summary());
     expect_the_same_is_known(*reader, *std::move(*mcap::Reader::open_bytes(bytes, "a")));
@@ -128,10 +120,7 @@ TEST(McapBySummary, WalksAFileWhoseSummaryDoesNotSayAll) {
 }
 
 TEST(McapBySummary, NeedsNeitherOffsetsNorCrcsNorMessageIndexes) {
-  const Buffer bytes = file_with([](mcap::FileForm& form) {
-    no_crcs(form);
-    form.summary_offsets = form.message_indexes = false;
-  });
+  const Buffer bytes = file_with({.message_indexes = false, .crcs = false, .summary_offsets = false});
   EXPECT_TRUE(std::move(*mcap::Reader::open_bytes(bytes, "a", by_summary))->opened_by_summary());
 }
 
@@ -160,7 +149,7 @@ TEST(McapBySummary, WalksAFileThatIsCut) {
 }
 
 TEST(McapBySummary, WalksAFileWhoseIndexesPointElsewhere) {
-  const Buffer whole = file_with(no_crcs);
+  const Buffer whole = file_with({.crcs = false});
   const auto opens_with = [&](std::uint8_t opcode, std::size_t field, std::uint64_t value) {
     Buffer bytes = whole;
     std::memcpy(&bytes[offset_of(whole, opcode) + 9 + field], &value, sizeof value);

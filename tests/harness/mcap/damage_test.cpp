@@ -91,6 +91,18 @@ TEST(McapDamage, DetectsEveryFlippedBit) {
   }
 }
 
+TEST(McapDamage, LearnsNothingFromASummaryThatIsNotWhatWasWritten) {
+  Buffer bytes = small_file();
+  auto repeated = find_text(bytes, "test/msg/Text");  // in the data section
+  repeated = std::search(repeated + 1, bytes.end(), repeated, repeated + 13);
+  ASSERT_NE(repeated, bytes.end());
+  *(repeated - 6) = std::byte{9};  // the schema's id in the summary
+  const auto reader = std::move(*mcap::Reader::open_bytes(bytes, "damaged.mcap"));
+  EXPECT_FALSE(pass_over(*reader).end);
+  EXPECT_EQ(reader->schemas().size(), 1u);
+  EXPECT_FALSE(reader->statistics());
+}
+
 TEST(McapDamage, SaysWhereAFileIsCut) {
   Composer file;
   file.magic().header().channel(1, "/a");

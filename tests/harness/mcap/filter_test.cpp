@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "core/mcap/doctor.h"
+#include "core/mcap/examination.h"
 #include "core/mcap/merge.h"
 #include "core/trace/filter.h"
 #include "mcap_files.h"
@@ -36,8 +36,8 @@ Written read_back(const std::filesystem::path& file) {
 
 mcap::FilterOptions between(std::uint64_t from, std::uint64_t until) {
   mcap::FilterOptions options;
-  options.selection.from = mcap::Moment{from, false};
-  options.selection.until = mcap::Moment{until, false};
+  options.selection.from = mcap::TimeBound{from, false};
+  options.selection.until = mcap::TimeBound{until, false};
   return options;
 }
 

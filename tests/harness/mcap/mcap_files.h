@@ -13,15 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "core/mcap/stream.h"
+#include "composer.h"
+#include "core/mcap/chunks.h"
 
 namespace rehearse::test {
-
-using Buffer = std::vector<std::byte>;
-
-inline mcap::Bytes bytes_of(std::string_view text) {
-  return {reinterpret_cast<const std::byte*>(text.data()), text.size()};
-}
 
 inline std::string text_of(mcap::Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
@@ -39,9 +34,10 @@ class TempFile {
   TempFile() {
     const auto* test = testing::UnitTest::GetInstance()->current_test_info();
     static int count = 0;
-    path_ = std::filesystem::temp_directory_path() /
-            (std::string("rehearse_") + test->test_suite_name() + "." + test->name() + "_" +
-             std::to_string(::getpid()) + "_" + std::to_string(count++));
+    std::string name = std::string("rehearse_") + test->test_suite_name() + "." + test->name() + "_" +
+                       std::to_string(::getpid()) + "_" + std::to_string(count++);
+    std::replace(name.begin(), name.end(), '/', '_');  // in the names of tests with a parameter
+    path_ = std::filesystem::temp_directory_path() / name;
   }
   ~TempFile() { std::filesystem::remove(path_); }
   TempFile(const TempFile&) = delete;
@@ -140,66 +136,21 @@ inline void write_small_file(const std::filesystem::path& file, mcap::WriterOpti
   ASSERT_TRUE(writer->close());
 }
 
+/// The bytes of a file that `fill` writes with the Writer.
+inline Buffer written(const mcap::WriterOptions& options, const std::function<void(mcap::Writer&)>& fill) {
+  const TempFile file;
+  const auto writer = std::move(*mcap::Writer::create(file.path(), options));
+  fill(*writer);
+  EXPECT_TRUE(writer->close());
+  return file.read();
+}
+
 /// The bytes of the sample file.
 inline Buffer small_file(mcap::WriterOptions options = {}) {
   const TempFile file;
   write_small_file(file.path(), std::move(options));
   return file.read();
 }
-
-/// Composes records by hand.
-class Composer {
- public:
-  template <class T>
-  Composer& put(T value) {
-    const auto* place = reinterpret_cast<const std::byte*>(&value);
-    bytes.insert(bytes.end(), place, place + sizeof(T));
-    return *this;
-  }
-  Composer& text(std::string_view text) {
-    put(static_cast<std::uint32_t>(text.size()));
-    return raw(bytes_of(text));
-  }
-  Composer& raw(mcap::Bytes more) {
-    bytes.insert(bytes.end(), more.begin(), more.end());
-    return *this;
-  }
-  Composer& magic() { return raw(bytes_of(std::string_view("\x89MCAP0\r\n", 8))); }
-  Composer& record(std::uint8_t opcode, const Composer& body) {
-    put(opcode).put(static_cast<std::uint64_t>(body.bytes.size()));
-    return raw(body.bytes);
-  }
-
-  Composer& header() { return record(0x01, Composer().text("").text("by hand")); }
-  Composer& channel(std::uint16_t id, std::string_view topic) {
-    return record(0x04, Composer().put(id).put(std::uint16_t{0}).text(topic).text("text").put(std::uint32_t{0}));
-  }
-  Composer& message(std::uint16_t channel, std::uint64_t log_time, std::string_view data) {
-    return record(0x05, Composer().put(channel).put(std::uint32_t{0}).put(log_time).put(log_time).raw(bytes_of(data)));
-  }
-  Composer& chunk(std::uint64_t start, std::uint64_t end, const Composer& records, std::string_view compression = "",
-                  std::optional<std::uint64_t> said_size = {}, std::uint32_t crc = 0) {
-    return record(0x06, Composer()
-                            .put(start)
-                            .put(end)
-                            .put(said_size.value_or(records.bytes.size()))
-                            .put(crc)
-                            .text(compression)
-                            .put(static_cast<std::uint64_t>(records.bytes.size()))
-                            .raw(records.bytes));
-  }
-  /// DataEnd without CRC, Footer without summary, magic.
-  Composer& end() {
-    record(0x0f, Composer().put(std::uint32_t{0}));
-    return footer();
-  }
-  Composer& footer() {
-    record(0x02, Composer().put(std::uint64_t{0}).put(std::uint64_t{0}).put(std::uint32_t{0}));
-    return magic();
-  }
-
-  Buffer bytes;
-};
 
 inline std::unique_ptr<mcap::Reader> open_composed(const Composer& file, mcap::ReaderOptions options = {}) {
   auto reader = mcap::Reader::open_bytes(file.bytes, "composed.mcap", options);

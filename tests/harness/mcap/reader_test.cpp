@@ -1,3 +1,4 @@
+#include "file_forms.h"
 #include "mcap_files.h"
 
 #include <gmock/gmock.h>
@@ -118,14 +119,13 @@ TEST(McapReader, LearnsChannelsInsideOfChunksWhenThereIsNoSummary) {
 }
 
 TEST(McapReader, LearnsSchemasInsideOfChunksWhenTheSummaryHasOnlyTheChannels) {
-  mcap::WriterOptions options;
-  options.form.definitions_in_chunks = true;
-  options.form.repeated_schemas = false;
-  Buffer bytes;
-  const auto writer = mcap::Writer::create_in_memory(bytes, options);
-  const auto channel = writer->add_channel(writer->add_schema("T", "ros2msg", ""), "/a", "cdr");
-  ASSERT_TRUE(writer->write(channel, 1, 1, bytes_of("x")));
-  ASSERT_TRUE(writer->close());
+  const Buffer bytes = in_form(written({},
+                                       [](mcap::Writer& writer) {
+                                         const auto channel =
+                                             writer.add_channel(writer.add_schema("T", "ros2msg", ""), "/a", "cdr");
+                                         ASSERT_TRUE(writer.write(channel, 1, 1, bytes_of("x")));
+                                       }),
+                               {.definitions_in_chunks = true, .repeated_schemas = false});
   const auto reader = std::move(*mcap::Reader::open_bytes(bytes, "a"));
   EXPECT_EQ(reader->schemas().at(1).name, "T");
 }

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "core/mcap/doctor.h"
+#include "core/mcap/examination.h"
 #include "core/mcap/recover.h"
 #include "mcap_files.h"
 
@@ -131,7 +131,7 @@ TEST(McapRecover, SaysWhatIsLost) {
   ASSERT_TRUE(saved.recovery);
   const mcap::Recovery& recovery = *saved.recovery;
   ASSERT_EQ(recovery.lost.size(), 1u);
-  EXPECT_EQ(recovery.lost[0].what, "a Chunk whose CRC doesn't match");
+  EXPECT_EQ(recovery.lost[0].what, "the CRC of the Chunk doesn't match");
   EXPECT_EQ(recovery.lost_bytes, recovery.lost[0].end - recovery.lost[0].begin);
   EXPECT_TRUE(recovery.loss_is_known);
   EXPECT_EQ(recovery.lost_messages, 1u);
@@ -161,7 +161,7 @@ TEST(McapRecover, GoesByTheSummaryWhereDefinitionsDiffer) {
   ASSERT_TRUE(saved.recovery);
   EXPECT_EQ(saved.messages.size(), 5u);
   EXPECT_TRUE(has(saved.messages, {"/numbers", 1, 1000, "one"}));
-  EXPECT_THAT(saved.recovery->lost[0].what, HasSubstr("a Channel 1 that is defined differently in the summary"));
+  EXPECT_THAT(saved.recovery->lost[0].what, HasSubstr("Channel 1 differs from its definition at byte"));
 }
 
 TEST(McapRecover, LosesAChunkWithoutACrcWhoseLastRecordIsNoneThatItCanBe) {
@@ -172,7 +172,7 @@ TEST(McapRecover, LosesAChunkWithoutACrcWhoseLastRecordIsNoneThatItCanBe) {
       save(Composer().magic().header().channel(1, "/a").message(1, 0, "w").chunk(1, 2, records).end().bytes);
   EXPECT_EQ(saved.messages.size(), 1u);
   ASSERT_EQ(saved.recovery->lost.size(), 1u);
-  EXPECT_EQ(saved.recovery->lost[0].what, "a Chunk without a CRC whose records aren't whole");
+  EXPECT_EQ(saved.recovery->lost[0].what, "the records of the Chunk aren't whole from there on");
 }
 
 TEST(McapRecover, FindsTheBeginningAgain) {

@@ -25,22 +25,22 @@ struct Parts final : ObservationSource, Commander, Sink {
   bool throws = false;
   bool is_full = false;
 
-  void note(const char* what, const Moment& now) { calls.push_back(what + std::to_string(now.tick)); }
-  Result<bool> observe(Moment& now) override {
+  void note(const char* what, const TickData& now) { calls.push_back(what + std::to_string(now.tick)); }
+  Result<bool> observe(TickData& now) override {
     if (throws) throw std::invalid_argument("a test's mistake");
     note(now.is_closing ? "closing " : "observe ", now);
     return now.is_closing || now.tick < ticks;
   }
-  void act(Moment& now) override {
+  void act(TickData& now) override {
     note("command ", now);
     now.alive = now.tick != fails;
   }
-  void act_late(Moment& now) override { note("late ", now); }
-  Result<void> emit(const Moment& now) override {
+  void act_late(TickData& now) override { note("late ", now); }
+  Result<void> emit(const TickData& now) override {
     note("emit ", now);
     return is_full ? Result<void>(error("the disk is full")) : Result<void>();
   }
-  Result<bool> advance(Moment& now, Commander& commands) override {
+  Result<bool> advance(TickData& now, Commander& commands) override {
     note("advance ", now);
     commands.act_late(now);
     return now.tick != breaks_down;

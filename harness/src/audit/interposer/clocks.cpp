@@ -78,46 +78,46 @@ void let_pass(int64_t nanoseconds) {
   for (int layer = 0; layer < 2; ++layer) lead_of(substitution_of_layer(layer)).passed += nanoseconds;
 }
 
-REHEARSE_ANSWERED(clock, has_clock, int, clock_gettime, (clockid_t clock, timespec* to), (clock, to), name_of(clock), {
+REHEARSE_ANSWERED(has_clock, int, clock_gettime, (clockid_t clock, timespec* to), (clock, to), name_of(clock), {
   *to = timespec_of(read_clock(substitution, kind_of(clock)));
   return 0;
 })
 
-REHEARSE_ANSWERED(clock, has_clock, int, timespec_get, (timespec * time, int base), (time, base), "", {
+REHEARSE_ANSWERED(has_clock, int, timespec_get, (timespec * time, int base), (time, base), "", {
   if (base != TIME_UTC) return next_timespec_get.get()(time, base);
   *time = timespec_of(read_clock(substitution, ClockKind::date));
   return base;
 })
 
-REHEARSE_ANSWERED(clock, has_clock, time_t, time, (time_t * also), (also), "", {
+REHEARSE_ANSWERED(has_clock, time_t, time, (time_t * also), (also), "", {
   const time_t seconds = timespec_of(read_clock(substitution, ClockKind::date)).tv_sec;
   if (also) *also = seconds;
   return seconds;
 })
 
-REHEARSE_ANSWERED(clock, has_clock, int, gettimeofday, (timeval * time, void* zone), (time, zone), "", {
+REHEARSE_ANSWERED(has_clock, int, gettimeofday, (timeval * time, void* zone), (time, zone), "", {
   if (!time) return next_gettimeofday.get()(time, zone);
   const timespec now = timespec_of(read_clock(substitution, ClockKind::date));
   *time = {now.tv_sec, now.tv_nsec / 1000};
   return 0;
 })
 
-REHEARSE_ANSWERED(clock, has_clock, int, ftime, (timeb * time), (time), "", {
+REHEARSE_ANSWERED(has_clock, int, ftime, (timeb * time), (time), "", {
   const timespec now = timespec_of(read_clock(substitution, ClockKind::date));
   *time = {now.tv_sec, static_cast<unsigned short>(now.tv_nsec / 1'000'000), 0, 0};
   return 0;
 })
 
-REHEARSE_ANSWERED(clock, has_clock, clock_t, clock, (), (), "",
+REHEARSE_ANSWERED(has_clock, clock_t, clock, (), (), "",
                   return read_clock(substitution, ClockKind::processor_time) / (1'000'000'000 / CLOCKS_PER_SEC);)
 
-REHEARSE_ANSWERED(clock, has_clock, clock_t, times, (tms * times), (times), "", {
+REHEARSE_ANSWERED(has_clock, clock_t, times, (tms * times), (times), "", {
   const int64_t tick = 1'000'000'000 / sysconf(_SC_CLK_TCK);
   if (times) *times = {read_clock(substitution, ClockKind::processor_time) / tick, 0, 0, 0};
   return read_clock(substitution, ClockKind::monotonic) / tick;
 })
 
-REHEARSE_ANSWERED(clock, has_clock, int, getrusage, (int who, rusage* usage), (who, usage), "", {
+REHEARSE_ANSWERED(has_clock, int, getrusage, (int who, rusage* usage), (who, usage), "", {
   if (const int failed = next_getrusage.get()(who, usage)) return failed;
   const timespec now = timespec_of(read_clock(substitution, ClockKind::processor_time));
   const int64_t other = substitution.uptime / 1'000'000'000;  // with a different clock the counts differ, too

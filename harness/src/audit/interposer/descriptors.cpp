@@ -47,14 +47,13 @@ void set_relative_name(int descriptor, const char* name) {
 REHEARSE_INTERPOSED(int, close, (int descriptor)) {
   set_relative_name(descriptor, "");
   if (watching() && descriptor >= 0 && descriptor < most_descriptors && is_hosts[descriptor]) {
-    const Caller caller = note(Source::process, "close", Digits(descriptor), __builtin_return_address(0));
+    const Caller caller = note(source_of::close, "close", Digits(descriptor), __builtin_return_address(0));
     if (caller.is_controller) now_controllers(descriptor);
   }
   return next_close.get()(descriptor);
 }
 
-REHEARSE_NOTED(process, void, closefrom, (int first), (first), Digits(first))
-REHEARSE_NOTED(process, int, close_range, (unsigned first, unsigned last, int flags), (first, last, flags),
-               Digits(first))
+REHEARSE_NOTED(void, closefrom, (int first), (first), Digits(first))
+REHEARSE_NOTED(int, close_range, (unsigned first, unsigned last, int flags), (first, last, flags), Digits(first))
 
 }  // namespace rehearse::interposer

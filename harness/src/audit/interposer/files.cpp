@@ -149,14 +149,14 @@ REHEARSE_FILE_OPENED(freopen64, (const char* path, const char* mode, FILE* file)
 #undef REHEARSE_FILE_OPENED
 
 /// A function with the name of a file as argument: it is logged, and applied to the process's copy if there is one.
-#define REHEARSE_LOCATED(result, name, parameters, arguments, folder, use)                \
-  REHEARSE_INTERPOSED(result, name, parameters) {                                         \
-    if (!watching()) return next_##name.get() arguments;                                  \
-    const StatedName stated(folder, path);                                                \
-    const Caller caller = note(Source::file, #name, stated, __builtin_return_address(0)); \
-    const Located located(caller, folder, path, use);                                     \
-    path = located;                                                                       \
-    return next_##name.get() arguments;                                                   \
+#define REHEARSE_LOCATED(result, name, parameters, arguments, folder, use)                   \
+  REHEARSE_INTERPOSED(result, name, parameters) {                                            \
+    if (!watching()) return next_##name.get() arguments;                                     \
+    const StatedName stated(folder, path);                                                   \
+    const Caller caller = note(source_of::name, #name, stated, __builtin_return_address(0)); \
+    const Located located(caller, folder, path, use);                                        \
+    path = located;                                                                          \
+    return next_##name.get() arguments;                                                      \
   }
 using VisitFile = int (*)(const char*, const void*, int);
 REHEARSE_LOCATED(int, ftw, (const char* path, VisitFile visit, int depth), (path, visit, depth), AT_FDCWD, Use::list)
@@ -197,7 +197,7 @@ REHEARSE_LOCATED(int, mkdir, (const char* path, mode_t mode), (path, mode), AT_F
 
 REHEARSE_INTERPOSED(char*, realpath, (const char* path, char* to)) {
   if (!watching()) return next_realpath.get()(path, to);
-  const Caller caller = note(Source::file, "realpath", path, __builtin_return_address(0));
+  const Caller caller = note(source_of::realpath, "realpath", path, __builtin_return_address(0));
   const Located located(caller, AT_FDCWD, path, Use::look);
   if (!located.is_copy()) return next_realpath.get()(path, to);
   const Busy busy;
@@ -206,15 +206,15 @@ REHEARSE_INTERPOSED(char*, realpath, (const char* path, char* to)) {
   return to ? strcpy(to, located.name()) : strdup(located.name());
 }
 
-#define REHEARSE_REMOVED(name, parameters, arguments, folder)                             \
-  REHEARSE_INTERPOSED(int, name, parameters) {                                            \
-    if (!watching()) return next_##name.get() arguments;                                  \
-    const StatedName stated(folder, path);                                                \
-    const Caller caller = note(Source::file, #name, stated, __builtin_return_address(0)); \
-    const Removal removal(caller, folder, path);                                          \
-    if (removal.is_done()) return 0;                                                      \
-    path = removal;                                                                       \
-    return next_##name.get() arguments;                                                   \
+#define REHEARSE_REMOVED(name, parameters, arguments, folder)                                \
+  REHEARSE_INTERPOSED(int, name, parameters) {                                               \
+    if (!watching()) return next_##name.get() arguments;                                     \
+    const StatedName stated(folder, path);                                                   \
+    const Caller caller = note(source_of::name, #name, stated, __builtin_return_address(0)); \
+    const Removal removal(caller, folder, path);                                             \
+    if (removal.is_done()) return 0;                                                         \
+    path = removal;                                                                          \
+    return next_##name.get() arguments;                                                      \
   }
 REHEARSE_REMOVED(unlink, (const char* path), (path), AT_FDCWD)
 REHEARSE_REMOVED(unlinkat, (int folder, const char* path, int flags), (folder, path, flags), folder)
@@ -224,7 +224,7 @@ REHEARSE_REMOVED(rmdir, (const char* path), (path), AT_FDCWD)
 
 REHEARSE_INTERPOSED(int, rename, (const char* from, const char* to)) {
   if (!watching()) return next_rename.get()(from, to);
-  const Caller caller = note(Source::file, "rename", from, __builtin_return_address(0));
+  const Caller caller = note(source_of::rename, "rename", from, __builtin_return_address(0));
   const Located old_name(caller, AT_FDCWD, from, Use::change), new_name(caller, AT_FDCWD, to, Use::change);
   if (old_name.is_copy() != new_name.is_copy()) {  // a folder that existed before, or a place that can't be written
     errno = EXDEV;
@@ -235,22 +235,22 @@ REHEARSE_INTERPOSED(int, rename, (const char* from, const char* to)) {
   return result;
 }
 
-REHEARSE_NOTED(file, FILE*, tmpfile, (), (), "")
-REHEARSE_NOTED(file, FILE*, tmpfile64, (), (), "")
+REHEARSE_NOTED(FILE*, tmpfile, (), (), "")
+REHEARSE_NOTED(FILE*, tmpfile64, (), (), "")
 
 /// A function whose argument ends in XXXXXX, which is replaced by the chosen letters afterwards. `answer` is returned
 /// for `made`, the result for a copy.
-#define REHEARSE_MADE_TEMPORARY(result, name, parameters, arguments, failed, answer)     \
-  REHEARSE_INTERPOSED(result, name, parameters) {                                        \
-    char* const wanted = path;                                                           \
-    if (!watching()) return next_##name.get() arguments;                                 \
-    const Caller caller = note(Source::file, #name, path, __builtin_return_address(0));  \
-    Located located(caller, AT_FDCWD, path, Use::change);                                \
-    if (!located.is_copy()) return next_##name.get() arguments;                          \
-    path = located.text();                                                               \
-    const result made = next_##name.get() arguments;                                     \
-    if (made != failed) memcpy(wanted + strlen(wanted) - 6, path + strlen(path) - 6, 6); \
-    return answer;                                                                       \
+#define REHEARSE_MADE_TEMPORARY(result, name, parameters, arguments, failed, answer)       \
+  REHEARSE_INTERPOSED(result, name, parameters) {                                          \
+    char* const wanted = path;                                                             \
+    if (!watching()) return next_##name.get() arguments;                                   \
+    const Caller caller = note(source_of::name, #name, path, __builtin_return_address(0)); \
+    Located located(caller, AT_FDCWD, path, Use::change);                                  \
+    if (!located.is_copy()) return next_##name.get() arguments;                            \
+    path = located.text();                                                                 \
+    const result made = next_##name.get() arguments;                                       \
+    if (made != failed) memcpy(wanted + strlen(wanted) - 6, path + strlen(path) - 6, 6);   \
+    return answer;                                                                         \
   }
 REHEARSE_MADE_TEMPORARY(int, mkstemp, (char* path), (path), -1, made)
 REHEARSE_MADE_TEMPORARY(int, mkstemp64, (char* path), (path), -1, made)
@@ -261,7 +261,7 @@ REHEARSE_MADE_TEMPORARY(char*, mkdtemp, (char* path), (path), nullptr, made ? wa
 // Shared memory is a file like any other.
 REHEARSE_INTERPOSED(int, shm_open, (const char* name, int flags, mode_t mode)) {
   if (!watching()) return next_shm_open.get()(name, flags, mode);
-  const Caller caller = note(Source::file, "shm_open", name, __builtin_return_address(0));
+  const Caller caller = note(source_of::shm_open, "shm_open", name, __builtin_return_address(0));
   char path[PATH_MAX];
   snprintf(path, sizeof path, "/dev/shm/%s", name + strspn(name, "/"));
   const Located located(caller, AT_FDCWD, path, use_of(flags));
@@ -271,7 +271,7 @@ REHEARSE_INTERPOSED(int, shm_open, (const char* name, int flags, mode_t mode)) {
 }
 REHEARSE_INTERPOSED(int, shm_unlink, (const char* name)) {
   if (!watching()) return next_shm_unlink.get()(name);
-  const Caller caller = note(Source::file, "shm_unlink", name, __builtin_return_address(0));
+  const Caller caller = note(source_of::shm_unlink, "shm_unlink", name, __builtin_return_address(0));
   char path[PATH_MAX];
   snprintf(path, sizeof path, "/dev/shm/%s", name + strspn(name, "/"));
   const Removal removal(caller, AT_FDCWD, path);
@@ -282,29 +282,28 @@ REHEARSE_INTERPOSED(int, shm_unlink, (const char* name)) {
 }
 // NOLINTEND(bugprone-macro-parentheses)
 
-REHEARSE_NOTED(file, int, mq_open, (const char* name, int flags, mode_t mode, void* attributes),
+REHEARSE_NOTED(int, mq_open, (const char* name, int flags, mode_t mode, void* attributes),
                (name, flags, mode, attributes), name)
-REHEARSE_NOTED(file, int, shmget, (int key, size_t size, int flags), (key, size, flags), Digits(key))
-REHEARSE_NOTED(file, int, semget, (int key, int count, int flags), (key, count, flags), Digits(key))
-REHEARSE_NOTED(file, int, msgget, (int key, int flags), (key, flags), Digits(key))
+REHEARSE_NOTED(int, shmget, (int key, size_t size, int flags), (key, size, flags), Digits(key))
+REHEARSE_NOTED(int, semget, (int key, int count, int flags), (key, count, flags), Digits(key))
+REHEARSE_NOTED(int, msgget, (int key, int flags), (key, flags), Digits(key))
 
-REHEARSE_NOTED(file, int, glob, (const char* pattern, int flags, int (*failed)(const char*, int), void* found),
+REHEARSE_NOTED(int, glob, (const char* pattern, int flags, int (*failed)(const char*, int), void* found),
                (pattern, flags, failed, found), pattern)
-REHEARSE_NOTED(file, int, glob64, (const char* pattern, int flags, int (*failed)(const char*, int), void* found),
+REHEARSE_NOTED(int, glob64, (const char* pattern, int flags, int (*failed)(const char*, int), void* found),
                (pattern, flags, failed, found), pattern)
 
-REHEARSE_NOTED(file, int, wordexp, (const char* words, void* found, int flags), (words, found, flags), words)
-REHEARSE_NOTED(file, ssize_t, getdents64, (int folder, void* entries, size_t size), (folder, entries, size),
+REHEARSE_NOTED(int, wordexp, (const char* words, void* found, int flags), (words, found, flags), words)
+REHEARSE_NOTED(ssize_t, getdents64, (int folder, void* entries, size_t size), (folder, entries, size),
                StatedName(folder, ""))
-REHEARSE_NOTED(file, void*, shmat, (int id, const void* address, int flags), (id, address, flags), Digits(id))
+REHEARSE_NOTED(void*, shmat, (int id, const void* address, int flags), (id, address, flags), Digits(id))
 
-REHEARSE_NOTED(network, int, getifaddrs, (void** result), (result), "")
-REHEARSE_NOTED(network, int, socket, (int domain, int type, int protocol), (domain, type, protocol), "")
-REHEARSE_NOTED(network, int, connect, (int file, const sockaddr* address, socklen_t size), (file, address, size), "")
-REHEARSE_NOTED(network, int, bind, (int file, const sockaddr* address, socklen_t size), (file, address, size), "")
-REHEARSE_NOTED(network, int, getaddrinfo,
-               (const char* node, const char* service, const addrinfo* hints, addrinfo** result),
+REHEARSE_NOTED(int, getifaddrs, (void** result), (result), "")
+REHEARSE_NOTED(int, socket, (int domain, int type, int protocol), (domain, type, protocol), "")
+REHEARSE_NOTED(int, connect, (int file, const sockaddr* address, socklen_t size), (file, address, size), "")
+REHEARSE_NOTED(int, bind, (int file, const sockaddr* address, socklen_t size), (file, address, size), "")
+REHEARSE_NOTED(int, getaddrinfo, (const char* node, const char* service, const addrinfo* hints, addrinfo** result),
                (node, service, hints, result), node)
-REHEARSE_NOTED(network, hostent*, gethostbyname, (const char* name), (name), name)
+REHEARSE_NOTED(hostent*, gethostbyname, (const char* name), (name), name)
 
 }  // namespace rehearse::interposer

@@ -117,9 +117,9 @@ int open_machine_file(int number, const char* path) {
 // NOLINTBEGIN(bugprone-macro-parentheses): a list of arguments has its own
 
 /// A query of the machine: it is logged. For an imaginary machine the last arguments answer it. They can use `machine`.
-#define REHEARSE_ASKED(result, name, parameters, arguments, text, ...)               \
-  REHEARSE_ANSWERED(environment, machine, result, name, parameters, arguments, text, \
-                    [[maybe_unused]] const Machine machine{substitution.machine};    \
+#define REHEARSE_ASKED(result, name, parameters, arguments, text, ...)            \
+  REHEARSE_ANSWERED(machine, result, name, parameters, arguments, text,           \
+                    [[maybe_unused]] const Machine machine{substitution.machine}; \
                     __VA_ARGS__)
 
 REHEARSE_ASKED(int, get_nprocs, (), (), "", return machine.processors();)
@@ -176,7 +176,7 @@ REHEARSE_ASKED(int, sysinfo, (struct sysinfo * answer), (answer), "", {
 REHEARSE_INTERPOSED(long, sysconf, (int name)) {
   const char* query = name_of_query(name);
   if (!watching() || !query) return next_sysconf.get()(name);
-  const Caller caller = note(Source::environment, "sysconf", query, __builtin_return_address(0));
+  const Caller caller = note(source_of::sysconf, "sysconf", query, __builtin_return_address(0));
   const Machine machine{substitution_for(caller).machine};
   if (machine.number == 0) return next_sysconf.get()(name);
   if (name == _SC_NPROCESSORS_CONF || name == _SC_NPROCESSORS_ONLN) return machine.processors();
@@ -184,13 +184,13 @@ REHEARSE_INTERPOSED(long, sysconf, (int name)) {
 }
 
 // The terminal of stdin, stdout and stderr. Other descriptors are unchanged.
-#define REHEARSE_ASKED_OF_TERMINAL(result, name, parameters, arguments, answer)                        \
-  REHEARSE_INTERPOSED(result, name, parameters) {                                                      \
-    if (!watching() || file < 0 || file > 2) return next_##name.get() arguments;                       \
-    const Caller caller = note(Source::environment, #name, Digits(file), __builtin_return_address(0)); \
-    const Machine machine{substitution_for(caller).machine};                                           \
-    if (machine.number == 0) return next_##name.get() arguments;                                       \
-    answer                                                                                             \
+#define REHEARSE_ASKED_OF_TERMINAL(result, name, parameters, arguments, answer)                    \
+  REHEARSE_INTERPOSED(result, name, parameters) {                                                  \
+    if (!watching() || file < 0 || file > 2) return next_##name.get() arguments;                   \
+    const Caller caller = note(source_of::name, #name, Digits(file), __builtin_return_address(0)); \
+    const Machine machine{substitution_for(caller).machine};                                       \
+    if (machine.number == 0) return next_##name.get() arguments;                                   \
+    answer                                                                                         \
   }
 REHEARSE_ASKED_OF_TERMINAL(int, isatty, (int file), (file), {
   if (machine.has_terminal()) return 1;
@@ -213,7 +213,7 @@ REHEARSE_INTERPOSED(int, ioctl, (int file, unsigned long request, void* argument
   const bool asks = request == TIOCGWINSZ || request == TCGETS;
   if (!watching() || !asks || file < 0 || file > 2) return next_ioctl.get()(file, request, argument);
   const Caller caller =
-      note(Source::environment, "ioctl", request == TIOCGWINSZ ? "TIOCGWINSZ" : "TCGETS", __builtin_return_address(0));
+      note(source_of::ioctl, "ioctl", request == TIOCGWINSZ ? "TIOCGWINSZ" : "TCGETS", __builtin_return_address(0));
   const Machine machine{substitution_for(caller).machine};
   if (machine.number == 0) return next_ioctl.get()(file, request, argument);
   if (!machine.has_terminal()) return fail(ENOTTY);

@@ -4,9 +4,17 @@
 #include <dlfcn.h>
 #include <stdlib.h>
 
+#include "core/guard/c_functions.h"
 #include "watching.h"
 
 namespace rehearse::interposer {
+
+/// The source as which a call of each function is logged.
+namespace source_of {
+#define REHEARSE_SOURCE(name, source, guard) inline constexpr Source name = Source::source;
+REHEARSE_C_FUNCTIONS(REHEARSE_SOURCE)
+#undef REHEARSE_SOURCE
+}  // namespace source_of
 
 /// The function of this name that would be called without the interposer.
 template <class Function>
@@ -33,6 +41,7 @@ class Next {
 /// Begins the definition of a function that is exported under `name`. In C++ it has a different name, because the C
 /// library's headers declare theirs with attributes, and redirect some to others. next_name is the replaced function.
 #define REHEARSE_INTERPOSED(result, name, parameters)                                                   \
+  static_assert(::rehearse::interposer::source_of::name != ::rehearse::interposer::Source::none);       \
   [[maybe_unused]] static ::rehearse::interposer::Next<result parameters> next_##name{#name};           \
   extern "C" __attribute__((visibility("default"))) result interposed_##name parameters __asm__(#name); \
   extern "C" result interposed_##name parameters
@@ -41,20 +50,20 @@ class Next {
 
 /// A function that is only logged. The call is its last statement, so it is compiled to a jump: the real function sees
 /// its caller's return address.
-#define REHEARSE_NOTED(source, result, name, parameters, arguments, text)           \
-  REHEARSE_INTERPOSED(result, name, parameters) {                                   \
-    if (watching()) note(Source::source, #name, text, __builtin_return_address(0)); \
-    return next_##name.get() arguments;                                             \
+#define REHEARSE_NOTED(result, name, parameters, arguments, text)                    \
+  REHEARSE_INTERPOSED(result, name, parameters) {                                    \
+    if (watching()) note(source_of::name, #name, text, __builtin_return_address(0)); \
+    return next_##name.get() arguments;                                              \
   }
 
 /// A function that is logged, and answered if the caller's substitution has `aspect` (one of its members). The last
 /// arguments are the statements of the answer, which can use `caller` and `substitution`.
-#define REHEARSE_ANSWERED(source, aspect, result, name, parameters, arguments, text, ...) \
-  REHEARSE_INTERPOSED(result, name, parameters) {                                         \
-    if (!watching()) return next_##name.get() arguments;                                  \
-    const Caller caller = note(Source::source, #name, text, __builtin_return_address(0)); \
-    const Substitution& substitution = substitution_for(caller);                          \
-    if (!substitution.aspect) return next_##name.get() arguments;                         \
-    __VA_ARGS__                                                                           \
+#define REHEARSE_ANSWERED(aspect, result, name, parameters, arguments, text, ...)          \
+  REHEARSE_INTERPOSED(result, name, parameters) {                                          \
+    if (!watching()) return next_##name.get() arguments;                                   \
+    const Caller caller = note(source_of::name, #name, text, __builtin_return_address(0)); \
+    const Substitution& substitution = substitution_for(caller);                           \
+    if (!substitution.aspect) return next_##name.get() arguments;                          \
+    __VA_ARGS__                                                                            \
   }
 // NOLINTEND(bugprone-macro-parentheses)

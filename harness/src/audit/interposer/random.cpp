@@ -83,7 +83,7 @@ int open_random_file(uint64_t seed) {
 
 // A function that draws a number: it is logged, and uses a stream if there is a seed.
 #define REHEARSE_DRAWN(result, name, stream, generator, value)    \
-  REHEARSE_ANSWERED(random, has_seed, result, name, (), (), "", { \
+  REHEARSE_ANSWERED(has_seed, result, name, (), (), "", {         \
     const uint64_t drawn = draw(substitution, stream, generator); \
     return value;                                                 \
   })
@@ -94,29 +94,28 @@ REHEARSE_DRAWN(long, lrand48, stream_lrand48, generator_drand48, static_cast<lon
 REHEARSE_DRAWN(long, mrand48, stream_mrand48, generator_drand48, static_cast<int32_t>(drawn >> 32))
 #undef REHEARSE_DRAWN
 
-REHEARSE_ANSWERED(random, has_seed, uint32_t, arc4random, (), (), "",
+REHEARSE_ANSWERED(has_seed, uint32_t, arc4random, (), (), "",
                   return static_cast<uint32_t>(draw(substitution.seed, stream_arc4random) >> 32);)
-REHEARSE_ANSWERED(random, has_seed, uint32_t, arc4random_uniform, (uint32_t bound), (bound), "",
+REHEARSE_ANSWERED(has_seed, uint32_t, arc4random_uniform, (uint32_t bound), (bound), "",
                   return static_cast<uint32_t>((draw(substitution.seed, stream_arc4random) >> 32) * bound >> 32);)
-REHEARSE_ANSWERED(random, has_seed, void, arc4random_buf, (void* to, size_t count), (to, count), "",
+REHEARSE_ANSWERED(has_seed, void, arc4random_buf, (void* to, size_t count), (to, count), "",
                   fill(substitution.seed, stream_arc4random, to, count);)
-REHEARSE_ANSWERED(random, has_seed, ssize_t, getrandom, (void* to, size_t count, unsigned flags), (to, count, flags),
-                  "", {
-                    fill(substitution.seed, stream_getrandom, to, count);
-                    return static_cast<ssize_t>(count);
-                  })
-REHEARSE_ANSWERED(random, has_seed, int, getentropy, (void* to, size_t count), (to, count), "", {
+REHEARSE_ANSWERED(has_seed, ssize_t, getrandom, (void* to, size_t count, unsigned flags), (to, count, flags), "", {
+  fill(substitution.seed, stream_getrandom, to, count);
+  return static_cast<ssize_t>(count);
+})
+REHEARSE_ANSWERED(has_seed, int, getentropy, (void* to, size_t count), (to, count), "", {
   fill(substitution.seed, stream_getrandom, to, count);
   return 0;
 })
 
 // A function that seeds a generator: it is logged, and a controller's seed is kept. The last arguments are those of
 // set_seed().
-#define REHEARSE_SEEDED(result, name, parameters, arguments, text, ...)                             \
-  REHEARSE_INTERPOSED(result, name, parameters) {                                                   \
-    if (watching() && note(Source::random, #name, text, __builtin_return_address(0)).is_controller) \
-      set_seed(__VA_ARGS__);                                                                        \
-    return next_##name.get() arguments;                                                             \
+#define REHEARSE_SEEDED(result, name, parameters, arguments, text, ...)                              \
+  REHEARSE_INTERPOSED(result, name, parameters) {                                                    \
+    if (watching() && note(source_of::name, #name, text, __builtin_return_address(0)).is_controller) \
+      set_seed(__VA_ARGS__);                                                                         \
+    return next_##name.get() arguments;                                                              \
   }
 REHEARSE_SEEDED(void, srand, (unsigned seed), (seed), Digits(seed), generator_rand, seed, stream_rand, stream_rand)
 REHEARSE_SEEDED(void, srandom, (unsigned seed), (seed), Digits(seed), generator_rand, seed, stream_rand, stream_rand)

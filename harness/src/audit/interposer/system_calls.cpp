@@ -137,7 +137,7 @@ void on_system_call(int, siginfo_t* info, void* context) {
   } else if (!watching()) {
     result = make(call);
   } else if (!answer(call, result)) {
-    if (!is_quiet(call.number)) note(Source::process, "syscall", Digits(call.number), info->si_call_addr);
+    if (!is_quiet(call.number)) note(source_of::syscall, "syscall", Digits(call.number), info->si_call_addr);
     result = make(call);
   }
   errno = errno_before;
@@ -163,7 +163,7 @@ REHEARSE_INTERPOSED(long, syscall, (long number, long a, long b, long c, long d,
     errno = static_cast<int>(-result);
     return -1;
   }
-  if (!is_quiet(number)) note(Source::process, "syscall", Digits(number), __builtin_return_address(0));
+  if (!is_quiet(number)) note(source_of::syscall, "syscall", Digits(number), __builtin_return_address(0));
   return next_syscall.get()(number, a, b, c, d, e, f);
 }
 

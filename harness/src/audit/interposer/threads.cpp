@@ -38,7 +38,7 @@ void* run_own_thread(void* argument) {
 REHEARSE_INTERPOSED(int, pthread_create,
                     (pthread_t * thread, const pthread_attr_t* attributes, void* (*routine)(void*), void* argument)) {
   if (!watching()) return next_pthread_create.get()(thread, attributes, routine, argument);
-  const Caller caller = note(Source::thread, "pthread_create", "", __builtin_return_address(0));
+  const Caller caller = note(source_of::pthread_create, "pthread_create", "", __builtin_return_address(0));
   if (!caller.is_controller) return next_pthread_create.get()(thread, attributes, routine, argument);
   const Threads schedule = substitution_for(caller).threads;
   auto* start = static_cast<Start*>(malloc(sizeof(Start)));
@@ -49,32 +49,32 @@ REHEARSE_INTERPOSED(int, pthread_create,
   return failed;
 }
 
-REHEARSE_NOTED(thread, pid_t, fork, (), (), "")
+REHEARSE_NOTED(pid_t, fork, (), (), "")
 
 // The real vfork() can't be called here: its caller must not return before the child has ended. fork() has the same
 // effect, only slower.
 REHEARSE_INTERPOSED(pid_t, vfork, ()) {
-  if (watching()) note(Source::thread, "vfork", "", __builtin_return_address(0));
+  if (watching()) note(source_of::vfork, "vfork", "", __builtin_return_address(0));
   return next_fork.get()();
 }
 
-REHEARSE_NOTED(thread, int, clone,
+REHEARSE_NOTED(int, clone,
                (int (*function)(void*), void* stack, int flags, void* argument, void* parent, void* storage,
                 void* child),
                (function, stack, flags, argument, parent, storage, child), "")
-REHEARSE_NOTED(thread, int, posix_spawn,
+REHEARSE_NOTED(int, posix_spawn,
                (pid_t * child, const char* path, const void* actions, const void* attributes, char* const* arguments,
                 char* const* environment),
                (child, path, actions, attributes, arguments, environment), path)
-REHEARSE_NOTED(thread, int, posix_spawnp,
+REHEARSE_NOTED(int, posix_spawnp,
                (pid_t * child, const char* name, const void* actions, const void* attributes, char* const* arguments,
                 char* const* environment),
                (child, name, actions, attributes, arguments, environment), name)
-REHEARSE_NOTED(thread, int, system, (const char* command), (command), command)
-REHEARSE_NOTED(thread, FILE*, popen, (const char* command, const char* mode), (command, mode), command)
-REHEARSE_NOTED(thread, int, execve, (const char* path, char* const* arguments, char* const* environment),
+REHEARSE_NOTED(int, system, (const char* command), (command), command)
+REHEARSE_NOTED(FILE*, popen, (const char* command, const char* mode), (command, mode), command)
+REHEARSE_NOTED(int, execve, (const char* path, char* const* arguments, char* const* environment),
                (path, arguments, environment), path)
-REHEARSE_NOTED(thread, int, execv, (const char* path, char* const* arguments), (path, arguments), path)
-REHEARSE_NOTED(thread, int, execvp, (const char* path, char* const* arguments), (path, arguments), path)
+REHEARSE_NOTED(int, execv, (const char* path, char* const* arguments), (path, arguments), path)
+REHEARSE_NOTED(int, execvp, (const char* path, char* const* arguments), (path, arguments), path)
 
 }  // namespace rehearse::interposer

@@ -52,7 +52,7 @@ clockid_t clock_of(const Substitution& substitution, const timespec& deadline) {
 
 /// A function that sleeps for a number of nanoseconds if `sleeps`.
 #define REHEARSE_SLEPT(result, name, parameters, arguments, sleeps, nanoseconds) \
-  REHEARSE_ANSWERED(clock, has_clock, result, name, parameters, arguments, "", { \
+  REHEARSE_ANSWERED(has_clock, result, name, parameters, arguments, "", {        \
     if ((sleeps) && slept(nanoseconds)) return 0;                                \
     return next_##name.get() arguments;                                          \
   })
@@ -67,8 +67,8 @@ REHEARSE_SLEPT(int, poll, (pollfd * files, nfds_t count, int timeout), (files, c
                count == 0 && timeout > 0, timeout * 1'000'000LL)
 #undef REHEARSE_SLEPT
 
-REHEARSE_ANSWERED(clock, has_clock, int, clock_nanosleep,
-                  (clockid_t clock, int flags, const timespec* when, timespec* left), (clock, flags, when, left), "", {
+REHEARSE_ANSWERED(has_clock, int, clock_nanosleep, (clockid_t clock, int flags, const timespec* when, timespec* left),
+                  (clock, flags, when, left), "", {
                     int64_t duration = nanoseconds_of(*when);
                     if (flags & TIMER_ABSTIME) duration -= peek_clock(substitution, kind_of(clock));
                     const timespec relative = timespec_of(duration > 0 ? duration : 0);
@@ -78,7 +78,7 @@ REHEARSE_ANSWERED(clock, has_clock, int, clock_nanosleep,
 /// A function that waits until `deadline`, which is a time of `deadlines_clock`. The functions of semaphores return -1
 /// and set errno, the others return the error number.
 #define REHEARSE_WAITED(name, parameters, arguments, deadlines_clock)                              \
-  REHEARSE_ANSWERED(clock, has_clock, int, name, parameters, arguments, "", {                      \
+  REHEARSE_ANSWERED(has_clock, int, name, parameters, arguments, "", {                             \
     const clockid_t by_clock = deadlines_clock;                                                    \
     const timespec simulated = *deadline, real = real_deadline(substitution, by_clock, simulated); \
     deadline = &real;                                                                              \
@@ -102,9 +102,9 @@ REHEARSE_WAITED(sem_clockwait, (sem_t * semaphore, clockid_t clock, const timesp
 #undef REHEARSE_WAITED
 // NOLINTEND(bugprone-macro-parentheses)
 
-REHEARSE_NOTED(clock, int, timerfd_create, (int clock, int flags), (clock, flags), "")
-REHEARSE_NOTED(clock, int, timer_create, (clockid_t clock, void* event, void* timer), (clock, event, timer), "")
-REHEARSE_NOTED(clock, int, setitimer, (int which, const void* value, void* before), (which, value, before), "")
-REHEARSE_NOTED(clock, unsigned, alarm, (unsigned seconds), (seconds), Digits(seconds))
+REHEARSE_NOTED(int, timerfd_create, (int clock, int flags), (clock, flags), "")
+REHEARSE_NOTED(int, timer_create, (clockid_t clock, void* event, void* timer), (clock, event, timer), "")
+REHEARSE_NOTED(int, setitimer, (int which, const void* value, void* before), (which, value, before), "")
+REHEARSE_NOTED(unsigned, alarm, (unsigned seconds), (seconds), Digits(seconds))
 
 }  // namespace rehearse::interposer

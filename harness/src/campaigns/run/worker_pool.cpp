@@ -16,6 +16,7 @@
 #include <cstring>
 #include <utility>
 
+#include "core/guard/c_library.h"
 #include "core/guard/child_process.h"
 #include "core/guard/guarded_call.h"
 #include "core/guard/process_guard.h"

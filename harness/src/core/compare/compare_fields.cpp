@@ -15,7 +15,7 @@ namespace rehearse {
 
 struct FieldJudge::Decoders {
   ros2msg::Decoder golden, actual;
-  HeldValues held;
+  ColumnFields columns;
 };
 
 namespace {
@@ -97,7 +97,7 @@ FieldJudge::FieldJudge(const ComparedTraces& traces, const PairedChannel& channe
     : traces_(traces), channel_(channel), findings_(findings) {
   auto golden = decoder_of(traces.golden, channel.golden), actual = decoder_of(traces.actual, channel.actual);
   if (golden && actual)
-    decoders_.reset(new Decoders{std::move(*golden), std::move(*actual), HeldValues(channel.golden.type)});
+    decoders_.reset(new Decoders{std::move(*golden), std::move(*actual), ColumnFields(channel.golden.type)});
 }
 
 FieldJudge::~FieldJudge() = default;
@@ -138,7 +138,7 @@ void FieldJudge::compare_field(const Fields& all, const MessageField& golden, co
   if (expected.kind == Kind::floating)
     return compare_numbers(golden.path, expected.number, other.number, unit_of(channel_.golden.metadata, golden.path));
   if (expected.kind == Kind::text) {
-    if (expected.text != other.text && !is_held(golden))
+    if (expected.text != other.text && !has_column(golden))
       report(golden.path, fmt::format("is {}, expected {}", quoted(other.text), quoted(expected.text)));
     return;
   }
@@ -188,14 +188,14 @@ void FieldJudge::compare_numbers(const std::string& path, double expected, doubl
 void FieldJudge::report_lone(const MessageField& field, std::string note) {
   const bool may_lack = channel_.golden.type == msg::Contacts::type_name ||
                         ChannelName::parse(channel_.golden.topic).side == ChannelSide::input;
-  if (may_lack && is_held(field)) return;
+  if (may_lack && has_column(field)) return;
   report(field.path, std::move(note));
 }
 
-bool FieldJudge::is_held(const MessageField& field) const {
+bool FieldJudge::has_column(const MessageField& field) const {
   ros2msg::Value value = field.value;
   value.path = field.path;  // the value's own path was a view of the decoder's text
-  return decoders_->held.holds(value);
+  return decoders_->columns.covers(value);
 }
 
 Divergence FieldJudge::place(const std::string& path) const {

@@ -47,7 +47,7 @@ class FieldJudge {
   void report_lone(const MessageField& field, std::string note);
   void report(const std::string& path, std::string note);
   void report(Divergence divergence, bool beyond);
-  bool is_held(const MessageField& field) const;
+  bool has_column(const MessageField& field) const;
   Divergence place(const std::string& path) const;
 
   const ComparedTraces& traces_;

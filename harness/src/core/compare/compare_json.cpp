@@ -33,7 +33,7 @@ ordered_json object_of(const Divergence& d) {
                       {"unit", d.unit},
                       {"note", d.note},
                       {"stage", to_string(d.stage)}};
-  if (d.beside) object["beside"] = number_json(*d.beside);
+  if (d.distance_from_envelope) object["beside"] = number_json(*d.distance_from_envelope);
   return object;
 }
 

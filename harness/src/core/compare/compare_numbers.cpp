@@ -211,7 +211,7 @@ bool NumberJudge::count(const Column& column, std::size_t golden_row, std::span<
 }
 
 /// The distance of a number from all values of the golden within lead and lag.
-double NumberJudge::beside(Column& column, std::size_t golden_row, double actual) const {
+double NumberJudge::distance_from_envelope(Column& column, std::size_t golden_row, double actual) const {
   if (!column.envelope)
     column.envelope = std::make_shared<Envelope>(rows_->golden, column.golden, column.lead, column.lag);
   const double expected = rows_->golden.number(golden_row, column.golden);
@@ -238,7 +238,7 @@ void NumberJudge::compare_cell(Column& column, std::size_t golden_row, std::size
     if (column.wraps) distance.difference = std::abs(std::remainder(distance.difference, turn));
     keep_larger(column.largest, distance.difference);
     if (column.allows_for_time() && std::isfinite(distance.difference) && distance.difference > column.tolerance)
-      distance.beside = beside(column, golden_row, actual);
+      distance.distance_from_envelope = distance_from_envelope(column, golden_row, actual);
     beyond = !(distance.judged() <= column.tolerance);
   } else {
     distance.difference = static_cast<double>(distance_of_integers(column.kind, expected_bits, actual_bits));
@@ -254,14 +254,15 @@ void NumberJudge::describe(const Column& column, std::size_t golden_row, Diverge
                            bool beyond) {
   numbers.tolerance = column.tolerance;
   numbers.difference = distance.difference;
-  numbers.beside = distance.beside;
+  numbers.distance_from_envelope = distance.distance_from_envelope;
   const std::string unit = numbers.unit;
   Divergence divergence = place(column, golden_row, std::move(numbers));
   if (!unit.empty()) divergence.unit = unit;
   findings_.describe(std::move(divergence), beyond);
 }
 
-double NumberJudge::beside(const Orientation& orientation, std::size_t golden_row, const Quaternion& actual) const {
+double NumberJudge::distance_from_envelope(const Orientation& orientation, std::size_t golden_row,
+                                           const Quaternion& actual) const {
   const auto golden_at = [&](std::size_t row) {
     Quaternion q{};
     for (std::size_t i = 0; i < 4; ++i) q[i] = rows_->golden.number(row, orientation[i].golden);
@@ -288,7 +289,7 @@ void NumberJudge::compare_orientation(Orientation& orientation, std::size_t gold
   keep_larger(orientation[0].largest, distance.difference);
   const Column& column = orientation[most];
   if (column.allows_for_time() && std::isfinite(distance.difference) && distance.difference > column.tolerance)
-    distance.beside = beside(orientation, golden_row, actual);
+    distance.distance_from_envelope = distance_from_envelope(orientation, golden_row, actual);
   bool beyond = !(distance.judged() <= column.tolerance);
   if (count(column, golden_row, columns_of(orientation), distance, beyond)) {
     Divergence divergence;

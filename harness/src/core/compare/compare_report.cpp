@@ -118,7 +118,8 @@ std::string worst_text(const Row& row, std::size_t width, const char* tick) {
   const double times = times_tolerance(worst.judged(), worst.tolerance);
   const std::string unit = worst.unit.empty() ? "" : " " + worst.unit;
   std::string text = fmt::format("{:.3g}{}", worst.difference, unit);
-  if (worst.beside) text += fmt::format(", {:.3g}{} beside lead and lag", *worst.beside, unit);
+  if (worst.distance_from_envelope)
+    text += fmt::format(", {:.3g}{} beside lead and lag", *worst.distance_from_envelope, unit);
   text += fmt::format(" @{}", worst.tick);
   if (std::isfinite(times)) text += fmt::format(", {:.2g} x", times);
   return shortened(element, width > text.size() + 1 + least ? width - text.size() - 1 : least) + " " + text;

@@ -101,7 +101,9 @@ std::string describe(const Divergence& d, const std::string& where, bool with_st
   const double share = relative_difference(d);
   const std::string relative = std::isfinite(share) ? fmt::format("relative {:.3g}, ", share) : "";
   const std::string beside =
-      d.beside ? fmt::format(", {:.6g}{} from the golden's values within lead and lag", *d.beside, unit) : "";
+      d.distance_from_envelope
+          ? fmt::format(", {:.6g}{} from the golden's values within lead and lag", *d.distance_from_envelope, unit)
+          : "";
   const std::string bound = d.tolerance > 0.0 ? fmt::format("{}, {:.3g} times the tolerance of {:g}{}", beside,
                                                             d.judged() / d.tolerance, d.tolerance, unit)
                                               : beside;

@@ -120,9 +120,10 @@ class NumberJudge {
  private:
   /// How far a number is from the golden's.
   struct Distance {
-    double difference = 0.0;                      // from the number of the same tick
-    std::optional<double> beside = std::nullopt;  // from the numbers within lead and lag; none: these don't matter
-    double judged() const { return beside.value_or(difference); }
+    double difference = 0.0;  // from the number of the same tick
+    std::optional<double> distance_from_envelope =
+        std::nullopt;  // from the numbers within lead and lag; none: these don't matter
+    double judged() const { return distance_from_envelope.value_or(difference); }
   };
 
   void match_columns(const TraceChannel& golden, const TraceChannel& actual);
@@ -132,8 +133,8 @@ class NumberJudge {
   void compare_orientation(Orientation& orientation, std::size_t golden_row, std::size_t actual_row);
   void compare_norms(const Orientation& orientation, std::size_t golden_row, const Quaternion& expected,
                      const Quaternion& actual);
-  double beside(Column& column, std::size_t golden_row, double actual) const;
-  double beside(const Orientation& orientation, std::size_t golden_row, const Quaternion& actual) const;
+  double distance_from_envelope(Column& column, std::size_t golden_row, double actual) const;
+  double distance_from_envelope(const Orientation& orientation, std::size_t golden_row, const Quaternion& actual) const;
   bool count(const Column& column, std::size_t golden_row, std::span<const std::size_t> columns,
              const Distance& distance, bool& beyond);
   void describe(const Column& column, std::size_t golden_row, Divergence numbers, const Distance& distance,

@@ -22,7 +22,7 @@ inline nlohmann::json json_of_place(std::optional<Divergence> place) {
   if (!place) return nullptr;
   for (double* number : {&place->expected, &place->actual, &place->difference}) *number = finite(*number);
   nlohmann::json json = *place;
-  if (place->beside) json["beside"] = finite(*place->beside);
+  if (place->distance_from_envelope) json["beside"] = finite(*place->distance_from_envelope);
   return json;
 }
 
@@ -30,7 +30,7 @@ inline nlohmann::json json_of_place(std::optional<Divergence> place) {
 inline std::optional<Divergence> place_of_json(const nlohmann::json& json) {
   if (json.is_null()) return std::nullopt;
   auto place = json.get<Divergence>();
-  if (json.contains("beside")) place.beside = json.at("beside").get<double>();
+  if (json.contains("beside")) place.distance_from_envelope = json.at("beside").get<double>();
   return place;
 }
 

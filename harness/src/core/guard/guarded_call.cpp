@@ -25,6 +25,7 @@
 #include <thread>
 #include <typeinfo>
 
+#include "c_library.h"
 #include "process_guard.h"
 #include "supervise.h"
 #include "supervisor.h"

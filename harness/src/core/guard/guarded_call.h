@@ -70,9 +70,6 @@ bool is_forked_by_guest();
 /// True if this thread runs code of a controller: in a guarded call, or as a thread that a controller started.
 bool in_controllers_code();
 
-/// Ends the process, without the functions that exit() would call.
-[[noreturn]] void leave_process(int status);
-
 /// A signal stack for this thread during its lifetime, so that an overflow of its ordinary stack can be handled.
 class SignalStack {
  public:

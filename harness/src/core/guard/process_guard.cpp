@@ -19,6 +19,7 @@
 #include <set>
 #include <sstream>
 
+#include "c_library.h"
 #include "guarded_call.h"
 #include "own_library.h"
 

@@ -120,10 +120,6 @@ class RunEnvironment {
   RunEnvironment& operator=(const RunEnvironment&) = delete;
 };
 
-/// True if code of a controller reaches the replacements in process_tripwires.cpp. It doesn't in a program that loads
-/// the C library before this one.
-bool replaces_functions();
-
 /// The count of the library that started this thread. Null in threads that no controller started.
 extern thread_local constinit const ThreadCount* own_threads;
 

@@ -6,10 +6,8 @@
 // run are not changed (process_guard.h). A function that opens a file to read notes its name first (opened_files.h).
 #undef _FORTIFY_SOURCE  // it declares inline functions with the names of those that open files
 #include <cxxabi.h>
-#include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <gnu/lib-names.h>
 #include <locale.h>
 #include <pthread.h>
 #include <rehearse/diagnostic.h>
@@ -34,6 +32,7 @@
 #include <vector>
 
 #include "guarded_call.h"
+#include "next_functions.h"
 #include "opened_files.h"
 #include "process_guard.h"
 
@@ -42,22 +41,6 @@ namespace {
 using rehearse::ProcessGuard;
 using rehearse::ThreadCount;
 
-/// The functions that would be called without these replacements. They are looked up when this library is loaded,
-/// because a look-up takes the lock of the dynamic linker. A call that was ended while a library was loaded or unloaded
-/// holds this lock for ever. A macro instead of a template, because clang gives functions that return and functions
-/// that don't the same type name.
-// clang-format off
-#define REHEARSE_TRIPWIRES(FUNCTION) \
-  FUNCTION(exit) FUNCTION(_exit) FUNCTION(_Exit) FUNCTION(quick_exit) FUNCTION(abort) FUNCTION(execve) FUNCTION(execv) \
-  FUNCTION(execvp) FUNCTION(execvpe) FUNCTION(fexecve) FUNCTION(fork) FUNCTION(syscall) FUNCTION(setrlimit) \
-  FUNCTION(setrlimit64) FUNCTION(prlimit) FUNCTION(prlimit64) FUNCTION(chdir) FUNCTION(fchdir) FUNCTION(umask) \
-  FUNCTION(setlocale) FUNCTION(uselocale) FUNCTION(setenv) FUNCTION(unsetenv) FUNCTION(putenv) FUNCTION(clearenv) \
-  FUNCTION(alarm) FUNCTION(setitimer) FUNCTION(sigaction) FUNCTION(signal) FUNCTION(pthread_sigmask) \
-  FUNCTION(sigprocmask) FUNCTION(open) FUNCTION(open64) FUNCTION(openat) FUNCTION(openat64) FUNCTION(fopen) \
-  FUNCTION(fopen64) FUNCTION(close) FUNCTION(dup2) FUNCTION(dup3) FUNCTION(fclose) FUNCTION(close_range) \
-  FUNCTION(closefrom) FUNCTION(pthread_create)
-// clang-format on
-
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer)
 #define REHEARSE_ADDRESS_SANITIZER
@@ -65,28 +48,6 @@ using rehearse::ThreadCount;
 #elif defined(__SANITIZE_ADDRESS__)
 #define REHEARSE_ADDRESS_SANITIZER
 #endif
-
-/// In a program that loads the C library before this one, no function comes next: the C library's own is used.
-void* next_function(const char* name) {
-  if (void* next = dlsym(RTLD_NEXT, name)) return next;
-  static void* const c_library = dlopen(LIBC_SO, RTLD_LAZY | RTLD_NOLOAD);
-  return dlsym(c_library ? c_library : RTLD_DEFAULT, name);
-}
-
-struct NextFunctions {
-#define REHEARSE_MEMBER(function) \
-  decltype(&(::function)) function##_ = reinterpret_cast<decltype(&(::function))>(next_function(#function));
-  REHEARSE_TRIPWIRES(REHEARSE_MEMBER)
-#undef REHEARSE_MEMBER
-};
-
-const NextFunctions& next_functions() {
-  static const NextFunctions all;
-  return all;
-}
-[[maybe_unused]] const NextFunctions& looked_up_at_loading = next_functions();
-
-#define NEXT(function) next_functions().function##_
 
 void look() {
   if (rehearse::in_guarded_call()) ProcessGuard::instance().before_change();
@@ -211,7 +172,7 @@ extern "C" {
 #define REHEARSE_EXIT(function, parameters) \
   void function parameters {                \
     end_only_the_call(#function, status);   \
-    NEXT(function)(status);                 \
+    REHEARSE_NEXT(function)(status);        \
     __builtin_unreachable();                \
   }
 REHEARSE_EXIT(exit, (int status) noexcept)
@@ -223,7 +184,7 @@ REHEARSE_EXIT(quick_exit, (int status) noexcept)
 /// of its locks.
 void abort() noexcept {
   if (rehearse::in_controllers_code() && !rehearse::is_forked_by_guest()) rehearse::abort_controllers_code();
-  NEXT(abort)();
+  REHEARSE_NEXT(abort)();
   __builtin_unreachable();
 }
 
@@ -239,7 +200,7 @@ void __assert_fail(const char* assertion, const char* file, unsigned int line, c
 #define REHEARSE_EXEC(function, parameters, arguments) \
   int function parameters noexcept {                   \
     end_only_the_call(#function, {});                  \
-    return NEXT(function) arguments;                   \
+    return REHEARSE_NEXT(function) arguments;          \
   }
 REHEARSE_EXEC(execve, (const char* file, char* const words[], char* const environment[]), (file, words, environment))
 REHEARSE_EXEC(execv, (const char* file, char* const words[]), (file, words))
@@ -257,13 +218,13 @@ REHEARSE_EXEC(fexecve, (int file, char* const words[], char* const environment[]
     va_end(more);                                                   \
     return call;                                                    \
   }
-REHEARSE_EXEC_LIST(execl, false, NEXT(execv)(file, given.words.data()))
-REHEARSE_EXEC_LIST(execlp, false, NEXT(execvp)(file, given.words.data()))
-REHEARSE_EXEC_LIST(execle, true, NEXT(execve)(file, given.words.data(), given.environment))
+REHEARSE_EXEC_LIST(execl, false, REHEARSE_NEXT(execv)(file, given.words.data()))
+REHEARSE_EXEC_LIST(execlp, false, REHEARSE_NEXT(execvp)(file, given.words.data()))
+REHEARSE_EXEC_LIST(execle, true, REHEARSE_NEXT(execve)(file, given.words.data(), given.environment))
 
 pid_t fork() noexcept {
   const pid_t parent = getpid();
-  return note_fork(parent, NEXT(fork)());
+  return note_fork(parent, REHEARSE_NEXT(fork)());
 }
 
 /// As fork(): a caller of vfork() must not return before the child has ended, so the real vfork() can't be called here.
@@ -284,33 +245,33 @@ __attribute__((no_sanitize("address"))) long syscall(long number, ...) noexcept 
 #endif
   const bool forks = number == SYS_clone && (given[0] & CLONE_VM) == 0;
   const pid_t parent = forks ? getpid() : 0;
-  const long result = NEXT(syscall)(number, given[0], given[1], given[2], given[3], given[4], given[5]);
+  const long result = REHEARSE_NEXT(syscall)(number, given[0], given[1], given[2], given[3], given[4], given[5]);
   return forks ? note_fork(parent, static_cast<pid_t>(result)) : result;
 }
 
 #if !defined(REHEARSE_ADDRESS_SANITIZER)  // AddressSanitizer calls these before instrumented code can run
 int setrlimit(__rlimit_resource_t resource, const rlimit* limit) noexcept {
-  return keeps_limits() ? 0 : NEXT(setrlimit)(resource, limit);
+  return keeps_limits() ? 0 : REHEARSE_NEXT(setrlimit)(resource, limit);
 }
 
 int setrlimit64(__rlimit_resource_t resource, const rlimit64* limit) noexcept {
-  return keeps_limits() ? 0 : NEXT(setrlimit64)(resource, limit);
+  return keeps_limits() ? 0 : REHEARSE_NEXT(setrlimit64)(resource, limit);
 }
 #endif
 
 int prlimit(pid_t process, __rlimit_resource resource, const rlimit* limit, rlimit* before) noexcept {
-  return NEXT(prlimit)(process, resource, limit && keeps_limits(process) ? nullptr : limit, before);
+  return REHEARSE_NEXT(prlimit)(process, resource, limit && keeps_limits(process) ? nullptr : limit, before);
 }
 
 int prlimit64(pid_t process, __rlimit_resource resource, const rlimit64* limit, rlimit64* before) noexcept {
-  return NEXT(prlimit64)(process, resource, limit && keeps_limits(process) ? nullptr : limit, before);
+  return REHEARSE_NEXT(prlimit64)(process, resource, limit && keeps_limits(process) ? nullptr : limit, before);
 }
 
 /// A function that changes the process if `changes`; otherwise it is a query.
 #define REHEARSE_CHANGE(result, function, parameters, arguments, changes) \
   result function parameters noexcept {                                   \
     if (changes) look();                                                  \
-    return NEXT(function) arguments;                                      \
+    return REHEARSE_NEXT(function) arguments;                             \
   }
 REHEARSE_CHANGE(int, chdir, (const char* path), (path), true)
 REHEARSE_CHANGE(int, fchdir, (int descriptor), (descriptor), true)
@@ -328,34 +289,34 @@ REHEARSE_CHANGE(int, setitimer, (__itimer_which_t which, const itimerval* value,
 int sigaction(int number, const struct sigaction* action, struct sigaction* before) noexcept {
   if (action && keeps_signal(number)) action = nullptr;
   if (action) look();
-  return NEXT(sigaction)(number, action, before);
+  return REHEARSE_NEXT(sigaction)(number, action, before);
 }
 
 sighandler_t signal(int number, sighandler_t handler) noexcept {
   if (keeps_signal(number)) return SIG_DFL;
   look();
-  return NEXT(signal)(number, handler);
+  return REHEARSE_NEXT(signal)(number, handler);
 }
 
 /// A function that changes the mask of signals.
-#define REHEARSE_MASK(function)                                                                              \
-  int function(int how, const sigset_t* set, sigset_t* before) noexcept {                                    \
-    if (!set || how == SIG_UNBLOCK || !rehearse::in_guarded_call()) return NEXT(function)(how, set, before); \
-    look();                                                                                                  \
-    const sigset_t rest = without_ours(*set);                                                                \
-    return NEXT(function)(how, &rest, before);                                                               \
+#define REHEARSE_MASK(function)                                                                                       \
+  int function(int how, const sigset_t* set, sigset_t* before) noexcept {                                             \
+    if (!set || how == SIG_UNBLOCK || !rehearse::in_guarded_call()) return REHEARSE_NEXT(function)(how, set, before); \
+    look();                                                                                                           \
+    const sigset_t rest = without_ours(*set);                                                                         \
+    return REHEARSE_NEXT(function)(how, &rest, before);                                                               \
   }
 REHEARSE_MASK(pthread_sigmask)
 REHEARSE_MASK(sigprocmask)
 
-#define REHEARSE_OPEN(function)                    \
-  int function(const char* path, int flags, ...) { \
-    va_list arguments;                             \
-    va_start(arguments, flags);                    \
-    const mode_t mode = mode_in(flags, arguments); \
-    va_end(arguments);                             \
-    note(path, flags);                             \
-    return NEXT(function)(path, flags, mode);      \
+#define REHEARSE_OPEN(function)                        \
+  int function(const char* path, int flags, ...) {     \
+    va_list arguments;                                 \
+    va_start(arguments, flags);                        \
+    const mode_t mode = mode_in(flags, arguments);     \
+    va_end(arguments);                                 \
+    note(path, flags);                                 \
+    return REHEARSE_NEXT(function)(path, flags, mode); \
   }
 REHEARSE_OPEN(open)
 REHEARSE_OPEN(open64)
@@ -367,7 +328,7 @@ REHEARSE_OPEN(open64)
     const mode_t mode = mode_in(flags, arguments);             \
     va_end(arguments);                                         \
     if (folder == AT_FDCWD) note(path, flags);                 \
-    return NEXT(function)(folder, path, flags, mode);          \
+    return REHEARSE_NEXT(function)(folder, path, flags, mode); \
   }
 REHEARSE_OPENAT(openat)
 REHEARSE_OPENAT(openat64)
@@ -375,7 +336,7 @@ REHEARSE_OPENAT(openat64)
 #define REHEARSE_FOPEN(function)                       \
   FILE* function(const char* path, const char* mode) { \
     note(path, mode);                                  \
-    return NEXT(function)(path, mode);                 \
+    return REHEARSE_NEXT(function)(path, mode);        \
   }
 REHEARSE_FOPEN(fopen)
 REHEARSE_FOPEN(fopen64)
@@ -384,17 +345,17 @@ REHEARSE_FOPEN(fopen64)
 
 int close(int descriptor) {
   if (keeps(descriptor)) return errno = EBADF, -1;
-  return NEXT(close)(descriptor);
+  return REHEARSE_NEXT(close)(descriptor);
 }
 
 int dup2(int from, int to) noexcept {
   if (from != to && keeps(to)) return errno = EBUSY, -1;
-  return NEXT(dup2)(from, to);
+  return REHEARSE_NEXT(dup2)(from, to);
 }
 
 int dup3(int from, int to, int flags) noexcept {
   if (from != to && keeps(to)) return errno = EBUSY, -1;
-  return NEXT(dup3)(from, to, flags);
+  return REHEARSE_NEXT(dup3)(from, to, flags);
 }
 
 int fclose(FILE* stream) {
@@ -402,31 +363,31 @@ int fclose(FILE* stream) {
     fflush(stream);
     return errno = EBADF, EOF;
   }
-  return NEXT(fclose)(stream);
+  return REHEARSE_NEXT(fclose)(stream);
 }
 
 int close_range(unsigned int first, unsigned int last, int flags) noexcept {
-  if (!rehearse::in_guarded_call() || flags != 0) return NEXT(close_range)(first, last, flags);
+  if (!rehearse::in_guarded_call() || flags != 0) return REHEARSE_NEXT(close_range)(first, last, flags);
   unsigned int from = first;
   for (const unsigned int kept : ProcessGuard::instance().kept_in(first, last)) {
-    if (kept > from && NEXT(close_range)(from, kept - 1, 0) != 0) return -1;
+    if (kept > from && REHEARSE_NEXT(close_range)(from, kept - 1, 0) != 0) return -1;
     from = kept + 1;
   }
-  return from <= last ? NEXT(close_range)(from, last, 0) : 0;
+  return from <= last ? REHEARSE_NEXT(close_range)(from, last, 0) : 0;
 }
 
 void closefrom(int first) noexcept {
-  if (!rehearse::in_guarded_call()) return NEXT(closefrom)(first);
+  if (!rehearse::in_guarded_call()) return REHEARSE_NEXT(closefrom)(first);
   close_range(static_cast<unsigned int>(std::max(first, 0)), ~0U, 0);
 }
 
 int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*routine)(void*),
                    void* argument) noexcept {
   const ThreadCount count = ProcessGuard::instance().threads_here();
-  if (!count) return NEXT(pthread_create)(thread, attributes, routine, argument);
+  if (!count) return REHEARSE_NEXT(pthread_create)(thread, attributes, routine, argument);
   auto start = std::make_unique<StartingThread>(StartingThread{routine, argument, count});
   ++*count;
-  const int failed = NEXT(pthread_create)(thread, attributes, run_counted, start.get());
+  const int failed = REHEARSE_NEXT(pthread_create)(thread, attributes, run_counted, start.get());
   if (failed != 0)
     --*count;
   else
@@ -435,21 +396,3 @@ int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*
 }
 
 }  // extern "C"
-
-namespace rehearse {
-
-bool replaces_functions() {
-  // All are replaced, or none, because the libraries are searched one after the other.
-  constexpr const char* one = "uselocale";
-  static void* const program = dlopen(nullptr, RTLD_LAZY | RTLD_NOLOAD);
-  static void* const c_library = dlopen(LIBC_SO, RTLD_LAZY | RTLD_NOLOAD);
-  if (!program || !c_library) return true;
-  return dlsym(program, one) != dlsym(c_library, one);
-}
-
-void leave_process(int status) {
-  NEXT(_exit)(status);
-  __builtin_unreachable();
-}
-
-}  // namespace rehearse

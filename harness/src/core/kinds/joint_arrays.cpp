@@ -49,6 +49,17 @@ bool JointArrays::read_everything(std::span<const std::byte> payload) {
   return true;
 }
 
+void JointArrays::take(const msg::JointState& message) {
+  const std::vector<double>* const values[] = {&message.position, &message.velocity, &message.effort};
+  frame_.clear();
+  layout_changed_ = names_ != message.name;
+  names_ = message.name;
+  for (std::size_t i = 0; i < arrays_.size(); ++i) {
+    layout_changed_ = layout_changed_ || arrays_[i].size() != values[i]->size();
+    arrays_[i] = *values[i];
+  }
+}
+
 bool JointArrays::fit_the_names() const {
   return std::ranges::all_of(
       arrays_, [&](const std::vector<double>& array) { return array.empty() || array.size() == names_.size(); });

@@ -14,6 +14,10 @@
 
 namespace rehearse {
 
+namespace msg {
+struct JointState;
+}
+
 class JointArrays {
  public:
   /// `count`: the number of arrays after the names; of a JointState 3, of JointAccelerations 1.
@@ -21,6 +25,8 @@ class JointArrays {
 
   /// False if the bytes are no such message.
   bool read(std::span<const std::byte> payload);
+  /// Takes the values of a JointState that was read in another way.
+  void take(const msg::JointState& message);
   /// True if each array is empty or as long as names().
   bool fit_the_names() const;
 
@@ -30,7 +36,7 @@ class JointArrays {
   const std::vector<double>& position() const { return arrays_[0]; }
   const std::vector<double>& velocity() const { return arrays_[1]; }
   const std::vector<double>& effort() const { return arrays_[2]; }
-  /// True if the last read() was the first, or found other names or numbers of values than the read() before.
+  /// True if the last message was the first, or has other names or numbers of values than the message before.
   /// Otherwise the values are at the same addresses.
   bool layout_changed() const { return layout_changed_; }
 

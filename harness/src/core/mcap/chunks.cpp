@@ -85,7 +85,7 @@ ChunkGroup ChannelGroups::of(std::uint16_t channel) const {
 
 ChannelGroups groups_of(const FileView& view, Bytes file) {
   ChannelGroups groups;
-  MappedPass pass(view, file, false, {}, magic.size());
+  RecordPass pass(view, file, false, {}, magic.size());
   Record record;
   std::string_view compression;
   std::vector<std::uint16_t> channels;

@@ -37,8 +37,6 @@ class RawBuffer {
     }
     return data_.get();
   }
-  std::byte* data() const { return data_.get(); }
-  std::size_t capacity() const { return capacity_; }
 
  private:
   std::unique_ptr<std::byte[]> data_;

@@ -1,5 +1,4 @@
-// The contents of a file, read record by record, and the damage found in them. Mapped files and streams share this
-// code. Internal.
+// The contents of a file, read record by record, and the damage found in them. Internal.
 #pragma once
 
 #include "records.h"

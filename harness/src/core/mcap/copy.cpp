@@ -113,7 +113,7 @@ Result<void> copy_with_metadata(const std::filesystem::path& source, const std::
   }
   const Bytes kept = bytes.first(cut.kept_end);
   std::vector<std::byte> end;
-  SummaryComposer summary(kept.size() + records.size(), crc32(records, crc32(kept)), {},
+  SummaryComposer summary(kept.size() + records.size(), crc32(records, crc32(kept)),
                           [&](Bytes more) { end.insert(end.end(), more.begin(), more.end()); });
   for (const Group& group : groups) summary.add_group(group.opcode, group.records);
   summary.finish();

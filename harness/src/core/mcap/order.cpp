@@ -21,7 +21,7 @@ struct Waiting {
 };
 
 /// A sequence of messages sorted by time: a decompressed chunk, or all messages outside of chunks.
-struct Run {
+struct MessageRun {
   std::optional<std::uint64_t> chunk;
   Bytes mapped;  // the chunk's record, if the chunk isn't compressed and its records are read from the mapped file
   RawBuffer buffer;
@@ -39,7 +39,7 @@ struct Run {
 /// A chunk that a thread opens while the messages before it are delivered.
 struct ChunkAhead {
   Chunk place;
-  std::unique_ptr<Run> run;
+  std::unique_ptr<MessageRun> run;
   Bytes body;  // body of the chunk's record; empty: the record is missing
   OpenedChunk opened;
   std::vector<Record> definitions;  // all records of the chunk except messages
@@ -64,7 +64,7 @@ class MessageOrder {
   void advance();
 
  private:
-  static bool later(const std::unique_ptr<Run>& a, const std::unique_ptr<Run>& b) {
+  static bool later(const std::unique_ptr<MessageRun>& a, const std::unique_ptr<MessageRun>& b) {
     return std::pair(a->time(), a->file_offset()) > std::pair(b->time(), b->file_offset());
   }
   void collect_loose();
@@ -73,8 +73,8 @@ class MessageOrder {
   void open_ahead();
   void open_next_chunk();
   void collect(ChunkAhead& chunk, std::uint64_t begin = 0) const;
-  void add(std::unique_ptr<Run> run);
-  void let_go(std::unique_ptr<Run> run);
+  void add(std::unique_ptr<MessageRun> run);
+  void let_go(std::unique_ptr<MessageRun> run);
 
   Reader::Impl& reader_;
   const ChannelSet& channels_;
@@ -84,12 +84,12 @@ class MessageOrder {
   std::vector<Chunk> chunks_;  // chunks with messages to deliver, by start time, then offset
   std::vector<Chunk> others_;  // chunks without messages to deliver
   std::size_t next_chunk_ = 0;
-  std::size_t next_ahead_ = 0;               // index of the next chunk to open ahead
-  bool has_advanced_ = false;                // a message after the first is requested
-  std::vector<std::unique_ptr<Run>> heap_;   // the earliest on top
-  std::vector<std::unique_ptr<Run>> spare_;  // kept for their memory
-  std::uint64_t held_ = 0;                   // bytes of open chunks
-  const bool counts_;                        // the CRC of the data section is computed
+  std::size_t next_ahead_ = 0;                      // index of the next chunk to open ahead
+  bool has_advanced_ = false;                       // a message after the first is requested
+  std::vector<std::unique_ptr<MessageRun>> heap_;   // the earliest on top
+  std::vector<std::unique_ptr<MessageRun>> spare_;  // kept for their memory
+  std::uint64_t held_ = 0;                          // bytes of open chunks
+  const bool counts_;                               // the CRC of the data section is computed
   // used by the worker while calls are pending
   ChunkOpener opener_;
   std::array<ChunkAhead, 2> ahead_;  // chunk i of chunks_ is at i % 2
@@ -98,7 +98,7 @@ class MessageOrder {
   QuietWorker worker_;
 };
 
-void Run::prefetch() const {
+void MessageRun::prefetch() const {
   constexpr std::size_t line = 64, most = 1024;  // [bytes]
   if (next + 2 >= order.size()) return;
   const std::uint64_t begin = order[next + 1].offset;
@@ -146,7 +146,7 @@ void MessageOrder::check_data_crc() {
 void MessageOrder::collect_loose() {
   ChunkAhead loose;
   loose.place.end_time = std::numeric_limits<std::uint64_t>::max();
-  loose.run = std::make_unique<Run>();
+  loose.run = std::make_unique<MessageRun>();
   loose.run->records = reader_.bytes_.first(reader_.frame_.data_end);
   collect(loose, magic.size());
   add(std::move(loose.run));
@@ -157,7 +157,7 @@ void MessageOrder::choose_ahead() {
   ahead = {};
   ahead.place = chunks_[next_ahead_++];
   if (spare_.empty()) {
-    ahead.run = std::make_unique<Run>();
+    ahead.run = std::make_unique<MessageRun>();
   } else {
     ahead.run = std::move(spare_.back());
     spare_.pop_back();
@@ -226,7 +226,7 @@ void MessageOrder::open_next_chunk() {
 
 /// Finds the messages to deliver in the records from `begin` on.
 void MessageOrder::collect(ChunkAhead& chunk, std::uint64_t begin) const {
-  Run& run = *chunk.run;
+  MessageRun& run = *chunk.run;
   run.order.clear();
   run.next = 0;
   RecordWalker walker(run.records, begin);
@@ -248,14 +248,14 @@ void MessageOrder::collect(ChunkAhead& chunk, std::uint64_t begin) const {
   }
 }
 
-void MessageOrder::add(std::unique_ptr<Run> run) {
+void MessageOrder::add(std::unique_ptr<MessageRun> run) {
   if (run->done()) return let_go(std::move(run));
   if (run->chunk) held_ += run->records.size();
   heap_.push_back(std::move(run));
   std::push_heap(heap_.begin(), heap_.end(), later);
 }
 
-void MessageOrder::let_go(std::unique_ptr<Run> run) {
+void MessageOrder::let_go(std::unique_ptr<MessageRun> run) {
   if (!run->mapped.empty()) reader_.file_.forget(std::exchange(run->mapped, {}));
   spare_.push_back(std::move(run));
 }
@@ -270,7 +270,7 @@ bool MessageOrder::next(Record& record) {
     open_next_chunk();
   }
   if (heap_.empty()) return false;
-  Run& run = *heap_.front();
+  MessageRun& run = *heap_.front();
   run.prefetch();
   RecordWalker walker(run.records, run.order[run.next].offset);
   if (!walker.next(record)) {  // collect() has read it before
@@ -284,7 +284,7 @@ bool MessageOrder::next(Record& record) {
 void MessageOrder::advance() {
   if (!std::exchange(has_advanced_, true)) read_ahead();
   std::pop_heap(heap_.begin(), heap_.end(), later);
-  Run& run = *heap_.back();
+  MessageRun& run = *heap_.back();
   ++run.next;
   if (!run.done()) {
     std::push_heap(heap_.begin(), heap_.end(), later);

@@ -11,7 +11,7 @@ namespace rehearse::mcap {
 
 Output::Output(std::unique_ptr<Sink> sink, std::string name, const WriterOptions& options)
     : sink_(std::move(sink)),
-      form_(options.form),
+      crcs_(options.crcs),
       verified_(options.verified),
       name_(std::move(name)),
       queue_length_(std::max<std::size_t>(1, options.queue_length)),
@@ -88,11 +88,7 @@ void Output::process(Job& job) {
   if (const auto* raw = std::get_if<RawJob>(&job)) return process_raw(*raw);
   auto& chunk = std::get<ChunkData>(job);
   compose(chunk);
-  if (form_.chunks) {
-    process_chunk(chunk);
-  } else {
-    write_data(chunk.records);
-  }
+  process_chunk(chunk);
 }
 
 /// Inserts the data of deferred messages after the heads of their records.
@@ -150,7 +146,7 @@ void Output::process_chunk(const ChunkData& chunk) {
   out.put(chunk.start_time);
   out.put(chunk.end_time);
   out.put(static_cast<std::uint64_t>(chunk.records.size()));
-  out.put(form_.chunk_crcs ? crc32(chunk.records) : 0u);
+  out.put(crcs_ ? crc32(chunk.records) : 0u);
   out.put(compression);
   out.put(static_cast<std::uint64_t>(compressed->size()));
   out.put_bytes(*compressed);
@@ -161,7 +157,7 @@ void Output::process_chunk(const ChunkData& chunk) {
   index.length = out.size();
   std::vector<std::byte> places;
   ByteWriter out_places(places);
-  if (form_.message_indexes) put_message_indexes(chunk, out, out_places);
+  put_message_indexes(chunk, out, out_places);
   index.indexes_length = out.size() - index.length;
   index.places = places;
   ++counts_.chunk_count;
@@ -202,29 +198,25 @@ Result<void> Output::finish(const std::vector<Schema>& schemas, const std::vecto
   statistics.chunk_count = counts_.chunk_count;
 
   const std::uint64_t data_size = offset_;
-  SummaryComposer summary(data_size, form_.data_crc ? data_crc_ : 0, form_, [this](Bytes bytes) { write_file(bytes); });
-  const auto add_group = [&](bool wanted, std::uint8_t opcode, auto&& put_records) {
-    if (!wanted || !form_.summary) return;
+  SummaryComposer summary(data_size, data_crc_, [this](Bytes bytes) { write_file(bytes); });
+  const auto add_group = [&](std::uint8_t opcode, auto&& put_records) {
     std::vector<std::byte> records;
     ByteWriter out(records);
     put_records(out);
     summary.add_group(opcode, records);
   };
-  add_group(form_.repeated_schemas, op::schema, [&](ByteWriter& out) {
+  add_group(op::schema, [&](ByteWriter& out) {
     for (const auto& schema : schemas) put_schema(out, schema);
   });
-  add_group(form_.repeated_channels, op::channel, [&](ByteWriter& out) {
+  add_group(op::channel, [&](ByteWriter& out) {
     for (const auto& channel : channels) put_channel(out, channel);
   });
-  add_group(form_.statistics, op::statistics, [&](ByteWriter& out) { put_statistics(out, statistics); });
-  if (form_.chunk_indexes && form_.summary) {
-    summary.add_group(op::chunk_index, [&](const SummaryComposer::Write& write) {
-      if (const auto all = chunk_indexes_.write(*sink_, data_size, write); !all) fail(all.errors().front());
-    });
-  }
-  add_group(form_.attachment_indexes, op::attachment_index,
-            [&](ByteWriter& out) { out.put_bytes(attachment_indexes_); });
-  add_group(form_.metadata_indexes, op::metadata_index, [&](ByteWriter& out) { out.put_bytes(metadata_indexes_); });
+  add_group(op::statistics, [&](ByteWriter& out) { put_statistics(out, statistics); });
+  summary.add_group(op::chunk_index, [&](const SummaryComposer::Write& write) {
+    if (const auto all = chunk_indexes_.write(*sink_, data_size, write); !all) fail(all.errors().front());
+  });
+  add_group(op::attachment_index, [&](ByteWriter& out) { out.put_bytes(attachment_indexes_); });
+  add_group(op::metadata_index, [&](ByteWriter& out) { out.put_bytes(metadata_indexes_); });
   summary.finish();
   verify();
   close_file();
@@ -241,7 +233,7 @@ void Output::verify() {
 }
 
 void Output::write_data(Bytes bytes) {
-  if (form_.data_crc) data_crc_ = crc32(bytes, data_crc_);
+  if (crcs_) data_crc_ = crc32(bytes, data_crc_);
   write_file(bytes);
 }
 

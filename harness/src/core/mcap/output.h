@@ -25,7 +25,7 @@ struct PutOff {
   Compose compose = nullptr;
 };
 
-/// A chunk while it is filled, and until it is written; or messages that will be in no chunk.
+/// A chunk while it is filled, and until it is written.
 struct ChunkData {
   std::vector<std::byte> records;
   std::vector<IndexEntry> index;
@@ -36,7 +36,6 @@ struct ChunkData {
   std::uint64_t start_time = 0;
   std::uint64_t end_time = 0;
   Compression compression = Compression::none;
-  std::vector<std::uint16_t> defined;  // channels whose definitions are in the records
 
   bool empty() const { return index.empty(); }
   std::size_t size() const { return records.size() + held; }
@@ -44,7 +43,6 @@ struct ChunkData {
     records.clear();
     index.clear();
     put_off.clear();
-    defined.clear();
     held = 0;
   }
 };
@@ -104,7 +102,7 @@ class Output {
   void close_file();
 
   std::unique_ptr<Sink> sink_;
-  const FileForm form_;
+  const bool crcs_;
   const bool verified_;
   bool changed_by_others_ = false;
   const std::string name_;

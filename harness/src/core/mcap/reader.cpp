@@ -23,7 +23,7 @@ void Reader::Impl::walk_if_not_yet() {
   chunks_.clear();
   chunk_channels_.clear();
   indexed_.clear();
-  MappedPass pass(file_, bytes_);
+  RecordPass pass(file_, bytes_);
   frame_ = read_frame(pass, options_.check_crcs, contents_, damage_, [this](const Record& record) {
     take_in(record);
     return true;
@@ -150,7 +150,7 @@ Result<void> Reader::Impl::for_each_message(const OnMessage& callback, const Cha
   walk_if_not_yet();
   DamageLog damage(name_);
   Delivery delivery{contents_, damage, chunk_opener_, pass_buffer_, channels, callback};
-  MappedPass pass(file_, bytes_.first(frame_.data_end));
+  RecordPass pass(file_, bytes_.first(frame_.data_end));
   const bool by_index = indexes_list_all_messages();
   std::size_t chunk = 0;  // index in chunks_
   Record record;

@@ -1,6 +1,5 @@
-// The pass over the outermost records of a file, from front to back, which every tool makes. A pass over a mapped file
-// can continue after damage (resync.h finds the place); a pass over a stream never goes back. chunks.h reads the
-// records in a chunk. Internal.
+// The pass over the outermost records of a file, from front to back, which every tool makes. It can continue after
+// damage (resync.h finds the place). chunks.h reads the records in a chunk. Internal.
 #pragma once
 
 #include <functional>
@@ -11,18 +10,19 @@
 
 namespace rehearse::mcap {
 
+/// Releases the memory of passed bytes.
 class RecordPass {
  public:
-  virtual ~RecordPass() = default;
-  RecordPass(const RecordPass&) = delete;
-  RecordPass& operator=(const RecordPass&) = delete;
+  /// `counts`: the CRC of the data section is computed; `begin`: the offset of its first record.
+  RecordPass(const FileView& view, Bytes file, bool counts = false, Progress progress = {},
+             std::uint64_t begin = magic.size());
 
   /// The next record, valid until the next call. False: the bytes at offset() are no whole record.
   bool next(Record& record);
   /// Offset of the next record.
   std::uint64_t offset() const { return offset_ + last_.size(); }
-  /// Offset of the latest record; after the end of the pass: offset().
-  std::uint64_t passed() const { return offset_; }
+  /// Continues at that offset. Skipped bytes are included in the CRC.
+  void go_on_at(std::uint64_t offset);
 
   /// The CRC of the present section, up to the latest record; 0 if it isn't computed.
   std::uint32_t crc() const { return crc_; }
@@ -31,76 +31,20 @@ class RecordPass {
   void begin_section(bool counts);
 
   /// Describes the bytes from offset() on, after next() has returned false.
-  virtual CutPlace look_at_cut() = 0;
-  /// Passes the latest record and reads the bytes after it: up to the magic's size and one byte more.
+  CutPlace look_at_cut() const;
+  /// Passes the latest record. Returns the bytes after it: up to the magic's size and one byte more.
   Bytes look_at_tail();
 
- protected:
-  RecordPass(std::uint64_t begin, bool counts) : offset_(begin), counts_(counts) {}
-  virtual bool find(Record& record) = 0;
-  /// Bytes of the file from passed() on: `count` bytes, or fewer at the end.
-  virtual Bytes look(std::uint64_t count) = 0;
-  virtual void move_on(std::uint64_t /*count*/) {}
-  /// Passes the bytes, which begin at passed(), the offset of the latest record.
+ private:
+  /// Passes the bytes, which begin with the latest record.
   void pass(Bytes bytes);
-
- private:
-  std::uint64_t offset_;
-  Bytes last_;  // the latest record
-  bool counts_;
-  std::uint32_t crc_ = 0;
-};
-
-/// The pass over a mapped file, from the end of its magic bytes on. Releases the memory of passed bytes.
-class MappedPass final : public RecordPass {
- public:
-  /// `counts`: the CRC of the data section is computed; `begin`: the offset of its first record.
-  MappedPass(const FileView& view, Bytes file, bool counts = false, Progress progress = {},
-             std::uint64_t begin = magic.size());
-  /// Continues at that offset. Skipped bytes are included in the CRC.
-  void go_on_at(std::uint64_t offset);
-  CutPlace look_at_cut() override;
-
- private:
-  bool find(Record& record) override;
-  Bytes look(std::uint64_t count) override;
 
   Bytes file_;
   PassedBytes memory_;
-};
-
-/// Fills the front of the given bytes, and returns the number of bytes: at least one; 0 is the end.
-using ReadBytes = std::function<Result<std::size_t>(std::span<std::byte>)>;
-
-/// The pass over a stream. It keeps one record in memory. A record larger than `most_held` is left out and reported to
-/// `damage`.
-class StreamPass final : public RecordPass {
- public:
-  StreamPass(ReadBytes source, std::uint64_t most_held, bool counts, DamageLog& damage);
-  /// The first bytes, up to the magic's size; records begin after them.
-  Bytes begin();
-  CutPlace look_at_cut() override;
-  /// The error that ended the stream, if any.
-  const Diagnostics& failure() const { return failure_; }
-
- private:
-  bool find(Record& record) override;
-  Bytes look(std::uint64_t count) override;
-  void move_on(std::uint64_t count) override;
-  bool leave_out(std::uint64_t length);
-  void remember(Bytes piece);
-  void make_room();
-
-  ReadBytes source_;
-  const std::uint64_t most_held_;
-  DamageLog& damage_;
-  RawBuffer buffer_;  // received bytes that aren't passed are from begin_ to end_
-  std::size_t begin_ = 0;
-  std::size_t end_ = 0;
-  bool ended_ = false;
-  Diagnostics failure_;
-  std::vector<std::byte> last_bytes_;        // last bytes of the omitted record
-  std::optional<std::uint64_t> cut_record_;  // offset of a record that was omitted when the stream ended
+  std::uint64_t offset_ = 0;  // offset of the latest record; after the end of the pass: offset()
+  Bytes last_;                // the latest record
+  bool counts_;
+  std::uint32_t crc_ = 0;
 };
 
 /// The parts of a file around its messages.

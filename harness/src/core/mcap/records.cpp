@@ -154,7 +154,7 @@ std::optional<AttachmentRecord> parse_attachment(Bytes body) {
   return in.ok() ? std::optional(std::move(record)) : std::nullopt;
 }
 
-void put_attachment(ByteWriter& out, const Attachment& attachment, bool with_crc) {
+void put_attachment(ByteWriter& out, const Attachment& attachment) {
   std::vector<std::byte> covered;
   ByteWriter body(covered);
   body.put(attachment.log_time);
@@ -165,7 +165,7 @@ void put_attachment(ByteWriter& out, const Attachment& attachment, bool with_crc
   body.put_bytes(attachment.data);
   out.begin_record(op::attachment);
   out.put_bytes(covered);
-  out.put(with_crc ? crc32(covered) : 0u);
+  out.put(crc32(covered));
   out.end_record();
 }
 

@@ -128,7 +128,7 @@ std::optional<RecordPlace> parse_record_place(Bytes body);
 void put_header(ByteWriter& out, std::string_view profile, std::string_view library);
 void put_schema(ByteWriter& out, const Schema& schema);
 void put_channel(ByteWriter& out, const Channel& channel);
-void put_attachment(ByteWriter& out, const Attachment& attachment, bool with_crc = true);
+void put_attachment(ByteWriter& out, const Attachment& attachment);
 void put_metadata(ByteWriter& out, std::string_view name, const StringMap& values);
 void put_statistics(ByteWriter& out, const Statistics& statistics);
 void put_chunk_index(ByteWriter& out, const ChunkIndex& index);

@@ -5,21 +5,19 @@
 #include <algorithm>
 #include <limits>
 
-#include "doctor.h"
 #include "draft.h"
 #include "file_view.h"
 #include "model/text.h"
 #include "record_layout.h"
-#include "survey.h"
 
 namespace rehearse::mcap {
 
 namespace {
 
-/// Reports the second half of the progress.
-Progress second_half(const Progress& progress) {
+/// Reports one half of the progress: the first (0) or the second (1).
+Progress half_of(const Progress& progress, std::uint64_t half) {
   if (!progress) return {};
-  return [progress](std::uint64_t done, std::uint64_t all) { progress(all / 2 + done / 2, all); };
+  return [progress, half](std::uint64_t done, std::uint64_t all) { progress(half * all / 2 + done / 2, all); };
 }
 
 /// The text with invalid UTF-8 replaced, as a valid file demands.
@@ -48,24 +46,24 @@ struct OnSaved {
   std::function<bool(const Metadata&)> metadata;
 };
 
-/// The second pass: delivers the records that the first one saved.
+/// The second pass: delivers the records that the examination saved.
 class SavedPass {
  public:
-  SavedPass(const FileView& file, const Survey& survey, const RecoverOptions& options, Recovery& recovery,
+  SavedPass(const FileView& file, const Examination& source, const RecoverOptions& options, Recovery& recovery,
             const OnSaved& saved)
       : file_(file.bytes()),
-        passed_(file, file_, second_half(options.progress)),
-        survey_(survey),
+        passed_(file, file_, half_of(options.progress, 1)),
+        source_(source),
         recovery_(recovery),
         saved_(saved),
         opener_({.max_chunk_size = options.max_chunk_size}) {}
 
   void run() {
     Record record;
-    for (const SavedRun& run : survey_.runs) {
-      if (!run.trusted && !pass_damaged_chunk(run)) return;
-      RecordWalker walker(file_.first(run.end), run.begin);
-      while (run.trusted && walker.next(record))
+    for (const SavedSpan& span : source_.saved) {
+      if (!span.trusted && !pass_damaged_chunk(span)) return;
+      RecordWalker walker(file_.first(span.end), span.begin);
+      while (span.trusted && walker.next(record))
         if (!pass(record)) return;
     }
     if (orphans_ > 0)
@@ -76,7 +74,7 @@ class SavedPass {
  private:
   /// False: stop.
   bool pass(const Record& record) {
-    DamageLog none("");  // the first pass has reported it
+    DamageLog none("");  // the examination has reported it
     passed_.pass(record.offset);
     switch (record.opcode) {
       case op::message: return deliver(record);
@@ -88,10 +86,10 @@ class SavedPass {
   }
 
   /// Passes the messages of a damaged chunk that seem whole.
-  bool pass_damaged_chunk(const SavedRun& run) {
-    const auto head = parse_cut_chunk(file_.subspan(run.begin + record_head, run.end - run.begin - record_head));
-    REHEARSE_ASSERT(head, "the first pass parsed it");
-    return deliver_records(opener_.open_front(*head, buffer_), run.begin);
+  bool pass_damaged_chunk(const SavedSpan& span) {
+    const auto head = parse_cut_chunk(file_.subspan(span.begin + record_head, span.end - span.begin - record_head));
+    REHEARSE_ASSERT(head, "the examination parsed it");
+    return deliver_records(opener_.open_front(*head, buffer_), span.begin);
   }
 
   bool deliver_records(Bytes records, std::uint64_t chunk) {
@@ -108,18 +106,18 @@ class SavedPass {
   bool deliver(const Record& record) {
     const auto head = parse_message_head(record.body);
     if (!head) return true;
-    if (!survey_.contents.channels.contains(head->channel)) {
+    if (!source_.contents.channels.contains(head->channel)) {
       ++orphans_;
       ++recovery_.channels[head->channel].lost;
       return true;
     }
     DamageLog none("");
-    return saved_.message(survey_.contents.read_message(record, none));
+    return saved_.message(source_.contents.read_message(record, none));
   }
 
   const Bytes file_;
   PassedBytes passed_;
-  const Survey& survey_;
+  const Examination& source_;
   Recovery& recovery_;
   const OnSaved& saved_;
   ChunkOpener opener_;
@@ -131,13 +129,13 @@ class SavedPass {
 bool is_damaged(const Schema& schema) { return schema.encoding.empty() && !schema.data.empty(); }
 
 /// Defines the channels in the new file. Returns their ids in the new file by those in the source.
-std::vector<std::uint16_t> define(Writer& writer, const Survey& survey, Recovery& recovery) {
+std::vector<std::uint16_t> define(Writer& writer, const Examination& from, Recovery& recovery) {
   std::vector<std::uint16_t> ids(0x10000);
-  for (const auto& [id, channel] : survey.contents.channels) {
+  for (const auto& [id, channel] : from.contents.channels) {
     std::uint16_t schema = 0;
     if (channel.schema_id != 0) {
-      const auto known = survey.contents.schemas.find(channel.schema_id);
-      const bool lost = known == survey.contents.schemas.end();
+      const auto known = from.contents.schemas.find(channel.schema_id);
+      const bool lost = known == from.contents.schemas.end();
       if (lost || is_damaged(known->second))
         recovery.remarks.push_back(fmt::format("the schema of {} is {}: its messages are kept without one",
                                                in_quotes(channel.topic), lost ? "lost" : "damaged"));
@@ -146,7 +144,7 @@ std::vector<std::uint16_t> define(Writer& writer, const Survey& survey, Recovery
     }
     const std::string topic = as_utf8(channel.topic);
     ids[id] = writer.add_channel(schema, topic, as_utf8(channel.message_encoding), as_utf8(channel.metadata),
-                                 survey.groups.of(id));
+                                 from.groups.of(id));
     recovery.channels[id].topic = topic;
     if (topic != channel.topic) recovery.remarks.push_back(fmt::format("the topic {} was not UTF-8", in_quotes(topic)));
   }
@@ -154,13 +152,13 @@ std::vector<std::uint16_t> define(Writer& writer, const Survey& survey, Recovery
 }
 
 /// Computes the losses from the remaining statistics.
-void count_losses(const Survey& survey, Recovery& recovery) {
-  if (survey.contents.statistics) {
+void count_losses(const Examination& from, Recovery& recovery) {
+  if (from.contents.statistics) {
     recovery.loss_is_known = true;
-    recovery.source_last_time = survey.contents.statistics->message_end_time;
-    recovery.lost_messages = survey.contents.statistics->message_count -
-                             std::min(survey.contents.statistics->message_count, recovery.messages);
-    for (const auto& [id, count] : survey.contents.statistics->channel_message_counts) {
+    recovery.source_last_time = from.contents.statistics->message_end_time;
+    recovery.lost_messages =
+        from.contents.statistics->message_count - std::min(from.contents.statistics->message_count, recovery.messages);
+    for (const auto& [id, count] : from.contents.statistics->channel_message_counts) {
       RecoveredChannel& channel = recovery.channels[id];
       channel.lost = count - std::min(count, channel.saved);
     }
@@ -186,14 +184,38 @@ StringMap note_of(const std::filesystem::path& source, const RecoverOptions& opt
   return note;
 }
 
-/// Writes all records that the survey saved.
+/// The losses, and the errors that the new file won't have.
+Recovery begin_recovery(const FileView& file, const Examination& from) {
+  constexpr std::size_t listed = 20;
+  Recovery recovery;
+  recovery.size = file.bytes().size();
+  recovery.lost_bytes = from.lost_bytes;
+  recovery.lost = from.lost;
+  for (const auto& [channel, count] : from.lost_messages) recovery.channels[channel].lost = count;
+  if (file.converted())
+    for (const Diagnostic& damage : file.converted()->damage) recovery.remarks.push_back(damage.message);
+  if (from.private_records > 0)
+    recovery.remarks.push_back(fmt::format("{} private records aren't kept", from.private_records));
+  std::size_t mended = 0;
+  for (const Finding& finding : from.findings.list()) {
+    const bool is_loss = std::any_of(from.lost.begin(), from.lost.end(),
+                                     [&](const LostBytes& lost) { return lost.begin == finding.place.offset; });
+    if (finding.severity != Severity::error || is_loss) continue;
+    if (mended++ < listed)
+      recovery.remarks.push_back(fmt::format("byte {}: {}", finding.place.offset, finding.message));
+  }
+  if (mended > listed) recovery.remarks.push_back(fmt::format("and {} more errors", mended - listed));
+  return recovery;
+}
+
+/// Writes all records that the examination saved.
 Result<void> write_saved(const FileView& file, const std::filesystem::path& source, const Draft& draft,
-                         const Survey& survey, const RecoverOptions& options, Recovery& recovery) {
+                         const Examination& from, const RecoverOptions& options, Recovery& recovery) {
   WriterOptions form;
-  form.profile = as_utf8(survey.contents.profile);
+  form.profile = as_utf8(from.contents.profile);
   auto writer = draft.open_writer(form);
   if (!writer) return writer.errors();
-  const std::vector<std::uint16_t> ids = define(**writer, survey, recovery);
+  const std::vector<std::uint16_t> ids = define(**writer, from, recovery);
   Result<void> written;
   recovery.first_time = std::numeric_limits<std::uint64_t>::max();
   OnSaved saved;
@@ -217,13 +239,13 @@ Result<void> write_saved(const FileView& file, const std::filesystem::path& sour
     written = (*writer)->add_metadata(as_utf8(metadata.name), as_utf8(metadata.values));
     return written.ok();
   };
-  SavedPass(file, survey, options, recovery, saved).run();
+  SavedPass(file, from, options, recovery, saved).run();
   if (!written) return written;
   if (recovery.messages == 0) recovery.first_time = 0;
   if (recovery.messages + recovery.attachments + recovery.metadata == 0)
     return error_in(source.string(),
                     "nothing can be saved: it has no message, no attachment and no metadata that is whole");
-  count_losses(survey, recovery);
+  count_losses(from, recovery);
   if (!recovery.is_whole()) {
     if (auto noted = (*writer)->add_metadata("rehearse.recover", note_of(source, options, recovery)); !noted)
       return noted;
@@ -254,13 +276,14 @@ Result<Recovery> recover(const std::filesystem::path& source, const std::filesys
   if (!view) return view.errors();
   auto draft = Draft::begin(target, std::span(&source, 1));
   if (!draft) return draft.errors();
-  Recovery recovery;
-  if (view->converted())
-    for (const Diagnostic& damage : view->converted()->damage) recovery.remarks.push_back(damage.message);
-  const Survey survey(*view, options, recovery);
-  if (survey.runs.empty())
-    return error_in(source.string(), "nothing can be saved: it has no MCAP record that is whole");
-  if (auto done = write_saved(*view, source, *draft, survey, options, recovery); !done) return done.errors();
+  ExamineOptions examining;
+  examining.max_chunk_size = options.max_chunk_size;
+  examining.trust_damaged = options.trust_damaged;
+  examining.progress = half_of(options.progress, 0);
+  const Examination from = examine_view(*view, view->bytes(), examining);
+  if (from.saved.empty()) return error_in(source.string(), "nothing can be saved: it has no MCAP record that is whole");
+  Recovery recovery = begin_recovery(*view, from);
+  if (auto done = write_saved(*view, source, *draft, from, options, recovery); !done) return done.errors();
   if (auto whole = examine_written(draft->file(), target, recovery); !whole) return whole.errors();
   if (auto done = draft->finish(); !done) return done.errors();
   return recovery;

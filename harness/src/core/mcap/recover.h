@@ -1,11 +1,5 @@
-// Recovery: makes a whole file of the undamaged data of a file that is cut, damaged or partly zeros.
-//
-// It keeps:
-// - a chunk or an attachment whose CRC matches; without a CRC, one that can be decompressed and whose records are
-//   whole. It keeps nothing of a chunk whose CRC doesn't match, unless `trust_damaged` is set.
-// - definitions and metadata whose fields have exactly their lengths. If definitions differ and the summary exists and
-//   its CRC matches, the summary counts.
-// - after damage, records that can be identified (see harness/TRACE_FORMAT.md).
+// Recovery: makes a whole file of the undamaged data of a file that is cut, damaged or partly zeros. An examination
+// (examination.h) finds the data that can be saved.
 //
 // Indexes, statistics and CRCs are computed again. Private records aren't kept.
 #pragma once
@@ -20,6 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "examination.h"
+
 namespace rehearse::mcap {
 
 struct RecoverOptions {
@@ -31,13 +27,6 @@ struct RecoverOptions {
   /// Called now and then, in two passes, with the number of passed bytes and the number of all bytes; null: never
   /// called.
   std::function<void(std::uint64_t done, std::uint64_t all)> progress;
-};
-
-/// Bytes of the source that are missing in the written file.
-struct LostBytes {
-  std::uint64_t begin = 0;
-  std::uint64_t end = 0;  // after the last byte
-  std::string what;       // "a Chunk whose CRC doesn't match"
 };
 
 /// The messages of one channel.
@@ -52,7 +41,7 @@ struct Recovery {
   std::uint64_t messages = 0, attachments = 0, metadata = 0;  // numbers of saved records
   std::uint64_t lost_bytes = 0;
   std::vector<LostBytes> lost;                         // in order; the first thousand
-  std::vector<std::string> remarks;                    // sentences: other differences from the source
+  std::vector<std::string> remarks;                    // sentences: other differences from the source; errors mended
   std::map<std::uint16_t, RecoveredChannel> channels;  // by their ids in the source
   std::uint64_t lost_messages = 0;                     // 0: none, or an unknown number
   bool loss_is_known = false;                          // the source's statistics exist, so lost_messages is exact

@@ -32,34 +32,14 @@ bool can_be_read(int file) {
   return ::fstat(file, &status) == 0 && S_ISREG(status.st_mode) && (::fcntl(file, F_GETFL) & O_ACCMODE) == O_RDWR;
 }
 
-class FileSink : public Sink {
- public:
-  FileSink(int file, std::filesystem::path place)
-      : file_(file), place_(std::move(place)), readable_(can_be_read(file)), identity_(identity_of(file)) {}
-  ~FileSink() override { static_cast<void>(close()); }
-  FileSink(const FileSink&) = delete;
-  FileSink& operator=(const FileSink&) = delete;
+}  // namespace
 
-  Result<void> write(Bytes bytes) override;
-  Result<void> close() override;
-  bool readable() const override { return readable_; }
-  Result<void> read_back(std::uint64_t offset, std::span<std::byte> target) override;
-  Result<void> verify() override;
-  int descriptor() const override { return file_; }
+Sink::Sink(int file, std::filesystem::path place)
+    : file_(file), place_(std::move(place)), readable_(can_be_read(file)), identity_(identity_of(file)) {}
 
- private:
-  /// False if the program has closed this descriptor, and its number belongs to a different file.
-  bool is_our_file() const { return identity_of(file_) == identity_; }
+bool Sink::is_our_file() const { return identity_of(file_) == identity_; }
 
-  int file_;
-  const std::filesystem::path place_;
-  const bool readable_;
-  std::pair<std::uint64_t, std::uint64_t> identity_;
-  std::uint64_t size_ = 0;  // of the written bytes
-  std::uint32_t crc_ = 0;
-};
-
-Result<void> FileSink::write(Bytes bytes) {
+Result<void> Sink::write(Bytes bytes) {
   if (!bytes.empty() && !is_our_file())
     return error("the trace can't be written any further: something in this process has closed its file descriptor",
                  "the data written before are whole; does a controller close a file that it hasn't opened?");
@@ -74,7 +54,7 @@ Result<void> FileSink::write(Bytes bytes) {
   return {};
 }
 
-Result<void> FileSink::verify() {
+Result<void> Sink::verify() {
   if (!readable_) return {};
   const auto changed = [](std::string how) {
     return error("something else has " + how + " the trace while it was written",
@@ -98,7 +78,7 @@ Result<void> FileSink::verify() {
   return crc == crc_ ? Result<void>() : changed("written into");
 }
 
-Result<void> FileSink::read_back(std::uint64_t offset, std::span<std::byte> target) {
+Result<void> Sink::read_back(std::uint64_t offset, std::span<std::byte> target) {
   while (!target.empty()) {
     const ssize_t got = is_our_file() ? ::pread(file_, target.data(), target.size(), static_cast<off_t>(offset)) : 0;
     if (got < 0 && errno == EINTR) continue;
@@ -110,7 +90,7 @@ Result<void> FileSink::read_back(std::uint64_t offset, std::span<std::byte> targ
   return {};
 }
 
-Result<void> FileSink::close() {
+Result<void> Sink::close() {
   if (file_ < 0) return {};
   const bool ours = is_our_file();
   const int file = std::exchange(file_, -1);
@@ -118,18 +98,7 @@ Result<void> FileSink::close() {
   return {};
 }
 
-class MemorySink : public Sink {
- public:
-  explicit MemorySink(std::vector<std::byte>& out) : out_(out) {}
-  Result<void> write(Bytes bytes) override {
-    out_.insert(out_.end(), bytes.begin(), bytes.end());
-    return {};
-  }
-  Result<void> close() override { return {}; }
-
- private:
-  std::vector<std::byte>& out_;
-};
+namespace {
 
 /// Locks out other writers until the descriptor is closed. False: another writer exists. True if files can't be locked.
 bool lock(int file) { return ::flock(file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK; }
@@ -191,11 +160,7 @@ mode_t mode_of(int descriptor) {
 
 }  // namespace
 
-Result<void> Sink::read_back(std::uint64_t, std::span<std::byte>) {
-  REHEARSE_ASSERT(false, "only a sink that is readable() is read");
-}
-
-Result<std::unique_ptr<Sink>> open_file_sink(const std::filesystem::path& file) {
+Result<std::unique_ptr<Sink>> Sink::open(const std::filesystem::path& file) {
   const auto refuse = [&](std::string why, std::string hint = {}) {
     return error_in(file.string(), std::move(why), std::move(hint));
   };
@@ -209,14 +174,12 @@ Result<std::unique_ptr<Sink>> open_file_sink(const std::filesystem::path& file) 
   there.release();
   if (!is_new) opened = create(file);
   if (opened < 0) return refuse(fmt::format("can't create the trace: {}", std::strerror(errno)));
-  auto sink = std::make_unique<FileSink>(opened, none ? std::filesystem::absolute(file) : place);
+  std::unique_ptr<Sink> sink(new Sink(opened, none ? std::filesystem::absolute(file) : place));
   const bool keeps_bytes = S_ISREG(mode_of(opened));  // unlike a device as /dev/null, to which any number may write
   if (!is_new && keeps_bytes && !lock(opened)) return other_writer();
   if (!is_new && keeps_bytes && ::ftruncate(opened, 0) != 0)
     return refuse(fmt::format("can't empty the trace: {}", std::strerror(errno)));
-  return std::unique_ptr<Sink>(std::move(sink));
+  return sink;
 }
-
-std::unique_ptr<Sink> make_memory_sink(std::vector<std::byte>& out) { return std::make_unique<MemorySink>(out); }
 
 }  // namespace rehearse::mcap

@@ -5,33 +5,44 @@
 
 #include <filesystem>
 #include <memory>
-#include <string>
-#include <vector>
+#include <utility>
 
 namespace rehearse::mcap {
 
-class Sink {
- public:
-  virtual ~Sink() = default;
-  /// Writes all of the bytes, or fails. The diagnostic names no file.
-  virtual Result<void> write(Bytes bytes) = 0;
-  /// No write may follow; a second call has no effect.
-  virtual Result<void> close() = 0;
-  /// Whether written bytes can be read again before close().
-  virtual bool readable() const { return false; }
-  /// Fills `target` with the written bytes from that offset on. Fails if there are fewer.
-  virtual Result<void> read_back(std::uint64_t offset, std::span<std::byte> target);
-  /// Compares the file with the written bytes. Fails if something else has written into it, cut, deleted or replaced
-  /// it.
-  virtual Result<void> verify() { return {}; }
-  /// Descriptor of an open file; -1 if there is none.
-  virtual int descriptor() const { return -1; }
-};
-
 /// A file, created or emptied. A file with one name that belongs to this user is replaced by a new file with the same
 /// permissions. So readers keep the old contents. Links, pipes and devices are written into.
-Result<std::unique_ptr<Sink>> open_file_sink(const std::filesystem::path& file);
+class Sink {
+ public:
+  static Result<std::unique_ptr<Sink>> open(const std::filesystem::path& file);
+  ~Sink() { static_cast<void>(close()); }
+  Sink(const Sink&) = delete;
+  Sink& operator=(const Sink&) = delete;
 
-std::unique_ptr<Sink> make_memory_sink(std::vector<std::byte>& out);
+  /// Writes all of the bytes, or fails. The diagnostic names no file.
+  Result<void> write(Bytes bytes);
+  /// No write may follow; a second call has no effect.
+  Result<void> close();
+  /// Whether written bytes can be read again before close(): an ordinary file.
+  bool readable() const { return readable_; }
+  /// Fills `target` with the written bytes from that offset on. Fails if there are fewer.
+  Result<void> read_back(std::uint64_t offset, std::span<std::byte> target);
+  /// Compares the file with the written bytes. Fails if something else has written into it, cut, deleted or replaced
+  /// it.
+  Result<void> verify();
+  /// Descriptor of the open file; -1 after close().
+  int descriptor() const { return file_; }
+
+ private:
+  Sink(int file, std::filesystem::path place);
+  /// False if the program has closed this descriptor, and its number belongs to a different file.
+  bool is_our_file() const;
+
+  int file_;
+  const std::filesystem::path place_;
+  const bool readable_;
+  std::pair<std::uint64_t, std::uint64_t> identity_;
+  std::uint64_t size_ = 0;  // of the written bytes
+  std::uint32_t crc_ = 0;
+};
 
 }  // namespace rehearse::mcap

@@ -6,8 +6,8 @@
 
 namespace rehearse::mcap {
 
-SummaryComposer::SummaryComposer(std::uint64_t data_size, std::uint32_t data_crc, const FileForm& form, Write write)
-    : form_(form), write_(std::move(write)), offset_(data_size) {
+SummaryComposer::SummaryComposer(std::uint64_t data_size, std::uint32_t data_crc, Write write)
+    : write_(std::move(write)), offset_(data_size) {
   std::vector<std::byte> data_end;
   ByteWriter(data_end).put_record(op::data_end, data_crc);
   put(data_end);
@@ -35,13 +35,12 @@ void SummaryComposer::add_group(std::uint8_t opcode, const std::function<void(co
 void SummaryComposer::finish() {
   const bool empty = offset_ == start_;
   const std::uint64_t offsets_start = offset_;
-  const bool has_offsets = form_.summary_offsets && !empty;
-  if (has_offsets) put(offsets_);
+  put(offsets_);
   std::vector<std::byte> footer;
   ByteWriter out(footer);
-  out.put_record(op::footer, empty ? 0 : start_, has_offsets ? offsets_start : 0, std::uint32_t{0});
+  out.put_record(op::footer, empty ? 0 : start_, empty ? 0 : offsets_start, std::uint32_t{0});
   const std::size_t crc_at = footer.size() - 4;
-  if (form_.summary_crc) out.patch(crc_at, crc32(Bytes(footer).first(crc_at), crc_));
+  out.patch(crc_at, crc32(Bytes(footer).first(crc_at), crc_));
   out.put_bytes(magic);
   write_(footer);
 }

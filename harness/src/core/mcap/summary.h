@@ -13,9 +13,8 @@ class SummaryComposer {
  public:
   using Write = std::function<void(Bytes)>;
 
-  /// `data_size`: number of bytes before DataEnd; `data_crc`: their CRC, or 0. `form` states whether there are offsets
-  /// and a CRC. `write` gets the bytes in order.
-  SummaryComposer(std::uint64_t data_size, std::uint32_t data_crc, const FileForm& form, Write write);
+  /// `data_size`: number of bytes before DataEnd; `data_crc`: their CRC, or 0. `write` gets the bytes in order.
+  SummaryComposer(std::uint64_t data_size, std::uint32_t data_crc, Write write);
   /// Adds whole records of one opcode; no effect if there are none.
   void add_group(std::uint8_t opcode, Bytes records);
   /// Adds a group piece by piece: `put_all` passes the pieces to its argument.
@@ -26,7 +25,6 @@ class SummaryComposer {
  private:
   void put(Bytes bytes);
 
-  const FileForm form_;
   const Write write_;
   std::uint64_t start_ = 0;         // offset of the summary in the file
   std::uint64_t offset_;            // offset of the next byte

@@ -51,13 +51,11 @@ class FileWriter final : public Writer {
   };
   struct ChannelState {
     std::size_t group = 0;
-    std::uint64_t count = 0;       // number of messages
-    bool defined_in_open = false;  // its definition is in the open chunk of its group
+    std::uint64_t count = 0;  // number of messages
   };
 
   static std::size_t index_of(std::uint16_t channel) { return Definitions::index_of(channel); }
   std::size_t find_or_add_group(ChunkGroup key);
-  void define_in_chunk(std::uint16_t channel, ChunkData& chunk);
   /// The log time at which the chunk must be finished by age.
   std::uint64_t deadline_of(const ChunkData& chunk) const {
     return chunk.first_time + std::min(options_.chunk_span, no_time - chunk.first_time);
@@ -87,7 +85,7 @@ std::uint16_t FileWriter::add_schema(std::string_view name, std::string_view enc
   if (id == 0)
     output_.fail(error(
         fmt::format("the schema {} is one too many: a file contains at most {}", name, Definitions::most_schemas)));
-  if (added && !options_.form.has_definitions_in_chunks()) {
+  if (added) {
     RawJob job;
     ByteWriter out(job.bytes);
     put_schema(out, definitions_.schema(id));
@@ -106,19 +104,16 @@ std::uint16_t FileWriter::add_channel(std::uint16_t schema, std::string_view top
   }
   if (options_.profile == "ros2") metadata.try_emplace("offered_qos_profiles");
   const std::uint16_t id = definitions_.add_channel(schema, topic, message_encoding, std::move(metadata));
-  if (!options_.form.has_definitions_in_chunks()) {
-    RawJob job;
-    ByteWriter out(job.bytes);
-    put_channel(out, definitions_.channel(id));
-    output_.push(std::move(job));
-  }
+  RawJob job;
+  ByteWriter out(job.bytes);
+  put_channel(out, definitions_.channel(id));
+  output_.push(std::move(job));
   states_.push_back({find_or_add_group(group)});
   return id;
 }
 
 std::size_t FileWriter::find_or_add_group(ChunkGroup key) {
   if (options_.compression) key.compression = *options_.compression;
-  if (!options_.form.chunks) key = {};  // all messages in the order of the calls
   for (std::size_t i = 0; i < groups_.size(); ++i) {
     if (groups_[i].key.id == key.id && groups_[i].key.compression == key.compression) return i;
   }
@@ -143,7 +138,6 @@ FileWriter::Group& FileWriter::begin_message(std::uint16_t channel, std::uint64_
   }
   chunk.start_time = std::min(chunk.start_time, log_time);
   chunk.end_time = std::max(chunk.end_time, log_time);
-  if (options_.form.has_definitions_in_chunks() && !state.defined_in_open) define_in_chunk(channel, chunk);
   chunk.index.push_back({log_time, chunk.records.size(), channel});
 
   std::array<std::byte, record_head + message_head> head;
@@ -162,16 +156,6 @@ FileWriter::Group& FileWriter::begin_message(std::uint16_t channel, std::uint64_
   start_time_ = std::min(start_time_, log_time);
   end_time_ = std::max(end_time_, log_time);
   return group;
-}
-
-/// Writes the definitions of a channel before its first message in a chunk.
-void FileWriter::define_in_chunk(std::uint16_t channel, ChunkData& chunk) {
-  const Channel& definition = definitions_.channel(channel);
-  ByteWriter out(chunk.records);
-  if (definition.schema_id != 0) put_schema(out, definitions_.schema(definition.schema_id));
-  put_channel(out, definition);
-  chunk.defined.push_back(channel);
-  states_[index_of(channel)].defined_in_open = true;
 }
 
 Result<void> FileWriter::write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, Bytes data,
@@ -197,7 +181,6 @@ Result<void> FileWriter::end_message(Group& group) {
 }
 
 void FileWriter::finish_chunk(Group& group) {
-  for (const std::uint16_t channel : group.open.defined) states_[index_of(channel)].defined_in_open = false;
   unwritten_deadline_ = std::min(unwritten_deadline_, deadline_of(group.open));
   next_deadline_ = std::min(next_deadline_, unwritten_deadline_);
   ChunkData next = output_.take_chunk();
@@ -231,7 +214,7 @@ Result<void> FileWriter::add_attachment(std::string_view name, std::string_view 
   job.kind = RawJob::Kind::attachment;
   job.attachment = {log_time, create_time, std::string(name), std::string(media_type), data, 0};
   ByteWriter out(job.bytes);
-  put_attachment(out, job.attachment, options_.form.attachment_crcs);
+  put_attachment(out, job.attachment);
   job.data_size = data.size();
   job.attachment.data = {};
   output_.push(std::move(job));
@@ -272,13 +255,9 @@ Result<void> FileWriter::close() {
 }
 
 Result<std::unique_ptr<Writer>> Writer::create(const std::filesystem::path& file, WriterOptions options) {
-  auto sink = open_file_sink(file);
+  auto sink = Sink::open(file);
   if (!sink) return sink.errors();
   return std::unique_ptr<Writer>(std::make_unique<FileWriter>(std::move(*sink), file.string(), options));
-}
-
-std::unique_ptr<Writer> Writer::create_in_memory(std::vector<std::byte>& out, WriterOptions options) {
-  return std::make_unique<FileWriter>(make_memory_sink(out), "in memory", options);
 }
 
 }  // namespace rehearse::mcap

@@ -91,14 +91,14 @@ Result<void> CopyingSink::take_output(const mcap::Message& message, const mcap::
   return recorder_.copy(message, schema, name.topic());
 }
 
-Result<void> CopyingSink::emit(const Moment& now) {
+Result<void> CopyingSink::emit(const TickData& now) {
   same_outputs_ = same_outputs_ && now.host->output_hash() == from_->recorded().output_hash;
   if (!altered_.empty())
     if (auto done = record_altered(now); !done) return done;
   return RecordingSink::emit(now);
 }
 
-Result<void> CopyingSink::record_altered(const Moment& now) {
+Result<void> CopyingSink::record_altered(const TickData& now) {
   for (std::size_t b = 0; b < now.seen->bodies.size(); ++b) {
     const BodyObservation& seen = now.seen->bodies[b];
     const int body = static_cast<int>(b);

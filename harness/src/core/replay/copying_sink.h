@@ -32,8 +32,8 @@ class CopyingSink final : public RecordingSink {
   Result<void> copy(RecordingSource& from, Run& run, std::optional<std::int64_t> end);
 
   /// Records nothing: the observations are copied.
-  Result<void> begin_tick(const Moment&) override { return {}; }
-  Result<void> emit(const Moment& now) override;
+  Result<void> begin_tick(const TickData&) override { return {}; }
+  Result<void> emit(const TickData& now) override;
   /// True if the hashes of the controllers' outputs were the recorded hashes in all ticks of copy().
   bool same_outputs() const { return same_outputs_; }
 
@@ -43,7 +43,7 @@ class CopyingSink final : public RecordingSink {
   bool is_altered(const std::string& topic) const;
   Result<void> take(const mcap::Message& message);
   Result<void> take_output(const mcap::Message& message, const mcap::Schema& schema);
-  Result<void> record_altered(const Moment& now);
+  Result<void> record_altered(const TickData& now);
 
   const Scenario& scenario_;
   mcap::Reader& source_;

@@ -66,7 +66,7 @@ Result<void> RecordingSource::accept(const mcap::Message& message) {
                       error(fmt::format("a message on /tick at {} ns is not of its type", message.log_time)));
 }
 
-Result<bool> RecordingSource::observe(Moment& now) {
+Result<bool> RecordingSource::observe(TickData& now) {
   const bool is_last_state = tick_.controller_results.size() != host_.controllers().size();
   if (is_last_state) {  // after the last step only the state is recorded
     last_state_ = tick_;
@@ -104,7 +104,7 @@ Diagnostic RecordingSource::gap(std::int64_t expected) const {
 }
 
 /// The recording contains the next state of the world: nothing is simulated.
-Result<bool> RecordingSource::advance(Moment& now, Commander& commands) {
+Result<bool> RecordingSource::advance(TickData& now, Commander& commands) {
   commands.act_late(now);
   inputs_.begin_tick();
   return true;

@@ -43,8 +43,8 @@ class RecordingSource final : public ObservationSource {
                      std::uint64_t before = no_end);
   const Diagnostics& damage() const { return damage_; }
 
-  Result<bool> observe(Moment& now) override;
-  Result<bool> advance(Moment& now, Commander& commands) override;
+  Result<bool> observe(TickData& now) override;
+  Result<bool> advance(TickData& now, Commander& commands) override;
 
   /// The recorded data of the tick that was observed last.
   const msg::Tick& recorded() const { return tick_; }

@@ -51,7 +51,7 @@ Result<void> ReplayComparison::take(const mcap::Message& message) {
   return accepted ? accepted : in_recording(recording_, accepted.errors()[0]);
 }
 
-Result<void> ReplayComparison::emit(const Moment& now) {
+Result<void> ReplayComparison::emit(const TickData& now) {
   const std::int64_t before = std::max<std::int64_t>(0, now.tick - 1);
   words_.begin_tick([&](Divergence&& found) { word_differs(std::move(found), before); });
   if (now.alive) {
@@ -81,7 +81,7 @@ bool ReplayComparison::is_compared(std::int64_t tick) const {
   return nanoseconds_of(tick, scenario_.time_step) >= from_;
 }
 
-void ReplayComparison::compare(const Moment& now, const std::vector<std::uint64_t>& row) {
+void ReplayComparison::compare(const TickData& now, const std::vector<std::uint64_t>& row) {
   const auto count = [this](Divergence&& found) { differs(std::move(found)); };
   if (!source_.alters()) compare_inputs(now);
   if (!report_.first_other_hash && host_.output_hash() != source_.recorded().output_hash)
@@ -97,7 +97,7 @@ void ReplayComparison::compare(const Moment& now, const std::vector<std::uint64_
 /// Compares the hashes of the inputs. A controller that reads more or fewer values than the recorded controller has
 /// other hashes from the first tick on: then a comparison of them has no meaning. Else a different hash in a later tick
 /// means that the recorded inputs differ from the inputs of the run.
-void ReplayComparison::compare_inputs(const Moment& now) {
+void ReplayComparison::compare_inputs(const TickData& now) {
   if (!report_.other_inputs.empty()) reads_the_same_ = false;
   if (reads_the_same_ && !*reads_the_same_ && report_.first_other_hash) return;
   const bool same = host_.input_hash(*now.read) == source_.recorded().input_hash;

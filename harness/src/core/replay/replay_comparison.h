@@ -35,7 +35,7 @@ class ReplayComparison final : public Sink {
   const std::vector<std::uint16_t>& channels() const { return channels_; }
   /// Takes a message of the tick that is emitted next; ignores messages of channels that aren't compared.
   Result<void> take(const mcap::Message& message);
-  Result<void> emit(const Moment& now) override;
+  Result<void> emit(const TickData& now) override;
   /// Takes the host's events since the last call.
   void take_events();
   /// Compares the last lines: no line follows in the recording or in the replay.
@@ -48,8 +48,8 @@ class ReplayComparison final : public Sink {
 
  private:
   bool is_compared(std::int64_t tick) const;
-  void compare(const Moment& now, const std::vector<std::uint64_t>& row);
-  void compare_inputs(const Moment& now);
+  void compare(const TickData& now, const std::vector<std::uint64_t>& row);
+  void compare_inputs(const TickData& now);
   void compare_variables(std::int64_t tick);
   void report_outputs(std::int64_t tick, const std::vector<std::uint64_t>& row);
   void differs(Divergence&& found);

@@ -19,16 +19,16 @@ class HostedCommands final : public Commander {
   HostedCommands(ControllerHost& host, Written written) : host_(host), written_(written) {}
 
   bool failed() const override { return host_.failure().has_value(); }
-  void prepare(Moment& now) override {
+  void prepare(TickData& now) override {
     now.host = &host_;
     now.alive = host_.input(now.tick, *now.read);
   }
-  void act(Moment& now) override {
+  void act(TickData& now) override {
     now.alive = now.alive && host_.control();
     if (written_ != Written::never) host_.output(Timing::same_step, now.command);
     if (written_ == Written::at_once) host_.output(Timing::next_step, now.command);
   }
-  void act_late(Moment& now) override {
+  void act_late(TickData& now) override {
     if (written_ == Written::in_time) host_.output(Timing::next_step, now.command);
   }
 

@@ -4,7 +4,7 @@
 
 namespace rehearse {
 
-Result<void> RecordingSink::begin_tick(const Moment& now) {
+Result<void> RecordingSink::begin_tick(const TickData& now) {
   if (!now.checkpoint.empty())
     if (auto done = recorder_.record_checkpoint(now.tick, now.checkpoint); !done) return done;
   if (auto done = recorder_.record_state(now.tick, *now.seen, *now.read); !done) return done;
@@ -13,14 +13,14 @@ Result<void> RecordingSink::begin_tick(const Moment& now) {
   return recorder_.record_inputs(now.tick, *now.host, {now.state_hash, *input_hash_, 0});
 }
 
-Result<void> RecordingSink::record_contacts(const Moment& now) {
+Result<void> RecordingSink::record_contacts(const TickData& now) {
   if (!now.touching) return {};
   if (now.tick >= known_before_) return recorder_.record_contacts(now.tick, *now.touching);
   recorder_.begin_with_contacts(*now.touching);
   return {};
 }
 
-Result<void> RecordingSink::emit(const Moment& now) {
+Result<void> RecordingSink::emit(const TickData& now) {
   TickHashes hashes{now.state_hash, 0, 0};
   const std::optional<std::uint64_t> known = std::exchange(input_hash_, std::nullopt);
   if (now.host) hashes = {now.state_hash, known ? *known : now.host->input_hash(*now.read), now.host->output_hash()};

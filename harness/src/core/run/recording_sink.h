@@ -24,16 +24,16 @@ class RecordingSink : public Sink {
   void take_contacts_for_known(std::int64_t before) { known_before_ = before; }
 
   /// Records checkpoint, state, sensors and contacts. The inputs are kept in case that the process ends in control().
-  Result<void> begin_tick(const Moment& now) override;
+  Result<void> begin_tick(const TickData& now) override;
   /// Records the commands, the hashes and the events.
-  Result<void> emit(const Moment& now) override;
+  Result<void> emit(const TickData& now) override;
   Result<void> record_events(const std::vector<msg::Event>& events);
 
  protected:
   Recorder& recorder_;
 
  private:
-  Result<void> record_contacts(const Moment& now);
+  Result<void> record_contacts(const TickData& now);
 
   Diagnostics* remarks_;
   std::int64_t known_before_ = 0;

@@ -9,7 +9,7 @@ namespace rehearse {
 
 Result<bool> Run::step() {
   if (tick_ >= end_ || interruption_ || broke_down_ || commands_->failed()) return false;
-  Moment now{tick_, command};
+  TickData now{tick_, command};
   const auto observed = source_->observe(now);
   if (!observed || !*observed) return observed;
   if ((interruption_ = interrupted_at(tick_, time_step_))) return false;
@@ -37,7 +37,7 @@ Result<void> Run::go() {
 }
 
 Result<void> Run::close() {
-  Moment now{tick_, command, true};
+  TickData now{tick_, command, true};
   const auto observed = source_->observe(now);
   if (!observed) return observed.errors();
   if (auto taken = sink_->begin_tick(now); !taken) return taken;

@@ -29,7 +29,7 @@ namespace rehearse {
 class ControllerHost;
 
 /// The data of one tick in the loop. Pointers are valid until the source advances.
-struct Moment {
+struct TickData {
   std::int64_t tick = 0;
   Command& command;         // the command of the run
   bool is_closing = false;  // the state after the last step: no commands, no further step
@@ -55,11 +55,11 @@ class Commander {
   /// True if a controller has failed: there is no further tick.
   virtual bool failed() const { return false; }
   /// Passes the observation to the controllers.
-  virtual void prepare(Moment&) {}
+  virtual void prepare(TickData&) {}
   /// Determines the commands of this tick, and writes those that act in the tick's own step into the command.
-  virtual void act(Moment& now) = 0;
+  virtual void act(TickData& now) = 0;
   /// Writes the commands that act one tick late into the command. Must be called after the step.
-  virtual void act_late(Moment& now) = 0;
+  virtual void act_late(TickData& now) = 0;
 };
 
 /// The source of a run's observations.
@@ -67,10 +67,10 @@ class ObservationSource {
  public:
   virtual ~ObservationSource() = default;
   /// Gets the observation at the beginning of the tick. False: there is no such tick, and the run ends.
-  virtual Result<bool> observe(Moment& now) = 0;
+  virtual Result<bool> observe(TickData& now) = 0;
   /// Makes one step under the command, then calls act_late() of `commands`. False: there is no state from which to
   /// continue.
-  virtual Result<bool> advance(Moment& now, Commander& commands) = 0;
+  virtual Result<bool> advance(TickData& now, Commander& commands) = 0;
 };
 
 /// The destination of a run's ticks: a file, or a comparison with a different run.
@@ -78,9 +78,9 @@ class Sink {
  public:
   virtual ~Sink() = default;
   /// Takes the observation of a tick and the inputs of its controllers, before its commands exist.
-  virtual Result<void> begin_tick(const Moment&) { return {}; }
+  virtual Result<void> begin_tick(const TickData&) { return {}; }
   /// Takes the whole tick.
-  virtual Result<void> emit(const Moment& now) = 0;
+  virtual Result<void> emit(const TickData& now) = 0;
 };
 
 class Run {

@@ -16,7 +16,7 @@ namespace {
 class ContactsSink final : public Sink {
  public:
   explicit ContactsSink(Recorder& recorder) : recorder_(recorder) {}
-  Result<void> emit(const Moment& now) override {
+  Result<void> emit(const TickData& now) override {
     state_hash = now.state_hash;
     recorder_.begin_with_contacts(*now.touching);
     return {};

@@ -38,7 +38,7 @@ class SetBackWorld final : public WorldSource {
                PlantSummary& summary)
       : WorldSource(scenario, plant), plant_(plant), checkpoints_(checkpoints), options_(options), summary_(summary) {}
 
-  Result<bool> advance(Moment& now, Commander& commands) override {
+  Result<bool> advance(TickData& now, Commander& commands) override {
     if (options_.resync && summary_.from_the_start.empty())
       if (auto done = set_back(now.tick); !done) return done.errors();
     return WorldSource::advance(now, commands);

@@ -34,8 +34,8 @@ class RecordedCommands final : public Commander {
   /// ascending order.
   void put(std::int64_t tick, Timing timing, Command& command);
 
-  void act(Moment& now) override { put(now.tick, Timing::same_step, now.command); }
-  void act_late(Moment& now) override { put(now.tick, Timing::next_step, now.command); }
+  void act(TickData& now) override { put(now.tick, Timing::same_step, now.command); }
+  void act_late(TickData& now) override { put(now.tick, Timing::next_step, now.command); }
 
  private:
   /// One number of a joint's command.

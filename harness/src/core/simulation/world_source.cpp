@@ -2,7 +2,7 @@
 
 namespace rehearse {
 
-Result<bool> WorldSource::observe(Moment& now) {
+Result<bool> WorldSource::observe(TickData& now) {
   REHEARSE_ASSERT(plant_.tick() == now.tick, "run and world are at the same tick");
   plant_.sense();
   now.seen = &plant_.seen();
@@ -20,7 +20,7 @@ Result<bool> WorldSource::observe(Moment& now) {
 
 /// Devices and joystick are recorded with their altered readings; joints and links are recorded with their true values,
 /// too.
-void WorldSource::apply_alterations(Moment& now) {
+void WorldSource::apply_alterations(TickData& now) {
   altered_read_ = *now.read;
   altered_->apply(now.tick, altered_read_);
   altered_seen_ = *now.seen;
@@ -31,7 +31,7 @@ void WorldSource::apply_alterations(Moment& now) {
   now.read = &altered_read_;
 }
 
-Result<bool> WorldSource::advance(Moment& now, Commander& commands) {
+Result<bool> WorldSource::advance(TickData& now, Commander& commands) {
   trial_.step(now.command);
   const bool alive = plant_.step(now.command);
   trial_.compare(plant_.world());

@@ -30,11 +30,11 @@ class WorldSource : public ObservationSource {
   /// Observations are altered from now on.
   void alter(AlteredInputs& altered) { altered_ = altered.empty() ? nullptr : &altered; }
 
-  Result<bool> observe(Moment& now) override;
-  Result<bool> advance(Moment& now, Commander& commands) override;
+  Result<bool> observe(TickData& now) override;
+  Result<bool> advance(TickData& now, Commander& commands) override;
 
  private:
-  void apply_alterations(Moment& now);
+  void apply_alterations(TickData& now);
 
   const Scenario& scenario_;
   Plant& plant_;

@@ -13,13 +13,13 @@
 namespace rehearse {
 namespace {
 
-struct HeldByType {
+struct ColumnsOfType {
   std::string_view type;
   // Patterns up to the first empty pattern; of texts only those that name columns.
   std::array<std::string_view, 5> patterns;
 };
 
-constexpr std::array<HeldByType, 14> held_by_type{{
+constexpr std::array<ColumnsOfType, 14> columns_by_type{{
     {msg::Tick::type_name, {"tick", "state_hash", "input_hash", "output_hash", "controller_results/*"}},
     {msg::JointState::type_name, {"name/*", "position/*", "velocity/*", "effort/*"}},
     {msg::JointAccelerations::type_name, {"name/*", "acceleration/*"}},
@@ -46,10 +46,10 @@ std::uint32_t number_at(mcap::Bytes payload, std::size_t position) {
 
 }  // namespace
 
-HeldValues::HeldValues(std::string_view type) {
-  const auto known = std::find_if(held_by_type.begin(), held_by_type.end(),
-                                  [type](const HeldByType& held) { return held.type == type; });
-  if (known == held_by_type.end()) {
+ColumnFields::ColumnFields(std::string_view type) {
+  const auto known = std::find_if(columns_by_type.begin(), columns_by_type.end(),
+                                  [type](const ColumnsOfType& known) { return known.type == type; });
+  if (known == columns_by_type.end()) {
     any_number_ = true;
   } else {
     std::copy_if(known->patterns.begin(), known->patterns.end(), std::back_inserter(patterns_),
@@ -57,7 +57,7 @@ HeldValues::HeldValues(std::string_view type) {
   }
 }
 
-bool HeldValues::holds(const ros2msg::Value& value) const {
+bool ColumnFields::covers(const ros2msg::Value& value) const {
   if (any_number_) return value.is_number() && !value.path.starts_with("header/") && !value.path.starts_with("stamp/");
   return std::any_of(patterns_.begin(), patterns_.end(),
                      [&](std::string_view pattern) { return matches(pattern, value.path); });
@@ -108,7 +108,7 @@ void MessageRest::decode(mcap::Bytes payload, std::uint64_t log_time) {
   decoder_.decode(payload, [&](const ros2msg::Value& value) {
     if (value.bytes.empty()) return;
     const auto begin = static_cast<std::size_t>(value.bytes.data() - payload.data());
-    if (held_.holds(value)) return take_out(begin, value.bytes.size());
+    if (columns_.covers(value)) return take_out(begin, value.bytes.size());
     if (value.bytes.size() != sizeof(std::uint32_t)) return;
     if (value.path.ends_with("stamp/sec")) {
       stamp.sec = static_cast<std::int32_t>(value.integer);

@@ -17,10 +17,10 @@ namespace rehearse {
 
 /// The values of a message type that have a column in its channel's table, or name a column. TRACE_FORMAT.md lists the
 /// columns of each type.
-class HeldValues {
+class ColumnFields {
  public:
-  explicit HeldValues(std::string_view type);
-  bool holds(const ros2msg::Value& value) const;
+  explicit ColumnFields(std::string_view type);
+  bool covers(const ros2msg::Value& value) const;
 
  private:
   std::vector<std::string_view> patterns_;  // patterns of paths
@@ -51,12 +51,12 @@ class MessageRest {
     bool is_log_time = false;
   };
 
-  MessageRest(std::string_view type, ros2msg::Schema schema) : held_(type), decoder_(std::move(schema)) {}
+  MessageRest(std::string_view type, ros2msg::Schema schema) : columns_(type), decoder_(std::move(schema)) {}
   bool is_as_before(mcap::Bytes payload, std::uint64_t log_time) const;
   void decode(mcap::Bytes payload, std::uint64_t log_time);
   void find_kept(std::vector<std::pair<std::size_t, std::size_t>> cleared);
 
-  HeldValues held_;
+  ColumnFields columns_;
   ros2msg::Decoder decoder_;
   std::vector<std::byte> bytes_;  // the payload, with different bytes in place of values that don't belong to the rest
   std::vector<std::pair<std::size_t, std::size_t>> kept_;  // byte spans [first, second) of the rest

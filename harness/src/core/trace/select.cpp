@@ -37,12 +37,12 @@ std::vector<std::uint16_t> tick_channels(const Reader& reader) {
 
 }  // namespace
 
-Result<Moment> parse_moment(std::string_view text) {
+Result<TimeBound> parse_time_bound(std::string_view text) {
   const auto refuse = [whole = std::string(text)] {
     return error(fmt::format("'{}' is no time", whole),
                  "seconds on the file's clock, as 3.5; +3.5 counts from its first message");
   };
-  Moment moment;
+  TimeBound moment;
   moment.after_first = text.starts_with('+');
   if (moment.after_first) text.remove_prefix(1);
   const std::size_t point = std::min(text.find('.'), text.size());
@@ -89,14 +89,6 @@ Result<Selector> Selector::of(Selection selection, Reader& reader) {
   return selector;
 }
 
-Result<Selector> Selector::of_stream(Selection selection) {
-  if (selection.ticks) {
-    return error("ticks can't be selected from a pipe: a tick is complete only after its last message",
-                 "write the pipe to a file first, or select by time");
-  }
-  return Selector(std::move(selection));
-}
-
 Result<void> Selector::check_topics(const Reader& reader) const {
   for (const std::string& pattern : selection_.topics) {
     const bool found = std::any_of(reader.channels().begin(), reader.channels().end(),
@@ -140,8 +132,7 @@ Result<void> Selector::find_ticks(Reader& reader) {
 }
 
 void Selector::begin_at(std::uint64_t first) {
-  first_ = first;
-  const auto time_of = [&](const Moment& moment) { return moment.after_first ? add(first, moment.ns) : moment.ns; };
+  const auto time_of = [&](const TimeBound& moment) { return moment.after_first ? add(first, moment.ns) : moment.ns; };
   if (selection_.from) begin_ = time_of(*selection_.from);
   if (selection_.until) end_ = time_of(*selection_.until);
 }

@@ -17,15 +17,15 @@
 namespace rehearse::mcap {
 
 /// A time as written on a command line.
-struct Moment {
+struct TimeBound {
   std::uint64_t ns = 0;      // [ns]
   bool after_first = false;  // counted from the file's first message, else from the clock's 0
 
-  bool operator==(const Moment&) const = default;
+  bool operator==(const TimeBound&) const = default;
 };
 
 /// From "3.5" or "+3.5" [s]: exact, with at most nine digits after the point.
-Result<Moment> parse_moment(std::string_view text);
+Result<TimeBound> parse_time_bound(std::string_view text);
 
 /// Numbers of ticks, both included; none: no bound.
 struct TickSpan {
@@ -40,10 +40,10 @@ Result<TickSpan> parse_tick_span(std::string_view text);
 
 /// A member without a value selects everything.
 struct Selection {
-  std::vector<std::string> topics = {};          // globs (glob.h); a message is selected if any matches
-  std::optional<Moment> from = std::nullopt;     // inclusive
-  std::optional<Moment> until = std::nullopt;    // exclusive
-  std::optional<TickSpan> ticks = std::nullopt;  // all data recorded in these ticks; needs a recording of Rehearse
+  std::vector<std::string> topics = {};           // globs (glob.h); a message is selected if any matches
+  std::optional<TimeBound> from = std::nullopt;   // inclusive
+  std::optional<TimeBound> until = std::nullopt;  // exclusive
+  std::optional<TickSpan> ticks = std::nullopt;   // all data recorded in these ticks; needs a recording of Rehearse
 
   bool takes_topic(std::string_view topic) const;
   /// True if only topics are selected.
@@ -56,16 +56,12 @@ class Selector {
   /// Finds the times of ticks and moments; reads all messages if the file's summary lacks them. Fails if a pattern
   /// matches no topic, or if the file has none of the ticks.
   static Result<Selector> of(Selection selection, Reader& reader);
-  /// For messages from a pipe: the first message that takes() gets is the file's first. Fails if ticks are selected: a
-  /// tick is complete only after its last message.
-  static Result<Selector> of_stream(Selection selection);
 
-  bool takes(const Message& message) { return takes_time(message.log_time) && takes_topic(message.channel->topic); }
-  bool takes_topic(std::string_view topic) const { return selection_.takes_topic(topic); }
-  bool takes_time(std::uint64_t log_time) {
-    if (!first_) begin_at(log_time);
-    return begin_ <= log_time && (!end_ || log_time < *end_);
+  bool takes(const Message& message) const {
+    return takes_time(message.log_time) && takes_topic(message.channel->topic);
   }
+  bool takes_topic(std::string_view topic) const { return selection_.takes_topic(topic); }
+  bool takes_time(std::uint64_t log_time) const { return begin_ <= log_time && (!end_ || log_time < *end_); }
 
   /// The first selected log time [ns].
   std::uint64_t begin() const { return begin_; }
@@ -79,7 +75,6 @@ class Selector {
   void begin_at(std::uint64_t first);
 
   Selection selection_;
-  std::optional<std::uint64_t> first_;  // log time of the file's first message, after it was read [ns]
   std::uint64_t begin_ = 0;
   std::optional<std::uint64_t> end_;
 };

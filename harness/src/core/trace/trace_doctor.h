@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "core/mcap/doctor.h"
+#include "core/mcap/examination.h"
 #include "core/ros2msg/ros2msg.h"
 
 namespace rehearse {
 
-/// Passed to mcap::examine() as DoctorOptions::content; for one file.
+/// Passed to mcap::examine() as ExamineOptions::content; for one file.
 class TraceCheck : public mcap::ContentCheck {
  public:
   void schema(const mcap::Schema& schema, mcap::Place place, mcap::Findings& findings) override;

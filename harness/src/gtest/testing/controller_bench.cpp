@@ -54,9 +54,9 @@ struct ControllerBench::Impl final : ObservationSource, Sink {
 
   const Model& model() const { return *scenario.bodies[0].model; }
   void set_up(const std::string& library, const std::string& model_file, const BenchOptions& options);
-  Result<bool> observe(Moment& now) override;
-  Result<void> emit(const Moment& now) override;
-  Result<bool> advance(Moment&, Commander&) override { return true; }  // nothing moves by itself
+  Result<bool> observe(TickData& now) override;
+  Result<void> emit(const TickData& now) override;
+  Result<bool> advance(TickData&, Commander&) override { return true; }  // nothing moves by itself
   void observe_device(std::size_t index, std::int64_t tick);
   void observe_joystick();
   void require_joystick(std::string_view what) const;
@@ -126,7 +126,7 @@ void ControllerBench::Impl::check() {
   if (host->any_refused()) throw std::runtime_error(last_error);
 }
 
-Result<bool> ControllerBench::Impl::observe(Moment& now) {
+Result<bool> ControllerBench::Impl::observe(TickData& now) {
   BodyObservation& body = seen.bodies[0];
   for (std::size_t i = 0; i < joints.size(); ++i)
     body.joints[i] = {joints[i].q, joints[i].dq, joints[i].ddq, joints[i].u};
@@ -200,7 +200,7 @@ void ControllerBench::Impl::read_outputs() {
   }
 }
 
-Result<void> ControllerBench::Impl::emit(const Moment&) {
+Result<void> ControllerBench::Impl::emit(const TickData&) {
   check();
   read_outputs();
   return {};

@@ -34,7 +34,6 @@ class FolderReader {
   explicit FolderReader(fs::path folder) : path_(std::move(folder)) { folder_.metadata = path_ / file_name; }
 
   Result<Folder> read();
-  Result<Folder> parse(const std::string& text);
 
  private:
   Diagnostic wrong(const YamlNode& at, std::string message, std::string hint = {}) const {
@@ -140,11 +139,7 @@ Result<Folder> FolderReader::read() {
         "name a file in it; or ros2 bag reindex makes this file from the files in the folder");
   const auto text = read_yaml_file(folder_.metadata, "the metadata of a rosbag2 folder");
   if (!text) return text.errors();
-  return parse(*text);
-}
-
-Result<Folder> FolderReader::parse(const std::string& text) {
-  const auto root = parse_yaml(text, folder_.metadata.string());
+  const auto root = parse_yaml(*text, folder_.metadata.string());
   if (!root) return root.errors();
   const YamlNode* bag = find(root->get(), top_key);
   if (bag == nullptr || bag->kind != YamlNode::Kind::map)
@@ -164,9 +159,5 @@ Result<Folder> FolderReader::parse(const std::string& text) {
 }  // namespace
 
 Result<Folder> read_folder(const fs::path& folder) { return FolderReader(folder).read(); }
-
-Result<Folder> parse_folder(const std::string& text, const fs::path& folder) {
-  return FolderReader(folder).parse(text);
-}
 
 }  // namespace rehearse::bag

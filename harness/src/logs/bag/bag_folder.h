@@ -40,7 +40,5 @@ struct Folder {
 /// Reads the folder's metadata.yaml. Fails, with the line, if it isn't a metadata.yaml of rosbag2 or names a missing
 /// file, or if the storage or the compression is unknown.
 Result<Folder> read_folder(const std::filesystem::path& folder);
-/// Reads the text of the folder's metadata.yaml in the same way.
-Result<Folder> parse_folder(const std::string& text, const std::filesystem::path& folder);
 
 }  // namespace rehearse::bag

@@ -87,7 +87,7 @@ Result<std::unique_ptr<LogCopy>> LogCopy::begin(mcap::Converted& target, const s
   if (target.file->descriptor() < 0) return not_kept(name, *target.file, std::strerror(errno));
   mcap::WriterOptions form;
   form.library = library;
-  form.form.chunk_crcs = form.form.data_crc = false;  // the file is read by this process alone
+  form.crcs = false;  // the file is read by this process alone
   auto writer = mcap::Writer::create(target.file->path(), form);
   if (!writer) return not_kept(name, *target.file, writer.errors().front().message);
   return std::unique_ptr<LogCopy>(new LogCopy(target, name, std::move(*writer)));

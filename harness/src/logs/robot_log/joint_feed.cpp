@@ -48,13 +48,14 @@ class JointFeed : public LogFeed {
   Result<void> take(std::int64_t time, mcap::Bytes payload) override {
     const auto read = reader_.read(payload);
     if (!read) return read.errors();
-    const msg::JointState* state = *read;
-    const std::size_t count = state->name.size();
-    for (const auto& [what, values] :
-         {std::pair("positions", &state->position), {"velocities", &state->velocity}, {"efforts", &state->effort}})
+    const JointArrays* state = *read;
+    const std::size_t count = state->names().size();
+    for (const auto& [what, values] : {std::pair("positions", &state->position()),
+                                       {"velocities", &state->velocity()},
+                                       {"efforts", &state->effort()}})
       if (!values->empty() && values->size() != count)
         return error(fmt::format("{} {} of {} joints", values->size(), what, count));
-    const std::vector<JointRename>& joints = names_.find(state->name);
+    const std::vector<JointRename>& joints = names_.find(state->names());
     for (std::size_t i = 0; i < count; ++i)
       if (joints[i].joint >= 0) take_joint(time, joints[i], *state, i);
     return {};
@@ -107,7 +108,7 @@ class JointFeed : public LogFeed {
     std::array<std::int64_t, 3> known_from{never, never, never};  // time of the first message with each [ns]
   };
 
-  void take_joint(std::int64_t time, const JointRename& joint, const msg::JointState& state, std::size_t index) {
+  void take_joint(std::int64_t time, const JointRename& joint, const JointArrays& state, std::size_t index) {
     Track& track = tracks_[joint.joint];
     const auto* before = track.values.newest();
     std::array<double, 3> values = before ? before->values : std::array<double, 3>{};
@@ -115,15 +116,16 @@ class JointFeed : public LogFeed {
       values[quantity] = value;
       track.known_from[quantity] = std::min(track.known_from[quantity], time);
     };
-    if (!state.position.empty()) {
-      put(0, scaled(state.position[index], joint.scale));
+    if (!state.position().empty()) {
+      put(0, scaled(state.position()[index], joint.scale));
       if (joint.offset != 0.0) values[0] += joint.offset;  // adding 0 would change -0 to 0
     }
-    if (!state.effort.empty()) put(2, joint.scale == 1.0 ? state.effort[index] : state.effort[index] / joint.scale);
+    if (!state.effort().empty())
+      put(2, joint.scale == 1.0 ? state.effort()[index] : state.effort()[index] / joint.scale);
     if (source_.differentiate) {
       put(1, before && before->time < time ? slope(joint.joint, *before, time, values[0]) : before ? values[1] : 0.0);
-    } else if (!state.velocity.empty()) {
-      put(1, scaled(state.velocity[index], joint.scale));
+    } else if (!state.velocity().empty()) {
+      put(1, scaled(state.velocity()[index], joint.scale));
     }
     track.values.add(time, values);
   }

@@ -1,5 +1,7 @@
 #include "joint_messages.h"
 
+#include <rehearse/messages.h>
+
 #include <algorithm>
 #include <limits>
 #include <memory>
@@ -107,19 +109,26 @@ Result<void> convert(const DynamicState& message, JointRole, msg::JointState& st
   return {};
 }
 
+/// Reads a JointState of the usual layout.
+Result<const JointArrays*> read_arrays(JointArrays& arrays, mcap::Bytes payload) {
+  if (!arrays.read(payload)) return misfit(payload);
+  return &arrays;
+}
+
 /// A function that decodes a payload as a Message and converts it to a JointState.
 template <class Message>
 auto reader_of(const ros2msg::Schema& schema, JointRole role) {
-  return [=, reader = std::make_shared<MessageReader<Message>>(schema),
-          state = msg::JointState()](mcap::Bytes payload) mutable -> Result<const msg::JointState*> {
+  return [=, reader = std::make_shared<MessageReader<Message>>(schema), state = msg::JointState(),
+          arrays = JointArrays()](mcap::Bytes payload) mutable -> Result<const JointArrays*> {
     const Message* message = reader->read(payload);
     if (!message) return misfit(payload);
     if constexpr (std::is_same_v<Message, msg::JointState>) {
-      return message;
+      arrays.take(*message);
     } else {
       if (const auto done = convert(*message, role, state); !done) return done.errors();
-      return &state;
+      arrays.take(state);
     }
+    return &arrays;
   };
 }
 
@@ -136,6 +145,8 @@ JointMessages::JointMessages(const ros2msg::Schema& schema, JointRole role) {
     read_ = reader_of<DynamicState>(schema, role);
   } else if (has("joint_names")) {
     read_ = reader_of<ControllerState>(schema, role);
+  } else if (has_layout_of<msg::JointState>(schema)) {
+    read_ = [arrays = JointArrays()](mcap::Bytes payload) mutable { return read_arrays(arrays, payload); };
   } else {
     read_ = reader_of<msg::JointState>(schema, role);
   }

@@ -3,11 +3,11 @@
 
 #include <rehearse/diagnostic.h>
 #include <rehearse/mcap.h>
-#include <rehearse/messages.h>
 
 #include <functional>
 
 #include "core/ros2msg/ros2msg.h"
+#include "core/trace/joint_arrays.h"
 
 namespace rehearse {
 
@@ -17,8 +17,8 @@ enum class JointRole {
   commanded,  // output if it isn't empty, else reference, or desired
 };
 
-/// Reads JointState, JointTrajectory, JointTrajectoryControllerState and DynamicJointState as JointStates, by the names
-/// of their fields:
+/// Reads JointState, JointTrajectory, JointTrajectoryControllerState and DynamicJointState as a JointState, by the
+/// names of their fields:
 /// - a JointTrajectory is its only point. A trajectory of several points commands a motion, not one set of values, and
 ///   isn't read;
 /// - a DynamicJointState gives its interfaces position, velocity and effort; NaN where a joint has no such interface,
@@ -29,10 +29,10 @@ class JointMessages {
 
   /// Valid until the next call. Errors: the payload doesn't fit the schema; a trajectory of several points; a
   /// DynamicJointState whose arrays have different lengths.
-  Result<const msg::JointState*> read(mcap::Bytes payload) { return read_(payload); }
+  Result<const JointArrays*> read(mcap::Bytes payload) { return read_(payload); }
 
  private:
-  std::function<Result<const msg::JointState*>(mcap::Bytes)> read_;
+  std::function<Result<const JointArrays*>(mcap::Bytes)> read_;
 };
 
 }  // namespace rehearse

@@ -36,18 +36,18 @@ Result<CommandedJoints> CommandReader::read(mcap::Bytes payload) {
 Result<void> CommandReader::read_states(mcap::Bytes payload, CommandedJoints& joints) {
   const auto read = readers_->states.read(payload);
   if (!read) return read.errors();
-  const msg::JointState* state = *read;
-  const std::vector<JointRename>& named = readers_->names.find(state->name);
+  const JointArrays* state = *read;
+  const std::vector<JointRename>& named = readers_->names.find(state->names());
   for (std::size_t i = 0; i < named.size(); ++i) {
     const JointRename& joint = named[i];
     if (joint.joint < 0) continue;
     CommandedJoint& commanded = joints[joint.joint];
-    if (i < state->position.size()) {
-      commanded.q = state->position[i] * joint.scale;
+    if (i < state->position().size()) {
+      commanded.q = state->position()[i] * joint.scale;
       if (joint.offset != 0.0) *commanded.q += joint.offset;
     }
-    if (i < state->velocity.size()) commanded.dq = state->velocity[i] * joint.scale;
-    if (i < state->effort.size()) commanded.u = state->effort[i] / joint.scale;
+    if (i < state->velocity().size()) commanded.dq = state->velocity()[i] * joint.scale;
+    if (i < state->effort().size()) commanded.u = state->effort()[i] / joint.scale;
   }
   return {};
 }

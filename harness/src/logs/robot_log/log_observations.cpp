@@ -160,7 +160,7 @@ Diagnostics LogObservations::take_remarks() {
   return remarks;
 }
 
-Result<bool> LogObservations::observe(Moment& now) {
+Result<bool> LogObservations::observe(TickData& now) {
   if (now.tick > 0) {
     for (DeviceReading& device : seen_.bodies[0].devices) device.fresh = false;
     look(now.tick);
@@ -172,7 +172,7 @@ Result<bool> LogObservations::observe(Moment& now) {
 }
 
 /// Only advances the tick: the robot of the log has moved by itself.
-Result<bool> LogObservations::advance(Moment& now, Commander& commands) {
+Result<bool> LogObservations::advance(TickData& now, Commander& commands) {
   commands.act_late(now);
   return true;
 }

@@ -45,8 +45,8 @@ class LogObservations final : public ObservationSource {
   Diagnostics unreadable_sources() const;
   Diagnostics take_remarks();
 
-  Result<bool> observe(Moment& now) override;
-  Result<bool> advance(Moment& now, Commander& commands) override;
+  Result<bool> observe(TickData& now) override;
+  Result<bool> advance(TickData& now, Commander& commands) override;
 
   /// The use of the messages of each source so far: all members except names and facts of the whole log.
   std::vector<LogTopicReport> report() const;

@@ -17,7 +17,7 @@ bool LogSink::is_irregular(std::int64_t tick, bool has_command) const {
   return !ticks.has_message(tick) || ticks.is_irregular(tick) || log_.may_miss_input() || lacks_command;
 }
 
-void LogSink::note_joystick(const Moment& now) {
+void LogSink::note_joystick(const TickData& now) {
   constexpr std::size_t most_moves = 1000;
   const JoystickReading& seen = *now.seen->joystick;
   if (seen == joystick_) return;
@@ -34,7 +34,7 @@ void LogSink::note_joystick(const Moment& now) {
   }
 }
 
-void LogSink::compare(const Moment& now) {
+void LogSink::compare(const TickData& now) {
   if (!judge_)
     judge_ = log_.commands()->make_judge(*now.host, scenario_,
                                          [this](Divergence&& found) { differences_.push_back(std::move(found)); });
@@ -43,7 +43,7 @@ void LogSink::compare(const Moment& now) {
   take_judged();
 }
 
-LogSink::Judged LogSink::compare_tick(const Moment& now) {
+LogSink::Judged LogSink::compare_tick(const TickData& now) {
   LogCommands& log = *log_.commands();
   const CommandedJoints* logged = log.of_tick(now.tick);
   Judged tick{now.tick, is_irregular(now.tick, logged != nullptr)};

@@ -28,7 +28,7 @@ class LogSink final : public RecordingSink {
         log_(log),
         report_(report) {}
 
-  Result<void> emit(const Moment& now) override {
+  Result<void> emit(const TickData& now) override {
     auto done = RecordingSink::emit(now);
     if (now.seen->joystick) note_joystick(now);
     if (done && now.alive && log_.commands()) compare(now);
@@ -45,10 +45,10 @@ class LogSink final : public RecordingSink {
     std::int64_t compared = 0;  // numbers
     std::vector<Divergence> differences = {};
   };
-  void compare(const Moment& now);
-  Judged compare_tick(const Moment& now);
+  void compare(const TickData& now);
+  Judged compare_tick(const TickData& now);
   void take_judged();
-  void note_joystick(const Moment& now);
+  void note_joystick(const TickData& now);
   bool is_irregular(std::int64_t tick, bool has_command) const;
   void judge(Judged tick);
   void report(Judged tick);

@@ -36,19 +36,19 @@ class JointSurvey {
     if (array_) return look_at_array(payload, found);
     const auto read = reader_.read(payload);
     if (!read) return fail(read.errors()[0], found);
-    const msg::JointState* state = *read;
+    const JointArrays* state = *read;
     any_read_ = true;
     found.unreadable.reset();
-    const std::vector<JointRename>& joints = names_.find(state->name);
-    if (state->name != last_names_) note_names(state->name, joints, found);
+    const std::vector<JointRename>& joints = names_.find(state->names());
+    if (state->names() != last_names_) note_names(state->names(), joints, found);
     for (std::size_t i = 0; i < joints.size(); ++i) {
       if (joints[i].joint < 0) continue;
       const auto [known, is_new] = found.joints.emplace(joints[i].joint, GivenJoint());
       const GivenJoint before = known->second;
       GivenJoint& given = known->second;
-      given.q |= state->position.size() == joints.size();
-      given.dq |= state->velocity.size() == joints.size() || (differentiates_ && given.q);
-      given.u |= state->effort.size() == joints.size();
+      given.q |= state->position().size() == joints.size();
+      given.dq |= state->velocity().size() == joints.size() || (differentiates_ && given.q);
+      given.u |= state->effort().size() == joints.size();
       if (!is_new && before.q == given.q && before.dq == given.dq && before.u == given.u) continue;
       found.complete = time;
       idle_ = 0;

@@ -119,13 +119,17 @@ inline bool same_layout(const ros2msg::Schema& a, std::size_t of_a, const ros2ms
   });
 }
 
+/// True if the schema's payloads have the layout of T.
+template <msg::MessageStruct T>
+bool has_layout_of(const ros2msg::Schema& schema) {
+  const auto own = ros2msg::Schema::parse(T::type_name, msg::schema_text<T>());
+  return own && same_layout(*own, 0, schema, 0);
+}
+
 template <msg::MessageStruct T>
 class MessageReader {
  public:
-  explicit MessageReader(const ros2msg::Schema& schema) : decoder_(schema) {
-    const auto own = ros2msg::Schema::parse(T::type_name, msg::schema_text<T>());
-    is_own_ = own && same_layout(*own, 0, schema, 0);
-  }
+  explicit MessageReader(const ros2msg::Schema& schema) : decoder_(schema), is_own_(has_layout_of<T>(schema)) {}
 
   /// Null if the payload doesn't fit the schema. Valid until the next call.
   const T* read(mcap::Bytes payload) {
@@ -141,7 +145,7 @@ class MessageReader {
 
  private:
   ros2msg::Decoder decoder_;
-  bool is_own_ = false;  // the schema is that of T
+  const bool is_own_;  // the schema is that of T
   T message_;
 };
 

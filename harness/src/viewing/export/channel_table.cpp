@@ -61,14 +61,14 @@ std::string pattern_of(std::string_view path) {
 /// A table by schema: a column for each field, except bytes and values with a series.
 class FieldTable final : public ChannelTable {
  public:
-  FieldTable(ros2msg::Schema schema, TraceChannel channel, std::optional<HeldValues> held, bool bytes)
-      : decoder_(std::move(schema)), channel_(std::move(channel)), held_(std::move(held)), bytes_(bytes) {}
+  FieldTable(ros2msg::Schema schema, TraceChannel channel, std::optional<ColumnFields> columns, bool bytes)
+      : decoder_(std::move(schema)), channel_(std::move(channel)), columns_(std::move(columns)), bytes_(bytes) {}
 
   bool read(mcap::Bytes payload) override {
     for (std::string& cell : cells_) cell.clear();
     bool too_many = false;
     const bool fits = decoder_.decode(payload, [&](const ros2msg::Value& value) {
-      if (held_ && held_->holds(value)) return;
+      if (columns_ && columns_->covers(value)) return;
       if (value.kind == ros2msg::Value::Kind::blob && !bytes_) {
         left_out_.insert(pattern_of(value.path));
         return;
@@ -122,7 +122,7 @@ class FieldTable final : public ChannelTable {
 
   ros2msg::Decoder decoder_;
   TraceChannel channel_;
-  std::optional<HeldValues> held_;
+  std::optional<ColumnFields> columns_;
   const bool bytes_;
   std::map<std::string, std::size_t, std::less<>> by_name_;
   std::vector<std::string> cells_;  // as written in the file
@@ -165,9 +165,9 @@ Result<std::unique_ptr<ChannelTable>> ChannelTable::make(const mcap::Channel& ch
   auto parsed = ros2msg::Schema::parse(schema->name, schema->data, "schema " + schema->name);
   if (!parsed && *series != nullptr) return std::unique_ptr<ChannelTable>(std::move(*series));
   if (!parsed) return parsed.errors();
-  const auto held = *series == nullptr ? std::nullopt : std::optional<HeldValues>(schema->name);
+  const auto columns = *series == nullptr ? std::nullopt : std::optional<ColumnFields>(schema->name);
   std::unique_ptr<ChannelTable> fields =
-      std::make_unique<FieldTable>(std::move(*parsed), describe_channel(channel, schema), held, bytes);
+      std::make_unique<FieldTable>(std::move(*parsed), describe_channel(channel, schema), columns, bytes);
   if (*series == nullptr) return fields;
   return std::unique_ptr<ChannelTable>(std::make_unique<WholeTable>(std::move(*series), std::move(fields)));
 }
@@ -180,7 +180,7 @@ Result<std::unique_ptr<SeriesTable>> SeriesTable::make(const mcap::Channel& chan
   if (schema != nullptr) {
     if (auto parsed = ros2msg::Schema::parse(schema->name, schema->data))
       table->decoder_ = std::make_unique<ros2msg::Decoder>(std::move(*parsed));
-    table->held_ = std::make_unique<HeldValues>(schema->name);
+    table->columns_ = std::make_unique<ColumnFields>(schema->name);
   }
   return table;
 }
@@ -188,7 +188,7 @@ Result<std::unique_ptr<SeriesTable>> SeriesTable::make(const mcap::Channel& chan
 bool SeriesTable::read(mcap::Bytes payload) {
   if (decoder_ && !std::exchange(has_read_, true))
     decoder_->decode(payload, [&](const ros2msg::Value& value) {
-      if (!held_->holds(value)) left_out_.insert(pattern_of(value.path));
+      if (!columns_->covers(value)) left_out_.insert(pattern_of(value.path));
     });
   return rows_.replace(0, payload) && rows_.table.columns.size() <= max_columns;
 }

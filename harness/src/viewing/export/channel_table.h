@@ -56,7 +56,7 @@ class SeriesTable final : public ChannelTable {
 
   ChannelRows rows_;
   std::unique_ptr<ros2msg::Decoder> decoder_;  // null: the schema is unknown
-  std::unique_ptr<HeldValues> held_;
+  std::unique_ptr<ColumnFields> columns_;
   std::set<std::string> left_out_;  // fields of the first message without a column
   bool has_read_ = false;
 };

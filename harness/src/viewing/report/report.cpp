@@ -51,7 +51,7 @@ class SourceTrace {
   fs::path scratch_;  // empty: there is none
 };
 
-mcap::Moment moment_of(double seconds) {
+mcap::TimeBound moment_of(double seconds) {
   return {static_cast<std::uint64_t>(std::llround(std::max(0.0, seconds) * 1e9)), false};
 }
 

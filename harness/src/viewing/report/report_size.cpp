@@ -105,13 +105,6 @@ std::string megabytes(double bytes) { return fmt::format("{:.0f} MB", std::ceil(
 
 }  // namespace
 
-Result<std::uintmax_t> estimated_report_size(const fs::path& trace, const ReportOptions& options) {
-  const auto extent = extent_of(trace);
-  if (!extent) return extent.errors();
-  return static_cast<std::uintmax_t>(
-      extent->of_span(options.from.value_or(0.0), options.until.value_or(Scenario::max_duration)));
-}
-
 Result<void> check_report_size(std::span<const fs::path> traces, const fs::path& report, const ReportOptions& options) {
   std::vector<Extent> extents;
   for (const fs::path& trace : traces) {

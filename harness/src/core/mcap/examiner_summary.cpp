@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-#include "doctor_impl.h"
+#include "examiner.h"
 #include "model/text.h"
-#include "record_layout.h"
 
 namespace rehearse::mcap {
 
@@ -41,55 +40,45 @@ class Comparison {
 
 }  // namespace
 
-/// Examines all bytes from the end of the data section to the end of the file.
-void Doctor::examine_summary(const Record& footer) {
+/// Examines the records between the end of the data section and the Footer, and the Footer.
+void Examiner::examine_summary(const Record& footer) {
+  if (!summary_begin_) {
+    fail({footer.offset, {}}, "there is no Data End before the Footer");
+    summary_begin_ = footer.offset;
+  }
   indexed_chunks_.assign(chunks_.size(), false);
   indexed_attachments_.assign(attachments_.size(), false);
   indexed_metadata_.assign(metadata_.size(), false);
   RecordWalker walker(file_.first(footer.offset), *summary_begin_);
   Record record;
   while (walker.next(record)) {
-    if (is_known(record.opcode) && !check_fields(record, {record.offset, {}})) continue;
-    examine_summary_record(record);
+    examine_grouping(record);
+    if (is_known(record.opcode) && check_layout(record.opcode, record.body).whole) examine_summary_record(record);
   }
-  tell_what_summary_lacks();
-  examine_footer(footer);
-  const std::uint64_t end = end_of(footer);
-  const Bytes tail = file_.subspan(end);
-  if (!begins_with_magic(tail)) return fail({end, {}}, "the magic bytes at the end of the file are missing");
-  if (tail.size() > magic.size())
-    fail({end + magic.size(), {}}, fmt::format("{} bytes after the end of the file", tail.size() - magic.size()));
+  tell_missing_parts();
+  examine_footer(footer, *parse_footer(footer.body));
 }
 
-void Doctor::examine_footer(const Record& record) {
-  const std::uint64_t summary_begin = *summary_begin_;
+void Examiner::examine_footer(const Record& record, const Footer& footer) {
+  const std::uint64_t begin = *summary_begin_;
   const Place place{record.offset, {}};
-  if (!check_fields(record, place)) return;
-  const auto footer = parse_footer(record.body);
-  if (!footer) return;  // its length was reported
-  const bool empty = summary_begin == record.offset;
-  const bool starts_right = footer->summary_start == summary_begin || (empty && footer->summary_start == 0);
-  if (!starts_right)
-    fail(place, fmt::format("the Footer states a summary at byte {}, but it begins at byte {}", footer->summary_start,
-                            empty ? 0 : summary_begin));
+  const bool empty = begin == record.offset;
+  if (footer.summary_start != begin && !(empty && footer.summary_start == 0))
+    fail(place, fmt::format("the Footer states a summary at byte {}, but it begins at byte {}", footer.summary_start,
+                            empty ? 0 : begin));
   std::uint64_t offsets_begin = 0;
   for (const auto& [opcode, span] : groups_)
     if (opcode == op::summary_offset && offsets_begin == 0) offsets_begin = span.first;
-  if (footer->summary_offset_start != offsets_begin &&
-      !(offsets_begin == 0 && footer->summary_offset_start == record.offset))
+  if (footer.summary_offset_start != offsets_begin &&
+      !(offsets_begin == 0 && footer.summary_offset_start == record.offset))
     fail(place, fmt::format("the Footer states summary offsets at byte {}, but they begin at byte {}",
-                            footer->summary_offset_start, offsets_begin));
-  if (footer->summary_crc == 0) return;
-  const Bytes covered = file_.subspan(summary_begin, record.offset + footer_covered - summary_begin);
-  if (footer->summary_crc != crc32(covered))
+                            footer.summary_offset_start, offsets_begin));
+  const Bytes covered = file_.subspan(begin, record.offset + footer_covered - begin);
+  if (footer.summary_crc != 0 && footer.summary_crc != crc32(covered))
     fail(place, "the CRC of the summary, which the Footer states, doesn't match");
 }
 
-void Doctor::examine_summary_record(const Record& record) {
-  const Place place{record.offset, {}};
-  examine_grouping(record);
-  if (offsets_begun_ && record.opcode != op::summary_offset)
-    fail(place, fmt::format("a {} after the first Summary Offset", name_of(record.opcode)));
+void Examiner::examine_summary_record(const Record& record) {
   switch (record.opcode) {
     case op::schema:
     case op::channel: return examine_repeated(record);
@@ -98,15 +87,12 @@ void Doctor::examine_summary_record(const Record& record) {
     case op::metadata_index: return examine_record_index(record, metadata_, false);
     case op::statistics: return examine_statistics(record);
     case op::summary_offset: return examine_summary_offset(record);
-    default: break;
+    default: fail({record.offset, {}}, fmt::format("a {} isn't allowed in the summary", name_of(record.opcode)));
   }
-  if (is_known(record.opcode))
-    fail(place, fmt::format("a {} isn't allowed in the summary", name_of(record.opcode)));
-  else if (!is_private(record.opcode))
-    add(Severity::note, place, fmt::format("a {}, which version 0 doesn't define", name_of(record.opcode)));
 }
 
-void Doctor::examine_grouping(const Record& record) {
+/// Finds the groups of equal records, to which the summary offsets point.
+void Examiner::examine_grouping(const Record& record) {
   const std::uint64_t end = end_of(record);
   if (!groups_.empty() && groups_.back().first == record.opcode) {
     groups_.back().second.second = end;
@@ -114,45 +100,39 @@ void Doctor::examine_grouping(const Record& record) {
   }
   const bool again =
       std::any_of(groups_.begin(), groups_.end(), [&](const auto& group) { return group.first == record.opcode; });
-  if (again)
-    fail({record.offset, {}},
-         fmt::format("the summary isn't grouped: a {} again, after records of other kinds", name_of(record.opcode)));
+  if (again || (!groups_.empty() && groups_.back().first == op::summary_offset))
+    deviate({record.offset, {}},
+            fmt::format("the summary isn't grouped: a {} after records of other kinds", name_of(record.opcode)));
   groups_.push_back({record.opcode, {record.offset, end}});
 }
 
-/// Examines a Schema or Channel of the summary.
-void Doctor::examine_repeated(const Record& record) {
-  const Place place{record.offset, {}};
-  const auto compare = [&](std::string_view kind, const auto& repeated, std::string_view name, const auto* known,
-                           std::uint64_t known_at) {
-    const std::string what =
-        fmt::format("the summary has {} {} {}, but the data section doesn't", kind, repeated.id, in_quotes(name));
-    if (known == nullptr && !damaged_ && into_.library.starts_with("libmcap"))
-      add(Severity::note, place, what + ": as rosbag2 writes topics without messages (seen with libmcap 1.1.0)");
-    else if (known == nullptr && !damaged_)
-      fail(place, what);
-    if (known != nullptr && *known != repeated)
-      fail(place, fmt::format("{} {} differs from its definition at byte {}", kind, repeated.id, known_at));
+/// Examines a Schema or Channel of the summary. The pass has already learned it, if it was unknown.
+void Examiner::examine_repeated(const Record& record) {
+  const auto compare = [&](std::string_view kind, const auto& known, const auto& places, const auto& repeated) {
+    const auto learned = known.find(repeated.id);
+    if (learned == known.end()) return;  // the pass has lost it
+    const ExaminedDefinition& at = places.at(repeated.id);
+    if (learned->second != repeated)
+      fail({record.offset, {}},
+           fmt::format("{} {} differs from its definition at byte {}", kind, repeated.id, at.offset));
+    else if (!at.in_data && !damaged_)
+      deviate({record.offset, {}},
+              fmt::format("the summary has {} {}, but the data section doesn't", kind, repeated.id));
   };
-  if (record.opcode == op::schema) {
+  if (record.opcode == op::channel) {
+    const auto channel = parse_channel(record.body);
+    REHEARSE_ASSERT(channel, "its fields are whole");
+    repeated_channels_.insert(channel->id);
+    compare("Channel", contents_.channels, channels_, *channel);
+  } else {
     const auto schema = parse_schema(record.body);
     REHEARSE_ASSERT(schema, "its fields are whole");
-    repeated_schemas_.try_emplace(schema->id, record.offset);
-    const auto known = schemas_.find(schema->id);
-    const bool is_known = known != schemas_.end();
-    return compare("Schema", *schema, schema->name, is_known ? &known->second.first : nullptr,
-                   is_known ? known->second.second : 0);
+    repeated_schemas_.insert(schema->id);
+    compare("Schema", contents_.schemas, schemas_, *schema);
   }
-  const auto channel = parse_channel(record.body);
-  REHEARSE_ASSERT(channel, "its fields are whole");
-  repeated_channels_.try_emplace(channel->id, record.offset);
-  const auto known = channels_.find(channel->id);
-  const bool is_known = known != channels_.end();
-  compare("Channel", *channel, channel->topic, is_known ? &known->second.channel : nullptr,
-          is_known ? known->second.offset : 0);
 }
 
-void Doctor::examine_chunk_index(const Record& record) {
+void Examiner::examine_chunk_index(const Record& record) {
   const Place place{record.offset, {}};
   const auto stated = parse_chunk_index(record.body);
   REHEARSE_ASSERT(stated, "its fields are whole");
@@ -186,7 +166,7 @@ void Doctor::examine_chunk_index(const Record& record) {
 }
 
 /// Examines an Attachment Index, or a Metadata Index.
-void Doctor::examine_record_index(const Record& record, const std::vector<ExaminedRecord>& all, bool attachments) {
+void Examiner::examine_record_index(const Record& record, const std::vector<ExaminedRecord>& all, bool attachments) {
   const Place place{record.offset, {}};
   const std::string kind = attachments ? "Attachment" : "Metadata";
   ByteReader in(record.body);
@@ -210,24 +190,19 @@ void Doctor::examine_record_index(const Record& record, const std::vector<Examin
   if (std::string said = comparison.sentence(); !said.empty()) fail(place, std::move(said));
 }
 
-void Doctor::examine_statistics(const Record& record) {
+void Examiner::examine_statistics(const Record& record) {
   const Place place{record.offset, {}};
-  if (statistics_at_) return fail(place, fmt::format("second Statistics; the first are at byte {}", *statistics_at_));
-  statistics_at_ = record.offset;
   const auto stated = parse_statistics(record.body);
   REHEARSE_ASSERT(stated, "its fields are whole");
-  if (!stated->channel_message_counts.empty()) {
-    for (const auto& [id, channel] : channels_)
-      if (!repeated_channels_.contains(id))
-        fail(place, fmt::format("the Statistics count messages by channel, but no Channel {} {} precedes them in the "
-                                "summary",
-                                id, in_quotes(channel.channel.topic)));
-  }
   if (damaged_) return;  // not all records could be counted
+  const auto in_data = [](const auto& definitions) {
+    return static_cast<std::uint64_t>(
+        std::count_if(definitions.begin(), definitions.end(), [](const auto& entry) { return entry.second.in_data; }));
+  };
   Comparison comparison("the record of statistics");
   comparison.compare<std::uint64_t>("messages", stated->message_count, messages_);
-  comparison.compare<std::uint64_t>("schemas", stated->schema_count, schemas_.size());
-  comparison.compare<std::uint64_t>("channels", stated->channel_count, channels_.size());
+  comparison.compare<std::uint64_t>("schemas", stated->schema_count, in_data(schemas_));
+  comparison.compare<std::uint64_t>("channels", stated->channel_count, in_data(channels_));
   comparison.compare<std::uint64_t>("attachments", stated->attachment_count, attachments_.size());
   comparison.compare<std::uint64_t>("metadata", stated->metadata_count, metadata_.size());
   comparison.compare<std::uint64_t>("chunks", stated->chunk_count, chunks_.size());
@@ -246,9 +221,8 @@ void Doctor::examine_statistics(const Record& record) {
   if (std::string said = comparison.sentence(); !said.empty()) fail(place, std::move(said));
 }
 
-void Doctor::examine_summary_offset(const Record& record) {
+void Examiner::examine_summary_offset(const Record& record) {
   const Place place{record.offset, {}};
-  offsets_begun_ = true;
   ByteReader in(record.body);
   const auto opcode = in.get<std::uint8_t>();
   const auto begin = in.get<std::uint64_t>();
@@ -267,7 +241,7 @@ void Doctor::examine_summary_offset(const Record& record) {
 }
 
 /// Checks that indexes exist for all records or for none, and that indexed messages can be read with the summary alone.
-void Doctor::tell_what_summary_lacks() {
+void Examiner::tell_missing_parts() {
   const std::uint64_t begin = *summary_begin_;
   const auto lacking = [&](const std::vector<bool>& indexed, std::string_view kind, const auto& all) {
     const auto missing = static_cast<std::size_t>(std::count(indexed.begin(), indexed.end(), false));
@@ -282,21 +256,20 @@ void Doctor::tell_what_summary_lacks() {
   const bool has_index = std::find(indexed_chunks_.begin(), indexed_chunks_.end(), true) != indexed_chunks_.end();
   if (!has_index) return;
   if (loose_messages_ > 0)
-    add(Severity::warning, {loose_at_, {}},
-        fmt::format(
-            "{} messages are outside of Chunks, from here on, although the file has a Chunk Index: readers that use "
-            "the index don't find them",
-            loose_messages_));
+    findings_.add(Severity::warning, {loose_at_, {}},
+                  fmt::format("{} messages are outside of Chunks, from here on, although the file has a Chunk Index: "
+                              "readers that use the index don't find them",
+                              loose_messages_));
   for (const auto& [id, channel] : channels_) {
     if (!channel.in_chunks) continue;
+    const Channel& definition = contents_.channels.at(id);
     if (!repeated_channels_.contains(id))
       fail({begin, {}},
            fmt::format("the summary has a Chunk Index, but not Channel {} {}, which has messages in chunks", id,
-                       in_quotes(channel.channel.topic)));
-    const std::uint16_t schema = channel.channel.schema_id;
-    if (schema != 0 && schemas_.contains(schema) && !repeated_schemas_.contains(schema))
-      fail({begin, {}}, fmt::format("the summary has a Chunk Index, but not Schema {} of Channel {} {}", schema, id,
-                                    in_quotes(channel.channel.topic)));
+                       in_quotes(definition.topic)));
+    if (contents_.schema_of(definition) != nullptr && !repeated_schemas_.contains(definition.schema_id))
+      fail({begin, {}}, fmt::format("the summary has a Chunk Index, but not Schema {} of Channel {} {}",
+                                    definition.schema_id, id, in_quotes(definition.topic)));
   }
 }
 

@@ -1,10 +1,12 @@
-// The parts of an examination. Internal; doctor.cpp passes over the file, doctor_chunks.cpp examines chunks and their
-// indexes, doctor_summary.cpp compares the summary with the file's contents.
+// The pass of an examination. Internal; examiner.cpp passes over the file, examiner_chunks.cpp examines chunks and
+// their indexes, examiner_summary.cpp compares the summary with the file's contents.
 #pragma once
 
 #include <map>
+#include <set>
 
-#include "doctor.h"
+#include "examination.h"
+#include "record_layout.h"
 #include "record_pass.h"
 #include "resync.h"
 
@@ -18,10 +20,14 @@ struct ExaminedChunk {
   std::uint64_t offset() const { return index.chunk.offset; }
 };
 
+/// The definition of a schema or channel.
+struct ExaminedDefinition {
+  std::uint64_t offset = 0;
+  bool in_data = false;  // false: so far only the summary has it
+};
+
 /// A channel, and a summary of its messages so far.
-struct ExaminedChannel {
-  Channel channel;
-  std::uint64_t offset = 0;  // offset of its definition
+struct ExaminedChannel : ExaminedDefinition {
   std::uint64_t messages = 0;
   bool in_chunks = false;  // some of its messages are in chunks
   std::uint64_t last_time = 0;
@@ -42,41 +48,57 @@ struct ExaminedRecord {
   std::uint64_t offset() const { return attachment.offset; }
 };
 
-class Doctor {
+class Examiner {
  public:
   /// `view`: the view of the file's bytes; an empty one if the bytes were passed directly.
-  Doctor(const FileView& view, Bytes file, const DoctorOptions& options, Examination& into);
+  Examiner(const FileView& view, Bytes file, const ExamineOptions& options, Examination& into);
   void examine();
 
  private:
-  // doctor.cpp
-  bool pass_to_footer(Record& footer);
-  bool skip_damage();
-  void examine_record(const Record& record);
+  /// The reason why a record is lost, and its place in the records of a chunk, if any.
+  struct Fault {
+    std::string message;
+    std::optional<std::uint64_t> inside = {};
+  };
+  using Verdict = std::optional<Fault>;  // nullopt: the record is saved
+
+  // examiner.cpp
+  void read_definitions_of_summary();
+  void learn(const Record& definition);
+  std::optional<Record> walk();
+  void tell_cut(std::uint64_t begin);
+  bool is_cut_chunk(std::uint64_t offset) const;
+  void examine_end(const Record& footer);
+  Verdict examine_record(const Record& record);
+  /// Reports the texts of a record that are wrong, and fields of later versions.
+  void tell_fields(const Record& record, Place place, const LayoutCheck& layout);
+  template <class Known, class Parsed>
+  static bool learn(Known& known, const Parsed& parsed, ExaminedDefinition& at, std::uint64_t offset);
   void examine_header(const Record& record);
-  void examine_schema(const Record& record, Place place);
-  void examine_channel(const Record& record, Place place);
-  void examine_attachment(const Record& record);
+  Verdict examine_schema(const Record& record, Place place);
+  Verdict examine_channel(const Record& record, Place place);
+  Verdict examine_attachment(const Record& record);
   void examine_metadata(const Record& record);
   void examine_message(const Record& record, Place place);
   void examine_data_end(const Record& record);
-  void examine_channel_profile(const Channel& channel, Place place);
   void tell_channels();
-  /// False if the record lacks fields. Reports missing fields and errors in its texts.
-  bool check_fields(const Record& record, Place place);
-  void add(Severity severity, Place place, std::string message) { findings_.add(severity, place, std::move(message)); }
-  void fail(Place place, std::string message) { add(Severity::error, place, std::move(message)); }
+  void tell_deviations();
+  void save(std::uint64_t begin, std::uint64_t end, bool trusted = true);
+  void lose(std::uint64_t begin, std::uint64_t end, Fault fault, bool is_error = true);
+  void fail(Place place, std::string message) { findings_.add(Severity::error, place, std::move(message)); }
+  /// Notes a deviation from the specification that harms no reader. All of them are one finding.
+  void deviate(Place place, std::string what);
 
-  // doctor_chunks.cpp
-  void examine_chunk(const Record& record);
+  // examiner_chunks.cpp
+  Verdict examine_chunk(const Record& record);
   void examine_chunk_records(Bytes records, const Chunk& chunk);
   void examine_message_index(const Record& record);
   void compare_index(const Record& record, std::uint16_t channel, Bytes entries);
   void leave_chunk();
 
-  // doctor_summary.cpp
+  // examiner_summary.cpp
   void examine_summary(const Record& footer);
-  void examine_footer(const Record& record);
+  void examine_footer(const Record& record, const Footer& footer);
   void examine_summary_record(const Record& record);
   void examine_grouping(const Record& record);
   void examine_repeated(const Record& record);
@@ -84,21 +106,23 @@ class Doctor {
   void examine_record_index(const Record& record, const std::vector<ExaminedRecord>& there, bool attachments);
   void examine_statistics(const Record& record);
   void examine_summary_offset(const Record& record);
-  void tell_what_summary_lacks();
+  void tell_missing_parts();
 
   const Bytes file_;
-  MappedPass pass_;
-  const DoctorOptions& options_;
+  RecordPass pass_;
+  const ExamineOptions& options_;
   Examination& into_;
   Findings& findings_;
+  Contents& contents_;
   Resync resync_;
   ChunkOpener opener_;
   RawBuffer buffer_;
 
   // The state of the pass so far.
+  bool begun_ = false;
   bool headed_ = false;
   bool damaged_ = false;  // some record couldn't be examined: counts can't be compared
-  std::map<std::uint16_t, std::pair<Schema, std::uint64_t>> schemas_;  // with the offsets of their definitions
+  std::map<std::uint16_t, ExaminedDefinition> schemas_;
   std::map<std::uint16_t, ExaminedChannel> channels_;
   std::vector<ExaminedChunk> chunks_;  // in file order
   std::vector<ExaminedRecord> attachments_;
@@ -112,16 +136,18 @@ class Doctor {
 
   // The chunk of the following message indexes; at_chunk_ false: there is none.
   bool at_chunk_ = false;
-  bool chunk_is_open_ = false;             // the chunk was decompressed, and its messages read
+  bool chunk_is_open_ = false;             // its messages were read; false: it is lost
   std::vector<IndexEntry> chunk_entries_;  // sorted by channel, then offset
 
   // The state of the summary's examination.
   std::vector<std::pair<std::uint8_t, std::pair<std::uint64_t, std::uint64_t>>> groups_;  // opcode, begin, end
-  std::map<std::uint16_t, std::uint64_t> repeated_schemas_, repeated_channels_;           // with their offsets
+  std::set<std::uint16_t> repeated_schemas_, repeated_channels_;
   // parallel to chunks_, attachments_ and metadata_
   std::vector<bool> indexed_chunks_, indexed_attachments_, indexed_metadata_;
-  std::optional<std::uint64_t> statistics_at_;
-  bool offsets_begun_ = false;
+
+  std::vector<std::string> deviations_;  // the first ones
+  std::uint64_t deviation_count_ = 0;
+  Place deviation_at_;  // place of the first one
 };
 
 }  // namespace rehearse::mcap
