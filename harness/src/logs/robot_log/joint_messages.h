@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "core/ros2msg/ros2msg.h"
-#include "core/trace/joint_arrays.h"
+#include "core/kinds/joint_arrays.h"
 
 namespace rehearse {
 
