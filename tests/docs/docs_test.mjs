@@ -55,13 +55,20 @@ function mismatch(expected, printed) {
 }
 
 const folder = mkdtempSync(join(tmpdir(), 'rehearse_docs_'));
-for (const name of ['fixtures', 'golden', 'controllers']) cpSync(join(source, name), join(folder, name), { recursive: true });
-symlinkSync(build, join(folder, 'build'));
+let isFilled = false;
+/** A page whose blocks are all left out needs no copies. */
+function fill() {
+  if (isFilled) return;
+  isFilled = true;
+  for (const name of ['fixtures', 'golden', 'controllers']) cpSync(join(source, name), join(folder, name), { recursive: true });
+  symlinkSync(build, join(folder, 'build'));
+}
 const environment = { ...process.env, PATH: `${build}/bin:${process.env.PATH}`, SOURCE: source, CMAKE_PREFIX_PATH: build };
 for (const name of Object.keys(environment)) if (name === 'CI' || name.startsWith('REHEARSE_')) delete environment[name];
 environment.REHEARSE_PENDING = 'rehearse-pending'; // not in the build that tests share
 let place = folder; // a session's working directory
 const run = (command, input = '') => {
+  fill();
   const script = `exec 2>&1; ${command}\nstatus=$?; pwd > ${folder}/.place; exit $status`;
   const outcome = spawnSync('bash', ['-c', script], {
     cwd: place,
@@ -101,6 +108,7 @@ for (const block of blocksOf(readFileSync(join(source, page), 'utf8'))) {
     if (outcome.status !== 0) fail(block, `the set-up '${command}' ended in ${outcome.status}:\n${outcome.stdout}`);
   }
   if (block.file) {
+    fill();
     mkdirSync(dirname(join(folder, block.file)), { recursive: true });
     writeFileSync(join(folder, block.file), block.text.join('\n') + '\n');
   }
