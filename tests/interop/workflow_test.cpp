@@ -2,9 +2,9 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
-#include <sstream>
 
 #include "node.h"
+#include "support/files.h"
 
 namespace rehearse::test {
 namespace {
@@ -33,9 +33,7 @@ TEST_F(Workflow, OfANewProjectIsValid) {
 }
 
 TEST_F(Workflow, WithAMistakeIsReported) {
-  std::ostringstream text;
-  text << std::ifstream(ours_).rdbuf();
-  std::string wrong = text.str();
+  std::string wrong = read_file(ours_);
   wrong.replace(wrong.find("runs-on"), 7, "runs_on");
   std::ofstream(file_) << wrong;
   const Output found = check(file_);

@@ -1,5 +1,6 @@
 // The tool that makes fixtures/motions/sr1_walk.seq.
 #include "make_walk/walking_pattern.h"
+#include "support/files.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +8,6 @@
 
 #include <cmath>
 #include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
@@ -39,8 +39,7 @@ Eigen::Vector3d between_ankles(const std::vector<double>& frame) {
 TEST(WalkingPattern, IsTheMotionOfTheSample) {
   const auto pattern = walking_pattern(sr1(), {});
   ASSERT_TRUE(pattern) << to_string(pattern.errors());
-  std::ifstream file(FIXTURES_DIR "/motions/sr1_walk.seq");
-  const std::string committed{std::istreambuf_iterator<char>(file), {}};
+  const std::string committed = test::read_file(FIXTURES_DIR "/motions/sr1_walk.seq");
   EXPECT_TRUE(motion_text(*pattern, {}) == committed) << "build/bin/make_walk makes the file again";
 }
 

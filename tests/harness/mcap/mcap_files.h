@@ -14,10 +14,9 @@
 #include <vector>
 
 #include "core/mcap/stream.h"
+#include "support/files.h"
 
 namespace rehearse::test {
-
-using Buffer = std::vector<std::byte>;
 
 inline mcap::Bytes bytes_of(std::string_view text) {
   return {reinterpret_cast<const std::byte*>(text.data()), text.size()};
@@ -49,16 +48,8 @@ class TempFile {
 
   const std::filesystem::path& path() const { return path_; }
 
-  Buffer read() const {
-    std::ifstream in(path_, std::ios::binary);
-    const std::string text((std::istreambuf_iterator<char>(in)), {});
-    const auto bytes = bytes_of(text);
-    return {bytes.begin(), bytes.end()};
-  }
-  void write(mcap::Bytes bytes) const {
-    std::ofstream out(path_, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  }
+  Buffer read() const { return read_bytes(path_); }
+  void write(mcap::Bytes bytes) const { write_bytes(path_, bytes); }
 
  private:
   std::filesystem::path path_;

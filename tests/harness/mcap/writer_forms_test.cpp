@@ -1,5 +1,6 @@
 // Options of the Writer that omit or change parts of the file; and its output files.
 #include "mcap_files.h"
+#include "support/printed_by_name.h"
 
 #include <gmock/gmock.h>
 
@@ -21,8 +22,6 @@ struct Form {
   std::function<void(mcap::WriterOptions&)> set;
   std::vector<int> without;  // opcodes that aren't in the file
 };
-void PrintTo(const Form& form, std::ostream* out) { *out << form.name; }
-
 std::vector<Form> forms() {
   using O = mcap::WriterOptions;
   return {
@@ -156,7 +155,7 @@ TEST_P(McapForms, HaveNothingOfWhatIsLeftOut) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, McapForms, testing::ValuesIn(forms()), [](const auto& form) { return form.param.name; });
+INSTANTIATE_TEST_SUITE_P(All, McapForms, testing::ValuesIn(forms()), test::by_name);
 
 TEST(McapWriterForms, ChunksWithDefinitionsStandAlone) {
   mcap::WriterOptions options;

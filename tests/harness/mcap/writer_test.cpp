@@ -1,4 +1,5 @@
 #include "mcap_files.h"
+#include "support/files.h"
 
 #include <gmock/gmock.h>
 
@@ -186,8 +187,7 @@ TEST(McapWriter, WritesTheSameBytesHoweverLittleOfTheIndexItHolds) {
     options.index_size = index_size;
     options.form.message_indexes = message_indexes;
     write_small_file(path, options);
-    std::ifstream in(path, std::ios::binary);
-    return std::string((std::istreambuf_iterator<char>(in)), {});
+    return read_file(path);
   };
   const TempFile held, read_back;
   for (const bool message_indexes : {true, false}) {
