@@ -23,6 +23,9 @@ class TemporaryFolder {
     std::string pattern = (std::filesystem::temp_directory_path() / (name + "XXXXXX")).string();
     EXPECT_NE(mkdtemp(pattern.data()), nullptr) << pattern;
     path_ = pattern;
+    using std::filesystem::perms;
+    std::filesystem::permissions(path_, perms::owner_all | perms::group_read | perms::group_exec | perms::others_read |
+                                            perms::others_exec);  // another user may read it, as with mkdir
   }
   ~TemporaryFolder() {
     std::error_code ignored;
