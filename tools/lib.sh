@@ -51,6 +51,9 @@ with_progress() {
 
 ninja_progress() { sed --unbuffered -nE 's/^\[([0-9]+)\/([0-9]+)\].*/\1 \2/p'; }
 
+# Options of cmake, besides those of the preset.
+configure_options=()
+
 # configure_and_build PRESET [TARGET...]: everything, or only the targets; a few seconds if nothing changed.
 configure_and_build() {
   local preset=$1 folder launcher=() targets=()
@@ -62,7 +65,7 @@ configure_and_build() {
     # In CI every run is a new checkout: let all runs share a compiler cache, whatever the folder of the checkout.
     if [[ ${CI:-} == true ]]; then export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1; fi
   fi
-  quietly "$folder/configure.log" cmake --preset "$preset" "${launcher[@]}"
+  quietly "$folder/configure.log" cmake --preset "$preset" "${launcher[@]}" "${configure_options[@]}"
   NINJA_STATUS="[%f/%t] " quietly "$folder/build.log" with_progress ninja_progress "build: " units \
     cmake --build "$folder" --parallel "$(nproc)" "${targets[@]}" 3>&1
 }

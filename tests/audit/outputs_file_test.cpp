@@ -1,9 +1,9 @@
 // The output files of an audit's processes, and the differences between two of them.
 #include "audit/audit/outputs_file.h"
+#include "support/temporary_folder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <bit>
 #include <cmath>
@@ -24,11 +24,6 @@ std::uint64_t word(double number) { return std::bit_cast<std::uint64_t>(number);
 
 class OutputsFile : public ::testing::Test {
  protected:
-  OutputsFile() : folder_(fs::path(::testing::TempDir()) / ("rehearse_outputs_" + std::to_string(getpid()))) {
-    fs::create_directories(folder_);
-  }
-  ~OutputsFile() override { fs::remove_all(folder_); }
-
   /// A file of such rows, tick by tick.
   Outputs written(const std::string& name, const std::vector<std::vector<std::uint64_t>>& rows) const {
     auto writer = OutputsWriter::create(folder_ / name);
@@ -41,7 +36,7 @@ class OutputsFile : public ::testing::Test {
     return *std::move(outputs);
   }
 
-  fs::path folder_;
+  const test::TemporaryFolder folder_;
 };
 
 TEST_F(OutputsFile, HoldsAllRowsThoughItIsStillOpen) {

@@ -1,5 +1,6 @@
 // The zoo: the verdict of an audit on each controller. The table is printed after all tests.
 #include "audited.h"
+#include "support/printed_by_name.h"
 
 #include <cpuid.h>
 #include <fmt/format.h>
@@ -13,14 +14,13 @@ namespace {
 using ::testing::HasSubstr;
 
 struct Animal {
-  const char* controller;
+  const char* name;  // of the controller
   const char* does;
   const char* found_by;       // the factor; empty: found in its library's code; null: deterministic
   const char* reason;         // a part of the reason
   const char* place = "";     // a part of the reason: the place in the source
   const char* rests_on = "";  // for a deterministic one: a part of the conditions of the verdict
 };
-void PrintTo(const Animal& animal, std::ostream* stream) { *stream << animal.controller; }
 
 const Animal animals[] = {
     {"rand", "dithers with rand()", "random", "it depends on random numbers: rand", "Rand::term() (rand.cpp:9)"},
@@ -188,15 +188,15 @@ TEST_P(Zoo, IsJudgedRightly) {
   if (found_by == "memory" || found_by == "addresses")
     GTEST_SKIP() << "the sanitizer has a malloc() of its own, which is not varied";
 #endif
-  if (const char* missing = missing_instruction(animal.controller)) {
+  if (const char* missing = missing_instruction(animal.name)) {
     rows().push_back(
-        fmt::format("{:<22}{:<42}not judged: this processor has no {}", animal.controller, animal.does, missing));
+        fmt::format("{:<22}{:<42}not judged: this processor has no {}", animal.name, animal.does, missing));
     GTEST_SKIP() << "this processor has no " << missing;
   }
   write("gain.txt", "0.25\n");
   fs::create_directory(folder() / "zoo_tree");
   write("zoo_tree/leaf.txt", "green\n");
-  const std::string name = animal.controller;
+  const std::string name = animal.name;
   const Outcome outcome = rehearse(
       {"audit", scenario(name, name == "good_log_file" ? "log.txt" : (folder() / "gain.txt").string()).string(),
        "--json"});
@@ -230,8 +230,7 @@ TEST_P(Zoo, IsJudgedRightly) {
                                HasFailure() ? "no" : "yes", reason.empty() ? std::string(report["verdict"]) : reason));
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, Zoo, ::testing::ValuesIn(animals),
-                         [](const auto& of) { return std::string(of.param.controller); });
+INSTANTIATE_TEST_SUITE_P(Of, Zoo, ::testing::ValuesIn(animals), test::by_name);
 
 }  // namespace
 }  // namespace rehearse::test

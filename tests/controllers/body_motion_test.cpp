@@ -9,6 +9,7 @@
 #include <string>
 
 #include "bodies.h"
+#include "support/printed_by_name.h"
 
 namespace {
 
@@ -95,8 +96,6 @@ struct Mistake {
   std::string file;
   std::string message;  // after "file:"
 };
-
-void PrintTo(const Mistake& mistake, std::ostream* stream) { *stream << mistake.file; }
 
 class BrokenMotion : public testing::TestWithParam<Mistake> {};
 

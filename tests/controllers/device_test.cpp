@@ -14,6 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "support/printed_by_name.h"
+
 namespace {
 
 using cnoid::Device;
@@ -21,12 +23,10 @@ using cnoid::DevicePtr;
 using cnoid::Vector3;
 
 struct Kind {
-  std::string type_name;
+  std::string name;  // of the type
   std::function<Device*()> make;
   int state_size;
 };
-
-void PrintTo(const Kind& kind, std::ostream* stream) { *stream << kind.type_name; }
 
 class EveryDevice : public testing::TestWithParam<Kind> {
  protected:
@@ -45,7 +45,7 @@ class EveryDevice : public testing::TestWithParam<Kind> {
 
 TEST_P(EveryDevice, HasItsTypesNameAndStateSize) {
   const DevicePtr device = GetParam().make();
-  EXPECT_EQ(device->typeName(), GetParam().type_name);
+  EXPECT_EQ(device->typeName(), GetParam().name);
   EXPECT_EQ(device->stateSize(), GetParam().state_size);
 }
 
@@ -72,7 +72,7 @@ TEST_P(EveryDevice, CopiesTheStateOfItsOwnTypeOnly) {
   target->copyStateFrom(*source);
   EXPECT_EQ(state_of(*target), state);
 
-  const bool is_imu = GetParam().type_name == "Imu";
+  const bool is_imu = GetParam().name == "Imu";
   const DevicePtr other = is_imu ? DevicePtr(new cnoid::ForceSensor) : DevicePtr(new cnoid::Imu);
   EXPECT_THROW(target->copyStateFrom(*other), std::invalid_argument);
 }
@@ -89,7 +89,7 @@ TEST_P(EveryDevice, ClonesPlaceAndStateButNotItsListeners) {
   device->sigStateChanged().connect([&] { ++notified; });
 
   const DevicePtr copy = device->clone();
-  EXPECT_EQ(copy->typeName(), GetParam().type_name);
+  EXPECT_EQ(copy->typeName(), GetParam().name);
   EXPECT_EQ(copy->name(), "d");
   EXPECT_EQ(copy->id(), 7);
   EXPECT_EQ(copy->index(), -1);
@@ -115,7 +115,7 @@ INSTANTIATE_TEST_SUITE_P(
                     kind<cnoid::SpotLight>("SpotLight", 5 + 3 + 6), kind<cnoid::HolderDevice>("HolderDevice", 1),
                     kind<cnoid::AttachmentDevice>("AttachmentDevice", 1),
                     kind<Multicopter::RotorDevice>("RotorDevice", 19)),
-    [](const auto& test) { return test.param.type_name; });
+    rehearse::test::by_name);
 
 TEST(Device, IsAlwaysOnUnlessItCanBeSwitched) {
   const DevicePtr imu = new cnoid::Imu;

@@ -16,6 +16,7 @@
 #include <set>
 
 #include "choreonoid/import/import.h"
+#include "support/printed_by_name.h"
 
 namespace {
 
@@ -48,8 +49,6 @@ struct Sample {
   const char* waist = "";
   double least = 0.0;
 };
-
-void PrintTo(const Sample& sample, std::ostream* out) { *out << sample.name; }
 
 class ProjectOfChoreonoid : public testing::TestWithParam<Sample> {
  protected:
@@ -138,8 +137,7 @@ const Sample samples[] = {{"AizuSpiderDS"},
                           {"UR3Pickup"},
                           {"UR5CellSample"},
                           {"UR5Pickup"}};
-INSTANTIATE_TEST_SUITE_P(All, ProjectOfChoreonoid, testing::ValuesIn(samples),
-                         [](const auto& info) { return std::string(info.param.name); });
+INSTANTIATE_TEST_SUITE_P(All, ProjectOfChoreonoid, testing::ValuesIn(samples), rehearse::test::by_name);
 
 /// What isn't imported is refused, with a place in the project.
 TEST(ProjectsOfChoreonoid, AreImportedOrRefusedWithAPlace) {

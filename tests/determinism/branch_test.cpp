@@ -5,7 +5,6 @@
 #include <rehearse/session.h>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -15,6 +14,7 @@
 
 #include "fixture_scenarios.h"
 #include "model/clock.h"
+#include "support/temporary_folder.h"
 
 namespace rehearse {
 namespace {
@@ -58,22 +58,15 @@ void expect_same_messages(const fs::path& file, const fs::path& branch) {
 
 class Branches : public ::testing::TestWithParam<FixtureCase> {
  protected:
-  Branches() : folder_(fs::path(::testing::TempDir()) / ("rehearse_branches_" + std::to_string(getpid()))) {
-    fs::create_directories(folder_);
-  }
-  ~Branches() override {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-  fs::path folder_;
+  const test::TemporaryFolder folder_;
 };
 
 INSTANTIATE_TEST_SUITE_P(Of, Branches, ::testing::ValuesIn(fixture_cases()), [](const auto& of) {
-  return of.param.scenario + (of.param.solver == Method::quick ? "_quick" : "_exact");
+  return of.param.name + (of.param.solver == Method::quick ? "_quick" : "_exact");
 });
 
 TEST_P(Branches, WithoutAnyChangeAreTheirSource) {
-  auto scenario = Scenario::load(fs::path(FIXTURES_DIR) / "scenarios" / (GetParam().scenario + ".yaml"));
+  auto scenario = Scenario::load(fs::path(FIXTURES_DIR) / "scenarios" / (GetParam().name + ".yaml"));
   ASSERT_TRUE(scenario.ok()) << to_string(scenario.errors());
   const bool other_solver = scenario->solver.method != GetParam().solver;
   if (other_solver) {  // a recording carries the scenario's text
@@ -95,7 +88,7 @@ TEST_P(Branches, WithoutAnyChangeAreTheirSource) {
   for (const std::int64_t tick : {run->ticks * 2 / 3 + 1, std::int64_t{1}}) {
     BranchPoint from{source, std::nullopt, tick};
     BranchOptions options;
-    const fs::path copy = fs::path(FIXTURES_DIR) / "scenarios" / (GetParam().scenario + ".yaml");
+    const fs::path copy = fs::path(FIXTURES_DIR) / "scenarios" / (GetParam().name + ".yaml");
     if (has_meshes && other_solver)
       GTEST_SKIP() << "its meshes come with the scenario's file, which has its own solver";
     if (has_meshes) options.scenario = copy;

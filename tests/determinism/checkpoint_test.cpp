@@ -4,7 +4,6 @@
 #include <rehearse/trace.h>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -15,6 +14,7 @@
 
 #include "fixture_scenarios.h"
 #include "model/clock.h"
+#include "support/temporary_folder.h"
 
 namespace rehearse {
 namespace {
@@ -24,25 +24,17 @@ using Method = SolverSettings::Method;
 
 class Checkpoints : public ::testing::TestWithParam<FixtureCase> {
  protected:
-  Checkpoints() : folder_(fs::path(::testing::TempDir()) / ("rehearse_checkpoints_" + std::to_string(getpid()))) {
-    fs::create_directories(folder_);
-  }
-  ~Checkpoints() override {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-
   Trace loaded(const std::string& file) const {
     auto trace = Trace::load(folder_ / file);
     EXPECT_TRUE(trace.ok()) << to_string(trace.errors());
     return *std::move(trace);
   }
 
-  fs::path folder_;
+  const test::TemporaryFolder folder_;
 };
 
 INSTANTIATE_TEST_SUITE_P(Of, Checkpoints, ::testing::ValuesIn(fixture_cases()), [](const auto& of) {
-  return of.param.scenario + (of.param.solver == Method::quick ? "_quick" : "_exact");
+  return of.param.name + (of.param.solver == Method::quick ? "_quick" : "_exact");
 });
 
 /// Each message of `later` is the same bytes in `recording`; those of pictures and scans that had been captured before
@@ -72,7 +64,7 @@ std::size_t expect_same_messages(const Trace& recording, const Trace& later) {
 }
 
 TEST_P(Checkpoints, LetAnotherProcessGoOnWithTheSameBits) {
-  const fs::path file = fs::path(FIXTURES_DIR) / "scenarios" / (GetParam().scenario + ".yaml");
+  const fs::path file = fs::path(FIXTURES_DIR) / "scenarios" / (GetParam().name + ".yaml");
   auto scenario = Scenario::load(file);
   ASSERT_TRUE(scenario.ok()) << to_string(scenario.errors());
   scenario->solver.method = GetParam().solver;

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "support/printed_by_name.h"
+
 namespace rehearse {
 
 /// The names of the scenarios, without .yaml, sorted.
@@ -22,10 +24,9 @@ inline std::vector<std::string> fixture_scenarios() {
 
 /// One scenario with one of the solvers.
 struct FixtureCase {
-  std::string scenario;
+  std::string name;  // of the scenario
   SolverSettings::Method solver;
 };
-inline void PrintTo(const FixtureCase& of, std::ostream* stream) { *stream << of.scenario; }
 
 /// Each scenario with both solvers.
 inline std::vector<FixtureCase> fixture_cases() {

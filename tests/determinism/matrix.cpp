@@ -33,6 +33,7 @@ struct Options {
   std::vector<std::string> builds;     // NAME=FOLDER
   double first = 0.0;                  // [s]; 0: whole runs
   fs::path keep;                       // where the recordings stay; empty: nowhere
+  fs::path plain;                      // where the plain runs stay, and are taken from; empty: nowhere
   bool list = false;
 };
 
@@ -155,9 +156,11 @@ Result<std::string> Matrix::made_by(const Row& row, const fs::path& folder) cons
 
 Result<void> Matrix::prepare() {
   if (auto found = find_scenarios(); !found) return found;
-  const fs::path folder = folder_ / "plain_run";
-  fs::create_directories(folder);
-  if (auto done = record(rows({}).front(), folder); !done) return done;
+  const fs::path folder = options_.plain.empty() ? folder_ / "plain_run" : fs::absolute(options_.plain);
+  if (options_.plain.empty() || !fs::exists(folder)) {
+    fs::create_directories(folder);
+    if (auto done = record(rows({}).front(), folder); !done) return done;
+  }
   for (Reference& reference : references_) {
     const fs::path file = folder / (reference.name + ".mcap");
     auto plain = content_of(file, end_of(reference));
@@ -298,6 +301,7 @@ int run_main(int argc, char** argv) {
   app.add_option("--first", options.first, "Only the first so many seconds of each scenario")
       ->check(CLI::PositiveNumber);
   app.add_option("--keep", options.keep, "A folder in which all recordings stay");
+  app.add_option("--plain", options.plain, "The folder of the plain runs: made if it isn't there, else they are taken");
   app.add_flag("--list", options.list, "Only the names of the rows");
   app.add_option("SCENARIO", options.scenarios, "Only these, by name");
   try {

@@ -13,6 +13,7 @@
 #include "child_process.h"
 #include "matrix_rows.h"
 #include "recording_content.h"
+#include "support/temporary_folder.h"
 
 namespace rehearse::matrix {
 namespace {
@@ -24,14 +25,6 @@ constexpr double time_step = 0.001;  // [s]
 
 class Content : public ::testing::Test {
  protected:
-  Content() : folder_(fs::path(::testing::TempDir()) / ("rehearse_matrix_test_" + std::to_string(getpid()))) {
-    fs::create_directories(folder_);
-  }
-  ~Content() override {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-
   struct Recording {
     std::string topic = "/Box/joints", unit = "rad", note = "a scenario", outcome = "true", provenance = "gcc";
     std::vector<std::string> messages{"zero", "one", "two"};
@@ -73,7 +66,7 @@ class Content : public ::testing::Test {
     return recording;
   }
 
-  fs::path folder_;
+  const test::TemporaryFolder folder_;
 };
 
 TEST_F(Content, IsTheSameWhoeverMadeTheRecording) {
@@ -128,7 +121,7 @@ TEST_F(Content, OfADamagedRecordingIsNotRead) {
 TEST_F(Content, OfARunThatWasMovedByALastBitDiffersFromTheStart) {
   const std::string scenario = FIXTURES_DIR "/scenarios/drop_box.yaml";
   const auto recorded = [&](std::vector<std::string> options) {
-    std::vector<std::string> command{PROBE, "record", folder_.string(), "0.1"};
+    std::vector<std::string> command{PROBE, "record", folder_.path().string(), "0.1"};
     command.insert(command.end(), options.begin(), options.end());
     command.push_back(scenario);
     const auto done = run(command, {}, folder_ / "log.txt");

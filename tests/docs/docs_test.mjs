@@ -8,7 +8,8 @@
 // before a block, which no reader sees. A page of the site must state for each block how it is run, or why not.
 // A block marked sh, without "$ ", is run line by line and has to succeed.
 import { spawnSync } from 'node:child_process';
-import { cpSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, statSync, symlinkSync, writeFileSync } from 'node:fs';
+import { createHash } from 'node:crypto';
+import { cpSync, existsSync, mkdirSync, readFileSync, rmSync, statSync, symlinkSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { anchorsOf, blocksOf } from '../../tools/site/markdown.mjs';
@@ -54,14 +55,25 @@ function mismatch(expected, printed) {
   return parts.length === 1 && at !== rest.length ? rest.slice(at) : null;
 }
 
-const folder = mkdtempSync(join(tmpdir(), 'rehearse_docs_'));
-for (const name of ['fixtures', 'golden', 'controllers']) cpSync(join(source, name), join(folder, name), { recursive: true });
-symlinkSync(build, join(folder, 'build'));
+// The same folder in each run: what a page compiles is in the compiler's cache, with this folder's name in it.
+const folder = join(tmpdir(), 'rehearse_docs_' + createHash('sha256').update(build + page).digest('hex').slice(0, 12));
+rmSync(folder, { recursive: true, force: true });
+mkdirSync(folder);
+let isFilled = false;
+/** A page whose blocks are all left out needs no copies. */
+function fill() {
+  if (isFilled) return;
+  isFilled = true;
+  for (const name of ['fixtures', 'golden', 'controllers']) cpSync(join(source, name), join(folder, name), { recursive: true });
+  symlinkSync(build, join(folder, 'build'));
+}
 const environment = { ...process.env, PATH: `${build}/bin:${process.env.PATH}`, SOURCE: source, CMAKE_PREFIX_PATH: build };
 for (const name of Object.keys(environment)) if (name === 'CI' || name.startsWith('REHEARSE_')) delete environment[name];
+if (spawnSync('ccache', ['--version']).status === 0) environment.CMAKE_CXX_COMPILER_LAUNCHER = 'ccache';
 environment.REHEARSE_PENDING = 'rehearse-pending'; // not in the build that tests share
 let place = folder; // a session's working directory
 const run = (command, input = '') => {
+  fill();
   const script = `exec 2>&1; ${command}\nstatus=$?; pwd > ${folder}/.place; exit $status`;
   const outcome = spawnSync('bash', ['-c', script], {
     cwd: place,
@@ -101,6 +113,7 @@ for (const block of blocksOf(readFileSync(join(source, page), 'utf8'))) {
     if (outcome.status !== 0) fail(block, `the set-up '${command}' ended in ${outcome.status}:\n${outcome.stdout}`);
   }
   if (block.file) {
+    fill();
     mkdirSync(dirname(join(folder, block.file)), { recursive: true });
     writeFileSync(join(folder, block.file), block.text.join('\n') + '\n');
   }

@@ -8,12 +8,12 @@
 namespace rehearse {
 namespace {
 
-using testing::bytes_of;
 using ::testing::ElementsAre;
 using testing::Environment;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
+using testing::read_file;
 using testing::SmallTrace;
 using ::testing::StartsWith;
 using testing::write;
@@ -51,13 +51,13 @@ TEST_F(GoldenAcceptance, AddsWhatMovedToTheHistoryOfTheOldOne) {
 
 TEST_F(GoldenAcceptance, OfTheSameRunChangesNothing) {
   place_golden(SmallTrace());
-  const std::string trace = bytes_of(store_.trace_file(name_)), text = digest();
+  const std::string trace = read_file(store_.trace_file(name_)), text = digest();
   setenv("SOURCE_DATE_EPOCH", "1800000000", 1);
   place_pending(SmallTrace());
   const auto accepted = store_.accept_pending(name_);
   ASSERT_TRUE(accepted);
   EXPECT_FALSE(accepted->changed);
-  EXPECT_TRUE(bytes_of(store_.trace_file(name_)) == trace);
+  EXPECT_TRUE(read_file(store_.trace_file(name_)) == trace);
   EXPECT_TRUE(digest() == text);
   EXPECT_FALSE(fs::exists(store_.pending_file(name_)));
 }
@@ -78,11 +78,11 @@ TEST_F(GoldenAcceptance, OfTheSameNumbersByAnotherVersionOrScenarioIsOne) {
 TEST_F(GoldenAcceptance, TwiceAtTheSameTimeGivesTheSameBytes) {
   place_golden(SmallTrace());
   place_golden(changed());
-  const std::string trace = bytes_of(store_.trace_file(name_));
+  const std::string trace = read_file(store_.trace_file(name_));
   fs::remove(store_.trace_file(name_));
   place_golden(SmallTrace());
   place_golden(changed());
-  EXPECT_TRUE(bytes_of(store_.trace_file(name_)) == trace);
+  EXPECT_TRUE(read_file(store_.trace_file(name_)) == trace);
 }
 
 TEST_F(GoldenAcceptance, OfACopyOfAGoldenTakesTheHistoryOfTheOneItReplaces) {

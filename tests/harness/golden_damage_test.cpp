@@ -16,11 +16,11 @@ namespace rehearse {
 namespace {
 
 using ::testing::AllOf;
-using testing::bytes_of;
 using ::testing::ExitedWithCode;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
+using testing::read_file;
 using testing::SmallTrace;
 using testing::write;
 namespace fs = std::filesystem;
@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 class GoldenDamage : public testing::GoldenFolder {
  protected:
   void flip_bit(const fs::path& file) const {
-    std::string bytes = bytes_of(file);
+    std::string bytes = read_file(file);
     bytes[bytes.size() / 2] ^= 1;
     write(file, bytes);
   }
@@ -68,14 +68,14 @@ TEST_F(GoldenDamage, NoneIsAGoldenOfANewerFormatButItIsNotUsed) {
   newer.provenance["trace_version"] = "2";
   newer.write(store_.trace_file(name_));
   write(store_.digest_file(name_), *digest_of(*Trace::load(store_.trace_file(name_))));
-  const std::string before = bytes_of(store_.trace_file(name_));
+  const std::string before = read_file(store_.trace_file(name_));
   EXPECT_EQ(problem(), "it is of trace version 2, and this program reads version 1");
   EXPECT_THAT(settled(), HasSubstr("the golden can't be used: " + store_.trace_file(name_).string() +
                                    ": error: it is of trace version 2"));
   EXPECT_THAT(settled(), HasSubstr("install the version of Rehearse that wrote it: 0.1.0"));
   EXPECT_THAT(settled(), Not(HasSubstr("golden accept")));
   EXPECT_THAT(store_.pending(), IsEmpty());
-  EXPECT_TRUE(bytes_of(store_.trace_file(name_)) == before);
+  EXPECT_TRUE(read_file(store_.trace_file(name_)) == before);
 }
 
 TEST_F(GoldenDamage, ARunOfANewerFormatBecomesNoGolden) {
@@ -106,13 +106,13 @@ TEST_F(GoldenDamage, WithoutAChannelSaysWhich) {
 
 TEST_F(GoldenDamage, ARunThatIsDamagedIsNotAcceptedAndWaitsOn) {
   place_golden(SmallTrace());
-  const std::string before = bytes_of(store_.trace_file(name_));
+  const std::string before = read_file(store_.trace_file(name_));
   place_pending(changed());
   flip_bit(store_.pending_file(name_));
   EXPECT_THAT(accepted(), HasSubstr("damaged: "));
   fs::resize_file(store_.pending_file(name_), 100);
   EXPECT_THAT(accepted(), HasSubstr("truncated at byte 100"));
-  EXPECT_TRUE(bytes_of(store_.trace_file(name_)) == before);
+  EXPECT_TRUE(read_file(store_.trace_file(name_)) == before);
   EXPECT_TRUE(fs::exists(store_.pending_file(name_)));
   EXPECT_TRUE(store_.reject(name_));
 }
@@ -144,24 +144,24 @@ TEST_F(GoldenDamage, AnAcceptanceInterruptedBetweenItsTwoFilesIsFinishedByAccept
   write(store_.digest_file(name_), old_digest);  // the recording is new, the digest isn't
   ASSERT_FALSE(store_.check_digest(name_));
   EXPECT_EQ(store_.check_digest(name_).errors()[0].hint, "an acceptance was interrupted: accept the run again");
-  const std::string trace = bytes_of(store_.trace_file(name_));
+  const std::string trace = read_file(store_.trace_file(name_));
   fs::copy_file(folder_ / "run.mcap", store_.pending_file(name_));
   EXPECT_EQ(accepted(), "");
   EXPECT_TRUE(store_.check_digest(name_));
-  EXPECT_TRUE(bytes_of(store_.trace_file(name_)) == trace);
+  EXPECT_TRUE(read_file(store_.trace_file(name_)) == trace);
 }
 
 /// If either of the two new files can't be written, both old files stay unchanged.
 TEST_F(GoldenDamage, OldFilesStayIfEitherNewOneCanNotBeWritten) {
   place_golden(SmallTrace());
-  const std::string trace = bytes_of(store_.trace_file(name_)), text = digest();
+  const std::string trace = read_file(store_.trace_file(name_)), text = digest();
   for (const fs::path& file : {store_.trace_file(name_), store_.digest_file(name_)}) {
     place_pending(changed());
     const fs::path draft = file.string() + ".new";
     fs::create_directories(draft / "in the way");
     EXPECT_THAT(accepted(), HasSubstr(draft.string() + ": error: can't be written")) << draft;
     fs::remove_all(draft);
-    EXPECT_TRUE(bytes_of(store_.trace_file(name_)) == trace);
+    EXPECT_TRUE(read_file(store_.trace_file(name_)) == trace);
     EXPECT_TRUE(digest() == text);
     EXPECT_TRUE(fs::exists(store_.pending_file(name_)));
   }
@@ -170,7 +170,7 @@ TEST_F(GoldenDamage, OldFilesStayIfEitherNewOneCanNotBeWritten) {
 TEST_F(GoldenDamage, OldFilesStayIfAFileMayNotGrow) {
   place_golden(SmallTrace());
   place_pending(changed());
-  const std::string trace = bytes_of(store_.trace_file(name_)), text = digest();
+  const std::string trace = read_file(store_.trace_file(name_)), text = digest();
   rlimit unlimited{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &unlimited), 0);
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);
@@ -180,7 +180,7 @@ TEST_F(GoldenDamage, OldFilesStayIfAFileMayNotGrow) {
   setrlimit(RLIMIT_FSIZE, &unlimited);
   std::signal(SIGXFSZ, handler);
   EXPECT_FALSE(done);
-  EXPECT_TRUE(bytes_of(store_.trace_file(name_)) == trace);
+  EXPECT_TRUE(read_file(store_.trace_file(name_)) == trace);
   EXPECT_TRUE(digest() == text);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "golden"), fs::directory_iterator()), 2);
 }
@@ -196,10 +196,10 @@ int accept_on_disk(const fs::path& disk, const fs::path& old_run, const fs::path
     return no_disk;
   GoldenStore store(disk, disk.string() + ".pending");
   if (!store.accept("Disk.Test", old_run)) return 3;
-  const std::string before = bytes_of(store.trace_file("Disk.Test"));
+  const std::string before = read_file(store.trace_file("Disk.Test"));
   const bool done = store.accept("Disk.Test", run).ok();
   if (!store.check_digest("Disk.Test")) return 2;
-  const bool left = bytes_of(store.trace_file("Disk.Test")) == before;
+  const bool left = read_file(store.trace_file("Disk.Test")) == before;
   return done && !left ? 0 : !done && left ? 1 : 2;
 }
 
@@ -229,7 +229,7 @@ TEST_F(GoldenDamage, SurvivesEveryDiskThatIsTooSmallForTheNewOne) {
 TEST_F(GoldenDamage, InAFolderThatMayNotBeWrittenSaysSo) {
   place_golden(SmallTrace());
   place_pending(changed());
-  const std::string before = bytes_of(store_.trace_file(name_));
+  const std::string before = read_file(store_.trace_file(name_));
   fs::permissions(folder_ / "golden",
                   fs::perms::owner_read | fs::perms::owner_exec | fs::perms::others_read | fs::perms::others_exec);
   const auto accept_as_nobody = [this] {
@@ -240,7 +240,7 @@ TEST_F(GoldenDamage, InAFolderThatMayNotBeWrittenSaysSo) {
   };
   EXPECT_EXIT(accept_as_nobody(), ExitedWithCode(1), "can't be written: Permission denied");
   fs::permissions(folder_ / "golden", fs::perms::owner_all);
-  EXPECT_TRUE(bytes_of(store_.trace_file(name_)) == before);
+  EXPECT_TRUE(read_file(store_.trace_file(name_)) == before);
 }
 
 }  // namespace

@@ -6,18 +6,15 @@
 
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
 
 #include "small_traces.h"
+#include "support/files.h"
 
 namespace rehearse::testing {
 
 namespace fs = std::filesystem;
 
-inline std::string bytes_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
+using test::read_file;
 
 inline void write(const fs::path& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
 
@@ -66,7 +63,7 @@ class GoldenFolder : public ::testing::Test {
     fs::create_directories(folder_ / "pending");
     run.write(store_.pending_file(name_));
   }
-  std::string digest() const { return bytes_of(store_.digest_file(name_)); }
+  std::string digest() const { return read_file(store_.digest_file(name_)); }
 
   TemporaryFolder folder_;
   GoldenStore store_;

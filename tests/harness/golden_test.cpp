@@ -12,12 +12,12 @@ namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::bytes_of;
 using ::testing::ElementsAre;
 using testing::Environment;
 using testing::GoldenFolder;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using testing::read_file;
 using testing::SmallTrace;
 using testing::write;
 
@@ -106,16 +106,16 @@ TEST_F(Golden, IsNeverMadeOfARunThatIsWrongByItself) {
   EXPECT_FALSE(settle(changed(), GoldenMode::create, options).passed);
   EXPECT_FALSE(store_.has(name_));
   place_golden(SmallTrace());
-  const std::string before = bytes_of(store_.trace_file(name_));
+  const std::string before = read_file(store_.trace_file(name_));
   EXPECT_FALSE(settle(changed(), GoldenMode::accept, options).passed);
-  EXPECT_EQ(bytes_of(store_.trace_file(name_)), before);
+  EXPECT_EQ(read_file(store_.trace_file(name_)), before);
 }
 
 TEST_F(Golden, ThatIsThereIsCheckedInModeNew) {
   place_golden(SmallTrace());
-  const std::string before = bytes_of(store_.trace_file(name_));
+  const std::string before = read_file(store_.trace_file(name_));
   EXPECT_FALSE(settle(changed(), GoldenMode::create).passed);
-  EXPECT_TRUE(bytes_of(store_.trace_file(name_)) == before);
+  EXPECT_TRUE(read_file(store_.trace_file(name_)) == before);
 }
 
 TEST_F(Golden, PassesTheSameRun) {
@@ -128,11 +128,11 @@ TEST_F(Golden, PassesTheSameRun) {
 
 TEST_F(Golden, OfAnotherRunFailsAndIsNotTouched) {
   place_golden(SmallTrace());
-  const std::string before = bytes_of(store_.trace_file(name_));
+  const std::string before = read_file(store_.trace_file(name_));
   const GoldenResult result = settle(changed());
   EXPECT_FALSE(result.passed);
-  EXPECT_TRUE(bytes_of(store_.trace_file(name_)) == before);
-  EXPECT_TRUE(bytes_of(store_.pending_file(name_)) == bytes_of(folder_ / "run.mcap"));
+  EXPECT_TRUE(read_file(store_.trace_file(name_)) == before);
+  EXPECT_TRUE(read_file(store_.pending_file(name_)) == read_file(folder_ / "run.mcap"));
   EXPECT_THAT(result.message, HasSubstr("differs at tick 1 (0.001 s): /Robot/Pd/output/joints KNEE/u"));
   EXPECT_THAT(result.message, HasSubstr("if it is right: rehearse golden accept " + name_));
 }
@@ -195,7 +195,7 @@ TEST_F(Golden, ClaimedTwiceWithOtherContentFails) {
 
 TEST_F(Golden, WithADigestThatDescribesSomethingElseFails) {
   place_golden(SmallTrace());
-  write(store_.digest_file(name_), bytes_of(store_.digest_file(name_)) + "\n");
+  write(store_.digest_file(name_), read_file(store_.digest_file(name_)) + "\n");
   const GoldenResult result = settle(SmallTrace());
   EXPECT_FALSE(result.passed);
   EXPECT_THAT(result.message, HasSubstr("the digest doesn't describe"));

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "choreonoid/import/import.h"
+#include "support/printed_by_name.h"
 
 namespace rehearse {
 namespace {
@@ -25,8 +26,6 @@ struct Broken {
   int line;          // of the first message
   const char* message;
 };
-
-void PrintTo(const Broken& broken, std::ostream* out) { *out << broken.name; }
 
 // clang-format off
 const Broken refused[] = {
@@ -80,8 +79,7 @@ TEST_P(BrokenProject, IsRefusedWithItsPlace) {
   EXPECT_EQ(first.line, GetParam().line) << to_string(first);
   EXPECT_THAT(to_string(first), ::testing::ContainsRegex(GetParam().message));
 }
-INSTANTIATE_TEST_SUITE_P(All, BrokenProject, ::testing::ValuesIn(refused),
-                         [](const auto& info) { return std::string(info.param.name); });
+INSTANTIATE_TEST_SUITE_P(All, BrokenProject, ::testing::ValuesIn(refused), test::by_name);
 
 class OddProject : public ::testing::TestWithParam<Broken> {};
 
@@ -94,8 +92,7 @@ TEST_P(OddProject, IsImportedWithARemark) {
   EXPECT_THAT(warnings, ::testing::ContainsRegex(std::string("project_") + GetParam().name + ".cnoid:" +
                                                  std::to_string(GetParam().line) + ": warning: " + GetParam().message));
 }
-INSTANTIATE_TEST_SUITE_P(All, OddProject, ::testing::ValuesIn(remarked),
-                         [](const auto& info) { return std::string(info.param.name); });
+INSTANTIATE_TEST_SUITE_P(All, OddProject, ::testing::ValuesIn(remarked), test::by_name);
 
 TEST(BrokenProjects, AreAllTested) {
   std::set<std::string> files, tested;

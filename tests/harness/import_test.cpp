@@ -7,6 +7,8 @@
 #include <fstream>
 
 #include "choreonoid/import/import.h"
+#include "support/files.h"
+#include "support/temporary_folder.h"
 
 namespace rehearse {
 namespace {
@@ -19,19 +21,14 @@ const fs::path project = fs::path(FIXTURES_DIR) / "projects" / "wagon.cnoid";
 
 class Import : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) / ::testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::create_directories(folder_);
-    options_.folder = folder_;
-  }
+  void SetUp() override { options_.folder = folder_.path(); }
   ImportedProject imported() {
     auto imported = import_project(project, options_);
     EXPECT_TRUE(imported.ok()) << to_string(imported.errors());
     return imported ? *std::move(imported) : ImportedProject();
   }
   ImportedProject imported(std::string from, const std::string& to) {
-    std::ifstream stream(project);
-    std::string text{std::istreambuf_iterator<char>(stream), {}};
+    std::string text = test::read_file(project);
     EXPECT_THAT(text, HasSubstr(from));
     text.replace(text.find(from), from.size(), to);
     auto imported = import_project_text(text, project, options_);
@@ -47,7 +44,7 @@ class Import : public ::testing::Test {
     return scenario ? *std::move(scenario) : Scenario();
   }
 
-  fs::path folder_;
+  const test::TemporaryFolder folder_;
   ImportOptions options_;
 };
 
@@ -138,7 +135,7 @@ TEST_F(Import, TellsOfEachItemWhatBecameOfIt) {
             "BodyItem Wagon: body Wagon: wagon.body, 6 links, 5 joints\n"
             "SimpleControllerItem Drive: controller Drive: " +
                 fs::weakly_canonical(project.parent_path() / "WagonController.so")
-                    .lexically_proximate(fs::weakly_canonical(folder_))
+                    .lexically_proximate(fs::weakly_canonical(folder_.path()))
                     .string() +
                 ", options '2 s'\n"
                 "BodyItem Floor: body Floor: floor.body, 2 links, 0 joints\n"

@@ -14,6 +14,8 @@ rehearse_add_test(log_test LABEL unit SHARDS 2
     log/ticks_test.cpp
     log/watch_test.cpp
   LIBRARIES Rehearse::logs Rehearse::testing JPEG::JPEG)
+# Logs of each form: the more, the more gaps and orders of their messages.
+target_compile_definitions(log_test PRIVATE LOGS=$<IF:$<BOOL:${REHEARSE_NIGHTLY}>,50,20>)
 add_dependencies(log_test CameraFollowerController RoverController SR1MinimumController ScoutController TankController TrotController)
 
 # A bag that others recorded isn't part of this repository, so without it the test is skipped.

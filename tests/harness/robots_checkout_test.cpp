@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 #include <rehearse/session.h>
 #include <rehearse/trace.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +15,8 @@
 #include <iostream>
 
 #include "core/simulation/plant.h"
+#include "support/printed_by_name.h"
+#include "support/temporary_folder.h"
 #include "world/initial_motion.h"
 
 namespace rehearse {
@@ -34,8 +35,6 @@ struct Robot {
   const char* file;     // below robots/ of the checkout
   double height = 0.0;  // of the root link at the beginning [m]
 };
-
-void PrintTo(const Robot& robot, std::ostream* out) { *out << robot.name; }
 
 constexpr Robot robots[] = {
     {"Talos", "humanoid", "talos_data/robots/talos_reduced.urdf", 1.2},
@@ -64,11 +63,7 @@ struct Figures {
 
 class PublicRobot : public testing::TestWithParam<Robot> {
  protected:
-  PublicRobot() : folder_(fs::path(testing::TempDir()) / ("rehearse_robot_" + std::to_string(getpid()))) {
-    fs::create_directories(folder_);
-    setenv("REHEARSE_CONTROLLER_PATH", TEST_CONTROLLERS, 1);
-  }
-  ~PublicRobot() override { fs::remove_all(folder_); }
+  PublicRobot() { setenv("REHEARSE_CONTROLLER_PATH", TEST_CONTROLLERS, 1); }
   void SetUp() override {
     if (checkout().empty()) GTEST_SKIP() << "there is no checkout of example-robot-data: -DREHEARSE_EXAMPLE_ROBOTS=DIR";
   }
@@ -97,7 +92,7 @@ class PublicRobot : public testing::TestWithParam<Robot> {
   void measure_moment(const WorldBody& body);
   void tell(const std::string& how, const WorldBody& body) const;
 
-  fs::path folder_;
+  const test::TemporaryFolder folder_;
   Figures figures_;
   double energy_ = 0.0, speed_ = 0.0;  // of the last moment
 };
@@ -185,8 +180,7 @@ TEST_P(PublicRobot, IsHeld) {
   EXPECT_LT(figures_.aside, 0.15);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, PublicRobot, testing::ValuesIn(robots),
-                         [](const auto& info) { return std::string(info.param.name); });
+INSTANTIATE_TEST_SUITE_P(All, PublicRobot, testing::ValuesIn(robots), test::by_name);
 
 }  // namespace
 }  // namespace rehearse

@@ -1,5 +1,6 @@
 // One mistake per file: fixtures/broken/scenario_*.yaml, each with the place and the text of its message.
 #include "scenario_files.h"
+#include "support/printed_by_name.h"
 
 #include <gmock/gmock.h>
 
@@ -14,9 +15,6 @@ struct Broken {
   int column;
   const char* message;  // an extended regular expression found in it, hint included
 };
-
-// The test's name in ctest.
-void PrintTo(const Broken& broken, std::ostream* out) { *out << broken.name; }
 
 // clang-format off
 const Broken all_broken[] = {
@@ -338,8 +336,7 @@ TEST_P(BrokenScenario, HasNoOtherMistake) {
     EXPECT_NE(result.errors()[i].file, result.errors()[0].file) << mistakes(result);
 }
 
-INSTANTIATE_TEST_SUITE_P(Files, BrokenScenario, ::testing::ValuesIn(all_broken),
-                         [](const auto& parameter) { return std::string(parameter.param.name); });
+INSTANTIATE_TEST_SUITE_P(Files, BrokenScenario, ::testing::ValuesIn(all_broken), test::by_name);
 
 TEST(BrokenScenarios, AreAllInTheTable) {
   std::set<std::string> listed;

@@ -4,47 +4,28 @@
 #include <rehearse/scenario.h>
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <string>
+
+#include "support/files.h"
+#include "support/temporary_folder.h"
 
 namespace rehearse {
 
 inline const std::filesystem::path fixtures = FIXTURES_DIR;
 
-/// A folder for this process alone; removed when it ends.
-class TemporaryFolder {
- public:
-  TemporaryFolder() : path_(std::filesystem::path(::testing::TempDir()) / ("rehearse_" + std::to_string(getpid()))) {}
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
+using test::read_file;
 
 /// A file path for the running test alone.
 inline std::filesystem::path write_file(const std::string& name, const std::string& text) {
-  static const TemporaryFolder temporary;
+  static const test::TemporaryFolder temporary;
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
   const std::filesystem::path folder = temporary.path() / test->name();
   std::filesystem::create_directories(folder);
   std::ofstream(folder / name, std::ios::binary) << text;
   return folder / name;
-}
-
-inline std::string read_file(const std::filesystem::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
 }
 
 inline Result<Scenario> load_text(const std::string& text) { return Scenario::load(write_file("test.yaml", text)); }

@@ -7,7 +7,6 @@
 #include <rehearse/messages.h>
 #include <rehearse/trace.h>
 
-#include <unistd.h>
 #include <array>
 #include <cstring>
 #include <filesystem>
@@ -18,28 +17,13 @@
 #include <vector>
 
 #include "picture/picture.h"
+#include "support/temporary_folder.h"
 
 namespace rehearse::testing {
 
 inline constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 
-/// A folder for the test alone; removed with the object.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    path_ = std::filesystem::temp_directory_path() /
-            ("rehearse_" + std::to_string(getpid()) + "_" + info->test_suite_name() + "." + info->name());
-    std::filesystem::remove_all(path_);
-    std::filesystem::create_directories(path_);
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
+using test::TemporaryFolder;
 
 /// All values of one tick.
 struct SmallTick {

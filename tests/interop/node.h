@@ -7,9 +7,11 @@
 #include <filesystem>
 #include <string>
 
-#include "run.h"
+#include "support/shell.h"
 
 namespace rehearse::test {
+
+namespace fs = std::filesystem;
 
 /// The test is skipped without node or the packages.
 class NodeTest : public ::testing::Test {

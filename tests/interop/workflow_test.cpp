@@ -2,9 +2,9 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
-#include <sstream>
 
 #include "node.h"
+#include "support/files.h"
 
 namespace rehearse::test {
 namespace {
@@ -18,8 +18,13 @@ class Workflow : public NodeTest {
 };
 
 TEST_F(Workflow, OfThisRepositoryIsValid) {
-  const Output found = check(ours_);
-  EXPECT_EQ(found.status, 0) << found.text;
+  int workflows = 0;
+  for (const auto& file : fs::directory_iterator(ours_.parent_path())) {
+    const Output found = check(file.path());
+    EXPECT_EQ(found.status, 0) << found.text;
+    ++workflows;
+  }
+  EXPECT_EQ(workflows, 2) << "of each push, and of each night";
 }
 
 TEST_F(Workflow, OfANewProjectIsValid) {
@@ -28,9 +33,7 @@ TEST_F(Workflow, OfANewProjectIsValid) {
 }
 
 TEST_F(Workflow, WithAMistakeIsReported) {
-  std::ostringstream text;
-  text << std::ifstream(ours_).rdbuf();
-  std::string wrong = text.str();
+  std::string wrong = read_file(ours_);
   wrong.replace(wrong.find("runs-on"), 7, "runs_on");
   std::ofstream(file_) << wrong;
   const Output found = check(file_);

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "../interop/run.h"
+#include "support/shell.h"
 
 namespace rehearse {
 namespace {

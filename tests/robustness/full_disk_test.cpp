@@ -38,7 +38,7 @@ class FullDisk : public ::testing::Test {
   /// The remaining file of a recording that couldn't continue.
   void examine_rest(const fs::path& trace) const { save_what_is_left(trace, folder() / "saved.mcap"); }
 
-  Scratch scratch_;
+  TemporaryFolder scratch_;
   CallCounter counter_;
 };
 

@@ -1,6 +1,8 @@
 // Hostile and clumsy controllers: however one ends its process, the run ends soon, its message names controller,
-// function and tick, and its recording is whole and has all ticks before the failure. The page contribute/robustness_tests.md has the table.
+// function and tick, and its recording is whole and has all ticks before the failure. The page
+// contribute/robustness_tests.md has the table.
 #include "command.h"
+#include "support/printed_by_name.h"
 
 #include <gmock/gmock.h>
 
@@ -51,8 +53,6 @@ struct Deed {
   End end;
   const char* words = "";  // of the message
 };
-void PrintTo(const Deed& deed, std::ostream* stream) { *stream << deed.name; }
-
 class Guests : public Command, public ::testing::WithParamInterface<Deed> {
  protected:
   Outcome record() {
@@ -132,7 +132,7 @@ INSTANTIATE_TEST_SUITE_P(
         Deed{"cut_trace", End::trace_changed, "the trace while it was written"},
         Deed{"replace_trace", End::trace_changed, "deleted the trace"},
         Deed{"write_into_trace", End::trace_changed, "has written into the trace"}),
-    [](const auto& deed) { return std::string(deed.param.name); });
+    test::by_name);
 
 TEST_P(Guests, EndTheRunSoonWithItsRecordingWhole) {
   const Outcome outcome = record();

@@ -21,7 +21,7 @@ constexpr std::int64_t a_second = 1000 + 1;  // ticks: a second of simulation, a
 
 int kills() {
   const char* text = std::getenv("REHEARSE_KILLS");
-  return text == nullptr ? 40 : std::max(1, std::atoi(text));
+  return text == nullptr ? 21 : std::max(1, std::atoi(text));
 }
 
 /// The results of all recordings.
@@ -102,7 +102,7 @@ class Kill : public ::testing::Test {
   /// Kills recordings of several speeds.
   Figures kill_recordings(Victim victim, std::int64_t most_lost);
 
-  Scratch scratch_;
+  TemporaryFolder scratch_;
   CallCounter counter_;
   std::mt19937 random_{20261120};
 };

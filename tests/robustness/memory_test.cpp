@@ -29,7 +29,7 @@ TEST(Memory, OfARecordingDoesNotGrowWithItsLength) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "the sanitizer keeps memory of its own";
 #endif
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   const CallCounter counter(scratch.path() / "calls");
   const fs::path scenario = scratch.path() / "pendulum.yaml", trace = scratch.path() / "run.mcap";
   write_pendulum(scenario, scratch.path() / "calls", 20);
@@ -56,7 +56,7 @@ TEST(Memory, OfAComparisonOrAPartDoesNotGrowWithTheLength) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "the sanitizer keeps memory of its own";
 #endif
-  const Scratch scratch;
+  const TemporaryFolder scratch;
   const CallCounter counter(scratch.path() / "calls");
   const auto record = [&](int hinge, const std::string& seconds) {
     const fs::path scenario = scratch.path() / "pendulum.yaml";

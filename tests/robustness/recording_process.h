@@ -23,36 +23,12 @@
 
 #include "core/mcap/recover.h"
 #include "core/trace/trace_doctor.h"
+#include "support/files.h"
+#include "support/temporary_folder.h"
 
 namespace rehearse::test {
 
 namespace fs = std::filesystem;
-
-/// A folder for the test alone; removed with the object.
-class Scratch {
- public:
-  Scratch() {
-    std::string pattern = (fs::temp_directory_path() / "rehearse_robustness_XXXXXX").string();
-    EXPECT_NE(mkdtemp(pattern.data()), nullptr);
-    path_ = pattern;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
-inline std::string read_file(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 /// The number of calls of a controller in the other process: see controllers/ticking.cpp.
 class CallCounter {

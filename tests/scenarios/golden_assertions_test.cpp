@@ -8,10 +8,10 @@
 #include <filesystem>
 #include <fstream>
 #include <iomanip>
-#include <iterator>
 
 #include "core/check/noise_floor.h"
 #include "small_traces.h"
+#include "support/files.h"
 
 namespace rehearse {
 namespace {
@@ -230,8 +230,7 @@ TEST_F(GoldenAssertion, StandsInTheReportThatCiReads) {
   const std::string line =
       "cd '" + folder_.path().string() + "' && '" FAILING_ASSERTION "' --gtest_output=xml:report.xml > out.txt 2>&1";
   EXPECT_NE(std::system(line.c_str()), 0);
-  std::ifstream stream(folder_ / "report.xml");
-  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  const std::string text = test::read_file(folder_ / "report.xml");
   EXPECT_THAT(text, HasSubstr("<failure message="));
   EXPECT_THAT(text, HasSubstr("differs at tick 0 (0 s): /Box/Box/pose position/z is 1.01 m, expected 1 m"));
   EXPECT_THAT(text, HasSubstr("look at it: rehearse golden review Box.Falls"));

@@ -2,10 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest-spi.h>
 #include <rehearse/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
+
+#include "support/temporary_folder.h"
 
 namespace {
 
@@ -14,14 +15,7 @@ using ::testing::HasSubstr;
 
 class PassRate : public ::testing::Test {
  protected:
-  PassRate() {
-    fs::create_directories(folder_);
-    rehearse::set_test_folders({folder_.string(), "", (folder_ / "output").string(), ""});
-  }
-  ~PassRate() override {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
+  PassRate() { rehearse::set_test_folders({folder_.path().string(), "", (folder_ / "output").string(), ""}); }
 
   /// A box falls 20 ms from a height of 0.2 m to 1 m: it must be above that limit.
   std::string box(double limit) const {
@@ -38,7 +32,7 @@ vary:
     return "box.yaml";
   }
 
-  const fs::path folder_ = fs::path(::testing::TempDir()) / ("rehearse_pass_rate_" + std::to_string(getpid()));
+  const rehearse::test::TemporaryFolder folder_;
 };
 
 TEST_F(PassRate, IsThatOfTheCases) {

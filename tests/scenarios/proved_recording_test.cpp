@@ -6,13 +6,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <stdexcept>
 
 #include "core/mcap/hashing.h"
 #include "core/trace/filter.h"
 #include "gtest/testing/test_recordings.h"
 #include "small_traces.h"
+#include "support/files.h"
 #include "swinging_arm.h"
 
 namespace rehearse {
@@ -51,18 +51,13 @@ class ProvedRecording : public ::testing::Test {
   internal::TestVerdict match(const Trace& trace) { return internal::match_golden(trace, test()); }
   fs::path golden() const { return folder_ / "golden" / (test() + ".mcap"); }
 
-  static std::string bytes_of(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
-
   testing::TemporaryFolder folder_;
 };
 
 TEST_F(ProvedRecording, IsACopyOfTheGolden) {
   const Trace proved = swing();
   EXPECT_TRUE(internal::is_proved(proved));
-  EXPECT_EQ(bytes_of(proved.file()), bytes_of(golden()));
+  EXPECT_EQ(test::read_file(proved.file()), test::read_file(golden()));
   const internal::TestVerdict verdict = match(proved);
   EXPECT_TRUE(verdict.passed) << verdict.message;
 }

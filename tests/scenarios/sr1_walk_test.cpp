@@ -44,18 +44,19 @@ TEST(SR1Walk, RepeatsItsCommandsWithoutPhysics) {
   EXPECT_REPLAYS("SR1Walk.WalksByVelocity");
 }
 
-/// Walks of 20 s from starts that differ by last bits, in turns by each mode of the campaign. Under a sanitizer a walk
-/// takes four times as long: one per mode.
-void expect_all_upright(const std::string& campaign, int starts) {
+/// Walks of 20 s from starts that differ by last bits, in turns by each mode of the campaign. Under a sanitizer, where
+/// a walk takes four times as long, it is one per mode on the flat floor, and one elsewhere: a mode is other code, a
+/// slope other numbers.
+void expect_all_upright(const std::string& campaign, int starts, [[maybe_unused]] int starts_under_a_sanitizer = 1) {
 #ifdef __SANITIZE_ADDRESS__
-  starts = 3;
+  starts = starts_under_a_sanitizer;
 #endif
   const rehearse::SweepResult result = rehearse::sweep(campaign, {starts, 1});
   EXPECT_EQ(result.passed, starts) << result.verdict << "\n" << result.failures;
   EXPECT_TRUE(result.repeats);
 }
 
-TEST(SR1Walk, StandsUprightAfter20SecondsOnAFlatFloor) { expect_all_upright("campaigns/walk.yaml", 6); }
+TEST(SR1Walk, StandsUprightAfter20SecondsOnAFlatFloor) { expect_all_upright("campaigns/walk.yaml", 6, 3); }
 TEST(SR1Walk, StandsUprightAfter20SecondsOnASlope) { expect_all_upright("campaigns/walk_slope.yaml", 6); }
 TEST(SR1Walk, StandsUprightAfter20SecondsAndAPush) { expect_all_upright("campaigns/walk_push.yaml", 4); }
 

@@ -8,13 +8,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "gtest/testing/test_reports.h"
 #include "small_traces.h"
+#include "support/files.h"
 #include "swinging_arm.h"
 
 namespace rehearse {
@@ -26,10 +26,7 @@ using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-std::string text_of(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return std::string(std::istreambuf_iterator<char>(stream), {});
-}
+using test::read_file;
 
 /// A box that falls for 50 ms, a golden of it, and a page that needs no npm.
 class TestReports : public ::testing::Test {
@@ -71,9 +68,9 @@ TEST_F(TestReports, OfATestThatFailsIsNamedByItsFailure) {
   EXPECT_THAT(verdict.message,
               ContainsRegex(
                   "\nin a browser: file:///.*/traces/Box.Lands.html#tick=0\nall tests: file:///.*/traces/index.html$"));
-  EXPECT_THAT(text_of(traces("Box.Lands.html")),
+  EXPECT_THAT(read_file(traces("Box.Lands.html")),
               AllOf(HasSubstr("a report of Rehearse"), HasSubstr("\"state\":\"beyond\""), HasSubstr("\"levels\"")));
-  const std::string index = text_of(traces("index.html"));
+  const std::string index = read_file(traces("index.html"));
   EXPECT_THAT(index, HasSubstr("<h1>1 of 2 tests failed</h1>"));
   EXPECT_THAT(index, HasSubstr("<a href=\"Box.Lands.html#tick=0\">Box.Lands</a>"));
   EXPECT_THAT(index, HasSubstr("/Box/Box/pose"));
@@ -85,15 +82,15 @@ TEST_F(TestReports, AreNotMadeOfTestsThatPass) {
   EXPECT_FALSE(std::filesystem::exists(traces("index.html")));
   setenv("REHEARSE_REPORT", "always", 1);
   EXPECT_TRUE(internal::match_golden(fall(1.0), "Box.Falls").passed);
-  EXPECT_THAT(text_of(traces("Box.Falls.html")), HasSubstr("\"state\":\"equal\""));
-  EXPECT_THAT(text_of(traces("index.html")), HasSubstr("<h1>0 of 1 test failed"));
+  EXPECT_THAT(read_file(traces("Box.Falls.html")), HasSubstr("\"state\":\"equal\""));
+  EXPECT_THAT(read_file(traces("index.html")), HasSubstr("<h1>0 of 1 test failed"));
 }
 
 TEST_F(TestReports, GoWhenTheirTestIsRightAgain) {
   EXPECT_FALSE(internal::match_golden(fall(1.01), "Box.Falls").passed);
   EXPECT_TRUE(internal::match_golden(fall(1.0), "Box.Falls").passed);
   EXPECT_FALSE(std::filesystem::exists(traces("Box.Falls.html")));
-  EXPECT_THAT(text_of(traces("index.html")), AllOf(HasSubstr("<h1>0 of 1 test failed"), Not(HasSubstr("href"))));
+  EXPECT_THAT(read_file(traces("index.html")), AllOf(HasSubstr("<h1>0 of 1 test failed"), Not(HasSubstr("href"))));
 }
 
 TEST_F(TestReports, AreNotMadeIfNobodyWantsThem) {
@@ -106,7 +103,7 @@ TEST_F(TestReports, SayWhatIsMissingIfThePageIs) {
   setenv("REHEARSE_REPORT_PAGE", (folder_ / "missing.html").c_str(), 1);
   const TestVerdict verdict = internal::match_golden(fall(1.01), "Box.Falls");
   EXPECT_THAT(verdict.message, HasSubstr("\nthere is no report to look at: the page of reports can't be read"));
-  EXPECT_THAT(text_of(traces("index.html")), AllOf(HasSubstr("Box.Falls"), Not(HasSubstr("href"))));
+  EXPECT_THAT(read_file(traces("index.html")), AllOf(HasSubstr("Box.Falls"), Not(HasSubstr("href"))));
 }
 
 TEST_F(TestReports, ShowAReplayThatDiffersBesideItsGolden) {
@@ -125,22 +122,22 @@ TEST_F(TestReports, ShowAReplayThatDiffersBesideItsGolden) {
   EXPECT_THAT(verdict.message, HasSubstr("commands differ in 430 of 500 ticks, first at tick 70"));
   EXPECT_THAT(verdict.message, ContainsRegex("\nin a browser: file:///.*/traces/Arm.Repeats.replay.html#tick=70\n"
                                              "all tests: file:///.*/traces/index.html$"));
-  EXPECT_THAT(text_of(traces("Arm.Repeats.replay.html")), HasSubstr("commands differ in 430 of 500 ticks"));
-  EXPECT_THAT(text_of(traces("index.html")),
+  EXPECT_THAT(read_file(traces("Arm.Repeats.replay.html")), HasSubstr("commands differ in 430 of 500 ticks"));
+  EXPECT_THAT(read_file(traces("index.html")),
               ContainsRegex("<tr class=\"differs\">.*Arm.Repeats</a><br><small>replay</small>"));
 }
 
 TEST_F(TestReports, ListAllKindsOfTestsFailedOnesFirst) {
   EXPECT_TRUE(internal::match_golden(fall(1.0), "Box.Falls").passed);
   std::ofstream(folder_ / "expecting.yaml")
-      << text_of(folder_ / "fall.yaml") << "expect: [{channel: Box/Box/position/z, above: 2}]\n";
+      << read_file(folder_ / "fall.yaml") << "expect: [{channel: Box/Box/position/z, above: 2}]\n";
   const Trace low = record("expecting.yaml");
   const TestVerdict violated = internal::hold_expectations(low, "Box.IsHigh");
   EXPECT_THAT(violated.message, ContainsRegex("\nin a browser: file:///.*/traces/Box.IsHigh.expectations.html#tick=0\n"
                                               "all tests: file:///.*/traces/index.html$"));
   EXPECT_FALSE(internal::replay_golden("Box.Falls", "Box.Repeats").passed) << "it has no controllers";
   EXPECT_THROW(internal::record_for_test("missing.yaml", "Box.Starts"), std::runtime_error);
-  const std::string index = text_of(traces("index.html"));
+  const std::string index = read_file(traces("index.html"));
   EXPECT_THAT(index, HasSubstr("<h1>3 of 4 tests failed</h1>"));
   EXPECT_THAT(index, ContainsRegex("<tr class=\"failed\">.*Box.Repeats<br><small>replay</small>.*no controller"));
   EXPECT_THAT(index, ContainsRegex("<tr class=\"failed\">.*Box.Starts<br><small>run</small>.*missing.yaml"));
@@ -153,7 +150,7 @@ TEST_F(TestReports, ListAllKindsOfTestsFailedOnesFirst) {
 
 TEST_F(TestReports, ShowTheRobotWhereItDiffersFirst) {
   EXPECT_FALSE(internal::match_golden(fall(1.01), "Box.Lands").passed);
-  const std::string index = text_of(traces("index.html")), begin = "src=\"data:image/png;base64,";
+  const std::string index = read_file(traces("index.html")), begin = "src=\"data:image/png;base64,";
   const std::size_t at = index.find(begin);
   ASSERT_NE(at, std::string::npos);
   EXPECT_THAT(index, HasSubstr("<img alt=\"the robot at tick 0\""));
@@ -165,11 +162,11 @@ TEST_F(TestReports, ShowTheRobotWhereItDiffersFirst) {
 TEST_F(TestReports, OfARunThatDidNotBeginGoWhenItRuns) {
   std::filesystem::remove(folder_ / "fall.yaml");
   EXPECT_THROW(internal::record_for_test("fall.yaml", "Box.Starts"), std::runtime_error);
-  EXPECT_THAT(text_of(traces("index.html")), HasSubstr("Box.Starts"));
+  EXPECT_THAT(read_file(traces("index.html")), HasSubstr("Box.Starts"));
   fall(1.0);
   internal::record_for_test("fall.yaml", "Box.Starts");
   EXPECT_FALSE(internal::match_golden(fall(1.01), "Box.Lands").passed);
-  EXPECT_THAT(text_of(traces("index.html")), Not(HasSubstr("Box.Starts")));
+  EXPECT_THAT(read_file(traces("index.html")), Not(HasSubstr("Box.Starts")));
 }
 
 TEST_F(TestReports, OfManyProgramsAtOnceAreAllListed) {
@@ -194,7 +191,7 @@ TEST_F(TestReports, OfManyProgramsAtOnceAreAllListed) {
     EXPECT_EQ(waitpid(child, &status, 0), child);
     EXPECT_EQ(status, 0);
   }
-  const std::string index = text_of(traces("index.html"));
+  const std::string index = read_file(traces("index.html"));
   for (int program = 0; program < programs; ++program)
     for (int test = 0; test < tests; ++test)
       EXPECT_THAT(index, HasSubstr(">Program" + std::to_string(program) + ".Test" + std::to_string(test) + "</a>"));

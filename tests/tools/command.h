@@ -9,9 +9,11 @@
 #include <fstream>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <vector>
+
+#include "support/files.h"
+#include "support/shell.h"
 
 namespace rehearse::test {
 
@@ -21,18 +23,6 @@ inline const fs::path fixtures = FIXTURES_DIR;
 inline const fs::path sr1_scenario = fixtures / "scenarios/sr1_minimum.yaml";
 inline const fs::path box_scenario = fixtures / "scenarios/drop_box.yaml";
 inline const fs::path command = REHEARSE_COMMAND;
-
-inline std::string read_file(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
-
-inline std::string quoted(const std::string& word) {
-  std::string text = "'";
-  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
-}
 
 /// The result of a command.
 struct Outcome {

@@ -45,11 +45,7 @@ std::string arrival(int tick, const std::string& place, const std::string& of = 
 class Gdb : public Command {
  protected:
   void SetUp() override {
-    const std::string traced = "gdb -nx -batch -ex run -ex 'info program' --args true 2>&1";
-    FILE* output = popen(traced.c_str(), "r");
-    std::string said;
-    for (int c; (c = std::fgetc(output)) != EOF;) said += static_cast<char>(c);
-    pclose(output);
+    const std::string said = test::run("gdb -nx -batch -ex run -ex 'info program' --args true").text;
     if (said.find("exited normally") == std::string::npos)
       GTEST_SKIP() << "gdb is not installed, or may trace nothing here: " << said;
   }

@@ -1,5 +1,6 @@
 // rehearse replay of a robot's log: the log is a golden, which is an ordinary ROS 2 bag.
 #include "command.h"
+#include "support/files.h"
 
 #include <gmock/gmock.h>
 #include <rehearse/trace.h>
@@ -98,8 +99,7 @@ TEST_F(ReplayLog, NamesTheTimeIfTheCommandsAgreeATickLater) {
 
 TEST_F(ReplayLog, WritesAScenarioThatBeginsAsTheLogDid) {
   done(tank({"--scenario", "monday.yaml"}));
-  std::ifstream stream(folder() / "monday.yaml");
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  const std::string text = read_file(folder() / "monday.yaml");
   EXPECT_THAT(text, StartsWith("# Begins as the log tank_log.mcap: the posture of its first tick, its joystick.\n"));
   EXPECT_THAT(text, HasSubstr("pushes"));
   EXPECT_THAT(done({"record", "monday.yaml", "-o", "monday.mcap", "--duration", "0.1"}).err, Not(HasSubstr("error")));

@@ -9,6 +9,7 @@
 
 #include "mutilate.h"
 #include "standing_robot.h"
+#include "support/printed_by_name.h"
 
 namespace rehearse {
 namespace {
@@ -27,8 +28,6 @@ struct Fault {
   std::optional<Edit> edit = {};
   Broken loop = Broken::nothing;
 };
-void PrintTo(const Fault& fault, std::ostream* stream) { *stream << fault.name; }
-
 constexpr LevelState equal = LevelState::equal, differs = LevelState::differs, skipped = LevelState::skipped;
 
 Fault controller_fault(const char* name, const char* library) {

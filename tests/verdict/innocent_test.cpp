@@ -22,7 +22,7 @@ class Innocents : public ::testing::Test {
   }
   /// The scenario with the entries of `bodies:` in the opposite order.
   void reverse_bodies() const {
-    const std::string text = robot_.read(robot_.file("scenario.yaml"));
+    const std::string text = test::read_file(robot_.file("scenario.yaml"));
     const std::size_t begin = text.find("bodies:\n") + 8, end = text.find("noise:\n");
     std::vector<std::string> entries;
     for (std::size_t at = begin; at < end;) {
@@ -36,7 +36,7 @@ class Innocents : public ::testing::Test {
   }
   /// The robot's model with its joints in the opposite order.
   void reverse_joints() const {
-    const std::string text = robot_.read(robot_.file("sr1.urdf"));
+    const std::string text = test::read_file(robot_.file("sr1.urdf"));
     const std::regex joint(R"(  <joint name=[^]*?</joint>\n)");
     std::vector<std::string> joints;
     for (std::sregex_iterator it(text.begin(), text.end(), joint), end; it != end; ++it)
@@ -103,7 +103,7 @@ bodies:
   - {name: Right, box: {size: [0.2, 0.2, 0.2]}, mass: 1, position: [0, -1.5, 0.25]}
 )");
   robot_.record_golden();
-  std::string text = robot_.read(robot_.file("scenario.yaml"));
+  std::string text = test::read_file(robot_.file("scenario.yaml"));
   const std::size_t left = text.find("  - {name: Left"), right = text.find("  - {name: Right");
   robot_.write("scenario.yaml", text.substr(0, left) + text.substr(right) + text.substr(left, right - left));
   const CheckReport report = checked();

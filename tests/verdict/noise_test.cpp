@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -14,6 +13,8 @@
 #include <vector>
 
 #include "core/check/noise_floor.h"
+#include "support/printed_by_name.h"
+#include "support/temporary_folder.h"
 
 namespace rehearse {
 namespace {
@@ -51,27 +52,18 @@ class Table : public ::testing::Environment {
 const ::testing::Environment* const table = ::testing::AddGlobalTestEnvironment(new Table);
 
 struct Fixture {
-  const char* scenario;
+  const char* name;  // of the scenario
   /// True if any contact slips, so that friction matters: without slipping, 20 % less friction has no effect.
   bool slips = true;
   /// The link that becomes heavier; empty: the heaviest. An arm with position-controlled joints moves as before.
   const char* link = nullptr;
   double share = 1.0;  // of the time
 };
-void PrintTo(const Fixture& fixture, std::ostream* stream) { *stream << fixture.scenario; }
 
 class Noise : public ::testing::TestWithParam<Fixture> {
  protected:
-  Noise() : folder_(fs::path(::testing::TempDir()) / fmt::format("rehearse_noise_{}", getpid())) {
-    fs::create_directories(folder_);
-  }
-  ~Noise() override {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-
   Scenario scenario() const {
-    auto loaded = Scenario::load(fs::path(FIXTURES_DIR) / "scenarios" / fmt::format("{}.yaml", GetParam().scenario));
+    auto loaded = Scenario::load(fs::path(FIXTURES_DIR) / "scenarios" / fmt::format("{}.yaml", GetParam().name));
     EXPECT_TRUE(loaded) << to_string(loaded.errors());
     loaded->duration = NOISE_SECONDS * GetParam().share;
     return *std::move(loaded);
@@ -95,7 +87,7 @@ class Noise : public ::testing::TestWithParam<Fixture> {
     return compare(recording, loaded(folder_ / "fault.mcap"), scenario.tolerances, what);
   }
 
-  fs::path folder_;
+  const test::TemporaryFolder folder_;
 };
 
 bool is_speed(const std::string& unit) { return unit == "m/s" || unit == "rad/s"; }
@@ -192,14 +184,14 @@ TEST_P(Noise, IsWithinToleranceAndFarBelowFaults) {
   Table::rows().push_back(row);
 }
 
-// sr1_minimum is sr1_standing with cameras: pictures take long, so its ten seconds are left to the other.
+// sr1_minimum is sr1_standing with cameras: pictures take long, so most of its seconds are left to the other.
 INSTANTIATE_TEST_SUITE_P(Of, Noise,
                          ::testing::Values(Fixture{"camera_follower", false}, Fixture{"drop_box"},
                                            Fixture{"mesh_arm", true, "Block"}, Fixture{"parent_and_child"},
                                            Fixture{"playback"}, Fixture{"quadruped"}, Fixture{"room", false},
                                            Fixture{"rover"}, Fixture{"sr1_minimum", true, nullptr, 0.3},
                                            Fixture{"sr1_squat"}, Fixture{"sr1_standing"}, Fixture{"tank"}),
-                         [](const auto& of) { return std::string(of.param.scenario); });
+                         test::by_name);
 
 }  // namespace
 }  // namespace rehearse

@@ -32,7 +32,7 @@ class FixtureProof : public ::testing::TestWithParam<std::string> {
 std::vector<std::string> scenarios_with_golden() {
   std::vector<std::string> names;
   for (const fs::directory_entry& entry : fs::directory_iterator(FIXTURES_DIR "/scenarios"))
-    if (StandingRobot::read(entry.path()).find("\ngolden: ") != std::string::npos)
+    if (test::read_file(entry.path()).find("\ngolden: ") != std::string::npos)
       names.push_back(entry.path().stem().string());
   std::sort(names.begin(), names.end());
   return names;

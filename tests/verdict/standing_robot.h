@@ -8,13 +8,13 @@
 
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
 #include <set>
 #include <string>
 
 #include "core/golden/state_samples.h"
 #include "core/trace/filter.h"
 #include "small_traces.h"
+#include "support/files.h"
 
 namespace rehearse {
 
@@ -71,18 +71,14 @@ class StandingRobot {
     setenv("REHEARSE_CONTROLLER_PATH", VERDICT_CONTROLLERS, 1);
     write("watcher.urdf", watcher_urdf);
     write("scenario.yaml", standing_yaml);
-    write("sr1.urdf", read(FIXTURES_DIR "/models/sr1.urdf"));
+    write("sr1.urdf", test::read_file(FIXTURES_DIR "/models/sr1.urdf"));
   }
 
-  static std::string read(const std::filesystem::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
   void write(const std::string& file, const std::string& text) const {
     std::ofstream(folder_ / file, std::ios::binary) << text;
   }
   void apply(const Edit& edit) const {
-    std::string text = read(folder_ / edit.file);
+    std::string text = test::read_file(folder_ / edit.file);
     const std::size_t at = text.find(edit.from);
     ASSERT_NE(at, std::string::npos) << edit.from << " is not in " << edit.file;
     write(edit.file, text.replace(at, std::string(edit.from).size(), edit.to));

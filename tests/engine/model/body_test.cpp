@@ -8,7 +8,7 @@
 #include <fstream>
 #include <numbers>
 
-#include "test_folder.h"
+#include "support/temporary_folder.h"
 
 namespace rehearse {
 namespace {
@@ -321,7 +321,7 @@ links:
   }
   void write(const char* name, const std::string& text) { std::ofstream(folder_.path() / name) << text; }
 
-  TestFolder folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(BodyOfFiles, JoinsItsSubBodies) {

@@ -15,7 +15,8 @@
 
 #include "../meshes.h"
 #include "mesh/triangle_soup.h"
-#include "test_folder.h"
+#include "support/files.h"
+#include "support/temporary_folder.h"
 
 namespace rehearse {
 namespace {
@@ -215,7 +216,7 @@ TEST(ConvexParts, OfThisVersionHaveThisHash) {
 }
 
 TEST(HullStore, GivesThePartsThatWereComputed) {
-  const TestFolder folder;
+  const test::TemporaryFolder folder;
   const HullStore store(folder.path() / "parts");
   const auto first = convex_parts(channel(), store);
   ASSERT_EQ(files_in(folder.path() / "parts").size(), 1u);
@@ -225,7 +226,7 @@ TEST(HullStore, GivesThePartsThatWereComputed) {
 }
 
 TEST(HullStore, IsAskedBeforePartsAreComputed) {
-  const TestFolder folder;
+  const test::TemporaryFolder folder;
   const HullStore store(folder.path());
   store.keep(object_of(channel(), 0), parts_of(angle()).hulls);
   EXPECT_EQ(convex_parts(channel(), store)->hulls.size(), 2u);
@@ -235,13 +236,11 @@ TEST(HullStore, IsAskedBeforePartsAreComputed) {
 }
 
 TEST(HullStore, OfDamagedFilesIsEmpty) {
-  const TestFolder folder;
+  const test::TemporaryFolder folder;
   const HullStore store(folder.path());
   const auto parts = convex_parts(channel(), store);
   const std::filesystem::path file = files_in(folder.path()).at(0);
-  std::stringstream content;
-  content << std::ifstream(file, std::ios::binary).rdbuf();
-  const std::string whole = content.str();
+  const std::string whole = test::read_file(file);
   std::string changed = whole;
   changed[9] ^= 1;
   for (const std::string& bytes : {changed, whole.substr(0, 100), whole.substr(8), std::string(), whole + "01234567"}) {
@@ -253,7 +252,7 @@ TEST(HullStore, OfDamagedFilesIsEmpty) {
 }
 
 TEST(HullStore, ThatCannotBeWrittenIsDoneWithout) {
-  const TestFolder folder;
+  const test::TemporaryFolder folder;
   const HullStore store(folder.write("a_file", "") / "parts");
   expect_same(*convex_parts(channel(), store), parts_of(channel()));
 }
@@ -274,7 +273,7 @@ class PlaceOfHullStore : public ::testing::Test {
     (void)convex_parts(channel(), HullStore::of_user());
     return std::filesystem::is_directory(folder / "convex-parts");
   }
-  const TestFolder folder_;
+  const test::TemporaryFolder folder_;
 
  private:
   std::map<const char*, std::optional<std::string>> before_;

@@ -17,7 +17,7 @@ SharedMesh shared(const std::filesystem::path& file, const Eigen::Vector3d& scal
 }
 
 TEST(MeshCache, ReadsAMeshOnceForAllWhoHoldIt) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   const std::filesystem::path file = folder.write("a/b.stl", stl("", {0, 0, 1}));
   std::filesystem::create_symlink(file, folder.path() / "link.stl");
   const std::uint64_t before = meshes_read();
@@ -30,7 +30,7 @@ TEST(MeshCache, ReadsAMeshOnceForAllWhoHoldIt) {
 }
 
 TEST(MeshCache, KeepsScalesAndFilesOfOneNameApart) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   const std::filesystem::path one = folder.write("left/a.stl", stl("", {0, 0, 1}));
   const std::filesystem::path other = folder.write("right/a.stl", stl("", {0, 0, 1}, 2));
   const SharedMesh first = shared(one), second = shared(other), third = shared(one, {2, 1, 1});
@@ -40,7 +40,7 @@ TEST(MeshCache, KeepsScalesAndFilesOfOneNameApart) {
 }
 
 TEST(MeshCache, ForgetsWhatNobodyHolds) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   const std::filesystem::path file = folder.write("a.stl", stl("", {0, 0, 1}));
   const std::uint64_t before = meshes_read();
   shared(file);
@@ -49,7 +49,7 @@ TEST(MeshCache, ForgetsWhatNobodyHolds) {
 }
 
 TEST(MeshCache, SeesThatAFileHasChanged) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   const std::filesystem::path file = folder.write("a.stl", stl("", {0, 0, 1}));
   const SharedMesh old = shared(file);
   folder.write("a.stl", stl("", {0, 0, 1}, 3));
@@ -58,7 +58,7 @@ TEST(MeshCache, SeesThatAFileHasChanged) {
 }
 
 TEST(MeshCache, TellsTheWarningsToEachWhoAsks) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   const std::filesystem::path file = folder.write("a.obj", std::string("mtllib none.mtl\n") + square_obj);
   const SharedMesh first = shared(file), second = shared(file);
   EXPECT_EQ(first.warnings.size(), 1u);
@@ -77,7 +77,7 @@ TEST(MeshCache, MayBeAskedByThreads) {
 }
 
 TEST(MeshDigest, IsTheHashOfTheFilesBytes) {
-  const std::string bytes = read_bytes(arm_meshes / "finger.stl");
+  const std::string bytes = read_file(arm_meshes / "finger.stl");
   char expected[17];
   std::snprintf(expected, sizeof expected, "%016llx",
                 static_cast<unsigned long long>(XXH3_64bits(bytes.data(), bytes.size())));

@@ -63,14 +63,14 @@ TEST(Mesh, ScalesAlongTheAxesOfTheShapesFrame) {
 }
 
 TEST(Mesh, KeepsTheBitsOfTheFilesFloats) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   const MeshData mesh = mesh_of(folder.write("a.obj", "v 0.1 1e-20 3.3333333\nv 1 0 0\nv 0 7.7 0\nf 1 2 3\n"));
   EXPECT_EQ(mesh.parts.at(0).vertices.at(0), Eigen::Vector3f(0.1f, 1e-20f, 3.3333333f));
   EXPECT_EQ(mesh.parts.at(0).vertices.at(2), Eigen::Vector3f(0.0f, 7.7f, 0.0f));
 }
 
 TEST(StlMesh, IsBinaryByItsSizeAndNotByItsFirstWord) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   for (const char* head : {"solid part", "part", "COLOR=\x10\x20\x30\xff"}) {
     const MeshData mesh = mesh_of(folder.write("a.stl", stl(head, {0, 0, 1}, 2)));
     EXPECT_EQ(mesh.triangle_count(), 2u);
@@ -79,14 +79,14 @@ TEST(StlMesh, IsBinaryByItsSizeAndNotByItsFirstWord) {
 }
 
 TEST(StlMesh, EndsAfterItsLastTriangle) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   for (const char* head : {"solid part", "part"}) {
     EXPECT_EQ(mesh_of(folder.write("a.stl", stl(head, {0, 0, 1}) + "made by a scanner")).triangle_count(), 1u);
   }
 }
 
 TEST(StlMesh, HasTheNormalsOfItsWinding) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   for (const Eigen::Vector3f& wrong : {Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(0, 0, -1), Eigen::Vector3f(5, 0, 0)}) {
     const MeshData mesh = mesh_of(folder.write("a.stl", stl("", wrong)));
     for (const Eigen::Vector3f& normal : mesh.parts.at(0).normals) EXPECT_EQ(normal, Eigen::Vector3f::UnitZ());
@@ -94,7 +94,7 @@ TEST(StlMesh, HasTheNormalsOfItsWinding) {
 }
 
 TEST(StlMesh, MayBeTextOfSeveralSolids) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   const std::string solid =
       "solid a\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex 0 2 0\n  endloop\n"
       " endfacet\nendsolid a\n";
@@ -105,7 +105,7 @@ TEST(StlMesh, MayBeTextOfSeveralSolids) {
 }
 
 TEST(ColladaMesh, IsNotTurnedByItsUpAxis) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   for (const char* axis : {"X_UP", "Y_UP", "Z_UP"}) {
     const std::string asset = std::string("<up_axis>") + axis + "</up_axis>";
     const MeshData mesh =
@@ -116,14 +116,14 @@ TEST(ColladaMesh, IsNotTurnedByItsUpAxis) {
 }
 
 TEST(ColladaMesh, IsInMetresByItsUnit) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   const MeshData mesh = mesh_of(folder.write(
       "a.dae", collada("<unit name='inch' meter='0.0254'/>", "<node><instance_geometry url='#tri'/></node>")));
   EXPECT_LT((mesh.upper - Eigen::Vector3d(0.0254, 0.0254, 0)).norm(), 1e-9);
 }
 
 TEST(ColladaMesh, StandsWhereItsNodesPutIt) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   const MeshData mesh = mesh_of(folder.write(
       "a.dae", collada("",
                        "<node><translate>10 0 0</translate><rotate>0 0 1 90</rotate><node><scale>2 1 1</scale>"
@@ -135,7 +135,7 @@ TEST(ColladaMesh, StandsWhereItsNodesPutIt) {
 }
 
 TEST(ColladaMesh, TurnsTheWindingOfAMirroredNode) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   const std::string text = collada("", "<node><scale>-1 1 1</scale><instance_geometry url='#tri'/></node>");
   const MeshData mesh = mesh_of(folder.write("a.dae", text));
   EXPECT_EQ(corners_of(mesh).at(0).normal, Eigen::Vector3d::UnitZ());
@@ -144,7 +144,7 @@ TEST(ColladaMesh, TurnsTheWindingOfAMirroredNode) {
 }
 
 TEST(ObjMesh, HasANumberForEachObject) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   const MeshData arm = mesh_of(arm_meshes / "upper_arm.obj");
   ASSERT_EQ(arm.parts.size(), 3u);
   for (int i = 0; i < 3; ++i) EXPECT_EQ(arm.parts[static_cast<std::size_t>(i)].object, i);
@@ -155,7 +155,7 @@ TEST(ObjMesh, HasANumberForEachObject) {
 }
 
 TEST(ObjMesh, HasTrianglesInsteadOfPolygons) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   const MeshData mesh = mesh_of(folder.write("a.obj", square_obj));
   EXPECT_EQ(mesh.triangle_count(), 2u);
   double area = 0.0;
@@ -169,7 +169,7 @@ TEST(ObjMesh, HasTrianglesInsteadOfPolygons) {
 }
 
 TEST(ObjMesh, MayBeginWithAByteOrderMarkAndContinueItsLines) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   const std::string text =
       "\xEF\xBB\xBF"
       "v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 \\\n 2 3\r\nf -1 -2 -3\r\n";
@@ -177,7 +177,7 @@ TEST(ObjMesh, MayBeginWithAByteOrderMarkAndContinueItsLines) {
 }
 
 TEST(GltfMesh, ReadsItsBufferFromBesideIt) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   std::string buffer;
   for (const float number : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f}) put(buffer, number);
   folder.write("a b.bin", buffer);

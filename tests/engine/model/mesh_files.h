@@ -8,22 +8,19 @@
 #include <Eigen/Geometry>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "mesh/mesh_file.h"
-#include "test_folder.h"
+#include "support/files.h"
+#include "support/temporary_folder.h"
 
 namespace rehearse {
 
 inline const std::filesystem::path arm_meshes = FIXTURES_DIR "/models/mesh_arm/meshes";
 
-inline std::string read_bytes(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
+using test::read_file;
 
 /// The mesh; throws, and so fails the test, if it can't be loaded.
 inline MeshReading reading_of(const std::filesystem::path& file, const Eigen::Vector3d& scale = {1, 1, 1}) {

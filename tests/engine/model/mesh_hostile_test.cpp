@@ -12,7 +12,7 @@ namespace {
 using testing::HasSubstr;
 
 TEST(HostileMesh, IsRefusedInOneLineWithItsName) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   const auto refused = [&](const char* name, const std::string& content) {
     const std::filesystem::path file = folder.write(name, content);
     const std::string message = mesh_refusal(file);
@@ -41,7 +41,7 @@ TEST(HostileMesh, IsRefusedInOneLineWithItsName) {
 }
 
 TEST(HostileMesh, IsNotReadFromWhatIsNoFile) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   EXPECT_THAT(mesh_refusal(folder.path() / "a.stl"), HasSubstr("there is no 'a.stl' in "));
   std::filesystem::create_directory(folder.path() / "b.stl");
   EXPECT_THAT(mesh_refusal(folder.path() / "b.stl"), HasSubstr("it is a directory"));
@@ -52,7 +52,7 @@ TEST(HostileMesh, IsNotReadFromWhatIsNoFile) {
 }
 
 TEST(HostileMesh, HasBoundedSize) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   const std::filesystem::path large = folder.write("a.obj", "");
   std::filesystem::resize_file(large, (std::uintmax_t{512} << 20) + 1);  // sparse
   EXPECT_THAT(mesh_refusal(large), HasSubstr("more than 512 MiB"));
@@ -64,7 +64,7 @@ TEST(HostileMesh, HasBoundedSize) {
 }
 
 TEST(HostileMesh, ThatIsNotFiniteIsRefused) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   for (const char* number : {"nan", "inf", "-inf", "1e39"}) {
     const std::string text = std::string("v 0 0 ") + number + "\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     EXPECT_THAT(mesh_refusal(folder.write("a.obj", text)), HasSubstr("error: ")) << number;
@@ -75,9 +75,9 @@ TEST(HostileMesh, ThatIsNotFiniteIsRefused) {
 }
 
 TEST(HostileMesh, ThatIsTruncatedIsRefused) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   for (const char* name : {"bracket.stl", "bracket.dae", "bracket.glb"}) {
-    const std::string whole = read_bytes(arm_meshes / name);
+    const std::string whole = read_file(arm_meshes / name);
     const std::size_t end = whole.find_last_not_of(" \n") + 1;
     for (std::size_t length = 0; length < end; length += 97) {
       mesh_refusal(folder.write(name, whole.substr(0, length)));
@@ -87,8 +87,8 @@ TEST(HostileMesh, ThatIsTruncatedIsRefused) {
 }
 
 TEST(HostileMesh, ThatIsATruncatedObjIsRefusedUnlessItEndsBetweenFaces) {
-  TestFolder folder;
-  const std::string whole = read_bytes(arm_meshes / "bracket.obj");
+  test::TemporaryFolder folder;
+  const std::string whole = read_file(arm_meshes / "bracket.obj");
   const std::size_t faces = whole.find("\nf ") + 1;
   int accepted = 0;
   for (std::size_t length = 0; length < whole.size() - 1; length += 7) {
@@ -107,11 +107,11 @@ TEST(HostileMesh, ThatIsATruncatedObjIsRefusedUnlessItEndsBetweenFaces) {
 
 // Not of DAE: assimp 5.2 reads through a null pointer where an attribute of <float_array> is missing.
 TEST(HostileMesh, WithFlippedBytesNeverCrashes) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   std::mt19937 generator(7);
   int refused = 0;
   for (const char* name : {"bracket.stl", "bracket.obj"}) {
-    const std::string whole = read_bytes(arm_meshes / name);
+    const std::string whole = read_file(arm_meshes / name);
     for (int i = 0; i < 200; ++i) {
       std::string bytes = whole;
       bytes[generator() % bytes.size()] = static_cast<char>(generator() % 256);

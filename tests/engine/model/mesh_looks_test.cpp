@@ -26,7 +26,7 @@ std::string pixel(std::array<std::uint8_t, 4> rgba) {
   return bytes;
 }
 
-MeshReading painted(const TestFolder& folder, const std::string& material) {
+MeshReading painted(const test::TemporaryFolder& folder, const std::string& material) {
   folder.write("a.mtl", "newmtl paint\n" + material);
   return reading_of(folder.write("a.obj", std::string("mtllib a.mtl\n") + painted_triangle));
 }
@@ -43,7 +43,7 @@ TEST(MeshLooks, AreTheColoursOfTheParts) {
 }
 
 TEST(MeshLooks, ColourIsOnlyWhatTheFileStates) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   EXPECT_FALSE(mesh_of(folder.write("b.obj", square_obj)).parts.at(0).color);
   EXPECT_FALSE(painted(folder, "Ns 10\n").data.parts.at(0).color);
   EXPECT_EQ(painted(folder, "Kd 0.6 0.6 0.6\nd 0.5\n").data.parts.at(0).color, Eigen::Vector4f(0.6f, 0.6f, 0.6f, 0.5f));
@@ -52,7 +52,7 @@ TEST(MeshLooks, ColourIsOnlyWhatTheFileStates) {
 }
 
 TEST(MeshLooks, AreADefaultInGreyUnderANameThatProgramsGive) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   const auto is_default = [&folder](const std::string& name, const std::string& color) {
     folder.write("a.mtl", "newmtl " + name + "\nKd " + color + "\n");
     const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl " + name + "\nf 1 2 3\n";
@@ -67,14 +67,14 @@ TEST(MeshLooks, AreADefaultInGreyUnderANameThatProgramsGive) {
 }
 
 TEST(MeshLooks, WithoutAnyOpacityAreOpaque) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   const MeshReading reading = painted(folder, "Kd 1 0 0\nd 0\n");
   EXPECT_EQ(reading.data.parts.at(0).color, Eigen::Vector4f(1, 0, 0, 1));
   EXPECT_THAT(reading.warnings, ElementsAre("material 'paint' is fully transparent; it is taken for opaque"));
 }
 
 TEST(MeshLooks, PictureLiesBesideTheFile) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   folder.write("pictures/a b.png", pixel({200, 100, 50, 25}));
   const MeshReading reading = painted(folder, "map_Kd pictures\\a b.png\n");
   ASSERT_THAT(reading.warnings, ElementsAre());
@@ -86,7 +86,7 @@ TEST(MeshLooks, PictureLiesBesideTheFile) {
 }
 
 TEST(MeshLooks, PictureIsMultipliedWithAColourThatIsNotBlack) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   folder.write("a.png", pixel({200, 100, 50, 255}));
   EXPECT_EQ(painted(folder, "Kd 0.5 0.5 0.5\nmap_Kd a.png\n").data.parts.at(0).color,
             Eigen::Vector4f(0.5f, 0.5f, 0.5f, 1));
@@ -94,7 +94,7 @@ TEST(MeshLooks, PictureIsMultipliedWithAColourThatIsNotBlack) {
 }
 
 TEST(MeshLooks, WithoutThePictureAreTheShapes) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   const MeshReading absent = painted(folder, "map_Kd a.png\n");
   EXPECT_THAT(absent.warnings, ElementsAre("its texture 'a.png' can't be used: it isn't there, beside the mesh"));
   EXPECT_EQ(absent.data.parts.at(0).texture, nullptr);
@@ -121,7 +121,7 @@ TEST(MeshLooks, PictureMayBeWithinTheFileAndIsTheRightWayUp) {
 }
 
 TEST(MeshLooks, ChangeTheDigest) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   const std::string red = painted(folder, "Kd 1 0 0\n").data.digest;
   EXPECT_EQ(painted(folder, "Kd 1 0 0\n").data.digest, red);
   EXPECT_NE(painted(folder, "Kd 1 0 1\n").data.digest, red);

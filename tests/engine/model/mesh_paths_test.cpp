@@ -1,6 +1,6 @@
 #include "mesh/mesh_paths.h"
 
-#include "test_folder.h"
+#include "support/temporary_folder.h"
 
 #include <gmock/gmock.h>
 
@@ -33,7 +33,7 @@ class MeshPathsTest : public testing::Test {
   }
   void make(const std::string& file) { folder.write(file, "x"); }
 
-  TestFolder folder;
+  test::TemporaryFolder folder;
   std::string warning;
 };
 

@@ -2,13 +2,13 @@
 #include <rehearse/urdf.h>
 
 #include "../../sound_input.h"
+#include "support/files.h"
 #include "urdf_texts.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <iterator>
 #include <random>
 
 namespace rehearse {
@@ -22,10 +22,7 @@ std::string repeated(const std::string& text, int times) {
   return all;
 }
 
-std::string sr1_text() {
-  std::ifstream file(FIXTURES_DIR "/models/sr1.urdf", std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
+std::string sr1_text() { return test::read_file(FIXTURES_DIR "/models/sr1.urdf"); }
 
 /// The result of `work`, which takes at most three times as long as the slowest of these tests.
 auto quickly(const auto& work) {

@@ -2,13 +2,13 @@
 #include "mesh/convex_parts.h"
 #include "mesh/mesh_cache.h"
 #include "picture/picture.h"
-#include "test_folder.h"
+#include "support/files.h"
+#include "support/temporary_folder.h"
 #include "urdf_texts.h"
 
 #include <gmock/gmock.h>
 
 #include <fstream>
-#include <iterator>
 
 namespace rehearse {
 namespace {
@@ -56,8 +56,7 @@ TEST(UrdfMesh, IsNotReadAgainForASecondModel) {
 }
 
 TEST(UrdfMesh, IsNotReadFromFilesIfItIsSkipped) {
-  std::ifstream stream(arm_file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  const std::string text = test::read_file(arm_file);
   const std::uint64_t before = meshes_read();
   const Result<Model> model = parse_urdf(text, "gone/mesh_arm.urdf", {.meshes = UrdfOptions::Meshes::skip});
   ASSERT_TRUE(model) << to_string(model.errors());
@@ -114,7 +113,7 @@ TEST(UrdfMesh, OfOneScaleIsScaledAlike) {
 }
 
 TEST(UrdfMesh, MayHaveBlanksInItsName) {
-  TestFolder folder;
+  test::TemporaryFolder folder;
   std::filesystem::copy_file(FIXTURES_DIR "/broken/meshes/triangle.stl", folder.path() / "a  part.stl");
   const Result<Model> model =
       parse_urdf(still(triangle("filename='a  part.stl'")), (folder.path() / "a.urdf").string());
@@ -179,7 +178,7 @@ TEST(UrdfMesh, IsReportedWithWhatItsHullFillsTooMuch) {
 }
 
 /// A folder with a square of texture coordinates, and a picture: red to the left, green to the right.
-struct PaintedSquare : TestFolder {
+struct PaintedSquare : test::TemporaryFolder {
   PaintedSquare() {
     std::ofstream(path() / "square.obj") << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
                                             "f 1/1 2/2 3/3 4/4\n";

@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "mesh/mesh_file.h"
-#include "test_folder.h"
+#include "support/temporary_folder.h"
 
 namespace rehearse {
 namespace {
@@ -27,7 +27,7 @@ class Vrml : public testing::Test {
     return reading ? "" : to_string(reading.errors());
   }
 
-  TestFolder folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(Vrml, HasAnObjectForEachShapeInItsPlaceAndColour) {

@@ -2,6 +2,7 @@
 // must equal the narrow picture.
 #include "mesh_shapes.h"
 #include "scene.h"
+#include "support/printed_by_name.h"
 
 #include <cstdlib>
 #include <ostream>
@@ -43,10 +44,6 @@ struct NamedGeometry {
   Geometry geometry;
 };
 
-void PrintTo(const NamedGeometry& named, std::ostream* out) {
-  *out << named.name;
-}  // else ctest's names have its bytes
-
 class RendererCulling : public testing::TestWithParam<NamedGeometry> {};
 
 TEST_P(RendererCulling, LeavesOutOnlyWhatIsOutside) {
@@ -75,7 +72,7 @@ INSTANTIATE_TEST_SUITE_P(Of, RendererCulling,
                                          NamedGeometry{"Capsule", Capsule{0.1, 0.8}},
                                          NamedGeometry{"MeshBesideItsOrigin",
                                                        mesh_of({moved(cuboid({0.6, 0.1, 0.2}), {0.5f, 0.3f, -0.4f})})}),
-                         [](const auto& instance) { return instance.param.name; });
+                         test::by_name);
 
 }  // namespace
 }  // namespace rehearse

@@ -1,4 +1,5 @@
 #include "renderer/renderer_meshes.h"
+#include "support/printed_by_name.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
@@ -20,8 +21,6 @@ struct NamedMesh {
   std::string name;
   UnitMesh mesh;
 };
-
-void PrintTo(const NamedMesh& mesh, std::ostream* out) { *out << mesh.name; }  // else ctest's names have its bytes
 
 class RendererMeshes : public testing::TestWithParam<NamedMesh> {
  protected:
@@ -62,7 +61,7 @@ TEST_P(RendererMeshes, FaceOutwardsAsTheirNormalsSay) {
 INSTANTIATE_TEST_SUITE_P(All, RendererMeshes,
                          testing::Values(NamedMesh{"Box", box_mesh()}, NamedMesh{"Sphere", sphere_mesh()},
                                          NamedMesh{"Cylinder", cylinder_mesh()}, NamedMesh{"Capsule", capsule_mesh()}),
-                         [](const auto& instance) { return instance.param.name; });
+                         test::by_name);
 
 TEST(RendererMeshesOfRoundShapes, StayWithinTheStatedErrorOfTheirRadius) {
   constexpr double stated = 0.0008;

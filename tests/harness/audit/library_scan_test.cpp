@@ -3,7 +3,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdio>
 #include <cstdlib>
@@ -15,6 +14,8 @@
 
 #include "audit/audit/aspects.h"
 #include "core/host/interposer.h"
+#include "support/files.h"
+#include "support/temporary_folder.h"
 
 namespace rehearse {
 namespace {
@@ -32,14 +33,6 @@ namespace fs = std::filesystem;
 
 class ScanTest : public ::testing::Test {
  protected:
-  ScanTest() : folder_(fs::path(::testing::TempDir()) / ("rehearse_scan_" + std::to_string(getpid()))) {
-    fs::create_directories(folder_);
-  }
-  ~ScanTest() override {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-
   static fs::path library(const std::string& name) { return fs::path(AUDIT_LIBRARIES) / ("lib" + name + ".so"); }
 
   static Findings scan(const fs::path& file) {
@@ -60,10 +53,6 @@ class ScanTest : public ::testing::Test {
     return all;
   }
 
-  static std::string bytes_of(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  }
   fs::path write(const std::string& name, const std::string& bytes) const {
     std::ofstream(folder_ / name, std::ios::binary) << bytes;
     return folder_ / name;
@@ -74,7 +63,7 @@ class ScanTest : public ::testing::Test {
     return result ? "" : to_string(result.errors());
   }
 
-  fs::path folder_;
+  const test::TemporaryFolder folder_;
 };
 
 using LibraryScanner = ScanTest;
@@ -171,38 +160,38 @@ using HostileLibrary = ScanTest;
 TEST_F(HostileLibrary, ThatIsMissingEmptyOrATextIsRefused) {
   EXPECT_THAT(to_string(scan_library(folder_ / "None.so").errors()),
               HasSubstr("'None.so' can't be read: No such file or directory"));
-  EXPECT_THAT(to_string(scan_library(folder_).errors()), HasSubstr("is not a shared library"));
+  EXPECT_THAT(to_string(scan_library(folder_.path()).errors()), HasSubstr("is not a shared library"));
   EXPECT_THAT(refusal(""), HasSubstr("'Odd.so' is not a shared library"));
   EXPECT_THAT(refusal("int main() {}\n"), HasSubstr("'Odd.so' is not a shared library"));
 }
 
 TEST_F(HostileLibrary, OfAnotherMachineOrKindIsRefused) {
-  std::string other = bytes_of(library("watched"));
+  std::string other = test::read_file(library("watched"));
   other[18] = static_cast<char>(183);  // e_machine: AArch64
   EXPECT_THAT(refusal(other), HasSubstr("another kind of processor than x86-64"));
-  std::string program = bytes_of(library("watched"));
+  std::string program = test::read_file(library("watched"));
   program[16] = 2;  // e_type: a program at fixed addresses
   EXPECT_THAT(refusal(program), HasSubstr("an object file or a program"));
-  std::string small = bytes_of(library("watched"));
+  std::string small = test::read_file(library("watched"));
   small[4] = 1;  // 32 bit
   EXPECT_THAT(refusal(small), HasSubstr("32-bit"));
 }
 
 TEST_F(HostileLibrary, WithoutATableOfSectionsIsRefused) {
-  std::string bytes = bytes_of(library("watched"));
+  std::string bytes = test::read_file(library("watched"));
   bytes.replace(0x28, 8, 8, '\0');  // e_shoff
   bytes.replace(0x3c, 4, 4, '\0');  // e_shnum, e_shstrndx
   EXPECT_THAT(refusal(bytes), HasSubstr("has no table of sections"));
 }
 
 TEST_F(HostileLibrary, ThatWasCutOffIsRefusedWhereverItWas) {
-  const std::string whole = bytes_of(library("instructions"));
+  const std::string whole = test::read_file(library("instructions"));
   for (std::size_t length = 0; length < whole.size(); length += whole.size() / 97 + 1)
     EXPECT_THAT(refusal(whole.substr(0, length)), EndsWith("\n")) << length << " of " << whole.size() << " bytes";
 }
 
 TEST_F(HostileLibrary, WithAnyByteChangedEndsInAnAnswer) {
-  const std::string whole = bytes_of(library("instructions"));
+  const std::string whole = test::read_file(library("instructions"));
   for (std::size_t at = 0; at < whole.size(); at += whole.size() / 499 + 1) {
     std::string changed = whole;
     changed[at] = static_cast<char>(~changed[at]);

@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <stdlib.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -15,6 +14,8 @@
 
 #include "audit/audit/call_log.h"
 #include "core/host/interposer.h"
+#include "support/shell.h"
+#include "support/temporary_folder.h"
 
 namespace rehearse {
 
@@ -43,14 +44,9 @@ struct WatchedRun {
 
 class WatchedTest : public ::testing::Test {
  protected:
-  WatchedTest()
-      : folder_(std::filesystem::path(::testing::TempDir()) / ("rehearse watch;" + std::to_string(getpid()))) {
+  WatchedTest() {
     std::filesystem::create_directories(folder_);
     setenv("LC_ALL", "C.UTF-8", 1);
-  }
-  ~WatchedTest() override {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
   }
 
   void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
@@ -81,21 +77,20 @@ class WatchedTest : public ::testing::Test {
     return result;
   }
 
-  std::filesystem::path folder_;
+  const test::TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_ / "for a shell;";
   std::string library_ = watched_library();
   int status_ = 0;  // of the last process
 
  private:
-  static std::string quoted(const std::string& text) { return "'" + text + "'"; }
-
   /// Runs it in the folder; the file with its output.
   std::filesystem::path start(const std::string& function, int ticks, const InterposerSettings& settings) {
     const auto changes = interposer_environment(settings);
     EXPECT_TRUE(changes.ok()) << to_string(changes.errors());
     // the shell's messages about a crashed process go to the same file
     std::string command =
-        "exec 2> " + quoted((folder_ / "errors").string()) + "; cd " + quoted(folder_.string()) + " && env";
-    for (const auto& [name, value] : *changes) command += " " + quoted(name + "=" + value.value_or(""));
+        "exec 2> " + test::quoted((folder_ / "errors").string()) + "; cd " + test::quoted(folder_.string()) + " && env";
+    for (const auto& [name, value] : *changes) command += " " + test::quoted(name + "=" + value.value_or(""));
     command += " " WATCHED_PROCESS " " + library_ + " " + function + " " + std::to_string(ticks) + " > output";
     status_ = std::system(command.c_str());
     return folder_ / "output";

@@ -10,38 +10,19 @@
 #include <sqlite3.h>
 #include <zstd.h>
 
-#include <unistd.h>
 #include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
 
+#include "support/files.h"
+#include "support/temporary_folder.h"
+
 namespace rehearse::test {
 
 namespace fs = std::filesystem;
-using Buffer = std::vector<std::byte>;
 
 inline const bool bags_are_read = (read_rosbag2_logs(), true);
-
-/// A folder for this test alone; removed with the object.
-class TempFolder {
- public:
-  TempFolder() {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    std::string name = std::string(test->test_suite_name()) + "." + test->name();
-    for (char& c : name) c = c == '/' ? '_' : c;
-    path_ = fs::temp_directory_path() / ("rehearse_" + name + "_" + std::to_string(::getpid()));
-    fs::create_directories(path_);
-  }
-  ~TempFolder() { fs::remove_all(path_); }
-  TempFolder(const TempFolder&) = delete;
-  TempFolder& operator=(const TempFolder&) = delete;
-  fs::path operator/(const std::string& name) const { return path_ / name; }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 template <class T>
 Buffer encoded(const T& message) {
@@ -62,18 +43,6 @@ inline Buffer compressed(std::span<const std::byte> bytes) {
   Buffer out(ZSTD_compressBound(bytes.size()));
   out.resize(ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), 3));
   return out;
-}
-
-inline Buffer read_file(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(in)), {});
-  const auto* begin = reinterpret_cast<const std::byte*>(text.data());
-  return {begin, begin + text.size()};
-}
-
-inline void write_file(const fs::path& file, std::span<const std::byte> bytes) {
-  std::ofstream(file, std::ios::binary)
-      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 inline void write_text(const fs::path& file, const std::string& text) { std::ofstream(file) << text; }
 

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "support/printed_by_name.h"
+
 namespace rehearse {
 namespace {
 
@@ -20,8 +22,6 @@ struct BrokenBag {
   std::string file;
   std::string message;  // after the name of the folder of broken files
 };
-void PrintTo(const BrokenBag& bag, std::ostream* stream) { *stream << bag.file; }
-
 const std::vector<BrokenBag>& broken_bags() {
   static const std::vector<BrokenBag> table{
       {"bag_no_database.db3", "bag_no_database.db3: error: it can't be read: SQLite reports: "},
@@ -29,7 +29,8 @@ const std::vector<BrokenBag>& broken_bags() {
        "bag_without_tables.db3: error: the database has no table 'topics' (expected a .db3 file of rosbag2)"},
       {"bag_without_data.db3", "bag_without_data.db3: error: the table 'messages' has no column 'data'"},
       {"bag_of_ros1.bag", "bag_of_ros1.bag: error: a bag of ROS 1, which isn't read: rosbags-convert --src FILE"},
-      {"bag_of_text.zst", "bag_of_text.zst: error: the content decompressed by zstd is neither MCAP nor a database of rosbag2"},
+      {"bag_of_text.zst",
+       "bag_of_text.zst: error: the content decompressed by zstd is neither MCAP nor a database of rosbag2"},
       {"bag_missing_file",
        "bag_missing_file/metadata.yaml:17:7: error: it names the file 'bag_missing_file_0.mcap', which isn't in the "
        "folder"},

@@ -33,7 +33,7 @@ std::string form_of(const fs::path& log) {
 class Databases : public testing::TestWithParam<int> {};
 
 TEST_P(Databases, OfEachVersionAreRead) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   {
     Database bag(folder / "joints_0.db3", GetParam());
     bag.topic(3, "/joint_states", "sensor_msgs/msg/JointState");
@@ -47,7 +47,7 @@ TEST_P(Databases, OfEachVersionAreRead) {
 INSTANTIATE_TEST_SUITE_P(Versions, Databases, testing::Values(1, 2, 3, 4));
 
 TEST(Database, KeepsTopicTypeTimesProfilesAndBytes) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   const Buffer payload = joint_state(0.25);
   {
     Database bag(folder / "a.db3");
@@ -72,7 +72,7 @@ TEST(Database, KeepsTopicTypeTimesProfilesAndBytes) {
 }
 
 TEST(Database, UsesItsOwnDefinitionBeforeAStandardOne) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   {
     Database bag(folder / "a.db3");
     bag.topic(1, "/a", "sensor_msgs/msg/JointState");
@@ -94,7 +94,7 @@ TEST(Database, UsesItsOwnDefinitionBeforeAStandardOne) {
 }
 
 TEST(Database, ReportsRowsThatAreNoMessagesAndDeliversTheOthers) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   {
     Database bag(folder / "a.db3");
     bag.topic(1, "/joint_states", "sensor_msgs/msg/JointState");
@@ -118,7 +118,7 @@ TEST(Database, ReportsRowsThatAreNoMessagesAndDeliversTheOthers) {
 }
 
 TEST(Database, OfCompressedMessagesIsDecompressed) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   {
     Database bag(folder / "a.db3");
     bag.topic(1, "/joint_states", "sensor_msgs/msg/JointState");
@@ -128,7 +128,7 @@ TEST(Database, OfCompressedMessagesIsDecompressed) {
 }
 
 TEST(Database, ThatWasCutIsReportedAfterItsReadableMessages) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   {
     Database bag(folder / "a.db3");
     bag.topic(1, "/joint_states", "sensor_msgs/msg/JointState");
@@ -145,7 +145,7 @@ TEST(Database, ThatWasCutIsReportedAfterItsReadableMessages) {
 }
 
 TEST(Folder, OfSplitFilesIsOneLog) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   write_joints(folder / "bag_0.mcap", 0, 4);
   write_joints(folder / "bag_1.mcap", 4, 3);
   write_joints(folder / "bag_2.mcap", 7, 3);
@@ -158,7 +158,7 @@ TEST(Folder, OfSplitFilesIsOneLog) {
 }
 
 TEST(Folder, OfOneFileIsThatFile) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   write_joints(folder / "bag_0.mcap", 0, 4);
   write_metadata(folder.path(), {.files = {"bag_0.mcap"}, .messages = 4});
   EXPECT_EQ(knee_in(folder.path()), upto(4));
@@ -166,7 +166,7 @@ TEST(Folder, OfOneFileIsThatFile) {
 }
 
 TEST(Folder, OfSplitDatabasesIsOneLog) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   for (int part = 0; part < 2; ++part) {
     Database bag(folder / ("bag_" + std::to_string(part) + ".db3"));
     bag.topic(1, "/joint_states", "sensor_msgs/msg/JointState");
@@ -178,15 +178,15 @@ TEST(Folder, OfSplitDatabasesIsOneLog) {
 }
 
 TEST(Folder, OfCompressedFilesIsRead) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   write_joints(folder / "a.mcap", 0, 4);
-  write_file(folder / "a.mcap.zstd", compressed(read_file(folder / "a.mcap")));
+  write_bytes(folder / "a.mcap.zstd", compressed(read_bytes(folder / "a.mcap")));
   {
     Database bag(folder / "b.db3");
     bag.topic(1, "/joint_states", "sensor_msgs/msg/JointState");
     for (int i = 0; i < 3; ++i) bag.message(1, i * 1'000'000, joint_state(i));
   }
-  write_file(folder / "b.db3.zstd", compressed(read_file(folder / "b.db3")));
+  write_bytes(folder / "b.db3.zstd", compressed(read_bytes(folder / "b.db3")));
   write_metadata(folder.path(), {.files = {"a.mcap.zstd"}, .messages = 4, .mode = "FILE", .format = "zstd"});
   EXPECT_EQ(knee_in(folder.path()), upto(4));
   EXPECT_EQ(form_of(folder.path()), "MCAP, compressed by zstd");
@@ -196,7 +196,7 @@ TEST(Folder, OfCompressedFilesIsRead) {
 }
 
 TEST(Folder, OfCompressedMessagesIsRead) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   auto writer = mcap::Writer::create(folder / "a.mcap");
   const auto schema = (*writer)->add_schema(msg::JointState::type_name, "ros2msg", msg::schema_text<msg::JointState>());
   const auto channel = (*writer)->add_channel(schema, "/joint_states", "cdr");
@@ -207,7 +207,7 @@ TEST(Folder, OfCompressedMessagesIsRead) {
 }
 
 TEST(Folder, DeliversAllPartsAndReportsTheCutOne) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   write_joints(folder / "bag_0.mcap", 0, 4);
   write_joints(folder / "bag_1.mcap", 4, 3);
   fs::resize_file(folder / "bag_0.mcap", fs::file_size(folder / "bag_0.mcap") - 30);
@@ -222,26 +222,26 @@ TEST(Folder, DeliversAllPartsAndReportsTheCutOne) {
 }
 
 TEST(Zstd, ThatIsCutDeliversWhatItHas) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   write_joints(folder / "a.mcap", 0, 40'000);
-  Buffer bytes = compressed(read_file(folder / "a.mcap"));
+  Buffer bytes = compressed(read_bytes(folder / "a.mcap"));
   bytes.resize(bytes.size() / 2);
-  write_file(folder / "a.mcap.zst", bytes);
+  write_bytes(folder / "a.mcap.zst", bytes);
   const auto reader = mcap::Reader::open(folder / "a.mcap.zst");
   ASSERT_TRUE(reader) << to_string(reader.errors());
   EXPECT_THAT(to_string((*reader)->damage()), HasSubstr("its zstd frame isn't whole"));
 }
 
 TEST(Zstd, BombIsRefused) {
-  const TempFolder folder;
-  write_file(folder / "bomb.zst", compressed(Buffer(std::size_t{200} << 20)));
+  const TemporaryFolder folder;
+  write_bytes(folder / "bomb.zst", compressed(Buffer(std::size_t{200} << 20)));
   const auto reader = mcap::Reader::open(folder / "bomb.zst");
   ASSERT_FALSE(reader);
   EXPECT_THAT(to_string(reader.errors()), HasSubstr("it decompresses to more than 1000 times its size"));
 }
 
 TEST(Container, ThatChangesIsConvertedAgain) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   const auto add = [&](int time) {
     sqlite3* database = nullptr;
     ASSERT_EQ(sqlite3_open((folder / "a.db3").c_str(), &database), SQLITE_OK);

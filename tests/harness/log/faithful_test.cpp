@@ -7,6 +7,7 @@
 #include <set>
 
 #include "robot_run.h"
+#include "support/printed_by_name.h"
 
 namespace rehearse {
 namespace {
@@ -145,8 +146,6 @@ struct BrokenForALog {
   const char* message;
 };
 
-void PrintTo(const BrokenForALog& broken, std::ostream* out) { *out << broken.name; }
-
 // clang-format off
 const BrokenForALog all_broken_for_a_log[] = {
     {"name_that_never_occurs", 3, 40, "no message on '/joint_states' names 'turret_y'.*did you mean 'TURRET_Y'|known names in it"},
@@ -176,8 +175,7 @@ TEST_P(BrokenMapOfALog, IsRefusedAtItsPlaceAndForNothingElse) {
   EXPECT_FALSE(fs::exists(path("run.mcap")));
 }
 
-INSTANTIATE_TEST_SUITE_P(Files, BrokenMapOfALog, ::testing::ValuesIn(all_broken_for_a_log),
-                         [](const auto& parameter) { return std::string(parameter.param.name); });
+INSTANTIATE_TEST_SUITE_P(Files, BrokenMapOfALog, ::testing::ValuesIn(all_broken_for_a_log), test::by_name);
 
 TEST(BrokenMapsOfLogs, AreAllInTheTable) {
   std::set<std::string> listed, present;

@@ -7,6 +7,7 @@
 
 #include "logs/map/log_map.h"
 #include "mapped_robot.h"
+#include "support/printed_by_name.h"
 
 namespace rehearse {
 namespace {
@@ -19,9 +20,6 @@ struct Broken {
   int column;
   const char* message;  // an extended regular expression found in it, hint included
 };
-
-// The test's name in ctest.
-void PrintTo(const Broken& broken, std::ostream* out) { *out << broken.name; }
 
 // clang-format off
 const Broken all_broken[] = {
@@ -119,8 +117,7 @@ TEST_P(BrokenMap, IsRefusedAtItsPlaceAndForNothingElse) {
   EXPECT_NE(first.hint, "") << "every message says what would be right";
 }
 
-INSTANTIATE_TEST_SUITE_P(Files, BrokenMap, ::testing::ValuesIn(all_broken),
-                         [](const auto& parameter) { return std::string(parameter.param.name); });
+INSTANTIATE_TEST_SUITE_P(Files, BrokenMap, ::testing::ValuesIn(all_broken), test::by_name);
 
 TEST(BrokenMaps, AreAllInTheTable) {
   std::set<std::string> listed;

@@ -9,7 +9,6 @@
 #include <rehearse/trace.h>
 #include <rehearse/urdf.h>
 #include <sqlite3.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <cstring>
@@ -19,6 +18,7 @@
 
 #include "logs/map/map_draft.h"
 #include "logs/robot_log/log_replay.h"
+#include "support/temporary_folder.h"
 
 namespace rehearse {
 namespace {
@@ -58,17 +58,12 @@ class PublicBag : public ::testing::Test {
  protected:
   void SetUp() override {
     if (bag_.empty()) GTEST_SKIP() << "there is no bag: -DREHEARSE_PUBLIC_BAG=DIR";
-    fs::create_directories(folder_);
     setenv("REHEARSE_CONTROLLER_PATH", TEST_CONTROLLERS, 1);
-  }
-  ~PublicBag() override {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
   }
 
   const fs::path bag_ = PUBLIC_BAG;
   const fs::path model_ = fs::path(FIXTURES_DIR) / "models/scout.urdf";
-  const fs::path folder_ = fs::path(::testing::TempDir()) / ("rehearse_bag_" + std::to_string(getpid()));
+  const test::TemporaryFolder folder_;
 };
 
 TEST_F(PublicBag, DrivesARobot) {

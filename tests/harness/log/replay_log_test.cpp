@@ -7,7 +7,6 @@
 #include <rehearse/messages.h>
 #include <rehearse/replay.h>
 #include <rehearse/trace.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -20,6 +19,8 @@
 #include "logs/robot_log/log_replay.h"
 #include "picture/picture.h"
 #include "robot_log.h"
+#include "support/files.h"
+#include "support/temporary_folder.h"
 
 namespace rehearse {
 namespace {
@@ -34,20 +35,6 @@ const fs::path goldens = fs::path(FIXTURES_DIR) / ".." / "golden";
 
 class LogReplay : public ::testing::Test {
  protected:
-  LogReplay() {
-    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-    std::string name = std::string(test->name());
-    for (char& c : name)
-      if (c == '/') c = '_';
-    folder_ = fs::path(::testing::TempDir()) / ("rehearse_log_" + std::to_string(getpid())) / name;
-    fs::create_directories(folder_);
-  }
-  ~LogReplay() override {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-    fs::remove(folder_.parent_path(), ignored);  // if it was the last
-  }
-
   fs::path path(const std::string& name) const { return folder_ / name; }
 
   /// Lines after the version.
@@ -98,7 +85,7 @@ class LogReplay : public ::testing::Test {
   LogReplayOptions options_;
 
  private:
-  fs::path folder_;
+  const test::TemporaryFolder folder_;
 };
 
 TEST_F(LogReplay, RepeatsTheCommandsOfATank) {
@@ -236,8 +223,7 @@ TEST_F(LogReplay, GivesTheSameBytesEachTime) {
   map(tank_map);
   const auto bytes = [this] {
     replayed("TankController", "tank.urdf");
-    std::ifstream stream(path("run.mcap"), std::ios::binary);
-    return std::string(std::istreambuf_iterator<char>(stream), {});
+    return test::read_file(path("run.mcap"));
   };
   const std::string first = bytes();
   EXPECT_GT(first.size(), 10'000u);

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "logs/robot_log/log_replay.h"
+#include "support/temporary_folder.h"
 
 namespace rehearse {
 namespace robot_run {
@@ -221,16 +222,6 @@ inline std::int64_t RobotRun::knowable(bool has_state) const {
 
 class RobotRunLog : public ::testing::Test {
  protected:
-  RobotRunLog()
-      : folder_(fs::path(::testing::TempDir()) / ("rehearse_robot_" + std::to_string(getpid()) +
-                                                  ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
-    fs::create_directories(folder_);
-  }
-  ~RobotRunLog() override {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-
   /// Writes the messages of a run that the log has, unsorted in the file as recorders with several threads do.
   /// `stamp_drift` and `stamp_offset`: the clock of the joint messages' stamps against that of the log, [ns] at the
   /// start.
@@ -298,7 +289,7 @@ class RobotRunLog : public ::testing::Test {
   static constexpr const char* by_message = "tick: /joint_states\ncommands: /joint_commands\n";
 
  private:
-  fs::path folder_;
+  const test::TemporaryFolder folder_;
 };
 
 }  // namespace robot_run

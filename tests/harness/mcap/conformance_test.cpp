@@ -6,6 +6,7 @@
 // composes each file from its .json record by record, with its own code, and compares the SHA-256.
 #include "file_forms.h"
 #include "mcap_files.h"
+#include "support/files.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -46,19 +47,13 @@ struct Variant {
   bool has(const std::string& feature) const { return features.contains(feature); }
 };
 
-std::string read_text(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
-
 std::vector<Variant> all_variants() {
   std::vector<Variant> variants;
   const fs::path folder = MCAP_CONFORMANCE_DIR;
   if (folder.empty()) return variants;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     if (entry.path().extension() != ".json") continue;
-    const Json said = Json::parse(read_text(entry.path()));
+    const Json said = Json::parse(read_file(entry.path()));
     Variant variant;
     variant.file = fs::path(entry.path()).replace_extension(".mcap");
     for (const Json& record : said.at("records")) {
@@ -399,7 +394,7 @@ TEST_F(McapConformance, TheFilesAreThoseOfTheSuite) {
   ASSERT_EQ(hashes.size(), files.size());
   int pointers = 0;
   for (std::size_t i = 0; i < files.size(); ++i) {
-    const std::string stored = read_text(variants()[i].file);
+    const std::string stored = read_file(variants()[i].file);
     const bool pointer = stored.starts_with("version https://git-lfs");
     pointers += pointer;
     if (pointer) {

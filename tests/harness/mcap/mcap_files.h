@@ -15,6 +15,7 @@
 
 #include "composer.h"
 #include "core/mcap/chunks.h"
+#include "support/files.h"
 
 namespace rehearse::test {
 
@@ -45,16 +46,8 @@ class TempFile {
 
   const std::filesystem::path& path() const { return path_; }
 
-  Buffer read() const {
-    std::ifstream in(path_, std::ios::binary);
-    const std::string text((std::istreambuf_iterator<char>(in)), {});
-    const auto bytes = bytes_of(text);
-    return {bytes.begin(), bytes.end()};
-  }
-  void write(mcap::Bytes bytes) const {
-    std::ofstream out(path_, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  }
+  Buffer read() const { return read_bytes(path_); }
+  void write(mcap::Bytes bytes) const { write_bytes(path_, bytes); }
 
  private:
   std::filesystem::path path_;

@@ -2,6 +2,7 @@
 // Writer's output files.
 #include "file_forms.h"
 #include "mcap_files.h"
+#include "support/printed_by_name.h"
 
 #include <gmock/gmock.h>
 
@@ -23,8 +24,6 @@ struct Form {
   std::function<void(mcap::WriterOptions&, FileForm&)> set;
   std::vector<int> without;  // opcodes that aren't in the file
 };
-void PrintTo(const Form& form, std::ostream* out) { *out << form.name; }
-
 std::vector<Form> forms() {
   using O = mcap::WriterOptions;
   using F = FileForm;
@@ -140,7 +139,7 @@ TEST_P(McapForms, HaveNothingOfWhatIsLeftOut) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, McapForms, testing::ValuesIn(forms()), [](const auto& form) { return form.param.name; });
+INSTANTIATE_TEST_SUITE_P(All, McapForms, testing::ValuesIn(forms()), test::by_name);
 
 /// The other tests of forms rely on it.
 TEST(McapForms, AFileOfTheWriterIsComposedByteForByte) {

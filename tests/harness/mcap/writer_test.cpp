@@ -1,4 +1,5 @@
 #include "mcap_files.h"
+#include "support/files.h"
 
 #include <gmock/gmock.h>
 
@@ -185,8 +186,7 @@ TEST(McapWriter, WritesTheSameBytesHoweverLittleOfTheIndexItHolds) {
     mcap::WriterOptions options;
     options.index_size = index_size;
     write_small_file(path, options);
-    std::ifstream in(path, std::ios::binary);
-    return std::string((std::istreambuf_iterator<char>(in)), {});
+    return read_file(path);
   };
   const TempFile held, read_back;
   EXPECT_EQ(bytes_with(0, read_back.path()), bytes_with(1 << 20, held.path()));

@@ -9,7 +9,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
@@ -18,14 +17,13 @@
 #include <string_view>
 #include <vector>
 
+#include "support/files.h"
+
 namespace rehearse::testing {
 
 using Json = nlohmann::json;
 
-inline std::string file_text(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return std::string(std::istreambuf_iterator<char>(stream), {});
-}
+using test::read_file;
 
 /// An empty page for reports, so that tests don't need npm.
 inline std::filesystem::path plain_page(const std::filesystem::path& file) {
@@ -35,7 +33,7 @@ inline std::filesystem::path plain_page(const std::filesystem::path& file) {
 
 class DecodedReport {
  public:
-  explicit DecodedReport(const std::filesystem::path& file) : text_(file_text(file)) {
+  explicit DecodedReport(const std::filesystem::path& file) : text_(read_file(file)) {
     std::size_t at = 0;
     while ((at = text_.find("<script ", at)) != std::string::npos) {
       const std::size_t id = text_.find("id=\"", at) + 4, tag_end = text_.find('>', at);

@@ -473,7 +473,7 @@ TEST_F(Report, ReplacesReportsAndNothingElse) {
   alone();  // over the first
   std::ofstream(folder_ / "report.html") << "<!doctype html><p>somebody's homepage";
   EXPECT_THAT(refusal(folder_ / "actual.mcap").message, HasSubstr("won't replace"));
-  EXPECT_THAT(file_text(folder_ / "report.html"), HasSubstr("homepage"));
+  EXPECT_THAT(read_file(folder_ / "report.html"), HasSubstr("homepage"));
   std::filesystem::remove(folder_ / "report.html");
   std::filesystem::create_directory(folder_ / "report.html");
   EXPECT_THAT(refusal(folder_ / "actual.mcap").message, HasSubstr("directory"));

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "runs.h"
+#include "support/printed_by_name.h"
 
 namespace rehearse {
 namespace {
@@ -19,8 +20,6 @@ struct Failure {
   const char* name;
   const char* what;  // in the message
 };
-
-void PrintTo(const Failure& failure, std::ostream* stream) { *stream << failure.name; }
 
 std::string failure_name(const ::testing::TestParamInfo<Failure>& failure) { return failure.param.name; }
 

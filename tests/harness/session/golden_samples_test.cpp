@@ -4,6 +4,7 @@
 
 #include "core/trace/run_facts.h"
 #include "runs.h"
+#include "support/files.h"
 
 namespace rehearse {
 namespace {
@@ -58,8 +59,7 @@ TEST_F(GoldenSamples, AreOfTheStateAlone) {
   EXPECT_EQ(messages(kept, "/Rig/C/input/joints"), 100u);
   EXPECT_EQ(messages(kept, "/tick"), 101u);
   EXPECT_TRUE(store_.check_digest(name));
-  std::ifstream digest(store_.digest_file(name));
-  EXPECT_THAT(std::string(std::istreambuf_iterator<char>(digest), {}),
+  EXPECT_THAT(test::read_file(store_.digest_file(name)),
               HasSubstr("state, of which samples are kept\n  rate: 100\n  time_step: 0.001\n"
                         "  whole./Rig/Force/wrench: every tick\n"));
 }

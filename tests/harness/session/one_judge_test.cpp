@@ -11,6 +11,7 @@
 #include "logs/robot_log/log_replay.h"
 #include "mutilate.h"
 #include "runs.h"
+#include "support/printed_by_name.h"
 
 namespace rehearse {
 namespace {
@@ -214,7 +215,7 @@ INSTANTIATE_TEST_SUITE_P(
             false,
             no_log},
         Row{"NoRotation", {.scaled = 2.0}, "[]", false, false, no_log}),
-    [](const auto& info) { return info.param.name; });
+    test::by_name);
 
 class OneJudgeText : public OneJudge {};
 

@@ -3,6 +3,7 @@
 #include <rehearse/session.h>
 
 #include "runs.h"
+#include "support/files.h"
 
 namespace rehearse {
 namespace {
@@ -162,9 +163,8 @@ TEST_F(PartialAcceptance, IsWrittenIntoTheGoldenWithWhatWasAccepted) {
   EXPECT_FALSE(accepted->whole);
   EXPECT_TRUE(fs::exists(store.pending_file("Rig.Turns")));  // the rest of the run is still pending
   EXPECT_EQ(std::distance(fs::directory_iterator(path("pending")), fs::directory_iterator()), 1);
-  std::ifstream digest(store.digest_file("Rig.Turns"));
-  const std::string text{std::istreambuf_iterator<char>(digest), std::istreambuf_iterator<char>()};
-  EXPECT_THAT(text, HasSubstr("\naccepted 2025-11-20, partial, of it channel /Rig/Camera/image: differs at tick "));
+  EXPECT_THAT(test::read_file(store.digest_file("Rig.Turns")),
+              HasSubstr("\naccepted 2025-11-20, partial, of it channel /Rig/Camera/image: differs at tick "));
 
   EXPECT_FALSE(store.accept_pending("Rig.Turns", {{"Rig/C/output/SHOULDER/u"}, 0.0, std::nullopt}, again_));
   EXPECT_TRUE(store.check_digest("Rig.Turns"));

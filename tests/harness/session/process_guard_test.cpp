@@ -10,6 +10,7 @@
 
 #include "core/guard/float_mode.h"
 #include "runs.h"
+#include "support/printed_by_name.h"
 
 namespace rehearse {
 namespace {
@@ -59,8 +60,6 @@ struct Deed {
   const char* name;
   const char* told;  // after "control() at tick 7 "
 };
-void PrintTo(const Deed& deed, std::ostream* stream) { *stream << deed.name; }
-
 class Trespass : public RunTest, public ::testing::WithParamInterface<Deed> {
  protected:
   const Process before_{};
@@ -88,7 +87,7 @@ INSTANTIATE_TEST_SUITE_P(
         Deed{"trap",
              "left another floating-point mode behind (traps on invalid operations, division by zero); it was "
              "set back"}),
-    [](const auto& deed) { return std::string(deed.param.name); });
+    test::by_name);
 
 TEST_P(Trespass, InATickIsPutRightAndToldOnce) {
   const Trace trace = record_run(rig_with(std::string("trespass ") + GetParam().name + " control 7"));
@@ -137,7 +136,7 @@ TEST_F(Guest, WhoseHandlersWereNotLetStillCrashesSafely) {
 }
 
 TEST_F(Guest, ThatOpensAFileWhereTheRecordingWasWritesIntoItsOwn) {
-  std::filesystem::current_path(folder_);
+  std::filesystem::current_path(folder_.path());
   record_run(rig_with("trespass close_open start"));
   EXPECT_EQ(summary_.ticks, 20);
   EXPECT_EQ(bytes("own.txt"), "mine");
@@ -146,7 +145,7 @@ TEST_F(Guest, ThatOpensAFileWhereTheRecordingWasWritesIntoItsOwn) {
 /// A system call that closes the file can't be prevented; but then no byte is written to the file that has its number
 /// now.
 TEST_F(Guest, ThatClosesTheRecordingPastTheLibraryEndsTheRunWithASentence) {
-  std::filesystem::current_path(folder_);
+  std::filesystem::current_path(folder_.path());
   const Scenario scenario = load(rig(behaviour("C", "trespass close_raw control 7"), "cameras: none\n", "3"));
   const auto summary = record(scenario, path("run.mcap"));
   ASSERT_FALSE(summary.ok());
@@ -269,7 +268,7 @@ INSTANTIATE_TEST_SUITE_P(By, UnloadingBadly,
                                            Deed{"exit_in_atexit", "called exit(4)"},
                                            Deed{"crash_at_end", "crashed: segmentation fault"},
                                            Deed{"hang_at_end", "did not return within 0.3 s"}),
-                         [](const auto& deed) { return std::string(deed.param.name); });
+                         test::by_name);
 
 TEST_P(UnloadingBadly, LeavesTheWatchOverLaterCalls) {
   if (std::exchange(linker_interrupted, true)) GTEST_SKIP() << "after one of them the dynamic linker unloads nothing";

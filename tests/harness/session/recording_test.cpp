@@ -42,7 +42,7 @@ TEST_F(Recording, HoldsTheDigestsOfMeshesAndIsReplayedWithoutThem) {
   };
   const std::string first = digests("a.mcap");
   EXPECT_THAT(first, ::testing::ContainsRegex("^[0-9a-f]{16}  package://shapes/plate.obj\n$"));
-  EXPECT_THAT(bytes("a.mcap"), Not(HasSubstr(folder_.string())));
+  EXPECT_THAT(bytes("a.mcap"), Not(HasSubstr(folder_.path().string())));
   EXPECT_EQ(digests("b.mcap"), first);
   write("plate.obj", "v 0 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\n");
   EXPECT_NE(digests("c.mcap"), first);

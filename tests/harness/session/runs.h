@@ -9,14 +9,15 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
+
+#include "support/files.h"
+#include "support/temporary_folder.h"
 
 namespace rehearse {
 
@@ -58,14 +59,9 @@ inline constexpr const char* rig_urdf = R"(<?xml version="1.0"?>
 
 class RunTest : public ::testing::Test {
  protected:
-  RunTest() : folder_(std::filesystem::path(::testing::TempDir()) / ("rehearse_run_" + std::to_string(getpid()))) {
-    std::filesystem::create_directories(folder_);
+  RunTest() {
     setenv("REHEARSE_CONTROLLER_PATH", TEST_CONTROLLERS, 1);
     write("rig.urdf", rig_urdf);
-  }
-  ~RunTest() override {
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
   }
 
   std::filesystem::path path(const std::string& name) const { return folder_ / name; }
@@ -74,10 +70,7 @@ class RunTest : public ::testing::Test {
     std::ofstream(path(name), std::ios::binary) << text;
   }
 
-  std::string bytes(const std::string& name) const {
-    std::ifstream stream(path(name), std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  }
+  std::string bytes(const std::string& name) const { return test::read_file(path(name)); }
 
   /// A controller of Behaviours.so, as an entry of `controllers:`; `more` as ", delay: false".
   static std::string behaviour(const std::string& name, const std::string& options, const std::string& more = "") {
@@ -142,7 +135,7 @@ class RunTest : public ::testing::Test {
     return replay(path(file), options);
   }
 
-  std::filesystem::path folder_;
+  const test::TemporaryFolder folder_;
   RunSummary summary_;
 };
 

@@ -188,7 +188,7 @@ TEST_F(Stepped, SaysWhichTickIsTheLast) {
 
 TEST_F(Stepped, ALibraryThatIsGoneLeavesWhatWasRecorded) {
   record_hinge();
-  setenv("REHEARSE_CONTROLLER_PATH", folder_.c_str(), 1);
+  setenv("REHEARSE_CONTROLLER_PATH", folder_.path().c_str(), 1);
   const auto trace = opened();
   ASSERT_NE(trace, nullptr);
   EXPECT_FALSE(trace->last_replayed());

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "support/printed_by_name.h"
+
 namespace rehearse {
 namespace {
 
@@ -18,8 +20,6 @@ struct BrokenTrace {
   std::string file;
   std::string message;
 };
-void PrintTo(const BrokenTrace& broken, std::ostream* stream) { *stream << broken.file; }
-
 const std::vector<BrokenTrace>& broken_traces() {
   static const std::vector<BrokenTrace> table{
       {"trace_empty.mcap", "error: not an MCAP file: it is empty"},

@@ -1,15 +1,19 @@
-// Runs programs for tests.
+// Programs that the shell runs.
 #pragma once
 
 #include <sys/wait.h>
 #include <array>
 #include <cstdio>
-#include <filesystem>
 #include <string>
 
 namespace rehearse::test {
 
-namespace fs = std::filesystem;
+/// A word for the shell.
+inline std::string quoted(const std::string& word) {
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
 
 struct Output {
   std::string text;  // stdout and stderr
@@ -25,7 +29,5 @@ inline Output run(const std::string& command) {
   output.status = ::pclose(pipe);
   return output;
 }
-
-inline std::string quoted(const fs::path& path) { return "'" + path.string() + "'"; }
 
 }  // namespace rehearse::test
