@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
 const std::vector<OutputField> fields{{"Arm/Reach", "/Arm/Reach/output/joints", "J1/u", "N·m", CellKind::floating},
-                                      {"Arm/Reach", "/Arm/Reach/output/Lamp/state", "told", "", CellKind::boolean},
+                                      {"Arm/Reach", "/Arm/Reach/output/Lamp/state", "commanded", "", CellKind::boolean},
                                       {"Box/Push", "/Box/Push/output/BASE/wrench", "force/x", "N", CellKind::floating}};
 
 std::uint64_t word(double number) { return std::bit_cast<std::uint64_t>(number); }

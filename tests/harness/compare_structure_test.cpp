@@ -24,7 +24,7 @@ TEST_F(Compare, CallsAnExtraTickAFindingWithItsPlace) {
   const Comparison comparison = compared();
   EXPECT_FALSE(comparison.within);
   EXPECT_EQ(comparison.first->tick, 1);
-  EXPECT_THAT(comparison.first->note, HasSubstr("extra"));
+  EXPECT_THAT(comparison.first->note, HasSubstr("not in the golden"));
 }
 
 TEST_F(Compare, SaysOnceThatARunEndedEarlyAndWhy) {
@@ -54,7 +54,7 @@ TEST_F(Compare, CallsAMissingChannelAFinding) {
 
 TEST_F(Compare, CallsAnExtraChannelAFinding) {
   golden_.left_out = {"/Robot/Foot/wrench"};
-  EXPECT_THAT(compared().first->note, HasSubstr("extra"));
+  EXPECT_THAT(compared().first->note, HasSubstr("not in the golden"));
 }
 
 TEST_F(Compare, CallsAJointOfAnotherNameMissingAndExtra) {

@@ -10,6 +10,15 @@ const filesBelow = (folder, ending) =>
     .sort()
     .map((name) => join(folder, name));
 
+/** The quantities that devices and joints measure, by name, which are keys of noise. */
+const measuredQuantities = (source) => [
+  ...new Set(
+    ['engine/include/rehearse/model.h', 'harness/src/core/scenario/sensor_noise.cpp'].flatMap((file) =>
+      [...readFileSync(join(source, file), 'utf8').matchAll(/\{"(\w+)", "[^"]*", [13]\}/g)].map(([, name]) => name),
+    ),
+  ),
+];
+
 /**
  * The keys that the parsers of scenarios and maps accept: [{form: 'scenario', 'map' or 'noise file', owner: 'a body', keys}]. A parser
  * states them where it makes a `Keys` or calls keys_of(); one that this doesn't understand is an error.
@@ -18,13 +27,17 @@ export function parserKeys(source) {
   const tables = [];
   for (const file of filesBelow(join(source, 'harness/src'), /\.cpp$/)) {
     const text = readFileSync(file, 'utf8');
-    const found = [...text.matchAll(/\b(?:Keys(?: keys)?\(\w+, [^,;{]+|keys_of\(\s*\w+), "([^"]+)",\s*\{([^{}]*)\}\)/g)];
+    const found = [...text.matchAll(/\b(?:Keys(?: keys)?\(\w+, [^,;{]+|keys_of\(\s*\w+), "([^"]+)",\s*(with_quantities\()?\{([^{}]*)\}\)/g)];
     const made = [...text.matchAll(/\b(?:Keys(?: keys)?\(\w+, [^,;{)]+|keys_of\(\s*\w+), /g)].length;
     if (made !== found.length)
       throw new Error(`${file}: ${made} parsers of keys are made, but the keys of only ${found.length} can be read`);
     const form = /\/(log_map|logs\/map)\//.test(file) ? 'map' : file.includes('/check/') ? 'noise file' : 'scenario';
-    for (const [, owner, list] of found)
-      tables.push({ form, owner, keys: [...list.matchAll(/"([^"]+)"/g)].map((match) => match[1]) });
+    for (const [, owner, quantities, list] of found)
+      tables.push({
+        form,
+        owner,
+        keys: [...list.matchAll(/"([^"]+)"/g)].map((match) => match[1]).concat(quantities ? measuredQuantities(source) : []),
+      });
   }
   return tables;
 }

@@ -31,6 +31,11 @@ const std::vector<std::string_view>& quantity_keys() {
   return all;
 }
 
+std::vector<std::string_view> with_quantities(std::vector<std::string_view> keys) {
+  keys.insert(keys.end(), quantity_keys().begin(), quantity_keys().end());
+  return keys;
+}
+
 constexpr double largest = 1e6;  // of a bias or standard deviation, in any unit
 
 /// A device or a joint with noise.
@@ -168,9 +173,7 @@ void NoiseReader::give(const Target& target, const Given& given, double dropout)
 }
 
 void NoiseReader::read_rule(const YamlNode& node) {
-  std::vector<std::string_view> known{"sensor", "joint", "dropout"};
-  known.insert(known.end(), quantity_keys().begin(), quantity_keys().end());
-  const Keys keys(findings_, node, "noise", known);
+  const Keys keys(findings_, node, "noise", with_quantities({"sensor", "joint", "dropout"}));
   if (!keys.is_map()) return;
   const auto targets = find_targets(keys, node);
   if (!targets) return;
