@@ -121,15 +121,16 @@ void Examiner::compare_index(const Record& record, std::uint16_t channel, Bytes 
     fail({record.offset, {}}, fmt::format("the Message Index of channel {} for the Chunk at byte {} {}", channel,
                                           chunks_.back().offset(), std::move(what)));
   };
-  const auto [first, last] =
+  const auto found =
       std::equal_range(chunk_entries_.begin(), chunk_entries_.end(), IndexEntry{0, 0, channel}, by_channel);
+  const auto last = found.second;  // a lambda below can't capture a structured binding with clang 14
   std::vector<IndexEntry> stated;
   for (ByteReader in(entries); in.left() > 0;) {
     const auto time = in.get<std::uint64_t>();
     stated.push_back({time, in.get<std::uint64_t>(), channel});
   }
   std::stable_sort(stated.begin(), stated.end(), by_offset);
-  auto next = first;
+  auto next = found.first;
   const auto tell_missing = [&](std::uint64_t before) {
     for (; next != last && next->offset < before; ++next)
       tell(fmt::format("lacks the message at byte {} of the Chunk", next->offset));
