@@ -4,10 +4,11 @@
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <span>
+#include <sstream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace rehearse::test {
@@ -16,8 +17,9 @@ using Buffer = std::vector<std::byte>;
 
 /// Empty if the file can't be read.
 inline std::string read_file(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
+  std::ostringstream text;  // an iterator over the stream takes seconds for a large file in a build with sanitizers
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return std::move(text).str();
 }
 
 inline Buffer read_bytes(const std::filesystem::path& file) {
