@@ -110,4 +110,9 @@ struct ChannelForm {
   const DeviceMeasurement* measurement = nullptr;  // null: not of a device
 };
 
+// Each is defined in the file of its name.
+#define REHEARSE_KIND(name) extern const ChannelForm name##_kind;
+#include "kinds.inl"
+#undef REHEARSE_KIND
+
 }  // namespace rehearse

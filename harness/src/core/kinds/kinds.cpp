@@ -5,10 +5,6 @@
 
 namespace rehearse {
 
-#define REHEARSE_KIND(name) extern const ChannelForm name##_kind;
-#include "kinds.inl"
-#undef REHEARSE_KIND
-
 namespace {
 
 constexpr const ChannelForm* all[] = {
