@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "compare_fields.h"
+#include "core/kinds/channel_name.h"
 
 namespace rehearse {
 

@@ -9,7 +9,10 @@
 #include <map>
 #include <optional>
 
+#include "core/kinds/channel_name.h"
 #include "core/trace/message_rest.h"
+#include "divergence_text.h"
+#include "series_rules.h"
 
 namespace rehearse {
 

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "compare_structure.h"
+#include "core/kinds/channel_name.h"
 #include "divergence_text.h"
 
 namespace rehearse {

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/compare/series_rules.h"
 #include "core/kinds/channel_name.h"
 
 namespace rehearse {

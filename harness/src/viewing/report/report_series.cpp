@@ -1,4 +1,5 @@
 #include "report_series.h"
+#include "core/kinds/channel_name.h"
 
 #include <rehearse/messages.h>
 
