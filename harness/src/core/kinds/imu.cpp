@@ -66,7 +66,6 @@ const ChannelForm imu_kind{.level = ChannelForm::Level::owner,
                            .has_fixed_elements = true,
                            .is_state = true,
                            .make_rows = number_rows<msg::Imu, places_of_imu, ChannelKind::imu>,
-                           .numbers = &number_message<msg::Imu, places_of_imu>,
                            .measurement = &imu_measurement};
 
 }  // namespace rehearse
