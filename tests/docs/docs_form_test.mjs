@@ -1,9 +1,9 @@
 // docs_form_test.mjs SOURCE: the form of READMEs, of pages of the site and of other Markdown files: a cell of a table has at
 // most 160 characters, a paragraph or an item of a list at most 90 words, the README of a top folder at most 10,000 bytes,
-// and a link is on one line, because links are examined line by line.
+// a link is on one line, because links are examined line by line, and a source that is named with its path exists.
 // It also examines a page with one mistake of each kind, which must be found.
 import assert from 'node:assert/strict';
-import { readdirSync, readFileSync } from 'node:fs';
+import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
 const [source] = process.argv.slice(2);
@@ -12,6 +12,12 @@ const longestParagraph = 90; // words
 const largestReadme = 10000; // bytes
 
 const readable = (text) => text.replace(/\]\([^)\s]+\)/g, ']').replace(/[[\]]/g, '');
+
+/** The sources that a line names and that don't exist. A page on tests may name them below tests/; NAME and VERB stand for any. */
+const missingSources = (line) =>
+  [...line.matchAll(/`((?:harness|engine|tools|controllers)\/[\w/.]+\.(?:h|cpp|inl|mjs|cmake))`/g)]
+    .map(([, path]) => path)
+    .filter((path) => !/NAME|VERB/.test(path) && ![path, `tests/${path}`].some((place) => existsSync(join(source, place))));
 
 /** The mistakes of a page, as `file:line: text`. */
 function mistakesOf(file, text) {
@@ -24,6 +30,7 @@ function mistakesOf(file, text) {
     paragraph = { line: 0, words: 0 };
   };
   text.split('\n').forEach((line, index) => {
+    for (const path of inBlock ? [] : missingSources(line)) mistakes.push(`${file}:${index + 1}: there is no ${path}`);
     if (/^\s*```/.test(line)) {
       end();
       inBlock = !inBlock;
@@ -49,9 +56,9 @@ function mistakesOf(file, text) {
 }
 
 const longText = 'word '.repeat(longestParagraph + 1).trim();
-const sample = ['# A', '', longText, '', `| ${'x'.repeat(longestCell + 1)} |`, '', `- ${longText}`, '', '[a', 'link](b.md)'].join('\n') + '\n' + '\n'.repeat(largestReadme);
+const sample = ['# A', '', longText, '', `| ${'x'.repeat(longestCell + 1)} |`, '', `- ${longText}`, '', '[a', 'link](b.md)', '', '`engine/src/gone.cpp`'].join('\n') + '\n' + '\n'.repeat(largestReadme);
 const found = mistakesOf('engine/README.md', sample).map((text) => text.split(': ')[0]);
-assert.deepEqual(found, [3, 5, 7, 10, 1].map((line) => `engine/README.md:${line}`));
+assert.deepEqual(found, [3, 5, 7, 10, 12, 1].map((line) => `engine/README.md:${line}`));
 assert.deepEqual(mistakesOf('README.md', `# A\n\n${longText.slice(5)}\n\n| ${'x'.repeat(longestCell)} |\n`), []);
 
 /** All Markdown files of the sources, without those of builds and packages. */
