@@ -336,11 +336,7 @@ TEST(ProofFuzz, WhatIsProvedIsWhatASimulationGives) {
   subjects.push_back(
       std::make_unique<Subject>(folder / "switched", true, std::vector{call("camera_off@30"), call("line@59")}));
 
-#ifdef __SANITIZE_ADDRESS__
-  constexpr long usual = 160;  // each change alone
-#else
-  constexpr long usual = 240;  // and some together; the nightly run makes thousands
-#endif
+  constexpr long usual = 160;  // each change alone; the nightly run makes a thousand, of which most are some together
   const long mutants = number_of("REHEARSE_PROOF_MUTANTS", usual);
   for (long i = 0; i < mutants; ++i) {
     // at first each change alone

@@ -57,7 +57,7 @@ PictureWriter::Album PictureWriter::survey(const TraceChannel* actual, const Tra
   Album album;
   album.near = std::numeric_limits<float>::infinity();
   const TraceChannel& either = actual ? *actual : *golden;
-  if (ChannelName::parse(either.topic).kind != ChannelKind::depth && unit_of(either.metadata, "") != "m") return album;
+  if (either.type != msg::Image::type_name) return album;  // compressed: no depths
   if (actual) find_range(actual_.trace, *actual, album);
   if (golden) find_range(golden_->trace, *golden, album);
   if (!std::isfinite(album.near)) album.near = album.far = 0.0f;
