@@ -24,7 +24,7 @@ TEST_F(Compare, NamesWhatMayExplainADifferenceOfThatPart) {
   actual_.provenance["physics"] = "ODE 0.16.4";
   actual_.ticks[1].q = 0.6;
   EXPECT_EQ(compared().explanation, "the physics engine");
-  EXPECT_THAT(verdict(compared()), HasSubstr("stage: physics); changed since the golden: the physics engine"));
+  EXPECT_THAT(verdict(compared()), HasSubstr("at tick 1; changed since the golden: the physics engine"));
   EXPECT_THAT(compared().remarks, Contains(HasSubstr("physics, sensors and inputs may differ for that alone")));
   EXPECT_FALSE(compared().same_arithmetic);
   actual_.ticks[1].q = 0.5;

@@ -11,10 +11,10 @@
 namespace rehearse {
 namespace {
 
-using testing::nan_value;
 using testing::Compare;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using testing::nan_value;
 using testing::SmallTick;
 using testing::SmallTrace;
 using ::testing::StartsWith;
@@ -51,9 +51,10 @@ TEST_F(Compare, TellsWhereAndByHowMuchACommandDiffers) {
   EXPECT_EQ(comparison.first->unit, "N·m");
   EXPECT_EQ(comparison.first->stage, Stage::controller);
   EXPECT_EQ(comparison.beyond, 1);
-  EXPECT_EQ(verdict(comparison),
-            "differs at tick 1 (0.001 s): /Robot/Pd/output/joints KNEE/u is 12.5 N·m, expected 12 N·m: off by 0.5 N·m "
-            "(relative 0.0417, 2.8e+14 ULPs, 500 times the tolerance of 0.001 N·m; stage: controller)");
+  EXPECT_EQ(
+      verdict(comparison),
+      "differs: Robot/Pd/output/KNEE/u is beyond ±0.001 N·m from tick 1 (0.001 s) on, worst 0.5 N·m (500 times) at "
+      "tick 1");
 }
 
 TEST_F(Compare, BlamesTheStateBeforeTheInputsAndTheInputsBeforeTheCommandsOfATick) {
@@ -81,10 +82,9 @@ TEST_F(Compare, CallsADifferenceBelowTheUnitsToleranceWithin) {
   EXPECT_EQ(comparison.differing, 1);
   EXPECT_EQ(comparison.beyond, 0);
   EXPECT_THAT(verdict(comparison), HasSubstr("within tolerance: 1 of"));
-  EXPECT_THAT(
-      table(comparison),
-      HasSubstr("\n  first: tick 1 (0.001 s): /Robot/joints KNEE/q is 0.5 rad, expected 0.5 rad: "
-                "off by 1.11022e-16 rad (relative 2.22e-16, 1 ULP, "));
+  EXPECT_THAT(table(comparison),
+              HasSubstr("\n  first: tick 1 (0.001 s): /Robot/joints KNEE/q is 0.5 rad, expected 0.5 rad: "
+                        "off by 1.11022e-16 rad (relative 2.22e-16, 1 ULP, "));
 }
 
 TEST_F(Compare, ObeysTheRulesOfTheScenario) {

@@ -14,6 +14,7 @@ export const defaults = {
   ticks: 3000,
   channels: 60,
   cameras: 1,
+  first_picture: 0,
   picture_every: 33,
   picture_size: [160, 120],
   fault: 640,
@@ -190,6 +191,7 @@ class Maker {
   camera(index) {
     const {
       ticks,
+      first_picture,
       picture_every,
       picture_size: [width, height],
       fault,
@@ -212,7 +214,7 @@ class Maker {
       }
       return this.blobs.picture(encode_png(width, height, rgb));
     };
-    for (let tick = 0; tick < ticks; tick += picture_every) {
+    for (let tick = first_picture; tick < ticks; tick += picture_every) {
       const strays = this.faulty && tick > fault + 60;
       const actual = paint(tick, strays ? 6 : 0);
       pictures.push({
@@ -379,7 +381,7 @@ class Maker {
       format: 1,
       title: 'Walk',
       rehearse: '0.1.0',
-      verdict: { sentence: sentences[state], besides: sentences[state], state: is_violated ? 'violated' : state },
+      verdict: { sentence: sentences[state], besides: sentences[state], state: options.state ?? (is_violated ? 'violated' : state) },
       time_step: 0.001,
       begin: 0,
       end: options.ticks,

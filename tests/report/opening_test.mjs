@@ -276,6 +276,24 @@ test('a run alone opens with its root, its contacts and its largest commands', a
   });
 });
 
+test('a run without a difference opens where its cameras have their first pictures', async () => {
+  for (const [first_picture, golden] of [
+    [200, false],
+    [0, true],
+  ]) {
+    await with_report({ ...small, golden, equal: true, first_picture }, {}, async ({ page }) => {
+      await settled(page);
+      assert.equal((await state_of(page)).tick, first_picture);
+    });
+  }
+});
+
+test('different bits within tolerance are no red "Beyond tolerance"', async () => {
+  await with_report({ ...small, state: 'bits' }, {}, async ({ page }) => {
+    assert.equal(await page.textContent('.state'), 'Other bits, within tolerance');
+  });
+});
+
 const absences = [
   {
     what: 'a golden',

@@ -64,8 +64,8 @@ TEST_F(Check, BlamesPhysicsIfTheControllerRepeatsItself) {
   EXPECT_EQ(report.plant, LevelState::differs);
   EXPECT_EQ(report.closed, LevelState::differs);
   EXPECT_FALSE(report.within());
-  EXPECT_THAT(report.verdict, HasSubstr("physics changed, the controller did not: under the golden's commands, the "
-                                        "world differs at tick 1 (0.001 s)"));
+  EXPECT_THAT(report.verdict, HasSubstr("physics changed, the controller did not: under the golden's commands, "
+                                        "SR1/WAIST/position/z is beyond ±1e-09 m from tick 1 (0.001 s) on"));
   EXPECT_THAT(report.verdict, HasSubstr("scenario and models are what they were: the simulation itself changed"));
   EXPECT_TRUE(fs::exists(folder_ / "pending/plant/Robot.Stands.mcap"));
   EXPECT_THAT(report.message, HasSubstr("rehearse golden accept Robot.Stands"));
@@ -78,13 +78,13 @@ TEST_F(Check, ComparesOnlyTheLevelThatIsAskedFor) {
   options.closed = options.plant = false;
   const CheckReport report = check(GoldenMode::check, options);
   EXPECT_EQ(report.controller, LevelState::equal);
-  EXPECT_EQ(report.plant, LevelState::skipped);
-  EXPECT_EQ(report.closed, LevelState::skipped);
+  EXPECT_EQ(report.plant, LevelState::not_compared);
+  EXPECT_EQ(report.closed, LevelState::not_compared);
   EXPECT_EQ(report.verdict, "the controller repeats 50 recorded ticks bit for bit");
   std::swap(options.controller, options.plant);
   const CheckReport of_plant = check(GoldenMode::check, options);
   EXPECT_EQ(of_plant.plant, LevelState::equal);
-  EXPECT_EQ(of_plant.controller, LevelState::skipped);
+  EXPECT_EQ(of_plant.controller, LevelState::not_compared);
   EXPECT_THAT(of_plant.verdict, HasSubstr("the world under the recorded commands: equal bit for bit: 50 ticks"));
 }
 
@@ -94,8 +94,8 @@ TEST_F(Check, BlamesByDoingThePartsAgainIfOnlyTheWholeIsAskedFor) {
   CheckOptions options;
   options.controller = options.plant = false;
   const CheckReport report = check(GoldenMode::check, options);
-  EXPECT_EQ(report.controller, LevelState::skipped);
-  EXPECT_EQ(report.plant, LevelState::skipped);
+  EXPECT_EQ(report.controller, LevelState::not_compared);
+  EXPECT_EQ(report.plant, LevelState::not_compared);
   EXPECT_THAT(report.verdict, HasSubstr("physics changed, the controller did not"));
 }
 
@@ -164,7 +164,8 @@ TEST_F(Check, DiffersIfARunIsNotAsExpectedHoweverItCompares) {
   const CheckReport report = check();
   EXPECT_EQ(report.controller, LevelState::equal);
   EXPECT_EQ(report.plant, LevelState::equal);
-  EXPECT_EQ(report.closed, LevelState::differs);
+  EXPECT_EQ(report.closed, LevelState::equal);
+  EXPECT_FALSE(report.within());
   EXPECT_THAT(report.verdict,
               ::testing::StartsWith("expected SR1/WAIST/position/z above 2 m: 0.7135 m at tick 0 (0 s), at worst "));
   EXPECT_THAT(report.verdict, HasSubstr("; equal bit for bit: 50 ticks"));
@@ -215,12 +216,14 @@ TEST_F(Check, OfAScenarioWithoutAGoldenIsByItsExpectationsAlone) {
   scenario_.golden = "";
   scenario_.expectations = {waist_above(0.7)};
   const CheckReport good = check();
-  EXPECT_EQ(good.closed, LevelState::within) << "there is nothing that it could equal";
+  EXPECT_EQ(good.closed, LevelState::not_compared) << "there is nothing that it could equal";
+  EXPECT_TRUE(good.within());
   EXPECT_EQ(good.verdict, "the expectation holds: SR1/WAIST/position/z above 0.7 m");
   EXPECT_FALSE(fs::exists(folder_ / "pending/sr1_standing.mcap"));
   scenario_.expectations = {waist_above(2.0)};
   const CheckReport bad = check();
-  EXPECT_EQ(bad.closed, LevelState::differs);
+  EXPECT_EQ(bad.closed, LevelState::not_compared);
+  EXPECT_FALSE(bad.within());
   EXPECT_TRUE(fs::exists(folder_ / "pending/sr1_standing.mcap"));
   CheckOptions controller_only;
   controller_only.closed = controller_only.plant = false;

@@ -73,7 +73,7 @@ TEST_F(TestReports, OfATestThatFailsIsNamedByItsFailure) {
   const std::string index = read_file(traces("index.html"));
   EXPECT_THAT(index, HasSubstr("<h1>1 of 2 tests failed</h1>"));
   EXPECT_THAT(index, HasSubstr("<a href=\"Box.Lands.html#tick=0\">Box.Lands</a>"));
-  EXPECT_THAT(index, HasSubstr("/Box/Box/pose"));
+  EXPECT_THAT(index, HasSubstr("Box/Box/position/z is beyond "));
 }
 
 TEST_F(TestReports, AreNotMadeOfTestsThatPass) {
@@ -119,10 +119,10 @@ TEST_F(TestReports, ShowAReplayThatDiffersBesideItsGolden) {
   std::filesystem::remove(controller);
   std::filesystem::copy_file(sources / "HingePdChanged.so", controller);
   const TestVerdict verdict = internal::replay_golden("Arm.Swings", "Arm.Repeats");
-  EXPECT_THAT(verdict.message, HasSubstr("commands differ in 430 of 500 ticks, first at tick 70"));
+  EXPECT_THAT(verdict.message, HasSubstr("SHOULDER/u is beyond ±0.001 N·m from tick 70 (0.07 s) on"));
   EXPECT_THAT(verdict.message, ContainsRegex("\nin a browser: file:///.*/traces/Arm.Repeats.replay.html#tick=70\n"
                                              "all tests: file:///.*/traces/index.html$"));
-  EXPECT_THAT(read_file(traces("Arm.Repeats.replay.html")), HasSubstr("commands differ in 430 of 500 ticks"));
+  EXPECT_THAT(read_file(traces("Arm.Repeats.replay.html")), HasSubstr("SHOULDER/u is beyond ±0.001 N·m from tick 70"));
   EXPECT_THAT(read_file(traces("index.html")),
               ContainsRegex("<tr class=\"differs\">.*Arm.Repeats</a><br><small>replay</small>"));
 }

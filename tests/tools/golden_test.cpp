@@ -97,7 +97,7 @@ TEST_F(GoldenVerbs, TheDigestTellsWhatMovedAndWhen) {
   EXPECT_THAT(before, ContainsRegex("\n\naccepted 20[0-9-]+, first\n\n"));
   EXPECT_EQ(rehearse({"golden", "accept", "Box.Falls"}, "SOURCE_DATE_EPOCH=1763640000").status, 0);
   EXPECT_THAT(read_file(folder() / digest_file),
-              ContainsRegex("\naccepted 2025-11-20, replaced: physics changed: [^\n]* differs at tick 0 [^\n]*\n"
+              ContainsRegex("\naccepted 2025-11-20, replaced: [^\n]* is beyond [^\n]* from tick 0 [^\n]*\n"
                             "  /Box/Box/pose position/z: 0.1 m at tick 0, 21 of [0-9]+ values\n"));
   EXPECT_EQ(rehearse({"golden", "accept", "Box.Falls"}, "SOURCE_DATE_EPOCH=now").status, 2);
 }
@@ -126,7 +126,7 @@ TEST_F(GoldenVerbs, ReviewWithoutATerminalShowsAllAndTheCommands) {
   const Outcome outcome = rehearse({"golden", "review"});
   EXPECT_EQ(outcome.status, 1) << outcome.err;
   EXPECT_THAT(outcome.out, StartsWith("1/1  Box.Falls\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("differs at tick 0"));
+  EXPECT_THAT(outcome.out, HasSubstr("from tick 0 (0 s) on"));
   EXPECT_THAT(outcome.out, HasSubstr("\n  Box/Box/position/z [m]: "));
   EXPECT_THAT(outcome.out, HasSubstr("accept it: rehearse golden accept Box.Falls\n"));
   EXPECT_THAT(outcome.out, HasSubstr("reject it: rehearse golden reject Box.Falls\n"));
@@ -134,7 +134,7 @@ TEST_F(GoldenVerbs, ReviewWithoutATerminalShowsAllAndTheCommands) {
   EXPECT_TRUE(exists(pending_file));
   const nlohmann::json report = rehearse({"golden", "review", "--json"}).json();
   EXPECT_EQ(report["waiting"][0]["name"], "Box.Falls");
-  EXPECT_THAT(report["waiting"][0]["verdict"].get<std::string>(), HasSubstr("differs at tick 0"));
+  EXPECT_THAT(report["waiting"][0]["verdict"].get<std::string>(), HasSubstr("from tick 0 (0 s) on"));
   EXPECT_EQ(rehearse({"golden", "review", "Box.Flies"}).status, 2);
 }
 

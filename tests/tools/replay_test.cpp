@@ -81,8 +81,11 @@ TEST_F(Replay, SaysInASentenceWhereItDiffers) {
   record_sr1();
   const Outcome outcome = rehearse({"replay", "sr1.mcap", "--controller", "SR1/SR1Minimum=" CHANGED_GAIN});
   EXPECT_EQ(outcome.status, 1) << outcome.err;
-  EXPECT_THAT(outcome.out, ContainsRegex("\ndiffers at tick .*RLEG_KNEE/u.*\nworst: .*\n100 of 100 ticks and 100 of "
-                                         "3000 commanded numbers differ\n$"));
+  EXPECT_THAT(
+      outcome.out,
+      ContainsRegex(
+          "\ndiffers: RLEG_KNEE/u is beyond .*\nits bits differ from tick 0 on\nworst: .*\n100 of 100 ticks and 100 of "
+          "3000 commanded numbers differ\n$"));
 }
 
 TEST_F(Replay, ComparesTheAskedSpanOnly) {

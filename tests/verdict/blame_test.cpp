@@ -81,7 +81,7 @@ TEST_F(Blamed, WordsThatDifferEarlierComeFirst) {
   EXPECT_THAT(
       checked_with("StandWith_announced").verdict,
       StartsWith("the controller changed: at tick 499 (0.499 s), before its commands differ, this line is extra: "
-                 "\"SR1/Stand: a stiffer knee\"; fed with the golden's inputs, it differs at tick 500"));
+                 "\"SR1/Stand: a stiffer knee\"; RLEG_KNEE/u is beyond ±0.001 N·m from tick 500"));
 }
 
 /// The third run of a process is the replay of a check, after the golden's run and the closed loop.
@@ -151,6 +151,38 @@ TEST(StructureChange, IsTheFirstOfBodiesControllersAndTheirFlags) {
             "line 1: delay of controller 'A/Hold' is false, and was true");
   EXPECT_EQ(structure_change("bodies: [{name: A}, {name: B}]", "bodies: [{name: B}, {name: A}]"), "");
   EXPECT_EQ(structure_change("[", before), "");
+}
+
+TEST_F(Blamed, AModelWithAnotherJointComesBeforeItsConsequences) {
+  robot_.record_golden();
+  robot_.apply({"sr1.urdf", "name=\"WAIST_P\"", "name=\"WAIST_PITCH\""});
+  const CheckReport renamed = checked();
+  EXPECT_FALSE(renamed.within());
+  EXPECT_THAT(renamed.verdict, StartsWith("the model of 'SR1' changed: "));
+  EXPECT_THAT(renamed.verdict, HasSubstr("'WAIST_PITCH' was named 'WAIST_P'; the run differs"));
+}
+
+/// The commands of a controller that computes otherwise must have the golden's bits, but it is no news that they are
+/// within tolerance.
+TEST_F(Blamed, AControllerWhoseBitsAloneDifferIsToldSo) {
+  robot_.write("scenario.yaml", std::string(standing_yaml) + "tolerances:\n  - {channel: '*', atol: 1000}\n");
+  robot_.record_golden();
+  const CheckReport gain = checked_with("StandWith_gain");
+  EXPECT_EQ(gain.controller, LevelState::differs);
+  EXPECT_EQ(gain.closed, LevelState::within);
+  EXPECT_THAT(gain.verdict,
+              StartsWith("the controller changed: only bits differ, from tick 0 (0 s) on; all commands are "
+                         "within tolerance: the worst is "));
+  ASSERT_TRUE(gain.first);
+  EXPECT_FALSE(gain.first->is_beyond());
+}
+
+TEST_F(Blamed, NobodyByALevelThatComparedNothing) {
+  robot_.record_golden();
+  robot_.apply({"scenario.yaml", "duration: 0.6", "duration: 0.6\ntime_step: 0.002"});
+  const CheckReport other = checked();
+  EXPECT_FALSE(other.within());
+  EXPECT_EQ(levels_text(other), "controller: not compared; plant: not compared; closed: not compared");
 }
 
 }  // namespace

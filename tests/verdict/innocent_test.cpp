@@ -136,7 +136,7 @@ TEST_F(Innocents, AControllerIsNotBlamedForTheLastBitsOfAnotherArithmetic) {
   const CheckReport report = checked(closed_only);
   EXPECT_EQ(report.closed, LevelState::differs);
   EXPECT_THAT(report.verdict, Not(HasSubstr("the controller changed")));
-  EXPECT_THAT(report.verdict, HasSubstr("sr1.urdf: with the recorded version, the world agrees"));
+  EXPECT_THAT(report.verdict, HasSubstr("sr1.urdf changed: under the golden's commands, SR1/"));
   ASSERT_TRUE(report.first);
   EXPECT_EQ(report.first->stage, Stage::physics) << report.verdict;
 }

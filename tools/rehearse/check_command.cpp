@@ -53,6 +53,7 @@ struct CheckSettings {
   bool has_levels = false;  // the user named levels
   bool simulate = false;    // nothing is proved
   bool strict = false;      // goldens without an owner fail, too
+  bool verbose = false;     // the first differences are also printed in full
   std::int64_t jobs = 0;    // scenarios at a time; 0: as many as there are processors
   DebuggerOptions debugger;
   std::int64_t tick = 0;  // where gdb stops
@@ -249,7 +250,7 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
   checked.report = *std::move(report);
   if (!compared_anything(checked.report)) checked.report.verdict = "nothing was compared: " + checked.report.verdict;
   checked.seconds = stopwatch.seconds();
-  if (!settings.json) tell_verdict(checked);
+  if (!settings.json) tell_verdict(checked, settings.verbose);
   add_page(settings, scenario, waiting->folder() / (name + ".mcap"), checked);
   const auto told = waiting->publish(checked.report.message);
   if (!told) return told.errors();
@@ -388,6 +389,8 @@ std::function<Exit()> declare_check(CLI::App& options) {
       "--simulate", settings->simulate,
       "simulate even if it is proved that the world is the one that made the golden. REHEARSE_PROOF=off has the same "
       "effect; REHEARSE_PROOF=sample:20 in a fifth of the checks");
+  options.add_flag("-v,--verbose", settings->verbose,
+                   "also print the first differences in full, with relative errors and ULPs");
   options.add_flag("--strict", settings->strict,
                    "fail also (status 1) if the project has a golden that no scenario names and no test that ran here, "
                    "or one that can't be used");

@@ -13,6 +13,7 @@
 
 #include "core/check/check_json.h"
 #include "core/check/compared.h"
+#include "core/compare/divergence_text.h"
 #include "core/golden/run_folder.h"
 #include "core/simulation/recorded_view.h"
 #include "scenario_text.h"
@@ -39,7 +40,9 @@ std::string details_of(const CheckOutcome& outcome) {
   const auto* checked = std::get_if<Checked>(&outcome.findings);
   if (!checked) return std::get<TextsOfFindings>(outcome.findings).details;
   const CheckReport& report = checked->report;
-  return report.verdict + '\n' + (report.comparison ? table(*report.comparison) : "") + report.message;
+  const std::string bits = bits_sentence(report);
+  return report.verdict + '\n' + (bits.empty() ? "" : "  " + bits + '\n') +
+         (report.comparison ? table(*report.comparison) : "") + report.message;
 }
 
 /// A State of TestResult or CiCase.
@@ -62,12 +65,13 @@ TestResult result_of(const Scenario& scenario, const CheckOutcome& outcome) {
   return result;
 }
 
-/// The summary of all scenarios: differs if any differs, else within if any is, else equal, else proved; skipped if all
-/// are skipped.
+/// The summary of all scenarios: differs if any differs, else no golden, within, equal or proved if any is; not
+/// compared if no scenario is.
 std::string_view together(const std::vector<CheckOutcome>& all, LevelState CheckOutcome::*level) {
-  for (const LevelState state : {LevelState::differs, LevelState::within, LevelState::equal, LevelState::proved})
+  for (const LevelState state :
+       {LevelState::differs, LevelState::no_golden, LevelState::within, LevelState::equal, LevelState::proved})
     if (std::ranges::find(all, state, level) != all.end()) return to_string(state);
-  return to_string(LevelState::skipped);
+  return to_string(LevelState::not_compared);
 }
 
 /// The result of one scenario in continuous integration.
@@ -145,6 +149,17 @@ std::string summary_of(const std::vector<CiCase>& cases) {
   return text;
 }
 
+/// The first differences with all their figures, a line each.
+std::string figures_of(const CheckReport& report) {
+  std::string text;
+  const auto add = [&text](const char* what, const std::optional<Divergence>& place) {
+    if (place) text += fmt::format("  {}: {}\n", what, describe_in_full(*place, when_text(*place)));
+  };
+  add("first in full", report.first);
+  if (!bits_sentence(report).empty()) add("first bits in full", report.first_bit);
+  return text;
+}
+
 }  // namespace
 
 Exit exit_of(const CheckReport& report) {
@@ -153,22 +168,23 @@ Exit exit_of(const CheckReport& report) {
   return report.within() ? Exit::done : Exit::differs;
 }
 
-void tell_verdict(const Checked& checked) {
+void tell_verdict(const Checked& checked, bool verbose) {
   const CheckReport& report = checked.report;
   const std::string sentence = fmt::format("{}: {}", checked.scenario, report.verdict);
   const std::string shown = terminal_width() > 0 ? wrapped(sentence, terminal_width(), 0) : sentence;
   fmt::print("{}\n", colored(shown, report.within() ? TextColor::green : TextColor::red));
-  fmt::print("  controller on recorded inputs: {}; world under recorded commands: {}; closed loop: {}; {:.1f} s\n",
-             to_string(report.controller), to_string(report.plant), to_string(report.closed), checked.seconds);
+  if (const std::string bits = bits_sentence(report); !bits.empty()) fmt::print("  {}\n", bits);
+  fmt::print("  {}; {:.1f} s\n", levels_text(report), checked.seconds);
+  if (verbose) fmt::print("{}", figures_of(report));
   // beside a difference, only a change may explain it
   if (!report.not_proved.empty() && (report.within() || report.not_proved.starts_with("changed")))
     fmt::print("  simulated: {}\n", report.not_proved);
   if (report.plant_run && !report.plant_run->from_the_start.empty())
     fmt::print("  without checkpoints, from the start: {}\n", report.plant_run->from_the_start);
   if (report.plant == LevelState::differs && report.plant_comparison)
-    fmt::print("  under the recorded commands:\n{}", table(*report.plant_comparison));
+    fmt::print("  plant:\n{}", table(*report.plant_comparison));
   if (report.comparison)
-    fmt::print("{}{}", report.plant == LevelState::differs ? "  in the closed loop:\n" : "", table(*report.comparison));
+    fmt::print("{}{}", report.plant == LevelState::differs ? "  closed:\n" : "", table(*report.comparison));
   std::fflush(stdout);
 }
 

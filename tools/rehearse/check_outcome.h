@@ -31,7 +31,7 @@ struct Checked {
 Exit exit_of(const CheckReport& report);
 
 /// Prints the verdict, the levels and tables of differences. They are on stdout when this returns.
-void tell_verdict(const Checked& checked);
+void tell_verdict(const Checked& checked, bool verbose);
 /// Prints the notes, the files that wait for a decision, and the address of the report.
 void tell_files(const Checked& checked);
 
@@ -49,7 +49,7 @@ struct CheckOutcome {
   Exit exit = Exit::done;
   std::string verdict;  // one sentence
   bool equal = false, within = false, proved = false;
-  LevelState controller = LevelState::skipped, plant = LevelState::skipped, closed = LevelState::skipped;
+  LevelState controller = LevelState::not_compared, plant = LevelState::not_compared, closed = LevelState::not_compared;
   std::string report = {};                          // an HTML file; empty: there is none
   std::optional<std::int64_t> tick = std::nullopt;  // where the report begins
   int line = 1;                                     // of the first violated expectation, else 1

@@ -46,7 +46,7 @@ std::string verdict(const ReplayReport& report) {
   if (report.failure) return "failed: " + report.failure->message;
   std::string files;
   for (const std::string& change : report.changed_files) files += "; " + change;
-  if (report.first) return "differs at " + to_string(*report.first) + files;
+  if (report.first) return headline(report, "differs: ") + files;
   if (report.values == 0) return "nothing was compared: no controller commanded anything in that time";
   return fmt::format("equal bit for bit: {}, {}", count_text(report.ticks, "tick"),
                      count_text(report.values, "commanded number"));
@@ -57,6 +57,7 @@ Json report_json(const ReplayReport& report) {
           {"equal", report.equal() && report.values > 0},
           {"within", report.equal() && report.values > 0},  // the tolerance of a replay is zero
           {"first", json_of(report.first)},
+          {"beyond", json_of(report.beyond)},
           {"worst", json_of(report.worst)},
           {"ticks", report.ticks},
           {"ticks_different", report.ticks_different},
@@ -80,6 +81,8 @@ void tell(const ReplaySettings& settings, const ReplayReport& report, double sec
   if (report.words.first)
     fmt::print("their messages differ, too, which doesn't change the verdict: {}\n", to_string(*report.words.first));
   if (!report.first) return;
+  if (report.beyond && report.first->tick < report.beyond->tick)
+    fmt::print("its bits differ from tick {} on\n", report.first->tick);
   fmt::print("worst: {}\n", to_string(*report.worst));
   fmt::print("{} of {} and {} of {} differ\n", report.ticks_different, count_text(report.ticks, "tick"),
              report.values_different, count_text(report.values, "commanded number"));

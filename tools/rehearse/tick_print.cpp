@@ -7,6 +7,7 @@
 #include <limits>
 #include <tuple>
 
+#include "core/compare/divergence_text.h"
 #include "core/kinds/channel_name.h"
 
 namespace rehearse::tool {
@@ -260,10 +261,10 @@ std::string difference_text(const Divergence& difference) {
       difference.element.empty() ? difference.channel : series_name(difference.channel, difference.element);
   if (!difference.note.empty()) return fmt::format("{}: {}", plain_text(place), difference.note);
   const std::string unit = difference.unit.empty() ? "" : " " + difference.unit;
-  const std::string ulps = ulps_text(difference.ulps);
+  const std::string ulps = few_ulps_text(difference.ulps);
   return fmt::format("{}: replayed {}{}, recorded {} (difference {:+.3g}{})", plain_text(place), difference.actual,
                      unit, difference.expected, difference.actual - difference.expected,
-                     ulps.empty() ? "" : ", " + ulps + (ulps == "1" ? " ULP" : " ULPs"));
+                     ulps.empty() ? "" : ", " + ulps);
 }
 
 std::string text_of(const TickView& view, const TickParts& parts) {

@@ -102,10 +102,11 @@ enum class LevelState {
   proved,  // equal bit for bit, which is known without a simulation
   within,  // different bits, within tolerance
   differs,
-  skipped,  // not requested, or there was nothing to compare
+  not_compared,  // not requested, or there was nothing to compare
+  no_golden,     // there is no golden yet
 };
 
-/// "equal", "proved", "within", "differs" or "skipped".
+/// "equal", "proved", "within", "differs", "not compared" or "no golden".
 std::string_view to_string(LevelState state);
 
 struct CheckOptions {
@@ -140,14 +141,15 @@ Result<ProofMode> proof_mode();
 Result<bool> is_sampled(const std::string& name, int percent);
 
 struct CheckReport {
-  LevelState controller = LevelState::skipped;
-  LevelState plant = LevelState::skipped;
-  LevelState closed = LevelState::skipped;
-  std::string verdict;                          // one sentence, without a full stop; names the faulty part
-  std::string message;                          // for a person: the run's trace file, the next step; may be empty
-  std::optional<Divergence> first;              // on the level that is most specific; none if all are equal
-  std::optional<ReplayReport> replay;           // of level controller
-  std::optional<PlantSummary> plant_run;        // of level plant
+  LevelState controller = LevelState::not_compared;
+  LevelState plant = LevelState::not_compared;
+  LevelState closed = LevelState::not_compared;
+  std::string verdict;                    // one sentence, without a full stop; names the faulty part
+  std::string message;                    // for a person: the run's trace file, the next step; may be empty
+  std::optional<Divergence> first;        // on the level that is most specific; none if all are equal
+  std::optional<Divergence> first_bit;    // in any bit, of the same part; none: not known, or not apart from `first`
+  std::optional<ReplayReport> replay;     // of level controller
+  std::optional<PlantSummary> plant_run;  // of level plant
   std::optional<Comparison> plant_comparison;   // of level plant; the golden's commands are not compared
   std::optional<Comparison> comparison;         // of level closed
   std::optional<RunSummary> run;                // of level closed
@@ -165,11 +167,22 @@ struct CheckReport {
   /// The closed loop is within tolerance, but equal programs and files gave different bits, or the run doesn't repeat
   /// itself (reproduce). The check then counts as different.
   bool not_reproduced = false;
+  bool other_duration =
+      false;  // the scenario's time step or duration isn't the golden's; the check counts as different
+  bool proof_was_wrong = false;  // it was simulated as well, with another result; the check counts as different
 
-  bool equal() const;   // every compared level is equal
-  bool within() const;  // no level differs
+  bool equal() const;   // within(), and every compared level is equal
+  bool within() const;  // no level differs, and run_is_wrong() is false
+  /// The run of level closed differs, has no golden, violates an expectation, or isn't certain.
+  bool run_is_wrong() const;
   bool failed() const;  // a controller failed or refused to take part, or the simulation exploded
 };
+
+/// "controller: equal; plant: equal; closed: differs"
+std::string levels_text(const CheckReport& report);
+
+/// "its bits differ from tick 0 on", if that is before the first difference beyond tolerance; else empty.
+std::string bits_sentence(const CheckReport& report);
 
 /// Compares the present behaviour of a scenario with a golden recording. The fresh trace is written to `actual`, the
 /// trace of the plant level to `plant/` beside it. Each is removed if it is within tolerance. A golden that was

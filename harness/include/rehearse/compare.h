@@ -73,7 +73,8 @@ struct Differences {
   std::int64_t values = 0;  // numbers compared
   std::int64_t values_different = 0;
   std::optional<Divergence> first;
-  std::optional<Divergence> worst;   // by absolute difference
+  /// By multiples of its tolerance; of differences without tolerance, by difference.
+  std::optional<Divergence> worst;
   std::optional<Divergence> beyond;  // the first beyond its tolerance, or with a note
 
   void add(Divergence found) {

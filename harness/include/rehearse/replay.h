@@ -46,11 +46,9 @@ struct ReplayOptions : HostOptions {
   /// Walker/KNEE/q=0.3@tick:1200..1300 (src/replay/altered_inputs.h describes the forms). Differences then show the
   /// reaction of the controllers.
   std::vector<std::string> set;
-  /// The allowed difference of a command from the recorded command, for ReplayReport::within(); none: no difference is
-  /// allowed.
+  /// The allowed difference of a command from the recorded command, for ReplayReport::within(); none: the tolerances of
+  /// the recording's scenario.
   std::optional<std::vector<ToleranceRule>> tolerances;
-  /// Rules that apply to results of control() without `tolerances`, too: those with `ticks`.
-  std::vector<ToleranceRule> rules_of_results;
   /// Called with each difference, in the order of ticks; null: never called.
   std::function<void(const Divergence&)> on_difference;
   /// Called with the first different line of a tick, and with each different variable that no rule names, after the
@@ -80,11 +78,13 @@ struct ReplayedWords {
   std::optional<Divergence> first;  // the first different number of a variable
 };
 
-/// Differences of commands, in the order of ticks, controllers, links; without ReplayOptions::tolerances no difference
-/// is allowed.
+/// Differences of commands, in the order of ticks, controllers, links.
 struct ReplayReport : Differences {
+  int controllers = 0;               // number of controllers that were fed
   std::int64_t ticks = 0;            // number of replayed ticks
   std::int64_t ticks_different = 0;  // number of ticks with a different command
+  /// All commands have the recorded bits, and refusals in control() are within the ticks that their rules allow.
+  bool same_commands = true;
   /// Inputs that only the recorded controllers read ("- Rig/Gyro"), or only these ("+ Rig/Gyro"). Then the inputs can't
   /// be compared as a whole, and commands alone are.
   std::vector<std::string> other_inputs;
@@ -107,9 +107,14 @@ struct ReplayReport : Differences {
 
   /// All commands have the recorded bits.
   bool equal() const { return !first && !failure; }
-  /// All commands are within ReplayOptions::tolerances.
+  /// All commands are within their tolerances.
   bool within() const { return !beyond && !failure; }
 };
+
+/// One sentence: the series that leaves its tolerance first, "differs at" and a place, or that only bits differ. Empty:
+/// all commands are equal. The first two forms begin with the given words.
+std::string headline(const ReplayReport& replayed, const std::string& before_beyond = {},
+                     const std::string& before_differs = {});
 
 /// Replays a recording. Fails if the trace can't be read or isn't a recording of Rehearse, if a library doesn't load,
 /// or if a controller reads a quantity that was not recorded.

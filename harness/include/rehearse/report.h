@@ -23,8 +23,9 @@ namespace rehearse {
 /// The verdict of a check. In contrast to a comparison it covers expectations and failures, and has one verdict per
 /// level.
 struct ReportVerdict {
-  std::string sentence;                            // without a full stop
-  std::string state;                               // "equal", "within", "beyond", "violated" or "failed"
+  std::string sentence;  // without a full stop
+  /// "equal", "within", "bits" (bits differ that must not, all within tolerance), "beyond", "violated" or "failed".
+  std::string state;
   std::map<std::string, std::string> levels = {};  // "controller", "plant", "closed": each "equal", "within", ...
   std::optional<Divergence> first = std::nullopt;  // first difference to show; none: that of the comparison
 };
@@ -47,6 +48,7 @@ struct CallStack {
 };
 
 struct ReportOptions {
+  std::string title;                // of the page: the scenario or the test; empty: the recording's file
   std::optional<double> from;       // [s], inclusive; none: the run's beginning
   std::optional<double> until;      // [s], exclusive; none: the run's end
   std::vector<std::string> topics;  // globs of the topics whose series and pictures are included; empty: all

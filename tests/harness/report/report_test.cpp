@@ -196,8 +196,10 @@ TEST_F(Report, BesideAGoldenTellsViolationsBeforeDifferences) {
   const DecodedReport report = beside_golden();
   EXPECT_EQ(report["verdict"]["state"], "violated");
   EXPECT_THAT(report["verdict"]["sentence"].get<std::string>(),
-              AllOf(StartsWith("expected Robot/KNEE/q below 0.6 rad: 0.7 rad at tick 2"), HasSubstr("; differs at")));
-  EXPECT_THAT(report["verdict"]["besides"].get<std::string>(), StartsWith("differs at tick 1"));
+              AllOf(StartsWith("expected Robot/KNEE/q below 0.6 rad: 0.7 rad at tick 2"),
+                    HasSubstr("; differs: Robot/Foot/force/z is beyond ")));
+  EXPECT_THAT(report["verdict"]["besides"].get<std::string>(),
+              StartsWith("differs: Robot/Foot/force/z is beyond ±0.0001 N from tick 1"));
   EXPECT_EQ(summary_.first_tick, 1);
 }
 
@@ -540,12 +542,20 @@ TEST_F(Report, OfAFailedCheckShowsTheFindingsOfTheCheck) {
   checked.expectations.emplace_back();
   checked.expectations[0].text = "what the check expected";
   Scenario scenario;
+  scenario.name = "walk";
   const auto written =
       write_failure_report(checked, scenario, folder_ / "golden.mcap", folder_ / "actual.mcap", options_);
   ASSERT_TRUE(written) << to_string(written.errors());
   ASSERT_TRUE(*written);
   EXPECT_EQ((*written)->summary.verdict, "the sentence of the check");
   const DecodedReport report((*written)->file);
+  EXPECT_EQ(report["title"], "walk");
+  EXPECT_EQ(report["verdict"]["state"], "violated");
+  checked.expectations.clear();
+  EXPECT_EQ(report_verdict(checked).state, "beyond");
+  checked.first->note.clear();
+  checked.first->tolerance = 1e9;
+  EXPECT_EQ(report_verdict(checked).state, "bits") << "nothing is beyond its tolerance";
   ASSERT_EQ(report["divergences"].size(), 1u);
   EXPECT_EQ(report["divergences"][0]["note"], "the finding of the check");
   ASSERT_EQ(report["expectations"].size(), 1u);

@@ -241,8 +241,9 @@ TEST_F(OneJudgeText, ChecksTheLevelsOfAScenarioAlike) {
   later.replace(later.find("step 0.1 22"), 11, "step 0.1 24");
   const CheckReport beyond = check(true, false);
   EXPECT_EQ(beyond.controller, LevelState::differs);
-  EXPECT_THAT(beyond.verdict, HasSubstr("off by 0.1 N·m (relative 1, 4.6e+18 ULPs, 0.1 N·m from the golden's values "
-                                        "within lead and lag, 100 times the tolerance of 0.001 N·m"));
+  EXPECT_THAT(beyond.verdict,
+              HasSubstr("SHOULDER/u of Rig/C is beyond ±0.001 N·m of the golden's values "
+                        "within lead and lag from tick 23 (0.023 s) on, worst 0.1 N·m (100 times) at tick 23"));
 }
 
 /// A part of a recording is judged by what follows it there.

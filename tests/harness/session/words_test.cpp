@@ -183,7 +183,7 @@ TEST_F(WordsTest, AComparisonRemarksOnVariablesUnlessARuleAsks) {
   rule.atol = 0.1;
   const Comparison asked = compare(golden, other, {rule});
   EXPECT_FALSE(asked.within);
-  EXPECT_THAT(verdict(asked), HasSubstr("/Rig/C/variable/phase phase"));
+  EXPECT_THAT(verdict(asked), HasSubstr("Rig/C/variable/phase is beyond ±0.1 from tick 1"));
   EXPECT_EQ(asked.first->stage, Stage::controller);
   rule.atol = 100.0;
   EXPECT_TRUE(compare(golden, other, {rule}).within);

@@ -28,6 +28,12 @@ export class Tour {
     return violated ? tick_of(violated) : null;
   }
 
+  /** The first tick with a picture of each camera; null: there is no camera. */
+  get first_complete_view(): number | null {
+    const firsts = this.report.data.cameras.map((camera) => camera.pictures[0]?.tick ?? 0);
+    return firsts.length > 0 ? Math.max(...firsts) : null;
+  }
+
   /** Ticks at which something diverges or violates an expectation, without repetition. */
   private get ticks(): number[] {
     const ticks = [...this.report.data.divergences.map((entry) => entry.tick), ...violations(this.report).map(tick_of)];

@@ -27,7 +27,7 @@ export interface ConstantArray {
 
 export type NumberArray = StoredArray | ConstantArray;
 
-export type VerdictState = 'alone' | 'equal' | 'within' | 'beyond' | 'violated' | 'failed';
+export type VerdictState = 'alone' | 'equal' | 'within' | 'bits' | 'beyond' | 'violated' | 'failed';
 
 export interface Run {
   role: 'actual' | 'golden';

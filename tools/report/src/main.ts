@@ -215,7 +215,7 @@ function put_together(report: Report) {
   watch_theme(() => store.changed('theme'));
   const place = parse_address(location.hash);
   store.show(place.series ?? tour.series_to_open_with());
-  const start = tour.first ? tour.first.tick : tour.first_violation;
+  const start = tour.first ? tour.first.tick : (tour.first_violation ?? tour.first_complete_view);
   if (start !== null) store.go(start);
   go_to_place(store, place);
   keep_address(store);

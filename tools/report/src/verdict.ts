@@ -10,6 +10,7 @@ const words = {
   alone: 'One run',
   equal: 'Equal',
   within: 'Within tolerance',
+  bits: 'Other bits, within tolerance',
   beyond: 'Beyond tolerance',
   violated: 'Expectation violated',
   failed: 'Failed',
@@ -49,7 +50,7 @@ export function verdict(store: Store, report: Report, help: () => void): HTMLEle
           'p',
           { class: 'levels' },
           ...Object.entries(levels).map(([level, state]) =>
-            element('span', { class: `level ${state}` }, element('b', {}, level), ` ${state}`),
+            element('span', { class: `level ${state.replace(' ', '_')}` }, element('b', {}, level), ` ${state}`),
           ),
         ),
       element(

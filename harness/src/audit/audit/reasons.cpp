@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "aspects.h"
+#include "core/compare/divergence_text.h"
 #include "judgement.h"
 
 namespace rehearse {
@@ -21,8 +22,9 @@ std::string text_of_place(const Divergence& first) {
   std::string text = first.channel + (first.element.empty() ? "" : " " + first.element) +
                      fmt::format(" at tick {} ({} s): ", first.tick, first.time);
   if (!first.note.empty()) return text + first.note;
-  return text + fmt::format("{}, then {} ({:.3g} ULPs)", number_text(first.expected, first.unit),
-                            number_text(first.actual, first.unit), static_cast<double>(first.ulps));
+  const std::string ulps = few_ulps_text(first.ulps);
+  return text + fmt::format("{}, then {}{}", number_text(first.expected, first.unit),
+                            number_text(first.actual, first.unit), ulps.empty() ? "" : " (" + ulps + ")");
 }
 
 class Conclusion {

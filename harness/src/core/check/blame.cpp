@@ -54,21 +54,19 @@ std::optional<Comparison> plant_again(const Suspects& with, const Scenario& scen
   return std::move(again->comparison);
 }
 
-/// The report, and, if level closed differs, the results of the other levels up to its first difference.
+/// The report, and, if level closed differs, the results of the other levels: of the plant up to its first difference.
 CheckReport with_all_levels(const Suspects& with, const CheckReport& report) {
   CheckReport evidence = report;
   if (report.closed != LevelState::differs) return evidence;
-  const std::int64_t tick = report.comparison->first->tick;
-  if (evidence.controller == LevelState::skipped) {
-    const double until = time_of(tick + 1, with.scenario.time_step);
-    if (auto replayed = replay_golden(with.scenario, with.golden, with.host, until)) {
-      evidence.controller = state_of(*replayed);
-      evidence.replay = *std::move(replayed);
+  if (evidence.controller == LevelState::not_compared) {
+    if (auto replayed = replay_golden(with.scenario, with.golden, with.host)) {
+      evidence.controller = replayed->state;
+      evidence.replay = std::move(replayed->replay);
     }
   }
-  if (evidence.plant == LevelState::skipped) {
+  if (evidence.plant == LevelState::not_compared) {
     PlantOptions options;
-    options.until = tick;
+    options.until = report.comparison->first->tick;
     evidence.plant_comparison = plant_again(with, with.scenario, options);
     if (evidence.plant_comparison)
       evidence.plant = evidence.plant_comparison->within ? LevelState::within : LevelState::differs;
@@ -147,8 +145,8 @@ Blame blame_controller(const Suspects& with, const CheckReport& evidence) {
   if (auto unsteady = unsteady_controller(with, first, evidence)) return *std::move(unsteady);
   if (evidence.replay->same_controllers) return same_controller(first, *evidence.replay);
   return {"the controller changed: " + earlier_words(*evidence.replay, first) +
-              "fed with the golden's inputs, it differs at " + to_string(first) + files_text(*evidence.replay),
-          first};
+              headline(*evidence.replay, "", "fed with the golden's inputs, it ") + files_text(*evidence.replay),
+          first, evidence.replay->first};
 }
 
 /// The first difference of the state before `place`, if it shows that the physics changed; null: there is none.
@@ -198,34 +196,37 @@ std::string changed_files(const Comparison& comparison) {
   return fmt::format("{}", fmt::join(comparison.changed_files, ", "));
 }
 
-/// The cause of a difference of the plant: the noise, the files, or the programs.
-std::string origin(const Suspects& with, const Divergence& place, const Comparison& comparison) {
+/// The cause of a difference of the plant, for a verdict.
+struct Cause {
+  std::string subject;  // of "changed"; empty: only the stage is known
+  std::string reason;   // the rest of the sentence
+};
+
+Cause cause_of(const Suspects& with, const Divergence& place, const Comparison& comparison) {
   const std::string files = changed_files(comparison);
   const auto recorded = recorded_scenario(with.golden);
-  if (!recorded) return files.empty() ? "" : fmt::format("; changed since it was recorded: {}", files);
+  const std::string also_changed = files.empty() ? "" : fmt::format("; changed since it was recorded: {}", files);
+  if (!recorded) return {"", also_changed};
   if (place.stage != Stage::physics && is_noise(with, place, *recorded)) {
     const auto stated = RunFacts::of(with.golden).seed;
     const std::string seed = stated ? std::to_string(*stated) : "?";
-    return seed == std::to_string(with.scenario.seed)
-               ? "; the noise changed: with the golden's noise, the world agrees"
-               : fmt::format(
-                     "; the random stream of the noise changed: with the golden's seed {} instead of {}, the world "
-                     "agrees",
-                     seed, with.scenario.seed);
+    if (seed == std::to_string(with.scenario.seed)) return {"the noise", "; with the golden's noise, the world agrees"};
+    return {"the random stream of the noise",
+            fmt::format("; with the golden's seed {} instead of {}, the world agrees", seed, with.scenario.seed)};
   }
-  if (files.empty()) return "; scenario and models are what they were: the simulation itself changed";
+  if (files.empty()) return {"", "; scenario and models are what they were: the simulation itself changed"};
   const bool has_meshes = std::any_of(recorded->bodies.begin(), recorded->bodies.end(), [](const ScenarioBody& body) {
     return std::any_of(body.model->links.begin(), body.model->links.end(), [](const Link& link) {
       return std::any_of(link.collisions.begin(), link.collisions.end(), is_mesh);
     });
   });
-  if (has_meshes) return fmt::format("; changed since it was recorded: {}", files);
+  if (has_meshes) return {"", also_changed};
   PlantOptions options;
   options.until = place.tick;
   const auto again = plant_again(with, *recorded, options);
-  if (!again) return fmt::format("; changed since it was recorded: {}", files);
-  return again->within ? fmt::format("; the cause is {}: with the recorded version, the world agrees", files)
-                       : fmt::format("; {} changed, too, but with the recorded version the world also differs", files);
+  if (!again) return {"", also_changed};
+  if (again->within) return {files, "; with the recorded version, the world agrees"};
+  return {"", fmt::format("; {} changed, too, but with the recorded version the world also differs", files)};
 }
 
 Blame blame_plant(const Suspects& with, const CheckReport& evidence) {
@@ -233,6 +234,9 @@ Blame blame_plant(const Suspects& with, const CheckReport& evidence) {
     return {"the world can't be moved by the golden's commands: " + evidence.plant_problem, std::nullopt};
   const Comparison& comparison = *evidence.plant_comparison;
   Divergence place = *comparison.first;
+  const bool is_whole = evidence.plant_run.has_value();  // else the worst may follow
+  const std::string news = headline_of(place, is_whole ? worst_of_channel(comparison, place) : std::nullopt,
+                                       {.when = when_text(place), .before_differs = "the world "});
   std::string since;
   if (const Divergence* before = state_before(place, comparison, with.golden)) {
     since = fmt::format("; before that, the last bits of {} {} differ from tick {} on", before->channel,
@@ -240,40 +244,40 @@ Blame blame_plant(const Suspects& with, const CheckReport& evidence) {
     place.stage = Stage::physics;
   }
   const bool innocent = evidence.controller == LevelState::equal && evidence.replay && evidence.replay->values > 0;
-  return {
-      fmt::format("{} changed{}: under the golden's commands, the world differs at {}{}{}", to_string(place.stage),
-                  innocent ? ", the controller did not" : "", to_string(place), since, origin(with, place, comparison)),
-      place};
+  const Cause cause = cause_of(with, place, comparison);
+  return {fmt::format("{} changed{}: under the golden's commands, {}{}{}",
+                      cause.subject.empty() ? to_string(place.stage) : cause.subject,
+                      innocent ? ", the controller did not" : "", news, since, cause.reason),
+          place, since.empty() ? comparison.first_bit : std::nullopt};
 }
 
 /// The verdict if no part differs alone, but the closed loop does.
 Blame blame_loop(const Suspects& with, const CheckReport& evidence) {
   const Comparison& comparison = *evidence.comparison;
   const Divergence& first = *comparison.first;
-  const bool both_known = evidence.controller == LevelState::equal && evidence.plant != LevelState::skipped;
+  const bool both_known = evidence.controller == LevelState::equal && evidence.plant != LevelState::not_compared;
   if (!both_known) return {verdict(comparison), first};
   const Divergence& bit = *comparison.first_bit;
   const bool follows_state = state_before(first, comparison, with.golden) != nullptr;
   if (bit.stage == Stage::inputs || (first.stage == Stage::inputs && !follows_state))
     return {"the controller got other inputs than in the golden: the run " + verdict(comparison), first};
   if (evidence.plant == LevelState::within)
-    return {fmt::format("no part changed beyond its tolerance, but the loop amplifies small changes: the run {} (bits "
-                        "differ since tick {})",
-                        verdict(comparison), bit.tick),
+    return {fmt::format("no part changed beyond its tolerance, but the loop amplifies small changes: the run {}",
+                        verdict(comparison)),
             first};
   Divergence place = first;  // the world follows its commands: if it differs, they differed
   place.stage = Stage::controller;
   if (!comparison.changed_files.empty())
     return {fmt::format("the controller depends on a change in {}: with the golden's version, it repeats its recorded "
-                        "commands, with the present one it doesn't; the run differs at {}",
-                        changed_files(comparison), to_string(place)),
+                        "commands, with the present one it doesn't; the run {}",
+                        changed_files(comparison), verdict(comparison)),
             place};
   const auto unrepeated = first_unrepeated_tick(with.actual, with.host);
   if (unrepeated && *unrepeated)
     return {
         fmt::format("the controller depends on something besides its recorded inputs: two replays of this run differ "
-                    "from each other at tick {}; the run differs at {}; `rehearse audit` finds the cause",
-                    **unrepeated, to_string(place)),
+                    "from each other at tick {}; the run {}; `rehearse audit` finds the cause",
+                    **unrepeated, verdict(comparison)),
         place};
   return {"the controller repeats the golden's commands and the world follows them, but the run " + verdict(comparison),
           first};
@@ -282,13 +286,13 @@ Blame blame_loop(const Suspects& with, const CheckReport& evidence) {
 std::string nothing_differs(const Suspects& with, const CheckReport& report) {
   if (report.comparison) return verdict(*report.comparison, report.horizon);
   std::string sentence;
-  if (report.controller != LevelState::skipped)
+  if (report.controller != LevelState::not_compared)
     sentence =
         fmt::format("the controller repeats {} recorded ticks {}", report.replay->ticks,
                     report.replay->equal()                       ? "bit for bit"
                     : computes_alike(with.scenario, with.golden) ? "within tolerance"
                                                                  : "within tolerance, with different arithmetic");
-  if (report.plant == LevelState::skipped) return sentence;
+  if (report.plant == LevelState::not_compared) return sentence;
   if (report.plant == LevelState::proved) return sentence + "; the world is the one that made the golden";
   return fmt::format("{}{}the world under the recorded commands: {}", sentence, sentence.empty() ? "" : "; ",
                      verdict(*report.plant_comparison));
@@ -302,11 +306,16 @@ Blame guilty_part(const Suspects& suspects, const CheckReport& report) {
   if (controller_differs && plant_differs) {
     const Blame controller = blame_controller(suspects, evidence), plant = blame_plant(suspects, evidence);
     const bool plant_first = plant.place && (!controller.place || comes_before(*plant.place, *controller.place));
-    return {controller.sentence + "; besides, " + plant.sentence, plant_first ? plant.place : controller.place};
+    return {controller.sentence + "; besides, " + plant.sentence, plant_first ? plant.place : controller.place,
+            plant_first ? plant.bit : controller.bit};
   }
   if (controller_differs) return blame_controller(suspects, evidence);
   if (plant_differs) return blame_plant(suspects, evidence);
-  if (report.closed == LevelState::differs) return blame_loop(suspects, evidence);
+  if (report.closed == LevelState::differs) {
+    Blame loop = blame_loop(suspects, evidence);
+    loop.bit = report.comparison->first_bit;
+    return loop;
+  }
   std::optional<Divergence> bit;
   if (report.comparison) bit = report.comparison->first_bit;
   if (!bit && report.plant_comparison) bit = report.plant_comparison->first_bit;
@@ -315,15 +324,29 @@ Blame guilty_part(const Suspects& suspects, const CheckReport& report) {
 
 }  // namespace
 
-/// Parts of a scenario with other bodies or controllers can't be compared alone, so its change comes first.
+/// Parts of a scenario with other bodies, joints or controllers can't be compared alone, so its change comes first.
 Blame find_guilty(const Suspects& suspects, const CheckReport& report) {
   Blame found = guilty_part(suspects, report);
   const mcap::Attachment* recorded = suspects.golden.find_attachment("scenario.yaml");
-  if (!recorded || report.within()) return found;
-  const std::string change = structure_change(std::string(recorded->text()), suspects.scenario.text);
-  if (change.empty()) return found;
-  found.sentence = fmt::format("the scenario changed: {}", change);
-  if (report.comparison) found.sentence += "; the run " + verdict(*report.comparison);
+  if (!recorded || !any_level_differs(report)) return found;
+  if (const std::string change = structure_change(std::string(recorded->text()), suspects.scenario.text);
+      !change.empty()) {
+    found.sentence = "the scenario changed: " + change;
+  } else {
+    const auto earlier = recorded_scenario(suspects.golden);
+    std::string of_model = earlier ? model_change(*earlier, suspects.scenario) : "";
+    if (of_model.empty()) return found;
+    found.sentence = std::move(of_model);
+  }
+  found.bit.reset();
+  found.is_of_structure = true;
+  if (const auto& comparison = report.comparison)
+    found.sentence += comparison->within
+                          ? "; the run " + verdict(*comparison)
+                          : "; " + headline_of(*comparison->first, worst_of_channel(*comparison, *comparison->first),
+                                               {.when = when_text(*comparison->first),
+                                                .before_beyond = "the run differs: ",
+                                                .before_differs = "the run "});
   return found;
 }
 

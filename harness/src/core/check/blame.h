@@ -21,8 +21,10 @@ struct Suspects {
 };
 
 struct Blame {
-  std::string sentence;  // without a full stop
-  std::optional<Divergence> place;
+  std::string sentence;                          // without a full stop
+  std::optional<Divergence> place;               // the first difference beyond tolerance, if there is one
+  std::optional<Divergence> bit = std::nullopt;  // the first difference in any bit; none: the sentence states it
+  bool is_of_structure = false;                  // the scenario or a model has other parts
 };
 
 /// The result for a check whose levels have results. If level closed differs, levels that were not requested are made

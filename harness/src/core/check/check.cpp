@@ -3,6 +3,8 @@
 #include <rehearse/compare.h>
 
 #include <algorithm>
+#include <array>
+#include <tuple>
 
 #include "blame.h"
 #include "check_run.h"
@@ -91,8 +93,8 @@ Result<void> Check::check_controller() {
     report.controller_problem = replayed.errors()[0].message;
     return {};
   }
-  report.controller = state_of(*replayed);
-  report.replay = *std::move(replayed);
+  report.controller = replayed->state;
+  report.replay = std::move(replayed->replay);
   return {};
 }
 
@@ -110,7 +112,7 @@ Result<void> Check::check_proved(const Proof& proof) {
   }
   report.proved = (repeats || (!options.controller && !options.closed)) && !first_violation(results);
   if (!options.controller) {  // not requested
-    report.controller = LevelState::skipped;
+    report.controller = LevelState::not_compared;
     report.replay.reset();
     report.controller_problem.clear();
   }
@@ -226,7 +228,7 @@ Result<void> Check::tell_time_step(const Divergence& change) {
       fmt::format("the scenario's time step changed: it is {} s, and the golden's {} s; nothing was compared",
                   change.actual, change.expected);
   report.first = change;
-  (options.closed ? report.closed : options.plant ? report.plant : report.controller) = LevelState::differs;
+  report.other_duration = true;
   if (!options.closed) return {};
   const auto fresh = load_without_messages(actual);
   if (!fresh) return fresh.errors();
@@ -242,11 +244,11 @@ Result<void> Check::tell_time_step(const Divergence& change) {
 void Check::tell_duration(const Divergence& change, const Trace& fresh) {
   const std::string sentence =
       fmt::format("the scenario's duration changed: it is {} s, and the golden's {} s", change.actual, change.expected);
-  const bool is_alone = report.within();
+  const bool is_alone = !any_level_differs(report) && !report.not_reproduced;
   report.verdict = is_alone ? sentence + "; " + report.verdict : report.verdict + "; besides, " + sentence;
   if (!is_alone) return;
   report.first = change;
-  report.closed = LevelState::differs;
+  report.other_duration = true;
   tell_files(fresh, *report.comparison, actual, "this run");
 }
 
@@ -273,7 +275,6 @@ Result<void> Check::test_reproduction() {
     return {};
   }
   report.not_reproduced = true;
-  report.closed = LevelState::differs;
   return {};
 }
 
@@ -282,12 +283,11 @@ void Check::judge_by_expectations(const Trace& fresh) {
   if (report.expectations.empty()) return;
   const std::string judged = verdict(report.expectations);
   const ExpectationResult* violation = first_violation(report.expectations);
-  const bool is_alone = violation && report.within();
+  const bool is_alone = violation && !any_level_differs(report) && !report.not_reproduced && !report.other_duration;
   const bool failed = report.run && report.run->ending();
   // a run that a controller ended violates expectations because of that
   report.verdict = violation && !failed ? judged + "; " + report.verdict : report.verdict + "; " + judged;
   if (is_alone) report.first = divergence_of(*violation, fresh);
-  if (violation) report.closed = LevelState::differs;
   report.message += violation_lines(report.expectations);
 }
 
@@ -304,10 +304,13 @@ void Check::blame() {
                                   report);
   report.verdict = found.sentence;
   report.first = found.place;
+  report.first_bit = found.bit;
   const std::vector<std::string> other_inputs = report.replay       ? report.replay->other_inputs
                                                 : report.comparison ? report.comparison->other_inputs
                                                                     : std::vector<std::string>();
-  if (!other_inputs.empty()) report.verdict = other_inputs_sentence(other_inputs) + "; " + report.verdict;
+  if (!other_inputs.empty() && !found.is_of_structure)
+    report.verdict = any_level_differs(report) ? report.verdict + "; " + other_inputs_sentence(other_inputs)
+                                               : other_inputs_sentence(other_inputs) + "; " + report.verdict;
   if (report.first || !report.comparison) return;
   report.first = report.comparison->first;  // a part that couldn't be compared alone has no place
   if (report.first && !report.controller_problem.empty()) report.first->stage = Stage::controller;
@@ -359,9 +362,9 @@ Result<void> Check::simulate() {
   if (options.closed)
     if (auto made = make_closed_loop(); !made) return made;
   if (const auto change = changed_time_step(scenario, golden)) return tell_time_step(*change);
-  if (options.controller && report.controller == LevelState::skipped)
+  if (options.controller && report.controller == LevelState::not_compared)
     if (auto done = check_controller(); !done) return done;
-  if (options.plant && report.plant == LevelState::skipped)
+  if (options.plant && report.plant == LevelState::not_compared)
     if (auto done = check_plant(); !done) return done;
   if (options.closed) {
     if (auto done = check_closed(); !done) return done;
@@ -403,21 +406,34 @@ std::string_view to_string(LevelState state) {
     case LevelState::proved: return "proved";
     case LevelState::within: return "within";
     case LevelState::differs: return "differs";
-    case LevelState::skipped: return "skipped";
+    case LevelState::not_compared: return "not compared";
+    case LevelState::no_golden: return "no golden";
   }
   return "";
 }
 
 bool CheckReport::equal() const {
-  for (const LevelState level : {controller, plant, closed})
-    if (level == LevelState::within || level == LevelState::differs) return false;
-  return true;
+  const bool any_within = std::ranges::count(std::array{controller, plant, closed}, LevelState::within) > 0;
+  return within() && !any_within;
 }
 
 bool CheckReport::within() const {
-  for (const LevelState level : {controller, plant, closed})
-    if (level == LevelState::differs) return false;
-  return true;
+  return controller != LevelState::differs && plant != LevelState::differs && !run_is_wrong();
+}
+
+bool CheckReport::run_is_wrong() const {
+  return closed == LevelState::differs || closed == LevelState::no_golden || first_violation(expectations) ||
+         not_reproduced || other_duration || proof_was_wrong;
+}
+
+std::string levels_text(const CheckReport& report) {
+  return fmt::format("controller: {}; plant: {}; closed: {}", to_string(report.controller), to_string(report.plant),
+                     to_string(report.closed));
+}
+
+std::string bits_sentence(const CheckReport& report) {
+  const auto& [first, bit] = std::tie(report.first, report.first_bit);
+  return first && bit && bit->tick < first->tick ? fmt::format("its bits differ from tick {} on", bit->tick) : "";
 }
 
 bool CheckReport::failed() const {
@@ -432,12 +448,12 @@ void leave_out_levels(const Trace& golden, CheckOptions& options, CheckReport& r
   const auto origin = RunFacts::of(golden).branch;
   if (const std::string why = why_no_world(golden); !why.empty()) {
     options.plant = options.closed = false;
-    report.remarks.push_back(why + ", so the levels plant and closed are skipped");
+    report.remarks.push_back(why + ", so the levels plant and closed are not compared");
   } else if (origin && origin->acted_until) {
     options.closed = false;
     report.remarks.push_back(
         fmt::format("the golden is a branch: until tick {} other controllers moved its world, so the "
-                    "level closed is skipped",
+                    "level closed is not compared",
                     *origin->acted_until));
   }
 }
@@ -453,7 +469,7 @@ Result<CheckReport> sampled(Check check) {
   if (!again) return again;
   if (again->equal()) return std::move(check.report);
   again->verdict = "the proof was wrong: it found no change since the golden, but simulated: " + again->verdict;
-  again->closed = LevelState::differs;
+  again->proof_was_wrong = true;
   return again;
 }
 

@@ -25,9 +25,7 @@ Result<CheckReport> check_by_expectations(const Scenario& scenario, const fs::pa
   if (!judged) return judged.errors();
   report.expectations = *std::move(judged);
   report.verdict = verdict(report.expectations);
-  report.closed = LevelState::within;
   if (const ExpectationResult* violation = first_violation(report.expectations)) {
-    report.closed = LevelState::differs;
     const auto fresh = Trace::load_in_pieces(actual, [](const Trace&) {});
     if (!fresh) return fresh.errors();
     report.first = divergence_of(*violation, *fresh);
@@ -44,7 +42,6 @@ Result<bool> certify_candidate(const Scenario& scenario, const fs::path& actual,
   const auto found = try_reproduction(scenario, *candidate, actual, host, simulation);
   if (!found) return found.errors();
   if (found->reproduced()) return true;
-  report.closed = LevelState::differs;
   report.not_reproduced = true;
   report.verdict = fmt::format("this run becomes no golden: {}", found->verdict);
   report.first = found->first;
@@ -65,7 +62,7 @@ Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, G
   auto report = check_by_expectations(scenario, actual, options, simulation);
   if (!report) return report;
   if (const Diagnostic* ending = report->run->ending()) {
-    report->closed = LevelState::differs;
+    report->closed = LevelState::no_golden;
     report->verdict = ending->message;
     report->message = fmt::format("this run: {}{}", actual.string(), debugging_advice(*report->run, actual));
     return report;
@@ -73,7 +70,7 @@ Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, G
   const bool violated = !report->within();
   const std::string judged = report->verdict.empty() ? "" : "; " + report->verdict;
   if (mode == GoldenMode::check || violated) {
-    report->closed = LevelState::differs;
+    report->closed = LevelState::no_golden;
     report->verdict = fmt::format("there is no golden {}{}", store.trace_file(scenario.golden).string(), judged);
     if (!violated)
       report->message = fmt::format("this run: {}\n{}", actual.string(), acceptance_advice(scenario.golden));
@@ -83,7 +80,6 @@ Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, G
   if (!certified) return certified.errors();
   if (!*certified) return report;
   if (auto accepted = store.accept_pending(scenario.golden); !accepted) return accepted.errors();
-  report->closed = LevelState::skipped;  // there was nothing to compare with
   report->golden_written = true;
   report->verdict = fmt::format("wrote the new golden {}{}", store.trace_file(scenario.golden).string(), judged);
   return report;

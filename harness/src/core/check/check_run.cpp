@@ -1,5 +1,8 @@
 #include "check_run.h"
 
+#include <algorithm>
+#include <array>
+
 #include "core/recording/provenance.h"
 #include "core/replay/plant_level.h"
 #include "core/trace/run_facts.h"
@@ -59,18 +62,27 @@ bool computes_alike(const Scenario& scenario, const Trace& golden) {
   return recorded && other_arithmetic(*recorded, provenance(scenario, nullptr, "", "")).empty();
 }
 
-Result<ReplayReport> replay_golden(const Scenario& scenario, const Trace& golden, const HostOptions& host,
-                                   std::optional<double> until) {
-  ReplayOptions replaying = as_here(host);
-  replaying.until = until;
-  replaying.rules_of_results = scenario.tolerances;
-  if (!computes_alike(scenario, golden)) replaying.tolerances = scenario.tolerances;
-  return replay(golden.file(), replaying);
+namespace {
+
+LevelState state_of(const ReplayReport& replayed, bool computes_alike) {
+  if (replayed.equal()) return LevelState::equal;
+  const bool may_differ = !computes_alike || replayed.same_commands;
+  return may_differ && replayed.within() ? LevelState::within : LevelState::differs;
 }
 
-LevelState state_of(const ReplayReport& replayed) {
-  if (replayed.equal()) return LevelState::equal;
-  return replayed.within() ? LevelState::within : LevelState::differs;
+}  // namespace
+
+Result<ControllerLevel> replay_golden(const Scenario& scenario, const Trace& golden, const HostOptions& host) {
+  ReplayOptions replaying = as_here(host);
+  replaying.tolerances = scenario.tolerances;
+  auto replayed = replay(golden.file(), replaying);
+  if (!replayed) return replayed.errors();
+  const LevelState state = state_of(*replayed, computes_alike(scenario, golden));
+  return ControllerLevel{*std::move(replayed), state};
+}
+
+bool any_level_differs(const CheckReport& report) {
+  return std::ranges::count(std::array{report.controller, report.plant, report.closed}, LevelState::differs) > 0;
 }
 
 Result<Reproduction> try_reproduction(const Scenario& scenario, const Trace& run, const fs::path& file,

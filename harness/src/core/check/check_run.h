@@ -31,12 +31,19 @@ ReplayOptions as_here(const HostOptions& host);
 /// True if this process computes like the one that recorded the golden.
 bool computes_alike(const Scenario& scenario, const Trace& golden);
 
-/// Feeds controllers with the golden's inputs, until this time [s]. Their commands must have equal bits, unless the
+/// The result of level controller.
+struct ControllerLevel {
+  ReplayReport replay;  // judged by the scenario's tolerances
+  LevelState state;
+};
+
+/// Feeds controllers with the golden's inputs. Their commands must have equal bits, unless the
 /// arithmetic differs. Then a controller that calls sin() commands different last bits, and is judged within tolerance.
 /// Results of control() may be early or late by a rule in either case.
-Result<ReplayReport> replay_golden(const Scenario& scenario, const Trace& golden, const HostOptions& host,
-                                   std::optional<double> until = std::nullopt);
-LevelState state_of(const ReplayReport& replayed);
+Result<ControllerLevel> replay_golden(const Scenario& scenario, const Trace& golden, const HostOptions& host);
+
+/// False: if the check is wrong, no level shows why.
+bool any_level_differs(const CheckReport& report);
 
 /// Tests whether a run repeats itself. The output of the world is written beside `file`, and removed.
 Result<Reproduction> try_reproduction(const Scenario& scenario, const Trace& run, const std::filesystem::path& file,

@@ -143,11 +143,6 @@ void conclude(Comparison& comparison, std::vector<ChannelComparison> channels) {
   const auto take = [](std::optional<Divergence>& best, const std::optional<Divergence>& other) {
     if (other && (!best || comes_before(*other, *best))) best = other;
   };
-  const auto badness = [](const Divergence& d) {
-    if (std::isnan(d.judged())) return std::numeric_limits<double>::infinity();
-    if (d.judged() > 0.0 && d.tolerance == 0.0) return 1.0;  // exact: as bad as a value at its tolerance
-    return times_tolerance(d.judged(), d.tolerance);
-  };
   std::set<std::string> differing;
   for (ChannelComparison& channel : channels) {
     comparison.values += channel.values;
@@ -158,7 +153,7 @@ void conclude(Comparison& comparison, std::vector<ChannelComparison> channels) {
     comparison.blanked += channel.blanked;
     take(comparison.first, channel.first);
     take(comparison.first_bit, channel.first_bit);
-    if (channel.worst && (!comparison.worst || badness(*channel.worst) > badness(*comparison.worst)))
+    if (channel.worst && (!comparison.worst || is_worse(*channel.worst, *comparison.worst)))
       comparison.worst = channel.worst;
     if (channel.first_bit) differing.insert(channel.channel);
   }

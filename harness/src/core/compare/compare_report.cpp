@@ -26,7 +26,7 @@ bool has_ticks(const Comparison& comparison) {
 }
 
 std::string when_text(const Comparison& comparison, const Divergence& d) {
-  if (has_ticks(comparison)) return fmt::format("tick {} ({:.10g} s)", d.tick, d.time);
+  if (has_ticks(comparison)) return when_text(d);
   return fmt::format("message {} ({:.16g} s)", d.tick, d.time);  // it may be the time since 1970
 }
 
@@ -199,13 +199,23 @@ std::string blanked_text(const Comparison& comparison) {
 
 }  // namespace
 
+std::optional<Divergence> worst_of_channel(const Comparison& comparison, const Divergence& of) {
+  const auto channel = std::ranges::find_if(comparison.channels, [&](const ChannelComparison& compared) {
+    return compared.channel == of.channel && !compared.of_events;
+  });
+  return channel == comparison.channels.end() ? std::nullopt : channel->worst;
+}
+
 std::string verdict(const Comparison& comparison) {
   if (!comparison.within) {
     if (comparison.first->channel.empty()) return "can't be compared: " + comparison.first->note;
     const std::string reason =
         comparison.explanation.empty() ? "" : "; changed since the golden: " + comparison.explanation;
-    return "differs at " +
-           describe(*comparison.first, when_text(comparison, *comparison.first), has_ticks(comparison)) + reason;
+    return headline_of(*comparison.first, worst_of_channel(comparison, *comparison.first),
+                       {.when = when_text(comparison, *comparison.first),
+                        .before_beyond = "differs: ",
+                        .with_stage = has_ticks(comparison)}) +
+           reason;
   }
   if (comparison.equal && !has_ticks(comparison))
     return fmt::format("equal bit for bit: {}, {}", counted(comparison.values - comparison.pictures, "value"),

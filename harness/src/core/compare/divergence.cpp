@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <rehearse/compare.h>
 
 #include <algorithm>
@@ -6,7 +7,9 @@
 #include <cmath>
 #include <limits>
 #include <utility>
+#include <vector>
 
+#include "core/kinds/channel_name.h"
 #include "divergence_text.h"
 
 namespace rehearse {
@@ -42,11 +45,21 @@ void put_numbers(Divergence& divergence, double expected, double actual, std::st
   divergence.unit = unit;
 }
 
+bool is_worse(const Divergence& a, const Divergence& b) {
+  const auto badness = [](const Divergence& d) {
+    if (std::isnan(d.judged())) return std::numeric_limits<double>::infinity();
+    if (d.judged() > 0.0 && d.tolerance == 0.0) return 1.0;  // exact: as bad as a value at its tolerance
+    return times_tolerance(d.judged(), d.tolerance);
+  };
+  const double of_a = badness(a), of_b = badness(b);
+  return of_a > of_b || (of_a == of_b && a.tolerance == 0.0 && a.judged() > b.judged());
+}
+
 void Differences::add(Divergence found, bool is_beyond) {
   const auto is_earlier = [&](const std::optional<Divergence>& than) { return !than || found.tick < than->tick; };
   ++values_different;
   if (is_beyond && is_earlier(beyond)) beyond = found;
-  if (!worst || found.difference > worst->difference) worst = found;
+  if (!worst || is_worse(found, *worst)) worst = found;
   if (is_earlier(first)) first = std::move(found);
 }
 
@@ -74,6 +87,8 @@ std::pair<std::string, std::string> texts_of(double a, double b) {
   return texts;
 }
 
+constexpr std::uint64_t few_ulps = 1000;
+
 /// The exact number up to a million; beyond, two digits.
 std::string ulps_text(std::uint64_t ulps) {
   constexpr std::uint64_t countable = 1'000'000;
@@ -81,34 +96,85 @@ std::string ulps_text(std::uint64_t ulps) {
   return ulps <= countable ? fmt::format("{} ULPs", ulps) : fmt::format("{:.2g} ULPs", static_cast<double>(ulps));
 }
 
-}  // namespace
-
-std::string to_string(const Divergence& d) {
-  return describe(d, fmt::format("tick {} ({:.10g} s)", d.tick, d.time), true);
+/// How many times its tolerance a difference is: "14", "1.2e+09".
+std::string times_text(double times) {
+  return times < 10.0 || times >= 1e6 ? fmt::format("{:.2g}", times) : fmt::format("{:.0f}", times);
 }
 
-std::string describe(const Divergence& d, const std::string& where, bool with_stage) {
+/// True for two numbers whose difference is beyond a tolerance that allows some difference.
+bool has_left_a_tolerance(const Divergence& d) {
+  return d.note.empty() && d.tolerance > 0.0 && std::isfinite(d.judged()) && d.judged() > d.tolerance;
+}
+
+/// "0.0136 N·m (14 times) at tick 739"
+std::string amount_text(const Divergence& d) {
+  return fmt::format("{:.3g}{}{} ({} times) at tick {}", d.judged(), d.unit.empty() ? "" : " ", d.unit,
+                     times_text(d.judged() / d.tolerance), d.tick);
+}
+
+std::string describe(const Divergence& d, const std::string& where, bool with_stage, bool in_full) {
   const std::string place = fmt::format("{}: {}{}{}", where, d.channel, d.element.empty() ? "" : " ", d.element);
-  const auto stage = [&](const char* before, const char* after) {
-    return with_stage ? fmt::format("{}stage: {}{}", before, to_string(d.stage), after) : std::string();
+  std::vector<std::string> remarks;
+  const auto in_parentheses = [&remarks] {
+    return remarks.empty() ? std::string() : fmt::format(" ({})", fmt::join(remarks, "; "));
   };
-  if (!d.note.empty()) return fmt::format("{}: {}{}", place, d.note, stage(" (", ")"));
+  const auto add_stage = [&] {
+    if (with_stage) remarks.push_back(fmt::format("stage: {}", to_string(d.stage)));
+  };
+  if (!d.note.empty()) {
+    add_stage();
+    return fmt::format("{}: {}{}", place, d.note, in_parentheses());
+  }
   const std::string unit = d.unit.empty() ? "" : " " + d.unit;
   const auto [actual, expected] = texts_of(d.actual, d.expected);
-  if (std::isnan(d.difference))
-    return fmt::format("{} is {}{}, expected {}{} (not comparable{})", place, actual, unit, expected, unit,
-                       stage("; ", ""));
+  const std::string values = fmt::format("{} is {}{}, expected {}{}", place, actual, unit, expected, unit);
+  if (std::isnan(d.difference)) {
+    remarks.push_back("not comparable");
+    add_stage();
+    return values + in_parentheses();
+  }
+  std::vector<std::string> sizes;
   const double share = relative_difference(d);
-  const std::string relative = std::isfinite(share) ? fmt::format("relative {:.3g}, ", share) : "";
-  const std::string beside =
-      d.distance_from_envelope
-          ? fmt::format(", {:.6g}{} from the golden's values within lead and lag", *d.distance_from_envelope, unit)
-          : "";
-  const std::string bound = d.tolerance > 0.0 ? fmt::format("{}, {:.3g} times the tolerance of {:g}{}", beside,
-                                                            d.judged() / d.tolerance, d.tolerance, unit)
-                                              : beside;
-  return fmt::format("{} is {}{}, expected {}{}: off by {:.6g}{} ({}{}{}{})", place, actual, unit, expected, unit,
-                     d.difference, unit, relative, ulps_text(d.ulps), bound, stage("; ", ""));
+  const bool is_rounding = d.ulps < few_ulps || in_full;
+  if (is_rounding && std::isfinite(share)) sizes.push_back(fmt::format("relative {:.3g}", share));
+  if (is_rounding) sizes.push_back(ulps_text(d.ulps));
+  if (d.distance_from_envelope)
+    sizes.push_back(
+        fmt::format("{:.6g}{} from the golden's values within lead and lag", *d.distance_from_envelope, unit));
+  if (d.tolerance > 0.0)
+    sizes.push_back(fmt::format("{:.3g} times the tolerance of {:g}{}", d.judged() / d.tolerance, d.tolerance, unit));
+  if (!sizes.empty()) remarks.push_back(fmt::format("{}", fmt::join(sizes, ", ")));
+  add_stage();
+  return fmt::format("{}: off by {:.6g}{}{}", values, d.difference, unit, in_parentheses());
+}
+
+}  // namespace
+
+std::string few_ulps_text(std::uint64_t ulps) { return ulps < few_ulps ? ulps_text(ulps) : ""; }
+
+std::string when_text(const Divergence& d) { return fmt::format("tick {} ({:.10g} s)", d.tick, d.time); }
+
+std::string to_string(const Divergence& d) { return describe(d, when_text(d), true); }
+
+std::string describe(const Divergence& d, const std::string& where, bool with_stage) {
+  return describe(d, where, with_stage, false);
+}
+
+std::string describe_in_full(const Divergence& d, const std::string& where) { return describe(d, where, true, true); }
+
+std::string headline_of(const Divergence& first, const std::optional<Divergence>& worst, const HeadlineWords& words) {
+  if (!has_left_a_tolerance(first))
+    return words.before_differs + "differs at " + describe(first, words.when, words.with_stage);
+  std::string text =
+      fmt::format("{}{} is beyond ±{:g}{}{}{} from {} on", words.before_beyond,
+                  words.name.empty() ? series_name(first.channel, first.element) : words.name, first.tolerance,
+                  first.unit.empty() ? "" : " ", first.unit,
+                  first.distance_from_envelope ? " of the golden's values within lead and lag" : "", words.when);
+  if (!worst) return text;
+  const Divergence& most = has_left_a_tolerance(*worst) ? *worst : first;
+  const bool is_same = most.channel == first.channel && most.element == first.element;
+  return text + (is_same ? ", worst " : fmt::format("; worst is {} by ", series_name(most.channel, most.element))) +
+         amount_text(most);
 }
 
 }  // namespace rehearse

@@ -10,29 +10,24 @@
 
 namespace rehearse {
 
-RecordedResults::RecordedResults(const std::vector<OutputField>& fields, const ReplayOptions& options, double time_step)
+RecordedResults::RecordedResults(const std::vector<OutputField>& fields, const std::vector<ToleranceRule>& rules,
+                                 double time_step)
     : fields_(fields), time_step_(time_step) {
   for (std::size_t word = 0; word < fields.size(); ++word) {
     const OutputField& field = fields[word];
     if (field.channel != run_topics::tick || !field.element.starts_with("controller_results/")) continue;
-    const auto& rules = options.tolerances ? *options.tolerances : options.rules_of_results;
-    std::optional<int> allowed = tolerance_of(field.element, "", rules).ticks;
-    if (options.tolerances) allowed = allowed.value_or(default_ticks(EventKind::refusal));
+    const int allowed = tolerance_of(field.element, "", rules).ticks.value_or(default_ticks(EventKind::refusal));
     results_.push_back({word, allowed});
     results_.back().sequence.source = source_of_refusals(field.element);
   }
 }
 
-void RecordedResults::compare(std::int64_t tick, const std::vector<std::uint64_t>& row,
-                              const std::vector<bool>& recorded, const OnDifference& differs) {
+void RecordedResults::take(std::int64_t tick, const std::vector<std::uint64_t>& row,
+                           const std::vector<bool>& recorded) {
   bool different = false;
   for (std::size_t i = 0; i < recorded.size(); ++i) {
     OfController& result = results_[i];
     const std::uint64_t now = row[result.word], before = recorded[i] ? 1 : 0;
-    if (!result.allowed) {
-      if (auto found = difference(fields_[result.word], before, now)) differs(*std::move(found));
-      continue;
-    }
     different = different || now != before;
     const auto note = [&](std::vector<EventEdge>& edges, bool refuses) {
       const bool refused = !edges.empty() && edges.back().begins;
@@ -55,8 +50,7 @@ bool RecordedResults::differ_at(std::int64_t tick) {
 std::vector<JudgedEvent> RecordedResults::judge(std::int64_t last_tick) const {
   std::vector<JudgedEvent> all;
   for (const OfController& result : results_) {
-    if (!result.allowed) continue;
-    JudgedSequence judged = judge_sequence(result.sequence, *result.allowed, last_tick);
+    JudgedSequence judged = judge_sequence(result.sequence, result.allowed, last_tick);
     std::ranges::move(judged.differing, std::back_inserter(all));
   }
   std::ranges::stable_sort(all, {}, [](const JudgedEvent& event) { return event.edge.tick; });

@@ -1,15 +1,12 @@
-// RecordedResults: the results of control() in a recording, compared with those of a replay. With tolerances they are
-// judged as in a comparison of recordings: as events, which begin and end, and may be early or late.
+// RecordedResults: the results of control() in a recording, compared with those of a replay. They are judged as in a
+// comparison of recordings: as events, which begin and end, and may be early or late by the ticks of a rule.
 #pragma once
 
-#include <rehearse/compare.h>
 #include <rehearse/replay.h>
 #include <rehearse/scenario.h>
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -19,26 +16,22 @@ namespace rehearse {
 
 class RecordedResults {
  public:
-  using OnDifference = std::function<void(Divergence&&)>;
-
   /// `fields`: the fields of the rows, which must outlive this.
-  RecordedResults(const std::vector<OutputField>& fields, const ReplayOptions& options, double time_step);
+  RecordedResults(const std::vector<OutputField>& fields, const std::vector<ToleranceRule>& rules, double time_step);
 
-  /// Compares the results of a tick. `recorded`: by controller. Calls `differs` for each difference of a controller to
-  /// which no tolerance applies; the caller fills in tick and time. judge() returns those of the others.
-  void compare(std::int64_t tick, const std::vector<std::uint64_t>& row, const std::vector<bool>& recorded,
-               const OnDifference& differs);
-  /// True if a result that judge() judges differs in this tick. The ticks of successive calls must not decrease.
+  /// Takes the results of a tick. `recorded`: by controller.
+  void take(std::int64_t tick, const std::vector<std::uint64_t>& row, const std::vector<bool>& recorded);
+  /// True if a result differs in this tick. The ticks of successive calls must not decrease.
   bool differ_at(std::int64_t tick);
   /// The number of such ticks.
   std::int64_t ticks_different() const { return ticks_different_; }
-  /// The differences by tolerances. `last_tick`: that was compared.
+  /// The differences. `last_tick`: that was taken.
   std::vector<JudgedEvent> judge(std::int64_t last_tick) const;
 
  private:
   struct OfController {
-    std::size_t word;            // of the row
-    std::optional<int> allowed;  // how early or late an event may be [ticks]; none: no tolerance applies
+    std::size_t word;  // of the row
+    int allowed;       // how early or late an event may be [ticks]
     EventSequence sequence = {};
   };
 

@@ -61,9 +61,10 @@ Result<void> replay_ticks(Run& run, RecordingSource& source, ReplayComparison& c
 Result<ReplayReport> replay_into(mcap::Reader& recording, const Scenario& scenario, const ReplayOptions& options,
                                  Damage damage, ControllerHost& host) {
   ReplayReport report;
+  report.controllers = static_cast<int>(host.controllers().size());
   append_as_warnings(other_clock_than(recording), report.remarks);
-  SeriesScales scales;  // before a controller can change the working folder
-  if (options.tolerances) scales = scales_of(recording.name(), *options.tolerances);
+  const std::vector<ToleranceRule>& rules = options.tolerances ? *options.tolerances : scenario.tolerances;
+  SeriesScales scales = scales_of(recording.name(), rules);  // before a controller can change the working folder
   host.initialize(initial_observation(scenario));
   host.start();
   AlteredInputs altered;
@@ -76,7 +77,7 @@ Result<ReplayReport> replay_into(mcap::Reader& recording, const Scenario& scenar
   if (options.until) source.end_before(static_cast<std::uint64_t>(std::llround(std::max(0.0, *options.until) * 1e9)));
 
   report.other_inputs = other_inputs(recording, scenario, host, source.inputs());
-  ReplayComparison comparison(options, scenario, recording, host, source, std::move(scales), report);
+  ReplayComparison comparison(options, rules, scenario, recording, host, source, std::move(scales), report);
   HostedCommands commands(host, HostedCommands::Written::never);
   Run run(scenario.time_step, source, commands, comparison, 0, Run::no_end);
   run.report_progress(options.progress, scenario.ticks());

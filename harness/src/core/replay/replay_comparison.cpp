@@ -16,9 +16,9 @@
 
 namespace rehearse {
 
-ReplayComparison::ReplayComparison(const ReplayOptions& options, const Scenario& scenario, mcap::Reader& recording,
-                                   ControllerHost& host, const RecordingSource& source, SeriesScales scales,
-                                   ReplayReport& report)
+ReplayComparison::ReplayComparison(const ReplayOptions& options, const std::vector<ToleranceRule>& rules,
+                                   const Scenario& scenario, mcap::Reader& recording, ControllerHost& host,
+                                   const RecordingSource& source, SeriesScales scales, ReplayReport& report)
     : options_(options),
       scenario_(scenario),
       recording_(recording),
@@ -27,10 +27,10 @@ ReplayComparison::ReplayComparison(const ReplayOptions& options, const Scenario&
       report_(report),
       words_(host, recording),
       record_(host, scenario),
-      judge_(options.tolerances ? &*options.tolerances : nullptr, std::move(scales), scenario.time_step,
+      judge_(&rules, std::move(scales), scenario.time_step,
              [this](Divergence&& found) { this->report(std::move(found)); }),
       outputs_(host, record_.fields(), recording, judge_),
-      results_(record_.fields(), options, scenario.time_step),
+      results_(record_.fields(), rules, scenario.time_step),
       delays_(host, recording),
       channels_(words_.channels()),
       from_(static_cast<std::uint64_t>(std::llround(std::max(0.0, options.from) * 1e9))) {
@@ -89,7 +89,7 @@ void ReplayComparison::compare(const TickData& now, const std::vector<std::uint6
   delays_.compare(count);
   if (!is_compared(now.tick)) return outputs_.pass_over(now.tick);
   report_.values += outputs_.compare(now.tick, row, count);
-  results_.compare(now.tick, row, source_.recorded().controller_results, count);
+  results_.take(now.tick, row, source_.recorded().controller_results);
   report_.values += std::ssize(source_.recorded().controller_results);
   compare_variables(now.tick);
 }
@@ -123,6 +123,7 @@ void ReplayComparison::differs(Divergence&& found) {
 void ReplayComparison::report(Divergence&& found) {
   const bool is_new = found.tick != std::exchange(last_different_, found.tick);
   report_.ticks_different += is_new && !results_.differ_at(found.tick) ? 1 : 0;
+  report_.same_commands = false;
   if (options_.on_difference) options_.on_difference(found);
   report_.add(std::move(found));
 }
@@ -181,6 +182,7 @@ Result<void> ReplayComparison::finish() {
   judge_.finish();
   report_.ticks_different += results_.ticks_different();
   for (JudgedEvent& event : results_.judge(last_tick_)) {
+    report_.same_commands = report_.same_commands && !event.beyond;
     if (options_.on_difference) options_.on_difference(event.place);
     report_.add(std::move(event.place), event.beyond);
   }

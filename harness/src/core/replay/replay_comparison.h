@@ -27,9 +27,10 @@ namespace rehearse {
 class ReplayComparison final : public Sink {
  public:
   /// The controllers must have started. Differences are added to the report. All references must outlive this.
-  /// `scales`: the scales of the recorded commands, for the tolerances of the options.
-  ReplayComparison(const ReplayOptions& options, const Scenario& scenario, mcap::Reader& recording,
-                   ControllerHost& host, const RecordingSource& source, SeriesScales scales, ReplayReport& report);
+  /// `scales`: the scales of the recorded commands, for the rules.
+  ReplayComparison(const ReplayOptions& options, const std::vector<ToleranceRule>& rules, const Scenario& scenario,
+                   mcap::Reader& recording, ControllerHost& host, const RecordingSource& source, SeriesScales scales,
+                   ReplayReport& report);
 
   /// The channels that are compared.
   const std::vector<std::uint16_t>& channels() const { return channels_; }

@@ -13,11 +13,11 @@
 namespace rehearse {
 namespace {
 
-/// A body or a controller in the text.
+/// A body or a controller in the text, or a part of a model.
 struct Named {
   std::string name;
-  const YamlNode* node;  // the map of its keys
-  int line;              // of its name
+  const YamlNode* node = nullptr;  // the map of its keys
+  int line = 0;                    // of its name; 0: it is of a model
 };
 
 std::vector<Named> named_items(const YamlNode& of, const char* key) {
@@ -44,9 +44,10 @@ const Named* find(const std::vector<Named>& items, const std::string& name) {
 std::string change_of_names(const std::vector<Named>& before, const std::vector<Named>& now, const std::string& what) {
   for (std::size_t i = 0; i < now.size(); ++i) {
     if (find(before, now[i].name)) continue;
+    const std::string line = now[i].line > 0 ? fmt::format("line {}: ", now[i].line) : "";
     const bool renamed = before.size() == now.size() && !find(now, before[i].name);
-    return renamed ? fmt::format("line {}: {} '{}' was named '{}'", now[i].line, what, now[i].name, before[i].name)
-                   : fmt::format("line {}: {} '{}' is new", now[i].line, what, now[i].name);
+    return renamed ? fmt::format("{}{} '{}' was named '{}'", line, what, now[i].name, before[i].name)
+                   : fmt::format("{}{} '{}' is new", line, what, now[i].name);
   }
   for (const Named& item : before)
     if (!find(now, item.name)) return fmt::format("{} '{}' is gone", what, item.name);
@@ -90,6 +91,29 @@ std::string structure_change(const std::string& before, const std::string& now) 
     std::string change =
         change_of_controllers(*find(bodies_then, body.name)->node, *body.node, "controllers", body.name);
     if (!change.empty()) return change;
+  }
+  return "";
+}
+
+std::string model_change(const Scenario& before, const Scenario& now) {
+  const auto joints_of = [](const Model& model) {
+    std::vector<Named> joints;
+    for (const int link : model.joints) joints.push_back({model.links[static_cast<std::size_t>(link)].joint.name});
+    return joints;
+  };
+  const auto parts_of = [](const auto& parts) {
+    std::vector<Named> all;
+    for (const auto& part : parts) all.push_back({part.name});
+    return all;
+  };
+  for (const ScenarioBody& body : now.bodies) {
+    const auto earlier = std::ranges::find(before.bodies, body.name, &ScenarioBody::name);
+    if (earlier == before.bodies.end()) continue;
+    const Model &then = *earlier->model, &here = *body.model;
+    for (const std::string& change : {change_of_names(joints_of(then), joints_of(here), "joint"),
+                                      change_of_names(parts_of(then.links), parts_of(here.links), "link"),
+                                      change_of_names(parts_of(then.devices), parts_of(here.devices), "device")})
+      if (!change.empty()) return fmt::format("the model of '{}' changed: {}", body.name, change);
   }
   return "";
 }

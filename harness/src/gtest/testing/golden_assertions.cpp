@@ -125,14 +125,14 @@ Result<std::string> doubt_about(const Trace& trace) {
 
 /// The text that `rehearse check` would print.
 std::string text_of(const CheckReport& report, const fs::path& golden, const std::string& name) {
-  std::string text =
-      fmt::format("{}\n  controller on recorded inputs: {}; world under recorded commands: {}; closed loop: {}\n",
-                  report.verdict, to_string(report.controller), to_string(report.plant), to_string(report.closed));
+  std::string text = fmt::format("{}\n", report.verdict);
+  if (const std::string bits = bits_sentence(report); !bits.empty()) text += fmt::format("  {}\n", bits);
+  text += fmt::format("  {}\n", levels_text(report));
   if (report.plant == LevelState::differs && report.plant_comparison)
-    text += "  under the recorded commands:\n" + table(*report.plant_comparison);
-  if (report.comparison) text += table(*report.comparison);
+    text += "  plant:\n" + table(*report.plant_comparison);
+  if (report.comparison) text += (report.plant == LevelState::differs ? "  closed:\n" : "") + table(*report.comparison);
   text += fmt::format("golden: {}\n{}", golden.string(), report.message);
-  if (report.closed != LevelState::differs) return text;
+  if (!report.run_is_wrong()) return text;
   if (const ExpectationResult* violation = first_violation(report.expectations))
     return text +
            fmt::format("\nif the run is right, correct the expectations in {}", violation->expectation.place.file);

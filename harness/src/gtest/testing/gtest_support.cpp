@@ -97,8 +97,9 @@ std::string remarks_text(const ReplayReport& report) {
   return text;
 }
 
-/// `first`: the first difference, if there is one.
-TestVerdict replay_and_compare(const GoldenStore& store, const std::string& name, std::optional<Divergence>& first) {
+/// `differing`: set to the result of a replay with other commands.
+TestVerdict replay_and_compare(const GoldenStore& store, const std::string& name,
+                               std::optional<ReplayReport>& differing) {
   report_golden_owner(store.where_runs_wait(), name, "EXPECT_REPLAYS");
   if (!store.has(name))
     return {false, fmt::format("there is no golden {}; the run of a test becomes one: EXPECT_MATCHES_GOLDEN",
@@ -110,11 +111,13 @@ TestVerdict replay_and_compare(const GoldenStore& store, const std::string& name
     return {false, fmt::format("nothing was compared: no controller commands anything in {}",
                                store.trace_file(name).string())};
   if (!report->first) return {true, ""};
-  first = report->first;
-  return {false, fmt::format("on the inputs of {}, the controller's commands differ in {} of {} ticks, first at "
-                             "{}{}",
-                             store.trace_file(name).string(), report->ticks_different, report->ticks,
-                             to_string(*report->first), remarks_text(*report))};
+  differing = *report;
+  return {
+      false,
+      fmt::format(
+          "the controller gives other commands: {}\n  {} of {} ticks differ, from tick {} on, on the inputs of {}{}",
+          headline(*report, "", "it "), report->ticks_different, report->ticks, report->first->tick,
+          store.trace_file(name).string(), remarks_text(*report))};
 }
 
 }  // namespace
@@ -122,7 +125,9 @@ TestVerdict replay_and_compare(const GoldenStore& store, const std::string& name
 namespace {
 
 /// The report of a replay that differs, and its entry in the index: the replay becomes a recording beside the golden.
-std::string keep_replay_report(const fs::path& golden, const std::string& test, const TestVerdict& verdict) {
+/// `within`: only bits differ.
+std::string keep_replay_report(const fs::path& golden, const std::string& test, const TestVerdict& verdict,
+                               bool within) {
   const fs::path file = traces_folder() / (test + ".replay.mcap");
   std::error_code ignored;
   fs::create_directories(traces_folder(), ignored);
@@ -131,7 +136,10 @@ std::string keep_replay_report(const fs::path& golden, const std::string& test, 
   if (!replayed) return "\n" + to_string(replayed.errors());
   ComparedTest compared;
   compared.golden = golden;
-  compared.tolerances = {equal_bits()};
+  auto tolerances = tolerances_of(*replayed);
+  if (!tolerances) return "\n" + to_string(tolerances.errors());
+  compared.tolerances = *std::move(tolerances);
+  compared.differs_in_bits_alone = within;
   return keep_test_report(*replayed, test, "replay", verdict, compared);
 }
 
@@ -139,10 +147,10 @@ std::string keep_replay_report(const fs::path& golden, const std::string& test, 
 
 TestVerdict replay_golden(const std::string& name, const std::string& test) {
   const GoldenStore store = golden_store();
-  std::optional<Divergence> first;
-  TestVerdict verdict = replay_and_compare(store, name, first);
-  if (first) {
-    verdict.message += keep_replay_report(store.trace_file(name), test, verdict);
+  std::optional<ReplayReport> differing;
+  TestVerdict verdict = replay_and_compare(store, name, differing);
+  if (differing) {
+    verdict.message += keep_replay_report(store.trace_file(name), test, verdict, differing->within());
     return verdict;
   }
   TestResult result;

@@ -50,9 +50,10 @@ Result<RunSummary> make_known(const Scenario& scenario, const std::string& test,
                               Recorded& recorded) {
   const auto golden = Trace::load_in_pieces(recorded.golden, [](const Trace&) {});
   if (!golden) return record(scenario, file);  // the comparison reports the error
-  auto replayed = replay_golden(scenario, *golden, with_controllers_of(scenario, {}));
+  auto level = replay_golden(scenario, *golden, with_controllers_of(scenario, {}));
+  ReplayReport* const replayed = level ? &level->replay : nullptr;
   if (!replayed || !replayed->repeats_the_run) {
-    auto run = make_run(scenario, *golden, replayed ? &*replayed : nullptr, file, {}, simulation());
+    auto run = make_run(scenario, *golden, replayed, file, {}, simulation());
     if (!run) return run.errors();
     recorded.is_whole = run->from == 0;
     return std::move(run->summary);

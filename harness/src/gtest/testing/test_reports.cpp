@@ -26,8 +26,9 @@ Wanted wanted() {
 
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
-ReportOptions options_of(const TestVerdict& verdict, const ComparedTest& compared) {
+ReportOptions options_of(const std::string& test, const TestVerdict& verdict, const ComparedTest& compared) {
   ReportOptions options;
+  options.title = test;
   options.tolerances = compared.tolerances;
   options.horizon = compared.horizon;
   options.scenario = compared.scenario;
@@ -35,7 +36,7 @@ ReportOptions options_of(const TestVerdict& verdict, const ComparedTest& compare
     options.verdict = report_verdict(*compared.checked);
     if (compared.checked->controller == LevelState::differs) options.call_stack = call_stack_of(compared.golden, {});
   } else if (!verdict.passed) {
-    options.verdict = ReportVerdict{first_line(verdict.message), "beyond"};
+    options.verdict = ReportVerdict{first_line(verdict.message), compared.differs_in_bits_alone ? "bits" : "beyond"};
   }
   return options;
 }
@@ -90,7 +91,7 @@ std::string keep_test_report(const Trace& trace, const std::string& test, const 
   if (!verdict.passed || wanted() == Wanted::always) {
     const FolderLock alone(traces_folder());  // programs that run in parallel may run the same test
     const auto golden = has_golden ? std::optional(compared.golden) : std::nullopt;
-    const auto written = write_report(trace.file(), golden, file, options_of(verdict, compared));
+    const auto written = write_report(trace.file(), golden, file, options_of(test, verdict, compared));
     if (written) {
       result.report = file;
       result.tick = written->first_tick;

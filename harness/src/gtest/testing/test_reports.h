@@ -25,6 +25,7 @@ struct ComparedTest {
   std::vector<ToleranceRule> tolerances;
   std::optional<double> horizon;       // [s]
   std::optional<CheckReport> checked;  // the check on all levels; none: only the recording was compared
+  bool differs_in_bits_alone = false;  // the failure is a difference within tolerance
 };
 
 /// Writes traces/TEST.html in the output folder if the test failed (REHEARSE_REPORT=always: after every test; never:

@@ -7,11 +7,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// True if the difference that fails the check is within tolerance.
+bool differs_in_bits_alone(const CheckReport& checked) {
+  return !checked.within() && !checked.other_duration && checked.first && !checked.first->is_beyond();
+}
+
 /// The trace that the check left; empty: none. A file from an earlier check is ignored.
 fs::path trace_left(const CheckReport& checked, const fs::path& actual) {
-  const bool closed_is_wrong = checked.closed == LevelState::differs || (checked.run && checked.run->failure);
+  const bool run_is_wrong = checked.run && (checked.run_is_wrong() || checked.run->failure);
   std::error_code ignored;
-  if (checked.run && closed_is_wrong && fs::is_regular_file(actual, ignored)) return actual;
+  if (run_is_wrong && fs::is_regular_file(actual, ignored)) return actual;
   const fs::path plant = actual.parent_path() / "plant" / actual.filename();
   if (checked.plant == LevelState::differs && fs::is_regular_file(plant, ignored)) return plant;
   return {};
@@ -24,6 +29,7 @@ ReportVerdict report_verdict(const CheckReport& checked) {
   verdict.sentence = checked.verdict;
   verdict.state = checked.failed()                        ? "failed"
                   : first_violation(checked.expectations) ? "violated"
+                  : differs_in_bits_alone(checked)        ? "bits"
                   : !checked.within()                     ? "beyond"
                   : checked.equal()                       ? "equal"
                                                           : "within";
@@ -43,6 +49,7 @@ Result<std::optional<FailureReport>> write_failure_report(const CheckReport& che
   if (checked.within() && !checked.failed()) return std::optional<FailureReport>();
   const fs::path trace = trace_left(checked, actual);
   if (trace.empty()) return std::optional<FailureReport>();
+  options.title = scenario.name;
   options.tolerances = scenario.tolerances;
   options.horizon = checked.horizon;
   options.verdict = report_verdict(checked);

@@ -384,7 +384,7 @@ Result<ReportSummary> ReportMaker::make(const fs::path& actual_file, const fs::p
 
   const double time_step = time_step_of(actual_, scenario_);
   ReportJson object{{"format", 1},
-                    {"title", scenario_ ? scenario_->name : actual_file.stem().string()},
+                    {"title", options_.title.empty() ? actual_file.stem().string() : options_.title},
                     {"rehearse", REHEARSE_VERSION},
                     {"verdict", verdict_json()},
                     {"time_step", time_step},

@@ -65,7 +65,7 @@ Places::Places(const Comparison& comparison, const Divergence* told) {
   if (!wanted) return;
   const std::string text = to_string(*wanted);
   if (std::none_of(all.begin(), all.end(), [&](const auto& place) { return to_string(place.first) == text; }))
-    all.emplace_back(*wanted, true);
+    all.emplace_back(*wanted, wanted->is_beyond());
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return comes_before(a.first, b.first); });
   for (std::size_t i = 0; i < all.size() && !first; ++i)
     if (to_string(all[i].first) == text) first = i;
