@@ -69,6 +69,18 @@ TEST_F(Mistake, AForgottenGoldenInCiGetsAdviceThatWorksThere) {
               "CI=true");
 }
 
+TEST_F(Mistake, AGoldenThatGitLfsHasNotFetchedIsNamedSo) {
+  scenario(MISBEHAVING, "nothing 0");
+  EXPECT_EQ(rehearse({"check", "fall.yaml"}, "REHEARSE_GOLDEN=new").status, 0);
+  fs::copy_file(fixtures / "broken/trace_git_lfs_pointer.mcap", folder() / "golden/Macro.Falls.mcap",
+                fs::copy_options::overwrite_existing);
+  expect_both(
+      AllOf(HasSubstr("golden/Macro.Falls.mcap: error: it is a git-lfs pointer, not the recording that it stands for "
+                      "(run: git lfs pull)"),
+            Not(HasSubstr("golden accept"))));
+  EXPECT_EQ(rehearse({"check", "fall.yaml"}).status, 2);
+}
+
 TEST_F(Mistake, AGoldenOfAnotherMachinesArithmeticIsTold) {
   scenario(MISBEHAVING, "nothing 0");
   EXPECT_EQ(rehearse({"check", "fall.yaml"}, "REHEARSE_GOLDEN=new REHEARSE_PIN=off").status, 0);
