@@ -222,7 +222,10 @@ TestVerdict judge(const Trace& trace, const std::string& test, const MatchOption
 
 TestVerdict match_golden(const Trace& trace, const std::string& test, const MatchOptions& options) {
   const GoldenStore goldens = golden_store();
-  report_golden_owner(goldens.where_runs_wait(), test, test);
+  report_golden_owner(goldens, test, test, options.source);
+  if (const std::string conflict = reported_owners_of(goldens, test).conflict(); !conflict.empty())
+    return {false, to_string(error(fmt::format("the golden '{}' isn't this test's alone: {}", test, conflict),
+                                   "give each test a name of its own"))};
   auto waiting = WaitingRun::begin(goldens.where_runs_wait(), test);
   if (!waiting) return {false, to_string(waiting.errors())};
   GoldenStore store(goldens.folder(), waiting->folder());

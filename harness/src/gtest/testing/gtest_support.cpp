@@ -99,7 +99,7 @@ std::string remarks_text(const ReplayReport& report) {
 
 /// `first`: the first difference, if there is one.
 TestVerdict replay_and_compare(const GoldenStore& store, const std::string& name, std::optional<Divergence>& first) {
-  report_golden_owner(store.where_runs_wait(), name, "EXPECT_REPLAYS");
+  report_golden_owner(store, name, "EXPECT_REPLAYS");
   if (!store.has(name))
     return {false, fmt::format("there is no golden {}; the run of a test becomes one: EXPECT_MATCHES_GOLDEN",
                                store.trace_file(name).string())};
