@@ -85,6 +85,7 @@ const Exception allowed[] = {
      "spans that are blanked: their union is what counts"},
     {"harness/src/core/host/controller_library.cpp", "environment",
      "where controllers lie; the trace has the file's hash"},
+    {"harness/src/core/host/source_age.cpp", "identity", "names a file until it is complete"},
     {"harness/src/core/golden/golden.cpp", "environment", "what is done with a finished run"},
     {"harness/src/gtest/testing/gtest_support.cpp", "environment", "what is done with a finished run"},
     {"harness/src/core/guard/child_process.cpp", "clock", "when a program that doesn't answer is stopped"},

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
 #include <rehearse/golden.h>
+#include <fstream>
 
 #include "golden_folder.h"
 
@@ -37,8 +39,8 @@ TEST_F(GoldenList, KnowsOwnersOrphansAndWhatWaits) {
   write(store_.pending_file("Walker.Stops"), "waits");
   write(folder_ / "walk.yaml", "rehearse: 1\ngolden: Walker.Walks   # the golden\n");
   write(folder_ / "stop_test.cpp", "TEST(Walker, Forgotten) { EXPECT_MATCHES_GOLDEN(trace); }\n");  // never ran
-  report_golden_owner(store_.where_runs_wait(), "Walker.Stops", "All/Walker.Stops/0");
-  report_golden_owner(store_.where_runs_wait(), "Walker.Stops", "All/Walker.Stops/0");
+  report_golden_owner(store_, "Walker.Stops", "All/Walker.Stops/0");
+  report_golden_owner(store_, "Walker.Stops", "All/Walker.Stops/0");
 
   const auto listed = list_goldens(store_, {folder_.path()});
   ASSERT_TRUE(listed);
@@ -97,11 +99,38 @@ TEST_F(GoldenList, SaysWhatAGoldenIsOlderThan) {
 TEST_F(GoldenList, SaysIfTwoScenariosNameOneGolden) {
   place_golden(SmallTrace());
   write(folder_ / "a.yaml", "golden: " + name_ + "\n");
-  report_golden_owner(store_.where_runs_wait(), name_, name_);
+  report_golden_owner(store_, name_, name_);
   EXPECT_EQ(entry().problem, "");  // a test and the scenario that it records
   write(folder_ / "b.yaml", "\"golden\": '" + name_ + "'  # quoted\n");
   EXPECT_EQ(entry().problem,
             "2 scenarios name it: " + (folder_ / "a.yaml").string() + ", " + (folder_ / "b.yaml").string());
+}
+
+TEST_F(GoldenList, SaysIfTwoSourcesHaveTheTestOfItsName) {
+  place_golden(SmallTrace());
+  const std::string suite = name_.substr(0, name_.find('.')), test = name_.substr(suite.size() + 1);
+  const std::string macro = "TEST_F(" + suite + ",\n       " + test + ") {}\n";
+  write(folder_ / "a_test.cpp", macro);
+  write(folder_ / "b_test.cpp", macro);
+  const auto note = [&](const std::string& program, const std::string& source) {
+    std::ofstream(store_.where_runs_wait() / ".owners" / name_, std::ios::app)
+        << name_ << '\t' << program << '\t' << source << '\n';
+  };
+  report_golden_owner(store_, name_, "EXPECT_REPLAYS");
+  report_golden_owner(store_, name_, name_, folder_ / "a_test.cpp");
+  report_golden_owner(store_, name_, name_, folder_ / "a_test.cpp");
+  EXPECT_THAT(entry().owners, ElementsAre(StartsWith("EXPECT_REPLAYS and " + name_ + " of ")))
+      << "each program is named once";
+  note("other_build/judging_test", "a_test.cpp");
+  note("renamed_test", "a_test.cpp");
+  EXPECT_EQ(entry().problem, "") << "one source, in whatever program";
+  note("b_test", "b_test.cpp");
+  EXPECT_EQ(entry().problem, "2 sources have a test of its name: a_test.cpp, b_test.cpp");
+  write(folder_ / "b_test.cpp", "TEST_F(" + suite + "s, " + test + ") {} TEST_F(" + suite + ", " + test + "2) {}\n");
+  EXPECT_EQ(entry().problem, "") << "it was renamed";
+  write(folder_ / "b_test.cpp", macro);
+  note("b_test", "c_test.cpp");
+  EXPECT_EQ(entry().problem, "") << "it was moved to a file that is gone";
 }
 
 TEST_F(GoldenList, ScenariosOfAnotherProjectBelowAreNotItsOwners) {

@@ -74,7 +74,7 @@ const Broken all_broken[] = {
     {"vary_list", 5, 7, "vary is a list.*map of NAME"},
     {"vary_without_path", 6, 9, "a parameter has no 'path'"},
     {"vary_unknown_path", 6, 16, "states no 'masss' in 'bodies.Box'.*did you mean 'mass'.*nominal"},
-    {"vary_unstated_path", 6, 20, "states no 'friction' in 'bodies.Box'.*nominal"},
+    {"vary_unstated_path", 6, 20, "states no 'mu2' in 'bodies.Box'.*nominal value there, or a default"},
     {"vary_index_beyond", 6, 13, "states no \\[3\\] in 'bodies.Box.position'"},
     {"vary_path_of_a_list", 6, 13, "'bodies.Box.position' is a list.*one number or word"},
     {"vary_path_of_a_word", 6, 16, "'bodies.Box.name' is 'Box', not a number.*choice"},

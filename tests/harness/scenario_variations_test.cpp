@@ -78,6 +78,72 @@ TEST(ScenarioVariations, WriteWordsSoThatTheyAreRead) {
   EXPECT_THAT(line_with("bodies.Box.controllers.Holder.library", "a\"b", "choice: [a, b]"), HasSubstr("quotes"));
 }
 
+/// The scenario with a default replaced by that value.
+Scenario with_default(const std::string& path, const std::string& value, const std::string& distribution) {
+  const Scenario scenario = varied("  p: {path: \"" + path + "\", " + distribution + "}\n");
+  return loaded(*scenario.varied_text({value}));
+}
+
+TEST(ScenarioVariations, FindDefaultsOfKeysThatTheScenarioDoesNotState) {
+  const std::string any = "uniform: [0.1, 10]";
+  EXPECT_EQ(line_with("bodies.Box.friction", "0.25", any), "    friction: 0.25") << "in lines of its own";
+  EXPECT_EQ(with_default("bodies.Box.friction", "0.25", any).bodies[1].model->links[0].surface.friction, 0.25);
+  EXPECT_EQ(with_default("gravity[2]", "-1.6", any).gravity, Eigen::Vector3d(0, 0, -1.6));
+  EXPECT_EQ(with_default("solver.erp", "0.3", any).solver.erp, 0.3) << "in a map that isn't stated either";
+  EXPECT_EQ(with_default("solver.method", "exact", "choice: [quick, exact]").solver.method,
+            SolverSettings::Method::exact);
+  EXPECT_EQ(with_default("bodies.Box.links.Box.mass", "7", any).bodies[1].model->mass(), 7.0);
+  EXPECT_EQ(with_default("bodies.Box.velocity.linear[0]", "3", any).bodies[1].linear_velocity.x(), 3.0);
+  EXPECT_EQ(with_default("seed", "12", any + ", integer: true").seed, 12u);
+  EXPECT_EQ(with_default("bodies.Box.controllers.Holder.delay", "false", "choice: [true, false]")
+                .bodies[1]
+                .controllers[0]
+                .delay,
+            false);
+  const Scenario in_braces = with_default("pushes[0].torque[1]", "4", any);
+  EXPECT_EQ(in_braces.pushes[0].torque, Eigen::Vector3d(0, 4, 0)) << in_braces.text;
+}
+
+TEST(ScenarioVariations, FindTheDefaultsOfJointsAndLinksOfAModel) {
+  const auto arm = [](const std::string& path, const std::string& value) {
+    const Scenario scenario = loaded("rehearse: 1\nduration: 1\nbodies:\n  - name: Pendulum\n    model: " +
+                                     (std::filesystem::path(FIXTURES_DIR) / "models/pendulum.urdf").string() +
+                                     "\nvary:\n  p: {path: " + path + ", uniform: [0.1, 10]}\n");
+    return loaded(*scenario.varied_text({value})).bodies[0];
+  };
+  EXPECT_EQ(arm("bodies.Pendulum.joints.hinge", "0.75").joints[0], 0.75);
+  const ScenarioBody heavy = arm("bodies.Pendulum.links.rod.mass", "4");
+  EXPECT_EQ(heavy.model->links[static_cast<std::size_t>(heavy.model->find_link("rod"))].inertial.mass, 4.0);
+}
+
+TEST(ScenarioVariations, CorrectAMisspeltDefault) {
+  const auto said_of = [](const std::string& path) {
+    return mistakes(load_text(world + "vary:\n  p: {path: " + path + ", uniform: [0, 1]}\n"));
+  };
+  EXPECT_THAT(said_of("bodies.Box.frction"),
+              HasSubstr("the scenario states no 'frction' in 'bodies.Box' (did you mean 'friction'?"));
+  EXPECT_THAT(said_of("bodies.Box.links.Box.mas"),
+              HasSubstr("the scenario states no 'mas' in 'bodies.Box.links.Box' (did you mean 'mass'?"));
+}
+
+TEST(ScenarioVariations, HaveTheDefaultAsNominalValueAndLeaveItOut) {
+  const Scenario scenario = varied("  g: {path: \"gravity[2]\", uniform: [-20, -1]}\n");
+  EXPECT_EQ(scenario.variations[0].nominal, "-9.80665");
+  EXPECT_EQ(*scenario.varied_text({"-9.80665"}), scenario.text);
+}
+
+TEST(ScenarioVariations, OfTwoDefaultsCanStandInOneMap) {
+  const Scenario scenario = varied(
+      "  mu: {path: bodies.Box.friction, uniform: [0, 1]}\n  bounce: {path: bodies.Box.restitution, uniform: [0, "
+      "1]}\n");
+  const Scenario changed = loaded(*scenario.varied_text({"0.25", "0.75"}));
+  EXPECT_EQ(changed.bodies[1].model->links[0].surface.friction, 0.25);
+  EXPECT_EQ(changed.bodies[1].model->links[0].surface.restitution, 0.75);
+  EXPECT_THAT(mistakes(load_text(world + "vary:\n  x: {path: \"gravity[0]\", uniform: [0, 1]}\n"
+                                         "  z: {path: \"gravity[2]\", uniform: [0, 1]}\n")),
+              HasSubstr("'x' and 'z' vary parts of what the scenario doesn't state (state its nominal value)"));
+}
+
 TEST(ScenarioVariations, LeaveARunAsItIsStated) {
   const Scenario scenario = varied("  height: {path: \"bodies.Box.position[2]\", uniform: [3, 4]}\n");
   EXPECT_EQ(scenario.variations.size(), 1u);

@@ -36,12 +36,14 @@ rehearse_add_test(session_tests LABEL sim SHARDS 6
     session/reproduction_test.cpp
     session/run_test.cpp
     session/self_collision_test.cpp
+    session/source_age_test.cpp
     session/traps_test.cpp
     session/words_test.cpp
     session/world_remarks_test.cpp
   LIBRARIES Rehearse::simulation Rehearse::harness Rehearse::logs Rehearse::world Rehearse::cnoid)
 target_include_directories(session_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
-target_compile_definitions(session_tests PRIVATE TEST_CONTROLLERS="${test_controllers}")
+target_compile_definitions(session_tests PRIVATE
+  CXX_COMPILER="${CMAKE_CXX_COMPILER}" TEST_CONTROLLERS="${test_controllers}")
 
 add_test_controller(Behaviours
   controllers/behaviours.cpp controllers/contacts.cpp controllers/devices.cpp controllers/failures.cpp

@@ -43,6 +43,30 @@ TEST_F(GoldenOwners, ListKnowsTheTestsThatRan) {
   EXPECT_TRUE(goldens[2]["orphan"]);
 }
 
+TEST_F(GoldenOwners, ATestOfTheSameNameInAnotherProgramIsRefused) {
+  const std::string environment = "REHEARSE_PENDING=rehearse-pending " + folders();
+  const auto run_both = [&](const std::string& mode) {
+    const Outcome second = run(SECOND_OWNER, {}, mode + environment);
+    const Outcome first = run(OWNING_TESTS, {"--gtest_filter=Macro.Falls"}, mode + environment);
+    EXPECT_EQ(second.status, first.status);
+    return second.status == 0 ? "" : second.out + first.out;
+  };
+  fs::create_directories(folder() / "tests/tools");
+  for (const char* source : {"owning_tests.cpp", "second_owner.cpp"})
+    write("tests/tools/" + std::string(source), "TEST(Macro, Falls) {}\n");
+  const std::string golden = read_file(folder() / "golden/Macro.Falls.mcap");
+  const std::string sources =
+      "2 sources have a test of its name: tests/tools/owning_tests.cpp, "
+      "tests/tools/second_owner.cpp";
+  for (const char* mode : {"", "REHEARSE_GOLDEN=accept "})
+    EXPECT_THAT(run_both(mode), HasSubstr("error: the golden 'Macro.Falls' isn't this test's alone: " + sources +
+                                          " (give each test a name of its own)"));
+  EXPECT_TRUE(read_file(folder() / "golden/Macro.Falls.mcap") == golden);
+  EXPECT_THAT(done({"golden", "list"}).out, HasSubstr(sources));
+  write("tests/tools/second_owner.cpp", "TEST(Macro, FallsElsewhere) {}\n");
+  EXPECT_EQ(run_both(""), "") << "the second was renamed, though not built yet";
+}
+
 TEST_F(GoldenOwners, CheckStrictFailsForAGoldenWithoutOwnerAndForOneThatCantBeUsed) {
   write("run.yaml", read_file(folder() / "fall.yaml") + "golden: Runs.Equal\n");
   EXPECT_EQ(rehearse({"check", "run.yaml"}, "REHEARSE_GOLDEN=new").status, 0);

@@ -69,6 +69,53 @@ TEST_F(Mistake, AForgottenGoldenInCiGetsAdviceThatWorksThere) {
               "CI=true");
 }
 
+TEST_F(Mistake, AGoldenThatGitLfsHasNotFetchedIsNamedSo) {
+  scenario(MISBEHAVING, "nothing 0");
+  EXPECT_EQ(rehearse({"check", "fall.yaml"}, "REHEARSE_GOLDEN=new").status, 0);
+  fs::copy_file(fixtures / "broken/trace_git_lfs_pointer.mcap", folder() / "golden/Macro.Falls.mcap",
+                fs::copy_options::overwrite_existing);
+  expect_both(
+      AllOf(HasSubstr("golden/Macro.Falls.mcap: error: it is a git-lfs pointer, not the recording that it stands for "
+                      "(run: git lfs pull)"),
+            Not(HasSubstr("golden accept"))));
+  EXPECT_EQ(rehearse({"check", "fall.yaml"}).status, 2);
+}
+
+TEST_F(Mistake, AMisspeltSeriesOfAnExpectationIsBadInput) {
+  scenario(MISBEHAVING, "nothing 0");
+  EXPECT_EQ(rehearse({"check", "fall.yaml"}, "REHEARSE_GOLDEN=new").status, 0);
+  write("fall.yaml", read_file(folder() / "fall.yaml") + "expect: [{channel: Pendulum/hing/q, above: 0}]\n");
+  expect_both(AllOf(HasSubstr("fall.yaml:12:20: error: no run of this scenario has a series 'Pendulum/hing/q' (the "
+                              "nearest are Pendulum/hinge/q, "),
+                    Not(HasSubstr("differs")), Not(HasSubstr("golden accept"))));
+  EXPECT_EQ(rehearse({"check", "fall.yaml"}).status, 2);
+  for (const char* ending : {".mcap", ".txt"}) fs::remove(folder() / ("golden/Macro.Falls" + std::string(ending)));
+  EXPECT_EQ(rehearse({"check", "fall.yaml"}).status, 2) << "without a golden as well";
+  EXPECT_FALSE(exists("rehearse-pending/Macro.Falls.mcap"));
+}
+
+TEST_F(Mistake, AMisspeltChannelOfAToleranceIsBadInput) {
+  scenario(MISBEHAVING, "nothing 0");
+  EXPECT_EQ(rehearse({"check", "fall.yaml"}, "REHEARSE_GOLDEN=new").status, 0);
+  const std::string plain = read_file(folder() / "fall.yaml");
+  const auto tolerance = [&](const std::string& channel) {
+    write("fall.yaml", plain + "tolerances: [{channel: \"" + channel + "\", atol: 1}]\n");
+  };
+  tolerance("Pendulum/hing/q");
+  for (int simulated_then_proved = 0; simulated_then_proved < 2; ++simulated_then_proved) {
+    expect_both(
+        HasSubstr("fall.yaml:12:24: error: no run of this scenario has a series 'Pendulum/hing/q' (the nearest "
+                  "are Pendulum/hinge/q, "));
+    EXPECT_EQ(rehearse({"check", "fall.yaml"}).status, 2);
+  }
+  for (const char* unclear : {"Pendulum/*/qq", "Pendulum/Swing/variable/phase", "contacts/Pendulum/rod/Floor/Floor"}) {
+    tolerance(unclear);
+    const Outcome warned = rehearse({"check", "fall.yaml"});
+    EXPECT_EQ(warned.status, 0) << unclear;
+    EXPECT_THAT(warned.out, HasSubstr("applies to nothing")) << unclear;
+  }
+}
+
 TEST_F(Mistake, AGoldenOfAnotherMachinesArithmeticIsTold) {
   scenario(MISBEHAVING, "nothing 0");
   EXPECT_EQ(rehearse({"check", "fall.yaml"}, "REHEARSE_GOLDEN=new REHEARSE_PIN=off").status, 0);

@@ -57,6 +57,43 @@ TEST_F(Project, AForgottenBuildIsAdvised) {
   EXPECT_THAT(outcome.err, HasSubstr("build it first: cmake -S "));
 }
 
+TEST_F(Project, ALibraryThatIsOlderThanItsSourceIsToldFirst) {
+  const std::string source =
+      "#include <cnoid/SimpleController>\n"
+      "class Swing : public cnoid::SimpleController {\n"
+      " public:\n"
+      "  bool initialize(cnoid::SimpleControllerIO*) override { return true; }\n"
+      "  bool control() override { return true; }\n"
+      "};\n"
+      "CNOID_IMPLEMENT_SIMPLE_CONTROLLER_FACTORY(Swing)\n";
+  write("swing.cpp", source);
+  fs::create_directories(folder() / "build/lib/rehearse/controllers");
+  write("build/CMakeCache.txt", "");
+  const std::string library = "build/lib/rehearse/controllers/Swing.so";
+  const Outcome compiled = run(
+      CXX_COMPILER, {"-std=c++17", "-O0", "-g1", "-shared", "-fPIC", "-DEIGEN_MAX_ALIGN_BYTES=16", "-I" CNOID_INCLUDE,
+                     "-isystem" EIGEN_INCLUDE, "-o", library, (folder() / "swing.cpp").string()});
+  ASSERT_EQ(compiled.status, 0) << compiled.err;
+  EXPECT_EQ(rehearse({"check"}, "REHEARSE_GOLDEN=new").status, 0);
+  EXPECT_EQ(rehearse({"check"}).err, "");
+  write("swing.cpp", source + "// edited\n");
+  const std::string note =
+      "note: swing.cpp is newer than Swing.so: built before your last change; cmake --build build\n";
+  const Outcome checked = rehearse({"check"});
+  EXPECT_EQ(checked.status, 0) << "the library is judged as it is";
+  EXPECT_EQ(checked.err, note);
+  EXPECT_EQ(rehearse({"replay", "golden/Swing.Swings.mcap"}).err, note);
+  EXPECT_EQ(rehearse({"record", "scenarios/swing.yaml"}).err, note);
+  EXPECT_EQ(rehearse({"check", "scenarios/swing.yaml", "scenarios/swing.yaml"}).err, note) << "once";
+  write("scenarios/fall.yaml", read_file(folder() / "scenarios/swing.yaml"));
+  const Outcome tested = run(OWNING_TESTS, {"--gtest_filter=Macro.Falls"},
+                             "REHEARSE_FIXTURES=scenarios REHEARSE_GOLDEN_DIR=golden REHEARSE_PENDING=pending");
+  EXPECT_THAT(tested.err, HasSubstr(note)) << tested.out;
+  fs::remove(folder() / "scenarios/fall.yaml");
+  write("swing.cpp", source);
+  EXPECT_EQ(rehearse({"check"}).err, "") << "the edit was undone";
+}
+
 TEST_F(Project, AControllerThatFailedIsReportedBeforeTheExpectationsThatItsRunViolates) {
   build("build", MISBEHAVING);
   const std::string scenario = read_file(folder() / "scenarios/swing.yaml") +

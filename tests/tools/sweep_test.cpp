@@ -63,6 +63,22 @@ class Sweep : public Command {
   }
 };
 
+TEST_F(Sweep, RefusesAnExpectationWhoseSeriesDoesNotExist) {
+  std::string text = read_file(box());
+  write("box.yaml", text.replace(text.find("/position/z"), 11, "/positon/z"));
+  const Outcome refused = rehearse({"sweep", "box.yaml", "--cases", "6", "-o", "run"});
+  EXPECT_EQ(refused.status, bad_input);
+  EXPECT_THAT(refused.err, HasSubstr("the scenario can't run with its nominal values: no run of this scenario has a "
+                                     "series 'Box/Box/positon/z' (the nearest are Box/Box/position/z, "));
+}
+
+TEST_F(Sweep, VariesADefault) {
+  box("  gravity: {path: \"gravity[2]\", choice: [-9, -1.6]}\n");
+  const Outcome swept = rehearse({"sweep", "box.yaml", "--cases", "6", "-o", "run"});
+  EXPECT_LE(swept.status, 1) << swept.err;
+  EXPECT_THAT(results("run"), HasSubstr(",-1.6,"));
+}
+
 TEST_F(Sweep, RunsJudgesAndReports) {
   box();
   const Outcome swept = rehearse({"sweep", "box.yaml", "--cases", "60", "--seed", "3", "-o", "run", "--json"});

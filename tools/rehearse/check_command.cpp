@@ -22,6 +22,7 @@
 #include "core/golden/stale_report.h"
 #include "core/guard/interruption.h"
 #include "core/guard/supervise.h"
+#include "core/host/source_age.h"
 #include "core/host/virtualised.h"
 #include "core/scenario/project.h"
 #include "core/scenario/trace_scenario.h"
@@ -332,6 +333,7 @@ Exit run_check(const CheckSettings& settings, const CLI::App& options) {
     return refuse(error("--golden compares one scenario", "name that scenario"));
   if (const auto alone = check_owners(settings, *scenarios); !alone) return refuse(alone.errors());
   if (const auto ready = virtualise_like_goldens(settings, *scenarios); !ready) return refuse(ready.errors());
+  for (const Scenario& scenario : *scenarios) tell_old_libraries(scenario, settings.check.run);
   std::vector<CheckOutcome> all;
   if (const Exit ended = check_all(settings, *scenarios, all); ended != Exit::done || interruption() != 0) return ended;
   Exit worst = Exit::done;

@@ -57,7 +57,8 @@ std::set<std::string> names_listed(const fs::path& listing) {
 
 /// The goldens that the tests of a program name: those with which a run compares, and those that have the name of a
 /// test, which may have ended before the comparison.
-Result<std::set<std::string>> named_by_tests(const std::string& program, const fs::path& scratch) {
+Result<std::set<std::string>> named_by_tests(const std::string& program, const GoldenStore& store,
+                                             const fs::path& scratch) {
   const fs::path listing = scratch / "tests.txt", pending = scratch / "pending";
   const auto listed = run_to_end({{program, "--gtest_list_tests"}, environment_of_tests({}), listing});
   if (!listed) return listed.errors();
@@ -72,7 +73,7 @@ Result<std::set<std::string>> named_by_tests(const std::string& program, const f
   if (*ran != 0 && *ran != 1)
     return error(fmt::format("{} ended with status {} before all its tests had run", program, *ran),
                  "mend it first: the goldens of its tests are unknown");
-  for (const auto& [name, tests] : reported_golden_owners(pending)) names.insert(name);
+  for (const auto& [name, owners] : reported_golden_owners(GoldenStore(store.folder(), pending))) names.insert(name);
   return names;
 }
 
@@ -82,7 +83,7 @@ Result<std::set<std::string>> named_by_all_tests(const GoldenPruneSettings& sett
   auto scratch = RunFolder::make(store.where_runs_wait());
   if (!scratch) return scratch.errors();
   for (const std::string& program : settings.tests) {
-    const auto named = named_by_tests(program, scratch->path());
+    const auto named = named_by_tests(program, store, scratch->path());
     if (!named) return named.errors();
     names.insert(named->begin(), named->end());
   }

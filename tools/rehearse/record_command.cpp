@@ -16,6 +16,7 @@
 #include "core/guard/interruption.h"
 #include "core/guard/supervise.h"
 #include "core/host/interposer.h"
+#include "core/host/source_age.h"
 #include "core/host/virtualised.h"
 #include "core/mcap/replaceable.h"
 #include "debugger.h"
@@ -293,6 +294,7 @@ Exit run_record(RecordSettings& settings, const CLI::App& options) {
   if (!scenario) return refuse(scenario.errors());
   if (settings.debugger.is_wanted()) return run_in_gdb(settings, *scenario, options);
   tell_warnings(*scenario);
+  tell_old_libraries(*scenario, settings.record);
   const std::string trace =
       settings.trace.empty() ? std::filesystem::path(scenario->file).stem().string() + ".mcap" : settings.trace;
   if (const auto allowed = check_trace(settings, *scenario, trace); !allowed) return refuse(allowed.errors());

@@ -1,6 +1,7 @@
 // rehearse replay: feeds recorded inputs to the controllers, without physics, and compares their commands bit for bit.
 // For the log of a real robot see replay_log.h, for single ticks replay_ticks.h, for gdb debugger.h.
 #include <fmt/format.h>
+#include <rehearse/mcap.h>
 #include <rehearse/replay.h>
 #include <rehearse/session.h>
 
@@ -16,8 +17,10 @@
 #include "command.h"
 #include "core/guard/interruption.h"
 #include "core/guard/supervise.h"
+#include "core/host/source_age.h"
 #include "core/host/virtualised.h"
 #include "core/mcap/replaceable.h"
+#include "core/scenario/trace_scenario.h"
 #include "debugger.h"
 #include "options.h"
 #include "output.h"
@@ -157,11 +160,20 @@ Exit run_ticks(ReplaySettings& settings) {
   }
 }
 
+/// A recording that can't be read is reported by its replay.
+void tell_old_libraries_of(const ReplaySettings& settings) {
+  const auto reader = mcap::Reader::open(settings.trace);
+  const auto scenario = reader ? scenario_of(**reader) : Result<Scenario>(reader.errors());
+  if (scenario) tell_old_libraries(*scenario, settings.replay);
+}
+
 Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
   if (const auto usable = check_usage(settings); !usable) return refuse(usable.errors());
   if (settings.debugger.is_wanted()) return run_in_gdb(settings, options);
-  if (!settings.is_of_a_log())
+  if (!settings.is_of_a_log()) {
     if (const auto ready = virtualise_process_like(settings.trace); !ready) return refuse(ready.errors());
+    tell_old_libraries_of(settings);
+  }
   supervise_process();
   end_runs_on_signals();
   if (settings.is_of_a_log()) return settings.ticks.is_asked() ? run_ticks(settings) : run_log(settings);

@@ -250,11 +250,13 @@ struct GoldenEntry {
 /// The scenarios and tests that use a golden.
 struct GoldenOwners {
   std::vector<std::string> scenarios;  // files with `golden: NAME`
-  /// Tests that compared with it when they ran, as "Walker.Stops of build/bin/walk_test".
+  /// Tests that compared with it when they ran, by program, as "Walker.Stops of build/bin/walk_test".
   std::vector<std::string> tests;
+  /// Sources that have the test of its name, relative to the project.
+  std::vector<std::string> sources;
 
-  /// The reason why the owners are in conflict: two scenarios name the golden. Empty: no conflict. (A test may
-  /// record a scenario that names the test's golden.)
+  /// The reason why the owners are in conflict: two scenarios name the golden, or two sources have its test. Empty: no
+  /// conflict. (A test may record a scenario that names the test's golden.)
   std::string conflict() const;
 };
 
@@ -264,12 +266,18 @@ struct GoldenOwners {
 std::map<std::string, GoldenOwners> find_golden_owners(const std::filesystem::path& folder,
                                                        const std::vector<std::filesystem::path>& sources);
 
-/// Writes a note into the pending folder that a test of this program compares with a golden. `test`: Suite.Test. A
-/// failure to write is ignored.
-void report_golden_owner(const std::filesystem::path& pending, const std::string& golden, const std::string& test);
+/// Writes a note into the pending folder that a test of this program compares with a golden. `test`: Suite.Test;
+/// `source`: its source, as it was compiled; empty: it is unknown, or the test is no owner. A failure to write is
+/// ignored.
+void report_golden_owner(const GoldenStore& goldens, const std::string& golden, const std::string& test,
+                         const std::filesystem::path& source = {});
 
-/// The tests of all these notes, by golden.
-std::map<std::string, std::vector<std::string>> reported_golden_owners(const std::filesystem::path& pending);
+/// The tests of all these notes, by golden. A test belongs to its source: a program that is moved, or built in another
+/// folder, is no second owner, and neither is a source that no longer has the test.
+std::map<std::string, GoldenOwners> reported_golden_owners(const GoldenStore& goldens);
+
+/// The owners in the notes of one golden.
+GoldenOwners reported_owners_of(const GoldenStore& goldens, const std::string& golden);
 
 /// All goldens of the store by name. Their owners are the scenarios in `sources` and the tests that reported themselves
 /// (report_golden_owner()); a test that never ran here is unknown. `present`: the facts of a recording's provenance as

@@ -115,6 +115,7 @@ struct MatchOptions {
   std::vector<Near> near;
   std::optional<double> until;  // [s]
   std::vector<Level> levels{Level::closed};
+  std::string source = {};  // of the test, as it was compiled; empty: unknown
 };
 
 inline void take(MatchOptions& options, Exact) { options.exact = true; }
@@ -139,6 +140,12 @@ inline std::string current_test() {
   return name;
 }
 
+/// The source of the running test; empty: none runs.
+inline std::string current_source() {
+  const ::testing::TestInfo* info = ::testing::UnitTest::GetInstance()->current_test_info();
+  return info && info->file() ? info->file() : "";
+}
+
 inline ::testing::AssertionResult assertion_of(const TestVerdict& verdict) {
   return verdict.passed ? ::testing::AssertionSuccess() : ::testing::AssertionFailure() << verdict.message;
 }
@@ -152,6 +159,7 @@ struct GoldenQuestion {
 template <class... Overrides>
 GoldenQuestion golden_question(const Trace& trace, const Overrides&... overrides) {
   GoldenQuestion question{trace, {}};
+  question.options.source = current_source();
   (take(question.options, overrides), ...);
   return question;
 }

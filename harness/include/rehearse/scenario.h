@@ -227,9 +227,10 @@ struct Variation {
   std::vector<std::string> values;  // choice, grid; as written
   std::string file, column;         // from_file: a CSV beside the scenario, and a name in its first line
   std::string expression;           // linked
-  std::string nominal;              // the value that the scenario states, as written, without a unit
+  std::string nominal;              // the value that the scenario states, as written, without a unit; or a default
   std::size_t begin = 0, end = 0;   // its place in Scenario::text [bytes]
   bool in_text = false;             // the place is within quotes, or in an option string
+  std::string before, after;        // what is written around a value whose key the scenario doesn't state
   Place place;                      // of its name
 };
 

@@ -151,7 +151,7 @@ TEST(McapDamage, ReadsOverCrcsWhenItIsToldTo) {
 
 TEST(McapDamage, RefusesFilesThatAreNotMcap) {
   EXPECT_EQ(complaint_about(Composer()), "composed.mcap: error: not an MCAP file: it is empty\n");
-  EXPECT_EQ(complaint_about(Composer().raw(bytes_of("version https://git-lfs.github.com/spec/v1\n"))),
+  EXPECT_EQ(complaint_about(Composer().raw(bytes_of("rehearse: 1\nduration: 2\n"))),
             "composed.mcap: error: not an MCAP file: it doesn't begin with the magic bytes \\x89MCAP0\\r\\n\n");
   EXPECT_THAT(complaint_about(Composer().raw(bytes_of("\x89MCAP9\r\n"))),
               HasSubstr("a version that this reader doesn't support"));

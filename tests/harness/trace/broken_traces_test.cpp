@@ -24,6 +24,8 @@ const std::vector<BrokenTrace>& broken_traces() {
   static const std::vector<BrokenTrace> table{
       {"trace_empty.mcap", "error: not an MCAP file: it is empty"},
       {"trace_of_text.mcap", "error: not an MCAP file: it doesn't begin with the magic bytes"},
+      {"trace_git_lfs_pointer.mcap",
+       "error: it is a git-lfs pointer, not the recording that it stands for (run: git lfs pull)"},
       {"trace_truncated.mcap", "error: truncated at byte 2500"},
       {"trace_flipped_bit.mcap", "error: damaged: the chunk at byte 5087 can't be decompressed"},
       {"trace_wrong_chunk_crc.mcap", "error: damaged: the CRC of the chunk at byte 63 doesn't match"},

@@ -1,11 +1,13 @@
 #include "case_run.h"
 
 #include <fmt/format.h>
+#include <rehearse/check.h>
 #include <rehearse/compare.h>
 #include <rehearse/mcap.h>
 
 #include <cctype>
 
+#include "core/check/unknown_series.h"
 #include "core/mcap/hashing.h"
 #include "core/trace/run_facts.h"
 
@@ -108,6 +110,13 @@ CaseRun run_case(const std::filesystem::path& file, const std::string& text, con
   }
   const auto judged = judge_recording(scenario->expectations, trace);
   if (!judged) return invalid(judged.errors());
+  CheckReport report;
+  report.run = *run;
+  report.expectations = judged->expectations;
+  if (const auto known = refuse_unknown_series(*scenario, report, {trace}); !known) {
+    const Diagnostic& problem = known.errors().front();
+    return invalid({error(fmt::format("{} ({})", problem.message, problem.hint))});
+  }
   result.hash = hash_text(judged->content);
   for (const ExpectationResult& expectation : judged->expectations) made.expectations.push_back(expectation.text);
   take_violation(*judged, result);

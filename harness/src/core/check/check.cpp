@@ -23,6 +23,7 @@
 #include "model/clock.h"
 #include "noise_floor.h"
 #include "proof.h"
+#include "unknown_series.h"
 
 namespace rehearse {
 namespace {
@@ -458,6 +459,12 @@ void leave_out_levels(const Trace& golden, CheckOptions& options, CheckReport& r
   }
 }
 
+void remove_run_of(const fs::path& actual) {
+  std::error_code ignored;
+  fs::remove(actual, ignored);
+  remove_picture_differences(actual);
+}
+
 /// Simulates a share of the proved checks as well.
 Result<CheckReport> sampled(Check check) {
   const auto chosen = is_sampled(check.scenario.name, check.options.sampled);
@@ -492,7 +499,10 @@ Result<CheckReport> check_scenario(const Scenario& plain, const fs::path& golden
   const Proof proof(scenario, *outline, options, simulation);
   if (proof.holds())
     if (auto done = proving.check_proved(proof); !done) return done.errors();
-  if (proving.report.proved) return sampled(std::move(proving));
+  if (proving.report.proved) {
+    if (auto known = refuse_unknown_series(scenario, proving.report, {golden}); !known) return known.errors();
+    return sampled(std::move(proving));
+  }
 
   const auto expected = proof.holds() ? load_commands(golden) : load_without_messages(golden);
   if (!expected) return expected.errors();
@@ -500,12 +510,12 @@ Result<CheckReport> check_scenario(const Scenario& plain, const fs::path& golden
   check.report.not_proved = proof.objection();
   check.world_is_known = proof.holds();
   if (auto done = check.simulate(); !done) return done.errors();
-  if (auto done = check.certify(proof); !done) return done.errors();
-  if (check.report.within()) {
-    std::error_code ignored;
-    fs::remove(actual, ignored);
-    remove_picture_differences(actual);
+  if (auto known = refuse_unknown_series(scenario, check.report, {golden, actual}); !known) {
+    remove_run_of(actual);
+    return known.errors();
   }
+  if (auto done = check.certify(proof); !done) return done.errors();
+  if (check.report.within()) remove_run_of(actual);
   return std::move(check.report);
 }
 

@@ -7,6 +7,7 @@
 #include "core/recording/provenance.h"
 #include "core/trace/run_facts.h"
 #include "proof.h"
+#include "unknown_series.h"
 
 namespace rehearse {
 namespace fs = std::filesystem;
@@ -24,6 +25,11 @@ Result<CheckReport> check_by_expectations(const Scenario& scenario, const fs::pa
   auto judged = judge_expectations(scenario.expectations, actual);
   if (!judged) return judged.errors();
   report.expectations = *std::move(judged);
+  if (auto known = refuse_unknown_series(scenario, report, {actual}); !known) {
+    std::error_code ignored;
+    fs::remove(actual, ignored);
+    return known.errors();
+  }
   report.verdict = verdict(report.expectations);
   if (const ExpectationResult* violation = first_violation(report.expectations)) {
     const auto fresh = Trace::load_in_pieces(actual, [](const Trace&) {});

@@ -9,6 +9,8 @@
 #include <map>
 #include <string_view>
 
+#include "core/mcap/container.h"
+#include "core/mcap/file_view.h"
 #include "core/mcap/hashing.h"
 #include "core/scenario/project.h"
 #include "core/trace/run_facts.h"
@@ -38,10 +40,16 @@ std::string sentence_of(const Comparison& comparison, const SettleOptions& optio
                      other_bits ? "not the same bits: " : "", compared);
 }
 
-/// Fails if the golden has an unknown version; succeeds if it can't be read at all.
-Result<void> check_version_of(const fs::path& golden) {
+bool is_git_lfs_pointer(const fs::path& file) {
+  const auto view = mcap::FileView::open(file);
+  return view && mcap::container_of(view->bytes()) == mcap::Container::git_lfs_pointer;
+}
+
+/// Fails if the golden is a git-lfs pointer or has an unknown version; succeeds if it can't be read for other reasons.
+Result<void> check_is_known(const fs::path& golden) {
   const auto reader = mcap::Reader::open(golden);
-  return reader ? check_trace_version((*reader)->metadata(), (*reader)->name()) : Result<void>();
+  if (reader) return check_trace_version((*reader)->metadata(), (*reader)->name());
+  return is_git_lfs_pointer(golden) ? Result<void>(reader.errors()) : Result<void>();
 }
 
 /// Claims a golden for a recording of this process, by the golden's file and the recording's bytes. False: a different
@@ -176,7 +184,7 @@ GoldenResult GoldenStore::settle(const std::string& name, const Trace& actual, c
                          fmt::format("there is no golden {}{}", trace_file(name).string(),
                                      is_ci() ? "" : " (REHEARSE_GOLDEN=new writes it)"));
   }
-  if (const auto known = check_version_of(trace_file(name)); !known) {
+  if (const auto known = check_is_known(trace_file(name)); !known) {
     // The run itself is not at fault, so there is nothing to accept.
     result.message = "the golden can't be used: " + text_of(known.errors());
     return result;

@@ -151,6 +151,8 @@ void describe(const GoldenStore& store, const mcap::StringMap& present, GoldenEn
 std::string GoldenOwners::conflict() const {
   if (scenarios.size() > 1)
     return fmt::format("{} scenarios name it: {}", scenarios.size(), fmt::join(scenarios, ", "));
+  if (sources.size() > 1)
+    return fmt::format("{} sources have a test of its name: {}", sources.size(), fmt::join(sources, ", "));
   return {};
 }
 
@@ -179,7 +181,10 @@ Result<std::vector<GoldenEntry>> list_goldens(const GoldenStore& store, const st
   if (failed)
     return error(fmt::format("the goldens in {} can't be listed: {}", store.folder().string(), failed.message()));
   Owners owners = find_golden_owners(store.folder(), sources);
-  for (auto& [name, tests] : reported_golden_owners(store.where_runs_wait())) owners[name].tests = std::move(tests);
+  for (auto& [name, reported] : reported_golden_owners(store)) {
+    owners[name].tests = std::move(reported.tests);
+    owners[name].sources = std::move(reported.sources);
+  }
   std::vector<GoldenEntry> entries;
   for (const std::string& name : names) {
     GoldenEntry& entry = entries.emplace_back();

@@ -14,6 +14,7 @@
 #include <cnoid/SimpleController>
 #include <cstdint>
 #include <deque>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -74,6 +75,10 @@ struct HostedController {
     std::vector<bool> odd_outputs;  // by output number: it was not finite
   } reported;
 };
+
+/// The file of the library that a controller of the scenario is loaded from. `label`: "BODY/NAME".
+Result<std::filesystem::path> library_of(const Scenario& scenario, const ScenarioController& specification,
+                                         const std::string& label, const HostOptions& options);
 
 class ControllerHost {
  public:

@@ -76,6 +76,20 @@ Result<std::unique_ptr<ControllerHost>> ControllerHost::create(const Scenario& s
   return host;
 }
 
+Result<std::filesystem::path> library_of(const Scenario& scenario, const ScenarioController& specification,
+                                         const std::string& label, const HostOptions& options) {
+  std::filesystem::path directory = folder_of(scenario);
+  const auto given = options.controllers.find(label);
+  std::string library = given == options.controllers.end() ? specification.library : given->second.library;
+  for (const std::string& name : {specification.name, label}) {
+    const auto replaced = options.libraries.find(name);
+    if (replaced == options.libraries.end()) continue;
+    library = replaced->second;
+    directory = std::filesystem::current_path();  // the library was given on the command line
+  }
+  return find_controller_library(library, directory);
+}
+
 Result<void> ControllerHost::add(const ScenarioController& specification, int body, int parent) {
   HostedController& hosted = controllers_.emplace_back();
   const ScenarioBody& owner = scenario_->bodies[body];
@@ -92,15 +106,7 @@ Result<void> ControllerHost::add(const ScenarioController& specification, int bo
   hosted.io->setNoDelayMode(!(is_given ? given->second.delay : specification.delay));
   if (scenario_->joystick) hosted.joystick = std::make_unique<HostJoystick>();
 
-  std::filesystem::path directory = folder_of(*scenario_);
-  std::string library = is_given ? given->second.library : specification.library;
-  for (const std::string& name : {specification.name, hosted.label}) {
-    const auto replaced = options_.libraries.find(name);
-    if (replaced == options_.libraries.end()) continue;
-    library = replaced->second;
-    directory = std::filesystem::current_path();  // the library was given on the command line
-  }
-  const auto file = find_controller_library(library, directory);
+  const auto file = library_of(*scenario_, specification, hosted.label, options_);
   if (!file) return at(specification.place, file.errors()[0]);
   const std::filesystem::path loaded_file = std::filesystem::absolute(*file);
   auto loaded = [&] {

@@ -22,6 +22,7 @@ Container container_of(Bytes start) {
   if (begins_with(start, std::string_view("SQLite format 3\0", 16))) return Container::sqlite;
   if (begins_with(start, "\x28\xb5\x2f\xfd")) return Container::zstd;
   if (begins_with(start, "#ROSBAG V")) return Container::ros1_bag;
+  if (begins_with(start, "version https://git-lfs")) return Container::git_lfs_pointer;
   return Container::unknown;
 }
 

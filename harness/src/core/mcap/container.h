@@ -14,7 +14,7 @@
 
 namespace rehearse::mcap {
 
-enum class Container { mcap, sqlite, zstd, ros1_bag, unknown };
+enum class Container { mcap, sqlite, zstd, ros1_bag, git_lfs_pointer, unknown };
 
 /// The container of a file that begins with these bytes.
 Container container_of(Bytes start);

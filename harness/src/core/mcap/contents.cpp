@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "codec.h"
 #include "container.h"
@@ -138,6 +139,8 @@ bool begins_with_magic(Bytes bytes) {
   return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
 }
 
+namespace {
+
 std::string describe_start(Bytes start) {
   constexpr std::size_t version_at = 5;
   if (start.empty()) return "not an MCAP file: it is empty";
@@ -160,6 +163,15 @@ std::string describe_start(Bytes start) {
       return "not an MCAP file, but a file compressed by zstd: it is read by its name, or zstd -dc FILE";
     default: return "not an MCAP file: it doesn't begin with the magic bytes \\x89MCAP0\\r\\n";
   }
+}
+
+}  // namespace
+
+Diagnostic not_mcap(std::string file, Bytes start) {
+  if (container_of(start) == Container::git_lfs_pointer)
+    return error_in(std::move(file), "it is a git-lfs pointer, not the recording that it stands for",
+                    "run: git lfs pull");
+  return error_in(std::move(file), describe_start(start));
 }
 
 std::string describe_cut(const CutPlace& cut) {

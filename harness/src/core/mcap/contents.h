@@ -58,8 +58,8 @@ std::optional<ChunkHead> read_chunk_head(const Record& record, DamageLog& damage
 
 bool begins_with_magic(Bytes bytes);
 
-/// The reason why a file with this start isn't read.
-std::string describe_start(Bytes start);
+/// The reason why a file with this start isn't read; `file`: its name in the message.
+Diagnostic not_mcap(std::string file, Bytes start);
 
 /// The place where the records end before DataEnd and Footer.
 struct CutPlace {

@@ -392,7 +392,7 @@ Examination examine_view(const FileView& view, Bytes bytes, const ExamineOptions
 Result<Examination> examine(const std::filesystem::path& file, const ExamineOptions& options) {
   const auto view = FileView::open(file);
   if (!view) return view.errors();
-  if (!begins_with_magic(view->bytes())) return error_in(view->name(), describe_start(view->bytes()));
+  if (!begins_with_magic(view->bytes())) return not_mcap(view->name(), view->bytes());
   return examine_view(*view, view->bytes(), options);
 }
 

@@ -10,7 +10,7 @@ namespace rehearse::mcap {
 Diagnostic Reader::Impl::damaged(std::string message) const { return error_in(name_, std::move(message)); }
 
 Result<void> Reader::Impl::open() {
-  if (!begins_with_magic(bytes_)) return damaged(describe_start(bytes_));
+  if (!begins_with_magic(bytes_)) return not_mcap(name_, bytes_);
   if (options_.opening == Opening::walk || !open_by_summary()) walk_if_not_yet();
   return {};
 }

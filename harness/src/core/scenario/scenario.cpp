@@ -91,6 +91,8 @@ void read_seed(Findings& findings, const Keys& keys, Scenario& scenario) {
   if (const YamlNode* node = keys.find("seed")) {
     const auto seed = read_integer(findings, *node, "seed", 0, std::numeric_limits<std::uint32_t>::max());
     if (seed) scenario.seed = static_cast<std::uint32_t>(*seed);
+  } else {
+    keys.set_default("seed", {fmt::format("{}", scenario.seed)});
   }
 }
 
@@ -212,7 +214,8 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   keys.vector3("magnetic_field", {-1e3, 1e3, "[T]"}, scenario.magnetic_field);
   keys.text("options", scenario.options);
   keys.flag("lever_arms", scenario.lever_arms);
-  if (const YamlNode* node = keys.find("solver")) read_solver(findings, *node, scenario.solver);
+  const YamlNode* solver = keys.find("solver");
+  read_solver(findings, solver ? *solver : findings.absent_map(root, "solver"), scenario.solver);
   if (const YamlNode* node = keys.find("record")) read_record(findings, *node, scenario);
   if (const YamlNode* node = keys.require("bodies", "a list of the bodies in the world"))
     read_bodies(findings, *node, models, files, scenario);

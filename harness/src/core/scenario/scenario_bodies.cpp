@@ -103,7 +103,9 @@ void BodyReader::read(const YamlNode& node) {
             body.contact);
   read_model(keys, body);
   if (body.model != nullptr) place_as_model(body);
-  if (const YamlNode* links = body.model ? keys.find("links") : nullptr) read_links(findings_, *links, body);
+  const YamlNode* links = keys.find("links");
+  if (body.model && links) read_links(findings_, *links, scenario_.solver, body);
+  if (body.model) state_links(findings_, links ? *links : keys.absent_map("links"), scenario_.solver, *body.model);
   keys.vector3("position", any_position, body.position);
   if (const YamlNode* rotation = keys.find("rotation"))
     body.rotation = read_rotation(findings_, *rotation, "rotation").value_or(body.rotation);
@@ -351,6 +353,7 @@ void BodyReader::read_ground(const Keys& keys, const YamlNode& node, ScenarioBod
 // The surface of a shape; nothing if it has a mistake.
 std::optional<Surface> BodyReader::read_surface(const Keys& keys) {
   Surface surface;
+  state_surface(keys, scenario_.solver, surface);
   keys.number("friction", any_friction, surface.friction);
   keys.number("mu2", any_friction, surface.second_friction);
   keys.number("restitution", any_restitution, surface.restitution);
@@ -377,8 +380,8 @@ void BodyReader::read_velocities(const Keys& keys, ScenarioBody& body) {
       findings_.error(*node, fmt::format("{} is given for a kinematic body", key), "its commands move it");
   if (root != nullptr && body.fixed && !body.kinematic)
     findings_.error(*root, fmt::format("velocity is given, but {} is fixed", body.name), "a fixed root never moves");
-  if (root != nullptr) {
-    const Keys parts(findings_, *root, "a velocity", {"linear", "angular"});
+  if (root != nullptr || !body.fixed) {
+    const Keys parts(findings_, root ? *root : keys.absent_map("velocity"), "a velocity", {"linear", "angular"});
     parts.vector3("linear", any_velocity, body.linear_velocity);
     parts.vector3("angular", any_angular_velocity, body.angular_velocity);
   }

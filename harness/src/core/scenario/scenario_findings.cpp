@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <memory>
 #include <tuple>
 
 namespace rehearse {
@@ -53,6 +54,39 @@ Diagnostics Findings::warnings() const {
   for (const Finding& finding : in_document_order(warnings_))
     told.insert(told.end(), finding.lines.begin(), finding.lines.end());
   return told;
+}
+
+void Findings::set_default(const YamlNode& map, std::string_view key, std::vector<std::string> elements) {
+  defaults_[{&map, std::string(key)}] = std::move(elements);
+}
+
+const std::vector<std::string>* Findings::find_default(const YamlNode& map, const std::string& key) const {
+  const auto found = defaults_.find({&map, key});
+  return found == defaults_.end() ? nullptr : &found->second;
+}
+
+std::vector<std::string> Findings::unstated_keys(const YamlNode& map) const {
+  std::vector<std::string> keys;
+  for (auto at = defaults_.lower_bound({&map, ""}); at != defaults_.end() && at->first.first == &map; ++at)
+    keys.push_back(at->first.second);
+  for (auto at = absent_maps_.lower_bound({&map, ""}); at != absent_maps_.end() && at->first.first == &map; ++at)
+    keys.push_back(at->first.second);
+  return keys;
+}
+
+const YamlNode& Findings::absent_map(const YamlNode& map, const std::string& key) {
+  YamlNodePtr& absent = absent_maps_[{&map, key}];
+  if (!absent) {
+    YamlNode empty;
+    empty.kind = YamlNode::Kind::map;
+    absent = std::make_shared<const YamlNode>(std::move(empty));
+  }
+  return *absent;
+}
+
+const YamlNode* Findings::find_absent_map(const YamlNode& map, const std::string& key) const {
+  const auto found = absent_maps_.find({&map, key});
+  return found == absent_maps_.end() ? nullptr : found->second.get();
 }
 
 }  // namespace rehearse

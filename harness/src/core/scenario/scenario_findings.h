@@ -1,11 +1,14 @@
-// Findings: the mistakes in a scenario file, collected in any order and reported in document order.
+// Findings: the mistakes in a scenario file, collected in any order and reported in document order; and the defaults of
+// the keys that it doesn't state, which can be varied.
 #pragma once
 
 #include <rehearse/diagnostic.h>
 
 #include "yaml/yaml_tree.h"
 
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace rehearse {
@@ -26,7 +29,20 @@ class Findings {
   /// In document order, all of them.
   Diagnostics warnings() const;
 
+  /// The default of a key that a map doesn't state, as it would be written: one element, or those of a list.
+  void set_default(const YamlNode& map, std::string_view key, std::vector<std::string> elements);
+  /// Null: the key has none, or is stated.
+  const std::vector<std::string>* find_default(const YamlNode& map, const std::string& key) const;
+  /// The keys of a map that aren't stated: those with a default, and those of absent maps.
+  std::vector<std::string> unstated_keys(const YamlNode& map) const;
+  /// An empty map in place of one that `map` doesn't state under this key: keys read from it have their defaults.
+  const YamlNode& absent_map(const YamlNode& map, const std::string& key);
+  /// Null: there is none.
+  const YamlNode* find_absent_map(const YamlNode& map, const std::string& key) const;
+
  private:
+  using KeyOfMap = std::pair<const YamlNode*, std::string>;
+
   struct Finding {
     int line;
     int column;
@@ -37,6 +53,8 @@ class Findings {
   std::string file_;
   std::vector<Finding> errors_;
   std::vector<Finding> warnings_;
+  std::map<KeyOfMap, std::vector<std::string>> defaults_;
+  std::map<KeyOfMap, YamlNodePtr> absent_maps_;
 };
 
 }  // namespace rehearse

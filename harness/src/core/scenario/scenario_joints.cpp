@@ -24,6 +24,7 @@ class JointReader {
   void place_within_limits(const YamlNode& body_node);
   void place_followers();
   void check_limits(const YamlNode& body_node);
+  void state_defaults(const YamlNode& map);
   void read_velocities(const YamlNode& node);
 
  private:
@@ -135,6 +136,13 @@ void JointReader::check_limits(const YamlNode& body_node) {
   }
 }
 
+/// The displacements that the map doesn't state.
+void JointReader::state_defaults(const YamlNode& map) {
+  for (std::size_t id = 0; id < body_.joints.size(); ++id)
+    if (places_[id] == nullptr && !joint(id).mimic && joint(id).type != JointType::track)
+      findings_.set_default(map, joint(id).name, {fmt::format("{}", body_.joints[id])});
+}
+
 void JointReader::read_velocities(const YamlNode& node) {
   if (node.kind != YamlNode::Kind::map) {
     expected(findings_, node, "joint_velocities", "a map of NAME: VELOCITY, [rad/s] or [m/s]");
@@ -172,6 +180,7 @@ void read_joints(Findings& findings, const YamlNode& body_node, const YamlNode* 
   reader.place_within_limits(body_node);
   reader.place_followers();
   reader.check_limits(body_node);
+  reader.state_defaults(node != nullptr ? *node : findings.absent_map(body_node, "joints"));
 }
 
 }  // namespace rehearse

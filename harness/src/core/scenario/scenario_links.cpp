@@ -20,20 +20,40 @@ void read_mass(Findings& findings, const YamlNode& node, Link& link) {
   link.inertial.mass = *mass;
 }
 
+/// The keys of a link, with the defaults of those that aren't stated.
+Keys link_keys(Findings& findings, const YamlNode& node, const SolverSettings& solver, const Link* link) {
+  Keys keys(findings, node, "a link", {"mass", "friction", "restitution"});
+  if (!link) return keys;
+  if (link->inertial.mass > 0.0) keys.set_default("mass", {fmt::format("{}", link->inertial.mass)});
+  state_surface(keys, solver, link->surface);
+  return keys;
+}
+
 }  // namespace
 
-void read_links(Findings& findings, const YamlNode& node, ScenarioBody& body) {
+void state_surface(const Keys& keys, const SolverSettings& solver, const Surface& known) {
+  keys.set_default("friction", {fmt::format("{}", known.friction.value_or(solver.friction))});
+  keys.set_default("restitution", {fmt::format("{}", known.restitution.value_or(0.0))});
+}
+
+void state_links(Findings& findings, const YamlNode& links, const SolverSettings& solver, const Model& model) {
+  for (const Link& link : model.links)
+    if (find_key(links, link.name) == nullptr)
+      link_keys(findings, findings.absent_map(links, link.name), solver, &link);
+}
+
+void read_links(Findings& findings, const YamlNode& node, const SolverSettings& solver, ScenarioBody& body) {
   if (node.kind != YamlNode::Kind::map) return expected(findings, node, "links", "a map of LINK: {mass: ..., ...}");
   auto model = std::make_shared<Model>(*body.model);  // other bodies keep the model of the file
   for (const NamedEntry& entry : read_entries(findings, node)) {
     const auto index = find_link(findings, *entry.key, entry.name, body);
-    const Keys keys(findings, *entry.value, "a link", {"mass", "friction", "restitution"});
-    if (!index || !keys.is_map()) continue;
-    Link& link = model->links[static_cast<std::size_t>(*index)];
-    if (const YamlNode* mass = keys.find("mass")) read_mass(findings, *mass, link);
-    keys.number("friction", any_friction, link.surface.friction);
-    keys.number("restitution", any_restitution, link.surface.restitution);
-    if (keys.find("friction")) link.surface.second_friction.reset();  // in all directions
+    Link* const link = index ? &model->links[static_cast<std::size_t>(*index)] : nullptr;
+    const Keys keys = link_keys(findings, *entry.value, solver, link);
+    if (!link || !keys.is_map()) continue;
+    if (const YamlNode* mass = keys.find("mass")) read_mass(findings, *mass, *link);
+    keys.number("friction", any_friction, link->surface.friction);
+    keys.number("restitution", any_restitution, link->surface.restitution);
+    if (keys.find("friction")) link->surface.second_friction.reset();  // in all directions
   }
   body.model = std::move(model);
 }

@@ -26,7 +26,12 @@ void read_joints(Findings& findings, const YamlNode& body_node, const YamlNode* 
 void read_joint_velocities(Findings& findings, const YamlNode& node, ScenarioBody& body);
 
 /// The `links` map: masses and surfaces that replace those of the model. body.model must not be null.
-void read_links(Findings& findings, const YamlNode& node, ScenarioBody& body);
+void read_links(Findings& findings, const YamlNode& node, const SolverSettings& solver, ScenarioBody& body);
+
+/// States the defaults of the links that the `links` map doesn't name.
+void state_links(Findings& findings, const YamlNode& links, const SolverSettings& solver, const Model& model);
+/// States the defaults of a surface: those of the model, else of the solver.
+void state_surface(const Keys& keys, const SolverSettings& solver, const Surface& known);
 
 /// `materials`, a map from bodies and links to names, and the `pairs` list; null: the scenario has none. After the
 /// bodies.

@@ -307,16 +307,24 @@ const YamlNode* Keys::require(std::string_view key, std::string_view what) const
 }
 
 void Keys::number(std::string_view key, const Range& range, double& out) const {
-  if (const YamlNode* node = find(key)) out = read_number(findings_, *node, key, range).value_or(out);
+  if (const YamlNode* node = find(key))
+    out = read_number(findings_, *node, key, range).value_or(out);
+  else
+    findings_.set_default(node_, key, {fmt::format("{}", out)});
 }
 
 void Keys::number(std::string_view key, const Range& range, std::optional<double>& out) const {
-  if (const YamlNode* node = find(key)) out = read_number(findings_, *node, key, range);
+  if (const YamlNode* node = find(key))
+    out = read_number(findings_, *node, key, range);
+  else if (out)
+    findings_.set_default(node_, key, {fmt::format("{}", *out)});
 }
 
 void Keys::integer(std::string_view key, std::int64_t low, std::int64_t high, int& out) const {
   if (const YamlNode* node = find(key))
     out = static_cast<int>(read_integer(findings_, *node, key, low, high).value_or(out));
+  else
+    findings_.set_default(node_, key, {fmt::format("{}", out)});
 }
 
 void Keys::text(std::string_view key, std::string& out) const {
@@ -324,11 +332,18 @@ void Keys::text(std::string_view key, std::string& out) const {
 }
 
 void Keys::flag(std::string_view key, bool& out) const {
-  if (const YamlNode* node = find(key)) out = read_flag(findings_, *node, key).value_or(out);
+  if (const YamlNode* node = find(key))
+    out = read_flag(findings_, *node, key).value_or(out);
+  else
+    findings_.set_default(node_, key, {out ? "true" : "false"});
 }
 
 void Keys::vector3(std::string_view key, const Range& range, Eigen::Vector3d& out) const {
-  if (const YamlNode* node = find(key)) out = read_vector3(findings_, *node, key, range).value_or(out);
+  if (const YamlNode* node = find(key))
+    out = read_vector3(findings_, *node, key, range).value_or(out);
+  else
+    findings_.set_default(node_, key,
+                          {fmt::format("{}", out.x()), fmt::format("{}", out.y()), fmt::format("{}", out.z())});
 }
 
 }  // namespace rehearse

@@ -119,18 +119,27 @@ class Keys {
   /// True if an unknown key was reported.
   bool has_unknown() const { return has_unknown_; }
 
-  // Each reads a key into `out`, and leaves `out` unchanged if the key is missing or its value is wrong.
+  // Each reads a key into `out`, and leaves `out` unchanged if the key is missing or its value is wrong. Of a missing
+  // key, `out` is the default.
   void number(std::string_view key, const Range& range, double& out) const;
   void number(std::string_view key, const Range& range, std::optional<double>& out) const;
   void integer(std::string_view key, std::int64_t low, std::int64_t high, int& out) const;
   void text(std::string_view key, std::string& out) const;
   void flag(std::string_view key, bool& out) const;
   void vector3(std::string_view key, const Range& range, Eigen::Vector3d& out) const;
+  /// As Findings::absent_map().
+  const YamlNode& absent_map(const std::string& key) const { return findings_.absent_map(node_, key); }
+  /// States the default of a missing key that is read in another way.
+  void set_default(std::string_view key, std::vector<std::string> elements) const {
+    findings_.set_default(node_, key, std::move(elements));
+  }
   /// One of the words, each with its value. `what` describes them.
   template <class Value>
   void word(std::string_view key, std::string_view what,
             std::initializer_list<std::pair<std::string_view, std::type_identity_t<Value>>> words, Value& out) const {
     const YamlNode* node = find(key);
+    for (const auto& [word, value] : words)
+      if (node == nullptr && value == out) findings_.set_default(node_, key, {std::string(word)});
     if (node == nullptr) return;
     for (const auto& [word, value] : words) {
       if (node->kind != YamlNode::Kind::scalar || node->text != word) continue;

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <numeric>
+#include <span>
 
 #include "model/names.h"
 #include "scenario_parts.h"
@@ -82,8 +83,8 @@ struct TextSpan {
   std::size_t begin = 0, end = 0;
 };
 
-/// The place of a scalar in the text, without its quotes; none: it is written in another way than in one line.
-std::optional<TextSpan> span_of(const YamlNode& node, std::string_view text) {
+/// The place where a node begins; none: it isn't in the text.
+std::optional<std::size_t> begin_of(const YamlNode& node, std::string_view text) {
   std::size_t at = 0;
   for (int line = 1; line < node.line; ++line) {
     at = text.find('\n', at);
@@ -91,7 +92,22 @@ std::optional<TextSpan> span_of(const YamlNode& node, std::string_view text) {
     ++at;
   }
   at += static_cast<std::size_t>(node.column) - 1;
-  if (at < text.size() && (text[at] == '"' || text[at] == '\'')) ++at;
+  return at < text.size() ? std::optional(at) : std::nullopt;
+}
+
+/// True if a map is written in braces; `first_key` is the place of its first key.
+bool is_in_braces(const YamlNode& map, std::size_t first_key, std::string_view text) {
+  const auto begin = begin_of(map, text);
+  const std::size_t before = text.substr(0, first_key).find_last_not_of(' ');
+  return (begin && text[*begin] == '{') || (before != std::string_view::npos && text[before] == '{');
+}
+
+/// The place of a scalar in the text, without its quotes; none: it is written in another way than in one line.
+std::optional<TextSpan> span_of(const YamlNode& node, std::string_view text) {
+  const auto begin = begin_of(node, text);
+  if (!begin) return std::nullopt;
+  std::size_t at = *begin;
+  if (text[at] == '"' || text[at] == '\'') ++at;
   if (text.substr(std::min(at, text.size()), node.text.size()) != node.text) return std::nullopt;
   return TextSpan{at, at + node.text.size()};
 }
@@ -120,6 +136,9 @@ class VariationReader {
   bool find_place(const YamlNode& path, Variation& variation);
 
  private:
+  bool find_default(const YamlNode& map, std::span<const Step> steps, Variation& variation) const;
+  void report_unstated(const YamlNode& path, std::string_view whole, const YamlNode& map,
+                       const std::vector<Step>& steps, std::size_t at, std::vector<std::string> names) const;
   void read_bounds(const Keys& keys, Variation& variation, Distribution distribution);
   void read_normal(const YamlNode& node, Variation& variation);
   void read_values(const YamlNode& node, const char* label, Variation& variation);
@@ -230,6 +249,68 @@ bool VariationReader::read_distribution(const YamlNode& node, const Keys& keys, 
   return true;
 }
 
+/// Finds the default of a key that the map, or a map below it that isn't stated either, doesn't state. A value is
+/// written before the last key of the map.
+bool VariationReader::find_default(const YamlNode& map, std::span<const Step> steps, Variation& variation) const {
+  const YamlNode* below = &map;
+  std::string before, after;
+  std::size_t step = 0;
+  for (const YamlNode* absent; step < steps.size(); ++step, below = absent) {
+    absent = findings_.find_absent_map(*below, steps[step].name);
+    if (absent == nullptr) break;
+    before += yaml_text(steps[step].name) + ": {";
+    after += "}";
+  }
+  const auto* elements = step < steps.size() ? findings_.find_default(*below, steps[step].name) : nullptr;
+  if (elements == nullptr || map.keys.empty()) return false;
+  const bool is_element = step + 2 == steps.size() && steps[step + 1].name.empty();
+  const std::size_t index = is_element ? steps[step + 1].index : 0;
+  if ((step + 1 != steps.size() && !is_element) || is_element != (elements->size() > 1) || index >= elements->size())
+    return false;
+  const auto first = begin_of(*map.keys.front(), scenario_.text), last = begin_of(*map.keys.back(), scenario_.text);
+  if (!first || !last) return false;
+  before += yaml_text(steps[step].name) + ": ";
+  if (is_element) {
+    std::string rest;
+    before += '[';
+    for (std::size_t i = 0; i < index; ++i) before += (*elements)[i] + ", ";
+    for (std::size_t i = index + 1; i < elements->size(); ++i) rest += ", " + (*elements)[i];
+    after.insert(0, rest + "]");
+  }
+  after += is_in_braces(map, *first, scenario_.text)
+               ? ", "
+               : "\n" + std::string(static_cast<std::size_t>(map.keys.back()->column) - 1, ' ');
+  variation.begin = variation.end = *last;
+  variation.before = std::move(before);
+  variation.after = std::move(after);
+  variation.nominal = (*elements)[index];
+  return true;
+}
+
+/// Reports the first step, from `at` on, that the map or a map below it neither states nor has as a default. `names`:
+/// the stated names.
+void VariationReader::report_unstated(const YamlNode& path, std::string_view whole, const YamlNode& map,
+                                      const std::vector<Step>& steps, std::size_t at,
+                                      std::vector<std::string> names) const {
+  const YamlNode* below = &map;
+  while (at + 1 < steps.size()) {
+    const YamlNode* absent = findings_.find_absent_map(*below, steps[at].name);
+    if (absent == nullptr) break;
+    below = absent;
+    names.clear();
+    ++at;
+  }
+  const Step& step = steps[at];
+  const std::vector<std::string> unstated = findings_.unstated_keys(*below);
+  names.insert(names.end(), unstated.begin(), unstated.end());
+  const std::string_view before = whole.substr(0, at == 0 ? 0 : steps[at - 1].end);
+  const std::string what = step.name.empty() ? fmt::format("[{}]", step.index) : fmt::format("'{}'", step.name);
+  const std::string hint = step.name.empty() || names.empty() ? "" : name_hint(step.name, names, "names") + "; ";
+  findings_.error(
+      path, fmt::format("the scenario states no {} in {}", what, before.empty() ? "it" : fmt::format("'{}'", before)),
+      hint + "a value that varies needs its nominal value there, or a default that is a number or word");
+}
+
 bool VariationReader::find_place(const YamlNode& path, Variation& variation) {
   const auto steps = steps_of(variation.path);
   if (!steps) {
@@ -241,7 +322,6 @@ bool VariationReader::find_place(const YamlNode& path, Variation& variation) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < steps->size(); ++i) {
     const Step& step = (*steps)[i];
-    const std::string_view before = std::string_view(variation.path).substr(0, i == 0 ? 0 : (*steps)[i - 1].end);
     const bool is_option = node->kind == YamlNode::Kind::scalar && !step.name.empty() && i + 1 == steps->size();
     const auto scalar = is_option ? span_of(*node, text) : std::nullopt;
     if (const auto option = scalar ? option_in(node->text, step.name) : std::nullopt) {
@@ -251,13 +331,10 @@ bool VariationReader::find_place(const YamlNode& path, Variation& variation) {
       return true;
     }
     const YamlNode* next = node_below(*node, step, names);
+    if (!next && node->kind == YamlNode::Kind::map && find_default(*node, std::span(*steps).subspan(i), variation))
+      return true;
     if (!next) {
-      const std::string what = step.name.empty() ? fmt::format("[{}]", step.index) : fmt::format("'{}'", step.name);
-      const std::string hint = step.name.empty() || names.empty() ? "" : name_hint(step.name, names, "names") + "; ";
-      findings_.error(
-          path,
-          fmt::format("the scenario states no {} in {}", what, before.empty() ? "it" : fmt::format("'{}'", before)),
-          hint + "a value that varies needs its nominal value there");
+      report_unstated(path, variation.path, *node, *steps, i, std::move(names));
       return false;
     }
     node = next;
@@ -322,7 +399,8 @@ std::optional<Variation> VariationReader::read(const NamedEntry& entry) {
   if (!path || !read_distribution(*entry.value, keys, variation)) return std::nullopt;
   keys.text("path", variation.path);
   if (!find_place(*path, variation)) return std::nullopt;
-  variation.nominal = scenario_.text.substr(variation.begin, variation.end - variation.begin);
+  if (variation.before.empty())
+    variation.nominal = scenario_.text.substr(variation.begin, variation.end - variation.begin);
   if (!take_number(*path, variation)) return std::nullopt;
   return variation;
 }
@@ -335,6 +413,12 @@ std::string yaml_scalar(const std::string& value) {
   return is_plain ? value : '"' + value + '"';
 }
 
+/// True if both values would write one key, which the scenario doesn't state, into the same map.
+bool write_the_same_key(const Variation& a, const Variation& b) {
+  const auto key = [](const Variation& variation) { return variation.before.substr(0, variation.before.find(": ")); };
+  return !a.before.empty() && a.begin == b.begin && key(a) == key(b);
+}
+
 }  // namespace
 
 void read_variations(Findings& findings, const YamlNode& node, const YamlNode& root, Scenario& scenario) {
@@ -343,10 +427,16 @@ void read_variations(Findings& findings, const YamlNode& node, const YamlNode& r
   for (const NamedEntry& entry : read_entries(findings, node)) {
     auto variation = reader.read(entry);
     if (!variation) continue;
-    for (const Variation& other : scenario.variations)
+    for (const Variation& other : scenario.variations) {
       if (variation->begin < other.end && other.begin < variation->end)
         findings.error(*entry.key, fmt::format("'{}' and '{}' vary the same value", other.name, variation->name),
                        "leave one of them out");
+      if (write_the_same_key(*variation, other))
+        findings.error(
+            *entry.key,
+            fmt::format("'{}' and '{}' vary parts of what the scenario doesn't state", other.name, variation->name),
+            "state its nominal value");
+    }
     scenario.variations.push_back(*std::move(variation));
   }
 }
@@ -364,7 +454,7 @@ Result<void> put_value(const Variation& variation, const std::string& value, std
   std::string_view rest;
   const bool is_number = leading_number(value, rest) && rest.empty();
   text.replace(variation.begin, variation.end - variation.begin,
-               is_number || variation.in_text ? value : yaml_scalar(value));
+               variation.before + (is_number || variation.in_text ? value : yaml_scalar(value)) + variation.after);
   return {};
 }
 

@@ -13,9 +13,11 @@
 
 #include "core/check/compared.h"
 #include "core/check/noise_floor.h"
+#include "core/check/unknown_series.h"
 #include "core/golden/run_folder.h"
 #include "core/mcap/glob.h"
 #include "core/scenario/trace_scenario.h"
+#include "core/trace/run_facts.h"
 #include "test_recordings.h"
 #include "test_reports.h"
 
@@ -32,8 +34,10 @@ Result<Scenario> scenario_in(const Trace& trace) {
   if (!reader) return reader.errors();
   auto scenario = scenario_of(**reader);
   if (!scenario) return scenario;
-  if (const std::string file = scenario_file_of(trace); !file.empty())
+  if (const std::string file = scenario_file_of(trace); !file.empty()) {
     for (Expectation& expectation : scenario->expectations) expectation.place.file = file;
+    for (ToleranceRule& rule : scenario->tolerances) rule.place.file = file;
+  }
   return scenario;
 }
 
@@ -62,6 +66,16 @@ std::string mistake_in(const MatchOptions& options, const Trace& trace) {
     return fmt::format("Until{{{}}}: expected a time in the run, 0 to {} s", *options.until, trace.duration());
   if (options.levels.empty()) return "Levels{}: expected controller, plant or closed";
   return {};
+}
+
+/// The names in the scenario that no run of it can have, an error in each line; empty: there are none.
+std::string unknown_names(const Scenario& scenario, const Trace& trace, const fs::path& golden) {
+  const Trace* traces[] = {&trace, nullptr};
+  const auto outcome = RunFacts::of(trace).outcome;
+  if (!outcome || outcome->failure || unknown_series(scenario, {traces, 1}).empty()) return {};
+  const auto other = Trace::load_in_pieces(golden, [](const Trace&) {});
+  if (other) traces[1] = &*other;
+  return to_string(unknown_series(scenario, {traces, other ? 2u : 1u}));
 }
 
 ToleranceRule rule_for(std::string channel, double atol, double rtol) {
@@ -171,6 +185,8 @@ TestVerdict judge(const Trace& trace, const std::string& test, const MatchOption
   if (std::string mistake = mistake_in(options, trace); !mistake.empty()) return {false, std::move(mistake)};
   auto scenario = scenario_in(trace);
   if (!scenario) return {false, to_string(scenario.errors())};
+  if (std::string names = unknown_names(*scenario, trace, store.trace_file(test)); !names.empty())
+    return {false, std::move(names)};
   scenario->tolerances = rules_of(*scenario, options);
   scenario->horizon = options.until ? options.until : horizon_of(*scenario, measured_horizon(store.trace_file(test)));
   compared.golden = store.trace_file(test);
@@ -206,7 +222,10 @@ TestVerdict judge(const Trace& trace, const std::string& test, const MatchOption
 
 TestVerdict match_golden(const Trace& trace, const std::string& test, const MatchOptions& options) {
   const GoldenStore goldens = golden_store();
-  report_golden_owner(goldens.where_runs_wait(), test, test);
+  report_golden_owner(goldens, test, test, options.source);
+  if (const std::string conflict = reported_owners_of(goldens, test).conflict(); !conflict.empty())
+    return {false, to_string(error(fmt::format("the golden '{}' isn't this test's alone: {}", test, conflict),
+                                   "give each test a name of its own"))};
   auto waiting = WaitingRun::begin(goldens.where_runs_wait(), test);
   if (!waiting) return {false, to_string(waiting.errors())};
   GoldenStore store(goldens.folder(), waiting->folder());
@@ -228,6 +247,7 @@ TestVerdict hold_expectations(const Trace& trace, const std::string& test) {
   const auto scenario = scenario_in(trace);
   if (!scenario) return {false, to_string(scenario.errors())};
   if (scenario->expectations.empty()) return {false, "the scenario has no expectations: it has no 'expect:'"};
+  if (std::string names = unknown_names(*scenario, trace, {}); !names.empty()) return {false, std::move(names)};
   const auto results = judge_expectations(scenario->expectations, trace);
   const std::string violations = violation_lines(results);
   TestVerdict verdict{violations.empty(), violations.empty() ? "" : violations.substr(1)};

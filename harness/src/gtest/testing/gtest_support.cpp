@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <rehearse/golden.h>
 #include <rehearse/gtest.h>
+#include <rehearse/mcap.h>
 #include <rehearse/replay.h>
 
 #include <cstdlib>
@@ -10,6 +11,8 @@
 #include <stdexcept>
 
 #include "core/golden/run_folder.h"
+#include "core/host/source_age.h"
+#include "core/scenario/trace_scenario.h"
 #include "test_recordings.h"
 #include "test_reports.h"
 
@@ -73,6 +76,7 @@ Trace record_for_test(const std::string& scenario_file, const std::string& test)
   const auto scenario = Scenario::load(fixture_path(scenario_file));
   if (!scenario) fail_to_run(test, to_string(scenario.errors()));
   print_warnings(scenario->warnings);
+  tell_old_libraries(*scenario, {});
   const fs::path file = new_trace_file(test);
   const auto run = make_recording(*scenario, test, file);
   if (!run) fail_to_run(test, to_string(run.errors()));
@@ -100,10 +104,12 @@ std::string remarks_text(const ReplayReport& report) {
 /// `differing`: set to the result of a replay with other commands.
 TestVerdict replay_and_compare(const GoldenStore& store, const std::string& name,
                                std::optional<ReplayReport>& differing) {
-  report_golden_owner(store.where_runs_wait(), name, "EXPECT_REPLAYS");
+  report_golden_owner(store, name, "EXPECT_REPLAYS");
   if (!store.has(name))
     return {false, fmt::format("there is no golden {}; the run of a test becomes one: EXPECT_MATCHES_GOLDEN",
                                store.trace_file(name).string())};
+  if (const auto golden = mcap::Reader::open(store.trace_file(name)))
+    if (const auto scenario = scenario_of(**golden)) tell_old_libraries(*scenario, {});
   const auto report = replay(store.trace_file(name));
   if (!report) return {false, to_string(report.errors())};
   if (report->failure) return {false, report->failure->message};
