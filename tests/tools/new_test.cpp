@@ -23,6 +23,15 @@ TEST_F(New, WritesAProjectOfThatNameAndSaysHowToBuildIt) {
     EXPECT_GT(fs::file_size(project / file), 10u) << file;
 }
 
+TEST_F(New, TheStepsItPrintsCanBeCopiedIntoAShell) {
+  EXPECT_THAT(run(command, {"new", "my_walker"}).out, HasSubstr("\n  cd my_walker\n"));
+  EXPECT_THAT(run(command, {"new", "bad name"}).out, HasSubstr("\n  cd 'bad name'\n"));
+  const Outcome outcome = run(command, {"new", "it's $HOME; ~"});
+  const std::string step = outcome.out.substr(outcome.out.find("cd "));
+  EXPECT_EQ(run("sh", {"-c", step.substr(0, step.find('\n')) + " && pwd"}).out,
+            (folder() / "it's $HOME; ~").string() + "\n");
+}
+
 TEST_F(New, ItsGoldensAreNeverMergedAndTheirDigestsAreShown) {
   ASSERT_EQ(run(command, {"new", "."}).status, 0);
   ASSERT_EQ(run("git", {"init", "--quiet"}).status, 0);

@@ -76,8 +76,8 @@ Exit run_new(const NewSettings& settings) {
   const std::string where = prefix();
   fmt::print("{}: a controller, its robot, its scenario and its tests. To build it and make its golden:\n\n",
              folder.string());
-  fmt::print("  cd {}\n", folder.string());
-  fmt::print("  cmake -S . -B build{}\n", where.empty() ? "" : " -D CMAKE_PREFIX_PATH=" + where);
+  fmt::print("  cd {}\n", shell_word(folder.string()));
+  fmt::print("  cmake -S . -B build{}\n", where.empty() ? "" : " -D CMAKE_PREFIX_PATH=" + shell_word(where));
   fmt::print("  cmake --build build\n  REHEARSE_GOLDEN=new ctest --test-dir build\n  ctest --test-dir build\n");
   return Exit::done;
 }
