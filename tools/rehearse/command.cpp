@@ -1,6 +1,7 @@
 #include "command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <csignal>
@@ -9,12 +10,14 @@
 #include <exception>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/guard/interruption.h"
 #include "debugger.h"
+#include "model/names.h"
 #include "output.h"
 #include "progress.h"
 #include "wings.h"
@@ -61,6 +64,28 @@ Exit usage_error(const std::string& verb, const std::string& what) {
   return refuse(error(fmt::format("rehearse {}: {}", verb, what), fmt::format("see rehearse {} --help", verb)));
 }
 
+/// The error for the first word that is neither an option nor a part (`golden accept`) of the verb.
+std::optional<Diagnostic> unknown_word(const CLI::App& options, const std::string& verb) {
+  std::vector<std::string> long_options, parts;
+  for (const CLI::Option* option : options.get_options())
+    for (const std::string& name : option->get_lnames()) long_options.push_back("--" + name);
+  for (const CLI::App* part : options.get_subcommands(nullptr)) parts.push_back(part->get_name());
+  for (const CLI::App* part : options.get_subcommands()) {
+    if (auto unknown = unknown_word(*part, verb + " " + part->get_name())) return unknown;
+  }
+  for (const std::string& word : options.remaining()) {
+    const std::string see = fmt::format("see rehearse {} --help", verb);
+    if (is_option(word)) {
+      const std::string name = word.substr(0, word.find('='));
+      return error(fmt::format("rehearse {}: there is no option {}", verb, plain_text(name)),
+                   spelling_hint(name, long_options) + see);
+    }
+    const std::string hint = spelling_hint(word, parts);
+    if (!hint.empty()) return error(fmt::format("rehearse {}: there is no {}", verb, plain_text(word)), hint + see);
+  }
+  return std::nullopt;
+}
+
 /// True if the verb was called with --json: then an error is also printed as an object on stdout.
 bool errors_as_json = false;
 
@@ -102,6 +127,15 @@ const VerbSummary* find_verb(std::string_view name) {
   const auto found =
       std::find_if(std::begin(verbs), std::end(verbs), [&](const auto& verb) { return verb.name == name; });
   return found == std::end(verbs) ? nullptr : found;
+}
+
+bool is_option(std::string_view word) {
+  return word.size() > 1 && word[0] == '-' && word != "--" && (word[1] < '0' || word[1] > '9');
+}
+
+std::string spelling_hint(std::string_view word, const std::vector<std::string>& names) {
+  const auto near = near_names(word, names);
+  return near.empty() ? "" : fmt::format("did you mean {}? ", fmt::join(near, " or "));
 }
 
 Diagnostic left_out(std::string_view asked, std::string_view wing) {
@@ -167,6 +201,7 @@ Exit run_verb(const Verb& verb, int argc, char** argv) {
     fmt::print("{}", options.help());
     return Exit::done;
   } catch (const CLI::ParseError& problem) {
+    if (auto unknown = unknown_word(options, name)) return refuse(std::move(*unknown));
     return usage_error(name, one_line(problem.what()));
   } catch (const std::exception& problem) {
     return refuse(error(fmt::format("internal error: {}", problem.what())));

@@ -14,6 +14,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace rehearse::tool {
 
@@ -60,6 +61,10 @@ struct VerbSummary {
 std::span<const VerbSummary> all_verbs();
 /// Null if no verb has this name.
 const VerbSummary* find_verb(std::string_view name);
+/// True for words as -o and --json, false for numbers and --.
+bool is_option(std::string_view word);
+/// "did you mean --seed? ", for a word that is none of the names; empty if none is similar.
+std::string spelling_hint(std::string_view word, const std::vector<std::string>& names);
 /// The error for a verb or an option of a wing that this build leaves out. `asked`: "the verb map".
 Diagnostic left_out(std::string_view asked, std::string_view wing);
 
