@@ -161,8 +161,9 @@ void tell_verdict(const Checked& checked) {
   fmt::print("  controller on recorded inputs: {}; world under recorded commands: {}; closed loop: {}; {:.1f} s\n",
              to_string(report.controller), to_string(report.plant), to_string(report.closed), checked.seconds);
   // beside a difference, only a change may explain it
-  if (!report.not_proved.empty() && (report.within() || report.not_proved.starts_with("changed")))
-    fmt::print("  simulated: {}\n", report.not_proved);
+  if (!report.not_proved.empty() &&
+      (report.within() || report.not_proved.ends_with(" changed since its golden was simulated")))
+    fmt::print("  simulated, not proved: {}\n", report.not_proved);
   if (report.plant_run && !report.plant_run->from_the_start.empty())
     fmt::print("  without checkpoints, from the start: {}\n", report.plant_run->from_the_start);
   if (report.plant == LevelState::differs && report.plant_comparison)
