@@ -25,6 +25,18 @@ TEST_F(Usage, HelpListsEachVerbWithALine) {
   EXPECT_THAT(outcome.out, HasSubstr("Exit status: 0 "));
 }
 
+TEST_F(Usage, HelpGroupsTheVerbs) {
+  const std::string help = done({"--help"}).out;
+  std::size_t at = 0;
+  for (const char* words :
+       {"\nEvery day:\n  new ", "\n  check ", "\n  golden ", "\n  record ", "\n  replay ", "\n  step ", "\n  report ",
+        "\n\nCampaigns and audits:\n  sweep ", "\n  audit ", "\n\nRecordings and logs as files:\n  info ", "\n  cat ",
+        "\n  diff ", "\n  export ", "\n\nModels and projects:\n  inspect "}) {
+    at = help.find(words, at);
+    ASSERT_NE(at, std::string::npos) << words << help;
+  }
+}
+
 TEST_F(Usage, EachVerbHelpsWithAnExample) {
   for (const std::string& verb : verbs) {
     const Outcome outcome = done({verb, "--help"});

@@ -25,39 +25,49 @@
 namespace rehearse::tool {
 namespace {
 
+constexpr std::string_view every_day = "Every day";
+constexpr std::string_view campaigns_and_audits = "Campaigns and audits";
+constexpr std::string_view files = "Recordings and logs as files";
+constexpr std::string_view models = "Models and projects";
+
 constexpr VerbSummary verbs[] = {
-    {"record", "run a scenario in closed loop and record the whole run", Program::simulate},
-    {"check", "run scenarios and compare them with their goldens", Program::simulate},
-    {"replay", "feed a recording's inputs to its controllers, without physics, and compare their commands",
-     Program::rehearse},
-    {"step", "go through a recording tick by tick, backwards as well, and look at all of it", Program::rehearse,
-     Rounding::matters, has_viewing, "viewing"},
-    {"diff", "compare two traces and list their differences, the first one first", Program::rehearse},
-    {"report", "one HTML file to look at a run in a browser: robot, plots, pictures, and its golden beside it",
-     Program::rehearse, Rounding::is_none, has_viewing, "viewing"},
-    {"golden", "list the goldens; review, accept or reject the runs that wait to be one; measure noise",
-     Program::simulate},
-    {"sweep", "run many variations of a scenario, report which fail and why, and shrink a failing one",
-     Program::simulate, Rounding::matters, has_campaigns, "campaigns"},
-    {"audit", "is a controller a function of its inputs, and if not, what else does it depend on", Program::audit,
-     Rounding::matters, has_audit, "audit"},
-    {"info", "print duration, channels, metadata and events of a trace", Program::rehearse, Rounding::is_none},
-    {"cat", "print the messages of a trace, one a line", Program::rehearse, Rounding::is_none},
-    {"export", "write a trace as tables (CSV), pictures or a video", Program::rehearse, Rounding::is_none, has_viewing,
-     "viewing"},
-    {"filter", "write a part of a trace: topics, a span of time, of ticks", Program::rehearse, Rounding::is_none},
-    {"merge", "write several traces into one, in the order of time", Program::rehearse, Rounding::is_none},
-    {"recover", "save the readable messages of a trace that is cut or damaged", Program::rehearse, Rounding::is_none},
-    {"map", "write a first map from a robot's log to the inputs of a controller", Program::rehearse, Rounding::is_none,
-     has_logs, "logs"},
-    {"import", "write the scenario that a project of Choreonoid (.cnoid) runs", Program::rehearse, Rounding::is_none,
-     has_choreonoid, "choreonoid"},
-    {"doctor", "find all that is wrong with trace files, each with its place", Program::rehearse, Rounding::is_none},
-    {"inspect", "load a robot model and report its contents and findings", Program::rehearse},
-    {"render", "draw a picture of a scenario or a model", Program::simulate},
-    {"new", "begin a repository of your own: a controller, its scenario, its tests", Program::rehearse,
+    {"new", every_day, "begin a repository of your own: a controller, its scenario, its tests", Program::rehearse,
      Rounding::is_none},
-    {"doc", "show a page of the manual", Program::rehearse, Rounding::is_none},
+    {"check", every_day, "run scenarios and compare them with their goldens", Program::simulate},
+    {"golden", every_day, "list the goldens; review, accept or reject the runs that wait to be one; measure noise",
+     Program::simulate},
+    {"record", every_day, "run a scenario in closed loop and record the whole run", Program::simulate},
+    {"replay", every_day, "feed a recording's inputs to its controllers, without physics, and compare their commands",
+     Program::rehearse},
+    {"step", every_day, "go through a recording tick by tick, backwards as well, and look at all of it",
+     Program::rehearse, Rounding::matters, has_viewing, "viewing"},
+    {"report", every_day,
+     "one HTML file to look at a run in a browser: robot, plots, pictures, and its golden beside it", Program::rehearse,
+     Rounding::is_none, has_viewing, "viewing"},
+    {"doc", every_day, "show a page of the manual", Program::rehearse, Rounding::is_none},
+    {"sweep", campaigns_and_audits,
+     "run many variations of a scenario, report which fail and why, and shrink a failing one", Program::simulate,
+     Rounding::matters, has_campaigns, "campaigns"},
+    {"audit", campaigns_and_audits, "is a controller a function of its inputs, and if not, what else does it depend on",
+     Program::audit, Rounding::matters, has_audit, "audit"},
+    {"info", files, "print duration, channels, metadata and events of a trace", Program::rehearse, Rounding::is_none},
+    {"cat", files, "print the messages of a trace, one a line", Program::rehearse, Rounding::is_none},
+    {"diff", files, "compare two traces and list their differences, the first one first", Program::rehearse},
+    {"export", files, "write a trace as tables (CSV), pictures or a video", Program::rehearse, Rounding::is_none,
+     has_viewing, "viewing"},
+    {"filter", files, "write a part of a trace: topics, a span of time, of ticks", Program::rehearse,
+     Rounding::is_none},
+    {"merge", files, "write several traces into one, in the order of time", Program::rehearse, Rounding::is_none},
+    {"recover", files, "save the readable messages of a trace that is cut or damaged", Program::rehearse,
+     Rounding::is_none},
+    {"doctor", files, "find all that is wrong with trace files, each with its place", Program::rehearse,
+     Rounding::is_none},
+    {"map", files, "write a first map from a robot's log to the inputs of a controller", Program::rehearse,
+     Rounding::is_none, has_logs, "logs"},
+    {"inspect", models, "load a robot model and report its contents and findings", Program::rehearse},
+    {"render", models, "draw a picture of a scenario or a model", Program::simulate},
+    {"import", models, "write the scenario that a project of Choreonoid (.cnoid) runs", Program::rehearse,
+     Rounding::is_none, has_choreonoid, "choreonoid"},
 };
 
 Exit usage_error(const std::string& verb, const std::string& what) {
@@ -149,11 +159,13 @@ std::string overview() {
       "\n"
       "Usage: rehearse [--no-pin] VERB [ARGUMENTS...]\n"
       "       rehearse VERB --help | rehearse help VERB\n"
-      "       rehearse --version\n"
-      "\n"
-      "Verbs:\n";
-  for (const VerbSummary& verb : verbs)
-    if (verb.is_built) text += fmt::format("  {:<9}{}\n", verb.name, verb.summary);
+      "       rehearse --version\n";
+  std::string_view group;
+  for (const VerbSummary& verb : verbs) {
+    if (!verb.is_built) continue;
+    if (verb.group != group) text += fmt::format("\n{}:\n", group = verb.group);
+    text += fmt::format("  {:<9}{}\n", verb.name, verb.summary);
+  }
   const auto paragraph = [&](std::string_view sentences) { text += "\n" + wrapped(sentences, 100, 0) + "\n"; };
   paragraph(
       "--no-pin, or REHEARSE_PIN=off in the environment: mathematics and pictures use the best instructions of "

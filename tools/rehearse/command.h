@@ -50,6 +50,7 @@ enum class Rounding { matters, is_none };
 /// The entry of a verb in the list of all verbs.
 struct VerbSummary {
   std::string_view name;
+  std::string_view group;  // its title in the list; the verbs of a group follow each other
   std::string_view summary;
   Program program;
   Rounding rounding = Rounding::matters;
