@@ -15,6 +15,7 @@
 #include "core/check/compared.h"
 #include "core/golden/run_folder.h"
 #include "core/simulation/recorded_view.h"
+#include "model/write_hint.h"
 #include "scenario_text.h"
 #include "viewing/report/report_index.h"
 #include "wings.h"
@@ -328,7 +329,8 @@ Result<void> write_junit(const fs::path& file, const std::vector<CheckOutcome>& 
   std::ofstream stream(file, std::ios::binary | std::ios::trunc);
   stream << xml.CStr();
   stream.close();
-  if (!stream) return error(fmt::format("can't write {}", file.string()), "name a file in a folder that is there");
+  if (!stream)
+    return error(fmt::format("can't write {}", file.string()), write_hint(file, "name another file with --junit"));
   return {};
 }
 

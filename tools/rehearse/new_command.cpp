@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "command.h"
+#include "model/write_hint.h"
 #include "new_project.h"
 #include "output.h"
 
@@ -46,7 +47,8 @@ Result<void> prepare(const fs::path& folder) {
     return {};
   }
   if (!fs::create_directories(folder, problem))
-    return error(fmt::format("can't make the folder {}: {}", folder.string(), problem.message()));
+    return error(fmt::format("can't make the folder {}: {}", folder.string(), problem.message()),
+                 write_hint(folder, "name another folder"));
   return {};
 }
 

@@ -14,6 +14,7 @@
 #include <iterator>
 
 #include "model/text.h"
+#include "model/write_hint.h"
 #include "progress.h"
 
 namespace rehearse::tool {
@@ -71,7 +72,7 @@ Result<void> write_text(const std::filesystem::path& file, const std::string& te
   stream << text;
   stream.close();
   return stream ? Result<void>()
-                : error_in(file.string(), "the file can't be written", "check that its folder exists and has room");
+                : error_in(file.string(), "the file can't be written", write_hint(file, "name another file"));
 }
 
 void print(const Json& object) {
