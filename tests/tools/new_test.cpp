@@ -15,6 +15,8 @@ TEST_F(New, WritesAProjectOfThatNameAndSaysHowToBuildIt) {
   const Outcome outcome = run(command, {"new", "my walker"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("cmake -S . -B build"));
+  EXPECT_THAT(outcome.out, HasSubstr("\n  REHEARSE_GOLDEN=new ctest --test-dir build --output-on-failure\n"
+                                     "  ctest --test-dir build --output-on-failure\n"));
   const fs::path project = folder() / "my walker";
   EXPECT_THAT(read_file(project / "CMakeLists.txt"), HasSubstr("project(my_walker CXX)"));
   EXPECT_THAT(read_file(project / "README.md"), HasSubstr("# my_walker"));

@@ -80,7 +80,9 @@ Exit run_new(const NewSettings& settings) {
              folder.string());
   fmt::print("  cd {}\n", shell_word(folder.string()));
   fmt::print("  cmake -S . -B build{}\n", where.empty() ? "" : " -D CMAKE_PREFIX_PATH=" + shell_word(where));
-  fmt::print("  cmake --build build\n  REHEARSE_GOLDEN=new ctest --test-dir build\n  ctest --test-dir build\n");
+  fmt::print(
+      "  cmake --build build\n  REHEARSE_GOLDEN=new ctest --test-dir build --output-on-failure\n"
+      "  ctest --test-dir build --output-on-failure\n");
   return Exit::done;
 }
 
