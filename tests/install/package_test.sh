@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # package_test.sh PACKAGES WORK: installs the Debian packages into a bare Debian 12, where no checkout and no build tree
 # are, and goes the way of a new user there: the commands of the README, those that `rehearse new` prints, an accepted
-# change. It measures what apt fetches, and the time. Then it removes the packages
+# change, the steps of the new project's workflow. It measures what apt fetches, and the time. Then it removes the packages
 # and looks for what they left. Exit status 77: no bare Debian can be made here.
 set -euo pipefail
 
@@ -81,10 +81,18 @@ grep "apt-get install gdb" /log || { cat /log; exit 1; }
 if rehearse audit scenarios/hold.yaml --valgrind > /log 2>&1; then echo "valgrind isn't missed"; exit 1; fi
 grep "apt-get install valgrind" /log || { cat /log; exit 1; }
 
+# the workflow's own steps, in a checkout, with the packages from a folder in place of a release
+mkdir /home/new/checkout && cp -r .github .gitattributes .gitignore * /home/new/checkout/ && cd /home/new/checkout
+rm -r build
+awk '/^ +run: \|$/ { block = 1; next } /^ +run: / { sub(/^ +run: /, ""); print; next }
+     block && /^          / { print; next } { block = 0 }' .github/workflows/test.yml > /workflow
+grep -q "rehearse check" /workflow
+CI=true REHEARSE_PACKAGES=file:///packages bash -e /workflow > /log 2>&1 || { tail -n 40 /log; exit 1; }
+test -f build/check.xml
 man -w rehearse-record > /dev/null 2>&1 || test -f /usr/share/man/man1/rehearse-record.1.gz
 echo "from the packages to an accepted change in $((SECONDS - began)) s"
 
-cd / && rm -r /home/new
+cd / && rm -r /home/new /tmp/rehearse*.deb
 apt-get purge --yes rehearse rehearse-dev > /log 2>&1
 apt-get autoremove --purge --yes > /log 2>&1
 find / -xdev -not -path '/proc/*' -not -path '/var/*' -not -path '/etc/*' | sort > /after
