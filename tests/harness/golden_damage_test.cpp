@@ -238,7 +238,9 @@ TEST_F(GoldenDamage, InAFolderThatMayNotBeWrittenSaysSo) {
     std::fprintf(stderr, "%s", accepted().c_str());
     _exit(1);
   };
-  EXPECT_EXIT(accept_as_nobody(), ExitedWithCode(1), "can't be written: Permission denied");
+  EXPECT_EXIT(accept_as_nobody(), ExitedWithCode(1),
+              "can't be written: Permission denied \\(make the folder .*golden writable, or name another folder with "
+              "REHEARSE_GOLDEN_DIR\\)");
   fs::permissions(folder_ / "golden", fs::perms::owner_all);
   EXPECT_TRUE(read_file(store_.trace_file(name_)) == before);
 }

@@ -29,7 +29,7 @@ struct Broken {
 
 // clang-format off
 const Broken refused[] = {
-    {"not_yaml", 3, "can't be read as YAML"},
+    {"not_yaml", 2, "can't be read as YAML: this .*isn't closed"},
     {"a_list", 1, "it isn't a Choreonoid project.*items"},
     {"empty", 1, "it isn't a Choreonoid project"},
     {"a_scenario", 1, "it isn't a Choreonoid project"},

@@ -18,7 +18,21 @@ struct Broken {
 
 // clang-format off
 const Broken all_broken[] = {
-    {"not_yaml", 3, 7, "can't be read as YAML"},
+    {"not_yaml", 2, 11, "can't be read as YAML: this '\\[' isn't closed.*add the '\\]'"},
+    {"indent_between", 6, 4, "indentation of this line fits no line above.*begins in column 4, those above.*1, 3 or 5"},
+    {"indent_further", 6, 7, "indentation of this line fits no line above.*begins in column 7"},
+    {"indent_below_value", 3, 3, "indentation of this line fits no line above.*column 3, those above it in column 1"},
+    {"indent_first_line", 2, 1, "indentation of this line fits no line above.*column 1, those above it in column 3"},
+    {"indent_item_further", 5, 5, "indentation of this line fits no line above.*column 5, those above it in column 1 or 3"},
+    {"item_among_keys", 3, 1, "an item of a list \\('- '\\) stands among keys.*below the key of its list"},
+    {"key_among_items", 6, 3, "a key stands among the items of a list.*'- '"},
+    {"colon_without_blank", 2, 1, "a blank is missing after the ':' of this line.*KEY: VALUE"},
+    {"dash_without_blank", 4, 3, "a blank is missing after the '-' of this line.*'- '"},
+    {"key_without_colon", 3, 1, "this line has no ':'.*KEY: VALUE"},
+    {"two_colons", 3, 8, "a second ': ' in this line.*in quotes"},
+    {"two_colons_in_braces", 4, 15, "a ',' is missing here, or a ':' is one too many"},
+    {"brace_not_closed", 4, 5, "this '\\{' isn't closed"},
+    {"brace_closes_none", 4, 32, "this bracket closes none"},
     {"tab_indentation", 3, 5, "can't be read as YAML.*there is a tab"},
     {"two_documents", 5, 1, "second document"},
     {"unknown_alias", 5, 10, "can't be read as YAML"},

@@ -279,7 +279,7 @@ TEST_F(Export, SaysWhyThereIsNoVideo) {
   EXPECT_THAT(refusal({"a.avi", "--topics", "*image"}, failing), HasSubstr("'.avi' is no kind of video"));
   EXPECT_THAT(refusal({"half.mp4", "--topics", "*image"}, failing), HasSubstr("ffmpeg could not make the video"));
   EXPECT_FALSE(exists("half.mp4"));
-  EXPECT_THAT(refusal({"a.gif", "--topics", "*image"}, "PATH=/nowhere"), HasSubstr("it is in Debian's package ffmpeg"));
+  EXPECT_THAT(refusal({"a.gif", "--topics", "*image"}, "PATH=/nowhere"), HasSubstr("apt-get install ffmpeg"));
   write("mine.mp4", "my own text, long enough");
   EXPECT_THAT(refusal({"mine.mp4", "--topics", "*image"}, failing), HasSubstr("won't replace mine.mp4"));
 }

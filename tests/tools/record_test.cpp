@@ -19,9 +19,8 @@ TEST_F(Record, SaysInFourLinesWhatWasRecordedAndThatItIsAsExpected) {
   const Outcome outcome = done({"record", sr1_scenario.string(), "--duration", "0.1", "-o", "sr1.mcap"});
   EXPECT_THAT(outcome.out,
               HasSubstr("recorded sr1_minimum: SR1 under SR1Minimum\n100 ticks, 0.1 s of simulation, in "));
-  EXPECT_THAT(outcome.out,
-              ContainsRegex("times real time, [0-9]+ ticks/s\n21 channels, 6 camera frames, .* in sr1.mcap\n"
-                            "all 2 expectations hold\n$"));
+  EXPECT_THAT(outcome.out, ContainsRegex("times real time, [0-9]+ ticks/s\n21 channels, 12 pictures, .* in sr1.mcap\n"
+                                         "all 2 expectations hold\n$"));
   EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 4);
 }
 
@@ -48,7 +47,7 @@ TEST_F(Record, WritesIntoAPipeOnlyWhatItDoesNotReadAgain) {
       "sh -c 'mkfifo trace; cat trace > copy.mcap & timeout 20 \"$@\"; status=$?; wait; exit $status' sh ";
   const Outcome plain = run(command, {"record", box_scenario.string(), "--duration", "0.1", "-o", "trace"}, behind);
   EXPECT_EQ(plain.status, 0) << plain.err;
-  EXPECT_THAT(plain.out, HasSubstr(" camera frames in trace\n"));
+  EXPECT_THAT(plain.out, HasSubstr(" pictures in trace\n"));
   done({"info", "copy.mcap"});
   write("box.yaml", read_file(box_scenario) + "expect:\n  - {channel: Box/Box/position/z, above: 0.3}\n");
   fs::remove(folder() / "trace");
@@ -149,7 +148,7 @@ TEST_F(Record, SeedAndDurationOfTheCommandLineStandInTheTrace) {
 
 TEST_F(Record, LeavesPicturesOut) {
   const Outcome outcome = done({"record", sr1_scenario.string(), "--duration", "0.1", "--no-frames", "-o", "a.mcap"});
-  EXPECT_THAT(outcome.out, HasSubstr("15 channels, 0 camera frames"));
+  EXPECT_THAT(outcome.out, HasSubstr("15 channels, 0 pictures"));
 }
 
 TEST_F(Record, RefusesAControllerThatTheScenarioHasNot) {

@@ -25,6 +25,18 @@ TEST_F(Usage, HelpListsEachVerbWithALine) {
   EXPECT_THAT(outcome.out, HasSubstr("Exit status: 0 "));
 }
 
+TEST_F(Usage, HelpGroupsTheVerbs) {
+  const std::string help = done({"--help"}).out;
+  std::size_t at = 0;
+  for (const char* words :
+       {"\nEvery day:\n  new ", "\n  check ", "\n  golden ", "\n  record ", "\n  replay ", "\n  step ", "\n  report ",
+        "\n\nCampaigns and audits:\n  sweep ", "\n  audit ", "\n\nRecordings and logs as files:\n  info ", "\n  cat ",
+        "\n  diff ", "\n  export ", "\n\nModels and projects:\n  inspect "}) {
+    at = help.find(words, at);
+    ASSERT_NE(at, std::string::npos) << words << help;
+  }
+}
+
 TEST_F(Usage, EachVerbHelpsWithAnExample) {
   for (const std::string& verb : verbs) {
     const Outcome outcome = done({verb, "--help"});
@@ -59,9 +71,19 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Case{{}, "error: no verb given (rehearse --help lists all verbs)"},
         Case{{"recrd"}, "error: there is no verb 'recrd' (did you mean record? rehearse --help lists all verbs)"},
-        Case{{"--verbose"}, "error: there is no verb '--verbose'"},
+        Case{{"info", "--ful"},
+             "error: rehearse info: there is no option --ful (did you mean --full? see rehearse info"},
+        Case{{"--verbose"}, "error: there is no option --verbose before the verb (see rehearse --help)"},
+        Case{{"--hepl"}, "error: there is no option --hepl before the verb (did you mean --help? see rehearse --help)"},
         Case{{"record"}, "error: rehearse record: SCENARIO is required, or --model URDF (see rehearse record --help)"},
-        Case{{"record", box, "--sed", "1"}, "error: rehearse record: The following arguments were not expected: "},
+        Case{{"record", box, "--sed", "1"},
+             "error: rehearse record: there is no option --sed (did you mean --seed or --set? see rehearse record "
+             "--help)"},
+        Case{{"record", "--sed=1"},
+             "there is no option --sed (did you mean --seed or --set? see rehearse record --help)"},
+        Case{{"record", box, "--unheard"},
+             "rehearse record: there is no option --unheard (see rehearse record --help)"},
+        Case{{"diff", box, box, box}, "error: rehearse diff: The following argument was not expected: "},
         Case{{"record", box, "--seed"}, "error: rehearse record: --seed: 1 required NUMBER missing"},
         Case{{"record", box, "--seed", "-1"}, "--seed: '-1' is not a whole number from 0 to 4294967295"},
         Case{{"record", box, "--seed", "1.5"}, "--seed: '1.5' is not a whole number"},
@@ -94,6 +116,11 @@ INSTANTIATE_TEST_SUITE_P(
              "error: no run is named (NAME, or --all; rehearse golden review shows the runs that wait)"},
         Case{{"golden", "accept", "A.B", "--all"}, "error: names are given, and --all (one of them will do)"},
         Case{{"golden", "accept", "A.B", "--from", "later"}, "--from: 'later' is not a number from 0 to 86400"},
+        Case{{"golden", "accept", "A.B", "--form", "2"},
+             "error: rehearse golden accept: there is no option --form (did you mean --from? see rehearse golden "
+             "accept"},
+        Case{{"golden", "acept"},
+             "error: rehearse golden: there is no acept (did you mean accept? see rehearse golden"},
         Case{{"golden", "reject"}, "error: no run is named"},
         Case{{"golden", "review"},
              "error: ./ belongs to no project: no folder above it has a folder 'golden' or a CMakeLists.txt"},

@@ -142,7 +142,7 @@ TEST_F(Proof, IsNoneForAnotherGoldenOfTheSameWorld) {
 
 TEST_F(Proof, NamesWhatHasChanged) {
   robot_.apply({"sr1.urdf", R"(<mass value="5.1"/>)", R"(<mass value="5.1000"/>)"});
-  EXPECT_EQ(check().not_proved, "changed since the golden was simulated: sr1.urdf");
+  EXPECT_EQ(check().not_proved, "sr1.urdf changed since its golden was simulated");
   robot_.apply({"scenario.yaml", "friction: 1}", "friction: 1, erp: 0.2}"});
   EXPECT_THAT(check().not_proved, HasSubstr("the scenario"));
 }
@@ -316,6 +316,14 @@ TEST_F(ProvedByCommand, IsNoneWithAnotherLibraryThatIsNamedLikeOneOfRehearse) {
 TEST_F(ProvedWithACamera, IsNoneWithAChangedRenderer) {
   ASSERT_NE(dlopen(Renderer::library, RTLD_NOW), nullptr) << dlerror();  // that drawing loads
   expect_simulated_with_other(Renderer::library, "Mesa: User error");
+}
+
+TEST_F(ProvedByCommand, IsNoneAfterAChangeThatTheCheckTellsInWords) {
+  const test::Outcome outcome = rehearse({"check", scenario().string(), "--golden", "golden.mcap"}, "MESA_NO_DITHER=1");
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(
+      outcome.out,
+      HasSubstr("\n  simulated, not proved: the renderer's environment changed since its golden was simulated\n"));
 }
 
 TEST_F(ProvedByCommand, IsNoneWithOtherSettingsOfTheRenderer) {

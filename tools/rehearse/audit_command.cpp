@@ -11,6 +11,7 @@
 #include "command.h"
 #include "core/guard/interruption.h"
 #include "core/mcap/replaceable.h"
+#include "model/write_hint.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
@@ -100,7 +101,9 @@ Result<void> keep_recording(const AuditSettings& settings) {
   std::error_code failed;
   fs::copy_file(recording_of_audit(settings.audit.scratch), settings.output, fs::copy_options::overwrite_existing,
                 failed);
-  if (failed) return error(fmt::format("can't write {}: {}", settings.output, failed.message()));
+  if (failed)
+    return error(fmt::format("can't write {}: {}", settings.output, failed.message()),
+                 write_hint(settings.output, "name another file with -o"));
   return {};
 }
 

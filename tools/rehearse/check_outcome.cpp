@@ -16,6 +16,7 @@
 #include "core/compare/divergence_text.h"
 #include "core/golden/run_folder.h"
 #include "core/simulation/recorded_view.h"
+#include "model/write_hint.h"
 #include "scenario_text.h"
 #include "viewing/report/report_index.h"
 #include "wings.h"
@@ -177,8 +178,9 @@ void tell_verdict(const Checked& checked, bool verbose) {
   fmt::print("  {}; {:.1f} s\n", levels_text(report), checked.seconds);
   if (verbose) fmt::print("{}", figures_of(report));
   // beside a difference, only a change may explain it
-  if (!report.not_proved.empty() && (report.within() || report.not_proved.starts_with("changed")))
-    fmt::print("  simulated: {}\n", report.not_proved);
+  if (!report.not_proved.empty() &&
+      (report.within() || report.not_proved.ends_with(" changed since its golden was simulated")))
+    fmt::print("  simulated, not proved: {}\n", report.not_proved);
   if (report.plant_run && !report.plant_run->from_the_start.empty())
     fmt::print("  without checkpoints, from the start: {}\n", report.plant_run->from_the_start);
   if (report.plant == LevelState::differs && report.plant_comparison)
@@ -343,7 +345,8 @@ Result<void> write_junit(const fs::path& file, const std::vector<CheckOutcome>& 
   std::ofstream stream(file, std::ios::binary | std::ios::trunc);
   stream << xml.CStr();
   stream.close();
-  if (!stream) return error(fmt::format("can't write {}", file.string()), "name a file in a folder that is there");
+  if (!stream)
+    return error(fmt::format("can't write {}", file.string()), write_hint(file, "name another file with --junit"));
   return {};
 }
 

@@ -1,6 +1,7 @@
 #include "command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <csignal>
@@ -9,12 +10,14 @@
 #include <exception>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/guard/interruption.h"
 #include "debugger.h"
+#include "model/names.h"
 #include "output.h"
 #include "progress.h"
 #include "wings.h"
@@ -22,43 +25,75 @@
 namespace rehearse::tool {
 namespace {
 
+constexpr std::string_view every_day = "Every day";
+constexpr std::string_view campaigns_and_audits = "Campaigns and audits";
+constexpr std::string_view files = "Recordings and logs as files";
+constexpr std::string_view models = "Models and projects";
+
 constexpr VerbSummary verbs[] = {
-    {"record", "run a scenario in closed loop and record the whole run", Program::simulate},
-    {"check", "run scenarios and compare them with their goldens", Program::simulate},
-    {"replay", "feed a recording's inputs to its controllers, without physics, and compare their commands",
-     Program::rehearse},
-    {"step", "go through a recording tick by tick, backwards as well, and look at all of it", Program::rehearse,
-     Rounding::matters, has_viewing, "viewing"},
-    {"diff", "compare two traces and list their differences, the first one first", Program::rehearse},
-    {"report", "one HTML file to look at a run in a browser: robot, plots, pictures, and its golden beside it",
-     Program::rehearse, Rounding::is_none, has_viewing, "viewing"},
-    {"golden", "list the goldens; review, accept or reject the runs that wait to be one; measure noise",
-     Program::simulate},
-    {"sweep", "run many variations of a scenario, report which fail and why, and shrink a failing one",
-     Program::simulate, Rounding::matters, has_campaigns, "campaigns"},
-    {"audit", "is a controller a function of its inputs, and if not, what else does it depend on", Program::audit,
-     Rounding::matters, has_audit, "audit"},
-    {"info", "print duration, channels, metadata and events of a trace", Program::rehearse, Rounding::is_none},
-    {"cat", "print the messages of a trace, one a line", Program::rehearse, Rounding::is_none},
-    {"export", "write a trace as tables (CSV), pictures or a video", Program::rehearse, Rounding::is_none, has_viewing,
-     "viewing"},
-    {"filter", "write a part of a trace: topics, a span of time, of ticks", Program::rehearse, Rounding::is_none},
-    {"merge", "write several traces into one, in the order of time", Program::rehearse, Rounding::is_none},
-    {"recover", "save the readable messages of a trace that is cut or damaged", Program::rehearse, Rounding::is_none},
-    {"map", "write a first map from a robot's log to the inputs of a controller", Program::rehearse, Rounding::is_none,
-     has_logs, "logs"},
-    {"import", "write the scenario that a project of Choreonoid (.cnoid) runs", Program::rehearse, Rounding::is_none,
-     has_choreonoid, "choreonoid"},
-    {"doctor", "find all that is wrong with trace files, each with its place", Program::rehearse, Rounding::is_none},
-    {"inspect", "load a robot model and report its contents and findings", Program::rehearse},
-    {"render", "draw a picture of a scenario or a model", Program::simulate},
-    {"new", "begin a repository of your own: a controller, its scenario, its tests", Program::rehearse,
+    {"new", every_day, "begin a repository of your own: a controller, its scenario, its tests", Program::rehearse,
      Rounding::is_none},
-    {"doc", "show a page of the manual", Program::rehearse, Rounding::is_none},
+    {"check", every_day, "run scenarios and compare them with their goldens", Program::simulate},
+    {"golden", every_day, "list the goldens; review, accept or reject the runs that wait to be one; measure noise",
+     Program::simulate},
+    {"record", every_day, "run a scenario in closed loop and record the whole run", Program::simulate},
+    {"replay", every_day, "feed a recording's inputs to its controllers, without physics, and compare their commands",
+     Program::rehearse},
+    {"step", every_day, "go through a recording tick by tick, backwards as well, and look at all of it",
+     Program::rehearse, Rounding::matters, has_viewing, "viewing"},
+    {"report", every_day,
+     "one HTML file to look at a run in a browser: robot, plots, pictures, and its golden beside it", Program::rehearse,
+     Rounding::is_none, has_viewing, "viewing"},
+    {"doc", every_day, "show a page of the manual", Program::rehearse, Rounding::is_none},
+    {"sweep", campaigns_and_audits,
+     "run many variations of a scenario, report which fail and why, and shrink a failing one", Program::simulate,
+     Rounding::matters, has_campaigns, "campaigns"},
+    {"audit", campaigns_and_audits, "is a controller a function of its inputs, and if not, what else does it depend on",
+     Program::audit, Rounding::matters, has_audit, "audit"},
+    {"info", files, "print duration, channels, metadata and events of a trace", Program::rehearse, Rounding::is_none},
+    {"cat", files, "print the messages of a trace, one a line", Program::rehearse, Rounding::is_none},
+    {"diff", files, "compare two traces and list their differences, the first one first", Program::rehearse},
+    {"export", files, "write a trace as tables (CSV), pictures or a video", Program::rehearse, Rounding::is_none,
+     has_viewing, "viewing"},
+    {"filter", files, "write a part of a trace: topics, a span of time, of ticks", Program::rehearse,
+     Rounding::is_none},
+    {"merge", files, "write several traces into one, in the order of time", Program::rehearse, Rounding::is_none},
+    {"recover", files, "save the readable messages of a trace that is cut or damaged", Program::rehearse,
+     Rounding::is_none},
+    {"doctor", files, "find all that is wrong with trace files, each with its place", Program::rehearse,
+     Rounding::is_none},
+    {"map", files, "write a first map from a robot's log to the inputs of a controller", Program::rehearse,
+     Rounding::is_none, has_logs, "logs"},
+    {"inspect", models, "load a robot model and report its contents and findings", Program::rehearse},
+    {"render", models, "draw a picture of a scenario or a model", Program::simulate},
+    {"import", models, "write the scenario that a project of Choreonoid (.cnoid) runs", Program::rehearse,
+     Rounding::is_none, has_choreonoid, "choreonoid"},
 };
 
 Exit usage_error(const std::string& verb, const std::string& what) {
   return refuse(error(fmt::format("rehearse {}: {}", verb, what), fmt::format("see rehearse {} --help", verb)));
+}
+
+/// The error for the first word that is neither an option nor a part (`golden accept`) of the verb.
+std::optional<Diagnostic> unknown_word(const CLI::App& options, const std::string& verb) {
+  std::vector<std::string> long_options, parts;
+  for (const CLI::Option* option : options.get_options())
+    for (const std::string& name : option->get_lnames()) long_options.push_back("--" + name);
+  for (const CLI::App* part : options.get_subcommands(nullptr)) parts.push_back(part->get_name());
+  for (const CLI::App* part : options.get_subcommands()) {
+    if (auto unknown = unknown_word(*part, verb + " " + part->get_name())) return unknown;
+  }
+  for (const std::string& word : options.remaining()) {
+    const std::string see = fmt::format("see rehearse {} --help", verb);
+    if (is_option(word)) {
+      const std::string name = word.substr(0, word.find('='));
+      return error(fmt::format("rehearse {}: there is no option {}", verb, plain_text(name)),
+                   spelling_hint(name, long_options) + see);
+    }
+    const std::string hint = spelling_hint(word, parts);
+    if (!hint.empty()) return error(fmt::format("rehearse {}: there is no {}", verb, plain_text(word)), hint + see);
+  }
+  return std::nullopt;
 }
 
 /// True if the verb was called with --json: then an error is also printed as an object on stdout.
@@ -104,6 +139,15 @@ const VerbSummary* find_verb(std::string_view name) {
   return found == std::end(verbs) ? nullptr : found;
 }
 
+bool is_option(std::string_view word) {
+  return word.size() > 1 && word[0] == '-' && word != "--" && (word[1] < '0' || word[1] > '9');
+}
+
+std::string spelling_hint(std::string_view word, const std::vector<std::string>& names) {
+  const auto near = near_names(word, names);
+  return near.empty() ? "" : fmt::format("did you mean {}? ", fmt::join(near, " or "));
+}
+
 Diagnostic left_out(std::string_view asked, std::string_view wing) {
   return error(fmt::format("this build leaves out {}", asked),
                fmt::format("it is in a build whose REHEARSE_WINGS has {}", wing));
@@ -115,11 +159,13 @@ std::string overview() {
       "\n"
       "Usage: rehearse [--no-pin] VERB [ARGUMENTS...]\n"
       "       rehearse VERB --help | rehearse help VERB\n"
-      "       rehearse --version\n"
-      "\n"
-      "Verbs:\n";
-  for (const VerbSummary& verb : verbs)
-    if (verb.is_built) text += fmt::format("  {:<9}{}\n", verb.name, verb.summary);
+      "       rehearse --version\n";
+  std::string_view group;
+  for (const VerbSummary& verb : verbs) {
+    if (!verb.is_built) continue;
+    if (verb.group != group) text += fmt::format("\n{}:\n", group = verb.group);
+    text += fmt::format("  {:<9}{}\n", verb.name, verb.summary);
+  }
   const auto paragraph = [&](std::string_view sentences) { text += "\n" + wrapped(sentences, 100, 0) + "\n"; };
   paragraph(
       "--no-pin, or REHEARSE_PIN=off in the environment: mathematics and pictures use the best instructions of "
@@ -167,6 +213,7 @@ Exit run_verb(const Verb& verb, int argc, char** argv) {
     fmt::print("{}", options.help());
     return Exit::done;
   } catch (const CLI::ParseError& problem) {
+    if (auto unknown = unknown_word(options, name)) return refuse(std::move(*unknown));
     return usage_error(name, one_line(problem.what()));
   } catch (const std::exception& problem) {
     return refuse(error(fmt::format("internal error: {}", problem.what())));

@@ -14,6 +14,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace rehearse::tool {
 
@@ -49,6 +50,7 @@ enum class Rounding { matters, is_none };
 /// The entry of a verb in the list of all verbs.
 struct VerbSummary {
   std::string_view name;
+  std::string_view group;  // its title in the list; the verbs of a group follow each other
   std::string_view summary;
   Program program;
   Rounding rounding = Rounding::matters;
@@ -60,6 +62,10 @@ struct VerbSummary {
 std::span<const VerbSummary> all_verbs();
 /// Null if no verb has this name.
 const VerbSummary* find_verb(std::string_view name);
+/// True for words as -o and --json, false for numbers and --.
+bool is_option(std::string_view word);
+/// "did you mean --seed? ", for a word that is none of the names; empty if none is similar.
+std::string spelling_hint(std::string_view word, const std::vector<std::string>& names);
 /// The error for a verb or an option of a wing that this build leaves out. `asked`: "the verb map".
 Diagnostic left_out(std::string_view asked, std::string_view wing);
 

@@ -12,8 +12,10 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "command.h"
+#include "output.h"
 #include "wings.h"
 
 namespace rehearse::tool {
@@ -29,12 +31,15 @@ Exit become(const char* program, char** argv) {
                       "it is built and installed together with rehearse"));
 }
 
-/// A verb with a similar beginning, for a hint.
+/// A verb with a similar name or beginning, for a hint.
 std::string hint_for(std::string_view word) {
-  for (const VerbSummary& verb : all_verbs())
-    if (word.size() >= 2 && verb.name.substr(0, 2) == word.substr(0, 2))
-      return fmt::format("did you mean {}? rehearse --help lists all verbs", verb.name);
-  return "rehearse --help lists all verbs";
+  std::vector<std::string> names;
+  for (const VerbSummary& verb : all_verbs()) names.emplace_back(verb.name);
+  std::string hint = spelling_hint(word, names);
+  for (const std::string& name : names)
+    if (hint.empty() && word.size() >= 2 && name.starts_with(word.substr(0, 2)))
+      hint = fmt::format("did you mean {}? ", name);
+  return hint + "rehearse --help lists all verbs";
 }
 
 /// Removes --no-pin from the arguments, at any position: it applies to the process, not to a verb.
@@ -62,6 +67,9 @@ Exit run(int argc, char** argv) {
     return Exit::done;
   }
   if (word.empty()) return refuse(error("no verb given", "rehearse --help lists all verbs"));
+  if (is_option(word))
+    return refuse(error(fmt::format("there is no option {} before the verb", plain_text(word)),
+                        spelling_hint(word, {"--help", "--no-pin", "--version"}) + "see rehearse --help"));
   const VerbSummary* known = find_verb(word);
   if (!known) return refuse(error(fmt::format("there is no verb '{}'", word), hint_for(word)));
   if (!known->is_built) return refuse(left_out(fmt::format("the verb {}", word), known->wing));

@@ -11,6 +11,7 @@
 
 #include "command.h"
 #include "logs/map/map_draft.h"
+#include "model/write_hint.h"
 #include "options.h"
 #include "output.h"
 
@@ -32,7 +33,9 @@ Exit write_map(const MapSettings& settings, const std::string& text) {
   if (std::filesystem::exists(settings.output, ignored))
     return refuse(error_in(settings.output, "it exists, and a map may have been changed by hand", "name another file"));
   std::ofstream file(settings.output, std::ios::binary);
-  if (!(file << text).flush()) return refuse(error_in(settings.output, "it can't be written"));
+  if (!(file << text).flush())
+    return refuse(
+        error_in(settings.output, "it can't be written", write_hint(settings.output, "name another file with -o")));
   fmt::print("wrote {}; replay it with: rehearse replay {} --controller LIB --model {} --map {}\n", settings.output,
              settings.log, settings.model, settings.output);
   return Exit::done;

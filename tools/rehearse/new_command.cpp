@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "command.h"
+#include "model/write_hint.h"
 #include "new_project.h"
 #include "output.h"
 
@@ -46,7 +47,8 @@ Result<void> prepare(const fs::path& folder) {
     return {};
   }
   if (!fs::create_directories(folder, problem))
-    return error(fmt::format("can't make the folder {}: {}", folder.string(), problem.message()));
+    return error(fmt::format("can't make the folder {}: {}", folder.string(), problem.message()),
+                 write_hint(folder, "name another folder"));
   return {};
 }
 
@@ -76,9 +78,11 @@ Exit run_new(const NewSettings& settings) {
   const std::string where = prefix();
   fmt::print("{}: a controller, its robot, its scenario and its tests. To build it and make its golden:\n\n",
              folder.string());
-  fmt::print("  cd {}\n", folder.string());
-  fmt::print("  cmake -S . -B build{}\n", where.empty() ? "" : " -D CMAKE_PREFIX_PATH=" + where);
-  fmt::print("  cmake --build build\n  REHEARSE_GOLDEN=new ctest --test-dir build\n  ctest --test-dir build\n");
+  fmt::print("  cd {}\n", shell_word(folder.string()));
+  fmt::print("  cmake -S . -B build{}\n", where.empty() ? "" : " -D CMAKE_PREFIX_PATH=" + shell_word(where));
+  fmt::print(
+      "  cmake --build build\n  REHEARSE_GOLDEN=new ctest --test-dir build --output-on-failure\n"
+      "  ctest --test-dir build --output-on-failure\n");
   return Exit::done;
 }
 

@@ -6,18 +6,31 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
+#include <cstring>
 #include <ctime>
 #include <fstream>
 #include <iterator>
 
 #include "model/text.h"
+#include "model/write_hint.h"
 #include "progress.h"
 
 namespace rehearse::tool {
 
 std::size_t width_of(std::string_view text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }));
+}
+
+std::string shell_word(std::string_view text) {
+  const auto is_plain = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || std::strchr("_./+-,:=@%", c);
+  };
+  if (!text.empty() && std::all_of(text.begin(), text.end(), is_plain)) return std::string(text);
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return word + "'";
 }
 
 std::string plain_text(std::string_view text) {
@@ -59,7 +72,7 @@ Result<void> write_text(const std::filesystem::path& file, const std::string& te
   stream << text;
   stream.close();
   return stream ? Result<void>()
-                : error_in(file.string(), "the file can't be written", "check that its folder exists and has room");
+                : error_in(file.string(), "the file can't be written", write_hint(file, "name another file"));
 }
 
 void print(const Json& object) {

@@ -33,6 +33,9 @@ void print(const Json& object);
 /// Text from an input file, in a form for a terminal: control characters and bytes that aren't UTF-8 as \xNN.
 std::string plain_text(std::string_view text);
 
+/// The text as one word of a shell's command line: unchanged if a shell reads it as one word, else in single quotes.
+std::string shell_word(std::string_view text);
+
 /// The number of characters of UTF-8 text.
 std::size_t width_of(std::string_view text);
 

@@ -86,7 +86,7 @@ void tell_recording(const Scenario& scenario, const std::string& trace, const Ru
   fmt::print("{}, {:g} s of simulation, in {:.2f} s: {:.3g} times real time, {:.0f} ticks/s\n",
              count_text(summary.ticks, "tick"), simulated, seconds, simulated / seconds,
              static_cast<double>(summary.ticks) / seconds);
-  fmt::print("{}, {}{} in {}\n", count_text(summary.channels, "channel"), count_text(summary.frames, "camera frame"),
+  fmt::print("{}, {}{} in {}\n", count_text(summary.channels, "channel"), count_text(summary.pictures, "picture"),
              summary.bytes > 0 ? ", " + file_size_text(summary.bytes) : "", trace);
 }
 
@@ -100,7 +100,7 @@ Json json_of_run(const Scenario& scenario, const std::string& trace, const RunSu
           {"ticks", summary.ticks},
           {"duration", time_of(summary.ticks, scenario.time_step)},
           {"channels", summary.channels},
-          {"frames", summary.frames},
+          {"pictures", summary.pictures},
           {"bytes", summary.bytes},
           {"expectations", expectations},
           {"repeats_itself", verified ? Json(verified->reproduced()) : Json(nullptr)},
@@ -143,7 +143,7 @@ void tell_branch(const BranchSettings& settings, const BranchSummary& branch, do
                before.equal() ? "repeat their commands bit for bit" : "differ first at " + to_string(*before.first));
   fmt::print("{} simulated from there, in {:.2f} s\n", count_text(branch.run.ticks - branch.tick, "tick"), seconds);
   fmt::print("{}, {}, {}{} in {}\n", count_text(branch.run.ticks, "tick"), count_text(branch.run.channels, "channel"),
-             count_text(branch.run.frames, "camera frame"),
+             count_text(branch.run.pictures, "picture"),
              branch.run.bytes > 0 ? ", " + file_size_text(branch.run.bytes) : "", settings.trace);
 }
 

@@ -21,6 +21,7 @@
 #include "command.h"
 #include "core/mcap/replaceable.h"
 #include "core/simulation/viewpoint.h"
+#include "model/write_hint.h"
 #include "model_scenario.h"
 #include "options.h"
 #include "output.h"
@@ -167,7 +168,7 @@ Result<void> write_file(const std::string& file, const std::vector<std::uint8_t>
   std::ofstream stream(file, std::ios::binary | std::ios::trunc);
   stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   stream.close();
-  if (!stream) return error(fmt::format("can't write {}", file), "check that its folder exists and has room");
+  if (!stream) return error(fmt::format("can't write {}", file), write_hint(file, "name another file with -o"));
   return {};
 }
 

@@ -223,7 +223,7 @@ void tell(const LogSettings& settings, const LogReplayReport& report, double sec
              report.duration, seconds);
   tell_topics(report);
   tell_ticks(report);
-  fmt::print("{}, {}, {} in {}\n", count_text(report.channels, "channel"), count_text(report.frames, "camera frame"),
+  fmt::print("{}, {}, {} in {}\n", count_text(report.channels, "channel"), count_text(report.pictures, "picture"),
              file_size_text(report.bytes), settings.trace);
   fmt::print("{}\n", verdict(report));
   if (!report.first) return;

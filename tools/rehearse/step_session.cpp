@@ -13,6 +13,7 @@
 
 #include "core/mcap/replaceable.h"
 #include "model/text.h"
+#include "model/write_hint.h"
 #include "output.h"
 #include "tick_print.h"
 
@@ -412,7 +413,8 @@ StepSession::Answer StepSession::frame(Words rest) {
   std::ofstream out(path, std::ios::binary);
   out.write(reinterpret_cast<const char*>(picture->bytes.data()), static_cast<std::streamsize>(picture->bytes.size()));
   out.close();
-  if (!out) return refuse(error(fmt::format("can't write {}", plain_text(file))));
+  if (!out)
+    return refuse(error(fmt::format("can't write {}", plain_text(file)), write_hint(path, "name another file")));
   fmt::print("{}: {}, of {}\n", plain_text(file), picture->topic,
              tick_text(picture->tick, trace_.time_at(picture->tick)));
   return Answer::done;

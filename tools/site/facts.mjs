@@ -152,8 +152,14 @@ function verbOf(program, words, summary) {
   };
 }
 
-/** All verbs of the command, from its --help. */
-export const verbs = (program) =>
-  entriesOf(execFileSync(program, ['--help'], { encoding: 'utf8' }), 'Verbs').map(({ words, text }) =>
-    verbOf(program, [words], text),
-  );
+/** The groups of the command's verbs, from its --help: {title, verbs}. */
+export function verbGroups(program) {
+  const help = helpOf(program, []);
+  return [...help.matchAll(/^(\S.*):$/gm)].map(([, title]) => ({
+    title,
+    verbs: entriesOf(help, title).map(({ words, text }) => verbOf(program, [words], text)),
+  }));
+}
+
+/** All verbs of the command. */
+export const verbs = (program) => verbGroups(program).flatMap((group) => group.verbs);

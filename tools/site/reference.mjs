@@ -2,7 +2,7 @@
 import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { figures } from './figures.mjs';
-import { channelKinds, messageTypes, parserKeys, verbs } from './facts.mjs';
+import { channelKinds, messageTypes, parserKeys, verbGroups, verbs } from './facts.mjs';
 import { drawing, partsOf, reduced, roomsOf } from './graph.mjs';
 
 const cell = (text) => text.replaceAll('|', '\\|').replaceAll('<', '\\<').replaceAll('*', '\\*');
@@ -34,11 +34,12 @@ export const verbPages = ({ build }) =>
   verbs(program(build)).map((verb) => ({ path: `reference/verbs/${verb.name}.md`, text: verbText(verb, 1) }));
 
 const verbTable = ({ build }) => {
-  const all = verbs(program(build));
+  const groups = verbGroups(program(build));
+  const row = ({ name, summary }) => [`[${name}](verbs/${name}.md)`, cell(sentence(summary))];
   return [
-    table(['verb', ''], all.map(({ name, summary }) => [`[${name}](verbs/${name}.md)`, cell(sentence(summary))])),
-    '\n```{toctree}\n:hidden:\n',
-    ...all.map(({ name }) => `verbs/${name}`),
+    ...groups.map(({ title, verbs: some }) => `## ${title}\n\n${table(['verb', ''], some.map(row))}\n`),
+    '```{toctree}\n:hidden:\n',
+    ...groups.flatMap((group) => group.verbs).map(({ name }) => `verbs/${name}`),
     '```',
   ].join('\n');
 };

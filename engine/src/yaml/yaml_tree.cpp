@@ -13,6 +13,8 @@
 #include <string_view>
 #include <utility>
 
+#include "yaml_mistakes.h"
+
 namespace rehearse {
 namespace {
 
@@ -133,19 +135,6 @@ class TreeBuilder : public YAML::EventHandler {
   std::map<YAML::anchor_t, YamlNodePtr> anchors_;
 };
 
-// yaml-cpp doesn't mention a tab in the indentation in its messages; the advice does.
-std::string_view advice(const std::string& text, int line) {
-  std::size_t begin = 0;
-  for (int i = 1; i < line && begin != std::string::npos; ++i) {
-    begin = text.find('\n', begin);
-    if (begin != std::string::npos) ++begin;
-  }
-  const std::size_t first_ink = begin == std::string::npos ? begin : text.find_first_not_of(" \t", begin);
-  if (first_ink != std::string::npos && text.substr(begin, first_ink - begin).find('\t') != std::string::npos)
-    return "there is a tab in the indentation of this line; indent with spaces";
-  return "expected one YAML document; check indentation, brackets and quotes around here";
-}
-
 }  // namespace
 
 Result<std::string> read_yaml_file(const std::filesystem::path& path, const std::string& what) {
@@ -170,6 +159,11 @@ Result<std::string> read_yaml_file(const std::filesystem::path& path, const std:
 
 namespace {
 
+std::string_view lines_before_removed(std::string_view text, int count) {
+  for (; count > 0; --count) text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+  return text;
+}
+
 /// Feeds the text's documents to the builder, or only the first.
 std::optional<Diagnostic> build(const std::string& text, const std::string& file, bool first_only, int lines_before,
                                 TreeBuilder& builder) {
@@ -187,12 +181,12 @@ std::optional<Diagnostic> build(const std::string& text, const std::string& file
                       "it nests too deep",
                       "such a file needs fewer than ten levels"};
   } catch (const YAML::Exception& exception) {
-    Diagnostic diagnostic{Severity::error, file, 0, 0, "it can't be read as YAML: " + exception.msg, ""};
+    Diagnostic diagnostic{Severity::error, file, 0, 0, exception.msg, ""};
     if (!exception.mark.is_null()) {
       diagnostic.line = exception.mark.line + 1 - lines_before;
       diagnostic.column = exception.mark.column + 1;
     }
-    diagnostic.hint = advice(text, diagnostic.line + lines_before);
+    explain_yaml_mistake(lines_before_removed(text, lines_before), diagnostic);
     return diagnostic;
   }
 }

@@ -75,8 +75,8 @@ enum class RunEnding {
 struct RunSummary {
   std::int64_t ticks = 0;
   int channels = 0;
-  std::int64_t frames = 0;   // colour pictures
-  std::uintmax_t bytes = 0;  // size of the trace file
+  std::int64_t pictures = 0;  // of colour and of depth
+  std::uintmax_t bytes = 0;   // size of the trace file
   /// A controller threw, crashed or hung, or the simulation exploded: the run ended there.
   std::optional<Diagnostic> failure;
   RunEnding end = RunEnding::complete;

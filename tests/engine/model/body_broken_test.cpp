@@ -66,7 +66,7 @@ const std::vector<Mistake> errors = {
     {"no_format", 1, "it isn't a Choreonoid body: the format is missing"},
     {"no_links", 1, "the file has no links"},
     {"no_version", 1, "the format version is missing"},
-    {"not_yaml", 5, "it can't be read as YAML: end of sequence flow not found"},
+    {"not_yaml", 4, "it can't be read as YAML: this '[' isn't closed"},
     {"parent_missing", 7, "link 'ARM' has no parent"},
     {"parent_unknown", 7, "joint 'ARM' has the parent 'BASF', which is not a link"},
     {"radian_in_version_2", 1, "radian is not allowed from format version 2.0 on"},

@@ -42,7 +42,7 @@ const std::vector<BrokenBag>& broken_bags() {
        "bag_unknown_compression/metadata.yaml:16:23: error: the compression_format 'bz2' is unknown (expected zstd)"},
       {"bag_negative_count", "bag_negative_count/metadata.yaml:15:22: error: the message_count of a topic is '-2'"},
       {"bag_of_a_scenario", "bag_of_a_scenario/metadata.yaml:1:1: error: it has no map 'rosbag2_bagfile_information'"},
-      {"bag_not_yaml", "bag_not_yaml/metadata.yaml:2:1: error: it can't be read as YAML"},
+      {"bag_not_yaml", "bag_not_yaml/metadata.yaml:1:30: error: it can't be read as YAML: this '['"},
       {"bag_without_metadata",
        "bag_without_metadata: error: can't read the trace: it is a directory without metadata.yaml"},
   };

@@ -26,7 +26,7 @@ const Broken all_broken[] = {
     {"a_list", 1, 1, "the map is a list.*rehearse_map: 1"},
     {"a_scenario", 1, 1, "a scenario, not a map.*rehearse_map: 1"},
     {"empty", 1, 1, "the map is empty.*rehearse_map: 1"},
-    {"not_yaml", 4, 1, "can't be read as YAML"},
+    {"not_yaml", 3, 9, "can't be read as YAML: this .*isn't closed"},
     {"no_version", 1, 1, "has no 'rehearse_map'.*rehearse_map: 1"},
     {"another_version", 1, 15, "rehearse_map is 2.*expected 1"},
     {"no_time_step", 1, 1, "has no 'time_step'.*tick"},

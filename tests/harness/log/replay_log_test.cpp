@@ -135,7 +135,7 @@ TEST_F(LogReplay, RepeatsTheCommandsOfAScoutByItsPictures) {
   const LogReplayReport report = replayed("ScoutController", "scout.urdf");
   EXPECT_EQ(report.values, 4800);
   EXPECT_TRUE(report.equal()) << to_string(report.first.value_or(Divergence()));
-  EXPECT_EQ(report.frames, 120);
+  EXPECT_EQ(report.pictures, 240);
   EXPECT_TRUE(report.remarks.empty()) << to_string(report.remarks);
   const auto again = replay(path("run.mcap"));
   ASSERT_TRUE(again.ok()) << to_string(again.errors());
@@ -165,7 +165,7 @@ TEST_F(LogReplay, KeepsJpegsAsTheyCame) {
   log("Scout.FindsItsWayThroughARoom.mcap", robot);
   map("time_step: 0.005\nstart: first\njoints: /joint_states\nranges: {topic: /scan, device: Laser}\n"
       "cameras: {topic: /camera/color, device: Depth}\n");
-  EXPECT_EQ(replayed("ScoutController", "scout.urdf").frames, 120);
+  EXPECT_EQ(replayed("ScoutController", "scout.urdf").pictures, 120);
   const auto recording = mcap::Reader::open(path("run.mcap"));
   ASSERT_TRUE(recording.ok()) << to_string(recording.errors());
   ASSERT_TRUE((*recording)->for_each_message([&](const mcap::Message& message) {

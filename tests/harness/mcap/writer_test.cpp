@@ -253,7 +253,8 @@ TEST(McapWriter, SaysWhichFileItCannotCreate) {
   const auto writer = mcap::Writer::create("/nonexistent/a.mcap");
   ASSERT_FALSE(writer);
   EXPECT_EQ(to_string(writer.errors()[0]),
-            "/nonexistent/a.mcap: error: can't create the trace: No such file or directory");
+            "/nonexistent/a.mcap: error: can't create the trace: No such file or directory "
+            "(make the folder /nonexistent first, or name another file with -o)");
 }
 
 // The replay of a log with other ticks writes there, whatever other processes do.

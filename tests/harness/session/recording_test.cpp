@@ -145,7 +145,7 @@ TEST_F(Recording, HoldsPicturesAsPngAndDepthAsNumbers) {
   const Trace trace = record_run(with_camera());
   EXPECT_THAT(topics(trace, "/Rig/Camera/"),
               IsSupersetOf({"/Rig/Camera/image", "/Rig/Camera/camera_info", "/Rig/Camera/depth"}));
-  EXPECT_EQ(summary_.frames, 10);
+  EXPECT_EQ(summary_.pictures, 20);
   EXPECT_EQ(trace.find_channel("/Rig/Camera/image")->type, "sensor_msgs/msg/CompressedImage");
   EXPECT_EQ(trace.find_channel("/Rig/Camera/depth")->type, "sensor_msgs/msg/Image");
 }

@@ -200,14 +200,14 @@ TEST_F(DeviceTraps, DeviceOutputNeedsNotify) {
   EXPECT_EQ(pictures("switch 12"), 8u);
   // at ticks 5 and 10; the third message reports that the picture was removed
   EXPECT_EQ(pictures("switch 12 notify"), 3u);
-  EXPECT_EQ(summary_.frames, 2);
+  EXPECT_EQ(summary_.pictures, 4);  // two of colour and two of depth
 }
 
 TEST_F(DeviceTraps, WithoutDelayDeviceOutputIsNotLost) { EXPECT_EQ(pictures("switch 12 notify nodelay"), 3u); }
 
 TEST_F(DeviceTraps, NotifyInInitializeCounts) {
   EXPECT_EQ(pictures("switch -1 notify"), 1u);  // only the message that the camera is off
-  EXPECT_EQ(summary_.frames, 0);
+  EXPECT_EQ(summary_.pictures, 0);
 }
 
 TEST_F(Traps, ChildrenShareTheBodySiblingsDoNot) {

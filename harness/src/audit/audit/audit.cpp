@@ -281,7 +281,8 @@ Result<void> Audit::run_valgrind() {
   const auto outcomes = processes_->run({settings});
   if (!outcomes) return outcomes.errors();
   const ReplayOutcome& outcome = (*outcomes)[0];
-  if (outcome.valgrind_report.empty()) return error("valgrind can't be started", "install it, or leave out --valgrind");
+  if (outcome.valgrind_report.empty())
+    return error("valgrind can't be started", "apt-get install valgrind, or leave out --valgrind");
   std::vector<fs::path> files;
   for (const AuditedLibrary& library : libraries_) files.push_back(library.file);
   report_.memory_errors = memory_errors_in(outcome.valgrind_report, files);

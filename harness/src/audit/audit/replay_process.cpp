@@ -253,7 +253,7 @@ Result<ReplayOutcome> ReplayProcesses::outcome(const Child& child) const {
     auto said = read_text(child.folder / "output.txt");
     while (said && said->ends_with('\n')) said->pop_back();
     return error(fmt::format("a process of the audit failed: {}", said ? *said : "it wrote no message"),
-                 child.settings->valgrind ? "is valgrind installed?" : "");
+                 child.settings->valgrind ? "apt-get install valgrind" : "");
   }
   for (int number = 1; number <= child.settings->passes; ++number) {
     // The previous pass ended the process.

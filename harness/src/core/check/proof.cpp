@@ -137,7 +137,7 @@ std::string Proof::changes() const {
   }
   if (!fewest) return "no check has simulated this golden here before";
   constexpr std::size_t most = 4;
-  return "changed since the golden was simulated: " + listed(*fewest, most);
+  return listed(*fewest, most) + " changed since its golden was simulated";
 }
 
 Result<void> Proof::certify() const {

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "model/write_hint.h"
 #include "run_folder.h"
 #include "stale_report.h"
 
@@ -31,13 +32,10 @@ Result<void> sync(const fs::path& path) {
   return {};
 }
 
-/// A new version of a file beside it; its folder is created if it is missing. An unfinished draft is removed.
+/// A new version of a file beside it. An unfinished draft is removed.
 class Draft {
  public:
-  explicit Draft(const fs::path& target) : target_(target), file_(target.string() + ".new") {
-    std::error_code ignored;  // writing the draft reports the error
-    fs::create_directories(target.parent_path(), ignored);
-  }
+  explicit Draft(const fs::path& target) : target_(target), file_(target.string() + ".new") {}
   ~Draft() {
     std::error_code ignored;
     fs::remove(file_, ignored);
@@ -102,11 +100,22 @@ void remove_drafts_left_behind(const fs::path& folder) {
   for (const fs::path& draft : drafts) fs::remove(draft, ignored);
 }
 
+/// Makes the folder of a golden. Fails if the folder can't get new files.
+Result<void> prepare_folder_of(const fs::path& golden) {
+  std::error_code failed;
+  fs::create_directories(folder_of(golden), failed);
+  if (!failed && ::access(folder_of(golden).c_str(), W_OK) == 0) return {};
+  return error_in(golden.string(),
+                  fmt::format("can't be written: {}", failed ? failed.message() : std::strerror(errno)),
+                  write_hint(golden, "name another folder with REHEARSE_GOLDEN_DIR"));
+}
+
 }  // namespace
 
 Result<void> replace_together(const fs::path& trace, const std::function<Result<void>(const fs::path&)>& write_trace,
                               const fs::path& digest,
                               const std::function<Result<std::string>(const fs::path&)>& make_digest) {
+  if (auto able = prepare_folder_of(trace); !able) return able;
   const FolderLock alone(folder_of(trace));  // two simultaneous acceptances use the same names of drafts
   remove_drafts_left_behind(folder_of(trace));
   const Draft new_trace(trace), new_digest(digest);
@@ -122,6 +131,7 @@ Result<void> replace_together(const fs::path& trace, const std::function<Result<
 }
 
 Result<void> replace_text(const fs::path& file, const std::string& text) {
+  if (auto able = prepare_folder_of(file); !able) return able;
   const FolderLock alone(folder_of(file));
   remove_drafts_left_behind(folder_of(file));
   const Draft draft(file);

@@ -15,6 +15,7 @@
 
 #include "core/mcap/hashing.h"
 #include "golden_files.h"
+#include "model/write_hint.h"
 
 namespace rehearse {
 namespace {
@@ -69,7 +70,8 @@ Result<RunFolder> RunFolder::make(const fs::path& parent) {
       return RunFolder(path, descriptor);
     }
     if (errno != ENOENT || tries == most_tries)
-      return error(fmt::format("can't make a folder in {}: {}", parent.string(), std::strerror(errno)));
+      return error(fmt::format("can't make a folder in {}: {}", parent.string(), std::strerror(errno)),
+                   write_hint(path, "name another folder with REHEARSE_PENDING"));
   }
 }
 

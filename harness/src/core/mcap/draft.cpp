@@ -6,6 +6,8 @@
 #include <system_error>
 #include <utility>
 
+#include "model/write_hint.h"
+
 namespace rehearse::mcap {
 
 namespace fs = std::filesystem;
@@ -47,7 +49,9 @@ Draft::Draft(Draft&& other) noexcept
 Result<void> Draft::finish() {
   std::error_code failed;
   fs::rename(file_, target_, failed);
-  if (failed) return error_in(target_.string(), fmt::format("can't be written: {}", failed.message()));
+  if (failed)
+    return error_in(target_.string(), fmt::format("can't be written: {}", failed.message()),
+                    write_hint(target_, "name another file with -o"));
   file_.clear();
   return {};
 }

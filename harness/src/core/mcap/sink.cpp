@@ -14,6 +14,7 @@
 
 #include "codec.h"
 #include "model/file_descriptor.h"
+#include "model/write_hint.h"
 
 namespace rehearse::mcap {
 
@@ -173,7 +174,9 @@ Result<std::unique_ptr<Sink>> Sink::open(const std::filesystem::path& file) {
   const bool is_new = opened >= 0;  // it replaces the existing file, and is locked
   there.release();
   if (!is_new) opened = create(file);
-  if (opened < 0) return refuse(fmt::format("can't create the trace: {}", std::strerror(errno)));
+  if (opened < 0)
+    return refuse(fmt::format("can't create the trace: {}", std::strerror(errno)),
+                  write_hint(file, "name another file with -o"));
   std::unique_ptr<Sink> sink(new Sink(opened, none ? std::filesystem::absolute(file) : place));
   const bool keeps_bytes = S_ISREG(mode_of(opened));  // unlike a device as /dev/null, to which any number may write
   if (!is_new && keeps_bytes && !lock(opened)) return other_writer();

@@ -450,7 +450,9 @@ Result<void> Recorder::copy(const mcap::Message& message, const mcap::Schema& sc
   if (schema.name == msg::CompressedImage::type_name) {
     CdrReader reader(message.data);
     msg::CompressedImage picture;
-    if (msg::decode(reader, picture) && !picture.data.empty()) ++impl.size.frames;
+    if (msg::decode(reader, picture) && !picture.data.empty()) ++impl.size.pictures;
+  } else if (schema.name == msg::Image::type_name) {
+    ++impl.size.pictures;
   }
   return impl.writer->write(to, message.log_time, message.publish_time, message.data);
 }

@@ -22,7 +22,7 @@ namespace rehearse {
 struct RecordingSize {
   std::int64_t ticks = 0;
   int channels = 0;
-  std::int64_t frames = 0;  // colour pictures
+  std::int64_t pictures = 0;  // of colour and of depth
   std::int64_t messages = 0;
 };
 

@@ -102,7 +102,7 @@ Result<RunSummary> ClosedLoop::finish() {
   const RecordingSize& size = recorder->size();
   summary.ticks = size.ticks;
   summary.channels = size.channels;
-  summary.frames = size.frames;
+  summary.pictures = size.pictures;
   summary.controller_refused = host->any_refused();
   std::error_code failed;
   const std::uintmax_t bytes = std::filesystem::file_size(file, failed);

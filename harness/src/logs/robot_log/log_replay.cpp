@@ -367,7 +367,7 @@ Result<void> LogReplayer::close_file() {
   descriptor_.reset();
   report_.ticks = size.ticks;
   report_.channels = size.channels;
-  report_.frames = size.frames;
+  report_.pictures = size.pictures;
   report_.duration = static_cast<double>(size.ticks) * map_.time_step;
   if (auto done = recorder_->close(outcome); !done) return done;
   std::error_code ignored;

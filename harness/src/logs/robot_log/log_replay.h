@@ -154,7 +154,7 @@ struct LogReplayReport : Differences {
   std::string body;                   // the robot's name in channels
   MappedController controller;        // the map's settings of the controller
   int channels = 0;                   // of the trace
-  std::int64_t frames = 0;            // colour pictures in the trace
+  std::int64_t pictures = 0;          // of colour and of depth, in the trace
   std::uintmax_t bytes = 0;           // size of the trace
   std::optional<Diagnostic> failure;  // a controller threw, crashed or hung; the replay ended there
   bool controller_refused = false;    // it returned false from configure, initialize or start

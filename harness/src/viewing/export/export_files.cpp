@@ -7,11 +7,14 @@
 #include <fstream>
 #include <system_error>
 
+#include "model/write_hint.h"
+
 namespace rehearse {
 namespace {
 
 Diagnostic cannot_write(const std::filesystem::path& file) {
-  return error(fmt::format("can't write {}: {}", file.string(), std::strerror(errno)));
+  return error(fmt::format("can't write {}: {}", file.string(), std::strerror(errno)),
+               write_hint(file, "name another file with -o"));
 }
 
 bool is_plain(char c) {
@@ -45,7 +48,8 @@ Result<void> make_folder(const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder, problem);
   if (std::filesystem::is_directory(folder, problem)) return {};
   return error(fmt::format("can't make the folder {}: {}", folder.string(),
-                           problem ? problem.message() : "a file has that name"));
+                           problem ? problem.message() : "a file has that name"),
+               write_hint(folder, "name another folder with -o"));
 }
 
 namespace {
@@ -68,7 +72,8 @@ Result<void> put_in_place(const std::filesystem::path& file) {
   if (!failed) return {};
   std::error_code ignored;
   std::filesystem::remove(draft_of(file), ignored);
-  return error(fmt::format("can't write {}: {}", file.string(), failed.message()));
+  return error(fmt::format("can't write {}: {}", file.string(), failed.message()),
+               write_hint(file, "name another file with -o"));
 }
 
 }  // namespace

@@ -106,7 +106,7 @@ Result<std::unique_ptr<VideoEncoder>> VideoEncoder::begin(const std::filesystem:
   if (failed != 0) {
     ::close(ends[0]);
     encoder->process_ = -1;
-    return error(fmt::format("can't start ffmpeg: {}", std::strerror(failed)), "it is in Debian's package ffmpeg");
+    return error(fmt::format("can't start ffmpeg: {}", std::strerror(failed)), "apt-get install ffmpeg");
   }
   encoder->file_ = file;
   encoder->pipe_ = ends[0];

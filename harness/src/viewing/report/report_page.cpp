@@ -11,6 +11,7 @@
 
 #include "core/mcap/replaceable.h"
 #include "core/trace/message_json.h"
+#include "model/write_hint.h"
 
 namespace rehearse {
 namespace {
@@ -85,7 +86,8 @@ Result<ReportFile> ReportFile::begin(const fs::path& file, const fs::path& page,
   if (!draft) return draft.errors();
   const std::size_t place = text->find(place_of_data);
   ReportFile report(std::move(*draft), file, text->substr(place + place_of_data.size()));
-  if (!report.stream_) return error_in(file.string(), "the report can't be written");
+  if (!report.stream_)
+    return error_in(file.string(), "the report can't be written", write_hint(file, "name another file with -o"));
   report.put(report_magic);
   report.put(without_doctype(std::string_view(*text).substr(0, place)));
   return report;
