@@ -74,7 +74,7 @@ TEST(Divergence, BeyondAToleranceIsNamedWithTheWorstOfItsChannel) {
   Divergence elbow = worst;
   elbow.element = "ELBOW/u";
   EXPECT_EQ(headline_of(first, elbow, {.when = "tick 512", .before_beyond = "differs: ", .name = "SHOULDER/u"}),
-            "differs: SHOULDER/u is beyond ±0.001 N·m from tick 512 on; worst is Arm/Hold/output/ELBOW/u by 0.0136 N·m "
+            "differs: SHOULDER/u is beyond ±0.001 N·m from tick 512 on; worst is ELBOW/u by 0.0136 N·m "
             "(14 times) at tick 739");
   EXPECT_EQ(headline_of(first, std::nullopt, {.when = "tick 512", .name = "SHOULDER/u"}),
             "SHOULDER/u is beyond ±0.001 N·m from tick 512 on")

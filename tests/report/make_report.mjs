@@ -381,7 +381,11 @@ class Maker {
       format: 1,
       title: 'Walk',
       rehearse: '0.1.0',
-      verdict: { sentence: sentences[state], besides: sentences[state], state: options.state ?? (is_violated ? 'violated' : state) },
+      verdict: {
+        sentence: sentences[state],
+        besides: sentences[state],
+        state: options.state ?? (is_violated ? 'violated' : state),
+      },
       time_step: 0.001,
       begin: 0,
       end: options.ticks,

@@ -8,6 +8,8 @@ import type { Report } from './report';
 import type { Store } from './store';
 import { is_dark, palette } from './theme';
 
+const not_moved = 1e-6; // distance of a link from the golden's that the picture doesn't show [m]
+
 /** The most that the camera moves away for the rest of a run, as a factor: the robot stays large. */
 const farthest = 1.25;
 
@@ -229,9 +231,10 @@ export class Scene {
       ghost.kinematics.update(tick);
       ghost.update();
       const { distance, link } = ghost.hide_common_links(figure.kinematics);
-      if (distance > 1e-6) notes.push(`${link} ${length_text(distance)} from the golden`);
+      if (distance > not_moved) notes.push(`${link} ${length_text(distance)} from the golden`);
     });
-    const note = notes.join('; ') || (this.report.compared && this.report.ticks > 0 ? 'as the golden' : '');
+    const note =
+      notes.join('; ') || (this.report.compared && this.report.ticks > 0 ? 'links within 1 µm of the golden' : '');
     if (this.note.title !== note) this.note.title = note;
     set_text(this.note, note);
     if (this.follow && this.controls) {

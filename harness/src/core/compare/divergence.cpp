@@ -173,7 +173,10 @@ std::string headline_of(const Divergence& first, const std::optional<Divergence>
   if (!worst) return text;
   const Divergence& most = has_left_a_tolerance(*worst) ? *worst : first;
   const bool is_same = most.channel == first.channel && most.element == first.element;
-  return text + (is_same ? ", worst " : fmt::format("; worst is {} by ", series_name(most.channel, most.element))) +
+  return text +
+         (is_same ? ", worst "
+                  : fmt::format("; worst is {} by ",
+                                words.name.empty() ? series_name(most.channel, most.element) : most.element)) +
          amount_text(most);
 }
 

@@ -194,12 +194,14 @@ void ReportMaker::judge() {
   judged_->conclude(*comparison_);
 }
 
-/// The sentence without the violations at its beginning, which the page lists.
-std::string besides_violations(const std::string& sentence, const std::vector<ExpectationResult>& expectations) {
+/// The sentence without the violations at its beginning or end, which the page lists.
+std::string besides_violations(std::string sentence, const std::vector<ExpectationResult>& expectations) {
   const std::string violated = verdict(expectations);
-  if (!first_violation(expectations) || !sentence.starts_with(violated)) return sentence;
-  const std::string rest = sentence.substr(violated.size());
-  return rest.starts_with("; ") ? rest.substr(2) : rest;
+  if (!first_violation(expectations)) return sentence;
+  if (sentence == violated) return {};
+  if (sentence.starts_with(violated + "; ")) sentence.erase(0, violated.size() + 2);
+  if (sentence.ends_with("; " + violated)) sentence.resize(sentence.size() - violated.size() - 2);
+  return sentence;
 }
 
 ReportJson ReportMaker::verdict_json() const {

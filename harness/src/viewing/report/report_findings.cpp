@@ -9,6 +9,7 @@
 #include "core/compare/divergence_text.h"
 #include "core/compare/report_json.h"
 #include "core/compare/series_rules.h"
+#include "core/kinds/channel_name.h"
 
 namespace rehearse {
 namespace {
@@ -53,13 +54,28 @@ ReportJson sample_json(const std::optional<ViolatingSample>& sample) {
 
 }  // namespace
 
+namespace {
+
+/// The first difference beyond tolerance on the channel that a check names. The check fed the golden's inputs to the
+/// controller; in the run that the report shows, the channel may leave its tolerance later, or not at all.
+const Divergence* first_of_this_run(const Comparison& comparison, const Divergence& told) {
+  const auto channel = std::ranges::find_if(comparison.channels, [&](const ChannelComparison& compared) {
+    return compared.channel == told.channel && !compared.of_events && compared.first && compared.first->is_beyond();
+  });
+  if (channel != comparison.channels.end()) return &*channel->first;
+  return told.is_beyond() && comparison.first && comparison.first->is_beyond() ? &*comparison.first : &told;
+}
+
+}  // namespace
+
 Places::Places(const Comparison& comparison, const Divergence* told) {
   for (const ChannelComparison& channel : comparison.channels) {
     if (channel.first) all.emplace_back(*channel.first, true);
     if (channel.first_bit && (!channel.first || to_string(*channel.first) != to_string(*channel.first_bit)))
       all.emplace_back(*channel.first_bit, false);
   }
-  const Divergence* wanted = told;
+  const bool is_command = told && told->note.empty() && ChannelName::parse(told->channel).side == ChannelSide::output;
+  const Divergence* wanted = is_command ? first_of_this_run(comparison, *told) : told;
   if (!wanted && comparison.first) wanted = &*comparison.first;
   if (!wanted && comparison.first_bit) wanted = &*comparison.first_bit;
   if (!wanted) return;
