@@ -11,16 +11,23 @@ rehearse_add_test(log_test LABEL unit SHARDS 2
     log/pictures_test.cpp
     log/replay_log_test.cpp
     log/robot_run_test.cpp
+    log/stretches_test.cpp
     log/ticks_test.cpp
     log/watch_test.cpp
   LIBRARIES Rehearse::logs Rehearse::testing JPEG::JPEG)
 # Logs of each form: the more, the more gaps and orders of their messages.
-target_compile_definitions(log_test PRIVATE LOGS=$<IF:$<BOOL:${REHEARSE_NIGHTLY}>,50,20>)
+include(RehearseControllers)
+foreach(memory none filtered integral)
+  rehearse_add_simple_controller(ServoWith_${memory} log/controllers/servo.cpp)
+  target_compile_definitions(ServoWith_${memory} PRIVATE MEMORY=${memory})
+  set_target_properties(ServoWith_${memory} PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${test_controllers})
+  add_dependencies(log_test ServoWith_${memory})
+endforeach()
+target_compile_definitions(log_test PRIVATE TEST_CONTROLLERS="${test_controllers}" LOGS=$<IF:$<BOOL:${REHEARSE_NIGHTLY}>,50,20>)
 add_dependencies(log_test CameraFollowerController RoverController SR1MinimumController ScoutController TankController TrotController)
 
 # A bag that others recorded isn't part of this repository, so without it the test is skipped.
 set(REHEARSE_PUBLIC_BAG "" CACHE PATH "A folder of rosbag2 with /turtle1/cmd_vel of turtlesim")
-include(RehearseControllers)
 rehearse_add_simple_controller(TwistDriver log/controllers/twist_driver.cpp)
 set_target_properties(TwistDriver PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${test_controllers})
 rehearse_add_test(public_bag_test LABEL compat SOURCES log/public_bag_test.cpp

@@ -40,11 +40,39 @@ std::string timing_text(const LogReplayReport& report) {
                      *timing.shift > 0 ? "increase" : "decrease", ticks);
 }
 
+/// The reason why ticks are uncertain, and how many are certain.
+std::string stretches_text(const LogReplayReport& report) {
+  const LogStretches& certain = *report.certain;
+  const std::string memory = certain.memory
+                                 ? fmt::format("the controller remembers up to {}", count_text(*certain.memory, "tick"))
+                                 : "the controller has a state that doesn't fade, such as an integral";
+  return fmt::format("{} of {} are certain; the others follow the log's beginning or a missing or late message, and {}",
+                     certain.compared, count_text(report.ticks_compared, "compared tick"), memory);
+}
+
+/// The verdict for commands beyond their tolerance.
+std::string verdict_of_difference(const LogReplayReport& report) {
+  const std::string differs = "differs from the log's commands at ";
+  if (!report.certain) return timing_text(report) + differs + to_string(*report.beyond);
+  const LogStretches& certain = *report.certain;
+  if (certain.beyond)
+    return fmt::format("{}{}; it is the first of {} that differ and are certain", differs, to_string(*certain.beyond),
+                       count_text(certain.different, "tick"));
+  const std::string uncertain =
+      fmt::format("from tick {} on, commands differ by up to {:.3g}{}{}", certain.first_uncertain.value_or(0),
+                  report.worst->difference, report.worst->unit.empty() ? "" : " ", report.worst->unit);
+  if (report.undecided())
+    return fmt::format("undecided: {}, where the controller's state isn't known: {}", uncertain,
+                       stretches_text(report));
+  return fmt::format("within tolerance of the log's commands where the controller's state is known: {}; {}",
+                     stretches_text(report), uncertain);
+}
+
 std::string verdict(const LogReplayReport& report) {
   if (report.failure) return "failed: " + report.failure->message;
   if (!report.has_commands) return "nothing to compare with: the map names no commands";
   if (report.values == 0) return "nothing was compared: the log has no commands in these ticks";
-  if (report.beyond) return timing_text(report) + "differs from the log's commands at " + to_string(*report.beyond);
+  if (report.beyond) return verdict_of_difference(report);
   const std::string amount =
       fmt::format("{}, {}", count_text(report.ticks_compared, "tick"), count_text(report.values, "commanded number"));
   const std::string unknown =
@@ -121,6 +149,15 @@ Json timing_json(const LogReplayReport& report) {
           {"different", timing.different}};
 }
 
+Json certain_json(const LogReplayReport& report) {
+  if (!report.certain) return nullptr;
+  const LogStretches& certain = *report.certain;
+  return {{"memory", certain.memory ? Json(*certain.memory) : Json(nullptr)},
+          {"ticks", certain.compared},
+          {"different", certain.different},
+          {"beyond", json_of(certain.beyond)}};
+}
+
 Json report_json(const LogReplayReport& report, const std::string& trace) {
   Json topics = Json::array();
   for (const LogTopicReport& topic : report.topics) topics.push_back(topic_json(topic));
@@ -140,6 +177,8 @@ Json report_json(const LogReplayReport& report, const std::string& trace) {
           {"ticks_unknown", {{"without_command", report.ticks_without_command}, {"in_doubt", report.ticks_in_doubt}}},
           {"tick", tick_json(report)},
           {"timing", timing_json(report)},
+          {"undecided", report.undecided()},
+          {"certain", certain_json(report)},
           {"values", report.values},
           {"values_different", report.values_different},
           {"topics", topics},
@@ -269,6 +308,7 @@ Exit replay_log_of(LogSettings settings) {
   }
   if (report->failure || report->controller_refused) return Exit::controller_failed;
   if (is_of_nothing(*report)) return Exit::bad_input;
+  if (report->undecided()) return Exit::odd;
   return report->within() ? Exit::done : Exit::differs;
 }
 

@@ -45,8 +45,8 @@ Result<void> LogObservations::make_feeds(const std::vector<LogTopic>& topics) {
                          plan_ ? plan_->latency() : 0};
       commands_ = std::make_unique<LogCommands>(map_, model_, *schema, ticks_, std::move(facts));
     }
-    if (plan_ && fed.feed)
-      lookahead_ = std::max({lookahead_, period, plan_->window_of(mapped.source->topic).after + 1});
+    if (fed.feed) lookahead_ = std::max(lookahead_, period);
+    if (plan_ && fed.feed) lookahead_ = std::max(lookahead_, plan_->window_of(mapped.source->topic).after + 1);
     if (mapped.source->sampling == Sampling::interpolate)
       lookahead_ = std::max(lookahead_, nanoseconds(*mapped.source->max_age));
   }

@@ -18,6 +18,7 @@
 #include "core/recording/provenance.h"
 #include "core/recording/recorder.h"
 #include "core/run/hosted_commands.h"
+#include "log_memory.h"
 #include "log_mistakes.h"
 #include "log_observations.h"
 #include "log_scenario.h"
@@ -135,6 +136,7 @@ Result<void> LogReplayer::find_span() {
   for (Diagnostic& mistake : mistakes_in_names(sources_, survey_, *model_)) missing.push_back(std::move(mistake));
   if (!missing.empty()) return missing;
   if (!start) start = *survey_.sources[0].first;  // only a joystick
+  *start += std::llround(static_cast<double>(options_.skip) * map_.time_step * 1e9);
   return make_ticks(*start, *end);
 }
 
@@ -423,6 +425,30 @@ void try_other_ticks(mcap::Reader& log, const std::vector<LogMap>& maps, const s
   }
 }
 
+/// Replays the log again, to find the ticks that decide about the controller: twice a part of it, once with a
+/// controller that starts later, for its memory; then the whole log.
+void find_certain_ticks(mcap::Reader& log, const LogMap& map, const std::shared_ptr<const Model>& model,
+                        const std::vector<LogTopic>& topics, LogReplayOptions options, LogReplayReport& report) {
+  constexpr std::int64_t most_ticks = 8000;
+  options.on_difference = {};
+  options.progress = {};
+  const fs::path nowhere = "/dev/null";
+  const auto commands_from = [&](std::int64_t tick, std::int64_t until) {
+    CommandRecord commands;
+    LogReplayOptions part = options;
+    part.commands = &commands;
+    part.skip = tick;
+    part.until = static_cast<double>(until - tick) * map.time_step;
+    static_cast<void>(LogReplayer(log, map, model, nowhere, part).run(topics, report.log_hash));
+    return commands;
+  };
+  const std::int64_t later = std::min<std::int64_t>(report.ticks / 4, most_ticks / 8);
+  const std::int64_t until = std::min(report.ticks, later + most_ticks);
+  options.memory = memory_of(commands_from(0, until), commands_from(later, until));
+  auto judged = LogReplayer(log, map, model, nowhere, options).run(topics, report.log_hash);
+  if (judged) report.certain = std::move(judged->certain);
+}
+
 }  // namespace
 
 Result<LogReplayReport> replay_log(const fs::path& log, const fs::path& trace, const LogReplayOptions& options) {
@@ -448,6 +474,8 @@ Result<LogReplayReport> replay_log(const fs::path& log, const fs::path& trace, c
   auto report = replayer.run(topics, *std::move(hash));
   if (report && report->beyond && !(report->timing && report->timing->shift))
     try_other_ticks(**reader, replayer.maps_with_other_ticks(), robot, topics, options, *report);
+  if (report && report->beyond && !report->timing && !report->failure)
+    find_certain_ticks(**reader, *map, robot, topics, options, *report);
   if (state_of(log) != before) {
     if (fs::is_regular_file(trace, ignored)) fs::remove(trace, ignored);
     return error_in(log.string(), "it changed while it was read", "replay it when nothing writes it any more");

@@ -22,6 +22,8 @@
 
 namespace rehearse {
 
+class CommandRecord;
+
 struct LogReplayOptions : HostOptions {
   std::string controller;       // the library, a name or a path
   std::filesystem::path model;  // the robot, a URDF or .body file
@@ -30,6 +32,11 @@ struct LogReplayOptions : HostOptions {
   std::optional<double> until;  // end of the replay [s]
   /// Called with each difference from the log's commands, in the order of ticks; null: not.
   std::function<void(const Divergence&)> on_difference;
+  // To find out which ticks are certain (log_memory.h):
+  std::int64_t skip = 0;              // ticks by which the replay begins later
+  CommandRecord* commands = nullptr;  // takes the commands that are compared; null: not recorded
+  /// The controller's memory. With it certain ticks are counted; a controller without a limit of memory has none in it.
+  std::optional<std::optional<std::int64_t>> memory;
   /// Called about every hundredth of the log with the number of ticks done and of all; null: not.
   std::function<void(std::int64_t done, std::int64_t all)> progress;
 };
@@ -111,6 +118,16 @@ struct LogTiming {
   std::int64_t different = 0;
 };
 
+/// The ticks that decide about a controller: those that depend on nothing but inputs in the log. The others follow the
+/// log's beginning, which may be the middle of a run, or a missing input, within the controller's memory.
+struct LogStretches {
+  std::optional<std::int64_t> memory;           // [ticks]; none: a limit wasn't found
+  std::int64_t compared = 0;                    // certain ticks that were compared
+  std::int64_t different = 0;                   // of them
+  std::optional<Divergence> beyond;             // the first of them beyond its tolerance
+  std::optional<std::int64_t> first_uncertain;  // the first tick beyond its tolerance that isn't certain
+};
+
 /// A change of the joystick; controls by their names in scenarios.
 struct JoystickMove {
   double at = 0.0;  // [s]
@@ -147,7 +164,9 @@ struct LogReplayReport : Differences {
   /// ticks_different: the message may be an input, or a controller with a state may need time. More than a hundred in a
   /// row are different.
   std::int64_t ticks_in_doubt = 0;
-  std::optional<LogTiming> timing;    // set if commands differ, and the time explains it
+  std::optional<LogTiming> timing;  // set if commands differ, and the time explains it
+  /// Set if commands are beyond their tolerance, and the time doesn't explain it.
+  std::optional<LogStretches> certain;
   std::optional<LogTickReport> tick;  // none: the ticks are a grid
   LogStart begin;
   double time_step = 0.0;             // of the controller [s]
@@ -162,7 +181,11 @@ struct LogReplayReport : Differences {
   Diagnostics remarks;
 
   bool equal() const { return !first && !failure; }
-  bool within() const { return !beyond && !failure; }
+  bool within() const { return !failure && (!beyond || (agrees_where_certain() && is_mostly_certain())); }
+  /// No certain tick differs, but too few ticks are certain.
+  bool undecided() const { return !failure && beyond && agrees_where_certain() && !is_mostly_certain(); }
+  bool agrees_where_certain() const { return certain && !certain->beyond; }
+  bool is_mostly_certain() const { return certain && 2 * certain->compared >= ticks_compared; }
   std::int64_t ticks_unknown() const { return ticks_without_command + ticks_in_doubt; }
 };
 

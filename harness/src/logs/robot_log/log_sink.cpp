@@ -17,6 +17,13 @@ bool LogSink::is_irregular(std::int64_t tick, bool has_command) const {
   return !ticks.has_message(tick) || ticks.is_irregular(tick) || log_.may_miss_input() || lacks_command;
 }
 
+/// True if an input of the tick may be missing in the log, or belong to a neighbouring tick.
+bool LogSink::misses_input(std::int64_t tick) const {
+  const LogTicks& ticks = log_.ticks();
+  const bool is_off = !ticks.is_nominal() && (!ticks.has_message(tick) || ticks.is_irregular(tick));
+  return is_off || log_.may_miss_input();
+}
+
 void LogSink::note_joystick(const TickData& now) {
   constexpr std::size_t most_moves = 1000;
   const JoystickReading& seen = *now.seen->joystick;
@@ -46,7 +53,7 @@ void LogSink::compare(const TickData& now) {
 LogSink::Judged LogSink::compare_tick(const TickData& now) {
   LogCommands& log = *log_.commands();
   const CommandedJoints* logged = log.of_tick(now.tick);
-  Judged tick{now.tick, is_irregular(now.tick, logged != nullptr)};
+  Judged tick{now.tick, is_irregular(now.tick, logged != nullptr), misses_input(now.tick)};
   if (!log.covers(now.tick)) return tick;
   const bool has_command = logged && log_.ticks().has_message(now.tick);
   if (time_of(now.tick, map_.time_step) < options_.from) {
@@ -59,6 +66,13 @@ LogSink::Judged LogSink::compare_tick(const TickData& now) {
     return tick;
   }
   std::vector<CommandPair> pairs = log.compare(now.tick, *logged, *now.host, *judge_);
+  if (options_.commands) options_.commands->add(log_.ticks().time(now.tick), pairs);
+  if (certainty_) {
+    std::vector<double> commands;
+    for (const CommandPair& pair : pairs) commands.push_back(pair.actual);
+    tick.moves = commands != last_commands_;
+    last_commands_ = std::move(commands);
+  }
   tick.compared = std::count_if(pairs.begin(), pairs.end(), [](const CommandPair& pair) { return pair.logged; });
   timing_.add(std::move(pairs));
   return tick;
@@ -70,9 +84,22 @@ void LogSink::take_judged() {
     Judged& tick = waiting_.front();
     for (; !differences_.empty() && differences_.front().tick == tick.tick; differences_.pop_front())
       tick.differences.push_back(std::move(differences_.front()));
+    if (certainty_) count_if_certain(tick);
     if (tick.is_irregular && agreed_) doubt_ = ticks_of_doubt;
     if (tick.compared > 0) judge(std::move(tick));
   }
+}
+
+void LogSink::count_if_certain(const Judged& tick) {
+  const auto beyond = std::ranges::find_if(tick.differences, &Divergence::is_beyond);
+  const bool agrees = beyond == tick.differences.end();
+  const bool is_certain = certainty_->take(tick.tick, tick.misses_input, agrees, tick.moves);
+  LogStretches& certain = *report_.certain;
+  if (!is_certain && !agrees && !certain.first_uncertain) certain.first_uncertain = tick.tick;
+  if (!is_certain || tick.compared == 0) return;
+  ++certain.compared;
+  certain.different += agrees ? 0 : 1;
+  if (!agrees && !certain.beyond) certain.beyond = *beyond;
 }
 
 void LogSink::judge(Judged tick) {

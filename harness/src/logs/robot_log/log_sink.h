@@ -7,11 +7,13 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "command_timing.h"
 #include "core/compare/row_judge.h"
 #include "core/run/recording_sink.h"
+#include "log_memory.h"
 #include "log_observations.h"
 #include "log_replay.h"
 
@@ -26,7 +28,11 @@ class LogSink final : public RecordingSink {
         map_(map),
         scenario_(scenario),
         log_(log),
-        report_(report) {}
+        report_(report) {
+    if (!options.memory) return;
+    certainty_.emplace(*options.memory);
+    report.certain.emplace().memory = *options.memory;
+  }
 
   Result<void> emit(const TickData& now) override {
     auto done = RecordingSink::emit(now);
@@ -42,6 +48,8 @@ class LogSink final : public RecordingSink {
   struct Judged {
     std::int64_t tick = 0;
     bool is_irregular = false;  // its command may depend on a message that is late or missing
+    bool misses_input = false;  // so may its inputs
+    bool moves = false;         // its commands aren't those of the tick before
     std::int64_t compared = 0;  // numbers
     std::vector<Divergence> differences = {};
   };
@@ -50,9 +58,11 @@ class LogSink final : public RecordingSink {
   void take_judged();
   void note_joystick(const TickData& now);
   bool is_irregular(std::int64_t tick, bool has_command) const;
+  bool misses_input(std::int64_t tick) const;
   void judge(Judged tick);
   void report(Judged tick);
   void end_doubt();
+  void count_if_certain(const Judged& tick);
 
   const LogReplayOptions& options_;
   const LogMap& map_;
@@ -65,6 +75,8 @@ class LogSink final : public RecordingSink {
   /// them.
   static constexpr std::size_t longest_doubt = 100;
   CommandTiming timing_;
+  std::optional<LogCertainty> certainty_;
+  std::vector<double> last_commands_;
   std::unique_ptr<RowJudge> judge_;     // none before the first tick
   std::deque<Judged> waiting_;          // ticks whose differences aren't all known
   std::deque<Divergence> differences_;  // of the waiting ticks

@@ -1,0 +1,58 @@
+#include "log_memory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace rehearse {
+namespace {
+
+constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
+
+}  // namespace
+
+void CommandRecord::add(std::int64_t time, const std::vector<CommandPair>& pairs) {
+  std::vector<double>& commands = commands_[(time + 500) / 1000];
+  for (const CommandPair& pair : pairs) commands.push_back(pair.actual);
+}
+
+std::optional<std::int64_t> memory_of(const CommandRecord& from_the_start, const CommandRecord& started_later) {
+  constexpr std::int64_t fewest = 20;
+  constexpr double share_of_range = 1e-9;  // commands alike, also after an input that is far off
+  std::vector<double> low, high;
+  for (const auto& [time, commands] : from_the_start.all()) {
+    low.resize(std::max(low.size(), commands.size()), std::numeric_limits<double>::infinity());
+    high.resize(low.size(), -std::numeric_limits<double>::infinity());
+    for (std::size_t i = 0; i < commands.size(); ++i) {
+      low[i] = std::min(low[i], commands[i]);
+      high[i] = std::max(high[i], commands[i]);
+    }
+  }
+  std::int64_t compared = 0, memory = 0;
+  for (const auto& [time, later] : started_later.all()) {
+    const auto same_time = from_the_start.all().find(time);
+    if (same_time == from_the_start.all().end() || same_time->second.size() != later.size()) continue;
+    ++compared;
+    for (std::size_t i = 0; i < later.size(); ++i)
+      if (!(std::abs(later[i] - same_time->second[i]) <= share_of_range * (high[i] - low[i]))) memory = compared;
+  }
+  if (compared < fewest || memory > compared / 2) return std::nullopt;
+  return memory;
+}
+
+LogCertainty::LogCertainty(std::optional<std::int64_t> memory) : memory_(memory), known_from_(memory.value_or(never)) {}
+
+bool LogCertainty::take(std::int64_t tick, bool interrupted, bool agrees, bool moves) {
+  if (interrupted) {
+    known_from_ = memory_ ? tick + 1 + *memory_ : never;
+    agreed_ = moved_ = 0;
+    return false;
+  }
+  const bool is_certain = tick >= known_from_ || (agreed_ >= enough_ticks && moved_ >= enough_moves);
+  agreed_ = agrees ? agreed_ + 1 : 0;
+  moved_ = agrees ? moved_ + (moves ? 1 : 0) : 0;
+  if (agreed_ >= enough_ticks && moved_ >= enough_moves) known_from_ = std::min(known_from_, tick);
+  return is_certain;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,50 @@
+// LogMemory: how long a controller's commands depend on the state that it had before a tick. A log that begins in
+// mid-run, or lacks a message, doesn't contain this state. Internal.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "command_timing.h"
+
+namespace rehearse {
+
+/// The commands of a replay by the log's time [us].
+class CommandRecord {
+ public:
+  /// `time`: [ns].
+  void add(std::int64_t time, const std::vector<CommandPair>& pairs);
+  const std::map<std::int64_t, std::vector<double>>& all() const { return commands_; }
+
+ private:
+  std::map<std::int64_t, std::vector<double>> commands_;
+};
+
+/// The number of ticks after which two controllers command alike that were fed with the same inputs, but one of them
+/// from a later tick on. 0: they always do. None: they differ in the second half of the compared ticks, too, or fewer
+/// than 20 ticks were compared.
+std::optional<std::int64_t> memory_of(const CommandRecord& from_the_start, const CommandRecord& started_later);
+
+/// Decides which ticks of a log are certain: their commands follow from inputs that the log contains.
+class LogCertainty {
+ public:
+  /// `memory`: see memory_of(). The log's beginning is taken for the middle of a run.
+  explicit LogCertainty(std::optional<std::int64_t> memory);
+
+  /// The next compared tick. `interrupted`: an input of it is missing in the log, or late; `agrees`: its commands are
+  /// within tolerance; `moves`: they aren't those of the tick before. True: the tick is certain.
+  bool take(std::int64_t tick, bool interrupted, bool agrees, bool moves);
+
+ private:
+  /// So many ticks that agree in a row, and so many moves among them, are no accident: the state is the robot's.
+  static constexpr int enough_ticks = 100, enough_moves = 10;
+
+  const std::optional<std::int64_t> memory_;
+  std::int64_t known_from_;  // tick
+  int agreed_ = 0, moved_ = 0;
+};
+
+}  // namespace rehearse
