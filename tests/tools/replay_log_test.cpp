@@ -73,10 +73,24 @@ TEST_F(ReplayLog, TellsOfTicksAtMessagesAndOfUnknownOnes) {
   EXPECT_EQ(report["ticks_unknown"], (nlohmann::json{{"without_command", 0}, {"in_doubt", 0}}));
 }
 
+TEST_F(ReplayLog, EndsIn4IfTheStateOfTheControllerIsUnknown) {
+  done({"filter", "tank_log.mcap", "--from", "2", "-o", "late.mcap"});
+  fs::rename(folder() / "late.mcap", folder() / "tank_log.mcap");
+  const Outcome outcome = rehearse(tank());
+  EXPECT_EQ(outcome.status, 4) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("\nundecided: from tick "));
+  EXPECT_THAT(outcome.out, HasSubstr("the controller has a state that doesn't fade, such as an integral"));
+  const nlohmann::json report = rehearse(tank({"--json"})).json();
+  EXPECT_EQ(report["undecided"], true);
+  EXPECT_EQ(report["within"], false);
+  EXPECT_EQ(report["certain"]["ticks"], 0);
+  EXPECT_EQ(report["certain"]["memory"], nullptr);
+}
+
 TEST_F(ReplayLog, EndsIn1IfTheCommandsDiffer) {
   // half a second late, the joystick has a different reading
   std::ofstream(folder() / "tank.map.yaml") << "rehearse_map: 1\ntime_step: 0.005\nbody: Tank\njoints: /Tank/joints\n"
-                                               "joystick: /joy\n"
+                                               "joystick: /joy\nbegins: controller\n"
                                                "commands: {topic: /Tank/Driver/output/joints, shift: 100}\n";
   const Outcome outcome = rehearse(tank());
   EXPECT_EQ(outcome.status, 1) << outcome.err;

@@ -62,8 +62,10 @@ std::string verdict_of_difference(const LogReplayReport& report) {
       fmt::format("from tick {} on, commands differ by up to {:.3g}{}{}", certain.first_uncertain.value_or(0),
                   report.worst->difference, report.worst->unit.empty() ? "" : " ", report.worst->unit);
   if (report.undecided())
-    return fmt::format("undecided: {}, where the controller's state isn't known: {}", uncertain,
-                       stretches_text(report));
+    return fmt::format(
+        "undecided: {}, where the controller's state isn't known: {}; if it started with the log, state "
+        "begins: controller in the map",
+        uncertain, stretches_text(report));
   return fmt::format("within tolerance of the log's commands where the controller's state is known: {}; {}",
                      stretches_text(report), uncertain);
 }

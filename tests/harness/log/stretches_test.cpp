@@ -64,13 +64,14 @@ class Stretches : public RobotRunLog {
   static void SetUpTestSuite() { setenv("REHEARSE_CONTROLLER_PATH", TEST_CONTROLLERS, 1); }
 
   /// The verdict of a log with that trouble; it ends by the exit code of the command.
-  Verdict verdict_on(const char* controller, const Trouble& trouble, Change change, std::string& details) {
+  Verdict verdict_on(const char* controller, const Trouble& trouble, Change change, std::string& details,
+                     const char* beginning = "") {
     const Robot robot(controller, "pendulum.urdf", joints_of("pendulum.urdf"), false);
     RobotRun run = robot.run(11, {0.05, 0.0}, 1500);
     plant(change, run);
     trouble.happen(run);
     write(run);
-    const auto report = replay(robot, by_message);
+    const auto report = replay(robot, std::string(by_message) + beginning);
     if (!report) {
       ADD_FAILURE() << to_string(report.errors());
       return Verdict::undecided;
@@ -113,6 +114,17 @@ TEST_F(Stretches, OfAChangedControllerFindTheChange) {
   }
 }
 
+/// The map states that the log has the controller's start: then an integral is known, too.
+TEST_F(Stretches, OfALogWithTheControllersStartFindAChangedIntegral) {
+  std::string details;
+  for (const Change change : {Change::gain, Change::sign, Change::late})
+    EXPECT_EQ(name_of(verdict_on("ServoWith_integral", troubles[0], change, details, "begins: controller\n")),
+              "differs")
+        << details;
+  EXPECT_EQ(name_of(verdict_on("ServoWith_integral", troubles[0], Change::none, details, "begins: controller\n")),
+            "same");
+}
+
 CommandRecord record_of(const std::function<double(int)>& command, int from, int until) {
   CommandRecord record;
   for (int i = from; i < until; ++i) record.add(std::int64_t{1'000'000} * i, {{std::nullopt, command(i), 0.0}});
@@ -133,14 +145,15 @@ TEST(ControllerMemory, IsTheNumberOfTicksUntilALaterStartNoLongerShows) {
 }
 
 TEST(LogCertainty, BeginsAfterTheMemoryAndAfterEachInterruption) {
-  LogCertainty certainty(3);
+  LogCertainty certainty(3, false);
   std::string certain;
   for (int tick = 0; tick < 12; ++tick) certain += certainty.take(tick, tick == 6, true, true) ? '1' : '0';
   EXPECT_EQ(certain, "000111000011");
+  EXPECT_TRUE(LogCertainty(3, true).take(0, false, false, true)) << "the controller starts there";
 }
 
 TEST(LogCertainty, OfAMemoryWithoutLimitNeedsAHundredTicksThatAgreeAndMove) {
-  LogCertainty moves(std::nullopt), rests(std::nullopt);
+  LogCertainty moves(std::nullopt, false), rests(std::nullopt, false);
   int certain = 0, at_rest = 0;
   for (int tick = 0; tick < 150; ++tick) {
     certain += moves.take(tick, false, true, true) ? 1 : 0;

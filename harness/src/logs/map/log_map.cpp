@@ -27,12 +27,14 @@ bool LogMapReader::check_version(const YamlNode& root) {
 void LogMapReader::read(const YamlNode& root) {
   if (!check_version(root)) return;
   const Keys keys(findings_, root, "the map",
-                  {"rehearse_map", "body", "time_step", "tick", "clock", "start", "max_age", "controller", "joints",
-                   "imus", "wrenches", "cameras", "ranges", "joystick", "root", "commands", "tolerances"});
+                  {"rehearse_map", "body", "time_step", "tick", "clock", "start", "begins", "max_age", "controller",
+                   "joints", "imus", "wrenches", "cameras", "ranges", "joystick", "root", "commands", "tolerances"});
   read_body(keys, root);
   read_clock(keys);
   keys.word("start", "all (when each input has had a message) or first (with the first message)",
             {{"all", false}, {"first", true}}, map_.start_with_first);
+  keys.word("begins", "run (the log may begin in the middle of a run) or controller (with the controller's start)",
+            {{"run", false}, {"controller", true}}, map_.begins_with_controller);
   keys.number("max_age", {0.0, Scenario::max_duration, "[s]", true}, max_age_);
   if (const YamlNode* node = keys.find("controller")) read_controller(*node);
   if (const YamlNode* node = keys.find("joints")) each(*node, "joints", [&](const YamlNode& one) { read_joints(one); });

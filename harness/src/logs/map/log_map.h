@@ -117,6 +117,8 @@ struct LogMap {
   std::optional<TickSource> tick;  // nullopt: ticks are a grid of time_step from the first message on
   /// True: the first tick is at the first message. False: it is when all mapped sources have a message.
   bool start_with_first = false;
+  /// True: the controller starts at the first tick. False: the log may begin in the middle of a run.
+  bool begins_with_controller = false;
   MappedController controller;
   std::vector<JointSource> joints;
   std::vector<DeviceSource> devices;

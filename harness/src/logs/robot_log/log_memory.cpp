@@ -40,7 +40,8 @@ std::optional<std::int64_t> memory_of(const CommandRecord& from_the_start, const
   return memory;
 }
 
-LogCertainty::LogCertainty(std::optional<std::int64_t> memory) : memory_(memory), known_from_(memory.value_or(never)) {}
+LogCertainty::LogCertainty(std::optional<std::int64_t> memory, bool knows_beginning)
+    : memory_(memory), known_from_(knows_beginning ? 0 : memory.value_or(never)) {}
 
 bool LogCertainty::take(std::int64_t tick, bool interrupted, bool agrees, bool moves) {
   if (interrupted) {

@@ -31,8 +31,8 @@ std::optional<std::int64_t> memory_of(const CommandRecord& from_the_start, const
 /// Decides which ticks of a log are certain: their commands follow from inputs that the log contains.
 class LogCertainty {
  public:
-  /// `memory`: see memory_of(). The log's beginning is taken for the middle of a run.
-  explicit LogCertainty(std::optional<std::int64_t> memory);
+  /// `memory`: see memory_of(). `knows_beginning`: the controller starts at tick 0.
+  LogCertainty(std::optional<std::int64_t> memory, bool knows_beginning);
 
   /// The next compared tick. `interrupted`: an input of it is missing in the log, or late; `agrees`: its commands are
   /// within tolerance; `moves`: they aren't those of the tick before. True: the tick is certain.

@@ -30,7 +30,7 @@ class LogSink final : public RecordingSink {
         log_(log),
         report_(report) {
     if (!options.memory) return;
-    certainty_.emplace(*options.memory);
+    certainty_.emplace(*options.memory, map.begins_with_controller);
     report.certain.emplace().memory = *options.memory;
   }
 
