@@ -3,10 +3,12 @@
 #include <rehearse/messages.h>
 #include <rehearse/trace.h>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
 
+#include "../harness/bag/bag_files.h"
 #include "command.h"
 #include "mixed_file.h"
 
@@ -14,6 +16,7 @@ namespace rehearse::test {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 class Logs : public Command {
  protected:
@@ -89,6 +92,33 @@ TEST_F(Logs, DoctorEndsWithAnotherStatusForWarnings) {
   EXPECT_THAT(
       outcome.out,
       HasSubstr("bag_unknown_serialization.db3: warning: the messages on '/chatter' are serialized as 'protobuf'"));
+}
+
+TEST_F(Logs, ADatabaseWithADamagedPageIsSavedOnBothSidesOfIt) {
+  {
+    Database bag(folder() / "a.db3");
+    bag.topic(1, "/joint_states", "sensor_msgs/msg/JointState");
+    bag.run("BEGIN");
+    for (std::int64_t i = 0; i < 6000; ++i) bag.message(1, i * 1'000'000, joint_state(0));
+    bag.run("COMMIT");
+  }
+  done({"doctor", "a.db3"});
+  zero_page(folder() / "a.db3", 0.3);
+  const Outcome outcome = done({"recover", "a.db3", "-o", "saved.mcap"});
+  const auto json = done({"recover", "a.db3", "-o", "saved.mcap", "--json"}).json();
+  const int saved = json["messages"], lost = json["lost_messages"];
+  EXPECT_GT(saved, 5900);
+  EXPECT_EQ(saved + lost, 6000);
+  EXPECT_EQ(json["loss_is_known"], true);
+  EXPECT_EQ(json["whole"], false);
+  const std::string damage = fmt::format("damaged: {} of its 6000 messages can't be read (rows ", lost);
+  EXPECT_THAT(outcome.out, HasSubstr(fmt::format("saved {} messages, ", saved)));
+  EXPECT_THAT(outcome.out, HasSubstr("from 0 s to 5.999 s\n  " + damage));
+  EXPECT_THAT(outcome.out, HasSubstr(fmt::format("\n{} messages lost\n", lost)));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("aren't in it")));
+  const Outcome doctor = rehearse({"doctor", "a.db3"});
+  EXPECT_EQ(doctor.status, 1);
+  EXPECT_THAT(doctor.out, HasSubstr("a.db3: error: " + damage));
 }
 
 TEST_F(Logs, DoctorRefusesAFolderWithoutItsFiles) {

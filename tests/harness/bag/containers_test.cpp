@@ -141,7 +141,88 @@ TEST(Database, ThatWasCutIsReportedAfterItsReadableMessages) {
   const auto read = (*reader)->for_each_message([&](const mcap::Message&) { return ++messages > 0; });
   ASSERT_FALSE(read);
   EXPECT_GT(messages, 100);
-  EXPECT_THAT(to_string(read.errors()), HasSubstr("damaged: not all of its messages can be read: SQLite reports: "));
+  EXPECT_THAT(to_string(read.errors()), HasSubstr("damaged: an unknown number of its messages can't be read ("));
+}
+
+void write_database(const fs::path& file, int messages) {
+  Database bag(file);
+  bag.topic(1, "/joint_states", "sensor_msgs/msg/JointState");
+  bag.run("BEGIN");
+  for (int i = 0; i < messages; ++i) bag.message(1, std::int64_t{1'000'000} * i, joint_state(i));
+  bag.run("COMMIT");
+}
+
+/// The times of a log's readable messages [ms].
+std::vector<std::uint64_t> times_in(const fs::path& log) {
+  std::vector<std::uint64_t> times;
+  const auto reader = mcap::Reader::open(log);
+  EXPECT_TRUE(reader) << to_string(reader.errors());
+  if (reader)
+    static_cast<void>((*reader)->for_each_message([&](const mcap::Message& message) {
+      times.push_back(message.log_time / 1'000'000);
+      return true;
+    }));
+  return times;
+}
+
+TEST(Database, WithDamagedPagesLosesTheMessagesInThemAlone) {
+  const TemporaryFolder folder;
+  write_database(folder / "a.db3", 6000);
+  zero_page(folder / "a.db3", 0.3);
+  zero_page(folder / "a.db3", 0.6);
+  const std::vector<std::uint64_t> times = times_in(folder / "a.db3");
+  ASSERT_GT(times.size(), 5800u);
+  EXPECT_EQ(times.front(), 0u);
+  EXPECT_EQ(times.back(), 5999u);
+  const auto reader = mcap::Reader::open(folder / "a.db3");
+  ASSERT_TRUE(reader) << to_string(reader.errors());
+  EXPECT_THAT(to_string((*reader)->damage()),
+              HasSubstr("damaged: " + std::to_string(6000 - times.size()) +
+                        " of its 6000 messages can't be read (in 2 places, the first: rows "));
+}
+
+TEST(Database, WithADamagedLastPageCountsItsMessagesByTheIndex) {
+  const TemporaryFolder folder;
+  write_database(folder / "a.db3", 1000);
+  zero_page(folder / "a.db3", 0.95);
+  const std::vector<std::uint64_t> times = times_in(folder / "a.db3");
+  ASSERT_GT(times.size(), 900u);
+  ASSERT_LT(times.size(), 1000u);
+  EXPECT_THAT(to_string((*mcap::Reader::open(folder / "a.db3"))->damage()),
+              HasSubstr(std::to_string(1000 - times.size()) + " of its 1000 messages can't be read ("));
+}
+
+TEST(Database, IsReadWithTheRowsOfItsWalFileAndNothingBesideItIsChanged) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "log");
+  {
+    Database bag(folder / "a.db3");
+    bag.run("PRAGMA journal_mode = WAL");
+    bag.run("PRAGMA wal_autocheckpoint = 0");
+    bag.topic(1, "/joint_states", "sensor_msgs/msg/JointState");
+    for (int i = 0; i < 10; ++i) bag.message(1, i * 1'000'000, joint_state(i));
+    fs::copy(folder / "a.db3", folder / "log/a.db3");  // as a recorder leaves it that is killed
+    fs::copy(folder / "a.db3-wal", folder / "log/a.db3-wal");
+  }
+  fs::permissions(folder / "log/a.db3", fs::perms::owner_read);
+  const Buffer database = read_bytes(folder / "log/a.db3"), wal = read_bytes(folder / "log/a.db3-wal");
+  EXPECT_EQ(knee_in(folder / "log/a.db3"), upto(10));
+  EXPECT_EQ(read_bytes(folder / "log/a.db3"), database);
+  EXPECT_EQ(read_bytes(folder / "log/a.db3-wal"), wal);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder / "log"), fs::directory_iterator()), 2);
+}
+
+TEST(Database, InWalModeIsReadWithoutAFileBesideIt) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "log 50%");
+  {
+    Database bag(folder / "log 50%/a?b#.db3");
+    bag.run("PRAGMA journal_mode = WAL");
+    bag.topic(1, "/joint_states", "sensor_msgs/msg/JointState");
+    for (int i = 0; i < 10; ++i) bag.message(1, i * 1'000'000, joint_state(i));
+  }
+  EXPECT_EQ(knee_in(folder / "log 50%/a?b#.db3"), upto(10));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder / "log 50%"), fs::directory_iterator()), 1);
 }
 
 TEST(Folder, OfSplitFilesIsOneLog) {
