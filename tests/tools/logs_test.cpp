@@ -121,6 +121,21 @@ TEST_F(Logs, ADatabaseWithADamagedPageIsSavedOnBothSidesOfIt) {
   EXPECT_THAT(doctor.out, HasSubstr("a.db3: error: " + damage));
 }
 
+TEST_F(Logs, DoctorWarnsOfAFolderWithoutMetadata) {
+  fs::create_directory(folder() / "friday");
+  joints("friday/friday_0.mcap", 0, 0);
+  const Outcome outcome = rehearse({"doctor", "friday"});
+  EXPECT_EQ(outcome.status, 4) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("friday: warning: it has no metadata.yaml (ros2 bag reindex makes it from the "));
+  EXPECT_THAT(outcome.out, HasSubstr("friday/friday_0.mcap: no findings; "));
+}
+
+TEST_F(Logs, DoctorExaminesTheFolderOfAMetadataFile) {
+  const Outcome outcome = rehearse({"doctor", (fixtures / "broken/bag_wrong_counts/metadata.yaml").string()});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("metadata.yaml:8: error: it states 2 messages, but the files have 1\n"));
+}
+
 TEST_F(Logs, DoctorRefusesAFolderWithoutItsFiles) {
   const Outcome outcome = rehearse({"doctor", (fixtures / "broken/bag_missing_file").string()});
   EXPECT_EQ(outcome.status, 2);

@@ -258,6 +258,49 @@ TEST(Folder, OfSplitDatabasesIsOneLog) {
   EXPECT_EQ(form_of(folder.path()), "rosbag2 folder (2 files of sqlite3)");
 }
 
+TEST(Folder, WithoutMetadataIsItsPartsInTheOrderOfTheirNumbers) {
+  const TemporaryFolder folder;
+  for (std::uint64_t part = 0; part < 11; ++part)
+    write_joints(folder / ("friday_" + std::to_string(part) + ".mcap"), part, 1);
+  write_text(folder / "notes.txt", "of mine");
+  EXPECT_EQ(times_in(folder.path()), (std::vector<std::uint64_t>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10}));
+  EXPECT_EQ(form_of(folder.path()), "rosbag2 folder without metadata.yaml (11 files of mcap)");
+}
+
+TEST(Folder, WithoutMetadataOfOneFileIsThatFile) {
+  const TemporaryFolder folder;
+  write_database(folder / "a.db3", 10);
+  EXPECT_EQ(knee_in(folder.path()), upto(10));
+}
+
+TEST(Folder, WithoutMetadataOfSeveralRecordingsIsRefused) {
+  const TemporaryFolder folder;
+  write_joints(folder / "friday_0.mcap", 0, 4);
+  write_joints(folder / "monday_1.mcap", 4, 4);
+  EXPECT_THAT(form_of(folder.path()),
+              HasSubstr("it has no metadata.yaml, and 'friday_0.mcap' and 'monday_1.mcap' aren't the parts of one "
+                        "recording (name one of its files; merge joins several)"));
+}
+
+TEST(Folder, WhoseMetadataStatesNoStorageIsRead) {
+  const TemporaryFolder folder;
+  write_database(folder / "bag_0.db3", 4);
+  write_joints(folder / "bag_1.mcap", 4, 3);
+  write_metadata(folder.path(), {.storage = "\"\"", .files = {"bag_0.db3"}, .messages = 4});
+  EXPECT_EQ(knee_in(folder.path()), upto(4));
+  write_metadata(folder.path(), {.storage = "\"\"", .files = {"bag_0.db3", "bag_1.mcap"}, .messages = 7});
+  EXPECT_EQ(times_in(folder.path()), (std::vector<std::uint64_t>{0, 1, 2, 3, 4, 5, 6}));
+}
+
+TEST(Folder, IsOpenedByTheNameOfItsMetadata) {
+  const TemporaryFolder folder;
+  write_joints(folder / "bag_0.mcap", 0, 4);
+  write_joints(folder / "bag_1.mcap", 4, 3);
+  write_metadata(folder.path(), {.files = {"bag_0.mcap", "bag_1.mcap"}, .messages = 7});
+  EXPECT_EQ(knee_in(folder / "metadata.yaml"), upto(7));
+  EXPECT_EQ(form_of(folder / "metadata.yaml"), "rosbag2 folder (2 files of mcap)");
+}
+
 TEST(Folder, OfCompressedFilesIsRead) {
   const TemporaryFolder folder;
   write_joints(folder / "a.mcap", 0, 4);

@@ -36,6 +36,9 @@ struct Converted {
 };
 using ConvertedPtr = std::shared_ptr<const Converted>;
 
+/// The folder of a log that is a folder, or the file metadata.yaml of one; empty: it is any other file.
+std::filesystem::path folder_of(const std::filesystem::path& log);
+
 /// A log that is a folder.
 struct OpenedFolder {
   std::filesystem::path only_file;  // the MCAP file with all of its messages; empty: `converted` has them

@@ -295,8 +295,9 @@ Result<void> convert_compressed(mcap::Converted& converted, const std::string& n
 
 /// Converts all files of a folder to one file.
 Result<void> join(mcap::Converted& converted, const Folder& folder, const std::string& name) {
-  converted.form = fmt::format("rosbag2 folder ({} {} of {})", folder.files.size(),
-                               folder.files.size() == 1 ? "file" : "files", folder.storage);
+  converted.form =
+      fmt::format("rosbag2 folder{} ({} {} of {})", folder.metadata.empty() ? " without metadata.yaml" : "",
+                  folder.files.size(), folder.files.size() == 1 ? "file" : "files", folder.storage);
   auto copy = LogCopy::begin(converted, name, "rosbag2 " + folder.storage);
   if (!copy) return copy.errors();
   if (folder.compressed_messages) (*copy)->decompress_messages();
@@ -316,7 +317,7 @@ Result<void> join(mcap::Converted& converted, const Folder& folder, const std::s
 }
 
 Result<mcap::ConvertedPtr> convert_folder(const Folder& folder, const std::string& name) {
-  std::string key = identity_of(folder.metadata);
+  std::string key = folder.metadata.empty() ? "" : identity_of(folder.metadata);
   for (const fs::path& file : folder.files) key += identity_of_database(file);
   return conversions().find_or_make(key, [&](mcap::Converted& converted) { return join(converted, folder, name); });
 }
