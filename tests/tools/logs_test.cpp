@@ -136,6 +136,43 @@ TEST_F(Logs, DoctorExaminesTheFolderOfAMetadataFile) {
   EXPECT_THAT(outcome.out, HasSubstr("metadata.yaml:8: error: it states 2 messages, but the files have 1\n"));
 }
 
+TEST_F(Logs, EventsOfServicesInADatabaseAreDecodedByTheDefinitionOfTheService) {
+  CdrWriter event;
+  event.put(std::uint8_t{1});  // info: type, stamp, client, sequence number
+  event.put(std::int32_t{5});
+  event.put(std::uint32_t{0});
+  for (int i = 0; i < 16; ++i) event.put(std::uint8_t{0});
+  event.put(std::int64_t{7});
+  event.put(std::uint32_t{1});  // one request
+  event.put(std::uint8_t{1});
+  event.put(std::uint32_t{0});  // no response
+  {
+    Database bag(folder() / "a.db3");
+    bag.topic(1, "/light/_service_event", "my_srvs/srv/Light_Event");
+    bag.topic(2, "/lamp/_service_event", "my_srvs/srv/Light");
+    bag.topic(3, "/other/_service_event", "my_srvs/srv/Other");
+    bag.definition("my_srvs/srv/Light", "====\nSRV: my_srvs/srv/Light\nbool on\n---\nbool done\n");
+    for (int topic = 1; topic <= 3; ++topic) bag.message(topic, topic, event.bytes());
+  }
+  for (const std::string topic : {"/light", "/lamp"}) {
+    const auto message = done({"cat", "a.db3", "--json", "--topics", topic + "/_service_event"}).json()["message"];
+    EXPECT_EQ(message["info"]["sequence_number"], 7) << topic;
+    EXPECT_EQ(message["request"][0]["on"], true) << topic;
+  }
+  EXPECT_EQ(done({"info", "a.db3", "--json"}).json()["messages"], 3);
+}
+
+TEST_F(Logs, DoctorNotesTypesThatADatabaseDoesNotDefine) {
+  {
+    Database bag(folder() / "a.db3");
+    bag.topic(1, "/light/_service_event", "my_srvs/srv/Light");
+    bag.message(1, 5, joint_state(0));
+  }
+  EXPECT_THAT(done({"doctor", "a.db3"}).out,
+              HasSubstr("a.db3: note: the messages on '/light/_service_event' are of the type "
+                        "'my_srvs/srv/Light_Event', which it doesn't define: they can't be decoded\n"));
+}
+
 TEST_F(Logs, DoctorRefusesAFolderWithoutItsFiles) {
   const Outcome outcome = rehearse({"doctor", (fixtures / "broken/bag_missing_file").string()});
   EXPECT_EQ(outcome.status, 2);

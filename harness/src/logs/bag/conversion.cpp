@@ -140,8 +140,7 @@ Result<void> LogCopy::add(mcap::Reader& log) {
 /// The definition from the log; else the definition of the standard packages; else the name alone.
 std::uint16_t LogCopy::schema_of(const SqliteBag& log, const std::string& type) {
   if (type.empty()) return 0;
-  const auto own = log.definitions().find(type);
-  if (own != log.definitions().end()) return writer_->add_schema(type, own->second.encoding, own->second.text);
+  if (const Definition* own = log.definition_of(type)) return writer_->add_schema(type, own->encoding, own->text);
   const auto standard = standard_definition(type);
   return writer_->add_schema(type, standard ? "ros2msg" : "", standard.value_or(""));
 }

@@ -9,7 +9,9 @@
 #include <cerrno>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <set>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -117,6 +119,16 @@ bool is_damage(int status) {
 std::string text_at(sqlite3_stmt* row, int column) {
   const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(row, column));
   return text == nullptr ? std::string() : std::string(text, sqlite3_column_bytes(row, column));
+}
+
+constexpr std::string_view event_suffix = "_Event";
+
+/// The type of a topic's messages: of a topic whose type is a service, the type of the service's events.
+std::string message_type_of(std::string type) {
+  if (type.find("/srv/") == std::string::npos) return type;
+  for (const std::string_view suffix : {event_suffix, std::string_view("_Request"), std::string_view("_Response")})
+    if (type.ends_with(suffix)) return type;
+  return type.append(event_suffix);
 }
 
 /// Row ids of a part of the table that can't be read.
@@ -291,7 +303,7 @@ Result<void> SqliteBag::Impl::read_topics() {
   while ((status = sqlite3_step(row)) == SQLITE_ROW) {
     if (topics.size() == most_topics) return wrong(fmt::format("it has more than {} topics", most_topics));
     topic_index[sqlite3_column_int64(row, 0)] = topics.size();
-    topics.push_back({text_at(row, 1), text_at(row, 2), text_at(row, 3), text_at(row, 4)});
+    topics.push_back({text_at(row, 1), message_type_of(text_at(row, 2)), text_at(row, 3), text_at(row, 4)});
   }
   if (status != SQLITE_DONE) return failed("its topics can't be read");
   return {};
@@ -433,6 +445,12 @@ std::vector<std::filesystem::path> SqliteBag::files_of(const std::filesystem::pa
 
 int SqliteBag::schema_version() const { return impl_->schema_version; }
 const std::vector<Topic>& SqliteBag::topics() const { return impl_->topics; }
-const std::map<std::string, Definition>& SqliteBag::definitions() const { return impl_->definitions; }
+
+const Definition* SqliteBag::definition_of(const std::string& type) const {
+  auto found = impl_->definitions.find(type);
+  if (found == impl_->definitions.end() && type.ends_with(event_suffix))
+    found = impl_->definitions.find(type.substr(0, type.size() - event_suffix.size()));
+  return found == impl_->definitions.end() ? nullptr : &found->second;
+}
 
 }  // namespace rehearse::bag

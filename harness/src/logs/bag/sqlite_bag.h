@@ -10,7 +10,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -21,7 +20,7 @@ namespace rehearse::bag {
 
 struct Topic {
   std::string name;
-  std::string type;                  // as sensor_msgs/msg/JointState
+  std::string type;                  // as sensor_msgs/msg/JointState; of a service's events example/srv/Name_Event
   std::string serialization_format;  // as cdr
   std::string qos_profiles;          // YAML; empty: not stated
 };
@@ -51,9 +50,10 @@ class SqliteBag {
   /// The files of a database: itself, and those beside it that contain changes.
   static std::vector<std::filesystem::path> files_of(const std::filesystem::path& file);
 
-  int schema_version() const;                                    // 1 to 4
-  const std::vector<Topic>& topics() const;                      // in the order of their rows
-  const std::map<std::string, Definition>& definitions() const;  // by message type; empty below version 4
+  int schema_version() const;                // 1 to 4
+  const std::vector<Topic>& topics() const;  // in the order of their rows
+  /// The definition of a message type in the file, of an event of a service that of the service; null: it has none.
+  const Definition* definition_of(const std::string& type) const;
 
   using OnMessage = std::function<Result<void>(const Message&)>;
   /// Delivers all messages in the order of their rows, which is the order of recording. Rows that are no messages (of
