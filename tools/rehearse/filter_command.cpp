@@ -56,14 +56,16 @@ void tell(const FilterSettings& settings, const mcap::Filtered& filtered) {
              count_text(filtered.messages + filtered.left_out, "message"), count_text(filtered.channels, "channel"),
              count_text(filtered.attachments, "attachment"), count_text(filtered.metadata, "metadata record"),
              settings.target, file_size_text(filtered.bytes));
-  if (filtered.messages == 0) return;
-  fmt::print("from {} to {}\n", time_text(filtered.first_time), time_text(filtered.last_time));
+  if (filtered.messages > 0)
+    fmt::print("from {} to {}\n", time_text(filtered.first_time), time_text(filtered.last_time));
+  for (const std::string& remark : filtered.remarks) fmt::print("  {}\n", remark);
 }
 
 Json result_json(const FilterSettings& settings, const mcap::Filtered& filtered) {
   return {{"file", settings.target},           {"messages", filtered.messages},       {"left_out", filtered.left_out},
           {"channels", filtered.channels},     {"attachments", filtered.attachments}, {"metadata", filtered.metadata},
-          {"first_time", filtered.first_time}, {"last_time", filtered.last_time},     {"size", filtered.bytes}};
+          {"first_time", filtered.first_time}, {"last_time", filtered.last_time},     {"size", filtered.bytes},
+          {"remarks", filtered.remarks}};
 }
 
 Exit run_filter(FilterSettings& settings) {

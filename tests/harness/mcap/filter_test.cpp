@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "composer.h"
 #include "core/mcap/examination.h"
 #include "core/mcap/merge.h"
 #include "core/trace/filter.h"
@@ -212,4 +213,22 @@ TEST(McapMerge, RefusesDamagedSourcesAndItsOwnTarget) {
     EXPECT_FALSE(mcap::merge({{a.path(), ""}, {b.path(), ""}}, target.path())) << "byte " << i;
     EXPECT_FALSE(std::filesystem::exists(target.path()));
   }
+}
+
+TEST(McapCopies, StateThePrivateRecordsThatTheyDoNotKeep) {
+  const TempFile source, target;
+  Composer file;
+  file.magic().header().record(0x80, Composer().text("mine")).channel(1, "/a");
+  file.message(1, 5, "x").record(0xff, Composer().text("mine")).end();
+  write_bytes(source.path(), file.bytes);
+  const std::string remark = "2 private records of " + source.path().string() + " aren't kept";
+  const auto filtered = mcap::filter(source.path(), target.path(), {});
+  ASSERT_TRUE(filtered) << to_string(filtered.errors());
+  EXPECT_THAT(filtered->remarks, ElementsAre(HasSubstr(remark)));
+  const auto merged = mcap::merge({{source.path(), ""}}, target.path());
+  ASSERT_TRUE(merged) << to_string(merged.errors());
+  EXPECT_THAT(merged->remarks, ElementsAre(HasSubstr(remark)));
+  const auto again = mcap::filter(target.path(), source.path(), {});
+  ASSERT_TRUE(again) << to_string(again.errors());
+  EXPECT_TRUE(again->remarks.empty());
 }

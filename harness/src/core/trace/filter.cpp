@@ -165,6 +165,8 @@ Result<Filtered> filter(const std::filesystem::path& source, const std::filesyst
   auto filtered = Filter(view, **reader, **writer, *selector, groups, options).run();
   if (!filtered) return filtered;
   filtered->bytes = draft->size();
+  if (std::string remark = private_remark(groups, (*reader)->name()); !remark.empty())
+    filtered->remarks.push_back(std::move(remark));
   if (auto done = draft->finish(); !done) return done.errors();
   return filtered;
 }
