@@ -97,7 +97,11 @@ TEST_F(Cat, ChoosesByTopicTimeAndNumber) {
               ElementsAre("/proto", "/strange"));
   EXPECT_THAT(topics(json({"mixed.mcap", "--from", "1700000000.125456789"})), ElementsAre("/joints"));
   EXPECT_THAT(topics(json({"mixed.mcap", "--limit", "2"})), ElementsAre("/joints", "/joints"));
-  EXPECT_THAT(json({"mixed.mcap", "--until", "5"}), IsEmpty());
+  EXPECT_THAT(topics(json({"mixed.mcap", "--from", "0.0011", "--until", "0.0013"})), ElementsAre("/proto", "/strange"));
+  EXPECT_THAT(topics(json({"mixed.mcap", "--from", "2023-11-14T22:13:20.125456789Z"})), ElementsAre("/joints"));
+  for (const char* late : {"5", "2023-11-15T00:00:00Z"})
+    EXPECT_THAT(rehearse({"cat", "mixed.mcap", "--from", late}).err, HasSubstr("nothing was recorded in the span"))
+        << late;
 }
 
 TEST_F(Cat, ReadsFromAPipe) {

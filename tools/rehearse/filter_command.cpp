@@ -83,8 +83,12 @@ std::function<Exit()> declare_filter(CLI::App& options) {
       ->type_name("GLOB...");
   options.add_option("--exclude", settings->options.exclude, "not these, even if they were chosen")
       ->type_name("GLOB...");
-  options.add_option("--from", settings->from, "log time [s], or +S after the first message; included")->type_name("S");
-  options.add_option("--until", settings->until, "likewise; not included")->type_name("S");
+  options
+      .add_option("--from", settings->from,
+                  "seconds from the log's beginning, or a date, as 2026-11-26T12:00:00Z; +S counts from the first "
+                  "message; included")
+      ->type_name("TIME");
+  options.add_option("--until", settings->until, "likewise; not included")->type_name("TIME");
   options.add_option("--ticks", settings->ticks, "of a recording of ours, as 100..199; both included")
       ->type_name("A..B");
   options.add_flag("--no-attachments", settings->no_attachments, "leave them out");

@@ -37,8 +37,8 @@ Written read_back(const std::filesystem::path& file) {
 
 mcap::FilterOptions between(std::uint64_t from, std::uint64_t until) {
   mcap::FilterOptions options;
-  options.selection.from = mcap::TimeBound{from, false};
-  options.selection.until = mcap::TimeBound{until, false};
+  options.selection.from = mcap::TimeBound{from, mcap::TimeOrigin::clock};
+  options.selection.until = mcap::TimeBound{until, mcap::TimeOrigin::clock};
   return options;
 }
 
@@ -128,6 +128,14 @@ TEST_F(McapFilter, RefusesDamagedSources) {
     EXPECT_NE(refusal(), "") << "cut at " << i;
   }
   EXPECT_THAT(refusal(), HasSubstr("rehearse recover makes a whole file"));
+}
+
+TEST_F(McapFilter, RefusesASpanWithoutMessages) {
+  EXPECT_THAT(refusal(between(~std::uint64_t{0} - 1, ~std::uint64_t{0})), HasSubstr("nothing was recorded in the span"));
+  mcap::FilterOptions empty = between(7, 8);
+  empty.selection.from = mcap::TimeBound{1, mcap::TimeOrigin::first_message};
+  empty.selection.until = mcap::TimeBound{2, mcap::TimeOrigin::first_message};
+  EXPECT_THAT(refusal(empty), HasSubstr("nothing was recorded in the span"));
 }
 
 TEST_F(McapFilter, RefusesATopicThatIsNotThere) {

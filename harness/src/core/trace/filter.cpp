@@ -131,6 +131,8 @@ Result<Filtered> Filter::run() {
   });
   if (!written) return written.errors();
   if (!read) return with_recover_hint(read.errors());
+  if (filtered_.messages == 0)
+    if (const auto refused = selector_.refusal_of_empty(reader_)) return *refused;
   if (auto done = write_extras_before(std::numeric_limits<std::uint64_t>::max()); !done) return done.errors();
   if (auto done = write_note(); !done) return done.errors();
   if (auto done = writer_.close(); !done) return done.errors();
