@@ -122,6 +122,19 @@ TEST_F(Cat, EndsQuietlyWhenNobodyReadsOn) {
   EXPECT_EQ(ignored.err, "141\n") << "a program that ignores the signal passes that on";
 }
 
+TEST_F(Cat, PassesNumbersOfJsonBeyondTheRangeOfADouble) {
+  {
+    auto writer = std::move(*mcap::Writer::create(folder() / "large.mcap"));
+    TopicWriter json(*writer, "/json", "json", 0);
+    json.raw(0, bytes_of("{\"a\": [1e400, -1.5E+4000], \"b\": \"1e400 x\"}"));
+    json.raw(1, bytes_of("[0001e400]"));
+    ASSERT_TRUE(writer->close());
+  }
+  const Outcome outcome = done({"cat", "large.mcap", "--json"});
+  EXPECT_THAT(outcome.out, HasSubstr(R"("message":{"a":[1e400,-1.5E+4000],"b":"1e400 x"}})"));
+  EXPECT_THAT(outcome.out, HasSubstr(R"("error":"the payload isn't JSON")"));
+}
+
 TEST_F(Cat, SaysThatADiskIsFull) {
   const Outcome outcome = shell(command.string() + " cat mixed.mcap > /dev/full");
   EXPECT_EQ(outcome.status, 2);
