@@ -97,7 +97,11 @@ TEST_F(Cat, ChoosesByTopicTimeAndNumber) {
               ElementsAre("/proto", "/strange"));
   EXPECT_THAT(topics(json({"mixed.mcap", "--from", "1700000000.125456789"})), ElementsAre("/joints"));
   EXPECT_THAT(topics(json({"mixed.mcap", "--limit", "2"})), ElementsAre("/joints", "/joints"));
-  EXPECT_THAT(json({"mixed.mcap", "--until", "5"}), IsEmpty());
+  EXPECT_THAT(topics(json({"mixed.mcap", "--from", "0.0011", "--until", "0.0013"})), ElementsAre("/proto", "/strange"));
+  EXPECT_THAT(topics(json({"mixed.mcap", "--from", "2023-11-14T22:13:20.125456789Z"})), ElementsAre("/joints"));
+  for (const char* late : {"5", "2023-11-15T00:00:00Z"})
+    EXPECT_THAT(rehearse({"cat", "mixed.mcap", "--from", late}).err, HasSubstr("nothing was recorded in the span"))
+        << late;
 }
 
 TEST_F(Cat, ReadsFromAPipe) {
@@ -116,6 +120,19 @@ TEST_F(Cat, EndsQuietlyWhenNobodyReadsOn) {
   EXPECT_EQ(outcome.err, "");
   const Outcome ignored = shell("trap '' PIPE; (" + command.string() + " cat long.mcap; echo $? >&2) | head -1");
   EXPECT_EQ(ignored.err, "141\n") << "a program that ignores the signal passes that on";
+}
+
+TEST_F(Cat, PassesNumbersOfJsonBeyondTheRangeOfADouble) {
+  {
+    auto writer = std::move(*mcap::Writer::create(folder() / "large.mcap"));
+    TopicWriter json(*writer, "/json", "json", 0);
+    json.raw(0, bytes_of("{\"a\": [1e400, -1.5E+4000], \"b\": \"1e400 x\"}"));
+    json.raw(1, bytes_of("[0001e400]"));
+    ASSERT_TRUE(writer->close());
+  }
+  const Outcome outcome = done({"cat", "large.mcap", "--json"});
+  EXPECT_THAT(outcome.out, HasSubstr(R"("message":{"a":[1e400,-1.5E+4000],"b":"1e400 x"}})"));
+  EXPECT_THAT(outcome.out, HasSubstr(R"("error":"the payload isn't JSON")"));
 }
 
 TEST_F(Cat, SaysThatADiskIsFull) {

@@ -3,10 +3,12 @@
 #include <rehearse/messages.h>
 #include <rehearse/trace.h>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
 
+#include "../harness/bag/bag_files.h"
 #include "command.h"
 #include "mixed_file.h"
 
@@ -14,6 +16,7 @@ namespace rehearse::test {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 class Logs : public Command {
  protected:
@@ -89,6 +92,85 @@ TEST_F(Logs, DoctorEndsWithAnotherStatusForWarnings) {
   EXPECT_THAT(
       outcome.out,
       HasSubstr("bag_unknown_serialization.db3: warning: the messages on '/chatter' are serialized as 'protobuf'"));
+}
+
+TEST_F(Logs, ADatabaseWithADamagedPageIsSavedOnBothSidesOfIt) {
+  {
+    Database bag(folder() / "a.db3");
+    bag.topic(1, "/joint_states", "sensor_msgs/msg/JointState");
+    bag.run("BEGIN");
+    for (std::int64_t i = 0; i < 6000; ++i) bag.message(1, i * 1'000'000, joint_state(0));
+    bag.run("COMMIT");
+  }
+  done({"doctor", "a.db3"});
+  zero_page(folder() / "a.db3", 0.3);
+  const Outcome outcome = done({"recover", "a.db3", "-o", "saved.mcap"});
+  const auto json = done({"recover", "a.db3", "-o", "saved.mcap", "--json"}).json();
+  const int saved = json["messages"], lost = json["lost_messages"];
+  EXPECT_GT(saved, 5900);
+  EXPECT_EQ(saved + lost, 6000);
+  EXPECT_EQ(json["loss_is_known"], true);
+  EXPECT_EQ(json["whole"], false);
+  const std::string damage = fmt::format("damaged: {} of its 6000 messages can't be read (rows ", lost);
+  EXPECT_THAT(outcome.out, HasSubstr(fmt::format("saved {} messages, ", saved)));
+  EXPECT_THAT(outcome.out, HasSubstr("from 0 s to 5.999 s\n  " + damage));
+  EXPECT_THAT(outcome.out, HasSubstr(fmt::format("\n{} messages lost\n", lost)));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("aren't in it")));
+  const Outcome doctor = rehearse({"doctor", "a.db3"});
+  EXPECT_EQ(doctor.status, 1);
+  EXPECT_THAT(doctor.out, HasSubstr("a.db3: error: " + damage));
+}
+
+TEST_F(Logs, DoctorWarnsOfAFolderWithoutMetadata) {
+  fs::create_directory(folder() / "friday");
+  joints("friday/friday_0.mcap", 0, 0);
+  const Outcome outcome = rehearse({"doctor", "friday"});
+  EXPECT_EQ(outcome.status, 4) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("friday: warning: it has no metadata.yaml (ros2 bag reindex makes it from the "));
+  EXPECT_THAT(outcome.out, HasSubstr("friday/friday_0.mcap: no findings; "));
+}
+
+TEST_F(Logs, DoctorExaminesTheFolderOfAMetadataFile) {
+  const Outcome outcome = rehearse({"doctor", (fixtures / "broken/bag_wrong_counts/metadata.yaml").string()});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("metadata.yaml:8: error: it states 2 messages, but the files have 1\n"));
+}
+
+TEST_F(Logs, EventsOfServicesInADatabaseAreDecodedByTheDefinitionOfTheService) {
+  CdrWriter event;
+  event.put(std::uint8_t{1});  // info: type, stamp, client, sequence number
+  event.put(std::int32_t{5});
+  event.put(std::uint32_t{0});
+  for (int i = 0; i < 16; ++i) event.put(std::uint8_t{0});
+  event.put(std::int64_t{7});
+  event.put(std::uint32_t{1});  // one request
+  event.put(std::uint8_t{1});
+  event.put(std::uint32_t{0});  // no response
+  {
+    Database bag(folder() / "a.db3");
+    bag.topic(1, "/light/_service_event", "my_srvs/srv/Light_Event");
+    bag.topic(2, "/lamp/_service_event", "my_srvs/srv/Light");
+    bag.topic(3, "/other/_service_event", "my_srvs/srv/Other");
+    bag.definition("my_srvs/srv/Light", "====\nSRV: my_srvs/srv/Light\nbool on\n---\nbool done\n");
+    for (int topic = 1; topic <= 3; ++topic) bag.message(topic, topic, event.bytes());
+  }
+  for (const std::string topic : {"/light", "/lamp"}) {
+    const auto message = done({"cat", "a.db3", "--json", "--topics", topic + "/_service_event"}).json()["message"];
+    EXPECT_EQ(message["info"]["sequence_number"], 7) << topic;
+    EXPECT_EQ(message["request"][0]["on"], true) << topic;
+  }
+  EXPECT_EQ(done({"info", "a.db3", "--json"}).json()["messages"], 3);
+}
+
+TEST_F(Logs, DoctorNotesTypesThatADatabaseDoesNotDefine) {
+  {
+    Database bag(folder() / "a.db3");
+    bag.topic(1, "/light/_service_event", "my_srvs/srv/Light");
+    bag.message(1, 5, joint_state(0));
+  }
+  EXPECT_THAT(done({"doctor", "a.db3"}).out,
+              HasSubstr("a.db3: note: the messages on '/light/_service_event' are of the type "
+                        "'my_srvs/srv/Light_Event', which it doesn't define: they can't be decoded\n"));
 }
 
 TEST_F(Logs, DoctorRefusesAFolderWithoutItsFiles) {

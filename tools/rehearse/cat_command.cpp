@@ -39,6 +39,8 @@ class Lines {
     return ++printed_ < limit_;
   }
 
+  std::uint64_t printed() const { return printed_; }
+
   /// The exit status; `read` is the result of reading.
   Exit end(const Result<void>& read) {
     if (!problem_ && std::fflush(stdout) != 0) note_failure();
@@ -78,6 +80,8 @@ Exit run_cat(const CatSettings& settings) {
       },
       channels);
   progress.reset();
+  if (read && lines.printed() == 0)
+    if (const auto refused = selector->refusal_of_empty(reader)) return refuse(*refused);
   return lines.end(read);
 }
 

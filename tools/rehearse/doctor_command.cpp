@@ -87,8 +87,14 @@ std::vector<Visit> visit_folder(const std::string& path) {
       visits.push_back(visit(file.string()));
       readable = readable && visits.back().unreadable.empty();
     }
-    Visit metadata{folder->metadata.string(), {}, {}, false, {}};
+    Visit metadata{folder->metadata.empty() ? path : folder->metadata.string(), {}, {}, false, {}};
     std::error_code ignored;
+    if (folder->metadata.empty()) {
+      metadata.container = {error_in(path, "it has no metadata.yaml", "ros2 bag reindex makes it from the files")};
+      metadata.container.back().severity = Severity::warning;
+      visits.insert(visits.begin(), std::move(metadata));
+      return visits;
+    }
     metadata.examination.size = std::filesystem::file_size(folder->metadata, ignored);
     if (readable) metadata.container = examine_metadata(*folder, path);
     visits.insert(visits.begin(), std::move(metadata));
@@ -179,8 +185,9 @@ Exit run_doctor(const DoctorSettings& settings) {
   std::vector<Visit> visits;
   Exit exit = Exit::done;
   for (const std::string& file : settings.files) {
-    std::error_code ignored;
-    for (Visit& one : std::filesystem::is_directory(file, ignored) ? visit_folder(file) : std::vector{visit(file)}) {
+    std::string folder;
+    if constexpr (has_logs) folder = bag::folder_of(file).string();
+    for (Visit& one : folder.empty() ? std::vector{visit(file)} : visit_folder(folder)) {
       exit = worse(exit, one.exit());
       if (!settings.json) tell(one);
       visits.push_back(std::move(one));

@@ -56,14 +56,16 @@ void tell(const FilterSettings& settings, const mcap::Filtered& filtered) {
              count_text(filtered.messages + filtered.left_out, "message"), count_text(filtered.channels, "channel"),
              count_text(filtered.attachments, "attachment"), count_text(filtered.metadata, "metadata record"),
              settings.target, file_size_text(filtered.bytes));
-  if (filtered.messages == 0) return;
-  fmt::print("from {} to {}\n", time_text(filtered.first_time), time_text(filtered.last_time));
+  if (filtered.messages > 0)
+    fmt::print("from {} to {}\n", time_text(filtered.first_time), time_text(filtered.last_time));
+  for (const std::string& remark : filtered.remarks) fmt::print("  {}\n", remark);
 }
 
 Json result_json(const FilterSettings& settings, const mcap::Filtered& filtered) {
   return {{"file", settings.target},           {"messages", filtered.messages},       {"left_out", filtered.left_out},
           {"channels", filtered.channels},     {"attachments", filtered.attachments}, {"metadata", filtered.metadata},
-          {"first_time", filtered.first_time}, {"last_time", filtered.last_time},     {"size", filtered.bytes}};
+          {"first_time", filtered.first_time}, {"last_time", filtered.last_time},     {"size", filtered.bytes},
+          {"remarks", filtered.remarks}};
 }
 
 Exit run_filter(FilterSettings& settings) {
@@ -81,8 +83,12 @@ std::function<Exit()> declare_filter(CLI::App& options) {
       ->type_name("GLOB...");
   options.add_option("--exclude", settings->options.exclude, "not these, even if they were chosen")
       ->type_name("GLOB...");
-  options.add_option("--from", settings->from, "log time [s], or +S after the first message; included")->type_name("S");
-  options.add_option("--until", settings->until, "likewise; not included")->type_name("S");
+  options
+      .add_option("--from", settings->from,
+                  "seconds from the log's beginning, or a date, as 2026-11-26T12:00:00Z; +S counts from the first "
+                  "message; included")
+      ->type_name("TIME");
+  options.add_option("--until", settings->until, "likewise; not included")->type_name("TIME");
   options.add_option("--ticks", settings->ticks, "of a recording of ours, as 100..199; both included")
       ->type_name("A..B");
   options.add_flag("--no-attachments", settings->no_attachments, "leave them out");

@@ -105,14 +105,16 @@ void add_selection_options(CLI::App& options, mcap::Selection& selection) {
       .add_option_function<std::string>(
           "--from",
           [=, &selection](const std::string& text) { selection.from = take("--from", mcap::parse_time_bound(text)); },
-          "only messages from this log time on [s]; +S counts from the file's first message")
-      ->type_name("[+]S");
+          "only messages from this time on: seconds from the log's beginning, or a date, as 2026-11-26T12:00:00Z; +S "
+          "counts "
+          "from the file's first message")
+      ->type_name("TIME");
   options
       .add_option_function<std::string>(
           "--until",
           [=, &selection](const std::string& text) { selection.until = take("--until", mcap::parse_time_bound(text)); },
-          "only messages before this log time [s], likewise")
-      ->type_name("[+]S");
+          "only messages before this time, likewise")
+      ->type_name("TIME");
   options
       .add_option_function<std::string>(
           "--ticks",

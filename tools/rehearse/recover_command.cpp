@@ -39,11 +39,15 @@ void tell_losses(const mcap::Recovery& recovery) {
 void tell_lost_messages(const mcap::Recovery& recovery) {
   if (recovery.lost_messages == 0) {
     if (!recovery.loss_is_known)
-      fmt::print("the number of lost messages is unknown: the file's statistics are lost, too\n");
+      fmt::print("the number of lost messages is unknown{}\n",
+                 recovery.lost_bytes > 0 ? ": the file's statistics are lost, too" : "");
     return;
   }
-  fmt::print("{} lost{}:\n", count_text(recovery.lost_messages, "message"),
-             recovery.loss_is_known ? "" : ", or more (the file's statistics are lost, too)");
+  // A database states their number alone.
+  const bool by_channel = std::any_of(recovery.channels.begin(), recovery.channels.end(),
+                                      [](const auto& entry) { return entry.second.lost > 0; });
+  fmt::print("{} lost{}{}\n", count_text(recovery.lost_messages, "message"),
+             recovery.loss_is_known ? "" : ", or more (the file's statistics are lost, too)", by_channel ? ":" : "");
   for (const auto& [id, channel] : recovery.channels)
     if (channel.lost > 0)
       fmt::print("  {}: {} of {}\n", channel.topic.empty() ? fmt::format("channel {}", id) : channel.topic,
@@ -61,7 +65,8 @@ void tell(const RecoverSettings& settings, const mcap::Recovery& recovery) {
                    ? fmt::format("; the messages after that, up to {}, are lost", time_text(*recovery.source_last_time))
                    : "");
   if (recovery.is_whole()) return;
-  fmt::print("{} of {} aren't in it\n", file_size_text(recovery.lost_bytes), file_size_text(recovery.size));
+  if (recovery.lost_bytes > 0)
+    fmt::print("{} of {} aren't in it\n", file_size_text(recovery.lost_bytes), file_size_text(recovery.size));
   tell_losses(recovery);
   tell_lost_messages(recovery);
 }
@@ -95,7 +100,9 @@ Exit run_recover(RecoverSettings& settings) {
 
 std::function<Exit()> declare_recover(CLI::App& options) {
   const auto settings = std::make_shared<RecoverSettings>();
-  options.add_option("TRACE", settings->source, "a recording, or any other MCAP file")->required()->type_name("");
+  options.add_option("TRACE", settings->source, "a recording, or any other MCAP file or ROS 2 bag")
+      ->required()
+      ->type_name("");
   options.add_option("-o,--output", settings->target, "the file to write; - is stdout")->required()->type_name("FILE");
   options.add_flag("--trust-damaged", settings->options.trust_damaged,
                    "keep the readable messages of chunks whose CRC doesn't match, although they may be wrong");

@@ -10,6 +10,7 @@
 #include <sqlite3.h>
 #include <zstd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -51,6 +52,7 @@ class Database {
  public:
   explicit Database(const fs::path& file, int version = 4) {
     EXPECT_EQ(sqlite3_open(file.c_str(), &database_), SQLITE_OK);
+    run("PRAGMA synchronous = OFF");
     const std::string profiles = version >= 2 ? ", offered_qos_profiles TEXT NOT NULL" : "";
     const std::string hash = version >= 4 ? ", type_description_hash TEXT NOT NULL DEFAULT ''" : "";
     run("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, serialization_format TEXT "
@@ -103,6 +105,18 @@ class Database {
   sqlite3* database_ = nullptr;
   bool has_profiles_ = true;
 };
+
+/// Overwrites a page of the table of messages with zeros: the first one behind that fraction of the file.
+inline void zero_page(const fs::path& file, double fraction) {
+  constexpr std::size_t page = 4096;
+  constexpr std::byte leaf_of_table{0x0d};
+  Buffer bytes = read_bytes(file);
+  std::size_t at = static_cast<std::size_t>(fraction * static_cast<double>(bytes.size() / page)) * page;
+  while (at < bytes.size() && bytes[at] != leaf_of_table) at += page;
+  ASSERT_LT(at, bytes.size());
+  std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), page, std::byte{0});
+  write_bytes(file, bytes);
+}
 
 /// An MCAP file with messages of the joint KNEE on /joint_states: `count` from that time on, a millisecond apart. The
 /// position is the time in milliseconds.

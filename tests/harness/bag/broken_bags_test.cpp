@@ -44,7 +44,9 @@ const std::vector<BrokenBag>& broken_bags() {
       {"bag_of_a_scenario", "bag_of_a_scenario/metadata.yaml:1:1: error: it has no map 'rosbag2_bagfile_information'"},
       {"bag_not_yaml", "bag_not_yaml/metadata.yaml:1:30: error: it can't be read as YAML: this '['"},
       {"bag_without_metadata",
-       "bag_without_metadata: error: can't read the trace: it is a directory without metadata.yaml"},
+       "bag_without_metadata: error: can't read the trace: it is a directory without metadata.yaml, and with no logs "
+       "of "
+       "rosbag2 (name a file in it"},
   };
   return table;
 }

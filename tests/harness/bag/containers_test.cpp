@@ -141,7 +141,88 @@ TEST(Database, ThatWasCutIsReportedAfterItsReadableMessages) {
   const auto read = (*reader)->for_each_message([&](const mcap::Message&) { return ++messages > 0; });
   ASSERT_FALSE(read);
   EXPECT_GT(messages, 100);
-  EXPECT_THAT(to_string(read.errors()), HasSubstr("damaged: not all of its messages can be read: SQLite reports: "));
+  EXPECT_THAT(to_string(read.errors()), HasSubstr("damaged: an unknown number of its messages can't be read ("));
+}
+
+void write_database(const fs::path& file, int messages) {
+  Database bag(file);
+  bag.topic(1, "/joint_states", "sensor_msgs/msg/JointState");
+  bag.run("BEGIN");
+  for (int i = 0; i < messages; ++i) bag.message(1, std::int64_t{1'000'000} * i, joint_state(i));
+  bag.run("COMMIT");
+}
+
+/// The times of a log's readable messages [ms].
+std::vector<std::uint64_t> times_in(const fs::path& log) {
+  std::vector<std::uint64_t> times;
+  const auto reader = mcap::Reader::open(log);
+  EXPECT_TRUE(reader) << to_string(reader.errors());
+  if (reader)
+    static_cast<void>((*reader)->for_each_message([&](const mcap::Message& message) {
+      times.push_back(message.log_time / 1'000'000);
+      return true;
+    }));
+  return times;
+}
+
+TEST(Database, WithDamagedPagesLosesTheMessagesInThemAlone) {
+  const TemporaryFolder folder;
+  write_database(folder / "a.db3", 6000);
+  zero_page(folder / "a.db3", 0.3);
+  zero_page(folder / "a.db3", 0.6);
+  const std::vector<std::uint64_t> times = times_in(folder / "a.db3");
+  ASSERT_GT(times.size(), 5800u);
+  EXPECT_EQ(times.front(), 0u);
+  EXPECT_EQ(times.back(), 5999u);
+  const auto reader = mcap::Reader::open(folder / "a.db3");
+  ASSERT_TRUE(reader) << to_string(reader.errors());
+  EXPECT_THAT(to_string((*reader)->damage()),
+              HasSubstr("damaged: " + std::to_string(6000 - times.size()) +
+                        " of its 6000 messages can't be read (in 2 places, the first: rows "));
+}
+
+TEST(Database, WithADamagedLastPageCountsItsMessagesByTheIndex) {
+  const TemporaryFolder folder;
+  write_database(folder / "a.db3", 1000);
+  zero_page(folder / "a.db3", 0.95);
+  const std::vector<std::uint64_t> times = times_in(folder / "a.db3");
+  ASSERT_GT(times.size(), 900u);
+  ASSERT_LT(times.size(), 1000u);
+  EXPECT_THAT(to_string((*mcap::Reader::open(folder / "a.db3"))->damage()),
+              HasSubstr(std::to_string(1000 - times.size()) + " of its 1000 messages can't be read ("));
+}
+
+TEST(Database, IsReadWithTheRowsOfItsWalFileAndNothingBesideItIsChanged) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "log");
+  {
+    Database bag(folder / "a.db3");
+    bag.run("PRAGMA journal_mode = WAL");
+    bag.run("PRAGMA wal_autocheckpoint = 0");
+    bag.topic(1, "/joint_states", "sensor_msgs/msg/JointState");
+    for (int i = 0; i < 10; ++i) bag.message(1, i * 1'000'000, joint_state(i));
+    fs::copy(folder / "a.db3", folder / "log/a.db3");  // as a recorder leaves it that is killed
+    fs::copy(folder / "a.db3-wal", folder / "log/a.db3-wal");
+  }
+  fs::permissions(folder / "log/a.db3", fs::perms::owner_read);
+  const Buffer database = read_bytes(folder / "log/a.db3"), wal = read_bytes(folder / "log/a.db3-wal");
+  EXPECT_EQ(knee_in(folder / "log/a.db3"), upto(10));
+  EXPECT_EQ(read_bytes(folder / "log/a.db3"), database);
+  EXPECT_EQ(read_bytes(folder / "log/a.db3-wal"), wal);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder / "log"), fs::directory_iterator()), 2);
+}
+
+TEST(Database, InWalModeIsReadWithoutAFileBesideIt) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "log 50%");
+  {
+    Database bag(folder / "log 50%/a?b#.db3");
+    bag.run("PRAGMA journal_mode = WAL");
+    bag.topic(1, "/joint_states", "sensor_msgs/msg/JointState");
+    for (int i = 0; i < 10; ++i) bag.message(1, i * 1'000'000, joint_state(i));
+  }
+  EXPECT_EQ(knee_in(folder / "log 50%/a?b#.db3"), upto(10));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder / "log 50%"), fs::directory_iterator()), 1);
 }
 
 TEST(Folder, OfSplitFilesIsOneLog) {
@@ -175,6 +256,49 @@ TEST(Folder, OfSplitDatabasesIsOneLog) {
   write_metadata(folder.path(), {.storage = "sqlite3", .files = {"bag_0.db3", "bag_1.db3"}, .messages = 10});
   EXPECT_EQ(knee_in(folder.path()), upto(10));
   EXPECT_EQ(form_of(folder.path()), "rosbag2 folder (2 files of sqlite3)");
+}
+
+TEST(Folder, WithoutMetadataIsItsPartsInTheOrderOfTheirNumbers) {
+  const TemporaryFolder folder;
+  for (std::uint64_t part = 0; part < 11; ++part)
+    write_joints(folder / ("friday_" + std::to_string(part) + ".mcap"), part, 1);
+  write_text(folder / "notes.txt", "of mine");
+  EXPECT_EQ(times_in(folder.path()), (std::vector<std::uint64_t>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10}));
+  EXPECT_EQ(form_of(folder.path()), "rosbag2 folder without metadata.yaml (11 files of mcap)");
+}
+
+TEST(Folder, WithoutMetadataOfOneFileIsThatFile) {
+  const TemporaryFolder folder;
+  write_database(folder / "a.db3", 10);
+  EXPECT_EQ(knee_in(folder.path()), upto(10));
+}
+
+TEST(Folder, WithoutMetadataOfSeveralRecordingsIsRefused) {
+  const TemporaryFolder folder;
+  write_joints(folder / "friday_0.mcap", 0, 4);
+  write_joints(folder / "monday_1.mcap", 4, 4);
+  EXPECT_THAT(form_of(folder.path()),
+              HasSubstr("it has no metadata.yaml, and 'friday_0.mcap' and 'monday_1.mcap' aren't the parts of one "
+                        "recording (name one of its files; merge joins several)"));
+}
+
+TEST(Folder, WhoseMetadataStatesNoStorageIsRead) {
+  const TemporaryFolder folder;
+  write_database(folder / "bag_0.db3", 4);
+  write_joints(folder / "bag_1.mcap", 4, 3);
+  write_metadata(folder.path(), {.storage = "\"\"", .files = {"bag_0.db3"}, .messages = 4});
+  EXPECT_EQ(knee_in(folder.path()), upto(4));
+  write_metadata(folder.path(), {.storage = "\"\"", .files = {"bag_0.db3", "bag_1.mcap"}, .messages = 7});
+  EXPECT_EQ(times_in(folder.path()), (std::vector<std::uint64_t>{0, 1, 2, 3, 4, 5, 6}));
+}
+
+TEST(Folder, IsOpenedByTheNameOfItsMetadata) {
+  const TemporaryFolder folder;
+  write_joints(folder / "bag_0.mcap", 0, 4);
+  write_joints(folder / "bag_1.mcap", 4, 3);
+  write_metadata(folder.path(), {.files = {"bag_0.mcap", "bag_1.mcap"}, .messages = 7});
+  EXPECT_EQ(knee_in(folder / "metadata.yaml"), upto(7));
+  EXPECT_EQ(form_of(folder / "metadata.yaml"), "rosbag2 folder (2 files of mcap)");
 }
 
 TEST(Folder, OfCompressedFilesIsRead) {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "composer.h"
 #include "core/mcap/examination.h"
 #include "core/mcap/merge.h"
 #include "core/trace/filter.h"
@@ -36,8 +37,8 @@ Written read_back(const std::filesystem::path& file) {
 
 mcap::FilterOptions between(std::uint64_t from, std::uint64_t until) {
   mcap::FilterOptions options;
-  options.selection.from = mcap::TimeBound{from, false};
-  options.selection.until = mcap::TimeBound{until, false};
+  options.selection.from = mcap::TimeBound{from, mcap::TimeOrigin::clock};
+  options.selection.until = mcap::TimeBound{until, mcap::TimeOrigin::clock};
   return options;
 }
 
@@ -129,6 +130,14 @@ TEST_F(McapFilter, RefusesDamagedSources) {
   EXPECT_THAT(refusal(), HasSubstr("rehearse recover makes a whole file"));
 }
 
+TEST_F(McapFilter, RefusesASpanWithoutMessages) {
+  EXPECT_THAT(refusal(between(~std::uint64_t{0} - 1, ~std::uint64_t{0})), HasSubstr("nothing was recorded in the span"));
+  mcap::FilterOptions empty = between(7, 8);
+  empty.selection.from = mcap::TimeBound{1, mcap::TimeOrigin::first_message};
+  empty.selection.until = mcap::TimeBound{2, mcap::TimeOrigin::first_message};
+  EXPECT_THAT(refusal(empty), HasSubstr("nothing was recorded in the span"));
+}
+
 TEST_F(McapFilter, RefusesATopicThatIsNotThere) {
   mcap::FilterOptions options;
   options.selection.topics = {"/numbrs"};
@@ -212,4 +221,22 @@ TEST(McapMerge, RefusesDamagedSourcesAndItsOwnTarget) {
     EXPECT_FALSE(mcap::merge({{a.path(), ""}, {b.path(), ""}}, target.path())) << "byte " << i;
     EXPECT_FALSE(std::filesystem::exists(target.path()));
   }
+}
+
+TEST(McapCopies, StateThePrivateRecordsThatTheyDoNotKeep) {
+  const TempFile source, target;
+  Composer file;
+  file.magic().header().record(0x80, Composer().text("mine")).channel(1, "/a");
+  file.message(1, 5, "x").record(0xff, Composer().text("mine")).end();
+  write_bytes(source.path(), file.bytes);
+  const std::string remark = "2 private records of " + source.path().string() + " aren't kept";
+  const auto filtered = mcap::filter(source.path(), target.path(), {});
+  ASSERT_TRUE(filtered) << to_string(filtered.errors());
+  EXPECT_THAT(filtered->remarks, ElementsAre(HasSubstr(remark)));
+  const auto merged = mcap::merge({{source.path(), ""}}, target.path());
+  ASSERT_TRUE(merged) << to_string(merged.errors());
+  EXPECT_THAT(merged->remarks, ElementsAre(HasSubstr(remark)));
+  const auto again = mcap::filter(target.path(), source.path(), {});
+  ASSERT_TRUE(again) << to_string(again.errors());
+  EXPECT_TRUE(again->remarks.empty());
 }

@@ -51,12 +51,45 @@ std::string refusal(const Result<mcap::TimeBound>& result) { return result ? "" 
 }  // namespace
 
 TEST(McapSelect, ReadsMoments) {
-  EXPECT_EQ(*mcap::parse_time_bound("3.5"), (mcap::TimeBound{3'500'000'000, false}));
-  EXPECT_EQ(*mcap::parse_time_bound("+0.001"), (mcap::TimeBound{1'000'000, true}));
-  EXPECT_EQ(*mcap::parse_time_bound("1700000000.123456789"), (mcap::TimeBound{1'700'000'000'123'456'789, false}));
-  EXPECT_EQ(*mcap::parse_time_bound(".5"), (mcap::TimeBound{500'000'000, false}));
-  EXPECT_EQ(*mcap::parse_time_bound("7."), (mcap::TimeBound{7'000'000'000, false}));
+  EXPECT_EQ(*mcap::parse_time_bound("3.5"), (mcap::TimeBound{3'500'000'000, mcap::TimeOrigin::beginning}));
+  EXPECT_EQ(*mcap::parse_time_bound("+0.001"), (mcap::TimeBound{1'000'000, mcap::TimeOrigin::first_message}));
+  EXPECT_EQ(*mcap::parse_time_bound("1700000000.123456789"),
+            (mcap::TimeBound{1'700'000'000'123'456'789, mcap::TimeOrigin::clock}));
+  EXPECT_EQ(*mcap::parse_time_bound(".5"), (mcap::TimeBound{500'000'000, mcap::TimeOrigin::beginning}));
+  EXPECT_EQ(*mcap::parse_time_bound("7."), (mcap::TimeBound{7'000'000'000, mcap::TimeOrigin::beginning}));
   EXPECT_EQ(mcap::parse_time_bound("18446744073.709551615")->ns, ~std::uint64_t{0});
+}
+
+TEST(McapSelect, ReadsDates) {
+  const std::uint64_t second = 1'000'000'000, noon = 1'795'694'400 * second;
+  for (const char* text :
+       {"2026-11-26T12:00:00Z", "2026-11-26 12:00:00 UTC", "2026-11-26T12:00", "2026-11-26T12:00:00"})
+    EXPECT_EQ(*mcap::parse_time_bound(text), (mcap::TimeBound{noon, mcap::TimeOrigin::clock})) << text;
+  EXPECT_EQ(mcap::parse_time_bound("2026-11-26 12:00:01.000000005 UTC")->ns, noon + second + 5);
+  for (const char* text : {"2026-11-26", "2026-13-26T12:00:00Z", "2026-02-29T12:00:00Z", "2026-11-26T24:00:00Z",
+                           "2026-11-26T12:00:00+01:00", "2026-11-26T12:00:00.Z1", "1969-11-26T12:00:00Z"})
+    EXPECT_THAT(refusal(mcap::parse_time_bound(text)), HasSubstr("is no time")) << text;
+}
+
+TEST(McapSelect, CountsFromTheFirstMessageOfALogWithoutTicks) {
+  const TempFile file;
+  {
+    auto writer = std::move(*mcap::Writer::create(file.path()));
+    const auto a = writer->add_channel(0, "/a", "text");
+    const std::uint64_t noon = 1'795'694'400'000'000'000;
+    for (std::uint64_t i = 0; i < 4; ++i) {
+      const std::uint64_t time = noon + i * 1'000'000'000;
+      ASSERT_TRUE(writer->write(a, time, time, bytes_of(std::to_string(i))));
+    }
+    ASSERT_TRUE(writer->close());
+  }
+  const auto reader = open(file);
+  const auto moment = [](const char* text) { return *mcap::parse_time_bound(text); };
+  EXPECT_THAT(taken(*reader, {.from = moment("1"), .until = moment("3")}), ElementsAre("1", "2"));
+  EXPECT_THAT(taken(*reader, {.from = moment("+2")}), ElementsAre("2", "3"));
+  EXPECT_THAT(taken(*reader, {.from = moment("2026-11-26T12:00:03Z")}), ElementsAre("3"));
+  EXPECT_THAT(taken(*reader, {.from = moment("1795694402")}), ElementsAre("2", "3"));
+  EXPECT_THAT(taken(*reader, {.from = moment("4")}), ElementsAre("nothing was recorded in the span that is asked for"));
 }
 
 TEST(McapSelect, RefusesWhatIsNoMoment) {
@@ -92,7 +125,7 @@ TEST(McapSelect, TakesTimesFromTheFirstUpToTheLastWithoutIt) {
   EXPECT_THAT(taken(*reader, {}), ElementsAre("5", "6", "7", "8", "9"));
   EXPECT_THAT(taken(*reader, {.from = moment("2.001"), .until = moment("2.003")}), ElementsAre("6", "7"));
   EXPECT_THAT(taken(*reader, {.from = moment("+0.001"), .until = moment("+0.003")}), ElementsAre("6", "7"));
-  EXPECT_THAT(taken(*reader, {.until = moment("1")}), ElementsAre());
+  EXPECT_THAT(taken(*reader, {.until = moment("1")}), ElementsAre("nothing was recorded in the span that is asked for"));
 }
 
 TEST(McapSelect, TakesTicksWithBothEnds) {

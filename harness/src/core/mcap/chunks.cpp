@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "model/text.h"
+#include "record_layout.h"
 #include "record_pass.h"
 
 namespace rehearse::mcap {
@@ -83,6 +85,14 @@ ChunkGroup ChannelGroups::of(std::uint16_t channel) const {
   return {root + 1, compression_.at(root)};
 }
 
+std::string private_remark(const ChannelGroups& groups, const std::string& file) {
+  if (groups.private_records == 0) return {};
+  return fmt::format(
+      "{} of {} {} kept: their meaning is known to their writer alone",
+      groups.private_records == 1 ? "1 private record" : fmt::format("{} private records", groups.private_records),
+      printable(file, 200), groups.private_records == 1 ? "isn't" : "aren't");
+}
+
 ChannelGroups groups_of(const FileView& view, Bytes file) {
   ChannelGroups groups;
   RecordPass pass(view, file, false, {}, magic.size());
@@ -102,6 +112,7 @@ ChannelGroups groups_of(const FileView& view, Bytes file) {
       continue;
     }
     add();
+    if (is_private(record.opcode)) ++groups.private_records;
     if (record.opcode != op::chunk) continue;
     const auto head = parse_chunk(record.body);
     in_chunk = head && head->uncompressed_size > 0;

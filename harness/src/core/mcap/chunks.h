@@ -5,6 +5,8 @@
 #include "file_view.h"
 #include "records.h"
 
+#include <string>
+
 namespace rehearse::mcap {
 
 /// The records of a chunk, or the reason why they can't be read.
@@ -43,12 +45,17 @@ class ChannelGroups {
   void add_chunk(std::string_view compression);
   ChunkGroup of(std::uint16_t channel) const;
 
+  std::uint64_t private_records = 0;  // number of records outside of chunks that no copy contains
+
  private:
   std::uint16_t root_of(std::uint16_t channel) const;
   std::map<std::uint16_t, std::uint16_t> parent_;     // parent of each channel; a root is its own parent
   std::map<std::uint16_t, Compression> compression_;  // compression of each root
   Compression otherwise_ = Compression::zstd;
 };
+
+/// A sentence about the private records that a copy lacks; empty: there are none.
+std::string private_remark(const ChannelGroups& groups, const std::string& file);
 
 /// The groups of a file, from its message indexes; nothing is decompressed. A chunk without an index only determines
 /// the compression of all channels without one. `file`: the view's bytes, whose memory is released, or bytes of another

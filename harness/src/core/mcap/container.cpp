@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstring>
 #include <string_view>
+#include <system_error>
 
 #include "contents.h"
 
@@ -24,6 +25,13 @@ Container container_of(Bytes start) {
   if (begins_with(start, "#ROSBAG V")) return Container::ros1_bag;
   if (begins_with(start, "version https://git-lfs")) return Container::git_lfs_pointer;
   return Container::unknown;
+}
+
+std::filesystem::path folder_of(const std::filesystem::path& log) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(log, ignored)) return log;
+  if (log.filename() != "metadata.yaml") return {};
+  return log.has_parent_path() ? log.parent_path() : std::filesystem::path(".");
 }
 
 void set_container_reader(const ContainerReader& reader) { reader_of_others = &reader; }

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "temporary_file.h"
@@ -25,8 +26,18 @@ struct Converted {
   std::string form;        // description of the container, as "rosbag2 database (SQLite, schema version 3)"
   std::uint64_t size = 0;  // size of the log's own files [bytes]
   Diagnostics damage;      // data that couldn't be converted
+  std::optional<std::uint64_t> lost_messages = 0;  // number of messages that couldn't be converted; nullopt: unknown
+
+  /// Adds damage by which so many messages are lost.
+  void add_damage(const Diagnostics& found, std::optional<std::uint64_t> messages) {
+    damage.insert(damage.end(), found.begin(), found.end());
+    lost_messages = lost_messages && messages ? std::optional(*lost_messages + *messages) : std::nullopt;
+  }
 };
 using ConvertedPtr = std::shared_ptr<const Converted>;
+
+/// The folder of a log that is a folder, or the file metadata.yaml of one; empty: it is any other file.
+std::filesystem::path folder_of(const std::filesystem::path& log);
 
 /// A log that is a folder.
 struct OpenedFolder {

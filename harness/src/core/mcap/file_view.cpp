@@ -172,8 +172,7 @@ bool was_cut(Bytes mapped) {
 }
 
 Result<FileView> FileView::open(const std::filesystem::path& file) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) return open_folder(file);
+  if (const std::filesystem::path folder = folder_of(file); !folder.empty()) return open_folder(folder);
   auto input = Input::open(file);
   if (!input) return input.errors();
   auto kept = std::shared_ptr<const TemporaryFile>();

@@ -67,6 +67,8 @@ class Merger {
 
 void Merger::define(OpenSource& source, int index) {
   const ChannelGroups groups = groups_of(source.reader->impl().file_, source.reader->impl().bytes_);
+  if (std::string remark = private_remark(groups, source.reader->name()); !remark.empty())
+    merged_.remarks.push_back(std::move(remark));
   std::set<std::uint16_t> own;  // channels that other channels of this source must not share
   for (const auto& [id, channel] : source.reader->channels()) {
     const std::uint16_t schema_id = copy(source.reader->schema_of(channel), writer_);

@@ -29,15 +29,17 @@ struct Merged {
   std::uint64_t messages = 0;
   std::uint64_t channels = 0, attachments = 0, metadata = 0;
   std::uint64_t bytes = 0;
-  std::vector<std::string> remarks;  // sentences: topics with different definitions, names that occur twice
+  std::vector<std::string>
+      remarks;  // sentences: topics with different definitions, names that occur twice, private records
 };
 
 /// Writes `target`, under a temporary name until it is complete. It contains all messages by log time, then in the
 /// order of the sources, then as in their files, with their bytes, numbers and both times; and the attachments and
 /// metadata of all sources. Channels with equal topic, encoding, schema and metadata become one. Other channels with
 /// equal topics stay separate, and are reported. The profile is that of all sources if they agree, else empty. A
-/// metadata record `rehearse.merge` names the sources. Private records aren't kept. Chunks that overlap in time are
-/// kept in memory. Fails, and writes nothing, if a source is damaged, or if `target` can't be written.
+/// metadata record `rehearse.merge` names the sources. Private records aren't kept, which a remark states. Chunks that
+/// overlap in time are kept in memory. Fails, and writes nothing, if a source is damaged, or if `target` can't be
+/// written.
 Result<Merged> merge(const std::vector<MergeSource>& sources, const std::filesystem::path& target,
                      const MergeOptions& options = {});
 

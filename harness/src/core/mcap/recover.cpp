@@ -151,8 +151,8 @@ std::vector<std::uint16_t> define(Writer& writer, const Examination& from, Recov
   return ids;
 }
 
-/// Computes the losses from the remaining statistics.
-void count_losses(const Examination& from, Recovery& recovery) {
+/// Computes the losses from the remaining statistics, and adds those of the conversion.
+void count_losses(const FileView& file, const Examination& from, Recovery& recovery) {
   if (from.contents.statistics) {
     recovery.loss_is_known = true;
     recovery.source_last_time = from.contents.statistics->message_end_time;
@@ -162,9 +162,12 @@ void count_losses(const Examination& from, Recovery& recovery) {
       RecoveredChannel& channel = recovery.channels[id];
       channel.lost = count - std::min(count, channel.saved);
     }
-    return;
+  } else {
+    for (const auto& [id, channel] : recovery.channels) recovery.lost_messages += channel.lost;
   }
-  for (const auto& [id, channel] : recovery.channels) recovery.lost_messages += channel.lost;
+  if (file.converted() == nullptr) return;
+  recovery.loss_is_known = recovery.loss_is_known && file.converted()->lost_messages;
+  recovery.lost_messages += file.converted()->lost_messages.value_or(0);
 }
 
 /// The metadata of the new file about its recovery.
@@ -188,7 +191,7 @@ StringMap note_of(const std::filesystem::path& source, const RecoverOptions& opt
 Recovery begin_recovery(const FileView& file, const Examination& from) {
   constexpr std::size_t listed = 20;
   Recovery recovery;
-  recovery.size = file.bytes().size();
+  recovery.size = from.size;
   recovery.lost_bytes = from.lost_bytes;
   recovery.lost = from.lost;
   for (const auto& [channel, count] : from.lost_messages) recovery.channels[channel].lost = count;
@@ -245,7 +248,7 @@ Result<void> write_saved(const FileView& file, const std::filesystem::path& sour
   if (recovery.messages + recovery.attachments + recovery.metadata == 0)
     return error_in(source.string(),
                     "nothing can be saved: it has no message, no attachment and no metadata that is whole");
-  count_losses(from, recovery);
+  count_losses(file, from, recovery);
   if (!recovery.is_whole()) {
     if (auto noted = (*writer)->add_metadata("rehearse.recover", note_of(source, options, recovery)); !noted)
       return noted;

@@ -44,8 +44,8 @@ struct Recovery {
   std::vector<std::string> remarks;                    // sentences: other differences from the source; errors mended
   std::map<std::uint16_t, RecoveredChannel> channels;  // by their ids in the source
   std::uint64_t lost_messages = 0;                     // 0: none, or an unknown number
-  bool loss_is_known = false;                          // the source's statistics exist, so lost_messages is exact
-  std::uint64_t first_time = 0, last_time = 0;         // log times of the saved messages [ns]
+  bool loss_is_known = false;                   // lost_messages is exact: by the source's statistics, or its database
+  std::uint64_t first_time = 0, last_time = 0;  // log times of the saved messages [ns]
   /// Log time of the last message in the source, if statistics exist [ns].
   std::optional<std::uint64_t> source_last_time;
 

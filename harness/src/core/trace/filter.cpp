@@ -131,6 +131,8 @@ Result<Filtered> Filter::run() {
   });
   if (!written) return written.errors();
   if (!read) return with_recover_hint(read.errors());
+  if (filtered_.messages == 0)
+    if (const auto refused = selector_.refusal_of_empty(reader_)) return *refused;
   if (auto done = write_extras_before(std::numeric_limits<std::uint64_t>::max()); !done) return done.errors();
   if (auto done = write_note(); !done) return done.errors();
   if (auto done = writer_.close(); !done) return done.errors();
@@ -165,6 +167,8 @@ Result<Filtered> filter(const std::filesystem::path& source, const std::filesyst
   auto filtered = Filter(view, **reader, **writer, *selector, groups, options).run();
   if (!filtered) return filtered;
   filtered->bytes = draft->size();
+  if (std::string remark = private_remark(groups, (*reader)->name()); !remark.empty())
+    filtered->remarks.push_back(std::move(remark));
   if (auto done = draft->finish(); !done) return done.errors();
   return filtered;
 }

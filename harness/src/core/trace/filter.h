@@ -40,13 +40,14 @@ struct Filtered {
   std::uint64_t channels = 0, attachments = 0, metadata = 0;
   std::uint64_t first_time = 0, last_time = 0;  // log times [ns]; 0 without messages
   std::uint64_t bytes = 0;
+  std::vector<std::string> remarks;  // sentences: private records of the source
 };
 
 /// Writes `target`, under a temporary name until it is complete. Messages keep their bytes, their numbers, both times
 /// and their order; selected channels are kept even without messages. If something is left out, the metadata record
-/// `rehearse.filter` states the source and the selection. Private records aren't kept. Fails, and writes nothing, if
-/// the source is damaged (it must be recovered first), if the file lacks something in the selection, or if `target`
-/// can't be written.
+/// `rehearse.filter` states the source and the selection. Private records aren't kept, which a remark states. Fails,
+/// and writes nothing, if the source is damaged (it must be recovered first), if the file lacks something in the
+/// selection, or if `target` can't be written.
 Result<Filtered> filter(const std::filesystem::path& source, const std::filesystem::path& target,
                         const FilterOptions& options);
 

@@ -13,9 +13,26 @@ namespace {
 
 std::string_view text_of(mcap::Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
+/// The text with at most two of the digits in a row outside of quotes, which keeps valid JSON valid and other texts
+/// invalid: the parser refuses numbers beyond the range of a double.
+std::string with_short_numbers(std::string_view json) {
+  std::string text;
+  bool quoted = false;
+  int digits = 0;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const char c = json[i];
+    digits = !quoted && c >= '0' && c <= '9' ? digits + 1 : 0;
+    if (digits > 2) continue;
+    text += c;
+    if (c == '"') quoted = !quoted;
+    if (quoted && c == '\\' && i + 1 < json.size()) text += json[++i];
+  }
+  return text;
+}
+
 /// The JSON text without the blanks between its tokens; nullopt if it isn't JSON.
 std::optional<std::string> without_blanks(std::string_view json) {
-  if (!nlohmann::json::accept(json)) return std::nullopt;
+  if (!nlohmann::json::accept(json) && !nlohmann::json::accept(with_short_numbers(json))) return std::nullopt;
   std::string text;
   text.reserve(json.size());
   bool quoted = false;

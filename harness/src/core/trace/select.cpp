@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
 
 #include "core/mcap/glob.h"
@@ -15,10 +16,41 @@ namespace rehearse::mcap {
 namespace {
 
 constexpr std::uint64_t ns_per_s = 1'000'000'000;
+constexpr std::uint64_t wall_clock_begins = 100'000'000 * ns_per_s;  // 1973; no log lasts as long
 constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
 
 bool is_digits(std::string_view text) {
   return std::all_of(text.begin(), text.end(), [](char c) { return '0' <= c && c <= '9'; });
+}
+
+/// A date in UTC as nanoseconds since 1970.
+std::optional<std::uint64_t> parse_date(std::string_view text) {
+  for (const std::string_view zone : {"Z", " UTC"})
+    if (text.ends_with(zone)) {
+      text.remove_suffix(zone.size());
+      break;
+    }
+  constexpr std::string_view form = "0000-00-00T00:00:00";
+  std::string whole(text.substr(0, form.size()));
+  std::string fraction(text.substr(whole.size()));
+  if (whole.size() == form.size() - 3) whole += ":00";
+  if (whole.size() != form.size()) return std::nullopt;
+  if (whole[10] == ' ') whole[10] = 'T';
+  for (std::size_t i = 0; i < form.size(); ++i)
+    if (form[i] == '0' ? !is_digits(whole.substr(i, 1)) : whole[i] != form[i]) return std::nullopt;
+  if (!fraction.empty() && (fraction[0] != '.' || fraction.size() > 10 || !is_digits(fraction.substr(1))))
+    return std::nullopt;
+  fraction.resize(10, '0');
+  const auto number = [&whole](std::size_t at, std::size_t size) { return *number_in<int>(whole.substr(at, size)); };
+  const std::chrono::year_month_day day{std::chrono::year(number(0, 4)),
+                                        std::chrono::month(static_cast<unsigned>(number(5, 2))),
+                                        std::chrono::day(static_cast<unsigned>(number(8, 2)))};
+  constexpr int last_year = 2500;  // nanoseconds of 64 bits end in 2554
+  if (!day.ok() || number(0, 4) < 1970 || number(0, 4) > last_year) return std::nullopt;
+  if (number(11, 2) > 23 || number(14, 2) > 59 || number(17, 2) > 59) return std::nullopt;
+  const std::int64_t days = std::chrono::sys_days(day).time_since_epoch().count();
+  const std::int64_t seconds = ((days * 24 + number(11, 2)) * 60 + number(14, 2)) * 60 + number(17, 2);
+  return static_cast<std::uint64_t>(seconds) * ns_per_s + *number_in<std::uint64_t>(fraction.substr(1));
 }
 
 /// a + b, limited to never.
@@ -40,11 +72,18 @@ std::vector<std::uint16_t> tick_channels(const Reader& reader) {
 Result<TimeBound> parse_time_bound(std::string_view text) {
   const auto refuse = [whole = std::string(text)] {
     return error(fmt::format("'{}' is no time", whole),
-                 "seconds on the file's clock, as 3.5; +3.5 counts from its first message");
+                 "seconds from the log's beginning, as 3.5, or a date, as 2026-11-26T12:00:00Z");
   };
   TimeBound moment;
-  moment.after_first = text.starts_with('+');
-  if (moment.after_first) text.remove_prefix(1);
+  if (text.find('-', 1) != std::string_view::npos) {
+    const auto date = parse_date(text);
+    if (!date) return refuse();
+    return TimeBound{*date, TimeOrigin::clock};
+  }
+  if (text.starts_with('+')) {
+    moment.origin = TimeOrigin::first_message;
+    text.remove_prefix(1);
+  }
   const std::size_t point = std::min(text.find('.'), text.size());
   const std::string_view whole = text.substr(0, point);
   std::string fraction(text.substr(std::min(point + 1, text.size())));
@@ -56,6 +95,7 @@ Result<TimeBound> parse_time_bound(std::string_view text) {
   const auto rest = number_in<std::uint64_t>(fraction);
   if (!seconds || *seconds > (never - *rest) / ns_per_s) return refuse();
   moment.ns = *seconds * ns_per_s + *rest;
+  if (moment.ns >= wall_clock_begins && moment.origin == TimeOrigin::beginning) moment.origin = TimeOrigin::clock;
   return moment;
 }
 
@@ -80,10 +120,8 @@ bool Selection::takes_topic(std::string_view topic) const {
 Result<Selector> Selector::of(Selection selection, Reader& reader) {
   Selector selector(std::move(selection));
   if (const auto known = selector.check_topics(reader); !known) return known.errors();
-  const Selection& chosen = selector.selection_;
-  const bool counts = (chosen.from && chosen.from->after_first) || (chosen.until && chosen.until->after_first);
-  selector.begin_at(counts ? first_log_time(reader).value_or(0) : 0);
-  if (chosen.ticks) {
+  if (const auto found = selector.find_span(reader); !found) return found.errors();
+  if (selector.selection_.ticks) {
     if (const auto found = selector.find_ticks(reader); !found) return found.errors();
   }
   return selector;
@@ -131,23 +169,45 @@ Result<void> Selector::find_ticks(Reader& reader) {
   return {};
 }
 
-void Selector::begin_at(std::uint64_t first) {
-  const auto time_of = [&](const TimeBound& moment) { return moment.after_first ? add(first, moment.ns) : moment.ns; };
+/// Finds the log times of the span.
+Result<void> Selector::find_span(Reader& reader) {
+  if (!selection_.from && !selection_.until) return {};
+  const auto times = log_times(reader);
+  if (!times) return {};
+  const std::uint64_t beginning = tick_channels(reader).empty() ? times->first : 0;
+  const auto time_of = [&](const TimeBound& moment) {
+    switch (moment.origin) {
+      case TimeOrigin::beginning: return add(beginning, moment.ns);
+      case TimeOrigin::first_message: return add(times->first, moment.ns);
+      case TimeOrigin::clock: break;
+    }
+    return moment.ns;
+  };
   if (selection_.from) begin_ = time_of(*selection_.from);
   if (selection_.until) end_ = time_of(*selection_.until);
+  if (begin_ <= times->second && (!end_ || (*end_ > times->first && *end_ > begin_))) return {};
+  return *refusal_of_empty(reader);
 }
 
-std::optional<std::uint64_t> first_log_time(Reader& reader) {
+std::optional<Diagnostic> Selector::refusal_of_empty(const Reader& reader) const {
+  if (selection_.takes_all_times()) return std::nullopt;
+  return error_in(reader.name(), "nothing was recorded in the span that is asked for",
+                  "rehearse info shows its begin and its end; times count from its beginning, or are dates");
+}
+
+std::optional<std::pair<std::uint64_t, std::uint64_t>> log_times(Reader& reader) {
   if (const auto& stated = reader.statistics()) {
     if (stated->message_count == 0) return std::nullopt;
-    return stated->message_start_time;
+    return std::pair{stated->message_start_time, stated->message_end_time};
   }
-  std::optional<std::uint64_t> first;
+  std::optional<std::pair<std::uint64_t, std::uint64_t>> times;
   static_cast<void>(reader.for_each_message([&](const Message& message) {
-    first = std::min(first.value_or(message.log_time), message.log_time);
+    if (!times) times.emplace(message.log_time, message.log_time);
+    times->first = std::min(times->first, message.log_time);
+    times->second = std::max(times->second, message.log_time);
     return true;
   }));
-  return first;
+  return times;
 }
 
 }  // namespace rehearse::mcap

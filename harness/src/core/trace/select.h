@@ -1,9 +1,10 @@
 // Selection: the messages of a file to use, by topic, by time and by tick. All verbs with --topics, --from, --until and
 // --ticks share this rule.
 //
-// Times are on the file's own clock, log time, as `info` shows it: "3.5" is 3.5 s on this clock, in a recording of
-// Rehearse since its start, in a bag since 1970. "+3.5" is 3.5 s after the file's first message. A span includes its
-// beginning and excludes its end, so that consecutive pieces contain every message once. A span of ticks includes both.
+// Times are log times. "3.5" is 3.5 s after the log's beginning: the start of the run in a recording of Rehearse, also
+// in a part of it, and the first message in all other logs. "+3.5" is 3.5 s after the file's first message.
+// "2026-11-26T12:00:00Z" is a moment on the log's clock. A span includes its beginning and excludes its end, so that
+// consecutive pieces contain every message once. A span of ticks includes both.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -12,19 +13,29 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace rehearse::mcap {
 
+/// The moment from which a time is counted.
+enum class TimeOrigin {
+  beginning,      // of the run in a recording of Rehearse, else of the file
+  first_message,  // of the file
+  clock           // 0 of the log's clock: 1970 in most logs of robots
+};
+
 /// A time as written on a command line.
 struct TimeBound {
-  std::uint64_t ns = 0;      // [ns]
-  bool after_first = false;  // counted from the file's first message, else from the clock's 0
+  std::uint64_t ns = 0;  // [ns]
+  TimeOrigin origin = TimeOrigin::beginning;
 
   bool operator==(const TimeBound&) const = default;
 };
 
-/// From "3.5" or "+3.5" [s]: exact, with at most nine digits after the point.
+/// From "3.5" or "+3.5" [s], exact, with at most nine digits after the point; or from a date in UTC, as
+/// "2026-11-26T12:00:00.5Z" or "2026-11-26 12:00:00.5 UTC". Seconds above 1e8 (three years) are since 1970, as cat
+/// prints them.
 Result<TimeBound> parse_time_bound(std::string_view text);
 
 /// Numbers of ticks, both included; none: no bound.
@@ -54,7 +65,7 @@ struct Selection {
 class Selector {
  public:
   /// Finds the times of ticks and moments; reads all messages if the file's summary lacks them. Fails if a pattern
-  /// matches no topic, or if the file has none of the ticks.
+  /// matches no topic, if the file has none of the ticks, or if all of its messages are before or after the span.
   static Result<Selector> of(Selection selection, Reader& reader);
 
   bool takes(const Message& message) const {
@@ -67,20 +78,22 @@ class Selector {
   std::uint64_t begin() const { return begin_; }
   /// The first log time after the selection [ns]; none: all later messages are selected.
   std::optional<std::uint64_t> end() const { return end_; }
+  /// The refusal of a span without messages; nullopt: all times are selected.
+  std::optional<Diagnostic> refusal_of_empty(const Reader& reader) const;
 
  private:
   explicit Selector(Selection selection) : selection_(std::move(selection)) {}
   Result<void> check_topics(const Reader& reader) const;
   Result<void> find_ticks(Reader& reader);
-  void begin_at(std::uint64_t first);
+  Result<void> find_span(Reader& reader);
 
   Selection selection_;
   std::uint64_t begin_ = 0;
   std::optional<std::uint64_t> end_;
 };
 
-/// The log time of the file's earliest message [ns]; nullopt: there are no messages. From the summary, else by a pass
-/// over all messages.
-std::optional<std::uint64_t> first_log_time(Reader& reader);
+/// The log times of the file's earliest and latest message [ns]; nullopt: there are no messages. From the summary, else
+/// by a pass over all messages.
+std::optional<std::pair<std::uint64_t, std::uint64_t>> log_times(Reader& reader);
 
 }  // namespace rehearse::mcap

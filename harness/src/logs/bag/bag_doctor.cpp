@@ -11,6 +11,7 @@
 #include "core/mcap/file_view.h"
 #include "model/text.h"
 #include "sqlite_bag.h"
+#include "standard_types.h"
 
 namespace rehearse {
 namespace {
@@ -106,6 +107,12 @@ std::optional<Diagnostics> examine_container(const std::filesystem::path& file) 
   for (const std::string& problem : (*bag)->examine())
     findings.push_back(error_in(file.string(), "SQLite reports: " + problem));
   for (const bag::Topic& topic : (*bag)->topics()) {
+    if (!(*bag)->definition_of(topic.type) && !bag::standard_definition(topic.type)) {
+      findings.push_back(error_in(file.string(), fmt::format("the messages on {} are of the type {}, which it doesn't "
+                                                             "define: they can't be decoded",
+                                                             in_quotes(topic.name), in_quotes(topic.type))));
+      findings.back().severity = Severity::note;
+    }
     if (topic.serialization_format == "cdr") continue;
     findings.push_back(error_in(file.string(),
                                 fmt::format("the messages on {} are serialized as {}", in_quotes(topic.name),

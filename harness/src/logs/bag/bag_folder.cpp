@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/mcap/container.h"
 #include "model/text.h"
 #include "yaml/yaml_tree.h"
 
@@ -29,11 +30,40 @@ std::string text_of(const YamlNode* node) {
   return node != nullptr && node->kind == YamlNode::Kind::scalar ? node->text : "";
 }
 
+constexpr std::string_view suffixes[] = {".db3", ".db3.zstd", ".mcap", ".mcap.zstd", ".mcap.zst"};
+
+std::string storage_of(const fs::path& file) {
+  const std::string name = file.filename().string();
+  return name.ends_with(suffixes[0]) || name.ends_with(suffixes[1]) ? "sqlite3" : "mcap";
+}
+
+/// The name of a log as rosbag2 forms it: friday_12.db3 is the part 12 of friday.
+struct PartName {
+  fs::path file;
+  std::string recording;     // with the suffix: friday_.db3
+  std::int64_t number = -1;  // -1: the name has none
+};
+
+/// nullopt: the file isn't named as a log.
+std::optional<PartName> part_name(const fs::path& file) {
+  const std::string name = file.filename().string();
+  for (const std::string_view suffix : suffixes) {
+    if (!name.ends_with(suffix)) continue;
+    const std::string stem = name.substr(0, name.size() - suffix.size());
+    const std::size_t digits = stem.find_last_of('_') + 1;  // 0: there is no _
+    const auto number = digits == 0 ? std::nullopt : number_in<std::int64_t>(stem.substr(digits));
+    if (!number || *number < 0) return PartName{file, name};
+    return PartName{file, stem.substr(0, digits).append(suffix), *number};
+  }
+  return std::nullopt;
+}
+
 class FolderReader {
  public:
   explicit FolderReader(fs::path folder) : path_(std::move(folder)) { folder_.metadata = path_ / file_name; }
 
   Result<Folder> read();
+  Result<Folder> read_without_metadata();
 
  private:
   Diagnostic wrong(const YamlNode& at, std::string message, std::string hint = {}) const {
@@ -70,9 +100,7 @@ std::optional<StatedNumber> FolderReader::number(const YamlNode* node, std::stri
 void FolderReader::read_storage(const YamlNode& bag) {
   const YamlNode* storage = find(&bag, "storage_identifier");
   folder_.storage = text_of(storage);
-  if (storage == nullptr)
-    report(bag, "it has no 'storage_identifier'", "expected mcap or sqlite3");
-  else if (folder_.storage != "mcap" && folder_.storage != "sqlite3")
+  if (!folder_.storage.empty() && folder_.storage != "mcap" && folder_.storage != "sqlite3")
     report(*storage, fmt::format("the storage {} can't be read", in_quotes(folder_.storage)),
            "expected mcap or sqlite3; ros2 bag convert writes one of these");
 }
@@ -132,11 +160,7 @@ void FolderReader::read_topics(const YamlNode& bag) {
 
 Result<Folder> FolderReader::read() {
   std::error_code ignored;
-  if (!fs::exists(folder_.metadata, ignored))
-    return error_in(
-        path_.string(),
-        fmt::format("can't read the trace: it is a directory without {}, which a rosbag2 folder has", file_name),
-        "name a file in it; or ros2 bag reindex makes this file from the files in the folder");
+  if (!fs::exists(folder_.metadata, ignored)) return read_without_metadata();
   const auto text = read_yaml_file(folder_.metadata, "the metadata of a rosbag2 folder");
   if (!text) return text.errors();
   const auto root = parse_yaml(*text, folder_.metadata.string());
@@ -153,10 +177,40 @@ Result<Folder> FolderReader::read() {
   folder_.start = number(find(find(bag, "starting_time"), "nanoseconds_since_epoch"), "starting_time");
   folder_.duration = number(find(find(bag, "duration"), "nanoseconds"), "duration");
   if (!problems_.empty()) return problems_;
+  if (folder_.storage.empty()) folder_.storage = storage_of(folder_.files.front());
+  return folder_;
+}
+
+Result<Folder> FolderReader::read_without_metadata() {
+  folder_.metadata.clear();
+  std::error_code failed;
+  std::vector<PartName> parts;
+  for (fs::directory_iterator entry(path_, failed), end; !failed && entry != end; entry.increment(failed)) {
+    const auto part = part_name(entry->path());
+    if (part && entry->is_regular_file(failed)) parts.push_back(*part);
+  }
+  if (failed) return error_in(path_.string(), fmt::format("can't read the folder: {}", failed.message()));
+  if (parts.empty() || parts.size() > most_files)
+    return error_in(path_.string(),
+                    fmt::format("can't read the trace: it is a directory without {}, and with {} logs of rosbag2",
+                                file_name, parts.empty() ? "no" : "too many"),
+                    "name a file in it; or ros2 bag reindex makes this file from the files in the folder");
+  std::sort(parts.begin(), parts.end(), [](const PartName& a, const PartName& b) { return a.number < b.number; });
+  for (std::size_t i = 1; i < parts.size(); ++i)
+    if (parts[i].recording != parts[0].recording || parts[i].number == parts[i - 1].number)
+      return error_in(
+          path_.string(),
+          fmt::format("it has no {}, and {} and {} aren't the parts of one recording", file_name,
+                      in_quotes(parts[i - 1].file.filename().string()), in_quotes(parts[i].file.filename().string())),
+          "name one of its files; merge joins several");
+  for (PartName& part : parts) folder_.files.push_back(std::move(part.file));
+  folder_.storage = storage_of(folder_.files.front());
   return folder_;
 }
 
 }  // namespace
+
+fs::path folder_of(const fs::path& log) { return mcap::folder_of(log); }
 
 Result<Folder> read_folder(const fs::path& folder) { return FolderReader(folder).read(); }
 

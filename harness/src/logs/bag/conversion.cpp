@@ -69,10 +69,6 @@ class LogCopy {
   std::uint16_t schema_of(const SqliteBag& log, const std::string& type);
   Result<void> write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, mcap::Bytes data,
                      std::optional<std::uint32_t> sequence);
-  void note_damage(const Diagnostics& damage) {
-    target_.damage.insert(target_.damage.end(), damage.begin(), damage.end());
-  }
-
   mcap::Converted& target_;
   std::string name_;
   std::unique_ptr<mcap::Writer> writer_;
@@ -108,7 +104,8 @@ Result<void> LogCopy::write(std::uint16_t channel, std::uint64_t log_time, std::
     if (whole) {
       data = *whole;
     } else if (target_.damage.empty()) {
-      note_damage({error_in(name_, fmt::format("a message can't be decompressed: {}", whole.errors()[0].message))});
+      target_.add_damage(
+          {error_in(name_, fmt::format("a message can't be decompressed: {}", whole.errors()[0].message))}, 0);
     }
   }
   const auto done = writer_->write(channel, log_time, publish_time, data, sequence);
@@ -136,15 +133,14 @@ Result<void> LogCopy::add(mcap::Reader& log) {
         write(ids.at(message.channel->id), message.log_time, message.publish_time, message.data, message.sequence);
     return written.ok();
   });
-  if (!read) note_damage(read.errors());
+  if (!read) target_.add_damage(read.errors(), std::nullopt);
   return written;
 }
 
 /// The definition from the log; else the definition of the standard packages; else the name alone.
 std::uint16_t LogCopy::schema_of(const SqliteBag& log, const std::string& type) {
   if (type.empty()) return 0;
-  const auto own = log.definitions().find(type);
-  if (own != log.definitions().end()) return writer_->add_schema(type, own->second.encoding, own->second.text);
+  if (const Definition* own = log.definition_of(type)) return writer_->add_schema(type, own->encoding, own->text);
   const auto standard = standard_definition(type);
   return writer_->add_schema(type, standard ? "ros2msg" : "", standard.value_or(""));
 }
@@ -164,7 +160,7 @@ Result<void> LogCopy::add(SqliteBag& log) {
     return written;
   });
   if (failed) return read;
-  if (!read) note_damage(read.errors());
+  if (!read) target_.add_damage(read.errors(), log.lost_messages());
   return {};
 }
 
@@ -204,6 +200,20 @@ std::string identity_of(const fs::path& file) {
   if (::stat(file.c_str(), &status) != 0) return "";
   return fmt::format("{}:{}:{}:{}.{};", status.st_dev, status.st_ino, status.st_size, status.st_mtim.tv_sec,
                      status.st_mtim.tv_nsec);
+}
+
+/// The identities of a database and of the files beside it.
+std::string identity_of_database(const fs::path& file) {
+  std::string identity;
+  for (const fs::path& part : SqliteBag::files_of(file)) identity += identity_of(part);
+  return identity;
+}
+
+std::uint64_t size_of_database(const fs::path& file) {
+  std::uint64_t size = 0;
+  std::error_code ignored;
+  for (const fs::path& part : SqliteBag::files_of(file)) size += fs::file_size(part, ignored);
+  return size;
 }
 
 /// A name of a file for SQLite, which doesn't open nameless files. An added name is removed with the object.
@@ -257,7 +267,7 @@ Result<void> decompress(mcap::Converted& plain, const std::string& name, mcap::B
       stored = not_kept(name, *plain.file, std::strerror(errno));
     return stored.ok();
   });
-  if (!whole) plain.damage.push_back(error_in(name, whole.errors().front().message));
+  if (!whole) plain.add_damage({error_in(name, whole.errors().front().message)}, std::nullopt);
   return stored;
 }
 
@@ -284,14 +294,14 @@ Result<void> convert_compressed(mcap::Converted& converted, const std::string& n
 
 /// Converts all files of a folder to one file.
 Result<void> join(mcap::Converted& converted, const Folder& folder, const std::string& name) {
-  converted.form = fmt::format("rosbag2 folder ({} {} of {})", folder.files.size(),
-                               folder.files.size() == 1 ? "file" : "files", folder.storage);
+  converted.form =
+      fmt::format("rosbag2 folder{} ({} {} of {})", folder.metadata.empty() ? " without metadata.yaml" : "",
+                  folder.files.size(), folder.files.size() == 1 ? "file" : "files", folder.storage);
   auto copy = LogCopy::begin(converted, name, "rosbag2 " + folder.storage);
   if (!copy) return copy.errors();
   if (folder.compressed_messages) (*copy)->decompress_messages();
   for (const fs::path& file : folder.files) {
-    std::error_code ignored;
-    converted.size += fs::file_size(file, ignored);
+    converted.size += size_of_database(file);
     if (folder.storage == "sqlite3" && file.extension() == ".db3") {
       auto log = SqliteBag::open(file, file.string());
       if (!log) return log.errors();
@@ -306,8 +316,8 @@ Result<void> join(mcap::Converted& converted, const Folder& folder, const std::s
 }
 
 Result<mcap::ConvertedPtr> convert_folder(const Folder& folder, const std::string& name) {
-  std::string key = identity_of(folder.metadata);
-  for (const fs::path& file : folder.files) key += identity_of(file);
+  std::string key = folder.metadata.empty() ? "" : identity_of(folder.metadata);
+  for (const fs::path& file : folder.files) key += identity_of_database(file);
   return conversions().find_or_make(key, [&](mcap::Converted& converted) { return join(converted, folder, name); });
 }
 
@@ -315,8 +325,8 @@ class BagReader : public mcap::ContainerReader {
  public:
   Result<mcap::ConvertedPtr> convert_file(mcap::Container container, mcap::Bytes bytes, const std::string& name,
                                           const fs::path& path) const override {
-    return conversions().find_or_make(identity_of(path), [&](mcap::Converted& converted) {
-      converted.size = bytes.size();
+    return conversions().find_or_make(identity_of_database(path), [&](mcap::Converted& converted) {
+      converted.size = container == mcap::Container::sqlite ? size_of_database(path) : bytes.size();
       return container == mcap::Container::sqlite ? convert_database(converted, name, path)
                                                   : convert_compressed(converted, name, bytes);
     });

@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,7 +20,7 @@ namespace rehearse::bag {
 
 struct Topic {
   std::string name;
-  std::string type;                  // as sensor_msgs/msg/JointState
+  std::string type;                  // as sensor_msgs/msg/JointState; of a service's events example/srv/Name_Event
   std::string serialization_format;  // as cdr
   std::string qos_profiles;          // YAML; empty: not stated
 };
@@ -40,21 +40,29 @@ struct Message {
 
 class SqliteBag {
  public:
-  /// Opens a database. Fails if the file isn't a database, or lacks one of the tables or columns.
+  /// Opens a database, with the changes in its files `-wal` and `-journal`; creates and changes no file beside it.
+  /// Fails if the file isn't a database, or lacks one of the tables or columns.
   static Result<std::unique_ptr<SqliteBag>> open(const std::filesystem::path& file, const std::string& name);
   ~SqliteBag();
   SqliteBag(const SqliteBag&) = delete;
   SqliteBag& operator=(const SqliteBag&) = delete;
 
-  int schema_version() const;                                    // 1 to 4
-  const std::vector<Topic>& topics() const;                      // in the order of their rows
-  const std::map<std::string, Definition>& definitions() const;  // by message type; empty below version 4
+  /// The files of a database: itself, and those beside it that contain changes.
+  static std::vector<std::filesystem::path> files_of(const std::filesystem::path& file);
+
+  int schema_version() const;                // 1 to 4
+  const std::vector<Topic>& topics() const;  // in the order of their rows
+  /// The definition of a message type in the file, of an event of a service that of the service; null: it has none.
+  const Definition* definition_of(const std::string& type) const;
 
   using OnMessage = std::function<Result<void>(const Message&)>;
   /// Delivers all messages in the order of their rows, which is the order of recording. Rows that are no messages (of
-  /// an unknown topic, without a time or bytes) and a damaged part are reported at the end; all readable messages are
-  /// delivered before. An error of the callback ends the pass.
+  /// an unknown topic, without a time or bytes) and damaged parts are reported at the end; all readable messages are
+  /// delivered before, also those behind a damaged part. An error of the callback ends the pass.
   Result<void> for_each_message(const OnMessage& callback);
+
+  /// The number of messages that the last pass couldn't deliver; nullopt: unknown.
+  std::optional<std::uint64_t> lost_messages() const;
 
   /// The findings of SQLite's own check of the whole file; empty: the file is whole.
   std::vector<std::string> examine();

@@ -26,6 +26,7 @@
 #include "log_survey.h"
 #include "log_tick_plan.h"
 #include "logs/bag/bag_folder.h"
+#include "logs/bag/sqlite_bag.h"
 #include "model/clock.h"
 #include "topic_watch.h"
 
@@ -42,12 +43,13 @@ std::pair<std::uintmax_t, fs::file_time_type> state_of(const fs::path& file) {
 
 /// The hash of all bytes of a file, or of the files that a rosbag2 folder names.
 Result<std::string> hash_of(const fs::path& log) {
-  std::vector<fs::path> files{log};
-  std::error_code ignored;
-  if (fs::is_directory(log, ignored)) {
-    const auto folder = bag::read_folder(log);
+  std::vector<fs::path> files = bag::SqliteBag::files_of(log);
+  if (const fs::path path = bag::folder_of(log); !path.empty()) {
+    const auto folder = bag::read_folder(path);
     if (!folder) return folder.errors();
-    files = folder->files;
+    files.clear();
+    for (const fs::path& file : folder->files)
+      for (const fs::path& part : bag::SqliteBag::files_of(file)) files.push_back(part);
   }
   std::vector<char> block(1 << 20);
   std::uint64_t hash = 0;
