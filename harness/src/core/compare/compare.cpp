@@ -271,7 +271,7 @@ RunComparer::RunComparer(const RunSurvey& golden, const RunSurvey& actual, const
     return takes(options, channel) && !isnt_compared(channel, rules);
   };
   const auto add = [&](const std::string& topic) -> ChannelComparison& { return add_to(results_, topic); };
-  compare_ticks(traces_, add(run_topics::tick));
+  if (!traces_.clock.empty() && !traces_.actual_clock.empty()) compare_ticks(traces_, add(run_topics::tick));
   compare_events(
       traces_,
       [&](const std::string& topic) -> ChannelComparison& {
