@@ -81,6 +81,16 @@ TEST_F(DiffFiles, ListsNoTicksAsEqualThatNoFileHas) {
   EXPECT_THAT(diff("b.mcap").out, AllOf(HasSubstr("bit-equal: 2 channels (/proto, /twice)"), Not(HasSubstr("/tick"))));
 }
 
+TEST_F(DiffFiles, CountsMessagesWhereNoFileHasTicks) {
+  write_file("b.mcap", 0.75, "bytes");
+  write("tolerances.yaml", "tolerances:\n  - {channel: KNEE/q, atol: 0.1}\n");
+  EXPECT_THAT(
+      rehearse({"diff", "a.mcap", "b.mcap", "--tolerances", "tolerances.yaml"}).out,
+      AllOf(StartsWith("differs: KNEE/q is beyond ±0.1 from message 1 (1700000000.124457 s) on, worst 0.25 (2.5 "
+                       "times) at message 1\n"),
+            Not(HasSubstr("tick "))));
+}
+
 TEST_F(DiffFiles, ComparesMessagesOfASchemaThatIsNoneByTheirBytes) {
   const auto write = [&](const std::string& name, std::string_view payload) {
     auto writer = std::move(*mcap::Writer::create(folder() / name));

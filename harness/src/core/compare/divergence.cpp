@@ -107,9 +107,9 @@ bool has_left_a_tolerance(const Divergence& d) {
 }
 
 /// "0.0136 N·m (14 times) at tick 739"
-std::string amount_text(const Divergence& d) {
-  return fmt::format("{:.3g}{}{} ({} times) at tick {}", d.judged(), d.unit.empty() ? "" : " ", d.unit,
-                     times_text(d.judged() / d.tolerance), d.tick);
+std::string amount_text(const Divergence& d, const char* tick) {
+  return fmt::format("{:.3g}{}{} ({} times) at {} {}", d.judged(), d.unit.empty() ? "" : " ", d.unit,
+                     times_text(d.judged() / d.tolerance), tick, d.tick);
 }
 
 std::string describe(const Divergence& d, const std::string& where, bool with_stage, bool in_full) {
@@ -164,7 +164,7 @@ std::string describe_in_full(const Divergence& d, const std::string& where) { re
 
 std::string headline_of(const Divergence& first, const std::optional<Divergence>& worst, const HeadlineWords& words) {
   if (!has_left_a_tolerance(first))
-    return words.before_differs + "differs at " + describe(first, words.when, words.with_stage);
+    return words.before_differs + "differs at " + describe(first, words.when, words.has_ticks);
   std::string text =
       fmt::format("{}{} is beyond ±{:g}{}{}{} from {} on", words.before_beyond,
                   words.name.empty() ? series_name(first.channel, first.element) : words.name, first.tolerance,
@@ -174,7 +174,7 @@ std::string headline_of(const Divergence& first, const std::optional<Divergence>
   const Divergence& most = has_left_a_tolerance(*worst) ? *worst : first;
   const bool is_same = most.channel == first.channel && most.element == first.element;
   return text + (is_same ? ", worst " : fmt::format("; worst is {} by ", series_name(most.channel, most.element))) +
-         amount_text(most);
+         amount_text(most, words.has_ticks ? "tick" : "message");
 }
 
 }  // namespace rehearse

@@ -24,7 +24,7 @@ struct HeadlineWords {
   std::string before_beyond = {};   // words before the first form
   std::string before_differs = {};  // words before the second form
   std::string name = {};            // of the first form's series; empty: as in tolerance rules
-  bool with_stage = true;
+  bool has_ticks = true;            // false for files without ticks, where the stage has no meaning
 };
 std::string headline_of(const Divergence& first, const std::optional<Divergence>& worst, const HeadlineWords& words);
 
