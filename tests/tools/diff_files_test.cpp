@@ -91,6 +91,55 @@ TEST_F(DiffFiles, CountsMessagesWhereNoFileHasTicks) {
             Not(HasSubstr("tick "))));
 }
 
+TEST_F(DiffFiles, ComparesAStampAsOneTime) {
+  const auto write_stamp = [&](const std::string& name, std::uint64_t stamp) {
+    auto writer = std::move(*mcap::Writer::create(folder() / name));
+    TopicWriter(*writer, "/joints", "cdr", add_schema<msg::JointState>(*writer))
+        .put(wall_clock, msg::JointState{{msg::Time::from_ns(stamp), "base"}, {"KNEE"}, {0.5}, {}, {}});
+    ASSERT_TRUE(writer->close());
+  };
+  write_stamp("c.mcap", 1'999'999'999);
+  write_stamp("d.mcap", 2'000'000'001);
+  EXPECT_THAT(rehearse({"diff", "c.mcap", "d.mcap"}).out,
+              StartsWith("differs at message 0 (1700000000.123457 s): /joints header/stamp is 2.000000001 s, expected "
+                         "1.999999999 s: off by 2e-09 s\n"));
+  const auto json = rehearse({"diff", "c.mcap", "d.mcap", "--json"}).json();
+  EXPECT_EQ(json["differing"], 1);
+  EXPECT_EQ(json["first"]["unit"], "s");
+  EXPECT_DOUBLE_EQ(json["first"]["difference"], 2e-9);
+  write("tolerances.yaml", "tolerances:\n  - {channel: header/stamp, atol: 1e-6}\n");
+  const Outcome within = rehearse({"diff", "c.mcap", "d.mcap", "--tolerances", "tolerances.yaml"});
+  EXPECT_EQ(within.status, 0) << within.out;
+  EXPECT_THAT(within.out, AllOf(StartsWith("within tolerance: 1 of 2 values differ"), Not(HasSubstr("warning"))));
+  write_stamp("e.mcap", wall_clock);
+  write_stamp("f.mcap", wall_clock + 2);
+  write_stamp("g.mcap", wall_clock + 5);
+  EXPECT_THAT(rehearse({"diff", "f.mcap", "g.mcap"}).out,
+              HasSubstr("header/stamp: is 1700000000.123456794 s, expected 1700000000.123456791 s: off by 3e-09 s\n"));
+  EXPECT_THAT(rehearse({"diff", "e.mcap", "g.mcap", "--json"}).json()["differing"], 1);
+}
+
+TEST_F(DiffFiles, ComparesATimeInAColumnAsOneTime) {
+  const auto write_time = [&](const std::string& name, std::int32_t seconds, std::uint32_t nanoseconds) {
+    auto writer = std::move(*mcap::Writer::create(folder() / name));
+    CdrWriter cdr;
+    msg::encode(msg::Time{seconds, nanoseconds}, cdr);
+    TopicWriter(*writer, "/goal", "cdr",
+                writer->add_schema("a/msg/Goal", "ros2msg", "builtin_interfaces/Duration time_from_start\n"))
+        .raw(wall_clock, cdr.bytes());
+    ASSERT_TRUE(writer->close());
+  };
+  write_time("c.mcap", -1, 999'999'999);
+  write_time("d.mcap", 0, 500'000'000);
+  const auto json = rehearse({"diff", "c.mcap", "d.mcap", "--json"}).json();
+  EXPECT_EQ(json["differing"], 1);
+  EXPECT_EQ(json["values"], 1);
+  EXPECT_EQ(json["first"]["element"], "time_from_start");
+  EXPECT_DOUBLE_EQ(json["first"]["difference"], 0.500000001);
+  write("tolerances.yaml", "tolerances:\n  - {channel: time_from_start, atol: 1}\n");
+  EXPECT_EQ(rehearse({"diff", "c.mcap", "d.mcap", "--tolerances", "tolerances.yaml"}).status, 0);
+}
+
 TEST_F(DiffFiles, ComparesMessagesOfASchemaThatIsNoneByTheirBytes) {
   const auto write = [&](const std::string& name, std::string_view payload) {
     auto writer = std::move(*mcap::Writer::create(folder() / name));

@@ -106,7 +106,7 @@ Divergence place_of(const ComparedTraces& traces, const TraceChannel& channel, s
       !traces.clock.has(time) && traces.actual_clock.has(time) ? traces.actual_clock : traces.clock;
   Divergence divergence;
   divergence.tick = clock.tick_at(time);
-  if (traces.clock.empty() && traces.actual_clock.empty()) {  // no recording of Rehearse: the index of the message
+  if (!traces.have_ticks()) {  // no recording of Rehearse: the index of the message
     const auto message = std::lower_bound(channel.times.begin(), channel.times.end(), time);
     divergence.tick = static_cast<std::int64_t>(channel.earlier) + (message - channel.times.begin());
   }

@@ -48,6 +48,8 @@ struct ComparedTraces {
   /// The spans without judgement by the name of a body, in the order of time.
   std::map<std::string, std::vector<BlankedSpan>, std::less<>> blanked = {};
 
+  /// False for files of other programs.
+  bool have_ticks() const { return !clock.empty() || !actual_clock.empty(); }
   /// True if only one run has a tick at this time, or if one run ends there. This is one finding of its own, so the
   /// messages of the tick are no findings.
   bool in_a_lone_tick(std::uint64_t time) const {
