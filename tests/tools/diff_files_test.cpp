@@ -1,6 +1,9 @@
 // rehearse diff of files of other programs: other encodings, wall-clock times, no ticks, repeated topics.
 #include <gmock/gmock.h>
 
+#include <span>
+#include <vector>
+
 #include "command.h"
 #include "mixed_file.h"
 
@@ -138,6 +141,55 @@ TEST_F(DiffFiles, ComparesATimeInAColumnAsOneTime) {
   EXPECT_DOUBLE_EQ(json["first"]["difference"], 0.500000001);
   write("tolerances.yaml", "tolerances:\n  - {channel: time_from_start, atol: 1}\n");
   EXPECT_EQ(rehearse({"diff", "c.mcap", "d.mcap", "--tolerances", "tolerances.yaml"}).status, 0);
+}
+
+TEST_F(DiffFiles, ComparesAMessageThatCannotBeDecodedByItsBytesAndTheOthersByFields) {
+  /// `invalid`: the bytes of message 2.
+  const auto write_cut = [&](const std::string& name, std::string_view invalid, double knee) {
+    auto writer = std::move(*mcap::Writer::create(folder() / name));
+    TopicWriter joints(*writer, "/joints", "cdr", add_schema<msg::JointState>(*writer));
+    TopicWriter own(*writer, "/own", "cdr", writer->add_schema("a/msg/Own", "ros2msg", "int32 count\nfloat64[] x\n"));
+    for (std::uint64_t i = 0; i < 5; ++i) {
+      const std::uint64_t time = wall_clock + i * 1'000'000;
+      CdrWriter cdr;
+      const std::vector<double> values{i == 4 ? knee : 0.5};
+      cdr.put(static_cast<std::int32_t>(i));
+      cdr.put_sequence(std::span(values));
+      if (i == 2) {
+        joints.raw(time, bytes_of(invalid));
+        own.raw(time, bytes_of(invalid));
+      } else {
+        joints.put(time, msg::JointState{{{}, "base"}, {"KNEE"}, {i == 4 ? knee : 0.5}, {}, {}});
+        own.raw(time, cdr.bytes());
+      }
+    }
+    ASSERT_TRUE(writer->close());
+  };
+  const std::string_view some("\0\1\0\0\7\0\0\0\2\0\0\0", 12), other("\0\1\0\0\7\0\0\0\3\0\0\0", 12);
+  write_cut("c.mcap", some, 0.5);
+  write_cut("d.mcap", some, 0.5);
+  write_cut("e.mcap", other, 0.75);
+  const Outcome equal = rehearse({"diff", "c.mcap", "d.mcap"});
+  EXPECT_EQ(equal.status, 0) << equal.out << equal.err;
+  EXPECT_THAT(equal.out,
+              AllOf(StartsWith("equal bit for bit: "),
+                    HasSubstr("  note: /own: 1 message of the golden can't be decoded, at 1700000000.125457 s "
+                              "(ends at byte 12, within x); it is compared by its bytes\n")));
+  const Outcome differs = rehearse({"diff", "c.mcap", "e.mcap"});
+  EXPECT_EQ(differs.status, 1) << differs.err;
+  EXPECT_THAT(differs.out,
+              StartsWith("differs at message 2 (1700000000.125457 s): /joints: its bytes differ; it can't be "
+                         "decoded: ends at byte 12, within header/frame_id\n"));
+  const auto json = rehearse({"diff", "c.mcap", "e.mcap", "--json"}).json();
+  EXPECT_EQ(json["differing"], 4);
+  for (const auto& channel : json["channels"]) {
+    EXPECT_EQ(channel["differing"], 2) << channel;
+    EXPECT_EQ(channel["worst"]["tick"], 2) << channel;
+  }
+  write_cut("f.mcap", some, 0.75);
+  EXPECT_THAT(
+      rehearse({"diff", "c.mcap", "f.mcap"}).out,
+      StartsWith("differs at message 4 (1700000000.127457 s): /joints KNEE/q is 0.75, expected 0.5: off by 0.25"));
 }
 
 TEST_F(DiffFiles, ComparesMessagesOfASchemaThatIsNoneByTheirBytes) {

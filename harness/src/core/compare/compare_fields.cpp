@@ -33,6 +33,7 @@ std::optional<ros2msg::Decoder> decoder_of(const Trace& trace, const TraceChanne
   return ros2msg::Decoder(std::move(*parsed));
 }
 
+/// The fields up to where the payload can't be decoded; then decoder.problem() has the reason.
 Fields fields_of(ros2msg::Decoder& decoder, mcap::Bytes payload) {
   Fields fields;
   decoder.decode(payload, [&](const ros2msg::Value& value) { fields.push_back({std::string(value.path), value}); });
@@ -122,6 +123,12 @@ bool FieldJudge::compare(std::size_t golden_message, mcap::Bytes expected, mcap:
   found_ = false;
   if (!decoders_) return false;
   Fields golden_fields = fields_of(decoders_->golden, expected), actual_fields = fields_of(decoders_->actual, actual);
+  const std::string &golden_problem = decoders_->golden.problem(), &problem = decoders_->actual.problem();
+  if (left_out.empty() && !(golden_problem.empty() && problem.empty())) {
+    report(std::string(), problem.empty() ? "its bytes differ; the golden's can't be decoded: " + golden_problem
+                                          : "its bytes differ; it can't be decoded: " + problem);
+    return true;
+  }
   std::map<std::string_view, const MessageField*> of_actual;
   const auto same_path = [](const MessageField& a, const MessageField& b) { return a.path == b.path; };
   const bool same_paths =

@@ -258,8 +258,10 @@ std::string table(const Comparison& comparison) {
     if (comparison.within && bit && !has_a_hash_alone)
       text += "  first: " + describe(*bit, when_text(comparison, *bit), has_ticks(comparison)) + "\n";
     text += remarks_text(comparison.remarks);
-  } else if (!comparison.other_inputs.empty()) {
-    text += remarks_text({other_inputs_sentence(comparison.other_inputs)});
+  } else {
+    std::vector<std::string> remarks = comparison.undecoded;
+    if (!comparison.other_inputs.empty()) remarks.push_back(other_inputs_sentence(comparison.other_inputs));
+    text += remarks_text(remarks);
   }
   for (const Diagnostic& warning : comparison.warnings) text += "  " + to_string(warning) + "\n";
   return text;

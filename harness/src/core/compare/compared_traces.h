@@ -88,9 +88,10 @@ struct MatchedChannel {
   const Window& window;
   const TraceChannel& golden;
   const TraceChannel& actual;
-  std::vector<std::pair<std::size_t, std::size_t>> pairs;  // of message numbers
-  std::vector<std::size_t> missing;                        // messages of golden only
-  std::vector<std::size_t> extra;                          // messages of actual only
+  std::vector<std::pair<std::size_t, std::size_t>> pairs = {};      // of message numbers
+  std::vector<std::pair<std::size_t, std::size_t>> undecoded = {};  // likewise, if one can't be decoded
+  std::vector<std::size_t> missing = {};                            // messages of golden only
+  std::vector<std::size_t> extra = {};                              // messages of actual only
 
   /// Index of the channel in the golden.
   std::size_t place() const { return static_cast<std::size_t>(&golden - window.golden.channels().data()); }
