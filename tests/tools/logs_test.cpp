@@ -34,6 +34,28 @@ class Logs : public Command {
     }
     ASSERT_TRUE(writer->close());
   }
+  struct Drift {
+    std::int64_t ahead = 0;  // at the beginning of the motion [ns]
+    double ppm = 0.0;        // how much the clock is fast
+    int begin = 0;           // index of the first message
+    int wrong_stamp = -1;    // index of a message that is a third of a second late
+    double noise = 0.0;      // amplitude of the values' noise
+  };
+  /// Ten seconds of a motion at 500 Hz, by a clock that drifts.
+  void drifting(const std::string& name, const Drift& drift, int end = 5000) const {
+    auto writer = std::move(*mcap::Writer::create(folder() / name));
+    TopicWriter topic(*writer, "/joint_states", "cdr", add_schema<msg::JointState>(*writer));
+    for (int i = drift.begin; i < end; ++i) {
+      const std::int64_t time = std::int64_t{i} * 2'000'000;
+      const double seconds = static_cast<double>(time) * 1e-9;
+      const double q = std::sin(seconds * seconds) + drift.noise * std::sin(1000.0 * static_cast<double>(i));
+      const std::int64_t late = i == drift.wrong_stamp ? 333'333'333 : 0;
+      const auto logged = static_cast<std::uint64_t>(2'000'000'000 + drift.ahead + late + time +
+                                                     std::llround(static_cast<double>(time) * drift.ppm * 1e-6));
+      topic.put(logged, msg::JointState{{msg::Time::from_ns(logged), "base"}, {"KNEE"}, {q}, {}, {}});
+    }
+    ASSERT_TRUE(writer->close());
+  }
   fs::path golden(const std::string& name) const { return fixtures.parent_path() / "golden" / name; }
 };
 
@@ -58,6 +80,65 @@ TEST_F(Logs, AlignedByASeriesMatchMessagesInSpiteOfJitter) {
   EXPECT_EQ(json["alignment"]["lone"], nlohmann::json::array({0, 0}));
   EXPECT_LT(json["alignment"]["largest_distance"].get<double>(), 5e-4);
   EXPECT_TRUE(json["equal"].get<bool>());
+}
+
+TEST_F(Logs, AFastClockIsStatedAndCorrected) {
+  drifting("a.mcap", {});
+  drifting("b.mcap", {.ahead = 520'000'000, .ppm = 200});
+  for (const std::string by : {"start", "KNEE/q"}) {
+    const Outcome outcome = done({"diff", "a.mcap", "b.mcap", "--align", by});
+    EXPECT_THAT(
+        outcome.out,
+        HasSubstr("the clock of b.mcap is 0.52 s ahead at its start and 200 ppm fast (by 5000 messages of equal "
+                  "content); 5000 messages matched, 0 s apart (median; at most 0 s)\n"
+                  "equal bit for bit: 5000 values, 0 pictures\n"));
+  }
+}
+
+TEST_F(Logs, ASlowClockIsStatedInJson) {
+  drifting("a.mcap", {});
+  drifting("b.mcap", {.ahead = -520'000'000, .ppm = -50});
+  EXPECT_THAT(done({"diff", "a.mcap", "b.mcap", "--align", "start"}).out,
+              HasSubstr("the clock of b.mcap is 0.52 s behind at its start and 50 ppm slow ("));
+  const auto json = done({"diff", "a.mcap", "b.mcap", "--align", "start", "--json"}).json();
+  EXPECT_NEAR(json["alignment"]["drift"].get<double>(), -50, 1e-3);
+  EXPECT_NEAR(json["alignment"]["offset"].get<double>(), 0.52, 1e-8);
+  drifting("c.mcap", {.ahead = -520'000'000});
+  EXPECT_TRUE(done({"diff", "a.mcap", "c.mcap", "--align", "start", "--json"}).json()["alignment"]["drift"].is_null());
+}
+
+TEST_F(Logs, AWrongStampMovesNoEstimate) {
+  drifting("a.mcap", {});
+  drifting("b.mcap", {.ahead = 520'000'000, .ppm = 200, .wrong_stamp = 2500});
+  for (const std::string by : {"start", "KNEE/q"}) {
+    const auto json = rehearse({"diff", "a.mcap", "b.mcap", "--align", by, "--json"}).json();
+    EXPECT_NEAR(json["alignment"]["drift"].get<double>(), 200, 1e-3) << by;
+    EXPECT_NEAR(json["alignment"]["offset"].get<double>(), -0.52, 1e-8) << by;
+    EXPECT_LE(json["beyond"], 1) << by;
+  }
+}
+
+TEST_F(Logs, ADriftIsFoundInLogsOfDifferentStartAndLength) {
+  drifting("a.mcap", {});
+  drifting("b.mcap", {.ahead = 520'000'000, .ppm = 200, .begin = 1000}, 6000);
+  for (const std::string by : {"start", "KNEE/q"}) {
+    const auto json = rehearse({"diff", "a.mcap", "b.mcap", "--align", by, "--json"}).json();
+    EXPECT_NEAR(json["alignment"]["offset"].get<double>(), -0.5204, 1e-8) << by;
+    EXPECT_EQ(json["alignment"]["matched"], 4000) << by;
+    EXPECT_EQ(json["differing"], 0) << by;
+  }
+}
+
+TEST_F(Logs, ADriftIsFoundByTheOrderOfMessagesWithOtherValues) {
+  drifting("a.mcap", {});
+  drifting("b.mcap", {.ahead = 520'000'000, .ppm = 400, .wrong_stamp = 100, .noise = 1e-5});
+  for (const std::string by : {"start", "KNEE/q"}) {
+    const auto json = rehearse({"diff", "a.mcap", "b.mcap", "--align", by, "--json"}).json();
+    EXPECT_NEAR(json["alignment"]["drift"].get<double>(), 400, 1) << by;
+    EXPECT_NEAR(json["alignment"]["offset"].get<double>(), -0.52, 1e-5) << by;
+    EXPECT_GE(json["alignment"]["matched"], 4998) << by;
+  }
+  EXPECT_THAT(rehearse({"diff", "a.mcap", "b.mcap", "--align", "start"}).out, HasSubstr(" messages in order); "));
 }
 
 TEST_F(Logs, AlignedOnesThatDifferDiffer) {

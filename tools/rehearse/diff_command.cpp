@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <rehearse/compare.h>
 
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -26,9 +27,13 @@ struct DiffSettings {
   bool json = false;
 };
 
+/// How much faster the clock of the second log is; negative: slower [ppm].
+double parts_per_million_fast(const Alignment& alignment) { return (1.0 / (1.0 + alignment.drift) - 1.0) * 1e6; }
+
 Json json_of_alignment(const Alignment& alignment, const std::string& by) {
   return {{"by", by},
           {"offset", static_cast<double>(alignment.offset) * 1e-9},
+          {"drift", alignment.drift == 0.0 ? Json(nullptr) : Json(parts_per_million_fast(alignment))},
           {"correlation", alignment.correlation ? Json(*alignment.correlation) : Json(nullptr)},
           {"matched", alignment.matched},
           {"lone", {alignment.lone_first, alignment.lone_second}},
@@ -37,13 +42,23 @@ Json json_of_alignment(const Alignment& alignment, const std::string& by) {
           {"largest_distance", alignment.largest_distance}};
 }
 
+std::string clock_text(const Alignment& alignment, const std::string& log) {
+  const double offset = static_cast<double>(alignment.offset) * 1e-9;
+  if (alignment.drift == 0.0) return fmt::format("the times of {} + {:.9f} s", log, offset);
+  const double fast = parts_per_million_fast(alignment);
+  constexpr double digits = 1e6;  // microseconds
+  return fmt::format("the clock of {} is {:.12g} s {} at its start and {:.4g} ppm {} (by {} {})", log,
+                     std::abs(std::round(offset * digits)) / digits, offset > 0.0 ? "behind" : "ahead", std::abs(fast),
+                     fast < 0.0 ? "slow" : "fast", count_text(alignment.drift_pairs, "message"),
+                     alignment.by_content ? "of equal content" : "in order");
+}
+
 std::string alignment_text(const Alignment& alignment, const DiffSettings& settings) {
-  std::string text = fmt::format(
-      "aligned by {}{}: the times of {} + {:.9f} s; {} matched, {:.3g} s apart (median; at "
-      "most {:.3g} s)",
-      settings.align, alignment.correlation ? fmt::format(" (correlation {:.4f})", *alignment.correlation) : "",
-      settings.actual, static_cast<double>(alignment.offset) * 1e-9, count_text(alignment.matched, "message"),
-      alignment.median_distance, alignment.largest_distance);
+  std::string text =
+      fmt::format("aligned by {}{}: {}; {} matched, {:.3g} s apart (median; at most {:.3g} s)", settings.align,
+                  alignment.correlation ? fmt::format(" (correlation {:.4f})", *alignment.correlation) : "",
+                  clock_text(alignment, settings.actual), count_text(alignment.matched, "message"),
+                  alignment.median_distance, alignment.largest_distance);
   if (alignment.lone_first + alignment.lone_second > 0)
     text += fmt::format("; without a match {} and {}", alignment.lone_first, alignment.lone_second);
   if (alignment.left_out > 0) text += fmt::format("; {} before time 0 left out", alignment.left_out);

@@ -187,6 +187,8 @@ struct Comparison {
   /// Inputs that controllers read in the golden only ("- Rig/Gyro"), or in the run only ("+ KNEE/dq of Rig/C"). They
   /// fail nothing, because the commands may be equal.
   std::vector<std::string> other_inputs;
+  /// Sentences about messages of logs that can't be decoded, and are compared by their bytes; also among the remarks.
+  std::vector<std::string> undecoded;
   std::vector<std::string> changed_files;  // attachments whose content differs from the golden's
   bool same_arithmetic = true;             // versions and pins that influence bits are equal to the golden's
   /// All sources that the traces state are equal: scenario, models, controllers, the same programs byte for byte. Then

@@ -141,6 +141,7 @@ class Trace {
   std::string file_;
   std::shared_ptr<mcap::Reader> reader_;            // keeps the file mapped
   std::shared_ptr<const StateRate> state_samples_;  // null: all messages were read
+  bool keeps_undecoded_ = false;                    // messages that can't be decoded are in the tables
   Diagnostics damage_;
   std::vector<TraceChannel> channels_;
   std::map<std::string, SeriesPlace, std::less<>> series_;

@@ -41,6 +41,12 @@ struct TraceRest {
   mcap::Location location;  // place of that message
 };
 
+/// A message that can't be decoded.
+struct UndecodedMessage {
+  std::size_t index = 0;
+  std::string reason;  // "ends at byte 12, within position/3"
+};
+
 /// A channel and its numbers as a table: a row per message, a column per series, 8 bytes per cell, row after row. If a
 /// message has no value for a cell, the cell is NaN, or 0 in an integer column.
 struct TraceChannel {
@@ -54,7 +60,9 @@ struct TraceChannel {
   std::vector<mcap::Location> locations;  // place of each message, for Trace::payload; empty for the types listed above
   std::vector<std::uint64_t> hashes = {};  // hash of the bytes of each message
   std::vector<TraceRest> rests = {};       // in the order of `first`; empty if no column or no schema is known
-  std::size_t earlier = 0;                 // for a piece: number of the channel's messages in earlier pieces
+  /// Messages that can't be decoded, in their order; their rows have no values. Only comparisons of logs load them.
+  std::vector<UndecodedMessage> undecoded = {};
+  std::size_t earlier = 0;  // for a piece: number of the channel's messages in earlier pieces
 
   std::size_t messages() const { return times.size(); }
   std::size_t rows() const { return columns.empty() ? 0 : times.size(); }
@@ -65,6 +73,8 @@ struct TraceChannel {
   }
   /// The rest of a message; null if it is unknown.
   const TraceRest* rest_of(std::size_t message) const;
+  /// Why a message can't be decoded; null if it can.
+  const std::string* problem_of(std::size_t message) const;
   /// The value as a double; integers beyond 2^53 are rounded.
   double number(std::size_t row_index, std::size_t column) const;
 };

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <functional>
 #include <set>
 #include <utility>
 
@@ -106,7 +107,7 @@ Divergence place_of(const ComparedTraces& traces, const TraceChannel& channel, s
       !traces.clock.has(time) && traces.actual_clock.has(time) ? traces.actual_clock : traces.clock;
   Divergence divergence;
   divergence.tick = clock.tick_at(time);
-  if (traces.clock.empty() && traces.actual_clock.empty()) {  // no recording of Rehearse: the index of the message
+  if (!traces.have_ticks()) {  // no recording of Rehearse: the index of the message
     const auto message = std::lower_bound(channel.times.begin(), channel.times.end(), time);
     divergence.tick = static_cast<std::int64_t>(channel.earlier) + (message - channel.times.begin());
   }
@@ -246,6 +247,7 @@ class RunComparer {
   Comparison finish();
 
  private:
+  void find_undecoded(const std::function<bool(const TraceChannel&)>& taken);
   static ChannelComparison& add_to(std::vector<ChannelComparison>& results, const std::string& topic);
 
   ComparedTraces traces_;
@@ -271,7 +273,7 @@ RunComparer::RunComparer(const RunSurvey& golden, const RunSurvey& actual, const
     return takes(options, channel) && !isnt_compared(channel, rules);
   };
   const auto add = [&](const std::string& topic) -> ChannelComparison& { return add_to(results_, topic); };
-  compare_ticks(traces_, add(run_topics::tick));
+  if (!traces_.clock.empty() && !traces_.actual_clock.empty()) compare_ticks(traces_, add(run_topics::tick));
   compare_events(
       traces_,
       [&](const std::string& topic) -> ChannelComparison& {
@@ -282,6 +284,7 @@ RunComparer::RunComparer(const RunSurvey& golden, const RunSurvey& actual, const
       comparison_.event_differences);
   comparison_.other_inputs = find_other_inputs(traces_);
   if (!comparison_.other_inputs.empty()) comparison_.remarks.push_back(other_inputs_sentence(comparison_.other_inputs));
+  find_undecoded(taken);
   compare_lone_channels(traces_, taken, add, comparison_.remarks);
   for (const TraceChannel& channel : traces_.golden.channels()) {
     const TraceChannel* other = counterpart(traces_.golden, channel, traces_.actual);
@@ -293,6 +296,23 @@ RunComparer::RunComparer(const RunSurvey& golden, const RunSurvey& actual, const
                             differing_events);
   }
   variables_.emplace(traces_);
+}
+
+/// Names the channels with messages that can't be decoded.
+void RunComparer::find_undecoded(const std::function<bool(const TraceChannel&)>& taken) {
+  for (const RunSurvey* run : {&traces_.golden_run, &traces_.actual_run}) {
+    for (const TraceChannel& channel : run->whole().channels()) {
+      const ChannelSurvey& survey = run->of(channel);
+      if (survey.undecoded == 0 || !taken(channel)) continue;
+      const bool one = survey.undecoded == 1;
+      comparison_.undecoded.push_back(
+          fmt::format("{}: {} message{} of the {} can't be decoded, {}at {:.16g} s ({}); {}", channel.topic,
+                      survey.undecoded, one ? "" : "s", run == &traces_.golden_run ? "golden" : "run",
+                      one ? "" : "the first ", static_cast<double>(survey.first_undecoded) / 1e9, survey.problem,
+                      one ? "it is compared by its bytes" : "they are compared by their bytes"));
+    }
+  }
+  comparison_.remarks.insert(comparison_.remarks.end(), comparison_.undecoded.begin(), comparison_.undecoded.end());
 }
 
 std::vector<PairedChannel> RunComparer::channels() const {
@@ -393,8 +413,7 @@ struct SurveyedFile {
       survey.take(piece);
       if (on_piece) on_piece(piece);
     };
-    return samples ? load_samples_in_pieces(file, *samples, take, piece_size)
-                   : Trace::load_in_pieces(file, take, piece_size);
+    return load_for_comparison(file, samples ? &*samples : nullptr, take, piece_size);
   }
 };
 

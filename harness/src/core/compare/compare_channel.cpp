@@ -27,7 +27,7 @@ namespace {
 
 MatchedChannel match(const ComparedTraces& traces, const Window& window, const TraceChannel& golden,
                      const TraceChannel& actual) {
-  MatchedChannel matched{window, golden, actual, {}, {}, {}};
+  MatchedChannel matched{window, golden, actual};
   auto [g, golden_end] = window.messages(golden);
   auto [a, actual_end] = window.messages(actual);
   while (g < golden_end || a < actual_end) {
@@ -35,7 +35,8 @@ MatchedChannel match(const ComparedTraces& traces, const Window& window, const T
     const std::uint64_t expected = g < golden_end ? golden.times[g] : never;
     const std::uint64_t seen = a < actual_end ? actual.times[a] : never;
     if (expected == seen) {
-      matched.pairs.emplace_back(g++, a++);
+      const bool decoded = !golden.problem_of(g) && !actual.problem_of(a);
+      (decoded ? matched.pairs : matched.undecoded).emplace_back(g++, a++);
       continue;
     }
     const bool lacking = expected < seen;
@@ -145,9 +146,27 @@ void ChannelComparer::take(const Window& window) {
   const MatchedChannel matched = match(traces_, window, golden, actual);
   missing_.take(traces_, golden, matched.missing);
   extra_.take(traces_, actual, matched.extra);
+  compare_bytes(matched);
   if (matched.pairs.empty()) return;
   make_judges();
   for (const auto& judge : judges_) judge->take(matched);
+}
+
+/// Compares the messages of which one can't be decoded by their bytes.
+void ChannelComparer::compare_bytes(const MatchedChannel& matched) {
+  for (const auto& [golden, actual] : matched.undecoded) {
+    ++result_.values;
+    if (matched.golden.hashes[golden] == matched.actual.hashes[actual]) continue;
+    const double infinite = std::numeric_limits<double>::infinity();
+    if (!findings_.count(infinite, 0.0, true)) continue;
+    const std::string* problem = matched.actual.problem_of(actual);
+    Divergence divergence = place_of(traces_, matched.golden, matched.golden.times[golden]);
+    divergence.difference = infinite;
+    divergence.note = problem
+                          ? "its bytes differ; it can't be decoded: " + *problem
+                          : "its bytes differ; the golden's can't be decoded: " + *matched.golden.problem_of(golden);
+    findings_.describe(divergence, true);
+  }
 }
 
 void ChannelComparer::report(Lone& lone, const char* what) {

@@ -35,6 +35,7 @@ class ChannelComparer {
 
   bool has_another_form();
   void make_judges();
+  void compare_bytes(const MatchedChannel& matched);
   void report(Lone& lone, const char* what);
 
   const ComparedTraces& traces_;

@@ -33,6 +33,7 @@ std::optional<ros2msg::Decoder> decoder_of(const Trace& trace, const TraceChanne
   return ros2msg::Decoder(std::move(*parsed));
 }
 
+/// The fields up to where the payload can't be decoded; then decoder.problem() has the reason.
 Fields fields_of(ros2msg::Decoder& decoder, mcap::Bytes payload) {
   Fields fields;
   decoder.decode(payload, [&](const ros2msg::Value& value) { fields.push_back({std::string(value.path), value}); });
@@ -57,6 +58,17 @@ CellKind kind_of(const ros2msg::Value& value) {
 std::uint64_t bits_of(const ros2msg::Value& value) {
   return kind_of(value) == CellKind::signed_integer ? static_cast<std::uint64_t>(value.integer)
                                                     : value.unsigned_integer;
+}
+
+std::optional<std::string> time_named_by(const MessageField& seconds, const MessageField& nanoseconds) {
+  using Kind = ros2msg::Value::Kind;
+  if (seconds.value.kind != Kind::signed_integer || nanoseconds.value.kind != Kind::unsigned_integer)
+    return std::nullopt;
+  return name_of_time(seconds.path, nanoseconds.path);
+}
+
+std::int64_t time_of_fields(const MessageField& seconds, const MessageField& nanoseconds) {
+  return time_of_parts(seconds.value.integer, nanoseconds.value.unsigned_integer);
 }
 
 /// The layout of the bytes of a point cloud.
@@ -97,7 +109,7 @@ float take_float(std::byte* place) {
 }  // namespace
 
 FieldJudge::FieldJudge(const ComparedTraces& traces, const PairedChannel& channel, ChannelFindings& findings)
-    : traces_(traces), channel_(channel), findings_(findings) {
+    : traces_(traces), channel_(channel), findings_(findings), joins_times_(!traces.have_ticks()) {
   auto golden = decoder_of(traces.golden, channel.golden), actual = decoder_of(traces.actual, channel.actual);
   if (golden && actual)
     decoders_.reset(new Decoders{std::move(*golden), std::move(*actual), ColumnFields(channel.golden.type)});
@@ -111,6 +123,12 @@ bool FieldJudge::compare(std::size_t golden_message, mcap::Bytes expected, mcap:
   found_ = false;
   if (!decoders_) return false;
   Fields golden_fields = fields_of(decoders_->golden, expected), actual_fields = fields_of(decoders_->actual, actual);
+  const std::string &golden_problem = decoders_->golden.problem(), &problem = decoders_->actual.problem();
+  if (left_out.empty() && !(golden_problem.empty() && problem.empty())) {
+    report(std::string(), problem.empty() ? "its bytes differ; the golden's can't be decoded: " + golden_problem
+                                          : "its bytes differ; it can't be decoded: " + problem);
+    return true;
+  }
   std::map<std::string_view, const MessageField*> of_actual;
   const auto same_path = [](const MessageField& a, const MessageField& b) { return a.path == b.path; };
   const bool same_paths =
@@ -125,12 +143,33 @@ bool FieldJudge::compare(std::size_t golden_message, mcap::Bytes expected, mcap:
       report_lone(field, "is missing");
       continue;
     }
-    compare_field(golden_fields, field, same_paths ? actual_fields[i] : *other->second);
+    const auto next = i + 1 < golden_fields.size() ? of_actual.find(golden_fields[i + 1].path) : of_actual.end();
+    const MessageField* seconds = same_paths ? &actual_fields[i] : other->second;
+    const MessageField* nanoseconds = next != of_actual.end()                      ? next->second
+                                      : same_paths && i + 1 < golden_fields.size() ? &actual_fields[i + 1]
+                                                                                   : nullptr;
+    if (const auto name = nanoseconds && joins_times_ ? time_named_by(field, golden_fields[i + 1]) : std::nullopt;
+        name && time_named_by(*seconds, *nanoseconds)) {
+      compare_times(*name, time_of_fields(field, golden_fields[i + 1]), time_of_fields(*seconds, *nanoseconds));
+      ++i;
+      if (!same_paths) of_actual.erase(next);
+    } else {
+      compare_field(golden_fields, field, *seconds);
+    }
     if (!same_paths) of_actual.erase(other);
   }
   for (const MessageField& field : actual_fields)
     if (field.path != left_out && of_actual.contains(field.path)) report_lone(field, "is not in the golden");
   return found_;
+}
+
+void FieldJudge::compare_times(const std::string& path, std::int64_t expected, std::int64_t actual) {
+  if (expected == actual) return;
+  Divergence divergence = place(path);
+  put_times(divergence, expected, actual);
+  divergence.tolerance = tolerance_of(series_name(channel_.golden.topic, path), "s", traces_.rules).bound(0.0);
+  const bool beyond = divergence.difference > divergence.tolerance;
+  report(std::move(divergence), beyond);
 }
 
 void FieldJudge::compare_field(const Fields& all, const MessageField& golden, const MessageField& actual) {

@@ -41,6 +41,7 @@ class FieldJudge {
   using Fields = std::vector<MessageField>;
 
   void compare_field(const Fields& all, const MessageField& golden, const MessageField& actual);
+  void compare_times(const std::string& path, std::int64_t expected, std::int64_t actual);
   void compare_bytes(const Fields& all, const MessageField& golden, const MessageField& actual);
   void compare_points(const Fields& all, std::vector<std::byte>& golden, std::vector<std::byte>& actual);
   void compare_numbers(const std::string& path, double expected, double actual, std::string_view unit);
@@ -53,6 +54,7 @@ class FieldJudge {
   const ComparedTraces& traces_;
   const PairedChannel& channel_;
   ChannelFindings& findings_;
+  const bool joins_times_;  // seconds and nanoseconds are one value
   const MatchedChannel* window_ = nullptr;
   std::unique_ptr<Decoders> decoders_;  // null: a schema is unknown
   std::size_t message_ = 0;             // index of the compared message of the golden

@@ -96,6 +96,7 @@ void NumberJudge::match_columns(const TraceChannel& golden, const TraceChannel& 
     for (const TraceColumn& column : actual.columns)  // in this trace's order
       if (of_actual.count(column.element) && takes(column.element)) extra.push_back(column.element);
   if (!rules_.is_exact()) group_orientations();
+  if (rules_.joins_times) group_times(golden);
 }
 
 void NumberJudge::find_tolerance(const TraceChannel& golden, Column& column) const {
@@ -136,7 +137,27 @@ void NumberJudge::group_orientations() {
   }
 }
 
-std::size_t NumberJudge::values() const { return columns_.size() + 4 * orientations_.size(); }
+void NumberJudge::group_times(const TraceChannel& golden) {
+  std::vector<Column> others;
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    const Column& column = columns_[i];
+    const bool is_pair = i + 1 < columns_.size() && column.kind == CellKind::signed_integer &&
+                         columns_[i + 1].kind == CellKind::unsigned_integer;
+    const auto name = is_pair ? name_of_time(column.element, columns_[i + 1].element) : std::nullopt;
+    if (!name) {
+      others.push_back(column);
+      continue;
+    }
+    TimeColumns& time = times_.emplace_back(TimeColumns{column, columns_[++i]});
+    time.seconds.element = *name;
+    time.seconds.unit = "s";
+    if (rules_.tolerances)
+      time.seconds.tolerance = tolerance_of(series_name(golden.topic, *name), "s", *rules_.tolerances).bound(0.0);
+  }
+  columns_ = std::move(others);
+}
+
+std::size_t NumberJudge::values() const { return columns_.size() + 4 * orientations_.size() + times_.size(); }
 
 std::pair<double, double> NumberJudge::lead_and_lag() const {
   double lead = 0.0, lag = 0.0;
@@ -167,6 +188,7 @@ void NumberJudge::take(const MatchedRows& rows) {
       continue;
     for (Column& column : columns_) compare_cell(column, golden_row, actual_row);
     for (Orientation& orientation : orientations_) compare_orientation(orientation, golden_row, actual_row);
+    for (TimeColumns& time : times_) compare_time(time, golden_row, actual_row);
   }
 }
 
@@ -179,6 +201,8 @@ std::vector<SeriesComparison> NumberJudge::series() const {
     const Column& any = orientation[0];
     series.push_back({any.element.substr(0, any.element.size() - 2), "rad", any.largest, any.tolerance});
   }
+  for (const TimeColumns& time : times_)
+    series.push_back({time.seconds.element, "s", time.seconds.largest, time.seconds.tolerance});
   return series;
 }
 
@@ -247,6 +271,24 @@ void NumberJudge::compare_cell(Column& column, std::size_t golden_row, std::size
   Divergence numbers;
   put_cells(numbers, column.kind, expected_bits, actual_bits);
   describe(column, golden_row, std::move(numbers), distance, beyond);
+}
+
+void NumberJudge::compare_time(TimeColumns& time, std::size_t golden_row, std::size_t actual_row) {
+  const auto time_in = [&](const TraceChannel& table, std::size_t row, std::size_t seconds, std::size_t nanoseconds) {
+    return time_of_parts(static_cast<std::int64_t>(table.bits(row, seconds)), table.bits(row, nanoseconds));
+  };
+  Column& column = time.seconds;
+  const std::int64_t expected = time_in(rows_->golden, golden_row, column.golden, time.nanoseconds.golden);
+  const std::int64_t actual = time_in(rows_->actual, actual_row, column.actual, time.nanoseconds.actual);
+  if (expected == actual) return;
+  Divergence divergence;
+  put_times(divergence, expected, actual);
+  const Distance distance{divergence.difference};
+  keep_larger(column.largest, distance.difference);
+  bool beyond = distance.difference > column.tolerance;
+  const std::size_t columns[] = {column.golden, time.nanoseconds.golden};
+  if (count(column, golden_row, columns, distance, beyond))
+    describe(column, golden_row, std::move(divergence), distance, beyond);
 }
 
 /// Few of the cells that differ are described: a description takes longer than a comparison.
@@ -381,6 +423,7 @@ class NumberPart final : public PartJudge, public NumberFindings {
       if (element == "input_hash" && traces.other_inputs.any()) return false;
       return element == "tick" || traces.options.takes(stage_of(golden.topic, element));
     };
+    rules.joins_times = !traces.have_ticks();
     rules.another_step = traces.another_step;
     return rules;
   }

@@ -10,7 +10,9 @@
 #include "compare_provenance.h"
 #include "core/kinds/channel_name.h"
 #include "core/mcap/glob.h"
+#include "core/ros2msg/ros2msg.h"
 #include "core/trace/run_facts.h"
+#include "divergence_text.h"
 #include "model/names.h"
 #include "series_rules.h"
 
@@ -194,6 +196,31 @@ Diagnostic applies_to_nothing(const ToleranceRule& rule) {
               "a golden's digest lists the names, for example SR1/RLEG_KNEE/q"));
 }
 
+namespace {
+
+bool has_a_header(const mcap::Schema& schema) {
+  const auto parsed = ros2msg::Schema::parse(schema.name, schema.data);
+  return parsed && std::ranges::any_of(parsed->definitions[0].fields, [](const ros2msg::FieldDefinition& field) {
+           return field.name == "header" && field.type.is_message;
+         });
+}
+
+/// The names in rules of the times of a file without ticks, whose seconds and nanoseconds are one value.
+void add_times(const Trace& trace, std::set<std::string, std::less<>>& names) {
+  const auto is_tick = [](const TraceChannel& channel) { return channel.type == msg::Tick::type_name; };
+  if (std::ranges::any_of(trace.channels(), is_tick)) return;
+  for (const TraceChannel& channel : trace.channels()) {
+    for (std::size_t i = 1; i < channel.columns.size(); ++i)
+      if (const auto name = name_of_time(channel.columns[i - 1].element, channel.columns[i].element))
+        names.insert(series_name(channel.topic, *name));
+    const mcap::Schema* schema = trace.schema_of(channel);
+    const bool has_header = schema && schema->encoding == "ros2msg" && has_a_header(*schema);
+    if (has_header) names.insert(series_name(channel.topic, "header/stamp"));
+  }
+}
+
+}  // namespace
+
 Diagnostics unmatched_rules(const std::vector<ToleranceRule>& rules, std::span<const Trace* const> traces) {
   std::set<std::string, std::less<>> names;
   for (const Trace* trace : traces) {
@@ -204,6 +231,7 @@ Diagnostics unmatched_rules(const std::vector<ToleranceRule>& rules, std::span<c
         if (key.starts_with("limits:"))
           names.insert("limits/" + ChannelName::parse(channel.topic).body + "/" + key.substr(key.find(':') + 1));
     }
+    add_times(*trace, names);
     for (const msg::ContactChange& change : trace->contact_changes())
       names.insert("contacts/" + change.link + "/" + change.other);
     for (const msg::Event& event : trace->events()) names.insert("events/" + event.source);

@@ -197,6 +197,15 @@ std::string blanked_text(const Comparison& comparison) {
                      counted(comparison.blanked, "value"), comparison.blanked == 1 ? "was" : "were");
 }
 
+std::string counts_text(const Comparison& comparison) {
+  const std::string pictures = counted(comparison.pictures, "picture");
+  if (!has_ticks(comparison))
+    return fmt::format("equal bit for bit: {}, {}", counted(comparison.values - comparison.pictures, "value"),
+                       pictures);
+  return fmt::format("equal bit for bit: {}, {}, {}", counted(comparison.ticks, "tick"),
+                     counted(comparison.values - comparison.pictures - comparison.events, "number"), pictures);
+}
+
 }  // namespace
 
 std::optional<Divergence> worst_of_channel(const Comparison& comparison, const Divergence& of) {
@@ -214,18 +223,13 @@ std::string verdict(const Comparison& comparison) {
     return headline_of(*comparison.first, worst_of_channel(comparison, *comparison.first),
                        {.when = when_text(comparison, *comparison.first),
                         .before_beyond = "differs: ",
-                        .with_stage = has_ticks(comparison)}) +
+                        .has_ticks = has_ticks(comparison)}) +
            reason;
   }
-  if (comparison.equal && !has_ticks(comparison))
-    return fmt::format("equal bit for bit: {}, {}", counted(comparison.values - comparison.pictures, "value"),
-                       counted(comparison.pictures, "picture"));
-  const std::string counts = fmt::format("equal bit for bit: {}, {}, {}", counted(comparison.ticks, "tick"),
-                                         counted(comparison.values - comparison.pictures - comparison.events, "number"),
-                                         counted(comparison.pictures, "picture"));
-  if (comparison.equal) return counts;
+  if (comparison.equal) return counts_text(comparison);
   if (comparison.words_alone)
-    return fmt::format("{}; the controllers' lines differ from tick {} on", counts, comparison.first_bit->tick);
+    return fmt::format("{}; the controllers' lines differ from tick {} on", counts_text(comparison),
+                       comparison.first_bit->tick);
   const std::string since = fmt::format("bits differ from {} on", place_text(comparison, *comparison.first_bit));
   const std::string how = comparison.agreement == Agreement::in_noise ? "within the noise floor" : "within tolerance";
   if (!comparison.worst) return fmt::format("{}: all values are equal, but {}{}", how, since, blanked_text(comparison));
@@ -254,8 +258,10 @@ std::string table(const Comparison& comparison) {
     if (comparison.within && bit && !has_a_hash_alone)
       text += "  first: " + describe(*bit, when_text(comparison, *bit), has_ticks(comparison)) + "\n";
     text += remarks_text(comparison.remarks);
-  } else if (!comparison.other_inputs.empty()) {
-    text += remarks_text({other_inputs_sentence(comparison.other_inputs)});
+  } else {
+    std::vector<std::string> remarks = comparison.undecoded;
+    if (!comparison.other_inputs.empty()) remarks.push_back(other_inputs_sentence(comparison.other_inputs));
+    text += remarks_text(remarks);
   }
   for (const Diagnostic& warning : comparison.warnings) text += "  " + to_string(warning) + "\n";
   return text;

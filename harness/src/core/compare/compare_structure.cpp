@@ -100,7 +100,6 @@ const TraceChannel* counterpart(const Trace& of, const TraceChannel& channel, co
 }
 
 void compare_ticks(ComparedTraces& traces, ChannelComparison& result) {
-  if (traces.clock.empty() || traces.actual_clock.empty()) return;
   ChannelFindings findings(result);
   compare_lengths(traces, findings);
   traces.another_step = has_another_step(traces, findings);

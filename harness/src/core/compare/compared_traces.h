@@ -48,6 +48,8 @@ struct ComparedTraces {
   /// The spans without judgement by the name of a body, in the order of time.
   std::map<std::string, std::vector<BlankedSpan>, std::less<>> blanked = {};
 
+  /// False for files of other programs.
+  bool have_ticks() const { return !clock.empty() || !actual_clock.empty(); }
   /// True if only one run has a tick at this time, or if one run ends there. This is one finding of its own, so the
   /// messages of the tick are no findings.
   bool in_a_lone_tick(std::uint64_t time) const {
@@ -86,9 +88,10 @@ struct MatchedChannel {
   const Window& window;
   const TraceChannel& golden;
   const TraceChannel& actual;
-  std::vector<std::pair<std::size_t, std::size_t>> pairs;  // of message numbers
-  std::vector<std::size_t> missing;                        // messages of golden only
-  std::vector<std::size_t> extra;                          // messages of actual only
+  std::vector<std::pair<std::size_t, std::size_t>> pairs = {};      // of message numbers
+  std::vector<std::pair<std::size_t, std::size_t>> undecoded = {};  // likewise, if one can't be decoded
+  std::vector<std::size_t> missing = {};                            // messages of golden only
+  std::vector<std::size_t> extra = {};                              // messages of actual only
 
   /// Index of the channel in the golden.
   std::size_t place() const { return static_cast<std::size_t>(&golden - window.golden.channels().data()); }

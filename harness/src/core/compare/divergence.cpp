@@ -45,6 +45,38 @@ void put_numbers(Divergence& divergence, double expected, double actual, std::st
   divergence.unit = unit;
 }
 
+std::optional<std::string> name_of_time(std::string_view seconds, std::string_view nanoseconds) {
+  const auto stem_of = [](std::string_view path, std::string_view last) -> std::optional<std::string_view> {
+    if (path == last) return std::string_view();
+    if (!path.ends_with(last) || path[path.size() - last.size() - 1] != '/') return std::nullopt;
+    return path.substr(0, path.size() - last.size() - 1);
+  };
+  const auto stem = stem_of(seconds, "sec");
+  if (!stem || stem != stem_of(nanoseconds, "nanosec")) return std::nullopt;
+  return std::string(*stem);
+}
+
+std::int64_t time_of_parts(std::int64_t seconds, std::uint64_t nanoseconds) {
+  return seconds * 1'000'000'000 + static_cast<std::int64_t>(nanoseconds);
+}
+
+void put_times(Divergence& divergence, std::int64_t expected, std::int64_t actual) {
+  const auto seconds = [](std::int64_t time) { return static_cast<double>(time) / 1e9; };
+  const auto text = [](std::int64_t time) {
+    const std::uint64_t size = time < 0 ? 0 - static_cast<std::uint64_t>(time) : static_cast<std::uint64_t>(time);
+    return fmt::format("{}{}.{:09} s", time < 0 ? "-" : "", size / 1'000'000'000, size % 1'000'000'000);
+  };
+  const std::uint64_t apart = actual > expected
+                                  ? static_cast<std::uint64_t>(actual) - static_cast<std::uint64_t>(expected)
+                                  : static_cast<std::uint64_t>(expected) - static_cast<std::uint64_t>(actual);
+  put_numbers(divergence, seconds(expected), seconds(actual), "s");
+  divergence.difference = static_cast<double>(apart) / 1e9;
+  divergence.ulps = std::numeric_limits<std::uint64_t>::max();  // no number that was recorded
+  if (identical(divergence.expected, divergence.actual))        // since 1970: doubles are 0.24 us apart
+    divergence.note =
+        fmt::format("is {}, expected {}: off by {:.6g} s", text(actual), text(expected), divergence.difference);
+}
+
 bool is_worse(const Divergence& a, const Divergence& b) {
   const auto badness = [](const Divergence& d) {
     if (std::isnan(d.judged())) return std::numeric_limits<double>::infinity();
@@ -75,12 +107,13 @@ double times_tolerance(double difference, double tolerance) {
 
 namespace {
 
-/// Two numbers for a person: with as many digits as distinguish them, 4 to 7, and all digits before the point.
-std::pair<std::string, std::string> texts_of(double a, double b) {
+/// Two numbers for a person: with as many digits as distinguish them, 4 to 7, of times to 16, and all digits before the
+/// point.
+std::pair<std::string, std::string> texts_of(double a, double b, bool are_times) {
   std::pair<std::string, std::string> texts;
   const double larger = std::max(std::abs(a), std::abs(b));
   const int before_point = larger >= 1.0 && larger < 1e7 ? static_cast<int>(std::log10(larger)) + 1 : 1;
-  for (int digits = std::max(4, before_point); digits <= 7; ++digits) {
+  for (int digits = std::max(4, before_point); digits <= (are_times ? 16 : 7); ++digits) {
     texts = {fmt::format("{:.{}g}", a, digits), fmt::format("{:.{}g}", b, digits)};
     if (texts.first != texts.second) break;
   }
@@ -107,9 +140,9 @@ bool has_left_a_tolerance(const Divergence& d) {
 }
 
 /// "0.0136 N·m (14 times) at tick 739"
-std::string amount_text(const Divergence& d) {
-  return fmt::format("{:.3g}{}{} ({} times) at tick {}", d.judged(), d.unit.empty() ? "" : " ", d.unit,
-                     times_text(d.judged() / d.tolerance), d.tick);
+std::string amount_text(const Divergence& d, const char* tick) {
+  return fmt::format("{:.3g}{}{} ({} times) at {} {}", d.judged(), d.unit.empty() ? "" : " ", d.unit,
+                     times_text(d.judged() / d.tolerance), tick, d.tick);
 }
 
 std::string describe(const Divergence& d, const std::string& where, bool with_stage, bool in_full) {
@@ -126,7 +159,7 @@ std::string describe(const Divergence& d, const std::string& where, bool with_st
     return fmt::format("{}: {}{}", place, d.note, in_parentheses());
   }
   const std::string unit = d.unit.empty() ? "" : " " + d.unit;
-  const auto [actual, expected] = texts_of(d.actual, d.expected);
+  const auto [actual, expected] = texts_of(d.actual, d.expected, d.unit == "s");
   const std::string values = fmt::format("{} is {}{}, expected {}{}", place, actual, unit, expected, unit);
   if (std::isnan(d.difference)) {
     remarks.push_back("not comparable");
@@ -164,7 +197,7 @@ std::string describe_in_full(const Divergence& d, const std::string& where) { re
 
 std::string headline_of(const Divergence& first, const std::optional<Divergence>& worst, const HeadlineWords& words) {
   if (!has_left_a_tolerance(first))
-    return words.before_differs + "differs at " + describe(first, words.when, words.with_stage);
+    return words.before_differs + "differs at " + describe(first, words.when, words.has_ticks);
   std::string text =
       fmt::format("{}{} is beyond ±{:g}{}{}{} from {} on", words.before_beyond,
                   words.name.empty() ? series_name(first.channel, first.element) : words.name, first.tolerance,
@@ -177,7 +210,7 @@ std::string headline_of(const Divergence& first, const std::optional<Divergence>
          (is_same ? ", worst "
                   : fmt::format("; worst is {} by ",
                                 words.name.empty() ? series_name(most.channel, most.element) : most.element)) +
-         amount_text(most);
+         amount_text(most, words.has_ticks ? "tick" : "message");
 }
 
 }  // namespace rehearse

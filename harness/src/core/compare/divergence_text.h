@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace rehearse {
 
@@ -24,12 +25,19 @@ struct HeadlineWords {
   std::string before_beyond = {};   // words before the first form
   std::string before_differs = {};  // words before the second form
   std::string name = {};            // of the first form's series; empty: as in tolerance rules
-  bool with_stage = true;
+  bool has_ticks = true;            // false for files without ticks, where the stage has no meaning
 };
 std::string headline_of(const Divergence& first, const std::optional<Divergence>& worst, const HeadlineWords& words);
 
 /// The worst difference of the channel of a divergence.
 std::optional<Divergence> worst_of_channel(const Comparison& comparison, const Divergence& of);
+
+/// The name of a time by the names of its seconds and nanoseconds: "header/stamp"; nullopt: they are no time.
+std::optional<std::string> name_of_time(std::string_view seconds, std::string_view nanoseconds);
+/// [ns]
+std::int64_t time_of_parts(std::int64_t seconds, std::uint64_t nanoseconds);
+/// Sets the members that two times [ns] determine, in seconds.
+void put_times(Divergence& divergence, std::int64_t expected, std::int64_t actual);
 
 /// "17 ULPs"; empty for a thousand or more, which say nothing to a person.
 std::string few_ulps_text(std::uint64_t ulps);

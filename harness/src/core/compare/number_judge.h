@@ -36,7 +36,9 @@ struct NumberRules {
   const std::map<std::string, double, std::less<>>* noise_floors = nullptr;               // null: none
   const std::map<std::string, std::vector<BlankedSpan>, std::less<>>* blanked = nullptr;  // null: none
   std::function<bool(std::string_view element)> takes = {};  // the elements to compare; null: all
-  bool another_step = false;                                 // the time steps differ: numbers of ticks are left out
+  /// The seconds and nanoseconds of a time are one value in seconds; else two integers.
+  bool joins_times = false;
+  bool another_step = false;  // the time steps differ: numbers of ticks are left out
 
   bool is_exact() const { return tolerances == nullptr; }
 };
@@ -98,6 +100,10 @@ class NumberJudge {
   };
   /// Four columns x, y, z, w that are one orientation.
   using Orientation = std::array<Column, 4>;
+  /// The columns of seconds and nanoseconds that are one time.
+  struct TimeColumns {
+    Column seconds, nanoseconds;  // the first has the name, tolerance and largest difference of the time
+  };
   /// Elements that aren't compared.
   struct LoneColumns {
     std::vector<std::string> missing, extra, of_another_kind;
@@ -129,8 +135,10 @@ class NumberJudge {
   void match_columns(const TraceChannel& golden, const TraceChannel& actual);
   void find_tolerance(const TraceChannel& golden, Column& column) const;
   void group_orientations();
+  void group_times(const TraceChannel& golden);
   void compare_cell(Column& column, std::size_t golden_row, std::size_t actual_row);
   void compare_orientation(Orientation& orientation, std::size_t golden_row, std::size_t actual_row);
+  void compare_time(TimeColumns& time, std::size_t golden_row, std::size_t actual_row);
   void compare_norms(const Orientation& orientation, std::size_t golden_row, const Quaternion& expected,
                      const Quaternion& actual);
   double distance_from_envelope(Column& column, std::size_t golden_row, double actual) const;
@@ -144,8 +152,9 @@ class NumberJudge {
   const NumberRules rules_;
   NumberFindings& findings_;
   const MatchedRows* rows_ = nullptr;  // the judged rows
-  std::vector<Column> columns_;        // except those of orientations
+  std::vector<Column> columns_;        // except those of orientations and times
   std::vector<Orientation> orientations_;
+  std::vector<TimeColumns> times_;
   LoneColumns lone_;
   bool same_columns_ = true;
 };

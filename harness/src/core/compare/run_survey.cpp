@@ -13,6 +13,11 @@ namespace rehearse {
 
 void ChannelSurvey::take(const TraceChannel& piece) {
   messages += piece.messages();
+  for (const UndecodedMessage& message : piece.undecoded) {
+    if (undecoded++ > 0) continue;
+    first_undecoded = piece.times[message.index];
+    problem = message.reason;
+  }
   for (std::size_t message = 0; message < piece.messages(); ++message) {
     const std::uint64_t time = piece.times[message];
     in_order = in_order && time >= last_time;

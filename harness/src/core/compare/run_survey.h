@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "event_sequences.h"
@@ -21,8 +22,11 @@ struct ChannelSurvey {
   std::uint64_t first_time = std::numeric_limits<std::uint64_t>::max();  // [ns]
   std::uint64_t last_time = 0;                                           // [ns]
   std::uint64_t times_hash = 0;
-  std::uint64_t hash = 0;  // of times and bytes
-  bool in_order = true;    // by time
+  std::uint64_t hash = 0;             // of times and bytes
+  bool in_order = true;               // by time
+  std::uint64_t undecoded = 0;        // messages that can't be decoded
+  std::uint64_t first_undecoded = 0;  // time of the first of them [ns]
+  std::string problem = {};           // of the first
 
   /// A second with messages, and the number and the hash of all messages before it.
   struct Second {

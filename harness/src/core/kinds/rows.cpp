@@ -5,18 +5,15 @@
 #include <limits>
 
 namespace rehearse {
-namespace {
 
-std::uint64_t missing(CellKind kind) {
+std::uint64_t cell_without_value(CellKind kind) {
   return kind == CellKind::floating ? std::bit_cast<std::uint64_t>(std::numeric_limits<double>::quiet_NaN()) : 0;
 }
-
-}  // namespace
 
 RowWriter::RowWriter(TraceChannel& channel) : channel_(channel) {
   for (std::size_t i = 0; i < channel.columns.size(); ++i) {
     by_name_.emplace(channel.columns[i].element, i);
-    empty_row_.push_back(missing(channel.columns[i].kind));
+    empty_row_.push_back(cell_without_value(channel.columns[i].kind));
   }
 }
 
@@ -68,20 +65,39 @@ std::size_t RowWriter::add_column(std::string_view element, CellKind kind) {
   return column;
 }
 
+void RowWriter::drop_columns(std::size_t kept) {
+  const std::size_t width = channel_.columns.size();
+  if (width == kept) return;
+  const auto rows = static_cast<std::ptrdiff_t>(channel_.cells.size() / width);
+  const auto begin = channel_.cells.begin();
+  for (std::ptrdiff_t row = 1; row < rows; ++row)
+    std::copy_n(begin + row * static_cast<std::ptrdiff_t>(width), kept,
+                begin + row * static_cast<std::ptrdiff_t>(kept));
+  channel_.cells.resize(static_cast<std::size_t>(rows) * kept);
+  for (std::size_t column = kept; column < width; ++column) by_name_.erase(channel_.columns[column].element);
+  channel_.columns.resize(kept);
+  empty_row_.resize(kept);
+}
+
 /// Adds columns to all rows so far, the present one included.
 void RowWriter::widen(std::size_t added, CellKind kind) {
   const std::size_t columns = channel_.columns.size();
   // A row without columns has no cells: then the messages before this message are the rows so far.
   const std::size_t rows = columns == 0 ? channel_.times.size() : channel_.cells.size() / columns;
-  empty_row_.insert(empty_row_.end(), added, missing(kind));
+  empty_row_.insert(empty_row_.end(), added, cell_without_value(kind));
   std::vector<std::uint64_t> wider;
   wider.reserve(rows * (columns + added));
   for (std::size_t row = 0; row < rows; ++row) {
     const auto begin = channel_.cells.begin() + static_cast<std::ptrdiff_t>(row * columns);
     wider.insert(wider.end(), begin, begin + static_cast<std::ptrdiff_t>(columns));
-    wider.insert(wider.end(), added, missing(kind));
+    wider.insert(wider.end(), added, cell_without_value(kind));
   }
   channel_.cells = std::move(wider);
+}
+
+const std::string* TraceChannel::problem_of(std::size_t message) const {
+  const auto found = std::ranges::lower_bound(undecoded, message, {}, &UndecodedMessage::index);
+  return found == undecoded.end() || found->index != message ? nullptr : &found->reason;
 }
 
 double TraceChannel::number(std::size_t row_index, std::size_t column) const {

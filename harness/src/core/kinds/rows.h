@@ -19,6 +19,9 @@
 
 namespace rehearse {
 
+/// The bits of a cell without a value.
+std::uint64_t cell_without_value(CellKind kind);
+
 /// Appends rows to a channel's table. Columns are found by name, and added for new names.
 class RowWriter {
  public:
@@ -30,6 +33,8 @@ class RowWriter {
   void put(std::string_view element, double value) {
     put(element, CellKind::floating, std::bit_cast<std::uint64_t>(value));
   }
+  /// Removes all columns but the first ones, from all rows.
+  void drop_columns(std::size_t kept);
   /// Writes the last columns of the row, `name`/0, `name`/1, ...; rows may have different numbers of them.
   void put_array(std::string_view name, std::span<const float> values);
   /// The next cells of the row. The columns must be equal to the columns of the row before.
@@ -50,7 +55,8 @@ class RowWriter {
 class RowReader {
  public:
   virtual ~RowReader() = default;
-  /// Appends one row; false if the payload doesn't fit the schema.
+  /// Appends one row; false if the payload doesn't fit the schema. Then no column is new, and the
+  /// cells after the rows so far are of no use.
   virtual bool read(std::span<const std::byte> payload) = 0;
 };
 

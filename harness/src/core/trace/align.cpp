@@ -8,12 +8,15 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "core/mcap/draft.h"
+#include "core/mcap/hashing.h"
 #include "core/ros2msg/ros2msg.h"
 #include "model/names.h"
 #include "trace_rows.h"
@@ -25,11 +28,73 @@ constexpr std::size_t most_samples = 20'000;        // limit of a series during 
 constexpr double least_correlation = 0.5;           // two series with a lower correlation aren't similar
 constexpr std::int64_t rare_distance = 50'000'000;  // half the usual distance of topics with few messages [ns]
 
+// Limits of an estimated drift. A clock that is further off is no clock: the messages were published at another rate.
+constexpr double most_drift = 0.005;
+constexpr std::size_t fewest_pairs = 20;
+constexpr std::size_t largest_content = 65'536;  // longer messages aren't looked for in the other log [bytes]
+
 using Times = std::map<std::string, std::vector<std::int64_t>>;  // times of messages by topic, sorted [ns]
+using Contents = std::map<std::string, std::vector<std::pair<std::uint64_t, std::int64_t>>>;  // hash and time by topic
 
 struct Sample {
   std::int64_t time = 0;  // [ns]
   double value = 0.0;
+};
+
+/// The times in a message's fields that are named stamp.
+class Stamps {
+ public:
+  explicit Stamps(const mcap::Schema* schema) {
+    if (schema == nullptr || schema->encoding != "ros2msg") return;
+    if (auto parsed = ros2msg::Schema::parse(schema->name, schema->data))
+      decoder_ = std::make_unique<ros2msg::Decoder>(*std::move(parsed));
+  }
+
+  /// The message with stamps that are later by that time [ns].
+  std::vector<std::byte> moved(mcap::Bytes payload, std::int64_t by) {
+    return changed(payload, [by](std::int64_t stamp) {
+      return stamp == 0 || stamp + by < 0 ? stamp : stamp + by;  // 0: no time was set
+    });
+  }
+
+  /// The hash of a message without its stamps.
+  std::uint64_t content(mcap::Bytes payload) {
+    const std::vector<std::byte> bytes = changed(payload, [](std::int64_t) { return std::int64_t{0}; });
+    return hash_bytes(bytes.data(), bytes.size());
+  }
+
+ private:
+  std::vector<std::byte> changed(mcap::Bytes payload, const std::function<std::int64_t(std::int64_t)>& change) {
+    std::vector<std::byte> bytes(payload.begin(), payload.end());
+    if (!decoder_) return bytes;
+    const bool swapped = bytes.size() > 1 && (bytes[1] & std::byte{1}) == std::byte{0};
+    const auto put = [&](std::span<const std::byte> place, std::uint32_t number) {
+      if (swapped == (std::endian::native == std::endian::little)) number = __builtin_bswap32(number);
+      std::memcpy(bytes.data() + (place.data() - payload.data()), &number, sizeof number);
+    };
+    std::int64_t seconds = 0;
+    std::span<const std::byte> seconds_at;
+    const auto ends_as = [](std::string_view path, std::string_view end) {
+      return path == end || (path.ends_with(end) && path[path.size() - end.size() - 1] == '/');
+    };
+    decoder_->decode(payload, [&](const ros2msg::Value& value) {
+      if (value.bytes.size() != sizeof(std::uint32_t)) return;
+      if (ends_as(value.path, "stamp/sec")) {
+        seconds = value.integer;
+        seconds_at = value.bytes;
+      } else if (ends_as(value.path, "stamp/nanosec") && !seconds_at.empty()) {
+        const std::int64_t stamp = seconds * second_ + static_cast<std::int64_t>(value.unsigned_integer);
+        const std::int64_t other = change(stamp);
+        if (other == stamp) return;
+        put(seconds_at, static_cast<std::uint32_t>(other / second_));
+        put(value.bytes, static_cast<std::uint32_t>(other % second_));
+      }
+    });
+    return bytes;
+  }
+
+  static constexpr std::int64_t second_ = 1'000'000'000;  // [ns]
+  std::unique_ptr<ros2msg::Decoder> decoder_;
 };
 
 Times times_of(mcap::Reader& log) {
@@ -40,6 +105,29 @@ Times times_of(mcap::Reader& log) {
   }));
   for (auto& [topic, all] : times) std::sort(all.begin(), all.end());
   return times;
+}
+
+/// The messages whose content no other message of their topic has, sorted by content.
+Contents contents_of(mcap::Reader& log) {
+  Contents contents;
+  std::map<std::uint16_t, Stamps> stamps;
+  for (const auto& [id, channel] : log.channels()) stamps.try_emplace(id, log.schema_of(channel));
+  static_cast<void>(log.for_each_message([&](const mcap::Message& message) {
+    if (message.data.size() > largest_content) return true;
+    contents[message.channel->topic].emplace_back(stamps.at(message.channel->id).content(message.data),
+                                                  static_cast<std::int64_t>(message.log_time));
+    return true;
+  }));
+  for (auto& [topic, all] : contents) {
+    std::sort(all.begin(), all.end());
+    std::size_t kept = 0;
+    for (std::size_t i = 0, end = 0; i < all.size(); i = end) {
+      for (end = i + 1; end < all.size() && all[end].first == all[i].first;) ++end;
+      if (end == i + 1) all[kept++] = all[i];
+    }
+    all.resize(kept);
+  }
+  return contents;
 }
 
 std::int64_t median_interval(const std::vector<std::int64_t>& times) {
@@ -167,9 +255,11 @@ double refined(const std::vector<Sample>& first, const std::vector<Sample>& seco
 
 Result<void> align_by_series(mcap::Reader& first, mcap::Reader& second, const std::string& series,
                              Alignment& alignment) {
-  const auto a = samples_of(first, series), b = samples_of(second, series);
+  const auto a = samples_of(first, series);
+  auto b = samples_of(second, series);
   if (!a) return a.errors();
   if (!b) return b.errors();
+  for (Sample& sample : *b) sample.time = alignment.without_drift(sample.time);
   if (a->size() < 3 || b->size() < 3)
     return error(fmt::format("the series '{}' has fewer than three numbers in one of the logs", series));
   std::vector<std::int64_t> times;
@@ -209,8 +299,109 @@ Result<void> align_by_start(const Times& first, const Times& second, Alignment& 
   return {};
 }
 
+/// A message of the second log, and the same message of the first log [ns].
+struct TimePair {
+  std::int64_t second = 0, first = 0;
+};
+
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::vector<TimePair> pairs_of_equal_content(mcap::Reader& first, mcap::Reader& second) {
+  const Contents contents_a = contents_of(first), contents_b = contents_of(second);
+  std::vector<TimePair> pairs;
+  for (const auto& [topic, all] : contents_b) {
+    const auto other = contents_a.find(topic);
+    if (other == contents_a.end()) continue;
+    auto a = other->second.begin();
+    for (const auto& [content, time] : all) {
+      while (a != other->second.end() && a->first < content) ++a;
+      if (a != other->second.end() && a->first == content) pairs.push_back({time, a->second});
+    }
+  }
+  return pairs;
+}
+
+/// The nearest messages, of the common topic with the most messages. The offset follows them: each pair moves it by a
+/// tenth of its distance. So a drift of many intervals is found, and a single wrong time does nothing.
+std::vector<TimePair> pairs_in_order(const Times& first, const Times& second, std::int64_t offset) {
+  const std::vector<std::int64_t>*a = nullptr, *b = nullptr;
+  for (const auto& [topic, times] : second) {
+    const auto other = first.find(topic);
+    if (other == first.end() || (b && std::min(a->size(), b->size()) >= std::min(other->second.size(), times.size())))
+      continue;
+    a = &other->second;
+    b = &times;
+  }
+  std::vector<TimePair> pairs;
+  if (!b) return pairs;
+  const std::int64_t limit = median_interval(*a) / 2;
+  std::size_t next = 0;
+  for (const std::int64_t time : *b) {
+    const std::int64_t moved = time + offset;
+    while (next + 1 < a->size() && std::abs((*a)[next + 1] - moved) < std::abs((*a)[next] - moved)) ++next;
+    const std::int64_t distance = (*a)[next] - moved;
+    if (std::abs(distance) > limit) continue;
+    pairs.push_back({time, (*a)[next]});
+    offset += distance / 10;
+  }
+  return pairs;
+}
+
+/// Sets the drift of the second clock, and its offset, if the pairs show a drift: over the log it moves messages by
+/// more than the pairs are apart without it. Slopes are those between pairs half of the log apart; the medians of
+/// slopes and of distances make a few wrong times harmless.
+bool find_drift(std::vector<TimePair> pairs, Alignment& alignment) {
+  if (pairs.size() < fewest_pairs) return false;
+  std::ranges::stable_sort(pairs, {}, &TimePair::second);
+  std::vector<double> slopes, offsets, distances;
+  const std::size_t half = pairs.size() / 2;
+  for (std::size_t i = 0; i + half < pairs.size(); ++i) {
+    const TimePair &from = pairs[i], &to = pairs[i + half];
+    if (to.second > from.second)
+      slopes.push_back(static_cast<double>(to.first - from.first) / static_cast<double>(to.second - from.second) - 1.0);
+  }
+  if (slopes.empty()) return false;
+  Alignment found = alignment;
+  found.drift = median_of(slopes);
+  for (const auto& [second, first] : pairs)
+    offsets.push_back(static_cast<double>(first - pairs[0].first - (found.without_drift(second) - pairs[0].second)));
+  const double middle = median_of(offsets);
+  for (const double offset : offsets) distances.push_back(std::abs(offset - middle));
+  const double moved = std::abs(found.drift) * static_cast<double>(pairs.back().second - pairs.front().second);
+  constexpr double rounding = 1000.0;  // [ns]
+  if (std::abs(found.drift) > most_drift || moved < 4.0 * median_of(distances) + rounding) return false;
+  found.offset = pairs[0].first - pairs[0].second + std::llround(middle);
+  found.drift_pairs = pairs.size();
+  alignment = found;
+  return true;
+}
+
+/// Estimates drift and offset anew. Messages of equal content tell most; without these, the distances of messages do.
+Result<void> align_drift(mcap::Reader& first, mcap::Reader& second, const std::string& by, const Times& times_a,
+                         const Times& times_b, Alignment& alignment) {
+  for (const auto& [topic, times] : times_b)
+    if (times_a.contains(topic)) alignment.start = std::min(alignment.start, times.front());
+  alignment.by_content = true;
+  const std::vector<TimePair> equal = pairs_of_equal_content(first, second);
+  if (equal.size() < fewest_pairs) alignment.by_content = false;
+  const std::vector<TimePair> pairs = alignment.by_content ? equal : pairs_in_order(times_a, times_b, alignment.offset);
+  if (!find_drift(pairs, alignment) || by == "start") return {};
+  const std::int64_t by_pairs = alignment.offset;
+  if (auto done = align_by_series(first, second, by, alignment); !done) return done;
+  std::vector<std::int64_t> times;
+  for (const TimePair& pair : pairs) times.push_back(pair.second);
+  std::sort(times.begin(), times.end());
+  // pairs may be one message off; else their median is better than a mean, which a wrong time moves
+  if (std::abs(by_pairs - alignment.offset) < median_interval(times) / 2) alignment.offset = by_pairs;
+  return {};
+}
+
 /// The new times of a topic's messages in the second log: the times of the matched messages in the first log, else the
-/// old times plus the offset.
+/// old times by the clock of the first.
 std::vector<std::int64_t> matched_times(const std::vector<std::int64_t>& first, const std::vector<std::int64_t>& second,
                                         Alignment& alignment, std::vector<std::int64_t>& distances) {
   const std::int64_t limit = median_interval(first) / 2;
@@ -218,7 +409,7 @@ std::vector<std::int64_t> matched_times(const std::vector<std::int64_t>& first, 
   std::size_t next = 0;
   const std::uint64_t matched_before = alignment.matched;
   for (const std::int64_t time : second) {
-    const std::int64_t moved = time + alignment.offset;
+    const std::int64_t moved = alignment.time_of(time);
     const auto distance = [&](std::size_t i) { return std::abs(first[i] - moved); };
     while (next + 1 < first.size() && distance(next + 1) < distance(next)) ++next;
     if (next < first.size() && distance(next) <= limit) {
@@ -234,52 +425,10 @@ std::vector<std::int64_t> matched_times(const std::vector<std::int64_t>& first, 
   return times;
 }
 
-/// Moves the times in a message's fields that are named stamp.
-class StampMover {
- public:
-  explicit StampMover(const mcap::Schema* schema) {
-    if (schema == nullptr || schema->encoding != "ros2msg") return;
-    if (auto parsed = ros2msg::Schema::parse(schema->name, schema->data))
-      decoder_ = std::make_unique<ros2msg::Decoder>(*std::move(parsed));
-  }
-
-  std::vector<std::byte> moved(mcap::Bytes payload, std::int64_t by) {
-    std::vector<std::byte> bytes(payload.begin(), payload.end());
-    if (!decoder_) return bytes;
-    const bool swapped = bytes.size() > 1 && (bytes[1] & std::byte{1}) == std::byte{0};
-    const auto put = [&](std::span<const std::byte> place, std::uint32_t number) {
-      if (swapped == (std::endian::native == std::endian::little)) number = __builtin_bswap32(number);
-      std::memcpy(bytes.data() + (place.data() - payload.data()), &number, sizeof number);
-    };
-    std::int64_t seconds = 0;
-    std::span<const std::byte> seconds_at;
-    const auto ends_as = [](std::string_view path, std::string_view end) {
-      return path == end || (path.ends_with(end) && path[path.size() - end.size() - 1] == '/');
-    };
-    decoder_->decode(payload, [&](const ros2msg::Value& value) {
-      if (value.bytes.size() != sizeof(std::uint32_t)) return;
-      if (ends_as(value.path, "stamp/sec")) {
-        seconds = value.integer;
-        seconds_at = value.bytes;
-      } else if (ends_as(value.path, "stamp/nanosec") && !seconds_at.empty()) {
-        const std::int64_t stamp = seconds * second_ + static_cast<std::int64_t>(value.unsigned_integer);
-        if (stamp == 0 || stamp + by < 0) return;  // 0: no time was set
-        put(seconds_at, static_cast<std::uint32_t>((stamp + by) / second_));
-        put(value.bytes, static_cast<std::uint32_t>((stamp + by) % second_));
-      }
-    });
-    return bytes;
-  }
-
- private:
-  static constexpr std::int64_t second_ = 1'000'000'000;  // [ns]
-  std::unique_ptr<ros2msg::Decoder> decoder_;
-};
-
 Result<void> write_moved(mcap::Reader& log, mcap::Writer& writer,
                          std::map<std::string, std::vector<std::int64_t>> times, Alignment& alignment) {
   std::map<std::uint16_t, std::uint16_t> ids;
-  std::map<std::uint16_t, StampMover> movers;
+  std::map<std::uint16_t, Stamps> movers;
   std::map<std::string, std::size_t> next;  // index of the next time, by topic
   for (const auto& [id, channel] : log.channels()) {
     const mcap::Schema* schema = log.schema_of(channel);
@@ -295,7 +444,7 @@ Result<void> write_moved(mcap::Reader& log, mcap::Writer& writer,
     const std::string& topic = message.channel->topic;
     const auto of_topic = times.find(topic);
     const auto old = static_cast<std::int64_t>(message.log_time);
-    const std::int64_t time = of_topic == times.end() ? old + alignment.offset : of_topic->second[next[topic]++];
+    const std::int64_t time = of_topic == times.end() ? alignment.time_of(old) : of_topic->second[next[topic]++];
     if (time < 0) return ++alignment.left_out > 0;
     const auto published = static_cast<std::int64_t>(message.publish_time) + time - old;
     written = writer.write(ids[message.channel->id], static_cast<std::uint64_t>(time),
@@ -320,6 +469,7 @@ Result<Alignment> write_aligned(const std::filesystem::path& first, const std::f
   auto estimated =
       by == "start" ? align_by_start(times_a, times_b, alignment) : align_by_series(**a, **b, by, alignment);
   if (!estimated) return estimated.errors();
+  if (auto done = align_drift(**a, **b, by, times_a, times_b, alignment); !done) return done.errors();
   Times moved;
   std::vector<std::int64_t> distances;
   for (const auto& [topic, times] : times_b)

@@ -8,6 +8,7 @@
 
 #include "core/kinds/channel_name.h"
 #include "core/mcap/hashing.h"
+#include "core/ros2msg/ros2msg.h"
 #include "message_rest.h"
 #include "trace_windows.h"
 
@@ -23,10 +24,30 @@ void ChannelSource::take_samples(const StateRate* rate) {
   samples = rate && rate->reduces(rows.table.topic) ? rate : nullptr;
 }
 
+void ChannelSource::keep_undecoded(const mcap::Schema* of) {
+  schema = of;
+  rows.keeps_undecoded = schema != nullptr;
+}
+
+namespace {
+
+std::string problem_of(mcap::Bytes payload, const mcap::Schema& schema) {
+  auto parsed = ros2msg::Schema::parse(schema.name, schema.data);
+  if (!parsed) return parsed.errors()[0].message;
+  ros2msg::Decoder decoder(std::move(*parsed));
+  decoder.decode(payload, [](const ros2msg::Value&) {});
+  return decoder.problem().empty() ? "it isn't a valid " + schema.name : decoder.problem();
+}
+
+}  // namespace
+
 bool ChannelSource::add(const mcap::Message& message) {
   if (samples && !samples->is_sample(message.log_time)) return true;
   TraceChannel& table = rows.table;
-  if (!rows.add(message.log_time, message.data)) return false;
+  if (!rows.add(message.log_time, message.data)) {
+    if (!schema) return false;
+    table.undecoded.push_back({table.times.size() - 1, problem_of(message.data, *schema)});
+  }
   if (!rows.is_typed()) table.locations.push_back(message.location);
   table.hashes.push_back(hash_bytes(message.data.data(), message.data.size()));
   if (rest && rest->take(message.data, message.log_time))
@@ -49,6 +70,8 @@ void drop_messages(TraceChannel& table, std::size_t count) {
     rests.back().first -= std::min(rests.back().first, count);
   }
   table.rests = std::move(rests);
+  std::erase_if(table.undecoded, [count](const UndecodedMessage& message) { return message.index < count; });
+  for (UndecodedMessage& message : table.undecoded) message.index -= count;
   drop(table.times, count);
   table.earlier += count;
 }
@@ -65,6 +88,8 @@ class TraceLoader {
     if (samples) trace_.state_samples_ = std::make_shared<const StateRate>(*samples);
   }
 
+  /// Messages that can't be decoded are no damage, unless the file has ticks.
+  void keep_undecoded() { trace_.keeps_undecoded_ = true; }
   /// `wanted`: the channels whose messages are read; null: all.
   Result<Trace> load(const std::function<bool(const mcap::Channel&)>& wanted = {});
   Result<Trace> outline();
@@ -128,6 +153,8 @@ TraceChannel messages_at(const TraceChannel& channel, const std::vector<std::siz
     if (taken.rests.empty() || taken.rests.back().hash != rest.hash)
       taken.rests.push_back({message, rest.hash, rest.location});
   }
+  for (std::size_t message = 0; message < order.size() && !channel.undecoded.empty(); ++message)
+    if (const std::string* problem = channel.problem_of(order[message])) taken.undecoded.push_back({message, *problem});
   return taken;
 }
 
@@ -161,6 +188,7 @@ Result<Trace> TraceLoader::load(const std::function<bool(const mcap::Channel&)>&
     has_ticks_ = has_ticks_ || (schema != nullptr && schema->name == msg::Tick::type_name);
     if (wanted && wanted(channel)) chosen.push_back(id);
   }
+  trace_.keeps_undecoded_ = trace_.keeps_undecoded_ && !has_ticks_;
   const auto take = [this](const mcap::Message& message) {
     add_message(message);
     if (on_piece_ && held_ >= piece_size_ && ends_a_tick(message)) end_piece();
@@ -266,6 +294,7 @@ TraceLoader::Source& TraceLoader::source_of(const mcap::Message& message) {
   auto& source = sources_[channel.id];
   source = std::make_unique<Source>(channel, trace_.reader_->schema_of(channel));
   source->take_samples(trace_.state_samples_.get());
+  if (trace_.keeps_undecoded_) source->keep_undecoded(trace_.reader_->schema_of(channel));
   known = source.get();
   return *known;
 }
@@ -308,6 +337,7 @@ TraceWindows::TraceWindows(const Trace& whole, std::span<const std::size_t> chan
     if (std::find(channels.begin(), channels.end(), sources_.size()) != channels.end()) ids.push_back(id);
     by_id_[id] = &sources_.emplace_back(channel, trace_.reader_->schema_of(channel), table.columns);
     by_id_[id]->take_samples(trace_.state_samples_.get());
+    if (trace_.keeps_undecoded_) by_id_[id]->keep_undecoded(trace_.reader_->schema_of(channel));
     table = std::move(by_id_[id]->rows.table);
   }
   for (std::size_t i = 0; i < start.earlier.size(); ++i) trace_.channels_[channels[i]].earlier = start.earlier[i];
@@ -400,9 +430,11 @@ Result<Trace> load_samples(const std::filesystem::path& file, const StateRate& r
   return TraceLoader(file, Trace::Damage::refuse, {}, 0, &rate).load();
 }
 
-Result<Trace> load_samples_in_pieces(const std::filesystem::path& file, const StateRate& rate,
-                                     const Trace::OnPiece& on_piece, std::size_t piece_size) {
-  return TraceLoader(file, Trace::Damage::refuse, on_piece, piece_size, &rate).load();
+Result<Trace> load_for_comparison(const std::filesystem::path& file, const StateRate* rate,
+                                  const Trace::OnPiece& on_piece, std::size_t piece_size) {
+  TraceLoader loader(file, Trace::Damage::refuse, on_piece, piece_size, rate);
+  loader.keep_undecoded();
+  return loader.load();
 }
 
 }  // namespace rehearse

@@ -10,11 +10,15 @@ namespace {
 /// Reads messages of any type, by its schema.
 class SchemaRowReader : public RowReader {
  public:
-  SchemaRowReader(TraceChannel& channel, ros2msg::Schema schema) : row_(channel), decoder_(std::move(schema)) {}
+  SchemaRowReader(TraceChannel& channel, ros2msg::Schema schema)
+      : channel_(channel), row_(channel), decoder_(std::move(schema)) {}
 
   bool read(std::span<const std::byte> payload) override {
+    const std::size_t columns = channel_.columns.size();
     row_.begin_row();
-    return decoder_.decode(payload, [this](const ros2msg::Value& value) { put(value); });
+    if (decoder_.decode(payload, [this](const ros2msg::Value& value) { put(value); })) return true;
+    row_.drop_columns(columns);
+    return false;
   }
 
  private:
@@ -33,6 +37,7 @@ class SchemaRowReader : public RowReader {
     }
   }
 
+  TraceChannel& channel_;
   RowWriter row_;
   ros2msg::Decoder decoder_;
 };
@@ -79,8 +84,11 @@ ChannelRows::ChannelRows(const mcap::Channel& channel, const mcap::Schema* schem
 bool ChannelRows::add(std::uint64_t time, std::span<const std::byte> payload) {
   table.times.push_back(time);  // before the row: the table gets as many rows as there are times
   if (reader_ == nullptr || reader_->read(payload)) return true;
-  table.times.pop_back();
-  table.cells.resize(table.times.size() * table.columns.size());
+  table.cells.resize((table.times.size() - 1) * table.columns.size());
+  if (keeps_undecoded)
+    for (const TraceColumn& column : table.columns) table.cells.push_back(cell_without_value(column.kind));
+  else
+    table.times.pop_back();
   return false;
 }
 

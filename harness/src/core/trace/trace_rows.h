@@ -24,7 +24,7 @@ class ChannelRows {
   ChannelRows& operator=(const ChannelRows&) = delete;
 
   /// Adds the time of a message, and its row if the channel has rows. False: the payload doesn't fit the schema, and
-  /// the table is unchanged.
+  /// the table is unchanged, or has a row without values if these are kept.
   bool add(std::uint64_t time, std::span<const std::byte> payload);
   /// Replaces all rows by the row of this message.
   bool replace(std::uint64_t time, std::span<const std::byte> payload);
@@ -36,6 +36,7 @@ class ChannelRows {
   const Diagnostics& problems() const { return problems_; }
 
   TraceChannel table;
+  bool keeps_undecoded = false;
 
  private:
   std::unique_ptr<RowReader> reader_;

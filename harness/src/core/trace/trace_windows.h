@@ -27,10 +27,13 @@ struct ChannelSource {
   void take_samples(const StateRate* rate);
   /// Adds a message to the table. False: it doesn't fit the schema.
   bool add(const mcap::Message& message);
+  /// Keeps messages that can't be decoded, from now on.
+  void keep_undecoded(const mcap::Schema* schema);
 
   ChannelRows rows;
-  const StateRate* samples = nullptr;  // null: all messages are added
-  std::unique_ptr<MessageRest> rest;   // null if there are no rows
+  const StateRate* samples = nullptr;    // null: all messages are added
+  std::unique_ptr<MessageRest> rest;     // null if there are no rows
+  const mcap::Schema* schema = nullptr;  // of the messages that are kept although they can't be decoded; null: none are
 };
 
 /// Removes a table's first messages.
@@ -67,9 +70,12 @@ class TraceWindows {
 
 /// As Trace::load(); of the state of the world only the samples at a rate are read.
 Result<Trace> load_samples(const std::filesystem::path& file, const StateRate& rate);
-/// As Trace::load_in_pieces(); of the state of the world only the samples at a rate are read.
-Result<Trace> load_samples_in_pieces(const std::filesystem::path& file, const StateRate& rate,
-                                     const Trace::OnPiece& on_piece, std::size_t piece_size);
+
+/// As Trace::load_in_pieces(), for a comparison. `rate`: of the state of the world only these samples are read; null:
+/// all. In a file without ticks messages that can't be decoded are no damage: they are TraceChannel::undecoded, also in
+/// the windows of the trace.
+Result<Trace> load_for_comparison(const std::filesystem::path& file, const StateRate* rate,
+                                  const Trace::OnPiece& on_piece, std::size_t piece_size);
 
 /// As Trace::load_in_pieces(); only messages of the wanted channels are read, and the other tables have no columns.
 Result<Trace> load_wanted_in_pieces(const std::filesystem::path& file,
