@@ -328,7 +328,7 @@ TEST_F(Gdb, IsAskedForALineWhenTheVerdictIsPrinted) {
       {"check", scenario, "--golden", "golden.mcap", "--controller", std::string("Swing=") + STIFFER},
       "REHEARSE_CALL_STACK= PATH=" + quoted(folder() / "bin") + ":$PATH REHEARSE_REPORT_PAGE=" + page.string());
   const std::string printed = read_file(folder() / "printed");
-  EXPECT_THAT(printed, AllOf(StartsWith("pendulum: "), HasSubstr("controller on recorded inputs: differs")));
+  EXPECT_THAT(printed, AllOf(StartsWith("pendulum: "), HasSubstr("controller: differs; plant: equal; closed: differs")));
   EXPECT_THAT(printed, Not(HasSubstr("in a browser")));
   EXPECT_THAT(outcome.out, AllOf(StartsWith(printed), HasSubstr("in a browser: ")));
 }
