@@ -167,9 +167,10 @@ struct CheckReport {
   /// The closed loop is within tolerance, but equal programs and files gave different bits, or the run doesn't repeat
   /// itself (reproduce). The check then counts as different.
   bool not_reproduced = false;
-  bool other_duration =
-      false;  // the scenario's time step or duration isn't the golden's; the check counts as different
-  bool proof_was_wrong = false;  // it was simulated as well, with another result; the check counts as different
+  /// The scenario's time step or duration isn't the golden's. The check then counts as different.
+  bool other_duration = false;
+  /// A proved check was also simulated, with another result. It then counts as different.
+  bool proof_was_wrong = false;
 
   bool equal() const;   // within(), and every compared level is equal
   bool within() const;  // no level differs, and run_is_wrong() is false

@@ -1,0 +1,52 @@
+// The results of a check's levels, and the result of the whole check.
+#include <fmt/format.h>
+#include <rehearse/check.h>
+
+#include <algorithm>
+#include <array>
+#include <tuple>
+
+namespace rehearse {
+
+std::string_view to_string(LevelState state) {
+  switch (state) {
+    case LevelState::equal: return "equal";
+    case LevelState::proved: return "proved";
+    case LevelState::within: return "within";
+    case LevelState::differs: return "differs";
+    case LevelState::not_compared: return "not compared";
+    case LevelState::no_golden: return "no golden";
+  }
+  return "";
+}
+
+bool CheckReport::equal() const {
+  const bool any_within = std::ranges::count(std::array{controller, plant, closed}, LevelState::within) > 0;
+  return within() && !any_within;
+}
+
+bool CheckReport::within() const {
+  return controller != LevelState::differs && plant != LevelState::differs && !run_is_wrong();
+}
+
+bool CheckReport::run_is_wrong() const {
+  return closed == LevelState::differs || closed == LevelState::no_golden || first_violation(expectations) ||
+         not_reproduced || other_duration || proof_was_wrong;
+}
+
+std::string levels_text(const CheckReport& report) {
+  return fmt::format("controller: {}; plant: {}; closed: {}", to_string(report.controller), to_string(report.plant),
+                     to_string(report.closed));
+}
+
+std::string bits_sentence(const CheckReport& report) {
+  const auto& [first, bit] = std::tie(report.first, report.first_bit);
+  return first && bit && bit->tick < first->tick ? fmt::format("its bits differ from tick {} on", bit->tick) : "";
+}
+
+bool CheckReport::failed() const {
+  const bool run_failed = run && (run->failure || run->controller_refused);
+  return run_failed || (replay && (replay->failure || replay->controller_refused));
+}
+
+}  // namespace rehearse
