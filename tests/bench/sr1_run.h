@@ -27,8 +27,9 @@ class Sr1Run {
   /// The commands to the world in each tick.
   const std::vector<Command>& commands() const { return commands_; }
 
-  /// A new world of the scenario's bodies.
-  std::unique_ptr<World> make_world() const;
+  /// A new world of the scenario's bodies, with the scenario's solver or another one.
+  std::unique_ptr<World> make_world() const { return make_world(scenario_.solver); }
+  std::unique_ptr<World> make_world(const SolverSettings& solver) const;
 
  private:
   Sr1Run();

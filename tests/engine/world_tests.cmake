@@ -1,9 +1,14 @@
+rehearse_add_test(solver_tests LABEL sim SHARDS 1
+  SOURCES solver/bounded_problem_test.cpp solver/forest_test.cpp solver/island_test.cpp
+  LIBRARIES Rehearse::world)
+
 rehearse_add_test(world_tests LABEL sim SHARDS 8
   SOURCES
     world/connections_test.cpp
     world/contacts_test.cpp
     world/create_test.cpp
     world/cut_wrench_test.cpp
+    world/direct_step_test.cpp
     world/drives_test.cpp
     world/floating_joints_test.cpp
     world/force_sensor_test.cpp

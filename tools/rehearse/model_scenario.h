@@ -31,7 +31,7 @@ struct ModelScenario {
   std::optional<double> duration;        // [s]; default 2
   std::optional<RunOfALog> run;          // none: the robot is at rest
   UrdfOptions urdf = {};                 // packages, masses and meshes that are missing
-  std::string solver = {};               // quick or exact; empty: the scenario doesn't state it
+  std::string solver = {};               // quick, exact or direct; empty: the scenario doesn't state it
 };
 
 /// The scenario as YAML: the robot at rest, or in the posture of a log, its lowest point on the floor, unless the model

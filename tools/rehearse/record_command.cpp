@@ -331,9 +331,9 @@ std::function<Exit()> declare_record(CLI::App& options) {
   options.add_option("--model", settings->model.model, "instead of a scenario: this robot, standing on a floor")
       ->type_name("URDF");
   add_model_options(options, settings->model.urdf);
-  options.add_option("--solver", settings->model.solver, "with --model: quick (iterative) or exact (direct)")
+  options.add_option("--solver", settings->model.solver, "with --model: quick (iterative), exact (by ODE) or direct (by the tree of joints)")
       ->type_name("METHOD")
-      ->check(CLI::IsMember({"quick", "exact"}));
+      ->check(CLI::IsMember({"quick", "exact", "direct"}));
   options
       .add_option("--save-scenario", settings->save_scenario,
                   "with --model: write the equivalent scenario to a new file, and run that")

@@ -503,11 +503,12 @@ std::vector<Eigen::Isometry3d> forward_kinematics(
 
 // Settings of a scene.
 
-/// How the physics engine solves a step. The defaults are those of Choreonoid's ODE simulator item.
+/// How a step's forces are solved. The defaults are those of Choreonoid's ODE simulator item.
 struct SolverSettings {
   enum class Method {
-    quick,  // dWorldQuickStep: iterative, linear in the number of constraints
-    exact,  // dWorldStep: direct, cubic
+    quick,   // dWorldQuickStep of ODE: iterative, linear in the number of constraints
+    exact,   // dWorldStep of ODE: direct, cubic
+    direct,  // Rehearse's: direct, linear in the links of robots; quick for islands without joints
   };
   static constexpr int most_iterations = 10000;
   Method method = Method::quick;

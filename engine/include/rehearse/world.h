@@ -55,6 +55,13 @@ struct Residual {
   int iterations = 0;  // of the solver in that step; 0: the exact solver made it
 };
 
+/// The parts of a step that the direct solver didn't solve to the end.
+struct Unsolved {
+  double share = 0.0;     // the largest error of a force, as a share of the weight of the bodies that touch; 0: none
+  int contacts = 0;       // of an island with joints that was left to the quick solver, as it has too many; 0: none
+  int most_contacts = 0;  // that the direct solver takes
+};
+
 class World {
  public:
   /// Fails, naming body and link, if ODE could not simulate a body: mass or inertia not positive, a count of joints
@@ -101,6 +108,9 @@ class World {
   /// step, the other one free to move (reduced mass). Not part of the state: after restore() it is empty until the next
   /// step.
   const Residual& residual() const;
+
+  /// Of the last step. Not part of the state.
+  const Unsolved& unsolved() const;
 
   /// The connections that began or ended at the beginning of the last step:
   /// "holder 'Arm/HAND' took hold of 'Box/BASE'". Not part of the state.

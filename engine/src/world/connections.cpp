@@ -252,6 +252,9 @@ void Connections::make_joint(Slot& slot) {
   set_motion(second.body, slot.motions[1]);
   const Isometry3d frame = pose_of(first) * slot.wanted.frame;
   const Vector3d anchor = frame.translation(), axis = frame.linear() * slot.wanted.axis;
+  const bool swapped = first.body == nullptr;
+  slot.guide.emplace(slot.wanted.type, swapped ? second.body : first.body, swapped ? nullptr : second.body, anchor,
+                     axis);
   switch (slot.wanted.type) {
     case LoopJoint::Type::fixed:
       slot.joint = dJointCreateFixed(world_, nullptr);
@@ -277,6 +280,13 @@ void Connections::make_joint(Slot& slot) {
   }
   set_motion(first.body, before);
   set_motion(second.body, other_before);
+}
+
+std::vector<const JointGuide*> Connections::guides() const {
+  std::vector<const JointGuide*> guides;
+  for (const Slot& slot : slots_)
+    if (slot.joint) guides.push_back(&*slot.guide);
+  return guides;
 }
 
 void Connections::visit_state(StateVisitor& visitor) {

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "joint_guide.h"
 #include "simulated_body.h"
 
 namespace rehearse {
@@ -31,6 +32,9 @@ class Connections {
   void update_holders(const std::vector<LinkPair>& touching);
   const std::vector<std::string>& events() const { return events_; }
 
+  /// The geometry of the connections that exist, for the direct solver.
+  std::vector<const JointGuide*> guides() const;
+
   bool empty() const { return slots_.empty(); }
   /// True if a connection is between the rigid parts to which the links belong.
   bool connect(int body, int link, int other_body, int other_link) const;
@@ -45,6 +49,7 @@ class Connections {
     Connection wanted;
     int holder = -1;  // index of the device of body wanted.body that holds; -1: it is no holder
     dJointID joint = nullptr;
+    std::optional<JointGuide> guide;  // of the joint
     // state
     bool connected = false;
     std::uint64_t held = 0;           // of a holder: number of the held link; 0: none

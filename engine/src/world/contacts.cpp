@@ -123,36 +123,23 @@ void collide(const LinkPair& pair, const Touches::Party& a, const Touches::Party
 }
 
 /// `contact`: room for ODE's description of the contact.
-void add_joint(dWorldID world, dJointGroupID group, const ContactLaw& law, const ContactTerms& terms,
-               const Friction& friction, Contact& touch, dContact& contact) {
+void add_contact(dWorldID world, dJointGroupID group, const ContactLaw& law, const ContactTerms& terms,
+                 const Friction& friction, DirectStep* direct, Contact& touch, dContact& contact) {
   contact.geom = touch.geom;
   terms.apply(contact);
   if ((touch.a.has_belt() || touch.b.has_belt()) && law.drives(touch.geom.depth)) run_belts(touch, contact);
   if (!(contact.surface.mode & dContactFDir1)) friction.direct(touch.point(), touch.velocity(), contact);
+  if (direct && direct->solves(touch)) return direct->add(touch, contact, Friction::last_force(touch.point()));
   const dJointID joint = dJointCreateContact(world, group, &contact);
   dJointAttach(joint, touch.a.ode, touch.b.ode);
   dJointSetFeedback(joint, &touch.feedback);
 }
 
-/// The contacts of two shapes follow each other.
-void add_joints(dWorldID world, dJointGroupID group, const ContactLaw& law, const Friction& friction,
-                std::vector<Contact>& contacts) {
-  ContactTerms terms;
-  dContact room{};
-  const Contact* last = nullptr;
-  for (Contact& contact : contacts) {
-    if (!last || last->a.shape != contact.a.shape || last->b.shape != contact.b.shape)
-      terms = law.between(surface_of(contact.a), surface_of(contact.b));
-    last = &contact;
-    add_joint(world, group, law, terms, friction, contact, room);
-  }
-}
-
 }  // namespace
 
-void add_contacts(dWorldID world, dJointGroupID group, const std::vector<std::unique_ptr<SimulatedBody>>& bodies,
-                  const Connections& connections, const ContactLaw& law, std::vector<dContactGeom>& found,
-                  Touches& touches, Friction& friction, std::vector<LinkPair>& pairs) {
+void find_contacts(const std::vector<std::unique_ptr<SimulatedBody>>& bodies, const Connections& connections,
+                   std::vector<dContactGeom>& found, Touches& touches, Friction& friction,
+                   std::vector<LinkPair>& pairs) {
   touches.clear();
   friction.begin();
   pairs.clear();
@@ -178,7 +165,19 @@ void add_contacts(dWorldID world, dJointGroupID group, const std::vector<std::un
   for (const auto& [pair, patch] : friction.patches())
     if (patch.points > 0) pairs.push_back(pair);
   for (const Contact& contact : touches.contacts()) Friction::add_spread(contact.point());
-  add_joints(world, group, law, friction, touches.contacts());
+}
+
+void add_contacts(dWorldID world, dJointGroupID group, const ContactLaw& law, const Friction& friction,
+                  Touches& touches, DirectStep* direct) {
+  ContactTerms terms;
+  dContact room{};
+  const Contact* last = nullptr;  // the contacts of two shapes follow each other
+  for (Contact& contact : touches.contacts()) {
+    if (!last || last->a.shape != contact.a.shape || last->b.shape != contact.b.shape)
+      terms = law.between(surface_of(contact.a), surface_of(contact.b));
+    last = &contact;
+    add_contact(world, group, law, terms, friction, direct, contact, room);
+  }
 }
 
 }  // namespace rehearse

@@ -79,6 +79,11 @@ void Friction::direct(const FrictionPoint& point, const Vector3d& velocity, dCon
   contact.surface.slip2 = (slip.norm() - stopped) / available;
 }
 
+Vector3d Friction::last_force(const FrictionPoint& point) {
+  const FrictionPatch& patch = *point.patch;
+  return (patch.force + patch.load * point.normal) / patch.points;
+}
+
 void Friction::end() {
   std::erase_if(patches_, [](const auto& patch) { return patch.second.points == 0; });
   for (auto& [pair, patch] : patches_) {

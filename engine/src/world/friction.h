@@ -58,6 +58,9 @@ class Friction {
   /// relative to the other before the step [m/s].
   void direct(const FrictionPoint& point, const Eigen::Vector3d& velocity, dContact& contact) const;
 
+  /// The force on the pair's first link at the point, if the last step's forces were spread over the points evenly [N].
+  static Eigen::Vector3d last_force(const FrictionPoint& point);
+
   /// After ODE's step: forgets the last step's forces, and then adds the force of each point [N].
   void end();
   static void add_force(const FrictionPoint& point, const Eigen::Vector3d& force);

@@ -428,6 +428,23 @@ std::vector<dBodyID> OdeBody::ode_bodies() const {
   return bodies;
 }
 
+std::vector<MovingPart> OdeBody::moving_parts() {
+  std::vector<MovingPart> parts;
+  for (std::size_t i = 0; i < groups_.size(); ++i) {
+    const RigidGroup& group = groups_[i];
+    if (!group.body) continue;
+    MovingPart& part = parts.emplace_back();
+    part.body = group.body;
+    part.mass = group.mass;
+    part.inertia = group.inertia;
+    if (i == 0 && plane_) part.plane = &*plane_;
+    if (group.parent < 0) continue;
+    part.parent = groups_[group.parent].body;
+    part.joint = &joints_[slots_[model().links[group.first_link].joint.id].index];
+  }
+  return parts;
+}
+
 void OdeBody::visit_state(StateVisitor& visitor) {
   for (RigidGroup& group : groups_) {
     if (!group.body) continue;

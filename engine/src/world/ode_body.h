@@ -66,6 +66,7 @@ class OdeBody final : public SimulatedBody {
   void observe(BodyObservation& observation, const WorldSettings& settings, bool stepped) const override;
   bool finite() const override;
   std::vector<dBodyID> ode_bodies() const override;
+  std::vector<MovingPart> moving_parts() override;
   void visit_state(StateVisitor& visitor) override;
   void after_restore() override;
   void take_centers(const SimulatedBody& other) override;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "ode_math.h"
 
@@ -50,6 +51,8 @@ OdeJoint::OdeJoint(dWorldID world, const Joint& joint, const JointEnd& child, dB
     dJointAttach(ode_, child.body, parent);
     dJointSetSliderAxis(ode_, axis.x(), axis.y(), axis.z());
   }
+  guide_.emplace(revolute_ ? JointGuide::Type::revolute : JointGuide::Type::prismatic, child.body, parent, anchor,
+                 axis);
   if (resists()) create_resistance(world, parent, axis);
 }
 
@@ -120,6 +123,14 @@ void OdeJoint::set(int parameter, double value) {
     dJointSetHingeParam(ode_, parameter, bounded);
   else
     dJointSetSliderParam(ode_, parameter, bounded);
+}
+
+double OdeJoint::get(int parameter) const {
+  return revolute_ ? dJointGetHingeParam(ode_, parameter) : dJointGetSliderParam(ode_, parameter);
+}
+
+double OdeJoint::get_resistance(int parameter) const {
+  return revolute_ ? dJointGetAMotorParam(resistance_, parameter) : dJointGetLMotorParam(resistance_, parameter);
 }
 
 double OdeJoint::displacement() const {
@@ -238,7 +249,7 @@ void OdeJoint::drive(const JointCommand& command, double time_step) {
   REHEARSE_ASSERT(std::isfinite(command.q) && std::isfinite(command.dq) && std::isfinite(command.u),
                   "commands are finite when they reach the world");
   applied_ = 0.0;
-  effort_ = 0.0;
+  previous_effort_ = std::exchange(effort_, 0.0);
   // displacement before velocity before effort, as in Choreonoid's MuJoCo item
   if (command.drive & drive_displacement) {
     drive_to(command.q, 0.0, time_step);
@@ -259,7 +270,7 @@ void OdeJoint::drive(const JointCommand& command, double time_step) {
 void OdeJoint::follow(const OdeJoint& leader, double time_step) {
   const Mimic& mimic = *joint_.mimic;
   applied_ = 0.0;
-  effort_ = 0.0;
+  previous_effort_ = std::exchange(effort_, 0.0);
   drive_to(mimic.multiplier * leader.displacement() + mimic.offset, mimic.multiplier * leader.rate(), time_step);
   motor_drives_ = true;
   apply_effort(time_step);
@@ -292,6 +303,57 @@ void OdeJoint::after_step(double time_step) {
   if (angle - wrapped_ > pi) --turns_;
   if (angle - wrapped_ < -pi) ++turns_;
   wrapped_ = angle;
+}
+
+void OdeJoint::add_rows(const StepLaw& law, JointRows& rows) const {
+  guide_->add_rows(law, rows);
+  if (resistance_ && get_resistance(dParamFMax) > 0.0)
+    rows.add() = guide_->axis_row(get_resistance(dParamVel), get_resistance(dParamCFM) / law.time_step);
+  if (motor_on_ && std::isinf(get(dParamFMax))) rows.add() = guide_->axis_row(motor_velocity_, law.softness);
+}
+
+// A drive that was at its limit, or a joint that was turning against its friction, is assumed to be still.
+std::optional<LimitedDrive> OdeJoint::limited_drive(const StepLaw& law) const {
+  if (!motor_on_ || std::isinf(get(dParamFMax))) return std::nullopt;
+  constexpr double nearly = 1.0 - 1e-9, at_rest = 1e-9;  // share of the limit; [rad/s] or [m/s]
+  LimitedDrive drive;
+  drive.row = guide_->axis_row(motor_velocity_, law.softness);
+  drive.limit = get(dParamFMax) * law.time_step;
+  const double rate = previous_rate_;
+  const bool at_upper = motor_drives_ ? previous_effort_ >= nearly * motor_limit_ : rate < -at_rest;
+  const bool at_lower = motor_drives_ ? previous_effort_ <= -nearly * motor_limit_ : rate > at_rest;
+  if (at_upper) drive.state = LimitedDrive::State::at_upper;
+  if (at_lower) drive.state = LimitedDrive::State::at_lower;
+  return drive;
+}
+
+std::optional<BoundedRow> OdeJoint::reached_stop(const StepLaw& law) const {
+  if (!stops_active_) return std::nullopt;
+  const double now = displacement();
+  const bool at_lower = now <= joint_.lower;
+  if (!at_lower && now < joint_.upper) return std::nullopt;
+  BoundedRow stop;
+  const double error = now - (at_lower ? joint_.lower : joint_.upper);
+  stop.row = guide_->axis_row(-get(dParamStopERP) / law.time_step * error, law.softness);
+  if (joint_.lower < joint_.upper) (at_lower ? stop.bounds.lower : stop.bounds.upper) = 0.0;
+  return stop;
+}
+
+void OdeJoint::take_impulses(const JointRows& rows, const Forest::Impulses& impulses, const Row* bounded,
+                             double impulse, double time_step) {
+  if (!feedback_) return;
+  const bool resisted = resistance_ && get_resistance(dParamFMax) > 0.0;
+  constexpr std::size_t guides = 5;
+  Vector6d wrench = Vector6d::Zero(), resistance = Vector6d::Zero();
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    (resisted && i == guides ? resistance : wrench) += impulses[i] / time_step * rows[i].first;
+  if (bounded) wrench += impulse / time_step * bounded->first;
+  const auto store = [](const Vector6d& from, dJointFeedback& to) {
+    std::copy(from.data(), from.data() + 3, to.f1);
+    std::copy(from.data() + 3, from.data() + 6, to.t1);
+  };
+  store(wrench, *feedback_);
+  if (resistance_feedback_) store(resistance, *resistance_feedback_);
 }
 
 void OdeJoint::measure_wrench() {

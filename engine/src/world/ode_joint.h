@@ -9,8 +9,11 @@
 
 #include <Eigen/Geometry>
 #include <memory>
+#include <optional>
 
+#include "joint_guide.h"
 #include "simulated_body.h"
+#include "solver/island.h"
 
 namespace rehearse {
 
@@ -56,6 +59,18 @@ class OdeJoint {
   void follow(const OdeJoint& leader, double time_step);
   void after_step(double time_step);
 
+  // For the direct solver, between drive() and after_step(). Bodies of rows are left for the caller to set.
+  /// Adds the equations of the joint: its guide, its damping, and a drive without limit.
+  void add_rows(const StepLaw& law, JointRows& rows) const;
+  /// The drive with a limit, or the dry friction.
+  std::optional<LimitedDrive> limited_drive(const StepLaw& law) const;
+  /// The stop that the joint has reached.
+  std::optional<BoundedRow> reached_stop(const StepLaw& law) const;
+  /// Stores the results as ODE's feedback: the impulses of `rows`, and the row of the drive or the stop with its
+  /// impulse, if there is one.
+  void take_impulses(const JointRows& rows, const Forest::Impulses& impulses, const Row* bounded, double impulse,
+                     double time_step);
+
   Eigen::Vector3d world_axis() const;
   Eigen::Vector3d anchor() const;  // of a revolute joint [m]
   bool revolute() const { return revolute_; }
@@ -73,6 +88,8 @@ class OdeJoint {
  private:
   void create_resistance(dWorldID world, dBodyID parent, const Eigen::Vector3d& axis);
   void set(int parameter, double value);
+  double get(int parameter) const;
+  double get_resistance(int parameter) const;
   void set_resistance(int parameter, double value);
   void set_stops(bool active);
   double beyond(double displacement) const;
@@ -91,6 +108,7 @@ class OdeJoint {
   dJointID ode_ = nullptr;         // destroyed with its world
   dJointID resistance_ = nullptr;  // a motor of ODE for damping and rotor inertia; null: there are none
   std::unique_ptr<dJointFeedback> feedback_, resistance_feedback_;
+  std::optional<JointGuide> guide_;  // always set
   // state
   int turns_ = 0;              // whole turns on top of ODE's angle, which lies in [-pi, pi]
   double wrapped_ = 0.0;       // ODE's angle after the last step [rad]
@@ -98,6 +116,7 @@ class OdeJoint {
   double acceleration_ = 0.0;  // over the last step
   // scratch within a step
   double previous_rate_ = 0.0;
+  double previous_effort_ = 0.0;                           // of the actuator, in the last step
   Eigen::Vector3d arm_ = Eigen::Vector3d::Zero();          // from the child's centre of mass to the joint [m]
   Eigen::Vector3d parent_arm_ = Eigen::Vector3d::Zero();   // from the parent's [m]
   Eigen::Vector3d correction_ = Eigen::Vector3d::Zero();   // velocity by which ODE corrects the joint's error [m/s]

@@ -1,5 +1,7 @@
 #include "plane_constraint.h"
 
+#include <utility>
+
 #include "ode_math.h"
 
 namespace rehearse {
@@ -37,6 +39,18 @@ void PlaneConstraint::correct(double time_step) {
   const Vector3d tilt = (rotation(dBodyGetRotation(body_)) * normal_).cross(Vector3d::UnitY());
   dJointSetAMotorParam(turn_, dParamVel, rate * tilt.x());
   dJointSetAMotorParam(turn_, dParamVel2, rate * tilt.z());
+}
+
+void PlaneConstraint::add_rows(const StepLaw& law, JointRows& rows) const {
+  constexpr int slide_along_y = 1, turn_about_x = 3, turn_about_z = 5;
+  for (const auto& [coordinate, target] : {std::pair(slide_along_y, dJointGetLMotorParam(slide_, dParamVel)),
+                                           std::pair(turn_about_x, dJointGetAMotorParam(turn_, dParamVel)),
+                                           std::pair(turn_about_z, dJointGetAMotorParam(turn_, dParamVel2))}) {
+    Row& row = rows.add();
+    row.first[coordinate] = 1.0;
+    row.target = target;
+    row.softness = law.softness;
+  }
 }
 
 }  // namespace rehearse

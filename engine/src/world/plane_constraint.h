@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 
+#include "joint_guide.h"
+
 namespace rehearse {
 
 /// The body neither moves along y nor turns about x and z. Two motors of velocity 0 do it, which also correct drift;
@@ -16,6 +18,8 @@ class PlaneConstraint {
 
   /// To be called before each step.
   void correct(double time_step);
+  /// Adds the equations, for the direct solver, after correct().
+  void add_rows(const StepLaw& law, JointRows& rows) const;
 
  private:
   dBodyID body_;

@@ -81,6 +81,19 @@ struct Mount {
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();  // of the link in the body's frame, or in the world
 };
 
+class OdeJoint;
+class PlaneConstraint;
+
+/// A rigid body that forces move, with the joint that connects it to its parent.
+struct MovingPart {
+  dBodyID body = nullptr;
+  dBodyID parent = nullptr;                           // null: the joint's other side is the world, or there is no joint
+  double mass = 0.0;                                  // [kg]
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // about the centre of mass, along its own axes [kg·m²]
+  OdeJoint* joint = nullptr;                          // null: none
+  const PlaneConstraint* plane = nullptr;             // null: none
+};
+
 /// A share of a body's weight, at a link.
 struct LinkShare {
   int link = -1;  // index into the model's links; -1: none
@@ -114,6 +127,8 @@ class SimulatedBody {
 
   /// ODE's bodies, which exist as long as this.
   virtual std::vector<dBodyID> ode_bodies() const = 0;
+  /// Its rigid bodies that forces move, parents before their children; they exist as long as this.
+  virtual std::vector<MovingPart> moving_parts() { return {}; }
 
   /// Passes every piece of state to the visitor, in a fixed order. This function alone defines the state. The visitor
   /// may read or write. After writing, call after_restore().

@@ -70,6 +70,7 @@ class Touches {
   /// Before ODE's step. The contact is valid until the next add().
   Contact& add(const dContactGeom& geom, const Party& a, const Party& b) { return contacts_.emplace_back(geom, a, b); }
   std::vector<Contact>& contacts() { return contacts_; }
+  const std::vector<Contact>& contacts() const { return contacts_; }
   /// The contacts of the body's links for which feels() is true, in the order of add(). Call it after ODE's step,
   /// before velocities change. Places are those at the beginning of the step, where the contacts were found.
   std::vector<Touch> of(const SimulatedBody& body) const;

@@ -10,6 +10,7 @@
 #include "beams.h"
 #include "connections.h"
 #include "contacts.h"
+#include "direct_step.h"
 #include "friction.h"
 #include "kinematic_body.h"
 #include "model/clock.h"
@@ -68,13 +69,16 @@ struct World::Impl {
   std::vector<dContactGeom> found;           // room for the contacts of two shapes
   Touches touches;                           // refers to the bodies
   Friction friction;
+  std::unique_ptr<DirectStep> direct;  // refers to the bodies; null: ODE solves all
   std::vector<LinkPair> touching;
   std::uint64_t random = 0;
   std::int64_t tick = 0;
   double iterations;      // of a solver that converges, in the coming step
   bool exploded = false;  // ODE stopped during a step
+  bool diverged = false;  // the direct solver found no finite velocities
   std::string solver_message;
   Residual residual;
+  Unsolved unsolved;
   Command command;
   mutable Observation observation;
   mutable bool observed = false;
@@ -98,6 +102,7 @@ struct World::Impl {
   void create_world();
   void apply_command();
   void step_bodies();
+  void step_directly();
   void step_until_converged();
   void measure_residual(int iterations);
   std::vector<dBodyID> ode_bodies() const;
@@ -142,8 +147,8 @@ void World::Impl::create_world() {
   dWorldSetCFM(world, solver.cfm);
   dWorldSetContactMaxCorrectingVel(world, law.ode_correcting_velocity());
   dWorldSetContactSurfaceLayer(world, solver.surface_layer);
-  const bool quick = solver.method == SolverSettings::Method::quick;
-  dWorldSetQuickStepNumIterations(world, quick ? solver.iterations : substitute_iterations);
+  const bool exact = solver.method == SolverSettings::Method::exact;
+  dWorldSetQuickStepNumIterations(world, !exact ? solver.iterations : substitute_iterations);
   dWorldSetQuickStepW(world, solver.over_relaxation);
   dWorldSetAutoDisableFlag(world, 0);
 }
@@ -173,6 +178,8 @@ Result<std::unique_ptr<World>> World::create(const WorldSettings& settings, std:
   }
   impl.connections = std::make_unique<Connections>(impl.world, impl.bodies, settings.connections);
   if (findings = impl.connections->check(); !findings.empty()) return findings;
+  if (settings.solver.method == SolverSettings::Method::direct)
+    impl.direct = std::make_unique<DirectStep>(settings, impl.law.ode_correcting_velocity(), impl.bodies);
   return world;
 }
 
@@ -209,6 +216,8 @@ void World::watch(int body, int link) {
 }
 
 const std::string& World::solver_message() const { return impl_->solver_message; }
+
+const Unsolved& World::unsolved() const { return impl_->unsolved; }
 
 const Residual& World::residual() const { return impl_->residual; }
 
@@ -282,11 +291,28 @@ void World::Impl::step_until_converged() {
     iterations = std::max<double>(0.5 * iterations, settings.solver.iterations);
 }
 
+/// Bodies that the direct solver moves are hidden from ODE, which makes a quick step of the others.
+void World::Impl::step_directly() {
+  const DirectStep::Outcome outcome = direct->solve();
+  diverged = !outcome.finite;
+  if (diverged) return;
+  constexpr double converged = 1e-9;  // share of the weight
+  unsolved = {outcome.error > converged ? outcome.error : 0.0, outcome.crowded_contacts, DirectStep::most_contacts};
+  residual = {};
+  if (!direct->leaves_bodies()) return;
+  direct->hide_from_ode(true);
+  exploded = !step_ode(world, settings.time_step, true);
+  if (exploded) return;
+  direct->hide_from_ode(false);
+  measure_residual(settings.solver.iterations);
+}
+
 /// ODE's exact solver fails on many degenerate sets of contacts: it reports "LCP internal error" and drops all
 /// constraints that it hasn't solved yet. The quick solver then makes the step instead.
 void World::Impl::step_bodies() {
   solver_message.clear();
   OwnRandom own_random(random);
+  if (direct) return step_directly();
   if (settings.solver.method == SolverSettings::Method::quick) {
     if (settings.solver.converge) return step_until_converged();
     exploded = !step_ode(world, settings.time_step, true);
@@ -309,13 +335,14 @@ bool World::step() {
   for (auto& body : impl.bodies) body->before_step();
   impl.apply_command();
   impl.connections->update(time());
-  add_contacts(impl.world, impl.contacts, impl.bodies, *impl.connections, impl.law, impl.found, impl.touches,
-               impl.friction, impl.touching);
+  find_contacts(impl.bodies, *impl.connections, impl.found, impl.touches, impl.friction, impl.touching);
   impl.connections->update_holders(impl.touching);
+  if (impl.direct) impl.direct->begin(impl.touches, *impl.connections);
+  add_contacts(impl.world, impl.contacts, impl.law, impl.friction, impl.touches, impl.direct.get());
   impl.step_bodies();
   ++impl.tick;
   impl.observed = false;
-  if (impl.exploded) return false;
+  if (impl.exploded || impl.diverged) return false;
   dJointGroupEmpty(impl.contacts);
   impl.friction.end();
   for (const Touches::Contact& contact : impl.touches.contacts()) Friction::add_force(contact.point(), contact.force());
@@ -414,6 +441,7 @@ void World::Impl::after_restore() {
   touching.clear();
   solver_message.clear();
   residual = {};
+  unsolved = {};
   observed = false;
 }
 

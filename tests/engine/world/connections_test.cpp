@@ -10,7 +10,7 @@ namespace {
 using Eigen::Vector3d;
 
 class Connecting : public EachSolver {};
-INSTANTIATE_TEST_SUITE_P(Solver, Connecting, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, Connecting, each_solver, solver_name);
 
 WorldBody fixed_box(const std::string& name, const Vector3d& position) {
   WorldBody box = free_box(name, Vector3d::Constant(0.2), 0.0, position);

@@ -8,7 +8,7 @@ namespace {
 using Eigen::Vector3d;
 
 class Contacts : public EachSolver {};
-INSTANTIATE_TEST_SUITE_P(Solver, Contacts, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, Contacts, each_solver, solver_name);
 
 WorldBody tumbling_box(const Vector3d& position) {
   WorldBody box = free_box("Box", {0.2, 0.2, 0.2}, 2.0, position);

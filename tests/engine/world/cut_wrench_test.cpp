@@ -14,7 +14,7 @@ constexpr double mass = 3.0;                        // of the links behind the c
 constexpr double weight = mass * standard_gravity;  // [N]
 
 class CutWrenches : public EachSolver {};
-INSTANTIATE_TEST_SUITE_P(Solver, CutWrenches, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, CutWrenches, each_solver, solver_name);
 
 /// Adds the link HAND behind a fixed joint, and a force sensor in it.
 int add_hand(RobotBuilder& robot, int parent, const Inertial& hand, const Eigen::Isometry3d& origin,

@@ -11,7 +11,7 @@ class Drives : public EachSolver {
  protected:
   WorldSettings still() const { return weightless(GetParam()); }
 };
-INSTANTIATE_TEST_SUITE_P(Solver, Drives, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, Drives, each_solver, solver_name);
 
 /// A wheel on a fixed base; the test describes the joint.
 template <class Describe>

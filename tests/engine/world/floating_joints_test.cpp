@@ -8,7 +8,7 @@ namespace {
 using Eigen::Vector3d;
 
 class FloatingJoints : public EachSolver {};
-INSTANTIATE_TEST_SUITE_P(Solver, FloatingJoints, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, FloatingJoints, each_solver, solver_name);
 
 /// A base that is fixed to the world, and a block behind a floating joint, 2 m above it, with a hinged lid.
 RobotBuilder base_and_block() {

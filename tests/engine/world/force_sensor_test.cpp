@@ -13,7 +13,7 @@ constexpr double held_weight = held_mass * standard_gravity;  // [N]
 const Inertial rod = inertial(held_mass, {0.01, 0.05, 0.05}, {arm, 0.0, 0.0});
 
 class ForceSensors : public EachSolver {};
-INSTANTIATE_TEST_SUITE_P(Solver, ForceSensors, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, ForceSensors, each_solver, solver_name);
 
 /// A rod along +x from a hinge about y, on a fixed base; the sensor sits in the rod.
 std::shared_ptr<const Model> rod_on_a_hinge(const Eigen::Isometry3d& sensor = Eigen::Isometry3d::Identity()) {

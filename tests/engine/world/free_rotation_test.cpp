@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector3d;
 
 class FreeRotation : public EachSolver {};
-INSTANTIATE_TEST_SUITE_P(Solver, FreeRotation, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, FreeRotation, each_solver, solver_name);
 
 struct Rotation {
   Vector3d momentum;  // [N·m·s]

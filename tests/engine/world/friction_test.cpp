@@ -116,7 +116,7 @@ class IsotropicFriction : public EachSolver {
     EXPECT_LT(link_of(*world, 0, 1).velocity.norm(), 1e-3);
   }
 };
-INSTANTIATE_TEST_SUITE_P(Solver, IsotropicFriction, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, IsotropicFriction, each_solver, solver_name);
 
 TEST_P(IsotropicFriction, HoldsAndBrakesEquallyAtEveryHeading) {
   for (const Sled& sled : sleds())

@@ -17,7 +17,7 @@ WorldBody cube(const Vector3d& position, double edge = 0.2) {
 Eigen::Quaterniond lying() { return Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitX())); }
 
 class HullBodies : public EachSolver {};
-INSTANTIATE_TEST_SUITE_P(Solver, HullBodies, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, HullBodies, each_solver, solver_name);
 
 double tilt_of(const LinkReading& link) { return std::acos(std::min(1.0, (link.rotation * Vector3d::UnitZ()).z())); }
 

@@ -8,7 +8,7 @@ namespace {
 using Eigen::Vector3d;
 
 class InertialSensors : public EachSolver {};
-INSTANTIATE_TEST_SUITE_P(Solver, InertialSensors, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, InertialSensors, each_solver, solver_name);
 
 enum Device { gyro, accelerometer, imu };
 

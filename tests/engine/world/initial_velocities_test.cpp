@@ -10,7 +10,7 @@ namespace {
 using Eigen::Vector3d;
 
 class InitialVelocities : public EachSolver {};
-INSTANTIATE_TEST_SUITE_P(Solver, InitialVelocities, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, InitialVelocities, each_solver, solver_name);
 
 TEST_P(InitialVelocities, OfAThrownBallMakeAParabola) {
   RobotBuilder robot(JointType::free, inertial(2.0, {0.02, 0.02, 0.02}));

@@ -13,7 +13,7 @@ class Joints : public EachSolver {
  protected:
   WorldSettings still() const { return weightless(GetParam()); }
 };
-INSTANTIATE_TEST_SUITE_P(Solver, Joints, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, Joints, each_solver, solver_name);
 
 /// A wheel of 0.5 kg·m² about `axis`, on a base that is fixed to the world.
 std::shared_ptr<const Model> wheel(const Vector3d& axis = Vector3d::UnitY()) {

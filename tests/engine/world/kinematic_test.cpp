@@ -40,7 +40,7 @@ class Kinematic : public EachSolver {
     ASSERT_TRUE(world.step());
   }
 };
-INSTANTIATE_TEST_SUITE_P(Solver, Kinematic, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, Kinematic, each_solver, solver_name);
 
 TEST_P(Kinematic, BodiesStayWhereTheyAreInTheAir) {
   const auto world = make_world(settings(), {plate()});

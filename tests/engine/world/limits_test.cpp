@@ -24,7 +24,7 @@ class Limits : public EachSolver {
     return body_of(robot.build());
   }
 };
-INSTANTIATE_TEST_SUITE_P(Solver, Limits, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, Limits, each_solver, solver_name);
 
 TEST_P(Limits, AreOffByDefault) {
   const auto world = make_world(still(), {wheel(-0.1, 0.1)});

@@ -10,7 +10,7 @@ namespace {
 using Eigen::Vector3d;
 
 class MaterialPairs : public EachSolver {};
-INSTANTIATE_TEST_SUITE_P(Solver, MaterialPairs, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, MaterialPairs, each_solver, solver_name);
 
 WorldBody of_material(WorldBody body, const std::string& material) {
   body.materials.assign(body.model->links.size(), material);

@@ -22,7 +22,7 @@ class Mimics : public EachSolver {
     return body;
   }
 };
-INSTANTIATE_TEST_SUITE_P(Solver, Mimics, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, Mimics, each_solver, solver_name);
 
 TEST_P(Mimics, FollowTheLeadersDisplacementAndSpeed) {
   const auto world = make_world(weightless(GetParam()), {gripper()});

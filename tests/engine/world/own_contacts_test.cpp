@@ -11,7 +11,7 @@ using Eigen::Vector3d;
 using ::testing::IsEmpty;
 
 class OwnContacts : public EachSolver {};
-INSTANTIATE_TEST_SUITE_P(Solver, OwnContacts, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, OwnContacts, each_solver, solver_name);
 
 /// Two fingers of 0.1 m on a rail along x, their middles 0.5 m apart.
 Model gripper(const Geometry& finger) {

@@ -19,7 +19,7 @@ class PassiveJoints : public EachSolver {
     return settings;
   }
 };
-INSTANTIATE_TEST_SUITE_P(Solver, PassiveJoints, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, PassiveJoints, each_solver, solver_name);
 
 /// A robot with one joint, and the inertia about or along it.
 struct OneJoint {

@@ -7,7 +7,7 @@ namespace {
 using Eigen::Vector3d;
 
 class Planar : public EachSolver {};
-INSTANTIATE_TEST_SUITE_P(Solver, Planar, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, Planar, each_solver, solver_name);
 
 WorldBody thrown_box() {
   WorldBody box = free_box("Box", {0.2, 0.3, 0.4}, 2.0, {0.0, 0.5, 1.0});

@@ -8,7 +8,7 @@ namespace {
 using Eigen::Vector3d;
 
 class RigidGroups : public EachSolver {};
-INSTANTIATE_TEST_SUITE_P(Solver, RigidGroups, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, RigidGroups, each_solver, solver_name);
 
 Eigen::Isometry3d tilted_mount() {
   Eigen::Isometry3d mount = at(0.3, 0.1, -0.2);

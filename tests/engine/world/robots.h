@@ -181,20 +181,23 @@ void expect_near(const A& actual, const B& expected, double tolerance) {
 }
 
 inline void PrintTo(SolverSettings::Method method, std::ostream* stream) {
-  *stream << (method == SolverSettings::Method::quick ? "quick" : "exact");
+  using enum SolverSettings::Method;
+  *stream << (method == quick ? "quick" : method == exact ? "exact" : "direct");
 }
 
-/// Tests that run with both solvers.
+/// Tests that run with each solver.
 class EachSolver : public ::testing::TestWithParam<SolverSettings::Method> {
  protected:
   WorldSettings settings() const { return settings_of(GetParam()); }
 };
 
 inline std::string solver_name(const ::testing::TestParamInfo<SolverSettings::Method>& method) {
-  return method.param == SolverSettings::Method::quick ? "Quick" : "Exact";
+  using enum SolverSettings::Method;
+  return method.param == quick ? "Quick" : method.param == exact ? "Exact" : "Direct";
 }
 
-/// For INSTANTIATE_TEST_SUITE_P(Solver, ..., both_solvers, solver_name).
-inline const auto both_solvers = ::testing::Values(SolverSettings::Method::quick, SolverSettings::Method::exact);
+/// For INSTANTIATE_TEST_SUITE_P(Solver, ..., each_solver, solver_name).
+inline const auto each_solver = ::testing::Values(SolverSettings::Method::quick, SolverSettings::Method::exact,
+                                                  SolverSettings::Method::direct);
 
 }  // namespace rehearse

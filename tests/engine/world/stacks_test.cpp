@@ -34,7 +34,7 @@ double farthest_from_place(const World& world, int boxes, const Vector3d& shift)
 }
 
 class Stacks : public EachSolver {};
-INSTANTIATE_TEST_SUITE_P(Solver, Stacks, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, Stacks, each_solver, solver_name);
 
 TEST_P(Stacks, OfTwoBoxesStandWhereverTheyBegin) {
   for (const Vector3d& shift : {Vector3d(0, 0, 0), Vector3d(0, 0, -1e-4), Vector3d(0, 0, 0.001),

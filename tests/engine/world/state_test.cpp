@@ -41,7 +41,7 @@ class StandingSr1 {
 };
 
 class State : public EachSolver {};
-INSTANTIATE_TEST_SUITE_P(Solver, State, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, State, each_solver, solver_name);
 
 constexpr int checkpoints[] = {1, 40, 90};  // in free fall, at the touch-down, standing
 constexpr int ticks_after = 300;

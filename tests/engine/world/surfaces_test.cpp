@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 using ::testing::HasSubstr;
 
 class Surfaces : public EachSolver {};
-INSTANTIATE_TEST_SUITE_P(Solver, Surfaces, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, Surfaces, each_solver, solver_name);
 
 WorldBody slab(const Vector3d& position = {0, 0, 0.05}) { return free_box("Slab", {0.4, 0.4, 0.1}, 2.0, position); }
 

@@ -21,7 +21,7 @@ class Touching : public EachSolver {
     return make_world(settings(), bodies);
   }
 };
-INSTANTIATE_TEST_SUITE_P(Solver, Touching, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, Touching, each_solver, solver_name);
 
 const std::vector<ContactReading>& contacts_of(const World& world, int body, int link = 0) {
   return world.sense().bodies[body].contacts.at(link);

@@ -37,7 +37,7 @@ class Tracks : public EachSolver {
     }
   }
 };
-INSTANTIATE_TEST_SUITE_P(Solver, Tracks, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, Tracks, each_solver, solver_name);
 
 TEST_P(Tracks, CarryAVehicleForwardsAsWheelsWould) {
   const auto world = make_world(settings(), {vehicle(), floor_body()});

@@ -8,7 +8,7 @@ namespace {
 using Eigen::Vector3d;
 
 class WeightlessLinks : public EachSolver {};
-INSTANTIATE_TEST_SUITE_P(Solver, WeightlessLinks, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, WeightlessLinks, each_solver, solver_name);
 
 WorldBody without_weight(WorldBody body, const std::vector<std::size_t>& links) {
   Model model = *body.model;

@@ -16,7 +16,7 @@ class Wrenches : public EachSolver {
     return make_world(weightless(GetParam()), {body});
   }
 };
-INSTANTIATE_TEST_SUITE_P(Solver, Wrenches, both_solvers, solver_name);
+INSTANTIATE_TEST_SUITE_P(Solver, Wrenches, each_solver, solver_name);
 
 TEST_P(Wrenches, APushAtTheCentreOnlyMoves) {
   const auto world = world_with_box();

@@ -171,6 +171,27 @@ bodies:
   EXPECT_NEAR(trace.last("Upper/Upper/position/z"), 0.3, 1e-3);
 }
 
+TEST_F(Failures, AnIslandWithTooManyContactsForTheDirectSolverIsARemarkOnce) {
+  std::string scenario = R"(rehearse: 1
+duration: 0.01
+solver: {method: direct}
+joints:
+  - {type: fixed, between: [Post, Tray]}
+bodies:
+  - {name: Post, box: {size: [0.1, 0.1, 0.9]}, fixed: true, position: [0, 0, 0.45]}
+  - {name: Tray, box: {size: [3, 3, 0.02]}, mass: 5, position: [0, 0, 0.91]}
+)";
+  for (int i = 0; i < 30; ++i)
+    scenario += "  - {name: Box" + std::to_string(i) + ", box: {size: [0.1, 0.1, 0.1]}, mass: 0.1, position: [" +
+                std::to_string(0.3 * (i % 6) - 0.75) + ", " + std::to_string(0.3 * (i / 6) - 0.6) + ", 0.9699]}\n";
+  const Trace trace = record_run(scenario);
+  ASSERT_EQ(summary_.remarks.size(), 1u);
+  EXPECT_EQ(
+      summary_.remarks[0].message,
+      "world: bodies that touch at 120 points, more than 100, are left to the quick solver in the step after tick "
+      "0");
+}
+
 TEST_F(Failures, AFastMathControllerIsSetRightAndNamed) {
   const Trace trace =
       record_run(rig(behaviour("Fast", "fail flush control 3") + ", " + behaviour("Tester", "denormals")));

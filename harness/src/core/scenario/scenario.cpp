@@ -109,7 +109,8 @@ void read_solver(Findings& findings, const YamlNode& node, SolverSettings& solve
   const Keys keys(findings, node, "the solver",
                   {"method", "iterations", "over_relaxation", "erp", "cfm", "max_correcting_velocity", "surface_layer",
                    "friction", "max_contacts", "belt_depth"});
-  keys.word("method", "quick (iterative) or exact (direct)", {{"quick", quick}, {"exact", exact}}, solver.method);
+  keys.word("method", "quick (iterative), exact (by ODE) or direct (by the tree of joints)",
+            {{"quick", quick}, {"exact", exact}, {"direct", direct}}, solver.method);
   if (const YamlNode* iterations = keys.find("iterations")) read_iterations(findings, *iterations, solver);
   keys.number("over_relaxation", {0.0, 2.0, "", true, true}, solver.over_relaxation);
   keys.number("erp", {0.0, 1.0}, solver.erp);

@@ -21,6 +21,7 @@ void WorldRemarks::observe(std::int64_t tick, const World& world, const Observat
   check_limits(tick, seen, events);
   if (tick == 0) return;
   check_solver(tick, world, events);
+  check_unsolved(tick, world.unsolved(), events);
   check_residual(tick, world.residual(), events);
   for (const std::string& event : world.events())
     add(tick, Severity::note, fmt::format("{} in the step after tick {}", event, tick - 1), events);
@@ -45,6 +46,23 @@ void WorldRemarks::check_solver(std::int64_t tick, const World& world, std::vect
           "the exact solver found no solution in the step after tick {}, when {} touched; the quick solver made "
           "the step with 1000 iterations ({})",
           tick - 1, fmt::join(touching, ", "), world.solver_message()),
+      events);
+}
+
+void WorldRemarks::check_unsolved(std::int64_t tick, const Unsolved& unsolved, std::vector<msg::Event>& events) {
+  constexpr double most = 1e-3;  // of the weight
+  if (unsolved.share >= std::max(most, 2.0 * unsolved_)) {
+    add(tick, std::exchange(unsolved_, unsolved.share) == 0.0 ? Severity::warning : Severity::note,
+        fmt::format(
+            "the direct solver leaves a contact force wrong by {:.2g} % of the weight in the step after tick {}",
+            100.0 * unsolved.share, tick - 1),
+        events);
+  }
+  if (unsolved.contacts == 0 || std::exchange(crowded_, true)) return;
+  add(tick, Severity::warning,
+      fmt::format(
+          "bodies that touch at {} points, more than {}, are left to the quick solver in the step after tick {}",
+          unsolved.contacts, unsolved.most_contacts, tick - 1),
       events);
 }
 

@@ -30,12 +30,15 @@ class WorldRemarks {
   };
   void add(std::int64_t tick, Severity severity, std::string text, std::vector<msg::Event>& events) const;
   void check_solver(std::int64_t tick, const World& world, std::vector<msg::Event>& events);
+  void check_unsolved(std::int64_t tick, const Unsolved& unsolved, std::vector<msg::Event>& events);
   void check_residual(std::int64_t tick, const Residual& residual, std::vector<msg::Event>& events);
   void check_limits(std::int64_t tick, const Observation& seen, std::vector<msg::Event>& events);
 
   const Scenario& scenario_;
   bool solver_failed_ = false;                 // in any step
   double residual_ = 0.0;                      // the last that was reported
+  double unsolved_ = 0.0;                      // likewise
+  bool crowded_ = false;                       // any island had too many contacts
   std::vector<std::vector<Excess>> excesses_;  // by body and joint id
 };
 

@@ -1,0 +1,92 @@
+// Forest: the velocities of trees of rigid bodies whose joints are equations. Private to the engine.
+//
+// With the masses M, the momentum g of the bodies after a step without constraints, and the rows J of the joints, the
+// velocities v and impulses x of a step solve
+//     M v - J' x = g
+//     J v + E x = c
+// D. Baraff, Linear-Time Dynamics using Lagrange Multipliers, SIGGRAPH 1996: ordered from the leaves to the roots of
+// the trees, body before joint, the matrix is factored in blocks without fill-in. The time is linear in the number of
+// bodies. The factor is L D L' with D = +1 for bodies and -1 for joints. Sums are in a fixed order, so that bits don't
+// depend on compilers and processors.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "rows.h"
+
+namespace rehearse {
+
+/// A rigid body and the joint that connects it to its parent or to the world. In the joint's rows this body is the
+/// first, its parent the second.
+struct TreeBody {
+  int parent = -1;                                    // index of the parent, less than its own; -1: the world, or none
+  double mass = 0.0;                                  // [kg]
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // about the centre of mass, world axes [kg·m²]
+  Vector6d momentum = Vector6d::Zero();  // after a step without constraints: linear [N·s], angular [N·m·s]
+  JointRows joint;                       // equations: guides, unlimited drives, damping
+};
+
+class Forest {
+ public:
+  using Impulses = std::array<double, most_joint_rows>;
+
+  std::vector<TreeBody>& bodies() { return bodies_; }
+  const std::vector<TreeBody>& bodies() const { return bodies_; }
+
+  /// Factors the matrix of the bodies from `first` to the one before `last`, which are whole trees. A changed joint
+  /// needs a new factor; a changed momentum doesn't.
+  void factor(int first, int last);
+  /// Computes velocities and impulses of these bodies.
+  void solve(int first, int last);
+  const Vector6d& velocity(int body) const { return nodes_[body].velocity; }  // linear [m/s], angular [rad/s]
+  const Impulses& impulses(int body) const { return nodes_[body].impulses; }  // of the rows of its joint
+
+  /// The effect of an impulse on the momentum of a body, and of its parent: half of a solution. Columns are valid until
+  /// clear_columns() or the next factor(). Returns the column's index.
+  int add_column(int body, const Vector6d& on_body, const Vector6d* on_parent = nullptr);
+  void clear_columns() { column_bodies_.clear(); }
+  /// The velocity along the impulse of one column that a unit impulse of the other causes; 0 in different trees.
+  double product(int column, int other) const;
+
+ private:
+  /// Room for a joint's rows, padded with zeros: the operations on lines then have a constant length.
+  static constexpr int padded = 8;
+  template <int Rows, int Columns>
+  using Block = Eigen::Matrix<double, Rows, Columns, Eigen::RowMajor>;
+  using Rest = Eigen::Matrix<double, padded, 1>;
+
+  struct Node {
+    Block<6, 6> mass =
+        Block<6, 6>::Zero();  // of the articulated body; factored as R' R, with reciprocals on the diagonal
+    Block<padded, padded> inner = Block<padded, padded>::Zero();  // the joint's factor, likewise
+    Block<padded, 6> own = Block<padded, 6>::Zero();              // the joint's coupling to its body
+    Block<6, padded> own_by_row = Block<6, padded>::Zero();       // the same, transposed
+    Block<padded, 6> above = Block<padded, 6>::Zero();            // the coupling to the parent
+    Vector6d t = Vector6d::Zero();                                // of the last solution, after the way to the root
+    Rest u = Rest::Zero();
+    Vector6d velocity = Vector6d::Zero();
+    Impulses impulses{};
+  };
+  /// What a column leaves at a body of its path to the root.
+  struct Half {
+    Vector6d t;
+    Rest u;
+  };
+
+  void load_mass(int body);
+  void factor_body(int body);
+  template <int Rows>
+  void eliminate_joint(const TreeBody& of, Node& node);
+  /// One body of the way to the root: `t` is its momentum, and becomes a part of the solution like `u`, which is the
+  /// right side of the joint. Adds the rest of the momentum to that of the parent, if it isn't null.
+  void climb(int body, Vector6d& t, Rest& u, Vector6d* to_parent) const;
+
+  std::vector<TreeBody> bodies_;
+  std::vector<Node> nodes_;
+  std::vector<int> column_bodies_;  // by column: where its path begins
+  std::vector<Half> halves_;        // by column and body; only those on the path are set
+};
+
+}  // namespace rehearse

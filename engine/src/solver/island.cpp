@@ -1,0 +1,194 @@
+#include "island.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rehearse {
+
+void Island::clear() {
+  trees_.clear();
+  drives_.clear();
+  rows_.clear();
+  joint_sizes_.clear();
+  momenta_.clear();
+}
+
+void Island::add_trees(int first, int last) {
+  trees_.emplace_back(first, last);
+  for (int body = first; body < last; ++body) {
+    joint_sizes_.push_back(forest_.bodies()[body].joint.size());
+    momenta_.push_back(forest_.bodies()[body].momentum);
+  }
+}
+
+int Island::add_row(const BoundedRow& row) {
+  rows_.push_back(row);
+  return static_cast<int>(rows_.size()) - 1;
+}
+
+void Island::apply(int body, const Vector6d& direction, double impulse) {
+  if (body >= 0) forest_.bodies()[body].momentum += direction * impulse;
+}
+
+double Island::velocity_of(const BoundedRow& row) const {
+  const double of_body = dot6(row.row.first, forest_.velocity(row.body));
+  return row.other < 0 ? of_body : of_body + dot6(row.row.second, forest_.velocity(row.other));
+}
+
+double Island::velocity_of(const LimitedDrive& drive) const {
+  const double of_body = dot6(drive.row.first, forest_.velocity(drive.body));
+  const int parent = forest_.bodies()[drive.body].parent;
+  return parent < 0 ? of_body : of_body + dot6(drive.row.second, forest_.velocity(parent));
+}
+
+/// Sets joints and momenta to those that the states of the drives imply.
+void Island::assume_drives() {
+  std::size_t place = 0;
+  for (const auto& [first, last] : trees_) {
+    for (int body = first; body < last; ++body, ++place) {
+      forest_.bodies()[body].joint.truncate(joint_sizes_[place]);
+      forest_.bodies()[body].momentum = momenta_[place];
+    }
+  }
+  bounded_drives_.clear();
+  for (std::size_t i = 0; i < drives_.size(); ++i) {
+    LimitedDrive& drive = drives_[i];
+    TreeBody& body = forest_.bodies()[drive.body];
+    if (drive.state == LimitedDrive::State::holds) body.joint.add() = drive.row;
+    if (drive.state == LimitedDrive::State::bounded) bounded_drives_.push_back(i);
+    if (drive.state != LimitedDrive::State::at_lower && drive.state != LimitedDrive::State::at_upper) continue;
+    drive.impulse = drive.state == LimitedDrive::State::at_upper ? drive.limit : -drive.limit;
+    apply(drive.body, drive.row.first, drive.impulse);
+    apply(body.parent, drive.row.second, drive.impulse);
+  }
+}
+
+/// Returns false if a drive isn't in the state that was assumed.
+bool Island::check_drives() {
+  constexpr double ample = 1e-12;  // rounding, as a share
+  bool right = true;
+  for (LimitedDrive& drive : drives_) {
+    if (drive.state == LimitedDrive::State::bounded) continue;
+    if (drive.state == LimitedDrive::State::holds) {
+      const std::size_t row = forest_.bodies()[drive.body].joint.size() - 1;  // the drive's is the last
+      drive.impulse = forest_.impulses(drive.body)[row];
+      if (std::abs(drive.impulse) <= drive.limit * (1.0 + ample)) continue;
+    } else {
+      const double missing = drive.row.target - velocity_of(drive) - drive.row.softness * drive.impulse;
+      if (drive.state == LimitedDrive::State::at_upper ? missing >= 0.0 : missing <= 0.0) continue;
+    }
+    drive.state = LimitedDrive::State::bounded;
+    right = false;
+  }
+  return right;
+}
+
+int Island::unit_columns(int body) {
+  for (const auto& [of, column] : units_)
+    if (of == body) return column;
+  const int first = columns_;
+  for (int k = 0; k < 6; ++k) forest_.add_column(body, Vector6d::Unit(k));
+  columns_ += 6;
+  units_.emplace_back(body, first);
+  return first;
+}
+
+void Island::add_actions() {
+  forest_.clear_columns();
+  columns_ = 0;
+  units_.clear();
+  actions_.clear();
+  all_ = rows_;
+  for (const std::size_t i : bounded_drives_) {
+    const LimitedDrive& drive = drives_[i];
+    all_.push_back(
+        {drive.body, forest_.bodies()[drive.body].parent, drive.row, {-drive.limit, drive.limit, -1}, drive.impulse});
+  }
+  for (const BoundedRow& row : all_) {
+    Action& action = actions_.emplace_back();
+    action.single = row.other >= 0 && forest_.bodies()[row.body].parent == row.other;
+    if (action.single) {
+      action.first = forest_.add_column(row.body, row.row.first, &row.row.second);
+      ++columns_;
+    } else {
+      action.first = unit_columns(row.body);
+      if (row.other >= 0) action.second = unit_columns(row.other);
+    }
+  }
+}
+
+void Island::set_products() {
+  const auto count = static_cast<std::size_t>(columns_);
+  products_.resize(count * count);
+  for (int i = 0; i < columns_; ++i)
+    for (int j = 0; j <= i; ++j) products_[i * count + j] = products_[j * count + i] = forest_.product(i, j);
+}
+
+/// A = J V J', with the velocities V that unit impulses along the columns cause.
+void Island::set_problem() {
+  const auto count = static_cast<std::size_t>(columns_);
+  problem_.reset(all_.size());
+  half_.resize(count);
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    const Row& row = all_[i].row;
+    std::fill(half_.begin(), half_.end(), 0.0);
+    const auto add_columns = [&](int first, const Vector6d& direction) {
+      for (int k = 0; k < 6; ++k)
+        for (std::size_t c = 0; c < count; ++c) half_[c] += direction[k] * products_[(first + k) * count + c];
+    };
+    if (actions_[i].single) {
+      const double* products = &products_[static_cast<std::size_t>(actions_[i].first) * count];
+      std::copy(products, products + count, half_.begin());
+    } else {
+      add_columns(actions_[i].first, row.first);
+      if (actions_[i].second >= 0) add_columns(actions_[i].second, row.second);
+    }
+    for (std::size_t j = 0; j <= i; ++j) {
+      const Row& other = all_[j].row;
+      double sum = 0.0;
+      if (actions_[j].single) {
+        sum = half_[actions_[j].first];
+      } else {
+        for (int k = 0; k < 6; ++k) sum += half_[actions_[j].first + k] * other.first[k];
+        if (actions_[j].second >= 0)
+          for (int k = 0; k < 6; ++k) sum += half_[actions_[j].second + k] * other.second[k];
+      }
+      problem_.a(i, j) = problem_.a(j, i) = sum;
+    }
+    problem_.a(i, i) += row.softness;
+    problem_.b(i) = row.target - velocity_of(all_[i]);
+    problem_.bounds(i) = all_[i].bounds;
+    problem_.x(i) = all_[i].impulse;
+  }
+}
+
+BoundedProblem::Outcome Island::solve_once(double tolerance) {
+  const auto solve_trees = [&] {
+    for (const auto& [first, last] : trees_) forest_.solve(first, last);
+  };
+  for (const auto& [first, last] : trees_) forest_.factor(first, last);
+  solve_trees();
+  add_actions();
+  if (all_.empty()) return {0.0, 0};
+  set_products();
+  set_problem();
+  const BoundedProblem::Outcome outcome = problem_.solve(tolerance);
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    const double impulse = problem_.x(i);
+    apply(all_[i].body, all_[i].row.first, impulse);
+    apply(all_[i].other, all_[i].row.second, impulse);
+    (i < rows_.size() ? rows_[i].impulse : drives_[bounded_drives_[i - rows_.size()]].impulse) = impulse;
+  }
+  solve_trees();
+  return outcome;
+}
+
+BoundedProblem::Outcome Island::solve(double tolerance) {
+  for (;;) {  // each repetition has one more bounded drive
+    assume_drives();
+    const BoundedProblem::Outcome outcome = solve_once(tolerance);
+    if (check_drives()) return outcome;
+  }
+}
+
+}  // namespace rehearse

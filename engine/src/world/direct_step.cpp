@@ -1,0 +1,340 @@
+#include "direct_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+
+#include "contact_rows.h"
+#include "ode_joint.h"
+#include "ode_math.h"
+#include "plane_constraint.h"
+
+namespace rehearse {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+namespace {
+
+constexpr double tolerance = 1e-10;           // of impulses, as a share of the weight of an island's bodies
+constexpr double standard_gravity = 9.80665;  // [m/s²]
+
+/// The torque of ODE's gyroscopic mode, implicit (C. Lacoursière, Stabilizing Gyroscopic Forces in Rigid Multibody
+/// Simulations, 2006): the angular momentum after a step without other torques.
+Vector3d turned_momentum(const Matrix3d& inertia, const Vector3d& angular_velocity, double time_step) {
+  const Vector3d momentum = inertia * angular_velocity;
+  Matrix3d cross;
+  cross << 0.0, -momentum.z(), momentum.y(), momentum.z(), 0.0, -momentum.x(), -momentum.y(), momentum.x(), 0.0;
+  return inertia * (inertia - time_step * cross).inverse() * momentum;
+}
+
+/// Moves a body as ODE does: by its velocity, and by an infinitesimal rotation of its quaternion.
+void advance(dBodyID body, double time_step) {
+  const Vector3d position = vector(dBodyGetPosition(body)) + time_step * vector(dBodyGetLinearVel(body));
+  const Vector3d w = vector(dBodyGetAngularVel(body));
+  const dReal* q = dBodyGetQuaternion(body);
+  const double half = 0.5 * time_step;
+  const dQuaternion next{q[0] + half * (-w.x() * q[1] - w.y() * q[2] - w.z() * q[3]),
+                         q[1] + half * (w.x() * q[0] + w.y() * q[3] - w.z() * q[2]),
+                         q[2] + half * (-w.x() * q[3] + w.y() * q[0] + w.z() * q[1]),
+                         q[3] + half * (w.x() * q[2] - w.y() * q[1] + w.z() * q[0])};
+  dBodySetPosition(body, position.x(), position.y(), position.z());
+  dBodySetQuaternion(body, next);
+}
+
+Vector6d velocity_of(dBodyID body) {
+  return body ? spatial(vector(dBodyGetLinearVel(body)), vector(dBodyGetAngularVel(body))) : Vector6d(Vector6d::Zero());
+}
+
+}  // namespace
+
+DirectStep::DirectStep(const WorldSettings& settings, double most_velocity,
+                       const std::vector<std::unique_ptr<SimulatedBody>>& bodies)
+    : law_{settings.time_step, settings.solver.erp / settings.time_step, settings.solver.cfm / settings.time_step},
+      most_velocity_(most_velocity),
+      surface_layer_(settings.solver.surface_layer),
+      erp_(settings.solver.erp),
+      gravity_(settings.gravity) {
+  std::vector<MovingPart> found;
+  for (const auto& body : bodies)
+    for (MovingPart& part : body->moving_parts()) found.push_back(part);
+  // a tree's parts side by side, in the order of its first part
+  std::vector<int> roots(found.size());
+  const auto index_in_found = [&](dBodyID body) {
+    return static_cast<int>(
+        std::find_if(found.begin(), found.end(), [&](const MovingPart& p) { return p.body == body; }) - found.begin());
+  };
+  for (std::size_t i = 0; i < found.size(); ++i)
+    roots[i] = found[i].parent ? roots[index_in_found(found[i].parent)] : static_cast<int>(i);
+  std::vector<std::size_t> order(found.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return roots[a] < roots[b]; });
+  for (const std::size_t i : order) {
+    const int part = static_cast<int>(parts_.size());
+    parts_.push_back(found[i]);
+    dBodySetData(found[i].body, reinterpret_cast<void*>(static_cast<std::intptr_t>(part + 1)));
+    if (!found[i].parent) trees_.push_back({part, part});
+    Tree& tree = trees_.back();
+    tree.last = part + 1;
+    tree.has_joint |= found[i].joint || found[i].plane;
+    trees_of_.push_back(static_cast<int>(trees_.size()) - 1);
+    parents_.push_back(part_of(found[i].parent));
+  }
+  joint_places_.resize(parts_.size());
+}
+
+/// -1: nothing moves it, or commands do.
+int DirectStep::part_of(dBodyID body) const {
+  return body ? static_cast<int>(reinterpret_cast<std::intptr_t>(dBodyGetData(body))) - 1 : -1;
+}
+
+int DirectStep::tree_of(dBodyID body) const {
+  const int part = part_of(body);
+  return part < 0 ? -1 : trees_of_[part];
+}
+
+/// -1: the body isn't solved here.
+int DirectStep::forest_body(dBodyID body) const {
+  const int part = part_of(body);
+  if (part < 0) return -1;
+  const Tree& tree = trees_[trees_of_[part]];
+  return tree.island < 0 ? -1 : part + tree.offset;
+}
+
+void DirectStep::begin(const Touches& touches, const Connections& connections) {
+  const std::vector<const JointGuide*> guides = connections.guides();
+  find_islands(touches, guides);
+  contacts_.clear();
+  if (island_count_ == 0) return;
+  load();
+  for (const JointGuide* each : guides)
+    if (forest_body(each->first()) >= 0 || forest_body(each->second()) >= 0) add_connection(*each);
+}
+
+void DirectStep::find_islands(const Touches& touches, const std::vector<const JointGuide*>& connections) {
+  const int count = static_cast<int>(trees_.size());
+  std::vector<int> leader(count);
+  std::iota(leader.begin(), leader.end(), 0);
+  const auto find = [&](int tree) {
+    while (leader[tree] != tree) tree = leader[tree] = leader[leader[tree]];
+    return tree;
+  };
+  const auto unite = [&](int a, int b) {
+    if (a < 0 || b < 0) return;
+    a = find(a);
+    b = find(b);
+    leader[std::max(a, b)] = std::min(a, b);
+  };
+  for (const Touches::Contact& touch : touches.contacts()) unite(tree_of(touch.a.ode), tree_of(touch.b.ode));
+  for (const JointGuide* each : connections) unite(tree_of(each->first()), tree_of(each->second()));
+
+  std::vector<int> contacts(count, 0);
+  std::vector<bool> has_joint(count, false);
+  for (int i = 0; i < count; ++i)
+    if (trees_[i].has_joint) has_joint[find(i)] = true;
+  for (const JointGuide* each : connections)
+    for (const dBodyID body : {each->first(), each->second()})
+      if (tree_of(body) >= 0) has_joint[find(tree_of(body))] = true;
+  for (const Touches::Contact& touch : touches.contacts()) {
+    const int tree = std::max(tree_of(touch.a.ode), tree_of(touch.b.ode));
+    if (tree >= 0) ++contacts[find(tree)];
+  }
+  island_count_ = 0;
+  leaves_bodies_ = false;
+  crowded_contacts_ = 0;
+  int bodies = 0;
+  std::vector<int> islands(count, -1);
+  for (int i = 0; i < count; ++i) {
+    Tree& tree = trees_[i];
+    const int of = find(i);
+    tree.island = -1;
+    if (has_joint[of] && contacts[of] > most_contacts) crowded_contacts_ = std::max(crowded_contacts_, contacts[of]);
+    if (!has_joint[of] || contacts[of] > most_contacts) {
+      leaves_bodies_ = true;
+      continue;
+    }
+    if (islands[of] < 0) islands[of] = static_cast<int>(island_count_++);
+    tree.island = islands[of];
+    tree.offset = bodies - tree.first;
+    bodies += tree.last - tree.first;
+  }
+  while (islands_.size() < island_count_) islands_.emplace_back(forest_);
+  forest_.bodies().resize(bodies);
+}
+
+void DirectStep::load() {
+  for (std::size_t i = 0; i < island_count_; ++i) islands_[i].clear();
+  for (const Tree& tree : trees_) {
+    if (tree.island < 0) continue;
+    Island& island = islands_[tree.island];
+    for (int part = tree.first; part < tree.last; ++part) {
+      load_body(part, forest_.bodies()[part + tree.offset]);
+      load_joint(part, island);
+    }
+    island.add_trees(tree.first + tree.offset, tree.last + tree.offset);
+  }
+}
+
+void DirectStep::load_body(int index, TreeBody& body) const {
+  const MovingPart& part = parts_[index];
+  const Matrix3d axes = rotation(dBodyGetRotation(part.body));
+  const Vector3d w = vector(dBodyGetAngularVel(part.body));
+  body.parent = parents_[index] < 0 ? -1 : parents_[index] + trees_[trees_of_[index]].offset;
+  body.mass = part.mass;
+  body.inertia = axes * part.inertia * axes.transpose();
+  Vector3d force = vector(dBodyGetForce(part.body));
+  if (dBodyGetGravityMode(part.body)) force += part.mass * gravity_;
+  const Vector3d momentum =
+      dBodyGetGyroscopicMode(part.body) ? turned_momentum(body.inertia, w, law_.time_step) : Vector3d(body.inertia * w);
+  body.momentum = spatial(part.mass * vector(dBodyGetLinearVel(part.body)) + law_.time_step * force,
+                          momentum + law_.time_step * vector(dBodyGetTorque(part.body)));
+  body.joint.truncate(0);
+}
+
+void DirectStep::load_joint(int index, Island& island) {
+  const MovingPart& part = parts_[index];
+  JointPlace& place = joint_places_[index];
+  place = {};
+  const int body = index + trees_[trees_of_[index]].offset;
+  JointRows& rows = forest_.bodies()[body].joint;
+  if (part.plane) part.plane->add_rows(law_, rows);
+  if (!part.joint) return;
+  part.joint->add_rows(law_, rows);
+  if (std::optional<LimitedDrive> drive = part.joint->limited_drive(law_)) {
+    drive->body = body;
+    place.drive = static_cast<int>(island.drives().size());
+    island.add_drive(*drive);
+  }
+  if (std::optional<BoundedRow> stop = part.joint->reached_stop(law_)) {
+    stop->body = body;
+    stop->other = forest_.bodies()[body].parent;
+    place.stop = island.add_row(*stop);
+  }
+}
+
+BoundedRow DirectStep::row_between(const Row& row, dBodyID first, dBodyID second) const {
+  BoundedRow bounded;
+  bounded.row = row;
+  bounded.body = forest_body(first);
+  bounded.other = forest_body(second);
+  // bodies that aren't solved here keep their velocity
+  if (bounded.body < 0) bounded.row.target -= dot6(row.first, velocity_of(first));
+  if (bounded.other < 0) bounded.row.target -= dot6(row.second, velocity_of(second));
+  if (bounded.body >= 0) return bounded;
+  std::swap(bounded.body, bounded.other);
+  std::swap(bounded.row.first, bounded.row.second);
+  return bounded;
+}
+
+void DirectStep::add_connection(const JointGuide& guide) {
+  const int tree = std::max(tree_of(guide.first()), tree_of(guide.second()));
+  JointRows rows;
+  guide.add_rows(law_, rows);
+  for (const Row& row : rows) islands_[trees_[tree].island].add_row(row_between(row, guide.first(), guide.second()));
+}
+
+bool DirectStep::solves(const Touches::Contact& touch) const {
+  return forest_body(touch.a.ode) >= 0 || forest_body(touch.b.ode) >= 0;
+}
+
+void DirectStep::add(Touches::Contact& touch, const dContact& contact, const Vector3d& estimate) {
+  // ODE's first body of a contact; if it is the world, the bodies are swapped
+  const dBodyID first = touch.a.ode ? touch.a.ode : touch.b.ode;
+  const dBodyID second = touch.a.ode ? touch.b.ode : nullptr;
+  const ContactRows made =
+      contact_rows(contact, first, second, !touch.a.ode, {law_, erp_, surface_layer_, most_velocity_});
+  const int tree = trees_of_[std::max(part_of(touch.a.ode), part_of(touch.b.ode))];
+  const int island_index = trees_[tree].island;
+  Island& island = islands_[island_index];
+  ContactPlace place{&touch, island_index, -1, 0, {}};
+  const Vector3d on_first = touch.a.ode ? estimate : Vector3d(-estimate);
+  for (std::size_t i = 0; i < made.count; ++i) {
+    BoundedRow row = row_between(made.rows[i].row, first, second);
+    row.bounds = made.rows[i].bounds;
+    if (row.bounds.normal >= 0) row.bounds.normal += place.row;
+    if (made.rows[i].is_force) {
+      const Vector3d direction = made.rows[i].row.first.head<3>();
+      row.impulse = law_.time_step * on_first.dot(direction);
+      place.directions[place.count++] = direction;
+    }
+    const int index = island.add_row(row);
+    if (i == 0) place.row = index;
+  }
+  contacts_.push_back(place);
+}
+
+DirectStep::Outcome DirectStep::solve() {
+  Outcome outcome;
+  outcome.crowded_contacts = crowded_contacts_;
+  std::vector<double> weights(island_count_, 0.0);
+  for (const Tree& tree : trees_) {
+    if (tree.island < 0) continue;
+    for (int part = tree.first; part < tree.last; ++part)
+      weights[tree.island] += standard_gravity * law_.time_step * parts_[part].mass;
+  }
+  for (std::size_t i = 0; i < island_count_; ++i) {
+    const BoundedProblem::Outcome solved = islands_[i].solve(tolerance * weights[i]);
+    outcome.error = std::max(outcome.error, solved.error / weights[i]);
+  }
+  for (const Tree& tree : trees_) {
+    if (tree.island < 0) continue;
+    for (int part = tree.first; part < tree.last; ++part)
+      outcome.finite &= forest_.velocity(part + tree.offset).allFinite();
+  }
+  if (!outcome.finite) return outcome;
+  for (const Tree& tree : trees_) {
+    if (tree.island < 0) continue;
+    for (int part = tree.first; part < tree.last; ++part) {
+      finish_joint(part);
+      move(part);
+    }
+  }
+  for (const ContactPlace& contact : contacts_) {
+    Vector3d force = Vector3d::Zero();
+    for (int i = 0; i < contact.count; ++i)
+      force += islands_[contact.island].rows()[contact.row + i].impulse / law_.time_step * contact.directions[i];
+    std::copy(force.data(), force.data() + 3, contact.touch->feedback.f1);
+  }
+  return outcome;
+}
+
+void DirectStep::finish_joint(int index) {
+  const MovingPart& part = parts_[index];
+  if (!part.joint) return;
+  const Tree& tree = trees_[trees_of_[index]];
+  const Island& island = islands_[tree.island];
+  const JointPlace& place = joint_places_[index];
+  const Row* bounded = nullptr;
+  double impulse = 0.0;
+  if (place.drive >= 0 && island.drives()[place.drive].state != LimitedDrive::State::holds) {
+    bounded = &island.drives()[place.drive].row;  // one that holds is among the joint's rows
+    impulse = island.drives()[place.drive].impulse;
+  }
+  if (place.stop >= 0) {
+    bounded = &island.rows()[place.stop].row;
+    impulse = island.rows()[place.stop].impulse;
+  }
+  const int body = index + tree.offset;
+  part.joint->take_impulses(forest_.bodies()[body].joint, forest_.impulses(body), bounded, impulse, law_.time_step);
+}
+
+void DirectStep::move(int index) const {
+  const dBodyID body = parts_[index].body;
+  const Vector6d& velocity = forest_.velocity(index + trees_[trees_of_[index]].offset);
+  dBodySetLinearVel(body, velocity[0], velocity[1], velocity[2]);
+  dBodySetAngularVel(body, velocity[3], velocity[4], velocity[5]);
+  advance(body, law_.time_step);
+  dBodySetForce(body, 0.0, 0.0, 0.0);
+  dBodySetTorque(body, 0.0, 0.0, 0.0);
+}
+
+void DirectStep::hide_from_ode(bool hidden) const {
+  for (const Tree& tree : trees_) {
+    if (tree.island < 0) continue;
+    for (int part = tree.first; part < tree.last; ++part)
+      hidden ? dBodyDisable(parts_[part].body) : dBodyEnable(parts_[part].body);
+  }
+}
+
+}  // namespace rehearse

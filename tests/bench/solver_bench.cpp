@@ -1,0 +1,89 @@
+// The cost of a step with the direct solver relative to one with ODE's quick solver: SR1 standing, held by PD torques
+// and by drives with limited efforts, and chains of links.
+
+#include <rehearse/world.h>
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pairs.h"
+#include "sr1_run.h"
+
+namespace rehearse {
+namespace {
+
+constexpr int slice = 50;     // steps measured at a time
+constexpr int settled = 500;  // steps before the first measurement
+
+/// SR1 standing in a world of its own, with one way to hold its joints.
+class Standing {
+ public:
+  enum class Held { by_torque, by_limited_drive };
+
+  Standing(SolverSettings::Method method, Held held) : held_(held) {
+    SolverSettings solver = Sr1Run::instance().scenario().solver;
+    solver.method = method;
+    world_ = Sr1Run::instance().make_world(solver);
+    for (const BodyObservation& seen : world_->sense().bodies) {
+      BodyCommand& body = command_.bodies.emplace_back();
+      body.joints.resize(seen.joints.size());
+      body.external.resize(seen.links.size());
+      body.devices.resize(seen.devices.size());
+      if (seen.joints.size() > joints_.size()) {
+        joints_ = seen.joints;
+        robot_ = command_.bodies.size() - 1;
+      }
+    }
+    steps(settled);
+  }
+
+  void steps(int count) {
+    for (int i = 0; i < count; ++i) {
+      hold();
+      world_->actuate(command_);
+      if (!world_->step()) std::abort();
+    }
+  }
+  double height() const { return world_->sense().bodies[robot_].links[0].position.z(); }
+
+ private:
+  void hold() {
+    const std::vector<JointReading>& now = world_->sense().bodies[robot_].joints;
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      constexpr double p_gain = 5000.0, d_gain = 100.0;  // [N·m/rad], [N·m·s/rad]
+      const double torque = p_gain * (joints_[i].q - now[i].q) - d_gain * now[i].dq;
+      command_.bodies[robot_].joints[i] = held_ == Held::by_torque ? JointCommand{drive_effort, 0.0, 0.0, torque}
+                                                                   : JointCommand{drive_displacement, joints_[i].q};
+    }
+  }
+
+  Held held_;
+  std::unique_ptr<World> world_;
+  Command command_;
+  std::vector<JointReading> joints_;  // at the beginning
+  std::size_t robot_ = 0;
+};
+
+void direct_over_quick(benchmark::State& state, Standing::Held held) {
+  Standing direct(SolverSettings::Method::direct, held), quick(SolverSettings::Method::quick, held);
+  Pairs pairs;
+  for (auto _ : state)
+    state.SetIterationTime(pairs.measure([&] { direct.steps(slice); }, [&] { quick.steps(slice); }));
+  if (direct.height() < 0.7) state.SkipWithError("SR1 fell");
+  pairs.report(state, slice, slice);
+}
+
+/// Work: a step of SR1 standing with the direct solver. Base: the same with 50 iterations of the quick solver.
+void direct_step_over_quick(benchmark::State& state) { direct_over_quick(state, Standing::Held::by_torque); }
+BENCHMARK(direct_step_over_quick)->UseManualTime()->Unit(benchmark::kMillisecond);
+
+/// The same, every joint moved by a drive with a limited effort.
+void direct_step_of_limited_drives_over_quick(benchmark::State& state) {
+  direct_over_quick(state, Standing::Held::by_limited_drive);
+}
+BENCHMARK(direct_step_of_limited_drives_over_quick)->UseManualTime()->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace rehearse

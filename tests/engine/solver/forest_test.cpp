@@ -1,0 +1,82 @@
+// The solution along the trees equals that of the dense equations.
+
+#include <gtest/gtest.h>
+
+#include "solver_problems.h"
+
+namespace rehearse {
+namespace {
+
+void solve(Forest& forest) {
+  const int count = static_cast<int>(forest.bodies().size());
+  forest.factor(0, count);
+  forest.solve(0, count);
+}
+
+TEST(Forest, SolvesRandomTreesAsDenseEquations) {
+  for (std::uint32_t seed = 0; seed < 200; ++seed) {
+    Dice dice(seed);
+    Forest forest;
+    make_trees(dice, 1 + dice.below(25), forest);
+    solve(forest);
+    const Eigen::VectorXd expected = DenseEquations(forest).solve();
+    Eigen::Index at = 6 * static_cast<Eigen::Index>(forest.bodies().size());
+    const double scale = expected.cwiseAbs().maxCoeff();
+    for (std::size_t i = 0; i < forest.bodies().size(); ++i) {
+      const Vector6d velocity = expected.segment<6>(6 * static_cast<Eigen::Index>(i));
+      EXPECT_LT((forest.velocity(static_cast<int>(i)) - velocity).norm(), 1e-8 * scale) << "seed " << seed;
+      for (std::size_t r = 0; r < forest.bodies()[i].joint.size(); ++r)
+        EXPECT_NEAR(forest.impulses(static_cast<int>(i))[r], expected[at++], 1e-6 * scale) << "seed " << seed;
+    }
+  }
+}
+
+TEST(Forest, WithoutJointsIsMomentumDividedByMass) {
+  Dice dice(1);
+  Forest forest;
+  forest.bodies().push_back(random_body(dice, -1));
+  solve(forest);
+  const TreeBody& body = forest.bodies()[0];
+  EXPECT_LT((body.mass * forest.velocity(0).head<3>() - body.momentum.head<3>()).norm(), 1e-14);
+  EXPECT_LT((body.inertia * forest.velocity(0).tail<3>() - body.momentum.tail<3>()).norm(), 1e-14);
+}
+
+/// A column's effect on another column is the change of velocity that its impulse causes.
+TEST(Forest, ProductsOfColumnsAreVelocitiesByImpulses) {
+  for (std::uint32_t seed = 0; seed < 50; ++seed) {
+    Dice dice(seed);
+    Forest forest;
+    make_trees(dice, 12, forest);
+    solve(forest);
+    const int from = dice.below(12), to = dice.below(12);
+    const Vector6d push = dice.vector6(), feel = dice.vector6(), push_parent = dice.vector6();
+    const int parent = forest.bodies()[static_cast<std::size_t>(from)].parent;
+    const int pushed = forest.add_column(from, push, parent < 0 ? nullptr : &push_parent);
+    const int felt = forest.add_column(to, feel);
+    const double before = dot6(feel, forest.velocity(to));
+    forest.bodies()[static_cast<std::size_t>(from)].momentum += push;
+    if (parent >= 0) forest.bodies()[static_cast<std::size_t>(parent)].momentum += push_parent;
+    forest.solve(0, 12);
+    const double change = dot6(feel, forest.velocity(to)) - before;
+    EXPECT_NEAR(forest.product(pushed, felt), change, 1e-9 * (1.0 + std::abs(change))) << "seed " << seed;
+    EXPECT_EQ(forest.product(pushed, felt), forest.product(felt, pushed));
+  }
+}
+
+TEST(Forest, SolvesEachTreeByItself) {
+  Dice dice(7);
+  Forest forest;
+  make_trees(dice, 20, forest);
+  solve(forest);
+  std::vector<Vector6d> whole;
+  for (int i = 0; i < 20; ++i) whole.push_back(forest.velocity(i));
+  for (int first = 0, last = 1; first < 20; first = last++) {
+    while (last < 20 && forest.bodies()[static_cast<std::size_t>(last)].parent >= 0) ++last;
+    forest.factor(first, last);
+    forest.solve(first, last);
+  }
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(forest.velocity(i), whole[static_cast<std::size_t>(i)]);
+}
+
+}  // namespace
+}  // namespace rehearse
