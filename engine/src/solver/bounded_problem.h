@@ -5,10 +5,10 @@
 // symmetric and positive definite: the velocities that unit impulses cause.
 //
 // A sweep of projected Gauss-Seidel guesses which rows are at their bounds, and Newton steps solve the others exactly.
-// The equation is piecewise linear, so a step with the right set of rows at bounds gives the solution (L. Qi and J. Sun,
-// A nonsmooth version of Newton's method, Mathematical Programming 58, 1993). Feet that push against each other can make
-// these steps repeat themselves. Then friction's bounds are kept constant, which is a convex problem that always has an
-// end, and follow the normal impulses from round to round.
+// The equation is piecewise linear, so a step with the right set of rows at bounds gives the solution (L. Qi and J.
+// Sun, A nonsmooth version of Newton's method, Mathematical Programming 58, 1993). Feet that push against each other
+// can make these steps repeat themselves. Then friction's bounds are kept constant, which is a convex problem that
+// always has an end, and follow the normal impulses from round to round.
 #pragma once
 
 #include <cstddef>

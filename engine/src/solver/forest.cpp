@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <type_traits>
 
 namespace rehearse {
 namespace {
@@ -107,7 +108,11 @@ void Forest::climb(int body, Vector6d& t, Rest& u, Vector6d* to_parent) const {
   const int rows = static_cast<int>(bodies_[body].joint.size());
   solve_transposed(node.mass, 6, t);
   if (rows == 0) return;
-  for (int k = 0; k < 6; ++k) u -= t[k] * node.own_by_row.row(k).transpose();
+  constexpr int usual = 6;
+  if (rows <= usual)
+    for (int k = 0; k < 6; ++k) u.head<usual>() -= t[k] * node.own_by_row.row(k).head<usual>().transpose();
+  else
+    for (int k = 0; k < 6; ++k) u -= t[k] * node.own_by_row.row(k).transpose();
   if (!to_parent) return;
   for (int r = 0; r < rows; ++r) *to_parent += u[r] * node.above.row(r).transpose();
 }
@@ -122,6 +127,21 @@ void Forest::solve(int first, int last) {
     const int parent = bodies_[body].parent;
     climb(body, node.t, node.u, parent < 0 ? nullptr : &nodes_[parent].t);
   }
+  descend(first, last);
+}
+
+void Forest::push(int body, const Vector6d& momentum) {
+  Vector6d t = momentum, next;
+  for (int at = body; at >= 0; at = bodies_[at].parent, t = next) {
+    Rest u = Rest::Zero();
+    next.setZero();
+    climb(at, t, u, &next);
+    nodes_[at].t += t;
+    nodes_[at].u += u;
+  }
+}
+
+void Forest::descend(int first, int last) {
   for (int body = first; body < last; ++body) {
     Node& node = nodes_[body];
     const int rows = static_cast<int>(bodies_[body].joint.size());
@@ -138,11 +158,45 @@ void Forest::solve(int first, int last) {
   }
 }
 
-int Forest::add_column(int body, const Vector6d& on_body, const Vector6d* on_parent) {
-  const auto column = static_cast<int>(column_bodies_.size());
-  column_bodies_.push_back(body);
-  const std::size_t begin = static_cast<std::size_t>(column) * bodies_.size();
+void Forest::climb(int body, UnitHalf& half, Block<6, 6>* to_parent) const {
+  const Node& node = nodes_[body];
+  const int rows = static_cast<int>(bodies_[body].joint.size());
+  for (int i = 0; i < 6; ++i) {
+    for (int k = 0; k < i; ++k) half.t.row(i) -= node.mass(k, i) * half.t.row(k);
+    half.t.row(i) *= node.mass(i, i);
+  }
+  for (int r = 0; r < rows; ++r) {
+    half.u.row(r) = -node.own(r, 0) * half.t.row(0);
+    for (int k = 1; k < 6; ++k) half.u.row(r) -= node.own(r, k) * half.t.row(k);
+  }
+  if (!to_parent) return;
+  for (int k = 0; k < 6; ++k) {
+    to_parent->row(k).setZero();
+    for (int r = 0; r < rows; ++r) to_parent->row(k) += node.above(r, k) * half.u.row(r);
+  }
+}
+
+void Forest::clear_columns() {
+  groups_.clear();
+  singles_ = units_ = 0;
+}
+
+int Forest::add_unit_columns(int body) {
+  const std::size_t begin = units_++ * bodies_.size();
+  if (unit_halves_.size() < begin + bodies_.size()) unit_halves_.resize(begin + bodies_.size());
+  groups_.push_back({body, true, begin});
+  unit_halves_[begin + body].t.setIdentity();
+  for (int at = body; at >= 0; at = bodies_[at].parent) {
+    const int parent = bodies_[at].parent;
+    climb(at, unit_halves_[begin + at], parent < 0 ? nullptr : &unit_halves_[begin + parent].t);
+  }
+  return static_cast<int>(groups_.size()) - 1;
+}
+
+int Forest::add_column(int body, const Vector6d& on_body, const Vector6d& on_parent) {
+  const std::size_t begin = singles_++ * bodies_.size();
   if (halves_.size() < begin + bodies_.size()) halves_.resize(begin + bodies_.size());
+  groups_.push_back({body, false, begin});
   halves_[begin + body].t = on_body;
   for (int at = body; at >= 0; at = bodies_[at].parent) {
     Half& half = halves_[begin + at];
@@ -153,27 +207,47 @@ int Forest::add_column(int body, const Vector6d& on_body, const Vector6d* on_par
       break;
     }
     Vector6d& next = halves_[begin + parent].t;
-    next = at == body && on_parent ? *on_parent : Vector6d(Vector6d::Zero());
+    next = at == body ? on_parent : Vector6d(Vector6d::Zero());
     climb(at, half.t, half.u, &next);
   }
-  return column;
+  return static_cast<int>(groups_.size()) - 1;
 }
 
-double Forest::product(int column, int other) const {
-  int a = column_bodies_[column], b = column_bodies_[other];
-  while (a != b) {  // to the first body that both paths contain; parents have smaller indices
+/// From `body` to the root: the sum of t' t - u' u.
+template <class First, class Second>
+void Forest::multiply(int body, const First* first, const Second* second, double* place, std::size_t stride) const {
+  using Lines = std::remove_const_t<decltype(first->t)>;
+  constexpr int width = Lines::ColsAtCompileTime, other_width = decltype(second->t)::ColsAtCompileTime;
+  using Line = Eigen::Matrix<double, 1, other_width>;
+  std::array<Line, width> sums;
+  for (Line& sum : sums) sum.setZero();
+  for (int at = body; at >= 0; at = bodies_[at].parent) {
+    const First& a = first[at];
+    const Second& b = second[at];
+    const int rows = static_cast<int>(bodies_[at].joint.size());
+    for (int i = 0; i < width; ++i) {
+      for (int k = 0; k < 6; ++k) sums[i] += a.t(k, i) * b.t.row(k);
+      for (int r = 0; r < rows; ++r) sums[i] -= a.u(r, i) * b.u.row(r);
+    }
+  }
+  for (int i = 0; i < width; ++i)
+    for (int j = 0; j < other_width; ++j) place[i * stride + j] = sums[i][j];
+}
+
+void Forest::multiply(int group, int other, double* place, std::size_t stride) const {
+  const Group &first = groups_[group], &second = groups_[other];
+  int a = first.body, b = second.body;
+  while (a != b && a >= 0 && b >= 0) {  // to the first body that both paths contain; parents have smaller indices
     int& lower = a > b ? a : b;
     lower = bodies_[lower].parent;
-    if (lower < 0) return 0.0;
   }
-  const Half* first = &halves_[static_cast<std::size_t>(column) * bodies_.size()];
-  const Half* second = &halves_[static_cast<std::size_t>(other) * bodies_.size()];
-  double sum = 0.0;
-  for (; a >= 0; a = bodies_[a].parent) {
-    for (int k = 0; k < 6; ++k) sum += first[a].t[k] * second[a].t[k];
-    for (std::size_t r = 0; r < bodies_[a].joint.size(); ++r) sum -= first[a].u[r] * second[a].u[r];
-  }
-  return sum;
+  const int common = a == b ? a : -1;
+  const UnitHalf *units = unit_halves_.data() + first.begin, *other_units = unit_halves_.data() + second.begin;
+  const Half *single = halves_.data() + first.begin, *other_single = halves_.data() + second.begin;
+  if (first.is_units && second.is_units) return multiply(common, units, other_units, place, stride);
+  if (first.is_units) return multiply(common, units, other_single, place, stride);
+  if (second.is_units) return multiply(common, single, other_units, place, stride);
+  return multiply(common, single, other_single, place, stride);
 }
 
 }  // namespace rehearse

@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include "rows.h"
@@ -40,15 +41,24 @@ class Forest {
   void factor(int first, int last);
   /// Computes velocities and impulses of these bodies.
   void solve(int first, int last);
+  /// Adds to the momentum of a body in the last solution. Velocities and impulses change with the next descend().
+  void push(int body, const Vector6d& momentum);
+  /// The second half of solve(): from the roots to the leaves.
+  void descend(int first, int last);
   const Vector6d& velocity(int body) const { return nodes_[body].velocity; }  // linear [m/s], angular [rad/s]
   const Impulses& impulses(int body) const { return nodes_[body].impulses; }  // of the rows of its joint
 
-  /// The effect of an impulse on the momentum of a body, and of its parent: half of a solution. Columns are valid until
-  /// clear_columns() or the next factor(). Returns the column's index.
-  int add_column(int body, const Vector6d& on_body, const Vector6d* on_parent = nullptr);
-  void clear_columns() { column_bodies_.clear(); }
-  /// The velocity along the impulse of one column that a unit impulse of the other causes; 0 in different trees.
-  double product(int column, int other) const;
+  /// Columns are halves of solutions: the effects of unit impulses. They are valid until clear_columns() or the next
+  /// factor(). Both functions return the index of a group of columns.
+  /// Six columns: unit impulses on the linear and angular momentum of a body.
+  int add_unit_columns(int body);
+  /// One column: an impulse on the momentum of a body and its parent.
+  int add_column(int body, const Vector6d& on_body, const Vector6d& on_parent);
+  void clear_columns();
+  int width(int group) const { return groups_[group].is_units ? 6 : 1; }
+  /// The velocities along the impulses of one group that unit impulses of the other cause, width() x width(); 0 in
+  /// different trees. `place`: of the first, in a matrix whose rows are `stride` apart.
+  void multiply(int group, int other, double* place, std::size_t stride) const;
 
  private:
   /// Room for a joint's rows, padded with zeros: the operations on lines then have a constant length.
@@ -69,10 +79,19 @@ class Forest {
     Vector6d velocity = Vector6d::Zero();
     Impulses impulses{};
   };
-  /// What a column leaves at a body of its path to the root.
+  /// What columns leave at a body of their path to the root.
   struct Half {
     Vector6d t;
     Rest u;
+  };
+  struct UnitHalf {
+    Block<6, 6> t;
+    Block<padded, 6> u;
+  };
+  struct Group {
+    int body;  // where its path begins
+    bool is_units;
+    std::size_t begin;  // of its halves, by body
   };
 
   void load_mass(int body);
@@ -82,11 +101,17 @@ class Forest {
   /// One body of the way to the root: `t` is its momentum, and becomes a part of the solution like `u`, which is the
   /// right side of the joint. Adds the rest of the momentum to that of the parent, if it isn't null.
   void climb(int body, Vector6d& t, Rest& u, Vector6d* to_parent) const;
+  /// The same with six columns at once and no right side.
+  void climb(int body, UnitHalf& half, Block<6, 6>* to_parent) const;
+  template <class First, class Second>
+  void multiply(int body, const First* first, const Second* second, double* place, std::size_t stride) const;
 
   std::vector<TreeBody> bodies_;
   std::vector<Node> nodes_;
-  std::vector<int> column_bodies_;  // by column: where its path begins
-  std::vector<Half> halves_;        // by column and body; only those on the path are set
+  std::vector<Group> groups_;
+  std::size_t singles_ = 0, units_ = 0;  // number of groups of each kind
+  std::vector<Half> halves_;             // by single column and body; only those on the path are set
+  std::vector<UnitHalf> unit_halves_;    // by group of six and body, likewise
 };
 
 }  // namespace rehearse

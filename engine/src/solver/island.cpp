@@ -84,19 +84,20 @@ bool Island::check_drives() {
 }
 
 int Island::unit_columns(int body) {
-  for (const auto& [of, column] : units_)
-    if (of == body) return column;
-  const int first = columns_;
-  for (int k = 0; k < 6; ++k) forest_.add_column(body, Vector6d::Unit(k));
+  for (const Units& units : units_)
+    if (units.body == body) return units.column;
+  forest_.add_unit_columns(body);
+  group_columns_.push_back(columns_);
+  units_.push_back({body, columns_});
   columns_ += 6;
-  units_.emplace_back(body, first);
-  return first;
+  return units_.back().column;
 }
 
 void Island::add_actions() {
   forest_.clear_columns();
   columns_ = 0;
   units_.clear();
+  group_columns_.clear();
   actions_.clear();
   all_ = rows_;
   for (const std::size_t i : bounded_drives_) {
@@ -108,8 +109,9 @@ void Island::add_actions() {
     Action& action = actions_.emplace_back();
     action.single = row.other >= 0 && forest_.bodies()[row.body].parent == row.other;
     if (action.single) {
-      action.first = forest_.add_column(row.body, row.row.first, &row.row.second);
-      ++columns_;
+      forest_.add_column(row.body, row.row.first, row.row.second);
+      group_columns_.push_back(columns_);
+      action.first = columns_++;
     } else {
       action.first = unit_columns(row.body);
       if (row.other >= 0) action.second = unit_columns(row.other);
@@ -120,8 +122,18 @@ void Island::add_actions() {
 void Island::set_products() {
   const auto count = static_cast<std::size_t>(columns_);
   products_.resize(count * count);
-  for (int i = 0; i < columns_; ++i)
-    for (int j = 0; j <= i; ++j) products_[i * count + j] = products_[j * count + i] = forest_.product(i, j);
+  const int groups = static_cast<int>(group_columns_.size());
+  for (int i = 0; i < groups; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      const auto row = static_cast<std::size_t>(group_columns_[i]),
+                 column = static_cast<std::size_t>(group_columns_[j]);
+      forest_.multiply(i, j, &products_[row * count + column], count);
+      if (i == j) continue;
+      for (int r = 0; r < forest_.width(i); ++r)
+        for (int c = 0; c < forest_.width(j); ++c)
+          products_[(column + c) * count + row + r] = products_[(row + r) * count + column + c];
+    }
+  }
 }
 
 /// A = J V J', with the velocities V that unit impulses along the columns cause.
@@ -162,24 +174,35 @@ void Island::set_problem() {
   }
 }
 
+void Island::push(int body, const Vector6d& direction, double impulse) {
+  if (body < 0 || impulse == 0.0) return;
+  for (auto& [of, momentum] : pushes_) {
+    if (of != body) continue;
+    momentum += direction * impulse;
+    return;
+  }
+  pushes_.emplace_back(body, direction * impulse);
+}
+
 BoundedProblem::Outcome Island::solve_once(double tolerance) {
-  const auto solve_trees = [&] {
-    for (const auto& [first, last] : trees_) forest_.solve(first, last);
-  };
-  for (const auto& [first, last] : trees_) forest_.factor(first, last);
-  solve_trees();
+  for (const auto& [first, last] : trees_) {
+    forest_.factor(first, last);
+    forest_.solve(first, last);
+  }
   add_actions();
   if (all_.empty()) return {0.0, 0};
   set_products();
   set_problem();
   const BoundedProblem::Outcome outcome = problem_.solve(tolerance);
+  pushes_.clear();
   for (std::size_t i = 0; i < all_.size(); ++i) {
     const double impulse = problem_.x(i);
-    apply(all_[i].body, all_[i].row.first, impulse);
-    apply(all_[i].other, all_[i].row.second, impulse);
+    push(all_[i].body, all_[i].row.first, impulse);
+    push(all_[i].other, all_[i].row.second, impulse);
     (i < rows_.size() ? rows_[i].impulse : drives_[bounded_drives_[i - rows_.size()]].impulse) = impulse;
   }
-  solve_trees();
+  for (const auto& [body, momentum] : pushes_) forest_.push(body, momentum);
+  for (const auto& [first, last] : trees_) forest_.descend(first, last);
   return outcome;
 }
 

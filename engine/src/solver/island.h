@@ -52,11 +52,15 @@ class Island {
   BoundedProblem::Outcome solve(double tolerance);
 
  private:
-  /// Where a row acts: on a single column, or on six columns of each of its bodies.
+  /// Where a row acts: on a column of its own, or on six columns of each of its bodies.
   struct Action {
     int first = 0;    // column
     int second = -1;  // -1: none
     bool single = false;
+  };
+  struct Units {
+    int body;
+    int column;  // the first of six
   };
 
   void assume_drives();
@@ -69,6 +73,7 @@ class Island {
   double velocity_of(const BoundedRow& row) const;
   double velocity_of(const LimitedDrive& drive) const;
   void apply(int body, const Vector6d& direction, double impulse);
+  void push(int body, const Vector6d& direction, double impulse);
 
   Forest& forest_;
   std::vector<std::pair<int, int>> trees_;
@@ -80,7 +85,9 @@ class Island {
   std::vector<BoundedRow> all_;           // rows_, then the bounded drives
   std::vector<std::size_t> bounded_drives_;
   std::vector<Action> actions_;
-  std::vector<std::pair<int, int>> units_;  // body and first of its six columns
+  std::vector<Units> units_;
+  std::vector<std::pair<int, Vector6d>> pushes_;  // by body
+  std::vector<int> group_columns_;                // by group of columns of the forest: the first
   std::vector<double> products_, half_;
   int columns_ = 0;
   BoundedProblem problem_;

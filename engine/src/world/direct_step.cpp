@@ -82,6 +82,7 @@ DirectStep::DirectStep(const WorldSettings& settings, double most_velocity,
     parents_.push_back(part_of(found[i].parent));
   }
   joint_places_.resize(parts_.size());
+  poses_.resize(parts_.size());
 }
 
 /// -1: nothing moves it, or commands do.
@@ -176,9 +177,10 @@ void DirectStep::load() {
   }
 }
 
-void DirectStep::load_body(int index, TreeBody& body) const {
+void DirectStep::load_body(int index, TreeBody& body) {
   const MovingPart& part = parts_[index];
-  const Matrix3d axes = rotation(dBodyGetRotation(part.body));
+  poses_[index] = BodyPose::of(part.body);
+  const Matrix3d& axes = poses_[index].rotation;
   const Vector3d w = vector(dBodyGetAngularVel(part.body));
   body.parent = parents_[index] < 0 ? -1 : parents_[index] + trees_[trees_of_[index]].offset;
   body.mass = part.mass;
@@ -200,13 +202,15 @@ void DirectStep::load_joint(int index, Island& island) {
   JointRows& rows = forest_.bodies()[body].joint;
   if (part.plane) part.plane->add_rows(law_, rows);
   if (!part.joint) return;
-  part.joint->add_rows(law_, rows);
-  if (std::optional<LimitedDrive> drive = part.joint->limited_drive(law_)) {
+  static const BodyPose world;
+  const JointPoses poses{poses_[index], parents_[index] < 0 ? world : poses_[parents_[index]]};
+  part.joint->add_rows(law_, poses, rows);
+  if (std::optional<LimitedDrive> drive = part.joint->limited_drive(law_, poses)) {
     drive->body = body;
     place.drive = static_cast<int>(island.drives().size());
     island.add_drive(*drive);
   }
-  if (std::optional<BoundedRow> stop = part.joint->reached_stop(law_)) {
+  if (std::optional<BoundedRow> stop = part.joint->reached_stop(law_, poses)) {
     stop->body = body;
     stop->other = forest_.bodies()[body].parent;
     place.stop = island.add_row(*stop);
@@ -230,7 +234,8 @@ BoundedRow DirectStep::row_between(const Row& row, dBodyID first, dBodyID second
 void DirectStep::add_connection(const JointGuide& guide) {
   const int tree = std::max(tree_of(guide.first()), tree_of(guide.second()));
   JointRows rows;
-  guide.add_rows(law_, rows);
+  const BodyPose first = BodyPose::of(guide.first()), second = BodyPose::of(guide.second());
+  guide.add_rows(law_, {first, second}, rows);
   for (const Row& row : rows) islands_[trees_[tree].island].add_row(row_between(row, guide.first(), guide.second()));
 }
 

@@ -74,7 +74,7 @@ class DirectStep {
   int forest_body(dBodyID body) const;
   void find_islands(const Touches& touches, const std::vector<const JointGuide*>& connections);
   void load();
-  void load_body(int part, TreeBody& body) const;
+  void load_body(int part, TreeBody& body);
   void load_joint(int part, Island& island);
   void add_connection(const JointGuide& guide);
   /// The row between two of ODE's bodies, of which at least one is solved here.
@@ -93,6 +93,7 @@ class DirectStep {
   Forest forest_;
   std::vector<Island> islands_;
   std::size_t island_count_ = 0;
+  std::vector<BodyPose> poses_;           // by part, at the beginning
   std::vector<JointPlace> joint_places_;  // by part
   std::vector<ContactPlace> contacts_;
   bool leaves_bodies_ = false;

@@ -22,60 +22,57 @@ struct Perpendiculars {
   }
 };
 
-Vector3d center_of(dBodyID body) { return vector(dBodyGetPosition(body)); }
-Matrix3d rotation_of(dBodyID body) { return body ? rotation(dBodyGetRotation(body)) : Matrix3d(Matrix3d::Identity()); }
-Quaterniond quaternion_of(dBodyID body) {
-  return body ? quaternion(dBodyGetQuaternion(body)) : Quaterniond::Identity();
-}
-
 }  // namespace
+
+BodyPose BodyPose::of(dBodyID body) {
+  if (!body) return {};
+  return {vector(dBodyGetPosition(body)), rehearse::rotation(dBodyGetRotation(body)),
+          rehearse::quaternion(dBodyGetQuaternion(body))};
+}
 
 JointGuide::JointGuide(Type type, dBodyID first, dBodyID second, const Vector3d& anchor, const Vector3d& axis)
     : type_(type), first_(first), second_(second) {
-  const Vector3d origin = second ? center_of(second) : Vector3d(Vector3d::Zero());
-  const Matrix3d to_first = rotation_of(first).transpose(), to_second = rotation_of(second).transpose();
-  anchor_ = to_first * (anchor - center_of(first));
+  const BodyPose one = BodyPose::of(first), other = BodyPose::of(second);
+  const Matrix3d to_first = one.rotation.transpose(), to_second = other.rotation.transpose();
+  anchor_ = to_first * (anchor - one.center);
   axis_ = to_first * axis;
-  second_anchor_ = to_second * (anchor - origin);
+  second_anchor_ = to_second * (anchor - other.center);
   second_axis_ = to_second * axis;
-  offset_ = to_second * (center_of(first) - origin);
-  own_offset_ = to_first * (center_of(first) - origin);
-  relative_ = quaternion_of(first).conjugate() * quaternion_of(second);
+  offset_ = to_second * (one.center - other.center);
+  own_offset_ = to_first * (one.center - other.center);
+  relative_ = one.quaternion.conjugate() * other.quaternion;
 }
 
-Vector3d JointGuide::axis() const { return rotation_of(first_) * axis_; }
-
-Row JointGuide::axis_row(double target, double softness) const {
+Row JointGuide::axis_row(const JointPoses& poses, double target, double softness) const {
   Row row;
-  const Vector3d along = axis(), none = Vector3d::Zero();
+  const Vector3d along = poses.first.rotation * axis_;
   row.target = target;
   row.softness = softness;
   if (type_ == Type::revolute) {
-    row.first = spatial(none, along);
-    row.second = spatial(none, -along);
+    row.first.tail<3>() = along;
+    row.second.tail<3>() = -along;
     return row;
   }
-  const Vector3d lever =
-      second_ ? Vector3d((0.5 * (center_of(second_) - center_of(first_))).cross(along)) : Vector3d(none);
-  row.first = spatial(along, lever);
-  row.second = spatial(-along, lever);
+  row.first.head<3>() = along;
+  row.second.head<3>() = -along;
+  if (second_) row.first.tail<3>() = (0.5 * (poses.second.center - poses.first.center)).cross(along);
+  row.second.tail<3>() = row.first.tail<3>();
   return row;
 }
 
-void JointGuide::add_rows(const StepLaw& law, JointRows& rows) const {
+void JointGuide::add_rows(const StepLaw& law, const JointPoses& poses, JointRows& rows) const {
   switch (type_) {
-    case Type::revolute: hold_anchor(law, rows); return hold_axis(law, rows);
-    case Type::prismatic: hold_rotation(law, rows); return hold_line(law, rows);
-    case Type::spherical: return hold_anchor(law, rows);
-    case Type::fixed: hold_center(law, rows); return hold_rotation(law, rows);
+    case Type::revolute: hold_anchor(law, poses, rows); return hold_axis(law, poses, rows);
+    case Type::prismatic: hold_rotation(law, poses, rows); return hold_line(law, poses, rows);
+    case Type::spherical: return hold_anchor(law, poses, rows);
+    case Type::fixed: hold_center(law, poses, rows); return hold_rotation(law, poses, rows);
   }
 }
 
 /// The anchors of both bodies have the same velocity.
-void JointGuide::hold_anchor(const StepLaw& law, JointRows& rows) const {
-  const Vector3d arm = rotation_of(first_) * anchor_, second_arm = rotation_of(second_) * second_anchor_;
-  const Vector3d second_center = second_ ? center_of(second_) : Vector3d(Vector3d::Zero());
-  const Vector3d error = second_arm + second_center - arm - center_of(first_);
+void JointGuide::hold_anchor(const StepLaw& law, const JointPoses& poses, JointRows& rows) const {
+  const Vector3d arm = poses.first.rotation * anchor_, second_arm = poses.second.rotation * second_anchor_;
+  const Vector3d error = second_arm + poses.second.center - arm - poses.first.center;
   for (int i = 0; i < 3; ++i) {
     const Vector3d direction = Vector3d::Unit(i);
     Row& row = rows.add();
@@ -87,9 +84,9 @@ void JointGuide::hold_anchor(const StepLaw& law, JointRows& rows) const {
 }
 
 /// The bodies turn against each other about the axis only.
-void JointGuide::hold_axis(const StepLaw& law, JointRows& rows) const {
-  const Vector3d along = axis();
-  const Vector3d error = along.cross(rotation_of(second_) * second_axis_);
+void JointGuide::hold_axis(const StepLaw& law, const JointPoses& poses, JointRows& rows) const {
+  const Vector3d along = poses.first.rotation * axis_;
+  const Vector3d error = along.cross(poses.second.rotation * second_axis_);
   const Perpendiculars plane(along);
   for (const Vector3d& direction : {plane.p, plane.q}) {
     Row& row = rows.add();
@@ -101,10 +98,10 @@ void JointGuide::hold_axis(const StepLaw& law, JointRows& rows) const {
 }
 
 /// The bodies don't turn against each other. The error is twice the vector part of the quaternion, for small angles.
-void JointGuide::hold_rotation(const StepLaw& law, JointRows& rows) const {
-  Quaterniond error = quaternion_of(first_).conjugate() * quaternion_of(second_) * relative_.conjugate();
+void JointGuide::hold_rotation(const StepLaw& law, const JointPoses& poses, JointRows& rows) const {
+  Quaterniond error = poses.first.quaternion.conjugate() * poses.second.quaternion * relative_.conjugate();
   if (error.w() < 0.0) error.coeffs() = -error.coeffs();
-  const Vector3d turn = 2.0 * (rotation_of(first_) * error.vec());
+  const Vector3d turn = 2.0 * (poses.first.rotation * error.vec());
   for (int i = 0; i < 3; ++i) {
     Row& row = rows.add();
     row.first[3 + i] = 1.0;
@@ -116,11 +113,11 @@ void JointGuide::hold_rotation(const StepLaw& law, JointRows& rows) const {
 
 /// The bodies slide against each other along the axis only. With the rotations equal, the centres move as the mean of
 /// both angular velocities demands.
-void JointGuide::hold_line(const StepLaw& law, JointRows& rows) const {
-  const Vector3d center = center_of(first_);
-  const Vector3d between = second_ ? Vector3d(center_of(second_) - center) : Vector3d(Vector3d::Zero());
-  const Vector3d error = second_ ? Vector3d(between + rotation_of(second_) * offset_) : Vector3d(offset_ - center);
-  const Perpendiculars plane(axis());
+void JointGuide::hold_line(const StepLaw& law, const JointPoses& poses, JointRows& rows) const {
+  const Vector3d from = poses.second.center - poses.first.center;
+  const Vector3d between = second_ ? from : Vector3d(Vector3d::Zero());
+  const Vector3d error = from + poses.second.rotation * offset_;
+  const Perpendiculars plane(poses.first.rotation * axis_);
   for (const Vector3d& direction : {plane.p, plane.q}) {
     const Vector3d lever = 0.5 * between.cross(direction);
     Row& row = rows.add();
@@ -132,10 +129,9 @@ void JointGuide::hold_line(const StepLaw& law, JointRows& rows) const {
 }
 
 /// The first body's place in the second one's frame stays.
-void JointGuide::hold_center(const StepLaw& law, JointRows& rows) const {
-  const Vector3d arm = rotation_of(first_) * own_offset_;
-  const Vector3d error =
-      second_ ? Vector3d(center_of(second_) - center_of(first_) + arm) : Vector3d(offset_ - center_of(first_));
+void JointGuide::hold_center(const StepLaw& law, const JointPoses& poses, JointRows& rows) const {
+  const Vector3d arm = poses.first.rotation * own_offset_;
+  const Vector3d error = poses.second.center - poses.first.center + (second_ ? arm : offset_);
   for (int i = 0; i < 3; ++i) {
     const Vector3d direction = Vector3d::Unit(i);
     Row& row = rows.add();

@@ -18,6 +18,22 @@ struct StepLaw {
   double softness = 0.0;         // ODE's constraint force mixing divided by the time step
 };
 
+/// The pose of one of ODE's bodies; of the world, the identity.
+struct BodyPose {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  // of mass [m]
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Eigen::Quaterniond quaternion = Eigen::Quaterniond::Identity();
+
+  /// `body` is null for the world.
+  static BodyPose of(dBodyID body);
+};
+
+/// The poses of the two bodies of a joint.
+struct JointPoses {
+  const BodyPose& first;
+  const BodyPose& second;
+};
+
 /// The equations are those of ODE's ball, hinge, slider and fixed joints (manual of ODE, 7.3 and 3.7), so that a direct
 /// solution has the same velocities.
 class JointGuide {
@@ -28,22 +44,21 @@ class JointGuide {
   /// `anchor`: of fixed and prismatic joints unused [m]. `axis`: unit vector, of revolute and prismatic joints; world.
   JointGuide(Type type, dBodyID first, dBodyID second, const Eigen::Vector3d& anchor, const Eigen::Vector3d& axis);
 
-  /// Adds the rows that hold the bodies together at their current poses.
-  void add_rows(const StepLaw& law, JointRows& rows) const;
+  /// Adds the rows that hold the bodies together.
+  void add_rows(const StepLaw& law, const JointPoses& poses, JointRows& rows) const;
   /// The row of the joint's own motion, of a revolute or prismatic joint. The effort of a slider acts halfway between
   /// the centres of mass, as ODE's.
-  Row axis_row(double target, double softness) const;
+  Row axis_row(const JointPoses& poses, double target, double softness) const;
 
   dBodyID first() const { return first_; }
   dBodyID second() const { return second_; }
 
  private:
-  Eigen::Vector3d axis() const;
-  void hold_anchor(const StepLaw& law, JointRows& rows) const;
-  void hold_axis(const StepLaw& law, JointRows& rows) const;
-  void hold_rotation(const StepLaw& law, JointRows& rows) const;
-  void hold_line(const StepLaw& law, JointRows& rows) const;
-  void hold_center(const StepLaw& law, JointRows& rows) const;
+  void hold_anchor(const StepLaw& law, const JointPoses& poses, JointRows& rows) const;
+  void hold_axis(const StepLaw& law, const JointPoses& poses, JointRows& rows) const;
+  void hold_rotation(const StepLaw& law, const JointPoses& poses, JointRows& rows) const;
+  void hold_line(const StepLaw& law, const JointPoses& poses, JointRows& rows) const;
+  void hold_center(const StepLaw& law, const JointPoses& poses, JointRows& rows) const;
 
   Type type_;
   dBodyID first_, second_;

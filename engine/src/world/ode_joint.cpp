@@ -305,19 +305,19 @@ void OdeJoint::after_step(double time_step) {
   wrapped_ = angle;
 }
 
-void OdeJoint::add_rows(const StepLaw& law, JointRows& rows) const {
-  guide_->add_rows(law, rows);
+void OdeJoint::add_rows(const StepLaw& law, const JointPoses& poses, JointRows& rows) const {
+  guide_->add_rows(law, poses, rows);
   if (resistance_ && get_resistance(dParamFMax) > 0.0)
-    rows.add() = guide_->axis_row(get_resistance(dParamVel), get_resistance(dParamCFM) / law.time_step);
-  if (motor_on_ && std::isinf(get(dParamFMax))) rows.add() = guide_->axis_row(motor_velocity_, law.softness);
+    rows.add() = guide_->axis_row(poses, get_resistance(dParamVel), get_resistance(dParamCFM) / law.time_step);
+  if (motor_on_ && std::isinf(get(dParamFMax))) rows.add() = guide_->axis_row(poses, motor_velocity_, law.softness);
 }
 
 // A drive that was at its limit, or a joint that was turning against its friction, is assumed to be still.
-std::optional<LimitedDrive> OdeJoint::limited_drive(const StepLaw& law) const {
+std::optional<LimitedDrive> OdeJoint::limited_drive(const StepLaw& law, const JointPoses& poses) const {
   if (!motor_on_ || std::isinf(get(dParamFMax))) return std::nullopt;
   constexpr double nearly = 1.0 - 1e-9, at_rest = 1e-9;  // share of the limit; [rad/s] or [m/s]
   LimitedDrive drive;
-  drive.row = guide_->axis_row(motor_velocity_, law.softness);
+  drive.row = guide_->axis_row(poses, motor_velocity_, law.softness);
   drive.limit = get(dParamFMax) * law.time_step;
   const double rate = previous_rate_;
   const bool at_upper = motor_drives_ ? previous_effort_ >= nearly * motor_limit_ : rate < -at_rest;
@@ -327,14 +327,14 @@ std::optional<LimitedDrive> OdeJoint::limited_drive(const StepLaw& law) const {
   return drive;
 }
 
-std::optional<BoundedRow> OdeJoint::reached_stop(const StepLaw& law) const {
+std::optional<BoundedRow> OdeJoint::reached_stop(const StepLaw& law, const JointPoses& poses) const {
   if (!stops_active_) return std::nullopt;
   const double now = displacement();
   const bool at_lower = now <= joint_.lower;
   if (!at_lower && now < joint_.upper) return std::nullopt;
   BoundedRow stop;
   const double error = now - (at_lower ? joint_.lower : joint_.upper);
-  stop.row = guide_->axis_row(-get(dParamStopERP) / law.time_step * error, law.softness);
+  stop.row = guide_->axis_row(poses, -get(dParamStopERP) / law.time_step * error, law.softness);
   if (joint_.lower < joint_.upper) (at_lower ? stop.bounds.lower : stop.bounds.upper) = 0.0;
   return stop;
 }

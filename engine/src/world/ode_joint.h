@@ -61,11 +61,11 @@ class OdeJoint {
 
   // For the direct solver, between drive() and after_step(). Bodies of rows are left for the caller to set.
   /// Adds the equations of the joint: its guide, its damping, and a drive without limit.
-  void add_rows(const StepLaw& law, JointRows& rows) const;
+  void add_rows(const StepLaw& law, const JointPoses& poses, JointRows& rows) const;
   /// The drive with a limit, or the dry friction.
-  std::optional<LimitedDrive> limited_drive(const StepLaw& law) const;
+  std::optional<LimitedDrive> limited_drive(const StepLaw& law, const JointPoses& poses) const;
   /// The stop that the joint has reached.
-  std::optional<BoundedRow> reached_stop(const StepLaw& law) const;
+  std::optional<BoundedRow> reached_stop(const StepLaw& law, const JointPoses& poses) const;
   /// Stores the results as ODE's feedback: the impulses of `rows`, and the row of the drive or the stop with its
   /// impulse, if there is one.
   void take_impulses(const JointRows& rows, const Forest::Impulses& impulses, const Row* bounded, double impulse,

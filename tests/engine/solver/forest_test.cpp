@@ -49,17 +49,25 @@ TEST(Forest, ProductsOfColumnsAreVelocitiesByImpulses) {
     make_trees(dice, 12, forest);
     solve(forest);
     const int from = dice.below(12), to = dice.below(12);
-    const Vector6d push = dice.vector6(), feel = dice.vector6(), push_parent = dice.vector6();
     const int parent = forest.bodies()[static_cast<std::size_t>(from)].parent;
-    const int pushed = forest.add_column(from, push, parent < 0 ? nullptr : &push_parent);
-    const int felt = forest.add_column(to, feel);
-    const double before = dot6(feel, forest.velocity(to));
+    const Vector6d push = dice.vector6(), push_parent = dice.vector6();
+    const int pushed = forest.add_column(from, push, push_parent), felt = forest.add_unit_columns(to);
+    const Vector6d before = forest.velocity(to);
     forest.bodies()[static_cast<std::size_t>(from)].momentum += push;
     if (parent >= 0) forest.bodies()[static_cast<std::size_t>(parent)].momentum += push_parent;
     forest.solve(0, 12);
-    const double change = dot6(feel, forest.velocity(to)) - before;
-    EXPECT_NEAR(forest.product(pushed, felt), change, 1e-9 * (1.0 + std::abs(change))) << "seed " << seed;
-    EXPECT_EQ(forest.product(pushed, felt), forest.product(felt, pushed));
+    const Vector6d change = forest.velocity(to) - before;
+    Vector6d product, transposed;
+    forest.multiply(pushed, felt, product.data(), 6);
+    forest.multiply(felt, pushed, transposed.data(), 1);
+    EXPECT_LT((product - change).norm(), 1e-9 * (1.0 + change.norm())) << "seed " << seed;
+    EXPECT_LT((transposed - change).norm(), 1e-9 * (1.0 + change.norm())) << "seed " << seed;
+    Eigen::Matrix<double, 6, 6, Eigen::RowMajor> own;
+    forest.multiply(felt, felt, own.data(), 6);
+    EXPECT_LT((own - own.transpose()).norm(), 1e-12 * own.norm());
+    double along;
+    forest.multiply(pushed, pushed, &along, 1);
+    EXPECT_GT(along, 0.0);
   }
 }
 
