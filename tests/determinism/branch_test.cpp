@@ -20,7 +20,6 @@ namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
-using Method = SolverSettings::Method;
 
 struct Message {
   std::uint64_t time = 0;
@@ -62,7 +61,7 @@ class Branches : public ::testing::TestWithParam<FixtureCase> {
 };
 
 INSTANTIATE_TEST_SUITE_P(Of, Branches, ::testing::ValuesIn(fixture_cases()), [](const auto& of) {
-  return of.param.name + (of.param.solver == Method::quick ? "_quick" : "_exact");
+  return of.param.name + "_" + name_of(of.param.solver);
 });
 
 TEST_P(Branches, WithoutAnyChangeAreTheirSource) {
@@ -70,8 +69,7 @@ TEST_P(Branches, WithoutAnyChangeAreTheirSource) {
   ASSERT_TRUE(scenario.ok()) << to_string(scenario.errors());
   const bool other_solver = scenario->solver.method != GetParam().solver;
   if (other_solver) {  // a recording carries the scenario's text
-    const std::string wanted = GetParam().solver == Method::quick ? "quick" : "exact";
-    const std::string other = GetParam().solver == Method::quick ? "exact" : "quick";
+    const std::string wanted = name_of(GetParam().solver), other = name_of(scenario->solver.method);
     std::string& text = scenario->text;
     if (const std::size_t stated = text.find("method: " + other); stated != std::string::npos)
       text.replace(stated, 8 + other.size(), "method: " + wanted);

@@ -20,7 +20,6 @@ namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
-using Method = SolverSettings::Method;
 
 class Checkpoints : public ::testing::TestWithParam<FixtureCase> {
  protected:
@@ -34,7 +33,7 @@ class Checkpoints : public ::testing::TestWithParam<FixtureCase> {
 };
 
 INSTANTIATE_TEST_SUITE_P(Of, Checkpoints, ::testing::ValuesIn(fixture_cases()), [](const auto& of) {
-  return of.param.name + (of.param.solver == Method::quick ? "_quick" : "_exact");
+  return of.param.name + "_" + name_of(of.param.solver);
 });
 
 /// Each message of `later` is the same bytes in `recording`; those of pictures and scans that had been captured before
@@ -80,7 +79,7 @@ TEST_P(Checkpoints, LetAnotherProcessGoOnWithTheSameBits) {
   for (const std::size_t number : {std::size_t{1}, last / 2 + 1, last}) {
     const auto tick = static_cast<std::size_t>(
         std::llround(static_cast<double>(checkpoints.times[number]) * 1e-9 / scenario->time_step));
-    const std::string solver = GetParam().solver == Method::quick ? "quick" : "exact";
+    const std::string solver = name_of(GetParam().solver);
     const std::string command = "'" PROBE "' go-on '" + file.string() + "' " + solver + " '" +
                                 (folder_ / "later.mcap").string() + "' '" + (folder_ / "recording.mcap").string() +
                                 "' " + std::to_string(tick);

@@ -28,12 +28,16 @@ struct FixtureCase {
   SolverSettings::Method solver;
 };
 
-/// Each scenario with both solvers.
+inline std::string name_of(SolverSettings::Method solver) {
+  return std::string(SolverSettings::method_names[static_cast<std::size_t>(solver)]);
+}
+
+/// Each scenario with each solver.
 inline std::vector<FixtureCase> fixture_cases() {
   using Method = SolverSettings::Method;
   std::vector<FixtureCase> all;
   for (const std::string& scenario : fixture_scenarios())
-    for (const Method solver : {Method::exact, Method::quick}) all.push_back({scenario, solver});
+    for (const Method solver : {Method::exact, Method::quick, Method::direct}) all.push_back({scenario, solver});
   return all;
 }
 

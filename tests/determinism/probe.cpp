@@ -140,12 +140,14 @@ int record_all(const Order& order) {
 }
 
 int go_on(const std::vector<std::string_view>& words) {
-  using Method = SolverSettings::Method;
   const auto tick = number_in<std::int64_t>(words[5]);
   if (!tick) return fail({error(fmt::format("'{}' is no tick", words[5]))});
   auto scenario = Scenario::load(words[1]);
   if (!scenario) return fail(scenario.errors());
-  scenario->solver.method = words[2] == "quick" ? Method::quick : Method::exact;
+  const auto& names = SolverSettings::method_names;
+  const auto method = std::find(names.begin(), names.end(), words[2]);
+  if (method == names.end()) return fail({error(fmt::format("'{}' is no solver", words[2]))});
+  scenario->solver.method = static_cast<SolverSettings::Method>(method - names.begin());
   const auto recording = Trace::load(words[4]);
   if (!recording) return fail(recording.errors());
   PlantOptions options;

@@ -510,6 +510,7 @@ struct SolverSettings {
     exact,   // dWorldStep of ODE: direct, cubic
     direct,  // Rehearse's: direct, linear in the links of robots; quick for islands without joints
   };
+  static constexpr std::array<std::string_view, 3> method_names{"quick", "exact", "direct"};  // by Method
   static constexpr int most_iterations = 10000;
   Method method = Method::quick;
   int iterations = 50;                    // quick only

@@ -181,8 +181,7 @@ void expect_near(const A& actual, const B& expected, double tolerance) {
 }
 
 inline void PrintTo(SolverSettings::Method method, std::ostream* stream) {
-  using enum SolverSettings::Method;
-  *stream << (method == quick ? "quick" : method == exact ? "exact" : "direct");
+  *stream << SolverSettings::method_names[static_cast<std::size_t>(method)];
 }
 
 /// Tests that run with each solver.
@@ -192,8 +191,9 @@ class EachSolver : public ::testing::TestWithParam<SolverSettings::Method> {
 };
 
 inline std::string solver_name(const ::testing::TestParamInfo<SolverSettings::Method>& method) {
-  using enum SolverSettings::Method;
-  return method.param == quick ? "Quick" : method.param == exact ? "Exact" : "Direct";
+  std::string name(SolverSettings::method_names[static_cast<std::size_t>(method.param)]);
+  name[0] = static_cast<char>(name[0] - 'a' + 'A');
+  return name;
 }
 
 /// For INSTANTIATE_TEST_SUITE_P(Solver, ..., each_solver, solver_name).

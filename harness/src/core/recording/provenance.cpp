@@ -89,11 +89,6 @@ std::string tunables_of_the_processor() {
   return kept;
 }
 
-const char* name_of(SolverSettings::Method method) {
-  using enum SolverSettings::Method;
-  return method == quick ? "quick" : method == exact ? "exact" : "direct";
-}
-
 }  // namespace
 
 mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host, const std::string& physics,
@@ -108,7 +103,7 @@ mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host,
       {facts::time_step, fmt::format("{}", scenario.time_step)},
       {facts::duration, fmt::format("{}", scenario.duration)},
       {facts::solver, fmt::format("{}, {}{} iterations, over-relaxation {}, erp {}, cfm {}",
-                                  name_of(solver.method),
+                                  SolverSettings::method_names[static_cast<std::size_t>(solver.method)],
                                   solver.converge ? "at least " : "", solver.iterations, solver.over_relaxation,
                                   solver.erp, solver.cfm)},
       {facts::physics, physics},
