@@ -129,8 +129,8 @@ class World {
   void push(int body, int link, const Eigen::Vector3d& force, const Eigen::Vector3d& point,
             const Eigen::Vector3d& torque);
 
-  /// Simulates one step. Returns false if the state is no longer finite (the simulation has exploded); the world can
-  /// then only be destroyed.
+  /// Simulates one step. Returns false if the simulation has exploded: the state is no longer finite, or a body is
+  /// faster than 1e8 m/s or rad/s. The world can then only be destroyed.
   bool step();
 
   /// Number of steps done.

@@ -133,7 +133,7 @@ void KinematicBody::observe(BodyObservation& observation, const WorldSettings& s
   observe_devices(observation, settings, stepped);
 }
 
-bool KinematicBody::finite() const {
+bool KinematicBody::plausible() const {
   return std::all_of(links_.begin(), links_.end(),
                      [](const LinkReading& link) { return link.position.allFinite() && link.velocity.allFinite(); });
 }

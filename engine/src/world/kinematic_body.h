@@ -25,7 +25,7 @@ class KinematicBody final : public SimulatedBody {
   Mount mount(int link) const override { return {bodies_[link], Eigen::Isometry3d::Identity()}; }
   void after_step() override;
   void observe(BodyObservation& observation, const WorldSettings& settings, bool stepped) const override;
-  bool finite() const override;
+  bool plausible() const override;
   std::vector<dBodyID> ode_bodies() const override;
   void visit_state(StateVisitor& visitor) override;
   void after_restore() override { place(); }

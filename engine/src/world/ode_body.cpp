@@ -412,10 +412,13 @@ std::vector<double> OdeBody::force_reading(std::size_t device) const {
   return {wrenches_[device].data(), wrenches_[device].data() + 6};
 }
 
-bool OdeBody::finite() const {
+bool OdeBody::plausible() const {
   for (const RigidGroup& group : groups_) {
     if (!group.body) continue;
-    if (!vector(dBodyGetPosition(group.body)).allFinite() || !vector(dBodyGetAngularVel(group.body)).allFinite())
+    const Vector3d velocity = vector(dBodyGetLinearVel(group.body)), spin = vector(dBodyGetAngularVel(group.body));
+    if (!vector(dBodyGetPosition(group.body)).allFinite()) return false;
+    // numbers that aren't finite fail too
+    if (!(velocity.cwiseAbs().maxCoeff() < most_velocity) || !(spin.cwiseAbs().maxCoeff() < most_velocity))
       return false;
   }
   return true;

@@ -64,7 +64,7 @@ class OdeBody final : public SimulatedBody {
   LinkShare residual() const override;
   void after_step() override;
   void observe(BodyObservation& observation, const WorldSettings& settings, bool stepped) const override;
-  bool finite() const override;
+  bool plausible() const override;
   std::vector<dBodyID> ode_bodies() const override;
   std::vector<MovingPart> moving_parts() override;
   void visit_state(StateVisitor& visitor) override;

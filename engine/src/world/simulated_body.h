@@ -123,7 +123,9 @@ class SimulatedBody {
   virtual void after_step() = 0;
   /// Fills the readings from the state.
   virtual void observe(BodyObservation& observation, const WorldSettings& settings, bool stepped) const = 0;
-  virtual bool finite() const = 0;
+  /// False if the simulation has exploded: a number isn't finite, or a rigid body is faster than most_velocity.
+  virtual bool plausible() const = 0;
+  static constexpr double most_velocity = 1e8;  // [m/s] or [rad/s]
 
   /// ODE's bodies, which exist as long as this.
   virtual std::vector<dBodyID> ode_bodies() const = 0;

@@ -350,7 +350,7 @@ bool World::step() {
     if (body->feels()) body->take_touches(impl.touches.of(*body));
   for (auto& body : impl.bodies) body->after_step();
   for (const auto& body : impl.bodies)
-    if (!body->finite()) return false;
+    if (!body->plausible()) return false;
   return true;
 }
 

@@ -171,6 +171,14 @@ bodies:
   EXPECT_NEAR(trace.last("Upper/Upper/position/z"), 0.3, 1e-3);
 }
 
+TEST_F(Failures, AJointFasterThanAnyRobotsIsARemark) {
+  const Trace trace = record_run(rig_with("push 10000000"));
+  EXPECT_FALSE(summary_.failure.has_value());
+  ASSERT_FALSE(summary_.remarks.empty());
+  EXPECT_THAT(summary_.remarks[0].message, HasSubstr("world: joint 'SHOULDER' of 'Rig' moves at 2e+04 rad/s"));
+  EXPECT_THAT(said(trace), Contains(HasSubstr("moves at 2e+05 rad/s")));
+}
+
 TEST_F(Failures, AnIslandWithTooManyContactsForTheDirectSolverIsARemarkOnce) {
   std::string scenario = R"(rehearse: 1
 duration: 0.01

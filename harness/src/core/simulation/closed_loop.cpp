@@ -80,7 +80,7 @@ std::optional<Diagnostic> ClosedLoop::failure() const {
   if (run->interruption()) return run->interruption();
   if (run->broke_down())
     return error(
-        fmt::format("the simulation exploded in the step after tick {}: a position or velocity is no longer finite",
+        fmt::format("the simulation exploded in the step after tick {}: a position or velocity is no longer finite or above 1e8",
                     run->tick() - 1));
   return host->failure();
 }

@@ -19,6 +19,7 @@ WorldRemarks::WorldRemarks(const Scenario& scenario) : scenario_(scenario) {
 void WorldRemarks::observe(std::int64_t tick, const World& world, const Observation& seen,
                            std::vector<msg::Event>& events) {
   check_limits(tick, seen, events);
+  check_speeds(tick, seen, events);
   if (tick == 0) return;
   check_solver(tick, world, events);
   check_unsolved(tick, world.unsolved(), events);
@@ -101,6 +102,24 @@ void WorldRemarks::check_limits(std::int64_t tick, const Observation& seen, std:
       add(tick, severity,
           fmt::format("joint '{}' of '{}' {} {:.3g} {} beyond its limits, {:.4g} to {:.4g}", joint.name, body.name,
                       tick == 0 ? "begins" : "went", far, slides ? "m" : "rad", joint.lower, joint.upper),
+          events);
+    }
+  }
+}
+
+/// No robot's joint is that fast: the simulation is about to explode.
+void WorldRemarks::check_speeds(std::int64_t tick, const Observation& seen, std::vector<msg::Event>& events) {
+  constexpr double most = 1e4, further = 10.0;  // [rad/s] or [m/s]; factor between two reports
+  for (std::size_t i = 0; i < scenario_.bodies.size(); ++i) {
+    const ScenarioBody& body = scenario_.bodies[i];
+    for (std::size_t id = 0; id < excesses_[i].size(); ++id) {
+      const double speed = std::abs(seen.bodies[i].joints[id].dq);
+      Excess& known = excesses_[i][id];
+      if (speed < std::max(most, further * known.speed)) continue;
+      const Joint& joint = body.model->links[static_cast<std::size_t>(body.model->joints[id])].joint;
+      add(tick, std::exchange(known.speed, speed) == 0.0 ? Severity::warning : Severity::note,
+          fmt::format("joint '{}' of '{}' moves at {:.3g} {}", joint.name, body.name, speed,
+                      joint.type == JointType::prismatic || joint.type == JointType::track ? "m/s" : "rad/s"),
           events);
     }
   }

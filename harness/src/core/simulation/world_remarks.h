@@ -17,8 +17,8 @@ class WorldRemarks {
   /// The scenario must outlive this.
   explicit WorldRemarks(const Scenario& scenario);
 
-  /// Adds the events of the step before `tick`: steps that a solver didn't solve, joints beyond their limits, and links
-  /// that connected or separated. For the first two kinds the first event is a warning, and so a remark of the run. The
+  /// Adds the events of the step before `tick`: steps that a solver didn't solve, joints beyond their limits or too
+  /// fast, and links that connected or separated. For all but the last kind the first event is a warning, and so a remark of the run. The
   /// next event is a note that follows when it is twice as bad.
   void observe(std::int64_t tick, const World& world, const Observation& seen, std::vector<msg::Event>& events);
 
@@ -27,11 +27,13 @@ class WorldRemarks {
   struct Excess {
     double last = 0.0;
     double reported = 0.0;
+    double speed = 0.0;  // as reported last [rad/s] or [m/s]
   };
   void add(std::int64_t tick, Severity severity, std::string text, std::vector<msg::Event>& events) const;
   void check_solver(std::int64_t tick, const World& world, std::vector<msg::Event>& events);
   void check_unsolved(std::int64_t tick, const Unsolved& unsolved, std::vector<msg::Event>& events);
   void check_residual(std::int64_t tick, const Residual& residual, std::vector<msg::Event>& events);
+  void check_speeds(std::int64_t tick, const Observation& seen, std::vector<msg::Event>& events);
   void check_limits(std::int64_t tick, const Observation& seen, std::vector<msg::Event>& events);
 
   const Scenario& scenario_;
