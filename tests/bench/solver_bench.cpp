@@ -3,6 +3,7 @@
 
 #include <rehearse/world.h>
 
+#include <cstdlib>
 #include <memory>
 #include <string>
 #include <utility>
@@ -69,8 +70,7 @@ class Standing {
 void direct_over_quick(benchmark::State& state, Standing::Held held) {
   Standing direct(SolverSettings::Method::direct, held), quick(SolverSettings::Method::quick, held);
   Pairs pairs;
-  for (auto _ : state)
-    state.SetIterationTime(pairs.measure([&] { direct.steps(slice); }, [&] { quick.steps(slice); }));
+  for (auto _ : state) state.SetIterationTime(pairs.measure([&] { direct.steps(slice); }, [&] { quick.steps(slice); }));
   if (direct.height() < 0.7) state.SkipWithError("SR1 fell");
   pairs.report(state, slice, slice);
 }
@@ -84,6 +84,48 @@ void direct_step_of_limited_drives_over_quick(benchmark::State& state) {
   direct_over_quick(state, Standing::Held::by_limited_drive);
 }
 BENCHMARK(direct_step_of_limited_drives_over_quick)->UseManualTime()->Unit(benchmark::kMillisecond);
+
+/// A chain of links that hangs from the world and swings.
+std::unique_ptr<World> chain(int links) {
+  Model model;
+  model.name = "Chain";
+  model.links.resize(static_cast<std::size_t>(links) + 1);
+  model.links[0].name = "BASE";
+  model.links[0].joint.type = JointType::fixed;
+  for (int i = 1; i <= links; ++i) {
+    Link& link = model.links[static_cast<std::size_t>(i)];
+    link.name = link.joint.name = "LINK" + std::to_string(i);
+    link.parent = i - 1;
+    link.inertial = {1.0, Eigen::Vector3d(0.1, 0.0, 0.0), Eigen::Matrix3d::Identity() * 0.01};
+    link.joint.type = JointType::revolute;
+    link.joint.axis = i % 2 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
+    if (i > 1) link.joint.origin.translation().x() = 0.2;
+    link.joint.id = i - 1;
+    model.joints.push_back(i);
+  }
+  WorldBody body;
+  body.name = "Chain";
+  body.joints.assign(static_cast<std::size_t>(links), 0.0);
+  body.model = std::make_shared<const Model>(std::move(model));
+  WorldSettings settings;
+  settings.solver.method = SolverSettings::Method::direct;
+  return must(World::create(settings, {std::move(body)}));
+}
+
+/// Work: a step of a chain of 200 links, for each link. Base: the same of a chain of 10 links.
+void direct_step_per_link(benchmark::State& state) {
+  constexpr int many = 200, few = 10;
+  const std::unique_ptr<World> longer = chain(many), shorter = chain(few);
+  const auto steps = [](World& world, int count) {
+    for (int i = 0; i < count; ++i)
+      if (!world.step()) std::abort();
+  };
+  Pairs pairs;
+  for (auto _ : state)
+    state.SetIterationTime(pairs.measure([&] { steps(*longer, slice); }, [&] { steps(*shorter, slice * many / few); }));
+  pairs.report(state, slice * many, slice * many);
+}
+BENCHMARK(direct_step_per_link)->UseManualTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace rehearse
