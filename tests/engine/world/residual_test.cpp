@@ -7,17 +7,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// An arm of six links of 1 kg that carries 20 kg, stretched out sideways and held by displacement drives.
-std::shared_ptr<const Model> loaded_arm() {
-  RobotBuilder robot(JointType::fixed);
-  for (int i = 0; i < 6; ++i) {
-    const double mass = i == 5 ? 20.0 : 1.0;
-    robot.add("LINK" + std::to_string(i), i, JointType::revolute, i % 2 ? Vector3d::UnitZ() : Vector3d::UnitY(),
-              inertial(mass, Vector3d::Constant(0.01 * mass), {0.1, 0.0, 0.0}), at(i == 0 ? 0.0 : 0.2, 0.0, 0.0));
-  }
-  return robot.build();
-}
-
 std::unique_ptr<World> held_arm(const SolverSettings& solver, int ticks) {
   WorldSettings settings;
   settings.solver = solver;

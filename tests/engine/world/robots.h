@@ -89,6 +89,18 @@ inline WorldBody body_of(std::shared_ptr<const Model> model,
   return body;
 }
 
+/// An arm of six links of 1 kg, stretched out sideways, whose last link weighs 20 kg.
+inline std::shared_ptr<const Model> loaded_arm() {
+  RobotBuilder robot(JointType::fixed);
+  for (int i = 0; i < 6; ++i) {
+    const double mass = i == 5 ? 20.0 : 1.0;
+    robot.add(
+        "LINK" + std::to_string(i), i, JointType::revolute, i % 2 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY(),
+        inertial(mass, Eigen::Vector3d::Constant(0.01 * mass), {0.1, 0.0, 0.0}), at(i == 0 ? 0.0 : 0.2, 0.0, 0.0));
+  }
+  return robot.build();
+}
+
 inline WorldBody free_box(const std::string& name, const Eigen::Vector3d& size, double mass,
                           const Eigen::Vector3d& position) {
   return body_of(std::make_shared<const Model>(single_shape_model(name, Box{size}, mass, {})), position);
@@ -197,7 +209,7 @@ inline std::string solver_name(const ::testing::TestParamInfo<SolverSettings::Me
 }
 
 /// For INSTANTIATE_TEST_SUITE_P(Solver, ..., each_solver, solver_name).
-inline const auto each_solver = ::testing::Values(SolverSettings::Method::quick, SolverSettings::Method::exact,
-                                                  SolverSettings::Method::direct);
+inline const auto each_solver =
+    ::testing::Values(SolverSettings::Method::quick, SolverSettings::Method::exact, SolverSettings::Method::direct);
 
 }  // namespace rehearse
