@@ -121,11 +121,13 @@ Result<void> LogReplayer::find_span() {
   for (std::size_t i = 0; i < sources_.size(); ++i) {
     const SourceSurvey& found = survey_.sources[i];
     if (!found.first) {
-      const bool no_time = found.without_time > 0;
-      missing.push_back(at(sources_[i].source->place,
-                           error(fmt::format("the log has no message on '{}'{}", sources_[i].source->topic,
-                                             no_time ? " whose header.stamp is a time" : ""),
-                                 no_time ? "expected clock: log_time" : "take it out of the map, or use another log")));
+      const LogSource& source = *sources_[i].source;
+      const std::string reason = found.timeless.empty() ? "" : ": the first has " + found.timeless[0].reason;
+      const bool by_stamp = source.clock == LogClock::header_stamp && !reason.empty();
+      missing.push_back(at(
+          source.place, error(fmt::format("the log has no message on '{}'{}{}", source.topic,
+                                          reason.empty() ? "" : " with a time", reason),
+                              by_stamp ? "expected clock: log_time" : "take it out of the map, or use another log")));
       continue;
     }
     if (!sources_[i].is_awaited() && !sources_[i].joystick) continue;
@@ -315,7 +317,10 @@ void LogReplayer::report_topics() {
     const SourceSurvey& whole = survey_.sources[i];
     topic.clock = times_->clock_of(topic.topic);
     topic.unreadable += whole.without_time;
-    if (whole.without_time > 0) topic.unreadable_for.push_back({"no time in header.stamp", whole.without_time, 0.0});
+    for (LogUnreadable found : whole.timeless) {
+      found.first_at -= static_cast<double>(report_.start) * 1e-9;
+      topic.unreadable_for.push_back(std::move(found));
+    }
     for (const LogUnreadable& found : topic.unreadable_for) warn_of(found, *sources_[i].source);
     topic.skipped += whole.messages - whole.without_time - topic.messages;  // after the last tick
     topic.messages = whole.messages;

@@ -69,6 +69,7 @@ struct LogClockReport {
   std::int64_t reference = 0;  // a stamp [ns]
   double least_delay = 0.0;    // smallest log time minus stamp [s]
   bool is_stated = false;      // by the map, not estimated
+  std::int64_t steps = 0;      // of a clock; offset and drift are those before the first
 };
 
 /// The use of a topic of the log in the replay. Times are seconds from the first tick on; earlier ones are negative.
