@@ -41,7 +41,7 @@ Result<void> LogObservations::make_feeds(const std::vector<LogTopic>& topics) {
     if (mapped.devices) fed.feed = make_device_feed(*mapped.devices, model_, ticks_, *topic, *schema);
     if (mapped.commands) {
       const SourceSurvey& whole = survey_.sources[i];
-      CommandFacts facts{survey_.largest_commands, whole.messages, *whole.first, whole.last,
+      CommandFacts facts{survey_.largest_commands,    survey_.ranges, whole.messages, *whole.first, whole.last,
                          plan_ ? plan_->latency() : 0};
       commands_ = std::make_unique<LogCommands>(map_, model_, *schema, ticks_, std::move(facts));
     }

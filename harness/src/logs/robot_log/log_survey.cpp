@@ -171,11 +171,15 @@ LogSurvey survey(mcap::Reader& log, const LogMap& map, const Model& model, const
         const auto parsed = ros2msg::Schema::parse(schema->name, schema->data);
         if (!parsed) continue;  // topics_of() has reported it
         state.joints = std::make_unique<JointSurvey>(sources[i], map, model, *parsed);
-        if (sources[i].commands && has_relative) state.commands = std::make_unique<CommandReader>(map, model, *parsed);
+        if (sources[i].commands) state.commands = std::make_unique<CommandReader>(map, model, *parsed);
       }
       state.joints->look(message.data, *time, source);
-      if (state.commands)
-        if (const auto joints = state.commands->read(message.data)) keep_largest(found.largest_commands, *joints);
+      if (!state.commands) continue;
+      const bool gives_range = found.ranges.takes_next();
+      if (!gives_range && !has_relative) continue;
+      auto joints = state.commands->read(message.data);
+      if (joints && has_relative) keep_largest(found.largest_commands, *joints);
+      if (joints && gives_range) found.ranges.add(*std::move(joints));
     }
     return true;
   };

@@ -52,6 +52,7 @@ struct LogSurvey {
   DurationCounts latencies;          // of commands after the last tick's message, if there are any
   std::int64_t latest = 0;           // largest delay of a message's log time after its time [ns]
   CommandedJoints largest_commands;  // magnitudes, if a tolerance of the map is relative; else empty
+  CommandRanges ranges;              // of the commands
   Diagnostics damage;                // damage of the log
 };
 
