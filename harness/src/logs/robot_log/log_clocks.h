@@ -56,6 +56,8 @@ class LogTimes {
   /// [ns]; fails with the reason if the message has no such time: its header can't be read, its stamp isn't set, is out
   /// of range, or is later than the message was logged.
   Result<std::int64_t> of(const mcap::Message& message);
+  /// The message's header.stamp [ns]; nullopt: it has none, or it isn't set.
+  std::optional<std::int64_t> stamp_of(const mcap::Message& message);
   /// The offset of a topic's stamps from the log's clock; nullopt: it isn't needed.
   std::optional<LogClockReport> clock_of(const std::string& topic) const;
 
@@ -65,7 +67,6 @@ class LogTimes {
     LogClock clock = LogClock::log_time;
     std::vector<LogClockReport> offsets;  // one for each span between steps of a clock; empty: not needed
   };
-  std::optional<std::int64_t> stamp_of(const mcap::Message& message);
   void estimate(mcap::Reader& log, const std::vector<MappedSource>& sources);
 
   const mcap::Reader& log_;

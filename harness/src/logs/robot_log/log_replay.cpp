@@ -197,6 +197,7 @@ Result<LogReplayReport> LogReplayer::run(const std::vector<LogTopic>& topics, st
   if (auto found = find_span(); !found) return found.errors();
   observations_.emplace(map_, *model_, sources_, survey_, *log_ticks_, plan_ ? &*plan_ : nullptr);
   if (auto made = observations_->make_feeds(topics); !made) return made.errors();
+  if (options_.memory) observations_->watch_order(*times_);
   read_in_order(log_, channels_of(log_, sources_),
                 [this](const mcap::Message& message) { return on_message(message); });
   if (errors_.empty())

@@ -21,7 +21,7 @@ bool LogSink::is_irregular(std::int64_t tick, bool has_command) const {
 bool LogSink::misses_input(std::int64_t tick) const {
   const LogTicks& ticks = log_.ticks();
   const bool is_off = !ticks.is_nominal() && (!ticks.has_message(tick) || ticks.is_irregular(tick));
-  return is_off || log_.may_miss_input();
+  return is_off || log_.may_miss_input() || log_.doubts_inputs();
 }
 
 void LogSink::note_joystick(const TickData& now) {
@@ -54,6 +54,7 @@ LogSink::Judged LogSink::compare_tick(const TickData& now) {
   LogCommands& log = *log_.commands();
   const CommandedJoints* logged = log.of_tick(now.tick);
   Judged tick{now.tick, is_irregular(now.tick, logged != nullptr), misses_input(now.tick)};
+  tick.may_be_of_another = std::exchange(lacked_command_, !logged && log.come_each_tick()) || log_.doubts_commands();
   if (!log.covers(now.tick)) return tick;
   const bool has_command = logged && log_.ticks().has_message(now.tick);
   if (time_of(now.tick, map_.time_step) < options_.from) {
@@ -93,6 +94,10 @@ void LogSink::take_judged() {
 void LogSink::count_if_certain(const Judged& tick) {
   const auto beyond = std::ranges::find_if(tick.differences, &Divergence::is_beyond);
   const bool agrees = beyond == tick.differences.end();
+  if (tick.may_be_of_another && !agrees) {  // it says nothing
+    certainty_->take(tick.tick, tick.misses_input, true, false);
+    return;
+  }
   const bool is_certain = certainty_->take(tick.tick, tick.misses_input, agrees, tick.moves);
   LogStretches& certain = *report_.certain;
   if (!is_certain && !agrees && !certain.first_uncertain) certain.first_uncertain = tick.tick;

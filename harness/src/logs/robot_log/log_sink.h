@@ -47,10 +47,11 @@ class LogSink final : public RecordingSink {
   /// The comparison of one tick.
   struct Judged {
     std::int64_t tick = 0;
-    bool is_irregular = false;  // its command may depend on a message that is late or missing
-    bool misses_input = false;  // so may its inputs
-    bool moves = false;         // its commands aren't those of the tick before
-    std::int64_t compared = 0;  // numbers
+    bool is_irregular = false;       // its command may depend on a message that is late or missing
+    bool misses_input = false;       // so may its inputs
+    bool moves = false;              // its commands aren't those of the tick before
+    bool may_be_of_another = false;  // its command may be another tick's
+    std::int64_t compared = 0;       // numbers
     std::vector<Divergence> differences = {};
   };
   void compare(const TickData& now);
@@ -77,6 +78,7 @@ class LogSink final : public RecordingSink {
   CommandTiming timing_;
   std::optional<LogCertainty> certainty_;
   std::vector<double> last_commands_;
+  bool lacked_command_ = false;         // the tick before, for which a message is missing or late
   std::unique_ptr<RowJudge> judge_;     // none before the first tick
   std::deque<Judged> waiting_;          // ticks whose differences aren't all known
   std::deque<Divergence> differences_;  // of the waiting ticks
