@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -14,6 +15,13 @@ struct CommandedJoint {
   std::optional<double> q, dq, u;
 };
 using CommandedJoints = std::vector<CommandedJoint>;  // by joint id
+
+/// A number that the controllers command.
+struct CommandColumn {
+  std::string name;  // joint and quantity, as PAN/u
+  std::string unit;
+  double range = 0.0;
+};
 
 class CommandRanges {
  public:

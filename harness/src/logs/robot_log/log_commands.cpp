@@ -132,6 +132,7 @@ std::unique_ptr<RowJudge> LogCommands::make_judge(const ControllerHost& host, co
                                                   RowJudge::OnDifference differs) {
   SeriesScales scales;
   rules_.clear();
+  columns_.clear();
   std::vector<TraceChannel> channels;  // by controller
   for (const HostedController& hosted : host.controllers()) {
     TraceChannel& channel = channels.emplace_back();
@@ -146,6 +147,7 @@ std::unique_ptr<RowJudge> LogCommands::make_judge(const ControllerHost& host, co
       const std::string unit(unit_of_joint(name_of(field.quantity), is_linear(joint.type)));
       channel.metadata["unit:" + element] = unit;
       channel.columns.push_back({element, {}, CellKind::floating});
+      columns_.push_back({element, unit, facts_.ranges.range(field.joint, part)});
       const std::string series = series_name(channel.topic, element);
       rules_.push_back(rule_of(series, scenario.tolerances, facts_.ranges.tolerance(field.joint, part, unit)));
       if (!facts_.largest.empty()) scales[{channel.topic, element}] = (facts_.largest[field.joint].*part).value_or(0.0);

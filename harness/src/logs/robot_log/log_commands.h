@@ -84,6 +84,8 @@ class LogCommands {
   /// A judge for the commands of the controllers, which this must outlive.
   std::unique_ptr<RowJudge> make_judge(const ControllerHost& host, const Scenario& scenario,
                                        RowJudge::OnDifference differs);
+  /// The numbers that compare() returns.
+  const std::vector<CommandColumn>& columns() const { return columns_; }
   /// Passes the commands of the controllers in a tick, and those of the log, to the judge that make_judge() made.
   /// Returns all numbers of the controllers, in the same order each time.
   std::vector<CommandPair> compare(std::int64_t tick, const CommandedJoints& logged, const ControllerHost& host,
@@ -102,6 +104,7 @@ class LogCommands {
   const CommandFacts facts_;
   const int shift_;
   CommandReader reader_;
+  std::vector<CommandColumn> columns_;
   std::vector<ToleranceRule> rules_;  // one for each number that the controllers command
   std::deque<Sample> samples_;
 };

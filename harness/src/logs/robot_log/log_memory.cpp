@@ -56,4 +56,25 @@ bool LogCertainty::take(std::int64_t tick, bool interrupted, bool agrees, bool m
   return is_certain;
 }
 
+void RestOfLog::add(double at, const std::vector<double>& off) {
+  if (off.empty() || (ticks_ > 0 && off.size() != low_.size())) return;
+  if (ticks_++ == 0) {
+    from_ = at;
+    low_ = high_ = off;
+  }
+  for (std::size_t i = 0; i < off.size(); ++i) {
+    low_[i] = std::min(low_[i], off[i]);
+    high_[i] = std::max(high_[i], off[i]);
+  }
+}
+
+std::optional<LogRest> RestOfLog::report(const std::vector<CommandColumn>& columns) const {
+  std::optional<LogRest> worst;
+  for (std::size_t i = 0; i < std::min(low_.size(), columns.size()); ++i) {
+    const LogRest rest{columns[i].name, columns[i].unit, from_, ticks_, low_[i], high_[i], columns[i].range};
+    if (!worst || rest.share() > worst->share()) worst = rest;
+  }
+  return worst;
+}
+
 }  // namespace rehearse

@@ -8,7 +8,9 @@
 #include <optional>
 #include <vector>
 
+#include "command_ranges.h"
 #include "command_timing.h"
+#include "log_replay.h"
 
 namespace rehearse {
 
@@ -45,6 +47,20 @@ class LogCertainty {
   const std::optional<std::int64_t> memory_;
   std::int64_t known_from_;  // tick
   int agreed_ = 0, moved_ = 0;
+};
+
+/// Collects the differences of the ticks that aren't certain.
+class RestOfLog {
+ public:
+  /// `at`: the log's time [s]; `off`: replayed minus logged, by column.
+  void add(double at, const std::vector<double>& off);
+  /// Nullopt: there are no such ticks.
+  std::optional<LogRest> report(const std::vector<CommandColumn>& columns) const;
+
+ private:
+  double from_ = 0.0;
+  std::int64_t ticks_ = 0;
+  std::vector<double> low_, high_;  // by column
 };
 
 }  // namespace rehearse

@@ -32,7 +32,8 @@ Result<void> LogObservations::make_feeds(const std::vector<LogTopic>& topics) {
     const auto schema = ros2msg::Schema::parse(topic->type, topic->schema);
     if (!schema) return schema.errors();
     const DurationCounts& intervals = survey_.sources[i].intervals;
-    const std::int64_t period = intervals.is_regular() ? intervals.median() : 0;
+    const bool may_miss = !(map_.skips_missing && map_.tick && map_.tick->topic == mapped.source->topic);
+    const std::int64_t period = may_miss && intervals.is_regular() ? intervals.median() : 0;
     Fed& fed = fed_.emplace_back(Fed{mapped, nullptr, TopicWatch(mapped.source->max_age, period)});
     if (plan_) fed.watch.doubt(plan_->window_of(mapped.source->topic));
     if (mapped.joints) fed.feed = make_joint_feed(*mapped.joints, model_, *schema);

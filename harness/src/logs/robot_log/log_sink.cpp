@@ -62,7 +62,7 @@ LogSink::Judged LogSink::compare_tick(const TickData& now) {
     return tick;
   }
   if (!has_command) {
-    ++report_.ticks_without_command;
+    ++(log_.ticks().has_message(now.tick) ? report_.ticks_without_command : report_.ticks_without_message);
     timing_.add({});
     return tick;
   }
@@ -70,7 +70,10 @@ LogSink::Judged LogSink::compare_tick(const TickData& now) {
   if (options_.commands) options_.commands->add(log_.ticks().time(now.tick), pairs);
   if (certainty_) {
     std::vector<double> commands;
-    for (const CommandPair& pair : pairs) commands.push_back(pair.actual);
+    for (const CommandPair& pair : pairs) {
+      commands.push_back(pair.actual);
+      tick.off.push_back(pair.logged ? pair.actual - *pair.logged : 0.0);
+    }
     tick.moves = commands != last_commands_;
     last_commands_ = std::move(commands);
   }
@@ -78,6 +81,8 @@ LogSink::Judged LogSink::compare_tick(const TickData& now) {
   timing_.add(std::move(pairs));
   return tick;
 }
+
+double LogSink::log_time(std::int64_t tick) const { return seconds_of(log_.ticks().time(tick) - log_.ticks().time(0)); }
 
 /// Takes the ticks whose differences are known.
 void LogSink::take_judged() {
@@ -101,10 +106,13 @@ void LogSink::count_if_certain(const Judged& tick) {
   const bool is_certain = certainty_->take(tick.tick, tick.misses_input, agrees, tick.moves);
   LogStretches& certain = *report_.certain;
   if (!is_certain && !agrees && !certain.first_uncertain) certain.first_uncertain = tick.tick;
+  if (!is_certain && certain.first_uncertain) rest_.add(log_time(tick.tick), tick.off);
   if (!is_certain || tick.compared == 0) return;
   ++certain.compared;
   certain.different += agrees ? 0 : 1;
-  if (!agrees && !certain.beyond) certain.beyond = *beyond;
+  if (agrees || certain.beyond) return;
+  certain.beyond = *beyond;
+  certain.beyond_at = log_time(tick.tick);
 }
 
 void LogSink::judge(Judged tick) {
@@ -129,6 +137,8 @@ void LogSink::report(Judged tick) {
   report_.values += tick.compared;
   ++report_.ticks_compared;
   report_.ticks_different += tick.differences.empty() ? 0 : 1;
+  if (std::ranges::any_of(tick.differences, &Divergence::is_beyond) && ++report_.ticks_beyond == 1)
+    report_.beyond_at = log_time(tick.tick);
   for (Divergence& found : tick.differences) {
     if (options_.on_difference) options_.on_difference(found);
     report_.add(std::move(found));
@@ -154,6 +164,7 @@ void LogSink::finish() {
   if (report_.ticks_compared == 0) end_doubt();
   report_.ticks_in_doubt += static_cast<std::int64_t>(in_doubt_.size());
   if (report_.beyond) report_.timing = timing_.explanation();
+  if (report_.certain && log_.commands()) report_.certain->rest = rest_.report(log_.commands()->columns());
 }
 
 }  // namespace rehearse

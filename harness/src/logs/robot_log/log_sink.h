@@ -52,6 +52,7 @@ class LogSink final : public RecordingSink {
     bool moves = false;              // its commands aren't those of the tick before
     bool may_be_of_another = false;  // its command may be another tick's
     std::int64_t compared = 0;       // numbers
+    std::vector<double> off = {};    // replayed minus logged, by column; only if certain ticks are counted
     std::vector<Divergence> differences = {};
   };
   void compare(const TickData& now);
@@ -64,6 +65,8 @@ class LogSink final : public RecordingSink {
   void report(Judged tick);
   void end_doubt();
   void count_if_certain(const Judged& tick);
+  /// From the first tick on [s].
+  double log_time(std::int64_t tick) const;
 
   const LogReplayOptions& options_;
   const LogMap& map_;
@@ -77,6 +80,7 @@ class LogSink final : public RecordingSink {
   static constexpr std::size_t longest_doubt = 100;
   CommandTiming timing_;
   std::optional<LogCertainty> certainty_;
+  RestOfLog rest_;
   std::vector<double> last_commands_;
   bool lacked_command_ = false;         // the tick before, for which a message is missing or late
   std::unique_ptr<RowJudge> judge_;     // none before the first tick

@@ -64,7 +64,7 @@ Result<TickPlan> TickPlan::make(const LogMap& map, const std::vector<MappedSourc
 }
 
 LogTicks TickPlan::ticks(const std::vector<std::int64_t>& messages, std::int64_t start) const {
-  if (!tick_.grid) return LogTicks::at_messages(messages, start, time_step_, shift_);
+  if (!tick_.grid) return LogTicks::at_messages(messages, start, time_step_, shift_, skips_missing_);
   return LogTicks::at_regular_times(regular_, shift_, start, messages.back(), time_step_);
 }
 
