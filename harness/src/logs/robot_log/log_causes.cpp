@@ -56,6 +56,7 @@ class Readings {
       std::vector<std::string> lines{"tick: " + source.topic};
       if (!is_of_step) lines.push_back(fmt::format("time_step: {:g}", step));
       LogMap& map = add(std::move(lines), fmt::format("the controller is called at each message on {}", source.topic));
+      readings_.back().has_same_messages = false;
       map.time_step = step;
       static_cast<LogSource&>(map.tick.emplace()) = source;
     }
@@ -86,6 +87,7 @@ class Readings {
       add({by_stamps ? "clock: header.stamp" : "clock: log_time"},
           by_stamps ? "messages have the order and the times of their stamps"
                     : "messages have the order and the times of the log") = std::move(changed);
+      readings_.back().has_same_messages = false;
     }
   }
 

@@ -17,6 +17,7 @@ struct OtherReading {
   LogMap map;
   std::vector<std::string> lines;  // that state it in the user's map
   std::string meaning;
+  bool has_same_messages = true;  // ticks are at the same topic, and clocks are the same
 };
 
 /// The readings that are worth a try, the most usual first: times by stamps, or by the log; the controller started

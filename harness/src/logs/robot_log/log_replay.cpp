@@ -53,57 +53,80 @@ Result<std::string> hash_of(const fs::path& log) {
   return hash_text(hash);
 }
 
-/// Replays a log again by other maps, up to some ticks after the first difference. Sets the report's cause to the first
-/// one with which nine of ten ticks that differ agree.
-void try_causes(mcap::Reader& log, const std::vector<OtherReading>& readings, const std::shared_ptr<const Model>& model,
-                const std::vector<LogTopic>& topics, LogReplayOptions options, LogReplayReport& report) {
-  constexpr double ticks_after = 1000, most_ticks = 100'000;
-  const double share = static_cast<double>(report.ticks_beyond) / static_cast<double>(report.ticks_compared);
-  const double step = report.duration / static_cast<double>(report.ticks);
-  const double ticks =
-      std::min(static_cast<double>(report.beyond->tick) + ticks_after, static_cast<double>(report.ticks));
-  if (ticks > most_ticks) return;
-  const double end = std::min(options.until.value_or(report.duration), ticks * step);
-  options.on_difference = {};
-  options.progress = {};
-  options.most_beyond = static_cast<std::int64_t>(0.1 * share * ticks);
-  const fs::path nowhere = "/dev/null";
-  const double compared = ticks * static_cast<double>(report.ticks_compared) / static_cast<double>(report.ticks);
-  for (const OtherReading& reading : readings) {
-    const LogMap& map = reading.map;
-    options.until = end - map.start.seconds;
-    const double fewest = std::max(10.0, 0.5 * compared * (1.0 - map.start.seconds / end));
-    const auto tried = LogReplayer(log, map, model, nowhere, options).run(topics, report.log_hash);
-    if (!tried || tried->failure || static_cast<double>(tried->ticks_compared) < fewest) continue;
-    if (static_cast<double>(tried->ticks_beyond) > 0.1 * share * static_cast<double>(tried->ticks_compared)) continue;
-    report.cause = LogCause{reading.lines, reading.meaning, tried->ticks_compared, tried->ticks_beyond};
-    return;
+/// Replays parts of a log again, by the same map and by others. The log is surveyed once for all that read the same
+/// messages as ticks, with the same clocks.
+class Trials {
+ public:
+  Trials(mcap::Reader& log, const LogMap& map, const std::shared_ptr<const Model>& model,
+         const std::vector<LogTopic>& topics, const LogReplayOptions& options, LogReplayReport& report)
+      : log_(log), map_(map), model_(model), topics_(topics), options_(options), report_(report) {
+    options_.on_difference = {};
+    options_.progress = {};
   }
-}
 
-/// Replays the log again, to find the ticks that decide about the controller: twice a part of it, once with a
-/// controller that starts later, for its memory; then the whole log.
-void find_certain_ticks(mcap::Reader& log, const LogMap& map, const std::shared_ptr<const Model>& model,
-                        const std::vector<LogTopic>& topics, LogReplayOptions options, LogReplayReport& report) {
-  constexpr std::int64_t most_ticks = 8000;
-  options.on_difference = {};
-  options.progress = {};
-  const fs::path nowhere = "/dev/null";
-  const auto commands_from = [&](std::int64_t tick, std::int64_t until) {
+  /// Finds the ticks that decide about the controller: twice a part of the log, once with a controller that starts
+  /// later, for its memory; then the whole log.
+  void find_certain_ticks() {
+    constexpr std::int64_t most_ticks = 8000;
+    const std::int64_t later = std::min<std::int64_t>(report_.ticks / 4, most_ticks / 8);
+    const std::int64_t until = std::min(report_.ticks, later + most_ticks);
+    LogReplayOptions whole = options_;
+    whole.memory = memory_of(commands_from(0, until), commands_from(later, until));
+    auto judged = replay(map_, whole, true);
+    if (judged) report_.certain = std::move(judged->certain);
+  }
+
+  /// Sets the report's cause to the first reading with which nine of ten ticks that differ agree, up to some ticks
+  /// after the first difference.
+  void try_readings(const std::vector<OtherReading>& readings) {
+    constexpr double ticks_after = 1000, most_ticks = 100'000;
+    const auto all = static_cast<double>(report_.ticks), all_compared = static_cast<double>(report_.ticks_compared);
+    const double share = static_cast<double>(report_.ticks_beyond) / all_compared;
+    const double ticks = std::min(static_cast<double>(report_.beyond->tick) + ticks_after, all);
+    if (ticks > most_ticks) return;
+    const double end = std::min(options_.until.value_or(report_.duration), ticks * report_.time_step);
+    LogReplayOptions part = options_;
+    part.most_beyond = static_cast<std::int64_t>(0.1 * share * ticks);
+    for (const OtherReading& reading : readings) {
+      const double begin = reading.map.start.seconds;
+      part.until = end - begin;
+      const double fewest = std::max(10.0, 0.5 * (1.0 - begin / end) * ticks * all_compared / all);
+      const auto tried = replay(reading.map, part, reading.has_same_messages);
+      if (!tried || tried->failure || static_cast<double>(tried->ticks_compared) < fewest) continue;
+      if (static_cast<double>(tried->ticks_beyond) > 0.1 * share * static_cast<double>(tried->ticks_compared)) continue;
+      report_.cause = LogCause{reading.lines, reading.meaning, tried->ticks_compared, tried->ticks_beyond};
+      return;
+    }
+  }
+
+ private:
+  Result<LogReplayReport> replay(const LogMap& map, const LogReplayOptions& options, bool has_same_messages) {
+    const fs::path nowhere = "/dev/null";
+    LogReplayer replayer(log_, map, model_, nowhere, options);
+    replayer.keep_survey();
+    auto report = replayer.run(topics_, report_.log_hash, has_same_messages && surveyed_ ? &*surveyed_ : nullptr);
+    if (has_same_messages && !surveyed_) surveyed_ = replayer.take_survey();
+    return report;
+  }
+
+  CommandRecord commands_from(std::int64_t tick, std::int64_t until) {
     CommandRecord commands;
-    LogReplayOptions part = options;
+    LogReplayOptions part = options_;
     part.commands = &commands;
     part.skip = tick;
-    part.until = static_cast<double>(until - tick) * map.time_step;
-    static_cast<void>(LogReplayer(log, map, model, nowhere, part).run(topics, report.log_hash));
+    part.until = static_cast<double>(until - tick) * map_.time_step;
+    static_cast<void>(replay(map_, part, true));
     return commands;
-  };
-  const std::int64_t later = std::min<std::int64_t>(report.ticks / 4, most_ticks / 8);
-  const std::int64_t until = std::min(report.ticks, later + most_ticks);
-  options.memory = memory_of(commands_from(0, until), commands_from(later, until));
-  auto judged = LogReplayer(log, map, model, nowhere, options).run(topics, report.log_hash);
-  if (judged) report.certain = std::move(judged->certain);
-}
+  }
+
+  mcap::Reader& log_;
+  const LogMap& map_;
+  const std::shared_ptr<const Model>& model_;
+  const std::vector<LogTopic>& topics_;
+  LogReplayOptions options_;
+  LogReplayReport& report_;
+  std::optional<SurveyedLog> surveyed_;  // by the first replay with the map's messages
+};
 
 }  // namespace
 
@@ -129,10 +152,10 @@ Result<LogReplayReport> replay_log(const fs::path& log, const fs::path& trace, c
   LogReplayer replayer(**reader, *map, robot, trace, options);
   auto report = replayer.run(topics, *std::move(hash));
   if (report && report->beyond && !report->failure && !(report->timing && report->timing->shift)) {
-    find_certain_ticks(**reader, *map, robot, topics, options, *report);
+    Trials trials(**reader, *map, robot, topics, options, *report);
+    trials.find_certain_ticks();
     if (!report->within())
-      try_causes(**reader, other_readings(*map, replayer.sources(), replayer.survey(), topics, *report), robot, topics,
-                 options, *report);
+      trials.try_readings(other_readings(*map, replayer.sources(), replayer.survey(), topics, *report));
   }
   if (state_of(log) != before) {
     if (fs::is_regular_file(trace, ignored)) fs::remove(trace, ignored);

@@ -71,7 +71,8 @@ Result<void> LogReplayer::make_ticks(std::int64_t start, std::int64_t end) {
     auto plan = TickPlan::make(map_, sources_, survey_);
     if (!plan) return plan.errors();
     plan_.emplace(*std::move(plan));
-    log_ticks_ = plan_->ticks(std::exchange(survey_.tick_messages, {}), start);
+    log_ticks_ = plan_->ticks(survey_.tick_messages, start);
+    if (!keeps_survey_) survey_.tick_messages = {};
     if (log_ticks_->size() == 0)
       return at(map_.tick->place,
                 error(fmt::format("'{}' has no message after the first one of each input", map_.tick->topic),
@@ -106,12 +107,13 @@ Result<void> LogReplayer::check_interval() const {
                   "a tick is one time step after the one before"));
 }
 
-Result<LogReplayReport> LogReplayer::run(const std::vector<LogTopic>& topics, std::string log_hash) {
+Result<LogReplayReport> LogReplayer::run(const std::vector<LogTopic>& topics, std::string log_hash,
+                                         const SurveyedLog* known) {
   report_.log_hash = std::move(log_hash);
   report_.has_commands = map_.commands.has_value();
   sources_ = sources_of(map_, *model_);
-  times_.emplace(log_, sources_);
-  survey_ = rehearse::survey(log_, map_, *model_, sources_, *times_);
+  times_ = known ? known->times : std::make_shared<LogTimes>(log_, sources_);
+  survey_ = known ? known->survey : rehearse::survey(log_, map_, *model_, sources_, *times_);
   append_as_warnings(survey_.damage, report_.remarks);  // the undamaged data is used
   if (auto found = find_span(); !found) return found.errors();
   observations_.emplace(map_, *model_, sources_, survey_, *log_ticks_, plan_ ? &*plan_ : nullptr);

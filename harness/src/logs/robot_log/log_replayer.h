@@ -30,13 +30,25 @@
 
 namespace rehearse {
 
+/// The result of one pass over a log, before its messages are fed.
+struct SurveyedLog {
+  std::shared_ptr<LogTimes> times;
+  LogSurvey survey;
+};
+
 class LogReplayer {
  public:
   LogReplayer(mcap::Reader& log, const LogMap& map, std::shared_ptr<const Model> model,
               const std::filesystem::path& trace, const LogReplayOptions& options)
       : log_(log), map_(map), model_(std::move(model)), trace_(trace), options_(options) {}
 
-  Result<LogReplayReport> run(const std::vector<LogTopic>& topics, std::string log_hash);
+  /// `known`: of a replay by a map with the same topics, clocks and topic of ticks; null: the log is surveyed.
+  Result<LogReplayReport> run(const std::vector<LogTopic>& topics, std::string log_hash,
+                              const SurveyedLog* known = nullptr);
+  /// Before run(): the survey is kept. It needs 8 bytes for each tick.
+  void keep_survey() { keeps_survey_ = true; }
+  /// After run(): the survey that was kept.
+  SurveyedLog take_survey() { return {times_, std::move(survey_)}; }
   /// After run().
   const LogSurvey& survey() const { return survey_; }
   const std::vector<MappedSource>& sources() const { return sources_; }
@@ -68,7 +80,8 @@ class LogReplayer {
   const std::filesystem::path& trace_;
   const LogReplayOptions& options_;
   std::vector<MappedSource> sources_;
-  std::optional<LogTimes> times_;
+  std::shared_ptr<LogTimes> times_;
+  bool keeps_survey_ = false;
   LogSurvey survey_;
   std::optional<TickPlan> plan_;  // none: the nominal grid
   std::optional<LogTicks> log_ticks_;
