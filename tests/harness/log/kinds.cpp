@@ -151,7 +151,10 @@ fs::path write(const Log& log, const fs::path& folder) {
   }
   write_file(messages, file, options);
   if (log.container == Container::unfinished) fs::resize_file(file, fs::file_size(file) * 4 / 5);
-  return file;
+  if (log.container != Container::zstd_file) return file;
+  const fs::path compressed = folder / "log.mcap.zstd";
+  test::write_bytes(compressed, test::compressed(test::read_bytes(file)));
+  return compressed;
 }
 
 }  // namespace rehearse::kinds

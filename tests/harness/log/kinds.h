@@ -49,7 +49,7 @@ struct Logged {
 };
 
 /// How the messages are stored.
-enum class Container { file, split, unfinished, zstd, lz4 };
+enum class Container { file, split, unfinished, zstd, lz4, zstd_file };
 
 /// A log while it is made.
 struct Log {

@@ -272,6 +272,7 @@ const std::vector<Kind>& all() {
       {"split", nullptr, [](Log& log) { log.container = Container::split; }, usual, "000", "111"},
       {"unfinished", nullptr, [](Log& log) { log.container = Container::unfinished; }, usual, "000", "111"},
       {"zstd", nullptr, [](Log& log) { log.container = Container::zstd; }, usual, "000", "111"},
+      {"zstd_file", nullptr, [](Log& log) { log.container = Container::zstd_file; }, usual, "000", "111"},
       {"lz4", nullptr, [](Log& log) { log.container = Container::lz4; }, usual, "000", "111"},
   };
   return kinds;

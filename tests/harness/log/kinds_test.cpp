@@ -42,12 +42,11 @@ std::string details_of(const Result<LogReplayReport>& report) {
 
 constexpr std::array controllers{"ServoWith_none", "ServoWith_filtered", "ServoWith_integral"};
 
-class Kinds : public ::testing::TestWithParam<Kind> {
+class KindsOfLogs : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { setenv("REHEARSE_CONTROLLER_PATH", TEST_CONTROLLERS, 1); }
 
-  Result<LogReplayReport> replay(const std::string& controller, Change change) const {
-    const Kind& kind = GetParam();
+  Result<LogReplayReport> replay(const Kind& kind, const std::string& controller, Change change) const {
     Chance chance(17);
     Plan plan(chance);
     if (kind.plan) kind.plan(plan);
@@ -72,6 +71,8 @@ class Kinds : public ::testing::TestWithParam<Kind> {
   const test::TemporaryFolder folder_;
 };
 
+class Kinds : public KindsOfLogs, public ::testing::WithParamInterface<Kind> {};
+
 /// The map with those lines instead of its own of the same keys.
 std::string with_lines(const std::string& map, const std::vector<std::string>& lines) {
   const auto key_of = [](const std::string& line) { return line.substr(0, line.find(':')); };
@@ -87,7 +88,7 @@ std::string with_lines(const std::string& map, const std::vector<std::string>& l
 TEST_P(Kinds, DoNotAccuseAnUnchangedController) {
   std::string found, details;
   for (const char* controller : controllers) {
-    const auto report = replay(controller, Change::none);
+    const auto report = replay(GetParam(), controller, Change::none);
     found += verdict_of(report);
     details += std::string(controller) + ": " + details_of(report) + "\n";
     if (!report || !report->cause) continue;
@@ -104,7 +105,7 @@ TEST_P(Kinds, ShowAChangedController) {
   for (const Change change : {Change::gain, Change::sign, Change::late}) {
     std::string found, details;
     for (const char* controller : controllers) {
-      const auto report = replay(controller, change);
+      const auto report = replay(GetParam(), controller, change);
       found += verdict_of(report);
       details += std::string(controller) + ": " + details_of(report) + "\n";
       if (verdict_of(report) != '1') continue;
@@ -116,6 +117,21 @@ TEST_P(Kinds, ShowAChangedController) {
     }
     EXPECT_EQ(found, GetParam().changed) << name_of(change) << "\n" << details;
   }
+}
+
+/// After a gap an integral is off for ever: the report has the beginning, the size, and that it stays so.
+TEST_F(KindsOfLogs, StateHowFarAnIntegralIsOffAfterAGap) {
+  const auto gap =
+      std::ranges::find_if(all(), [](const Kind& kind) { return kind.name == std::string("a_burst_lost"); });
+  const auto report = replay(*gap, "ServoWith_integral", Change::none);
+  ASSERT_TRUE(report && report->undecided()) << details_of(report);
+  ASSERT_TRUE(report->certain && report->certain->rest);
+  const LogRest& rest = *report->certain->rest;
+  EXPECT_EQ(rest.series.substr(rest.series.size() - 2), "/u");
+  EXPECT_NEAR(rest.from, 1.28, 0.01);
+  EXPECT_TRUE(rest.is_constant()) << rest.low << " to " << rest.high;
+  EXPECT_GT(rest.share(), 1e-4);
+  EXPECT_LT(rest.share(), 0.02);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Kinds, ::testing::ValuesIn(all()),
