@@ -61,9 +61,10 @@ std::string rest_text(const LogStretches& certain) {
   const LogRest& rest = *certain.rest;
   const std::string unit = rest.unit.empty() ? "" : " " + rest.unit;
   const std::string reason = certain.memory ? "" : ": a state that the log doesn't contain, or another gain";
-  return fmt::format("from {:.3f} s on {} is off by at most {:.2g} % of its range ({:.3g}{}){}{}", rest.from,
-                     rest.series, 100.0 * rest.share(), rest.largest(), unit,
-                     rest.is_constant() ? ", nearly constant" : "", reason);
+  const std::string share =
+      rest.share() < 1.0 ? fmt::format("{:.2g} % of", 100.0 * rest.share()) : fmt::format("{:.2g} times", rest.share());
+  return fmt::format("from {:.3f} s on {} is off by at most {} its range ({:.3g}{}){}{}", rest.from, rest.series, share,
+                     rest.largest(), unit, rest.is_constant() ? ", nearly constant" : "", reason);
 }
 
 std::string without_inputs_text(const LogReplayReport& report) {
@@ -106,10 +107,12 @@ std::string verdict(const LogReplayReport& report) {
       fmt::format("{}, {}", count_text(report.ticks_compared, "tick"), count_text(report.values, "commanded number"));
   const std::string unknown =
       report.ticks_unknown() > 0 ? fmt::format("; unknown in {}", count_text(report.ticks_unknown(), "tick")) : "";
+  if (report.undecided())
+    return fmt::format("undecided: {}; the commands before agree: {}{}", without_inputs_text(report), amount, unknown);
   const std::string ending = report.ticks_without_inputs > 0 ? "; " + without_inputs_text(report) : "";
   const std::string equal =
       report.first ? "within tolerance of the log's commands: " : "the log's commands, bit for bit: ";
-  return (report.undecided() ? "undecided: " : "") + equal + amount + unknown + ending;
+  return equal + amount + unknown + ending;
 }
 
 Json unreadable_json(const LogTopicReport& topic) {

@@ -215,7 +215,7 @@ struct LogReplayReport : Differences {
   /// Misbehaviour of controllers, and faults of the log.
   Diagnostics remarks;
 
-  bool equal() const { return !first && !failure; }
+  bool equal() const { return !first && within(); }
   bool within() const { return !failure && agrees() && is_mostly_certain(); }
   /// No certain tick differs, but too few ticks are certain; or the log agrees if it is read in another way.
   bool undecided() const { return !failure && !within() && (agrees() || cause || is_at_neighbours()); }
