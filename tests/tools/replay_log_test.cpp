@@ -110,6 +110,35 @@ TEST_F(ReplayLog, NamesTheTimeIfTheCommandsAgreeATickLater) {
   EXPECT_EQ(report["cause"], nullptr);
 }
 
+TEST_F(ReplayLog, NamesTheLinesOfTheMapWithWhichTheCommandsAgree) {
+  std::ofstream(folder() / "tank.map.yaml") << "rehearse_map: 1\ntime_step: 0.0025\nbody: Tank\njoints: /Tank/joints\n"
+                                               "joystick: /joy\ncommands: /Tank/Driver/output/joints\n";
+  const Outcome outcome = rehearse(tank());
+  EXPECT_EQ(outcome.status, 4) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              HasSubstr(" ticks with tick: /Tank/joints and time_step: 0.005 in the map: the controller is "
+                        "called at each message on /Tank/joints; as the map is, the replay differs from "));
+  const nlohmann::json report = rehearse(tank({"--json"})).json();
+  EXPECT_EQ(report["cause"]["lines"], (nlohmann::json{"tick: /Tank/joints", "time_step: 0.005"}));
+  EXPECT_EQ(report["cause"]["different"], 0);
+  EXPECT_EQ(report["undecided"], true);
+}
+
+TEST_F(ReplayLog, IsUndecidedAboutCommandsWithoutInputs) {
+  done({"filter", "tank_log.mcap", "--until", "2", "-o", "inputs.mcap"});
+  done({"filter", "tank_log.mcap", "--from", "2", "-o", "later.mcap", "--topics", "/Tank/Driver/output/joints"});
+  fs::remove(folder() / "tank_log.mcap");
+  done({"merge", "inputs.mcap", "later.mcap", "-o", "tank_log.mcap"});
+  const Outcome outcome = rehearse(tank());
+  EXPECT_EQ(outcome.status, 4) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("\nundecided: for 600 ticks of commands after 1.995 s the log has no inputs; the "
+                                     "commands before agree: 400 ticks, 1600 commanded numbers\n"));
+  const nlohmann::json report = rehearse(tank({"--json"})).json();
+  EXPECT_EQ(report["ticks_without_inputs"], 600);
+  EXPECT_EQ(report["equal"], false);
+  EXPECT_EQ(report["within"], false);
+}
+
 TEST_F(ReplayLog, WritesAScenarioThatBeginsAsTheLogDid) {
   done(tank({"--scenario", "monday.yaml"}));
   const std::string text = read_file(folder() / "monday.yaml");

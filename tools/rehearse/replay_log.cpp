@@ -78,7 +78,7 @@ std::string verdict_of_difference(const LogReplayReport& report) {
       "differs from the log's commands at " + difference_text(report, *report.beyond, report.beyond_at);
   if (report.cause) {
     const LogCause& cause = *report.cause;
-    return fmt::format("undecided: the commands agree in {} with {} in the map, if {}; as the map is, the replay {}",
+    return fmt::format("undecided: the commands agree in {} with {} in the map: {}; as the map is, the replay {}",
                        agreeing_text(cause.ticks, cause.different), fmt::join(cause.lines, " and "), cause.meaning,
                        differs);
   }

@@ -79,12 +79,13 @@ fs::path write(const Log& log, const fs::path& folder);
 /// A kind of trouble.
 struct Kind {
   const char* name;
-  void (*plan)(Plan& plan);  // null: nothing
-  void (*spoil)(Log& log);   // null: nothing
-  const char* map;           // its lines beside those that all maps have; "" is usual
-  const char* same;          // exit codes of the unchanged controllers: no memory, filtered, integral
-  const char* changed;       // and of the changed ones
-  const char* cause = "";    // the first line of the map that is proposed for the unchanged integral
+  void (*plan)(Plan& plan);    // null: nothing
+  void (*spoil)(Log& log);     // null: nothing
+  const char* map;             // its lines beside those that all maps have; "" is usual
+  const char* same;            // exit codes of the unchanged controllers: no memory, filtered, integral
+  const char* changed;         // and of the changed ones
+  const char* late = nullptr;  // of a delay of one tick, if it isn't `changed`
+  const char* cause = "";      // the first line of the map that is proposed for the unchanged integral
 };
 const std::vector<Kind>& all();
 

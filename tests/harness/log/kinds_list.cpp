@@ -109,7 +109,7 @@ const std::vector<Kind>& all() {
       {"inputs_lost_for_long", nullptr, [](Log& log) { lose_span(log.states, 700, 950); }, usual, "000", "111"},
       {"duplicated", nullptr, [](Log& log) { repeat(log.states, log.chance, log.others, 0); }, usual, "000", "111"},
       {"duplicated_later", nullptr, [](Log& log) { repeat(log.states, log.chance, log.others, period / 5); }, usual,
-       "044", "111", "clock: header.stamp"},
+       "044", "111", nullptr, "clock: header.stamp"},
       {"commands_duplicated", nullptr, [](Log& log) { repeat(log.commands, log.chance, log.others, period / 5); },
        usual, "000", "111"},
       {"late", nullptr,
@@ -117,7 +117,7 @@ const std::vector<Kind>& all() {
          log_late(log.states, log.chance);
          log_late(log.commands, log.chance);
        },
-       usual, "004", "111", "clock: header.stamp"},
+       usual, "004", "111", nullptr, "clock: header.stamp"},
       {"late_by_stamps", nullptr, [](Log& log) { log_late(log.states, log.chance); }, by_stamps, "000", "111"},
       {"reordered", nullptr,
        [](Log& log) { log.each([&](Logged& message) { message.written -= message.written % (20 * millisecond); }); },
@@ -142,7 +142,7 @@ const std::vector<Kind>& all() {
        usual, "004", "111"},
       {"restart", restart, nullptr, usual, "000", "111"},
       {"restart_without_pause", [](Plan& plan) { plan.restarts.push_back(ticks / 2); }, nullptr, usual, "044", "111",
-       "start: 1.4995"},
+       nullptr, "start: 1.4995"},
       {"restart_resets_stamps", restart,
        [](Log& log) {
          const std::int64_t from = log.states[ticks / 2].stamp;
@@ -242,7 +242,7 @@ const std::vector<Kind>& all() {
        "joints: [/joint_states, /tilt_states]\ntick: /joint_states\ncommands: /joint_commands\nbegins: controller\n",
        "000", "111"},
       {"starts_with_the_first_command", [](Plan& plan) { plan.first_command = 200; }, nullptr, usual, "044", "111",
-       "start: /joint_commands"},
+       nullptr, "start: /joint_commands"},
       {"starts_in_a_log_of_many_inputs", [](Plan& plan) { plan.first_command = 200; }, nullptr,
        "joints: /joint_states\ntick: /joint_states\ncommands: /joint_commands\nbegins: controller\n"
        "start: /joint_commands\n",
@@ -251,7 +251,7 @@ const std::vector<Kind>& all() {
        [](Plan& plan) {
          for (std::size_t i = 200; i < plan.times.size(); ++i) plan.times[i] += second / 2;
        },
-       nullptr, usual, "004", "111", "missing: skip"},
+       nullptr, usual, "004", "111", nullptr, "missing: skip"},
       {"early_pause_skipped",
        [](Plan& plan) {
          for (std::size_t i = 200; i < plan.times.size(); ++i) plan.times[i] += second / 2;
@@ -264,11 +264,31 @@ const std::vector<Kind>& all() {
          for (std::size_t i = 200; i < plan.times.size(); ++i) plan.times[i] += second / 2;
          plan.restarts.push_back(200);
        },
-       nullptr, usual, "004", "111", "start: 0.8995"},
+       nullptr, usual, "004", "111", nullptr, "start: 0.8995"},
       {"small_commands", [](Plan& plan) { plan.options = "0.0001"; }, nullptr,
        "joints: /joint_states\ntick: /joint_states\ncommands: /joint_commands\nbegins: controller\n"
        "controller: {options: \"0.0001\"}\n",
        "000", "111"},
+      {"on_a_grid", nullptr, nullptr, "joints: /joint_states\ncommands: /joint_commands\nbegins: controller\n", "000",
+       "111"},
+      {"jitter_on_a_grid", [](Plan& plan) { jitter(plan, 100 * microsecond); }, nullptr,
+       "joints: /joint_states\ncommands: /joint_commands\nbegins: controller\n", "444", "111", "444",
+       "tick: /joint_states"},
+      {"jitter_on_a_grid_of_messages", [](Plan& plan) { jitter(plan, 100 * microsecond); }, nullptr,
+       "joints: /joint_states\ntick: {topic: /joint_states, grid: true}\ncommands: /joint_commands\nbegins: "
+       "controller\n",
+       "000", "111"},
+      {"ticks_at_commands", [](Plan& plan) { jitter(plan, 100 * microsecond); },
+       [](Log& log) { lose(log.states, log.chance, 0.001); },
+       "joints: /joint_states\ntick: {topic: /joint_commands, latency: measured}\ncommands: /joint_commands\n"
+       "begins: controller\n",
+       "000", "111"},
+      {"every_second_command", nullptr,
+       [](Log& log) {
+         for (std::size_t i = 1; i < log.commands.size(); i += 2) log.commands[i].is_kept = false;
+       },
+       usual, "000", "111"},
+      {"half_of_the_commands", nullptr, [](Log& log) { lose(log.commands, log.chance, 0.5); }, usual, "000", "111"},
       {"split", nullptr, [](Log& log) { log.container = Container::split; }, usual, "000", "111"},
       {"unfinished", nullptr, [](Log& log) { log.container = Container::unfinished; }, usual, "000", "111"},
       {"zstd", nullptr, [](Log& log) { log.container = Container::zstd; }, usual, "000", "111"},

@@ -295,7 +295,7 @@ void LogReplayer::count_without_inputs() {
   const std::int64_t last = survey_.sources[static_cast<std::size_t>(source - sources_.begin())].last;
   const double after = seconds_of(last - log_ticks_->time(recorder_->size().ticks)) / map_.time_step;
   if (after < ticks_of_an_end) return;
-  report_.ticks_without_inputs = std::llround(after);
+  report_.ticks_without_inputs = static_cast<std::int64_t>(std::floor(after + 1e-6)) + 1;
   report_.inputs_end = seconds_of(log_ticks_->time(recorder_->size().ticks - 1) - report_.start);
 }
 

@@ -13,8 +13,12 @@ namespace rehearse {
 bool LogSink::is_irregular(std::int64_t tick, bool has_command) const {
   const LogTicks& ticks = log_.ticks();
   if (ticks.is_nominal()) return false;
-  const bool lacks_command = !has_command && log_.commands()->come_each_tick();
-  return !ticks.has_message(tick) || ticks.is_irregular(tick) || log_.may_miss_input() || lacks_command;
+  return !ticks.has_message(tick) || ticks.is_irregular(tick) || log_.may_miss_input() || lacks_command(has_command);
+}
+
+/// True if the tick's command is missing or late; on the nominal grid commands may come less often.
+bool LogSink::lacks_command(bool has_command) const {
+  return !has_command && !log_.ticks().is_nominal() && log_.commands()->come_each_tick();
 }
 
 /// True if an input of the tick may be missing in the log, or belong to a neighbouring tick.
@@ -54,7 +58,7 @@ LogSink::Judged LogSink::compare_tick(const TickData& now) {
   LogCommands& log = *log_.commands();
   const CommandedJoints* logged = log.of_tick(now.tick);
   Judged tick{now.tick, is_irregular(now.tick, logged != nullptr), misses_input(now.tick)};
-  tick.may_be_of_another = std::exchange(lacked_command_, !logged && log.come_each_tick()) || log_.doubts_commands();
+  tick.may_be_of_another = std::exchange(lacked_command_, lacks_command(logged != nullptr)) || log_.doubts_commands();
   if (!log.covers(now.tick)) return tick;
   const bool has_command = logged && log_.ticks().has_message(now.tick);
   if (time_of(now.tick, map_.time_step) < options_.from) {
@@ -99,11 +103,10 @@ void LogSink::take_judged() {
 void LogSink::count_if_certain(const Judged& tick) {
   const auto beyond = std::ranges::find_if(tick.differences, &Divergence::is_beyond);
   const bool agrees = beyond == tick.differences.end();
-  if (tick.may_be_of_another && !agrees) {  // it says nothing
-    certainty_->take(tick.tick, tick.misses_input, true, false);
-    return;
-  }
-  const bool is_certain = certainty_->take(tick.tick, tick.misses_input, agrees, tick.moves);
+  const bool says_nothing = tick.may_be_of_another && !agrees;
+  const bool is_known =
+      certainty_->take(tick.tick, tick.misses_input, agrees || says_nothing, tick.moves && !says_nothing);
+  const bool is_certain = is_known && !says_nothing;
   LogStretches& certain = *report_.certain;
   if (!is_certain && !agrees && !certain.first_uncertain) certain.first_uncertain = tick.tick;
   if (!is_certain && certain.first_uncertain) rest_.add(log_time(tick.tick), tick.off);

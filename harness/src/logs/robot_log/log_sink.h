@@ -61,6 +61,7 @@ class LogSink final : public RecordingSink {
   void note_joystick(const TickData& now);
   bool is_irregular(std::int64_t tick, bool has_command) const;
   bool misses_input(std::int64_t tick) const;
+  bool lacks_command(bool has_command) const;
   void judge(Judged tick);
   void report(Judged tick);
   void end_doubt();
