@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <rehearse/body.h>
 #include <rehearse/mcap.h>
-#include <rehearse/urdf.h>
 
 #include <algorithm>
 #include <fstream>
