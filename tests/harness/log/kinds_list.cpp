@@ -170,6 +170,17 @@ const std::vector<Kind>& all() {
        by_stamps, "000", "111"},
       {"one_wrong_stamp_of_one_clock", nullptr, [](Log& log) { log.states[700].stamp += 10 * millisecond; }, by_stamps,
        "000", "111"},
+      {"one_wrong_stamp_of_stamps_alone", nullptr, [](Log& log) { log.states[700].stamp += 3600 * second; },
+       "clock: header.stamp\njoints: /joint_states\ntick: /joint_states\ncommands: /joint_commands\n"
+       "begins: controller\n",
+       "000", "111"},
+      {"clock_of_stamps_steps", nullptr,
+       [](Log& log) {
+         log.each([&](Logged& message) { message.stamp += message.stamp > start + 2 * second ? 5 * second : 0; });
+       },
+       "clock: header.stamp\njoints: /joint_states\ntick: /joint_states\ncommands: /joint_commands\n"
+       "begins: controller\n",
+       "000", "111"},
       {"one_malformed_message", nullptr, [](Log& log) { log.states[700].is_cut = true; }, usual, "000", "111"},
       {"one_malformed_command", nullptr, [](Log& log) { log.commands[700].is_cut = true; }, usual, "000", "111"},
       {"two_rates", [](Plan& plan) { plan.tilt_every = 4; }, nullptr,

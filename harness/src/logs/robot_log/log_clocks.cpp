@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "clock_estimate.h"
 #include "message_reader.h"
@@ -97,7 +98,10 @@ Result<std::int64_t> LogTimes::of(const mcap::Message& message) {
   if (topic.clock == LogClock::log_time) return logged;
   const auto stamp = stamp_of(message);
   if (!stamp) return error("no time in header.stamp");
-  if (topic.offsets.empty()) return *stamp;
+  if (topic.offsets.empty()) {
+    if (jumps_ahead(message, *stamp)) return error("a header.stamp that is ahead of those before and after it");
+    return *stamp;
+  }
   std::optional<std::int64_t> nearest;  // to the log time, by the clocks before and after a step
   for (const LogClockReport& clock : topic.offsets) {
     const std::int64_t time =
@@ -107,6 +111,19 @@ Result<std::int64_t> LogTimes::of(const mcap::Message& message) {
   if (!topic.offsets[0].is_stated && *nearest > logged + early)
     return error("a header.stamp that is later than the message was logged");
   return *nearest;
+}
+
+bool LogTimes::jumps_ahead(const mcap::Message& message, std::int64_t stamp) {
+  constexpr std::int64_t most = 1'000'000'000;  // [ns]
+  const auto logged = static_cast<std::int64_t>(message.log_time);
+  Delays& delays = delays_[message.channel->id];
+  if (logged < delays.logged) delays = {};  // the log is read again
+  delays.logged = logged;
+  const std::int64_t delay = logged - stamp;
+  const std::optional<std::int64_t> last = std::exchange(delays.last, delay);
+  const bool jumps = delays.accepted && delay < *delays.accepted - most && delay < *last - most;
+  if (!jumps) delays.accepted = delay;
+  return jumps;
 }
 
 std::optional<LogClockReport> LogTimes::clock_of(const std::string& topic) const {

@@ -63,6 +63,14 @@ class LogTimes {
 
  private:
   struct Stamps;
+  /// Stamps and log times, of which no offset is known.
+  struct Delays {
+    std::int64_t logged = 0;  // of the last message [ns]
+    std::optional<std::int64_t> accepted,
+        last{};  // log time minus stamp, of the last used message and of the last [ns]
+  };
+  /// True if the stamp is over a second further ahead than that of the message before, unless that was so, too.
+  bool jumps_ahead(const mcap::Message& message, std::int64_t stamp);
   struct Topic {
     LogClock clock = LogClock::log_time;
     std::vector<LogClockReport> offsets;  // one for each span between steps of a clock; empty: not needed
@@ -73,6 +81,7 @@ class LogTimes {
   std::map<std::string, Topic> topics_;
   std::map<std::uint16_t, const Topic*> by_channel_;
   std::map<std::uint16_t, std::unique_ptr<Stamps>> stamps_;  // by channel id
+  std::map<std::uint16_t, Delays> delays_;                   // likewise
 };
 
 }  // namespace rehearse

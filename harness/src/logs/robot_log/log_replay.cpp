@@ -66,11 +66,8 @@ class Trials {
   /// Finds the ticks that decide about the controller: twice a part of the log, once with a controller that starts
   /// later, for its memory; then the whole log.
   void find_certain_ticks() {
-    constexpr std::int64_t most_ticks = 8000;
-    const std::int64_t later = std::min<std::int64_t>(report_.ticks / 4, most_ticks / 8);
-    const std::int64_t until = std::min(report_.ticks, later + most_ticks);
     LogReplayOptions whole = options_;
-    whole.memory = memory_of(commands_from(0, until), commands_from(later, until));
+    whole.memory = memory();
     auto judged = replay(map_, whole, true);
     if (judged) report_.certain = std::move(judged->certain);
   }
@@ -106,6 +103,19 @@ class Trials {
     auto report = replayer.run(topics_, report_.log_hash, has_same_messages && surveyed_ ? &*surveyed_ : nullptr);
     if (has_same_messages && !surveyed_) surveyed_ = replayer.take_survey();
     return report;
+  }
+
+  /// The controller's; a controller of which it can't be measured has none.
+  std::optional<std::int64_t> memory() {
+    constexpr std::int64_t most_ticks = 8000;
+    for (const std::int64_t part : {4, 8, 2}) {  // of the log, after which the other controller starts
+      const std::int64_t later = std::min<std::int64_t>(report_.ticks / part, most_ticks / (2 * part));
+      const std::int64_t until = std::min(report_.ticks, later + most_ticks);
+      const CommandRecord started_later = commands_from(later, until);
+      if (started_later.begins_steadily(map_.time_step))
+        return memory_of(commands_from(0, until), started_later, map_.time_step);
+    }
+    return std::nullopt;
   }
 
   CommandRecord commands_from(std::int64_t tick, std::int64_t until) {

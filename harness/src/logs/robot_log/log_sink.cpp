@@ -56,6 +56,7 @@ void LogSink::compare(const TickData& now) {
 
 LogSink::Judged LogSink::compare_tick(const TickData& now) {
   LogCommands& log = *log_.commands();
+  if (options_.commands && now.tick == 0) options_.commands->begin(log_.ticks().time(0));
   const CommandedJoints* logged = log.of_tick(now.tick);
   Judged tick{now.tick, is_irregular(now.tick, logged != nullptr), misses_input(now.tick)};
   tick.may_be_of_another = std::exchange(lacked_command_, lacks_command(logged != nullptr)) || log_.doubts_commands();
