@@ -9,6 +9,7 @@ rehearse_add_test(log_test LABEL unit SHARDS 2
     log/map_broken_test.cpp
     log/map_test.cpp
     log/pictures_test.cpp
+    log/ranges_test.cpp
     log/replay_log_test.cpp
     log/robot_run_test.cpp
     log/stretches_test.cpp
@@ -23,6 +24,11 @@ foreach(memory none filtered integral)
   set_target_properties(ServoWith_${memory} PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${test_controllers})
   add_dependencies(log_test ServoWith_${memory})
 endforeach()
+rehearse_add_test(kinds_test LABEL unit SHARDS 2
+  SOURCES log/kinds.cpp log/kinds_list.cpp log/kinds_test.cpp
+  LIBRARIES Rehearse::logs Rehearse::testing sqlite3 zstd)
+target_compile_definitions(kinds_test PRIVATE TEST_CONTROLLERS="${test_controllers}")
+add_dependencies(kinds_test ServoWith_none ServoWith_filtered ServoWith_integral)
 target_compile_definitions(log_test PRIVATE TEST_CONTROLLERS="${test_controllers}" LOGS=$<IF:$<BOOL:${REHEARSE_NIGHTLY}>,50,20>)
 add_dependencies(log_test CameraFollowerController RoverController SR1MinimumController ScoutController TankController TrotController)
 

@@ -70,7 +70,7 @@ TEST_F(ReplayLog, TellsOfTicksAtMessagesAndOfUnknownOnes) {
   const nlohmann::json report = done(tank({"--json"})).json();
   EXPECT_EQ(report["tick"]["topic"], "/Tank/joints");
   EXPECT_EQ(report["tick"]["missing"], 0);
-  EXPECT_EQ(report["ticks_unknown"], (nlohmann::json{{"without_command", 0}, {"in_doubt", 0}}));
+  EXPECT_EQ(report["ticks_unknown"], (nlohmann::json{{"without_message", 0}, {"without_command", 0}, {"in_doubt", 0}}));
 }
 
 TEST_F(ReplayLog, EndsIn4IfTheStateOfTheControllerIsUnknown) {
@@ -78,7 +78,7 @@ TEST_F(ReplayLog, EndsIn4IfTheStateOfTheControllerIsUnknown) {
   fs::rename(folder() / "late.mcap", folder() / "tank_log.mcap");
   const Outcome outcome = rehearse(tank());
   EXPECT_EQ(outcome.status, 4) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("\nundecided: from tick "));
+  EXPECT_THAT(outcome.out, HasSubstr("\nundecided: from 0.000 s on TURRET_"));
   EXPECT_THAT(outcome.out, HasSubstr("the controller has a state that doesn't fade, such as an integral"));
   const nlohmann::json report = rehearse(tank({"--json"})).json();
   EXPECT_EQ(report["undecided"], true);
@@ -106,9 +106,37 @@ TEST_F(ReplayLog, NamesTheTimeIfTheCommandsAgreeATickLater) {
   EXPECT_THAT(outcome.out, HasSubstr("\nthe time differs: the commands agree in 999 of 999 ticks if taken 1 tick later "
                                      "(increase the map's shift by 1); differs from the log's commands at tick "));
   const nlohmann::json report = rehearse(tank({"--json"})).json();
-  EXPECT_EQ(report["timing"],
-            (nlohmann::json{
-                {"shift", 1}, {"tick_topic", nullptr}, {"time_step", nullptr}, {"ticks", 999}, {"different", 0}}));
+  EXPECT_EQ(report["timing"], (nlohmann::json{{"shift", 1}, {"ticks", 999}, {"different", 0}}));
+  EXPECT_EQ(report["cause"], nullptr);
+}
+
+TEST_F(ReplayLog, NamesTheLinesOfTheMapWithWhichTheCommandsAgree) {
+  std::ofstream(folder() / "tank.map.yaml") << "rehearse_map: 1\ntime_step: 0.0025\nbody: Tank\njoints: /Tank/joints\n"
+                                               "joystick: /joy\ncommands: /Tank/Driver/output/joints\n";
+  const Outcome outcome = rehearse(tank());
+  EXPECT_EQ(outcome.status, 4) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              HasSubstr(" ticks with tick: /Tank/joints and time_step: 0.005 in the map: the controller is "
+                        "called at each message on /Tank/joints; as the map is, the replay differs from "));
+  const nlohmann::json report = rehearse(tank({"--json"})).json();
+  EXPECT_EQ(report["cause"]["lines"], (nlohmann::json{"tick: /Tank/joints", "time_step: 0.005"}));
+  EXPECT_EQ(report["cause"]["different"], 0);
+  EXPECT_EQ(report["undecided"], true);
+}
+
+TEST_F(ReplayLog, IsUndecidedAboutCommandsWithoutInputs) {
+  done({"filter", "tank_log.mcap", "--until", "2", "-o", "inputs.mcap"});
+  done({"filter", "tank_log.mcap", "--from", "2", "-o", "later.mcap", "--topics", "/Tank/Driver/output/joints"});
+  fs::remove(folder() / "tank_log.mcap");
+  done({"merge", "inputs.mcap", "later.mcap", "-o", "tank_log.mcap"});
+  const Outcome outcome = rehearse(tank());
+  EXPECT_EQ(outcome.status, 4) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("\nundecided: for 600 ticks of commands after 1.995 s the log has no inputs; the "
+                                     "commands before agree: 400 ticks, 1600 commanded numbers\n"));
+  const nlohmann::json report = rehearse(tank({"--json"})).json();
+  EXPECT_EQ(report["ticks_without_inputs"], 600);
+  EXPECT_EQ(report["equal"], false);
+  EXPECT_EQ(report["within"], false);
 }
 
 TEST_F(ReplayLog, WritesAScenarioThatBeginsAsTheLogDid) {

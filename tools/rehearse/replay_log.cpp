@@ -1,6 +1,7 @@
 #include "replay_log.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <cstdio>
@@ -20,17 +21,15 @@ namespace {
 /// True if a comparison was requested but nothing could be compared.
 bool is_of_nothing(const LogReplayReport& report) { return report.has_commands && report.values == 0; }
 
+std::string agreeing_text(std::int64_t ticks, std::int64_t different) {
+  return fmt::format("{} of {}", ticks - different, count_text(ticks, "tick"));
+}
+
 /// Names the time as the reason, if it is; else empty.
 std::string timing_text(const LogReplayReport& report) {
   if (!report.timing) return "";
   const LogTiming& timing = *report.timing;
-  const std::string amount = fmt::format("{} of {}", timing.ticks - timing.different, count_text(timing.ticks, "tick"));
-  if (!timing.tick_topic.empty())
-    return fmt::format("the time differs: the commands agree in {} with tick: {}{} in the map; ", amount,
-                       timing.tick_topic,
-                       timing.time_step == report.duration / static_cast<double>(report.ticks)
-                           ? ""
-                           : fmt::format(" and time_step: {:g}", timing.time_step));
+  const std::string amount = agreeing_text(timing.ticks, timing.different);
   if (!timing.shift)
     return fmt::format("the time differs: in {} that differ the commands agree with those of a neighbouring tick{}; ",
                        amount, report.tick ? "" : " (expected tick: TOPIC in the map, of the controller's inputs)");
@@ -38,6 +37,12 @@ std::string timing_text(const LogReplayReport& report) {
   return fmt::format("the time differs: the commands agree in {} if taken {} {} ({} the map's shift by {}); ", amount,
                      count_text(ticks, "tick"), *timing.shift > 0 ? "later" : "earlier",
                      *timing.shift > 0 ? "increase" : "decrease", ticks);
+}
+
+/// A difference; with the time in the log if that of the recording is another one.
+std::string difference_text(const LogReplayReport& report, const Divergence& found, double at) {
+  const bool is_elsewhere = std::abs(at - found.time) > 0.5 * report.time_step;
+  return to_string(found) + (is_elsewhere ? fmt::format(", at {:.4f} s of the log", at) : "");
 }
 
 /// The reason why ticks are uncertain, and how many are certain.
@@ -50,24 +55,47 @@ std::string stretches_text(const LogReplayReport& report) {
                      certain.compared, count_text(report.ticks_compared, "compared tick"), memory);
 }
 
+/// The differences of the ticks that aren't certain.
+std::string rest_text(const LogStretches& certain) {
+  if (!certain.rest) return "no tick that isn't certain differs";
+  const LogRest& rest = *certain.rest;
+  const std::string unit = rest.unit.empty() ? "" : " " + rest.unit;
+  const std::string reason = certain.memory ? "" : ": a state that the log doesn't contain, or another gain";
+  const std::string share =
+      rest.share() < 1.0 ? fmt::format("{:.2g} % of", 100.0 * rest.share()) : fmt::format("{:.2g} times", rest.share());
+  return fmt::format("from {:.3f} s on {} is off by at most {} its range ({:.3g}{}){}{}", rest.from, rest.series, share,
+                     rest.largest(), unit, rest.is_constant() ? ", nearly constant" : "", reason);
+}
+
+std::string without_inputs_text(const LogReplayReport& report) {
+  return fmt::format("for {} of commands after {:.3f} s the log has no inputs",
+                     count_text(report.ticks_without_inputs, "tick"), report.inputs_end);
+}
+
 /// The verdict for commands beyond their tolerance.
 std::string verdict_of_difference(const LogReplayReport& report) {
-  const std::string differs = "differs from the log's commands at ";
-  if (!report.certain) return timing_text(report) + differs + to_string(*report.beyond);
+  const std::string differs =
+      "differs from the log's commands at " + difference_text(report, *report.beyond, report.beyond_at);
+  if (report.cause) {
+    const LogCause& cause = *report.cause;
+    return fmt::format("undecided: the commands agree in {} with {} in the map: {}; as the map is, the replay {}",
+                       agreeing_text(cause.ticks, cause.different), fmt::join(cause.lines, " and "), cause.meaning,
+                       differs);
+  }
+  if (report.undecided() && report.is_at_neighbours()) return "undecided: " + timing_text(report) + differs;
+  if (!report.certain) return timing_text(report) + differs;
   const LogStretches& certain = *report.certain;
   if (certain.beyond)
-    return fmt::format("{}{}; it is the first of {} that differ and are certain", differs, to_string(*certain.beyond),
+    return fmt::format("differs from the log's commands at {}; it is the first of {} that differ and are certain",
+                       difference_text(report, *certain.beyond, certain.beyond_at),
                        count_text(certain.different, "tick"));
-  const std::string uncertain =
-      fmt::format("from tick {} on, commands differ by up to {:.3g}{}{}", certain.first_uncertain.value_or(0),
-                  report.worst->difference, report.worst->unit.empty() ? "" : " ", report.worst->unit);
+  const std::string ending = report.ticks_without_inputs > 0 ? "; " + without_inputs_text(report) : "";
   if (report.undecided())
     return fmt::format(
-        "undecided: {}, where the controller's state isn't known: {}; if it started with the log, state "
-        "begins: controller in the map",
-        uncertain, stretches_text(report));
-  return fmt::format("within tolerance of the log's commands where the controller's state is known: {}; {}",
-                     stretches_text(report), uncertain);
+        "undecided: {}; {}{}; if the controller started with the log, state begins: controller in the map",
+        rest_text(certain), stretches_text(report), ending);
+  return fmt::format("within tolerance of the log's commands where the controller's state is known: {}; {}{}",
+                     stretches_text(report), rest_text(certain), ending);
 }
 
 std::string verdict(const LogReplayReport& report) {
@@ -79,8 +107,12 @@ std::string verdict(const LogReplayReport& report) {
       fmt::format("{}, {}", count_text(report.ticks_compared, "tick"), count_text(report.values, "commanded number"));
   const std::string unknown =
       report.ticks_unknown() > 0 ? fmt::format("; unknown in {}", count_text(report.ticks_unknown(), "tick")) : "";
-  if (report.first) return "within tolerance of the log's commands: " + amount + unknown;
-  return "the log's commands, bit for bit: " + amount + unknown;
+  if (report.undecided())
+    return fmt::format("undecided: {}; the commands before agree: {}{}", without_inputs_text(report), amount, unknown);
+  const std::string ending = report.ticks_without_inputs > 0 ? "; " + without_inputs_text(report) : "";
+  const std::string equal =
+      report.first ? "within tolerance of the log's commands: " : "the log's commands, bit for bit: ";
+  return equal + amount + unknown + ending;
 }
 
 Json unreadable_json(const LogTopicReport& topic) {
@@ -102,11 +134,9 @@ Json silent_json(const LogTopicReport& topic) {
 
 Json clock_json(const LogTopicReport& topic) {
   if (!topic.clock) return nullptr;
-  return {{"offset_ns", topic.clock->offset},
-          {"drift", topic.clock->drift},
-          {"reference_ns", topic.clock->reference},
-          {"least_delay", topic.clock->least_delay},
-          {"stated", topic.clock->is_stated}};
+  return {{"offset_ns", topic.clock->offset},       {"drift", topic.clock->drift},
+          {"reference_ns", topic.clock->reference}, {"least_delay", topic.clock->least_delay},
+          {"stated", topic.clock->is_stated},       {"steps", topic.clock->steps}};
 }
 
 Json topic_json(const LogTopicReport& topic) {
@@ -145,10 +175,21 @@ Json timing_json(const LogReplayReport& report) {
   if (!report.timing) return nullptr;
   const LogTiming& timing = *report.timing;
   return {{"shift", timing.shift ? Json(*timing.shift) : Json(nullptr)},
-          {"tick_topic", timing.tick_topic.empty() ? Json(nullptr) : Json(timing.tick_topic)},
-          {"time_step", timing.tick_topic.empty() ? Json(nullptr) : Json(timing.time_step)},
           {"ticks", timing.ticks},
           {"different", timing.different}};
+}
+
+Json cause_json(const LogReplayReport& report) {
+  if (!report.cause) return nullptr;
+  const LogCause& cause = *report.cause;
+  return {{"lines", cause.lines}, {"meaning", cause.meaning}, {"ticks", cause.ticks}, {"different", cause.different}};
+}
+
+Json rest_json(const LogStretches& certain) {
+  if (!certain.rest) return nullptr;
+  const LogRest& rest = *certain.rest;
+  return {{"series", rest.series}, {"from", rest.from}, {"ticks", rest.ticks},
+          {"low", rest.low},       {"high", rest.high}, {"range", rest.range}};
 }
 
 Json certain_json(const LogReplayReport& report) {
@@ -157,7 +198,8 @@ Json certain_json(const LogReplayReport& report) {
   return {{"memory", certain.memory ? Json(*certain.memory) : Json(nullptr)},
           {"ticks", certain.compared},
           {"different", certain.different},
-          {"beyond", json_of(certain.beyond)}};
+          {"beyond", json_of(certain.beyond)},
+          {"rest", rest_json(certain)}};
 }
 
 Json report_json(const LogReplayReport& report, const std::string& trace) {
@@ -176,9 +218,14 @@ Json report_json(const LogReplayReport& report, const std::string& trace) {
           {"duration", report.duration},
           {"ticks_compared", report.ticks_compared},
           {"ticks_different", report.ticks_different},
-          {"ticks_unknown", {{"without_command", report.ticks_without_command}, {"in_doubt", report.ticks_in_doubt}}},
+          {"ticks_unknown",
+           {{"without_message", report.ticks_without_message},
+            {"without_command", report.ticks_without_command},
+            {"in_doubt", report.ticks_in_doubt}}},
+          {"ticks_without_inputs", report.ticks_without_inputs},
           {"tick", tick_json(report)},
           {"timing", timing_json(report)},
+          {"cause", cause_json(report)},
           {"undecided", report.undecided()},
           {"certain", certain_json(report)},
           {"values", report.values},
@@ -242,11 +289,12 @@ std::string clock_text(const LogTopicReport& topic) {
   if (clock.is_stated)
     return fmt::format("stamps on {} and {:g} s are times of the log (stated)", topic.topic,
                        static_cast<double>(clock.offset) * 1e-9);
-  if (clock.offset == 0)
+  if (clock.offset == 0 && clock.steps == 0)
     return fmt::format("stamps on {} are times of the log: logged {:.3g} s later at least", topic.topic,
                        clock.least_delay);
-  return fmt::format("stamps on {} and {:.9g} s are times of the log, with a drift of {:+.3g} ppm (estimated)",
-                     topic.topic, static_cast<double>(clock.offset) * 1e-9, clock.drift * 1e6);
+  return fmt::format("stamps on {} and {:.9g} s are times of the log, with a drift of {:+.3g} ppm (estimated){}",
+                     topic.topic, static_cast<double>(clock.offset) * 1e-9, clock.drift * 1e6,
+                     clock.steps > 0 ? ", until the first of " + count_text(clock.steps, "step") + " of a clock" : "");
 }
 
 void tell_ticks(const LogReplayReport& report) {
@@ -254,9 +302,10 @@ void tell_ticks(const LogReplayReport& report) {
   for (const LogTopicReport& topic : report.topics)
     if (topic.clock) fmt::print("clock: {}\n", clock_text(topic));
   if (report.ticks_unknown() > 0)
-    fmt::print("unknown: {} without a command of the log, {} that {} after missing or late messages\n",
-               count_text(report.ticks_without_command, "tick"), report.ticks_in_doubt,
-               report.ticks_in_doubt == 1 ? "differs" : "differ");
+    fmt::print(
+        "unknown: {} whose message is missing, {} without a command, {} that {} after missing or late messages\n",
+        count_text(report.ticks_without_message, "tick"), report.ticks_without_command, report.ticks_in_doubt,
+        report.ticks_in_doubt == 1 ? "differs" : "differ");
 }
 
 void tell(const LogSettings& settings, const LogReplayReport& report, double seconds) {

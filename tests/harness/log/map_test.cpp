@@ -26,7 +26,7 @@ TEST(LogMap, NeedsFewLines) {
   EXPECT_EQ(map.time_step, 0.002);
   EXPECT_FALSE(map.tick);
   EXPECT_EQ(map.joints.at(0).clock, LogClock::log_time);
-  EXPECT_FALSE(map.start_with_first);
+  EXPECT_EQ(map.start.when, StartRule::When::all);
   EXPECT_TRUE(map.controller.delay);
   ASSERT_EQ(map.joints.size(), 1u);
   EXPECT_EQ(map.joints[0].topic, "/joint_states");

@@ -127,6 +127,7 @@ TEST_F(Stretches, OfALogWithTheControllersStartFindAChangedIntegral) {
 
 CommandRecord record_of(const std::function<double(int)>& command, int from, int until) {
   CommandRecord record;
+  record.begin(std::int64_t{1'000'000} * from);
   for (int i = from; i < until; ++i) record.add(std::int64_t{1'000'000} * i, {{std::nullopt, command(i), 0.0}});
   return record;
 }
@@ -136,12 +137,22 @@ TEST(ControllerMemory, IsTheNumberOfTicksUntilALaterStartNoLongerShows) {
   const auto fading = [&](int i) { return plain(i) + std::exp(-0.2 * (i - 50)); };
   const auto lasting = [&](int i) { return plain(i) + 0.3; };
   const CommandRecord whole = record_of(plain, 0, 400);
-  EXPECT_EQ(memory_of(whole, record_of(plain, 50, 400)), 0);
-  const auto memory = memory_of(whole, record_of(fading, 50, 400));
+  EXPECT_EQ(memory_of(whole, record_of(plain, 50, 400), 0.001), 0);
+  const auto memory = memory_of(whole, record_of(fading, 50, 400), 0.001);
   ASSERT_TRUE(memory);
   EXPECT_NEAR(static_cast<double>(*memory), 100.0, 3.0);  // until exp() is 1e-9 of the range of 2
-  EXPECT_FALSE(memory_of(whole, record_of(lasting, 50, 400)));
-  EXPECT_FALSE(memory_of(whole, record_of(plain, 395, 400))) << "too few ticks";
+  EXPECT_FALSE(memory_of(whole, record_of(lasting, 50, 400), 0.001));
+  EXPECT_FALSE(memory_of(whole, record_of(plain, 395, 400), 0.001)) << "too few ticks";
+}
+
+TEST(ControllerMemory, IsMeasuredWhereTicksHaveCommands) {
+  const auto plain = [](int i) { return std::sin(0.1 * i); };
+  CommandRecord record = record_of(plain, 0, 30);
+  EXPECT_TRUE(record.begins_steadily(0.001));
+  CommandRecord after_a_gap;
+  after_a_gap.begin(0);
+  for (int i = 8; i < 60; ++i) after_a_gap.add(std::int64_t{1'000'000} * i, {{std::nullopt, plain(i), 0.0}});
+  EXPECT_FALSE(after_a_gap.begins_steadily(0.001));
 }
 
 TEST(LogCertainty, BeginsAfterTheMemoryAndAfterEachInterruption) {

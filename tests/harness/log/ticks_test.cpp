@@ -63,6 +63,19 @@ TEST(LogTicks, BeginWithTheFirstMessageFromTheStartOn) {
   EXPECT_EQ(LogTicks::at_messages({0, 10 * one_ms}, 11 * one_ms, 0.01).size(), 0) << "no message is left";
 }
 
+TEST(LogTicks, AreNotMadeForMissingMessagesIfTheControllerIsNotCalledThere) {
+  const std::vector<std::int64_t> messages{0, 10 * one_ms, 20 * one_ms, 320 * one_ms, 330 * one_ms, 334 * one_ms};
+  const LogTicks held = LogTicks::at_messages(messages, 0, 0.01);
+  EXPECT_EQ(held.size(), 35);
+  EXPECT_FALSE(held.has_message(3));
+  const LogTicks skipped = LogTicks::at_messages(messages, 0, 0.01, 0, true);
+  ASSERT_EQ(skipped.size(), 6);
+  EXPECT_EQ(skipped.time(3), 320 * one_ms);
+  EXPECT_TRUE(skipped.has_message(3));
+  EXPECT_FALSE(skipped.is_irregular(3)) << "no message is missing";
+  EXPECT_TRUE(skipped.is_irregular(5)) << "it comes too early";
+}
+
 TEST(LogTicks, BeginBeforeCommandsWhoseFirstOnesAreMissing) {
   const LogTicks ticks = LogTicks::at_messages({24 * one_ms, 34 * one_ms}, 4 * one_ms, 0.01, -3 * one_ms);
   ASSERT_EQ(ticks.size(), 3) << "the first one is 17 ms after the start";

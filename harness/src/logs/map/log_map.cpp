@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
+
 #include "core/scenario/scenario_parts.h"
 #include "log_map_parts.h"
 
@@ -26,13 +29,12 @@ bool LogMapReader::check_version(const YamlNode& root) {
 
 void LogMapReader::read(const YamlNode& root) {
   if (!check_version(root)) return;
-  const Keys keys(findings_, root, "the map",
-                  {"rehearse_map", "body", "time_step", "tick", "clock", "start", "begins", "max_age", "controller",
-                   "joints", "imus", "wrenches", "cameras", "ranges", "joystick", "root", "commands", "tolerances"});
+  const Keys keys(
+      findings_, root, "the map",
+      {"rehearse_map", "body", "time_step", "tick", "clock", "start", "begins", "missing", "max_age", "controller",
+       "joints", "imus", "wrenches", "cameras", "ranges", "joystick", "root", "commands", "tolerances"});
   read_body(keys, root);
   read_clock(keys);
-  keys.word("start", "all (when each input has had a message) or first (with the first message)",
-            {{"all", false}, {"first", true}}, map_.start_with_first);
   keys.word("begins", "run (the log may begin in the middle of a run) or controller (with the controller's start)",
             {{"run", false}, {"controller", true}}, map_.begins_with_controller);
   keys.number("max_age", {0.0, Scenario::max_duration, "[s]", true}, max_age_);
@@ -48,6 +50,8 @@ void LogMapReader::read(const YamlNode& root) {
   if (const YamlNode* node = keys.find("root")) read_root(*node);
   if (const YamlNode* node = keys.find("commands")) read_commands(*node);
   if (const YamlNode* node = keys.find("tick")) read_tick(*node);
+  read_start(keys);
+  read_missing(keys);
   if (const YamlNode* node = keys.find("tolerances")) {
     Scenario place;  // read_tolerances() writes the list into it, in the form of a scenario's tolerances
     place.file = map_.file;
@@ -111,6 +115,40 @@ void LogMapReader::read_tick(const YamlNode& node) {
     source.latency = read_number(findings_, *latency, "latency", {0.0, Scenario::max_time_step, "[s], or measured"});
   }
   map_.tick = std::move(source);
+}
+
+bool LogMapReader::has_topic(const std::string& topic) const {
+  const auto is_it = [&](const LogSource& source) { return source.topic == topic; };
+  return std::ranges::any_of(map_.joints, is_it) || std::ranges::any_of(map_.devices, is_it) ||
+         (map_.joystick && is_it(*map_.joystick)) || (map_.root && is_it(*map_.root)) ||
+         (map_.commands && is_it(*map_.commands)) || (map_.tick && is_it(*map_.tick));
+}
+
+void LogMapReader::read_start(const Keys& keys) {
+  const YamlNode* node = keys.find("start");
+  if (node == nullptr) return keys.set_default("start", {"all"});
+  StartRule& start = map_.start;
+  if (node->kind == YamlNode::Kind::scalar && (node->text == "all" || node->text == "first")) {
+    start.when = node->text == "all" ? StartRule::When::all : StartRule::When::first;
+  } else if (node->kind == YamlNode::Kind::scalar && has_topic(node->text)) {
+    start.when = StartRule::When::topic;
+    start.topic = node->text;
+  } else if (node->kind == YamlNode::Kind::scalar && !node->text.empty() && std::isdigit(node->text[0])) {
+    start.when = StartRule::When::time;
+    start.seconds = read_number(findings_, *node, "start", {0.0, Scenario::max_duration, "[s]"}).value_or(0.0);
+  } else {
+    expected(findings_, *node, "start",
+             "all (when each input has had a message), first (with the first message), a topic of this map (with its "
+             "first message), or a time after all [s]");
+  }
+}
+
+void LogMapReader::read_missing(const Keys& keys) {
+  keys.word("missing", "hold (the controller is called on old inputs) or skip (it isn't called)",
+            {{"hold", false}, {"skip", true}}, map_.skips_missing);
+  if (map_.skips_missing && (!map_.tick || map_.tick->grid))
+    findings_.error(*keys.find("missing"), "'missing: skip' without ticks at messages",
+                    "expected tick: TOPIC, whose missing messages it is about");
 }
 
 void LogMapReader::read_controller(const YamlNode& node) {

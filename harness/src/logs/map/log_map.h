@@ -1,5 +1,5 @@
-// LogMap: assigns topics of a robot's log to inputs of a controller, from a YAML file. The page reference/map.md describes the
-// file format.
+// LogMap: assigns topics of a robot's log to inputs of a controller, from a YAML file. The page reference/map.md
+// describes the file format.
 //
 // A map is checked against the model and the log's topics. So every mistake (a missing joint, device or topic, a type
 // that doesn't fit) has its place in the file, and all mistakes are reported together.
@@ -109,16 +109,30 @@ struct MappedController {
   bool delay = true;
 };
 
+/// The time of the first tick.
+struct StartRule {
+  enum class When {
+    all,    // each input has had a message
+    first,  // the first message of an input
+    topic,  // the first message of a topic of the map
+    time,   // some time after all
+  };
+  When when = When::all;
+  std::string topic;
+  double seconds = 0.0;
+};
+
 struct LogMap {
   std::string file;                // as the user named it
   std::string text;                // the file's bytes
   std::string body;                // the body in channel names; the model's name if the map states none
   double time_step = 0.001;        // of the controller [s]
   std::optional<TickSource> tick;  // nullopt: ticks are a grid of time_step from the first message on
-  /// True: the first tick is at the first message. False: it is when all mapped sources have a message.
-  bool start_with_first = false;
+  StartRule start;
   /// True: the controller starts at the first tick. False: the log may begin in the middle of a run.
   bool begins_with_controller = false;
+  /// True: the controller isn't called where messages of the tick's topic are missing. False: it is, on old inputs.
+  bool skips_missing = false;
   MappedController controller;
   std::vector<JointSource> joints;
   std::vector<DeviceSource> devices;

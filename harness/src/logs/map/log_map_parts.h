@@ -40,6 +40,9 @@ class LogMapReader {
   void read_clock(const Keys& keys);
   static void read_clock_name(const Keys& keys, LogClock& clock);
   void read_tick(const YamlNode& node);
+  void read_start(const Keys& keys);
+  void read_missing(const Keys& keys);
+  bool has_topic(const std::string& topic) const;
   void read_controller(const YamlNode& node);
   void check_something_is_mapped(const YamlNode& root);
 

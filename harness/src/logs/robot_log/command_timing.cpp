@@ -62,11 +62,11 @@ std::optional<LogTiming> CommandTiming::explanation() const {
     for (const int shift : {distance, -distance}) {
       const Count& count = counts_[static_cast<std::size_t>(shift + reach)];
       if (count.ticks < 2 || !explains(count.different, stated)) continue;
-      if (!best || count.different < best->different) best = LogTiming{shift, "", 0.0, count.ticks, count.different};
+      if (!best || count.different < best->different) best = LogTiming{shift, count.ticks, count.different};
     }
   }
   if (!best && explains(neighbours_.different, neighbours_.ticks))
-    best = LogTiming{std::nullopt, "", 0.0, neighbours_.ticks, neighbours_.different};
+    best = LogTiming{std::nullopt, neighbours_.ticks, neighbours_.different};
   return best;
 }
 

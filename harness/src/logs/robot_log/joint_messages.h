@@ -6,8 +6,8 @@
 
 #include <functional>
 
-#include "core/ros2msg/ros2msg.h"
 #include "core/kinds/joint_arrays.h"
+#include "core/ros2msg/ros2msg.h"
 
 namespace rehearse {
 

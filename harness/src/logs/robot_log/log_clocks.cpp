@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "clock_estimate.h"
 #include "message_reader.h"
 
 namespace rehearse {
@@ -47,7 +49,7 @@ LogTimes::LogTimes(mcap::Reader& log, const std::vector<MappedSource>& sources) 
     any_log_time |= topic.clock == LogClock::log_time;
     if (!mapped.source->clock_offset) continue;
     any_offset = true;
-    LogClockReport& stated = topic.offset.emplace();
+    LogClockReport& stated = topic.offsets.emplace_back();
     stated.offset = static_cast<std::int64_t>(std::llround(*mapped.source->clock_offset * 1e9));
     stated.is_stated = true;
   }
@@ -61,7 +63,7 @@ void LogTimes::estimate(mcap::Reader& log, const std::vector<MappedSource>& sour
   std::vector<MappedSource> stamped;
   for (const MappedSource& mapped : sources) {
     const Topic& topic = topics_.at(mapped.source->topic);
-    if (topic.clock == LogClock::header_stamp && !topic.offset) stamped.push_back(mapped);
+    if (topic.clock == LogClock::header_stamp && topic.offsets.empty()) stamped.push_back(mapped);
   }
   std::map<std::string, ClockEstimate> estimates;
   read_in_order(log, channels_of(log, stamped), [&](const mcap::Message& message) {
@@ -70,7 +72,7 @@ void LogTimes::estimate(mcap::Reader& log, const std::vector<MappedSource>& sour
       estimates[message.channel->topic].add(*stamp, static_cast<std::int64_t>(message.log_time));
     return true;
   });
-  for (const auto& [topic, estimate] : estimates) topics_.at(topic).offset = estimate.report();
+  for (const auto& [topic, estimate] : estimates) topics_.at(topic).offsets = estimate.report();
 }
 
 std::optional<std::int64_t> LogTimes::stamp_of(const mcap::Message& message) {
@@ -88,61 +90,48 @@ std::optional<std::int64_t> LogTimes::stamp_of(const mcap::Message& message) {
   return static_cast<std::int64_t>(stamp);
 }
 
-std::optional<std::int64_t> LogTimes::of(const mcap::Message& message) {
-  if (message.log_time >= end_of_time) return std::nullopt;
+Result<std::int64_t> LogTimes::of(const mcap::Message& message) {
+  constexpr std::int64_t early = 2'000'000;  // [ns]: clocks are estimated better than this
+  if (message.log_time >= end_of_time) return error("a log time beyond the year 2116");
+  const auto logged = static_cast<std::int64_t>(message.log_time);
   const Topic& topic = *by_channel_.at(message.channel->id);
-  if (topic.clock == LogClock::log_time) return static_cast<std::int64_t>(message.log_time);
+  if (topic.clock == LogClock::log_time) return logged;
   const auto stamp = stamp_of(message);
-  if (!stamp || !topic.offset) return stamp;
-  const LogClockReport& clock = *topic.offset;
-  return *stamp + clock.offset + std::llround(clock.drift * static_cast<double>(*stamp - clock.reference));
-}
-
-const std::optional<LogClockReport>& LogTimes::clock_of(const std::string& topic) const {
-  return topics_.at(topic).offset;
-}
-
-void ClockEstimate::add(std::int64_t stamp, std::int64_t log_time) {
-  const std::int64_t delay = log_time - stamp;
-  if (count_ == 0) {
-    first_stamp_ = stamp;
-    first_delay_ = least_ = most_ = delay;
+  if (!stamp) return error("no time in header.stamp");
+  if (topic.offsets.empty()) {
+    if (jumps_ahead(message, *stamp)) return error("a header.stamp that is ahead of those before and after it");
+    return *stamp;
   }
-  least_ = std::min(least_, delay);
-  most_ = std::max(most_, delay);
-  const Point point{static_cast<double>(stamp - first_stamp_), static_cast<double>(delay - first_delay_)};
-  if (!hull_.empty() && point.x <= hull_.back().x) return;  // stamps increase, except for a few late messages
-  ++count_;
-  sum_x_ += point.x;
-  const auto is_above = [&] {  // the last point is above the line from the one before it to the new one
-    const Point &a = hull_[hull_.size() - 2], &b = hull_.back();
-    return (b.y - a.y) * (point.x - a.x) >= (point.y - a.y) * (b.x - a.x);
-  };
-  while (hull_.size() > 1 && is_above()) hull_.pop_back();
-  hull_.push_back(point);
+  std::optional<std::int64_t> nearest;  // to the log time, by the clocks before and after a step
+  for (const LogClockReport& clock : topic.offsets) {
+    const std::int64_t time =
+        *stamp + clock.offset + std::llround(clock.drift * static_cast<double>(*stamp - clock.reference));
+    if (!nearest || std::abs(logged - time) < std::abs(logged - *nearest)) nearest = time;
+  }
+  if (!topic.offsets[0].is_stated && *nearest > logged + early)
+    return error("a header.stamp that is later than the message was logged");
+  return *nearest;
 }
 
-std::pair<double, double> ClockEstimate::line() const {
-  constexpr double largest_drift = 1e-3;
-  const double middle = sum_x_ / static_cast<double>(count_);
-  const auto after = std::find_if(hull_.begin(), hull_.end(), [&](const Point& point) { return point.x > middle; });
-  if (after == hull_.begin() || after == hull_.end()) return {0.0, static_cast<double>(least_ - first_delay_)};
-  const Point &a = *(after - 1), &b = *after;
-  const double slope = (b.y - a.y) / (b.x - a.x);
-  if (std::abs(slope) > largest_drift) return {0.0, static_cast<double>(least_ - first_delay_)};
-  return {slope, a.y - slope * a.x};
+bool LogTimes::jumps_ahead(const mcap::Message& message, std::int64_t stamp) {
+  constexpr std::int64_t most = 1'000'000'000;  // [ns]
+  const auto logged = static_cast<std::int64_t>(message.log_time);
+  Delays& delays = delays_[message.channel->id];
+  if (logged < delays.logged) delays = {};  // the log is read again
+  delays.logged = logged;
+  const std::int64_t delay = logged - stamp;
+  const std::optional<std::int64_t> last = std::exchange(delays.last, delay);
+  const bool jumps = delays.accepted && delay < *delays.accepted - most && delay < *last - most;
+  if (!jumps) delays.accepted = delay;
+  return jumps;
 }
 
-LogClockReport ClockEstimate::report() const {
-  constexpr std::int64_t longest_delay = 1'000'000'000;  // [ns]
-  LogClockReport report;
-  report.least_delay = static_cast<double>(least_) * 1e-9;
-  report.reference = first_stamp_;
-  if (least_ >= 0 && most_ <= longest_delay) return report;
-  const auto [slope, value] = line();
-  report.drift = slope;
-  report.offset = first_delay_ + std::llround(value);
-  return report;
+std::optional<LogClockReport> LogTimes::clock_of(const std::string& topic) const {
+  const std::vector<LogClockReport>& offsets = topics_.at(topic).offsets;
+  if (offsets.empty()) return std::nullopt;
+  LogClockReport first = offsets[0];
+  first.steps = std::ssize(offsets) - 1;
+  return first;
 }
 
 std::vector<MappedSource> sources_of(const LogMap& map, const Model& model) {

@@ -1,8 +1,7 @@
 // The sources of a map in a log, and the times of their messages on one clock.
 //
 // Times of messages are the log's, or those of their header.stamp. If a map uses both, stamps are converted to the
-// log's clock. The offset and the drift between the clocks follow from the delays of all messages, log time minus
-// stamp. They are those of the line below all delays that is nearest to their mean: an edge of their lower convex hull.
+// log's clock (clock_estimate.h).
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -48,53 +47,41 @@ std::vector<std::uint16_t> channels_of(const mcap::Reader& log, const std::vecto
 Diagnostics read_in_order(mcap::Reader& log, const std::vector<std::uint16_t>& channels,
                           const std::function<bool(const mcap::Message&)>& callback);
 
-/// Collects (stamp, log time) of a topic's messages in the order of the log.
-class ClockEstimate {
- public:
-  void add(std::int64_t stamp, std::int64_t log_time);
-  bool empty() const { return hull_.empty(); }
-
-  /// Clocks with delays of 0 to 1 s agree: then offset and drift are 0.
-  LogClockReport report() const;
-
- private:
-  struct Point {
-    double x, y;  // stamp and delay less those of the first message [ns]
-  };
-  /// The slope and the value at x = 0 of the line.
-  std::pair<double, double> line() const;
-
-  std::int64_t first_stamp_ = 0, first_delay_ = 0;
-  double sum_x_ = 0.0;
-  std::int64_t count_ = 0;
-  std::int64_t least_ = 0, most_ = 0;  // delays [ns]
-  std::vector<Point> hull_;
-};
-
 /// The times of messages.
 class LogTimes {
  public:
   /// Reads the log once if a map uses stamps and log times, to estimate the offsets.
   LogTimes(mcap::Reader& log, const std::vector<MappedSource>& sources);
   ~LogTimes();
-  /// [ns]; nullopt if the message has no such time: its header can't be read, its stamp isn't set, or is out of range.
-  std::optional<std::int64_t> of(const mcap::Message& message);
+  /// [ns]; fails with the reason if the message has no such time: its header can't be read, its stamp isn't set, is out
+  /// of range, or is later than the message was logged.
+  Result<std::int64_t> of(const mcap::Message& message);
+  /// The message's header.stamp [ns]; nullopt: it has none, or it isn't set.
+  std::optional<std::int64_t> stamp_of(const mcap::Message& message);
   /// The offset of a topic's stamps from the log's clock; nullopt: it isn't needed.
-  const std::optional<LogClockReport>& clock_of(const std::string& topic) const;
+  std::optional<LogClockReport> clock_of(const std::string& topic) const;
 
  private:
   struct Stamps;
+  /// Stamps and log times, of which no offset is known.
+  struct Delays {
+    std::int64_t logged = 0;  // of the last message [ns]
+    std::optional<std::int64_t> accepted,
+        last{};  // log time minus stamp, of the last used message and of the last [ns]
+  };
+  /// True if the stamp is over a second further ahead than that of the message before, unless that was so, too.
+  bool jumps_ahead(const mcap::Message& message, std::int64_t stamp);
   struct Topic {
     LogClock clock = LogClock::log_time;
-    std::optional<LogClockReport> offset;
+    std::vector<LogClockReport> offsets;  // one for each span between steps of a clock; empty: not needed
   };
-  std::optional<std::int64_t> stamp_of(const mcap::Message& message);
   void estimate(mcap::Reader& log, const std::vector<MappedSource>& sources);
 
   const mcap::Reader& log_;
   std::map<std::string, Topic> topics_;
   std::map<std::uint16_t, const Topic*> by_channel_;
   std::map<std::uint16_t, std::unique_ptr<Stamps>> stamps_;  // by channel id
+  std::map<std::uint16_t, Delays> delays_;                   // likewise
 };
 
 }  // namespace rehearse

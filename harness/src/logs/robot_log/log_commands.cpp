@@ -10,6 +10,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/mcap/glob.h"
 #include "joint_messages.h"
 #include "number_messages.h"
 
@@ -113,9 +114,25 @@ const CommandedJoints* LogCommands::of_tick(std::int64_t tick) {
   return found;
 }
 
+namespace {
+
+/// The rule of a number: that of the map, with the default where it states no absolute tolerance.
+ToleranceRule rule_of(const std::string& series, const std::vector<ToleranceRule>& rules, double tolerance) {
+  const auto stated = std::find_if(rules.rbegin(), rules.rend(),
+                                   [&](const ToleranceRule& rule) { return matches(rule.channel, series); });
+  ToleranceRule rule = stated == rules.rend() ? ToleranceRule() : *stated;
+  rule.channel = series;
+  if (!rule.atol) rule.atol = tolerance;
+  return rule;
+}
+
+}  // namespace
+
 std::unique_ptr<RowJudge> LogCommands::make_judge(const ControllerHost& host, const Scenario& scenario,
-                                                  RowJudge::OnDifference differs) const {
+                                                  RowJudge::OnDifference differs) {
   SeriesScales scales;
+  rules_.clear();
+  columns_.clear();
   std::vector<TraceChannel> channels;  // by controller
   for (const HostedController& hosted : host.controllers()) {
     TraceChannel& channel = channels.emplace_back();
@@ -127,13 +144,16 @@ std::unique_ptr<RowJudge> LogCommands::make_judge(const ControllerHost& host, co
       if (!part) continue;
       const Joint& joint = model_.links[field.link].joint;
       const std::string element = joint.name + "/" + name_of(field.quantity);
-      channel.metadata["unit:" + element] = unit_of_joint(name_of(field.quantity), is_linear(joint.type));
+      const std::string unit(unit_of_joint(name_of(field.quantity), is_linear(joint.type)));
+      channel.metadata["unit:" + element] = unit;
       channel.columns.push_back({element, {}, CellKind::floating});
+      columns_.push_back({element, unit, facts_.ranges.range(field.joint, part)});
+      const std::string series = series_name(channel.topic, element);
+      rules_.push_back(rule_of(series, scenario.tolerances, facts_.ranges.tolerance(field.joint, part, unit)));
       if (!facts_.largest.empty()) scales[{channel.topic, element}] = (facts_.largest[field.joint].*part).value_or(0.0);
     }
   }
-  auto judge =
-      std::make_unique<RowJudge>(&scenario.tolerances, std::move(scales), scenario.time_step, std::move(differs));
+  auto judge = std::make_unique<RowJudge>(&rules_, std::move(scales), scenario.time_step, std::move(differs));
   for (const TraceChannel& channel : channels) judge->set_columns(judge->add_channel(channel), channel.columns);
   return judge;
 }

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "command_ranges.h"
 #include "command_timing.h"
 #include "core/compare/row_judge.h"
 #include "core/host/controller_host.h"
@@ -20,12 +21,6 @@
 #include "log_ticks.h"
 
 namespace rehearse {
-
-/// The command of a message for a joint.
-struct CommandedJoint {
-  std::optional<double> q, dq, u;
-};
-using CommandedJoints = std::vector<CommandedJoint>;  // by joint id
 
 /// Decodes the messages of a map's commands.
 class CommandReader {
@@ -56,6 +51,7 @@ void keep_largest(CommandedJoints& largest, const CommandedJoints& joints);
 /// Facts of a whole log for the comparison of its commands.
 struct CommandFacts {
   CommandedJoints largest;  // magnitudes, to which relative tolerances refer; empty if there are none
+  CommandRanges ranges;     // for default tolerances
   std::int64_t messages = 0;
   std::int64_t first = 0;    // time of the first message [ns]
   std::int64_t last = 0;     // time of the last message [ns]
@@ -85,9 +81,11 @@ class LogCommands {
   /// is the first one in this time that isn't later than usual by half a time step.
   const CommandedJoints* of_tick(std::int64_t tick);
 
-  /// A judge for the commands of the controllers. The scenario must outlive it.
+  /// A judge for the commands of the controllers, which this must outlive.
   std::unique_ptr<RowJudge> make_judge(const ControllerHost& host, const Scenario& scenario,
-                                       RowJudge::OnDifference differs) const;
+                                       RowJudge::OnDifference differs);
+  /// The numbers that compare() returns.
+  const std::vector<CommandColumn>& columns() const { return columns_; }
   /// Passes the commands of the controllers in a tick, and those of the log, to the judge that make_judge() made.
   /// Returns all numbers of the controllers, in the same order each time.
   std::vector<CommandPair> compare(std::int64_t tick, const CommandedJoints& logged, const ControllerHost& host,
@@ -106,6 +104,8 @@ class LogCommands {
   const CommandFacts facts_;
   const int shift_;
   CommandReader reader_;
+  std::vector<CommandColumn> columns_;
+  std::vector<ToleranceRule> rules_;  // one for each number that the controllers command
   std::deque<Sample> samples_;
 };
 

@@ -11,12 +11,27 @@ constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
 
 }  // namespace
 
+void CommandRecord::begin(std::int64_t time) { first_time_ = (time + 500) / 1000; }
+
+bool CommandRecord::begins_steadily(double time_step) const {
+  constexpr double ticks = 20.0, longest_gap = 5.0;  // [ticks]
+  const double step = time_step * 1e6;
+  auto last = static_cast<double>(first_time_);
+  for (const auto& [time, commands] : commands_) {
+    if (static_cast<double>(time) - last > longest_gap * step) return false;
+    last = static_cast<double>(time);
+    if (last >= static_cast<double>(first_time_) + ticks * step) return true;
+  }
+  return false;
+}
+
 void CommandRecord::add(std::int64_t time, const std::vector<CommandPair>& pairs) {
   std::vector<double>& commands = commands_[(time + 500) / 1000];
   for (const CommandPair& pair : pairs) commands.push_back(pair.actual);
 }
 
-std::optional<std::int64_t> memory_of(const CommandRecord& from_the_start, const CommandRecord& started_later) {
+std::optional<std::int64_t> memory_of(const CommandRecord& from_the_start, const CommandRecord& started_later,
+                                      double time_step) {
   constexpr std::int64_t fewest = 20;
   constexpr double share_of_range = 1e-9;  // commands alike, also after an input that is far off
   std::vector<double> low, high;
@@ -28,16 +43,20 @@ std::optional<std::int64_t> memory_of(const CommandRecord& from_the_start, const
       high[i] = std::max(high[i], commands[i]);
     }
   }
-  std::int64_t compared = 0, memory = 0;
+  std::int64_t compared = 0, last_compared = 0, last_different = -1;  // the last two: [us]
   for (const auto& [time, later] : started_later.all()) {
     const auto same_time = from_the_start.all().find(time);
     if (same_time == from_the_start.all().end() || same_time->second.size() != later.size()) continue;
     ++compared;
+    last_compared = time;
     for (std::size_t i = 0; i < later.size(); ++i)
-      if (!(std::abs(later[i] - same_time->second[i]) <= share_of_range * (high[i] - low[i]))) memory = compared;
+      if (!(std::abs(later[i] - same_time->second[i]) <= share_of_range * (high[i] - low[i]))) last_different = time;
   }
-  if (compared < fewest || memory > compared / 2) return std::nullopt;
-  return memory;
+  if (compared < fewest) return std::nullopt;
+  if (last_different < 0) return 0;
+  const std::int64_t first = started_later.first_time();
+  if (last_different - first > (last_compared - first) / 2) return std::nullopt;
+  return std::llround(static_cast<double>(last_different - first) * 1e-6 / time_step) + 1;
 }
 
 LogCertainty::LogCertainty(std::optional<std::int64_t> memory, bool knows_beginning)
@@ -54,6 +73,27 @@ bool LogCertainty::take(std::int64_t tick, bool interrupted, bool agrees, bool m
   moved_ = agrees ? moved_ + (moves ? 1 : 0) : 0;
   if (agreed_ >= enough_ticks && moved_ >= enough_moves) known_from_ = std::min(known_from_, tick);
   return is_certain;
+}
+
+void RestOfLog::add(double at, const std::vector<double>& off) {
+  if (off.empty() || (ticks_ > 0 && off.size() != low_.size())) return;
+  if (ticks_++ == 0) {
+    from_ = at;
+    low_ = high_ = off;
+  }
+  for (std::size_t i = 0; i < off.size(); ++i) {
+    low_[i] = std::min(low_[i], off[i]);
+    high_[i] = std::max(high_[i], off[i]);
+  }
+}
+
+std::optional<LogRest> RestOfLog::report(const std::vector<CommandColumn>& columns) const {
+  std::optional<LogRest> worst;
+  for (std::size_t i = 0; i < std::min(low_.size(), columns.size()); ++i) {
+    const LogRest rest{columns[i].name, columns[i].unit, from_, ticks_, low_[i], high_[i], columns[i].range};
+    if (!worst || rest.share() > worst->share()) worst = rest;
+  }
+  return worst;
 }
 
 }  // namespace rehearse

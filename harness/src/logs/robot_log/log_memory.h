@@ -8,25 +8,35 @@
 #include <optional>
 #include <vector>
 
+#include "command_ranges.h"
 #include "command_timing.h"
+#include "log_replay.h"
 
 namespace rehearse {
 
 /// The commands of a replay by the log's time [us].
 class CommandRecord {
  public:
+  /// Of the first tick, `time`: [ns].
+  void begin(std::int64_t time);
   /// `time`: [ns].
   void add(std::int64_t time, const std::vector<CommandPair>& pairs);
+  /// True if there are commands in the first twenty ticks, without a gap of over five ticks. Else inputs may be missing
+  /// there, and a controller without new inputs shows no memory. `time_step`: [s].
+  bool begins_steadily(double time_step) const;
+  std::int64_t first_time() const { return first_time_; }  // [us]
   const std::map<std::int64_t, std::vector<double>>& all() const { return commands_; }
 
  private:
+  std::int64_t first_time_ = 0;  // of the first tick [us]
   std::map<std::int64_t, std::vector<double>> commands_;
 };
 
 /// The number of ticks after which two controllers command alike that were fed with the same inputs, but one of them
 /// from a later tick on. 0: they always do. None: they differ in the second half of the compared ticks, too, or fewer
-/// than 20 ticks were compared.
-std::optional<std::int64_t> memory_of(const CommandRecord& from_the_start, const CommandRecord& started_later);
+/// than 20 ticks were compared. `time_step`: [s].
+std::optional<std::int64_t> memory_of(const CommandRecord& from_the_start, const CommandRecord& started_later,
+                                      double time_step);
 
 /// Decides which ticks of a log are certain: their commands follow from inputs that the log contains.
 class LogCertainty {
@@ -45,6 +55,20 @@ class LogCertainty {
   const std::optional<std::int64_t> memory_;
   std::int64_t known_from_;  // tick
   int agreed_ = 0, moved_ = 0;
+};
+
+/// Collects the differences of the ticks that aren't certain.
+class RestOfLog {
+ public:
+  /// `at`: the log's time [s]; `off`: replayed minus logged, by column.
+  void add(double at, const std::vector<double>& off);
+  /// Nullopt: there are no such ticks.
+  std::optional<LogRest> report(const std::vector<CommandColumn>& columns) const;
+
+ private:
+  double from_ = 0.0;
+  std::int64_t ticks_ = 0;
+  std::vector<double> low_, high_;  // by column
 };
 
 }  // namespace rehearse

@@ -32,7 +32,8 @@ Result<void> LogObservations::make_feeds(const std::vector<LogTopic>& topics) {
     const auto schema = ros2msg::Schema::parse(topic->type, topic->schema);
     if (!schema) return schema.errors();
     const DurationCounts& intervals = survey_.sources[i].intervals;
-    const std::int64_t period = intervals.is_regular() ? intervals.median() : 0;
+    const bool may_miss = !(map_.skips_missing && map_.tick && map_.tick->topic == mapped.source->topic);
+    const std::int64_t period = may_miss && intervals.is_regular() ? intervals.median() : 0;
     Fed& fed = fed_.emplace_back(Fed{mapped, nullptr, TopicWatch(mapped.source->max_age, period)});
     if (plan_) fed.watch.doubt(plan_->window_of(mapped.source->topic));
     if (mapped.joints) fed.feed = make_joint_feed(*mapped.joints, model_, *schema);
@@ -41,7 +42,7 @@ Result<void> LogObservations::make_feeds(const std::vector<LogTopic>& topics) {
     if (mapped.devices) fed.feed = make_device_feed(*mapped.devices, model_, ticks_, *topic, *schema);
     if (mapped.commands) {
       const SourceSurvey& whole = survey_.sources[i];
-      CommandFacts facts{survey_.largest_commands, whole.messages, *whole.first, whole.last,
+      CommandFacts facts{survey_.largest_commands,    survey_.ranges, whole.messages, *whole.first, whole.last,
                          plan_ ? plan_->latency() : 0};
       commands_ = std::make_unique<LogCommands>(map_, model_, *schema, ticks_, std::move(facts));
     }
@@ -53,8 +54,18 @@ Result<void> LogObservations::make_feeds(const std::vector<LogTopic>& topics) {
   return {};
 }
 
+void LogObservations::watch_order(LogTimes& times) {
+  constexpr std::int64_t ticks_of_delay = 3;  // a message is hardly ever later
+  times_ = &times;
+  lookahead_ += nanoseconds(map_.time_step) * ticks_of_delay;
+  for (Fed& fed : fed_)
+    if (fed.mapped.source->clock == LogClock::log_time) fed.order.emplace(map_.time_step);
+}
+
 void LogObservations::take(std::int64_t time, const mcap::Message& message) {
   for (Fed& fed : fed_) {
+    if (fed.order && fed.mapped.source->topic == message.channel->topic)
+      fed.order->add(message, times_->stamp_of(message));
     if (fed.mapped.source->topic != message.channel->topic || !fed.watch.came(time)) continue;
     Result<void> taken;
     if (fed.feed) taken = fed.feed->take(time, message.data);
@@ -92,6 +103,7 @@ Diagnostics LogObservations::unreadable_sources() const {
 /// Reads all sources at the tick.
 void LogObservations::look(std::int64_t tick) {
   const LogMoment moment{ticks_.time(tick), tick, time_of(tick, map_.time_step)};
+  doubts_inputs_ = doubts_commands_ = false;
   for (Fed& fed : fed_) {
     if (fed.feed) {
       fed.feed->look(moment, seen_);
@@ -99,6 +111,7 @@ void LogObservations::look(std::int64_t tick) {
       for (const std::string& joint : fed.feed->take_silences())
         add_gap_event(fed, tick, fmt::format("of joint {} on", joint));
     }
+    if (fed.order && fed.order->doubts(moment.time)) (fed.feed ? doubts_inputs_ : doubts_commands_) = true;
     const bool both_sides = fed.mapped.source->sampling == Sampling::interpolate;
     const auto age = fed.watch.look(moment.time, moment.seconds, both_sides);
     if (fed.feed && age == TopicWatch::Age::gap_begins) add_gap_event(fed, tick, "on");

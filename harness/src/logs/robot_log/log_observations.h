@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/run/run.h"
@@ -13,6 +14,7 @@
 #include "log_replay.h"
 #include "log_survey.h"
 #include "log_tick_plan.h"
+#include "order_watch.h"
 #include "topic_watch.h"
 
 namespace rehearse {
@@ -25,12 +27,18 @@ class LogObservations final : public ObservationSource {
       : map_(map), model_(model), sources_(sources), survey_(survey), ticks_(ticks), plan_(plan) {}
 
   Result<void> make_feeds(const std::vector<LogTopic>& topics);
+  /// From now on also looks for messages that the controller may have had at another time, or in another order.
+  void watch_order(LogTimes& times);
   /// A tick may need messages that are later than it by less than this [ns].
   std::int64_t lookahead() const { return lookahead_; }
   const LogTicks& ticks() const { return ticks_; }
   /// True if the controller may have had another message in the last tick. Either one is missing in the log, or one
   /// came so near to the tick that it may belong to the tick before or after.
   bool may_miss_input() const;
+  /// True if a message of an input, or of the commands, near the last tick was late, came twice, or isn't in order;
+  /// always false without watch_order().
+  bool doubts_inputs() const { return doubts_inputs_; }
+  bool doubts_commands() const { return doubts_commands_; }
 
   /// Adds the next message in the order of the log, with its time [ns].
   void take(std::int64_t time, const mcap::Message& message);
@@ -57,6 +65,7 @@ class LogObservations final : public ObservationSource {
     const MappedSource& mapped;
     std::unique_ptr<LogFeed> feed;  // null: a source of commands
     TopicWatch watch;
+    std::optional<OrderWatch> order = {};
     std::vector<LogUnreadable> unreadable_for = {};
     std::optional<Diagnostic> unreadable_first = {};
     std::int64_t readable = 0;
@@ -77,6 +86,8 @@ class LogObservations final : public ObservationSource {
   std::vector<Fed> fed_;  // parallel to sources_
   std::unique_ptr<LogCommands> commands_;
   std::int64_t lookahead_ = 0;  // [ns]
+  LogTimes* times_ = nullptr;   // null: the order isn't watched
+  bool doubts_inputs_ = false, doubts_commands_ = false;
   Observation seen_;
   std::vector<msg::Event> gap_events_;
 };

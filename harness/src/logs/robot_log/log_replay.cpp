@@ -1,34 +1,22 @@
 #include "log_replay.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <rehearse/body.h>
+#include <rehearse/mcap.h>
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
-#include <limits>
+#include <memory>
 #include <optional>
 #include <utility>
 
 #include "core/guard/float_mode.h"
-#include "core/guard/process_guard.h"
-#include "core/host/controller_host.h"
 #include "core/mcap/hashing.h"
-#include "core/recording/provenance.h"
-#include "core/recording/recorder.h"
-#include "core/run/hosted_commands.h"
+#include "log_causes.h"
 #include "log_memory.h"
-#include "log_mistakes.h"
-#include "log_observations.h"
-#include "log_scenario.h"
-#include "log_sink.h"
-#include "log_survey.h"
-#include "log_tick_plan.h"
+#include "log_replayer.h"
 #include "logs/bag/bag_folder.h"
 #include "logs/bag/sqlite_bag.h"
-#include "model/clock.h"
-#include "topic_watch.h"
 
 namespace rehearse {
 namespace {
@@ -64,392 +52,90 @@ Result<std::string> hash_of(const fs::path& log) {
   return hash_text(hash);
 }
 
-class LogReplayer {
+/// Replays parts of a log again, by the same map and by others. The log is surveyed once for all that read the same
+/// messages as ticks, with the same clocks.
+class Trials {
  public:
-  LogReplayer(mcap::Reader& log, const LogMap& map, std::shared_ptr<const Model> model, const fs::path& trace,
-              const LogReplayOptions& options)
-      : log_(log), map_(map), model_(std::move(model)), trace_(trace), options_(options) {}
+  Trials(mcap::Reader& log, const LogMap& map, const std::shared_ptr<const Model>& model,
+         const std::vector<LogTopic>& topics, const LogReplayOptions& options, LogReplayReport& report)
+      : log_(log), map_(map), model_(model), topics_(topics), options_(options), report_(report) {
+    options_.on_difference = {};
+    options_.progress = {};
+  }
 
-  Result<LogReplayReport> run(const std::vector<LogTopic>& topics, std::string log_hash);
-  /// After run(): maps whose ticks are the messages of another topic that sends regularly.
-  std::vector<LogMap> maps_with_other_ticks() const;
+  /// Finds the ticks that decide about the controller: twice a part of the log, once with a controller that starts
+  /// later, for its memory; then the whole log.
+  void find_certain_ticks() {
+    LogReplayOptions whole = options_;
+    whole.memory = memory();
+    auto judged = replay(map_, whole, true);
+    if (judged) report_.certain = std::move(judged->certain);
+  }
+
+  /// Sets the report's cause to the first reading with which nine of ten ticks that differ agree, up to some ticks
+  /// after the first difference.
+  void try_readings(const std::vector<OtherReading>& readings) {
+    constexpr double ticks_after = 1000, most_ticks = 100'000;
+    const auto all = static_cast<double>(report_.ticks), all_compared = static_cast<double>(report_.ticks_compared);
+    const double share = static_cast<double>(report_.ticks_beyond) / all_compared;
+    const double ticks = std::min(static_cast<double>(report_.beyond->tick) + ticks_after, all);
+    if (ticks > most_ticks) return;
+    const double end = std::min(options_.until.value_or(report_.duration), ticks * report_.time_step);
+    LogReplayOptions part = options_;
+    part.most_beyond = static_cast<std::int64_t>(0.1 * share * ticks);
+    for (const OtherReading& reading : readings) {
+      const double begin = reading.map.start.seconds;
+      part.until = end - begin;
+      const double fewest = std::max(10.0, 0.5 * (1.0 - begin / end) * ticks * all_compared / all);
+      const auto tried = replay(reading.map, part, reading.has_same_messages);
+      if (!tried || tried->failure || static_cast<double>(tried->ticks_compared) < fewest) continue;
+      if (static_cast<double>(tried->ticks_beyond) > 0.1 * share * static_cast<double>(tried->ticks_compared)) continue;
+      report_.cause = LogCause{reading.lines, reading.meaning, tried->ticks_compared, tried->ticks_beyond};
+      return;
+    }
+  }
 
  private:
-  Result<void> find_span();
-  Result<void> check_interval() const;
-  Result<void> make_ticks(std::int64_t start, std::int64_t end);
-  bool on_message(const mcap::Message& message);
-  Result<void> run_ticks_before(std::int64_t time);
-  Result<void> begin();
-  Result<void> host_controller();
-  Result<Scenario> make_scenario(const BodyObservation& seen);
-  mcap::StringMap provenance_of_log() const;
-  void report_topics();
-  void warn_of(const LogUnreadable& found, const LogSource& source);
-  void report_ticks();
-  Result<void> finish();
-  Result<void> close_file();
+  Result<LogReplayReport> replay(const LogMap& map, const LogReplayOptions& options, bool has_same_messages) {
+    const fs::path nowhere = "/dev/null";
+    LogReplayer replayer(log_, map, model_, nowhere, options);
+    replayer.keep_survey();
+    auto report = replayer.run(topics_, report_.log_hash, has_same_messages && surveyed_ ? &*surveyed_ : nullptr);
+    if (has_same_messages && !surveyed_) surveyed_ = replayer.take_survey();
+    return report;
+  }
+
+  /// The controller's; a controller of which it can't be measured has none.
+  std::optional<std::int64_t> memory() {
+    constexpr std::int64_t most_ticks = 8000;
+    for (const std::int64_t part : {4, 8, 2}) {  // of the log, after which the other controller starts
+      const std::int64_t later = std::min<std::int64_t>(report_.ticks / part, most_ticks / (2 * part));
+      const std::int64_t until = std::min(report_.ticks, later + most_ticks);
+      const CommandRecord started_later = commands_from(later, until);
+      if (started_later.begins_steadily(map_.time_step))
+        return memory_of(commands_from(0, until), started_later, map_.time_step);
+    }
+    return std::nullopt;
+  }
+
+  CommandRecord commands_from(std::int64_t tick, std::int64_t until) {
+    CommandRecord commands;
+    LogReplayOptions part = options_;
+    part.commands = &commands;
+    part.skip = tick;
+    part.until = static_cast<double>(until - tick) * map_.time_step;
+    static_cast<void>(replay(map_, part, true));
+    return commands;
+  }
 
   mcap::Reader& log_;
   const LogMap& map_;
-  std::shared_ptr<const Model> model_;
-  const fs::path& trace_;
-  const LogReplayOptions& options_;
-  std::vector<MappedSource> sources_;
-  std::optional<LogTimes> times_;
-  LogSurvey survey_;
-  std::optional<TickPlan> plan_;  // none: the nominal grid
-  std::optional<LogTicks> log_ticks_;
-  std::int64_t ticks_ = 0;  // number of ticks to run
-  std::optional<LogObservations> observations_;
-  std::optional<Scenario> scenario_;
-  std::unique_ptr<ControllerHost> host_;
-  std::unique_ptr<Recorder> recorder_;
-  std::optional<ProtectedDescriptor> descriptor_;  // the recorder's
-  std::optional<HostedCommands> commands_;
-  std::optional<LogSink> sink_;
-  std::optional<Run> run_;  // none before the first tick
-  bool over_ = false;
-  Diagnostics errors_;
-  LogReplayReport report_;
+  const std::shared_ptr<const Model>& model_;
+  const std::vector<LogTopic>& topics_;
+  LogReplayOptions options_;
+  LogReplayReport& report_;
+  std::optional<SurveyedLog> surveyed_;  // by the first replay with the map's messages
 };
-
-/// Determines the first tick and the number of ticks from the survey.
-Result<void> LogReplayer::find_span() {
-  Diagnostics missing;
-  std::optional<std::int64_t> start, end;
-  for (std::size_t i = 0; i < sources_.size(); ++i) {
-    const SourceSurvey& found = survey_.sources[i];
-    if (!found.first) {
-      const bool no_time = found.without_time > 0;
-      missing.push_back(at(sources_[i].source->place,
-                           error(fmt::format("the log has no message on '{}'{}", sources_[i].source->topic,
-                                             no_time ? " whose header.stamp is a time" : ""),
-                                 no_time ? "expected clock: log_time" : "take it out of the map, or use another log")));
-      continue;
-    }
-    if (!sources_[i].is_awaited() && !sources_[i].joystick) continue;
-    end = std::max(end.value_or(found.last), found.last);
-    if (!sources_[i].is_awaited()) continue;
-    const std::int64_t there = map_.start_with_first ? *found.first : *found.complete;
-    if (!start) start = there;
-    start = map_.start_with_first ? std::min(*start, there) : std::max(*start, there);
-  }
-  for (Diagnostic& mistake : mistakes_in_names(sources_, survey_, *model_)) missing.push_back(std::move(mistake));
-  if (!missing.empty()) return missing;
-  if (!start) start = *survey_.sources[0].first;  // only a joystick
-  *start += std::llround(static_cast<double>(options_.skip) * map_.time_step * 1e9);
-  return make_ticks(*start, *end);
-}
-
-/// Makes ticks at the messages of the map's topic, or a grid up to `end` [ns].
-Result<void> LogReplayer::make_ticks(std::int64_t start, std::int64_t end) {
-  log_ticks_.emplace(start, map_.time_step);
-  if (map_.tick) {
-    if (auto fits = check_interval(); !fits) return fits;
-    auto plan = TickPlan::make(map_, sources_, survey_);
-    if (!plan) return plan.errors();
-    plan_.emplace(*std::move(plan));
-    log_ticks_ = plan_->ticks(std::exchange(survey_.tick_messages, {}), start);
-    if (log_ticks_->size() == 0)
-      return at(map_.tick->place,
-                error(fmt::format("'{}' has no message after the first one of each input", map_.tick->topic),
-                      "look at start"));
-  }
-  report_.start = log_ticks_->time(0);
-  const double last = static_cast<double>(end - start) * 1e-9 / map_.time_step;
-  double ticks = map_.tick ? static_cast<double>(log_ticks_->size()) : std::floor(last + 1e-6) + 1.0;
-  if (options_.until) ticks = std::min(ticks, std::ceil(*options_.until / map_.time_step - 1e-6));
-  const double most = Scenario::max_duration / map_.time_step;
-  if (ticks > most)
-    return error_in(log_.name(),
-                    fmt::format("it has {:.0f} s, and a recording has at most {:.0f}", ticks * map_.time_step,
-                                Scenario::max_duration),
-                    "limit the time: --until");
-  if (ticks < 1.0) return error_in(log_.name(), "there is no tick to replay", "look at --until");
-  ticks_ = static_cast<std::int64_t>(ticks);
-  return {};
-}
-
-/// Fails unless the nominal time step is the interval of the messages: missing messages are found by it.
-Result<void> LogReplayer::check_interval() const {
-  const auto source = std::find_if(sources_.begin(), sources_.end(), [this](const MappedSource& mapped) {
-    return mapped.source->topic == map_.tick->topic;
-  });
-  const double interval = seconds_of(survey_.sources[source - sources_.begin()].intervals.median());
-  constexpr double allowed = 0.25;
-  if (interval == 0.0 || std::abs(interval - map_.time_step) <= allowed * map_.time_step) return {};
-  return at(map_.tick->place,
-            error(fmt::format("the messages on '{}' are {:.4g} s apart (median), and time_step is {:g} s",
-                              map_.tick->topic, interval, map_.time_step),
-                  "a tick is one time step after the one before"));
-}
-
-Result<LogReplayReport> LogReplayer::run(const std::vector<LogTopic>& topics, std::string log_hash) {
-  report_.log_hash = std::move(log_hash);
-  report_.has_commands = map_.commands.has_value();
-  sources_ = sources_of(map_, *model_);
-  times_.emplace(log_, sources_);
-  survey_ = survey(log_, map_, *model_, sources_, *times_);
-  append_as_warnings(survey_.damage, report_.remarks);  // the undamaged data is used
-  if (auto found = find_span(); !found) return found.errors();
-  observations_.emplace(map_, *model_, sources_, survey_, *log_ticks_, plan_ ? &*plan_ : nullptr);
-  if (auto made = observations_->make_feeds(topics); !made) return made.errors();
-  read_in_order(log_, channels_of(log_, sources_),
-                [this](const mcap::Message& message) { return on_message(message); });
-  if (errors_.empty())
-    if (auto done = run_ticks_before(std::numeric_limits<std::int64_t>::max()); !done) errors_ = done.errors();
-  if (!errors_.empty()) return errors_;
-  if (auto done = finish(); !done) return done.errors();
-  return std::move(report_);
-}
-
-bool LogReplayer::on_message(const mcap::Message& message) {
-  const auto time = times_->of(message);
-  if (!time) return true;
-  // Messages that are logged from now on aren't earlier than this.
-  const std::int64_t known = static_cast<std::int64_t>(message.log_time) - survey_.latest - observations_->lookahead();
-  if (auto done = run_ticks_before(known); !done) errors_ = done.errors();
-  if (!errors_.empty()) return false;
-  observations_->take(*time, message);
-  return !over_;
-}
-
-/// Runs all ticks before that time of the log [ns].
-Result<void> LogReplayer::run_ticks_before(std::int64_t time) {
-  // Up to the end of the tick whose commands are compared.
-  const std::int64_t ahead = map_.commands ? std::max(0, map_.commands->shift) + 1 : 0;
-  while (!over_ && log_ticks_->time((run_ ? run_->tick() : 0) + ahead) < time) {
-    if (!run_)
-      if (auto begun = begin(); !begun) return begun;
-    const auto going_on = run_->step();
-    if (!going_on) return going_on.errors();
-    over_ = !*going_on || run_->tick() == ticks_;
-  }
-  return {};
-}
-
-/// Makes the first tick: its posture becomes the scenario's, and the inputs of the controller are determined only now.
-Result<void> LogReplayer::begin() {
-  const BodyObservation& seen = observations_->look_first();
-  if (Diagnostics unreadable = observations_->unreadable_sources(); !unreadable.empty()) return unreadable;
-  for (Diagnostic& remark : observations_->take_remarks()) report_.remarks.push_back(std::move(remark));
-  auto scenario = make_scenario(seen);
-  if (!scenario) return scenario.errors();
-  scenario_ = *std::move(scenario);
-  observations_->complete_posture(scenario_->bodies[0].joints);
-  report_.begin.joints = scenario_->bodies[0].joints;
-  report_.begin.has_joystick = map_.joystick.has_value();
-  if (map_.root) report_.begin.root = LogStart::Root{seen.links[0].position, seen.links[0].rotation};
-  report_.time_step = map_.time_step;
-  report_.body = map_.body;
-  report_.controller = map_.controller;
-  return host_controller();
-}
-
-Result<void> LogReplayer::host_controller() {
-  auto host = ControllerHost::create(*scenario_, options_);
-  if (!host) {
-    Diagnostics errors = host.errors();
-    for (Diagnostic& finding : errors)  // the scenario has no file that the user wrote
-      if (finding.file == scenario_->file) finding = error(finding.message, finding.hint);
-    return errors;
-  }
-  host_ = std::move(*host);
-  Command at_rest = host_->initialize(initial_observation(*scenario_));
-  if (Diagnostics missing = inputs_not_given(*host_, *model_, map_, sources_, survey_); !missing.empty())
-    return missing;
-  if (map_.commands) {
-    const SourceSurvey* found = nullptr;
-    for (std::size_t i = 0; i < sources_.size(); ++i)
-      if (sources_[i].commands) found = &survey_.sources[i];
-    auto comparable = check_commands(*host_, *model_, *map_.commands, *found, report_.remarks);
-    if (!comparable) return comparable;
-  }
-  auto recorder = Recorder::create(trace_, *scenario_, provenance_of_log());
-  if (!recorder) return recorder.errors();
-  recorder_ = std::move(*recorder);
-  descriptor_.emplace(recorder_->descriptor(), "the recording");
-  if (auto done = recorder_->attach("map.yaml", "application/yaml", map_.text); !done) return done;
-  recorder_->declare(host_.get());
-  host_->start();
-  commands_.emplace(*host_, HostedCommands::Written::at_once);
-  sink_.emplace(*recorder_, options_, map_, *scenario_, *observations_, report_);
-  run_.emplace(map_.time_step, *observations_, *commands_, *sink_, 0, ticks_);
-  run_->command = std::move(at_rest);
-  run_->report_progress(options_.progress, ticks_);
-  return sink_->record_events(host_->take_events());
-}
-
-Result<Scenario> LogReplayer::make_scenario(const BodyObservation& seen) {
-  const fs::path model_file = fs::path(model_->source_file).filename();
-  const std::string text =
-      log_scenario_text({map_, *model_, model_file.string(), fs::path(log_.name()).filename().string(),
-                         options_.controller, ticks_, seen});
-  const Scenario::ModelSource model = [this](const std::string&, const UrdfOptions&) -> Result<Model> {
-    return *model_;
-  };
-  auto scenario = Scenario::parse(text, trace_.string() + "/scenario.yaml", model);
-  if (scenario && scenario->ticks() != ticks_)
-    return error(fmt::format("{} ticks of {} s are no duration", ticks_, map_.time_step), "expected another time_step");
-  return scenario;
-}
-
-/// The facts of the log and of the map.
-mcap::StringMap LogReplayer::provenance_of_log() const {
-  mcap::StringMap stated = provenance(*scenario_, host_.get(), "", "");
-  stated[facts::source] = "log";
-  stated[facts::log] = fs::path(log_.name()).filename().string() + " " + report_.log_hash;
-  stated[facts::log_start] = std::to_string(report_.start);
-  stated[facts::map] =
-      fs::path(map_.file).filename().string() + " " + hash_text(hash_bytes(map_.text.data(), map_.text.size()));
-  return stated;
-}
-
-void LogReplayer::report_topics() {
-  report_.topics = observations_->report();
-  for (std::size_t i = 0; i < sources_.size(); ++i) {
-    LogTopicReport& topic = report_.topics[i];
-    for (const auto& [id, channel] : log_.channels())
-      if (channel.topic == topic.topic && log_.schema_of(channel)) topic.type = log_.schema_of(channel)->name;
-    const SourceSurvey& whole = survey_.sources[i];
-    topic.clock = times_->clock_of(topic.topic);
-    topic.unreadable += whole.without_time;
-    if (whole.without_time > 0) topic.unreadable_for.push_back({"no time in header.stamp", whole.without_time, 0.0});
-    for (const LogUnreadable& found : topic.unreadable_for) warn_of(found, *sources_[i].source);
-    topic.skipped += whole.messages - whole.without_time - topic.messages;  // after the last tick
-    topic.messages = whole.messages;
-    topic.out_of_order = whole.out_of_order;
-  }
-}
-
-void LogReplayer::warn_of(const LogUnreadable& found, const LogSource& source) {
-  const std::string amount = found.messages == 1 ? "1 message" : fmt::format("{} messages", found.messages);
-  report_.remarks.push_back(at(source.place, warning(fmt::format("{} on '{}' can't be read: {} (the first at {:.3f} s)",
-                                                                 amount, source.topic, found.reason, found.first_at),
-                                                     "no tick uses them")));
-}
-
-void LogReplayer::report_ticks() {
-  if (!map_.tick) return;
-  LogTickReport& tick = report_.tick.emplace(plan_->report());
-  for (std::int64_t i = 0; i < recorder_->size().ticks; ++i) tick.missing += log_ticks_->has_message(i) ? 0 : 1;
-  for (std::size_t i = 0; i < sources_.size(); ++i)
-    if (sources_[i].source->topic == tick.topic) tick.interval = seconds_of(survey_.sources[i].intervals.median());
-  if (!map_.commands) tick.latency.reset();
-}
-
-/// Ends the recording, and makes the report of the topics.
-Result<void> LogReplayer::finish() {
-  REHEARSE_ASSERT(run_, "there is at least one tick");
-  host_->stop(run_->tick());
-  sink_->finish();
-  report_.failure = run_->interruption() ? run_->interruption() : host_->failure();
-  report_.controller_refused = host_->any_refused();
-  if (auto done = sink_->record_events(host_->take_events()); !done) return done;
-  report_topics();
-  report_ticks();
-  if (auto done = close_file(); !done) return done;
-  if (report_.has_commands && report_.values == 0 && !report_.failure)
-    report_.remarks.push_back(
-        at(map_.commands->place,
-           warning(fmt::format("nothing was compared: '{}' has no number that the controller commands in these ticks",
-                               map_.commands->topic),
-                   "look at its joints and quantities, and at shift")));
-  return {};
-}
-
-Result<void> LogReplayer::close_file() {
-  const RecordingSize& size = recorder_->size();
-  // A log has no state after the last tick.
-  RunOutcome outcome{.ticks = size.ticks, .complete = false, .checkpoints = "none"};
-  if (report_.failure) outcome.failure = report_.failure->message;
-  for (const LogTopicReport& topic : report_.topics) {
-    auto done = recorder_->add_metadata(records::log_topic + topic.topic, metadata_of(topic));
-    if (!done) return done;
-  }
-  descriptor_.reset();
-  report_.ticks = size.ticks;
-  report_.channels = size.channels;
-  report_.pictures = size.pictures;
-  report_.duration = static_cast<double>(size.ticks) * map_.time_step;
-  if (auto done = recorder_->close(outcome); !done) return done;
-  std::error_code ignored;
-  report_.bytes = fs::file_size(trace_, ignored);
-  return {};
-}
-
-/// A common time step near that interval [s]: 1, 2, 2.5, 4, 5 or 8 times a power of ten if it is within 1 %.
-double common_step(double interval) {
-  const double decade = std::pow(10.0, std::floor(std::log10(interval)));
-  for (const double digit : {1.0, 2.0, 2.5, 4.0, 5.0, 8.0, 10.0})
-    if (std::abs(interval - digit * decade) <= 0.01 * interval) return digit * decade;
-  return interval;
-}
-
-std::vector<LogMap> LogReplayer::maps_with_other_ticks() const {
-  std::vector<LogMap> maps;
-  for (std::size_t i = 0; i < sources_.size(); ++i) {
-    const LogSource& source = *sources_[i].source;
-    const DurationCounts& intervals = survey_.sources[i].intervals;
-    if (!(sources_[i].is_awaited() || sources_[i].commands) || !intervals.is_regular()) continue;
-    if (map_.tick && map_.tick->topic == source.topic) continue;
-    const double interval = seconds_of(intervals.median());
-    LogMap& map = maps.emplace_back(map_);
-    if (std::abs(interval - map.time_step) > 0.25 * map.time_step) map.time_step = common_step(interval);
-    static_cast<LogSource&>(map.tick.emplace()) = source;
-    if (map.time_step < Scenario::min_time_step || map.time_step > Scenario::max_time_step) maps.pop_back();
-  }
-  return maps;
-}
-
-/// Replays a log again with other ticks, up to some ticks after the first difference. Sets the report's timing to the
-/// first ticks with which nine of ten ticks that differ agree.
-void try_other_ticks(mcap::Reader& log, const std::vector<LogMap>& maps, const std::shared_ptr<const Model>& model,
-                     const std::vector<LogTopic>& topics, LogReplayOptions options, LogReplayReport& report) {
-  constexpr double ticks_after = 2000, most_ticks = 100'000;
-  const double share = static_cast<double>(report.ticks_different) / static_cast<double>(report.ticks_compared);
-  const double step = report.duration / static_cast<double>(report.ticks);
-  const double ticks = static_cast<double>(report.beyond->tick) + ticks_after;
-  if (ticks > most_ticks) return;
-  options.until = std::min(options.until.value_or(report.duration), ticks * step);
-  options.on_difference = {};
-  options.progress = {};
-  const fs::path nowhere = "/dev/null";
-  for (const LogMap& map : maps) {
-    const auto tried = LogReplayer(log, map, model, nowhere, options).run(topics, report.log_hash);
-    if (!tried || tried->ticks_compared < 10) continue;
-    if (static_cast<double>(tried->ticks_different) > 0.1 * share * static_cast<double>(tried->ticks_compared))
-      continue;
-    report.timing =
-        LogTiming{std::nullopt, map.tick->topic, map.time_step, tried->ticks_compared, tried->ticks_different};
-    return;
-  }
-}
-
-/// Replays the log again, to find the ticks that decide about the controller: twice a part of it, once with a
-/// controller that starts later, for its memory; then the whole log.
-void find_certain_ticks(mcap::Reader& log, const LogMap& map, const std::shared_ptr<const Model>& model,
-                        const std::vector<LogTopic>& topics, LogReplayOptions options, LogReplayReport& report) {
-  constexpr std::int64_t most_ticks = 8000;
-  options.on_difference = {};
-  options.progress = {};
-  const fs::path nowhere = "/dev/null";
-  const auto commands_from = [&](std::int64_t tick, std::int64_t until) {
-    CommandRecord commands;
-    LogReplayOptions part = options;
-    part.commands = &commands;
-    part.skip = tick;
-    part.until = static_cast<double>(until - tick) * map.time_step;
-    static_cast<void>(LogReplayer(log, map, model, nowhere, part).run(topics, report.log_hash));
-    return commands;
-  };
-  const std::int64_t later = std::min<std::int64_t>(report.ticks / 4, most_ticks / 8);
-  const std::int64_t until = std::min(report.ticks, later + most_ticks);
-  options.memory = memory_of(commands_from(0, until), commands_from(later, until));
-  auto judged = LogReplayer(log, map, model, nowhere, options).run(topics, report.log_hash);
-  if (judged) report.certain = std::move(judged->certain);
-}
 
 }  // namespace
 
@@ -474,10 +160,12 @@ Result<LogReplayReport> replay_log(const fs::path& log, const fs::path& trace, c
   const auto robot = std::make_shared<const Model>(*std::move(model));
   LogReplayer replayer(**reader, *map, robot, trace, options);
   auto report = replayer.run(topics, *std::move(hash));
-  if (report && report->beyond && !(report->timing && report->timing->shift))
-    try_other_ticks(**reader, replayer.maps_with_other_ticks(), robot, topics, options, *report);
-  if (report && report->beyond && !report->timing && !report->failure)
-    find_certain_ticks(**reader, *map, robot, topics, options, *report);
+  if (report && report->beyond && !report->failure && !(report->timing && report->timing->shift)) {
+    Trials trials(**reader, *map, robot, topics, options, *report);
+    trials.find_certain_ticks();
+    if (!report->within())
+      trials.try_readings(other_readings(*map, replayer.sources(), replayer.survey(), topics, *report));
+  }
   if (state_of(log) != before) {
     if (fs::is_regular_file(trace, ignored)) fs::remove(trace, ignored);
     return error_in(log.string(), "it changed while it was read", "replay it when nothing writes it any more");

@@ -10,6 +10,8 @@
 #include <rehearse/run_options.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -37,6 +39,7 @@ struct LogReplayOptions : HostOptions {
   CommandRecord* commands = nullptr;  // takes the commands that are compared; null: not recorded
   /// The controller's memory. With it certain ticks are counted; a controller without a limit of memory has none in it.
   std::optional<std::optional<std::int64_t>> memory;
+  std::optional<std::int64_t> most_beyond;  // the replay ends after more ticks beyond a tolerance
   /// Called about every hundredth of the log with the number of ticks done and of all; null: not.
   std::function<void(std::int64_t done, std::int64_t all)> progress;
 };
@@ -69,6 +72,7 @@ struct LogClockReport {
   std::int64_t reference = 0;  // a stamp [ns]
   double least_delay = 0.0;    // smallest log time minus stamp [s]
   bool is_stated = false;      // by the map, not estimated
+  std::int64_t steps = 0;      // of a clock; offset and drift are those before the first
 };
 
 /// The use of a topic of the log in the replay. Times are seconds from the first tick on; earlier ones are negative.
@@ -109,13 +113,34 @@ struct LogTickReport {
 
 /// A timing of the commands at which nine of ten ticks that differ agree.
 struct LogTiming {
-  /// The log has the commands this number of ticks later; none: at the tick before or after, or see tick_topic.
+  /// The log has the commands this number of ticks later; none: at the tick before or after.
   std::optional<int> shift;
-  /// Other ticks, with which the log was replayed again: each message of this topic. Empty: the map's ticks.
-  std::string tick_topic;
-  double time_step = 0.0;  // with tick_topic [s]
-  std::int64_t ticks = 0;  // ticks compared with this timing; without shift and topic, the ticks that differ
+  std::int64_t ticks = 0;  // ticks compared with this timing; without shift, the ticks that differ
   std::int64_t different = 0;
+};
+
+/// Another reading of the log, with which nine of ten ticks that differ agree.
+struct LogCause {
+  std::vector<std::string> lines;  // of the map, as `start: first`
+  std::string meaning;             // in words, as "the controller starts with the first message"
+  std::int64_t ticks = 0;          // ticks compared with it
+  std::int64_t different = 0;      // of them, beyond their tolerance
+};
+
+/// The differences of a number in the ticks that aren't certain, from the first one beyond its tolerance on.
+struct LogRest {
+  std::string series;  // joint and quantity, as PAN/u; that with the largest share of its range
+  std::string unit;
+  double from = 0.0;             // [s]
+  std::int64_t ticks = 0;        // compared
+  double low = 0.0, high = 0.0;  // replayed minus logged, in the unit of the series
+  double range = 0.0;            // of the log's commands
+
+  double largest() const { return std::max(std::abs(low), std::abs(high)); }
+  /// In share of the range.
+  double share() const { return range > 0.0 ? largest() / range : 0.0; }
+  /// The difference stays within a fifth of the largest one.
+  bool is_constant() const { return ticks > 20 && high - low <= 0.2 * largest(); }
 };
 
 /// The ticks that decide about a controller: those that depend on nothing but inputs in the log. The others follow the
@@ -125,7 +150,9 @@ struct LogStretches {
   std::int64_t compared = 0;                    // certain ticks that were compared
   std::int64_t different = 0;                   // of them
   std::optional<Divergence> beyond;             // the first of them beyond its tolerance
+  double beyond_at = 0.0;                       // its time in the log, from the first tick on [s]
   std::optional<std::int64_t> first_uncertain;  // the first tick beyond its tolerance that isn't certain
+  std::optional<LogRest> rest;                  // the differences from it on
 };
 
 /// A change of the joystick; controls by their names in scenarios.
@@ -158,15 +185,23 @@ struct LogReplayReport : Differences {
   bool has_commands = false;  // the map names topics with commands to compare
   std::int64_t ticks_compared = 0;
   std::int64_t ticks_different = 0;
-  /// Ticks between the first and the last command of the log for which it has no command: a message is missing or late.
+  std::int64_t ticks_beyond = 0;  // of them, beyond a tolerance
+  double beyond_at = 0.0;         // the log's time of the first of them, from the first tick on [s]
+  /// Commands of the log after the last tick, in ticks: it has no inputs for them.
+  std::int64_t ticks_without_inputs = 0;
+  double inputs_end = 0.0;  // the time of the last tick, if there are such commands [s]
+  /// Ticks between the first and the last command of the log whose message is missing.
+  std::int64_t ticks_without_message = 0;
+  /// Ticks that have their message, between the first and the last command of the log, for which it has no command.
   std::int64_t ticks_without_command = 0;
   /// Ticks that differ after a missing or late message, before five ticks in a row agree again. They aren't in
   /// ticks_different: the message may be an input, or a controller with a state may need time. More than a hundred in a
   /// row are different.
   std::int64_t ticks_in_doubt = 0;
   std::optional<LogTiming> timing;  // set if commands differ, and the time explains it
-  /// Set if commands are beyond their tolerance, and the time doesn't explain it.
+  /// Set if commands are beyond their tolerance, and no shift explains it.
   std::optional<LogStretches> certain;
+  std::optional<LogCause> cause;      // set if certain commands differ, or too few are certain, and a cause was found
   std::optional<LogTickReport> tick;  // none: the ticks are a grid
   LogStart begin;
   double time_step = 0.0;             // of the controller [s]
@@ -180,13 +215,18 @@ struct LogReplayReport : Differences {
   /// Misbehaviour of controllers, and faults of the log.
   Diagnostics remarks;
 
-  bool equal() const { return !first && !failure; }
-  bool within() const { return !failure && (!beyond || (agrees_where_certain() && is_mostly_certain())); }
-  /// No certain tick differs, but too few ticks are certain.
-  bool undecided() const { return !failure && beyond && agrees_where_certain() && !is_mostly_certain(); }
-  bool agrees_where_certain() const { return certain && !certain->beyond; }
-  bool is_mostly_certain() const { return certain && 2 * certain->compared >= ticks_compared; }
-  std::int64_t ticks_unknown() const { return ticks_without_command + ticks_in_doubt; }
+  bool equal() const { return !first && within(); }
+  bool within() const { return !failure && agrees() && is_mostly_certain(); }
+  /// No certain tick differs, but too few ticks are certain; or the log agrees if it is read in another way.
+  bool undecided() const { return !failure && !within() && (agrees() || cause || is_at_neighbours()); }
+  /// No tick, or no certain tick, is beyond its tolerance.
+  bool agrees() const { return !beyond || (certain && !certain->beyond); }
+  /// Certain ticks are at least half of those for which the log has a command.
+  bool is_mostly_certain() const {
+    return 2 * (beyond && certain ? certain->compared : ticks_compared) >= ticks_compared + ticks_without_inputs;
+  }
+  bool is_at_neighbours() const { return timing && !timing->shift; }
+  std::int64_t ticks_unknown() const { return ticks_without_message + ticks_without_command + ticks_in_doubt; }
 };
 
 /// Replays a log and writes the trace. Fails, and writes nothing, if the replay can't begin. Reasons are a log without

@@ -13,15 +13,19 @@ namespace rehearse {
 bool LogSink::is_irregular(std::int64_t tick, bool has_command) const {
   const LogTicks& ticks = log_.ticks();
   if (ticks.is_nominal()) return false;
-  const bool lacks_command = !has_command && log_.commands()->come_each_tick();
-  return !ticks.has_message(tick) || ticks.is_irregular(tick) || log_.may_miss_input() || lacks_command;
+  return !ticks.has_message(tick) || ticks.is_irregular(tick) || log_.may_miss_input() || lacks_command(has_command);
+}
+
+/// True if the tick's command is missing or late; on the nominal grid commands may come less often.
+bool LogSink::lacks_command(bool has_command) const {
+  return !has_command && !log_.ticks().is_nominal() && log_.commands()->come_each_tick();
 }
 
 /// True if an input of the tick may be missing in the log, or belong to a neighbouring tick.
 bool LogSink::misses_input(std::int64_t tick) const {
   const LogTicks& ticks = log_.ticks();
   const bool is_off = !ticks.is_nominal() && (!ticks.has_message(tick) || ticks.is_irregular(tick));
-  return is_off || log_.may_miss_input();
+  return is_off || log_.may_miss_input() || log_.doubts_inputs();
 }
 
 void LogSink::note_joystick(const TickData& now) {
@@ -52,8 +56,10 @@ void LogSink::compare(const TickData& now) {
 
 LogSink::Judged LogSink::compare_tick(const TickData& now) {
   LogCommands& log = *log_.commands();
+  if (options_.commands && now.tick == 0) options_.commands->begin(log_.ticks().time(0));
   const CommandedJoints* logged = log.of_tick(now.tick);
   Judged tick{now.tick, is_irregular(now.tick, logged != nullptr), misses_input(now.tick)};
+  tick.may_be_of_another = std::exchange(lacked_command_, lacks_command(logged != nullptr)) || log_.doubts_commands();
   if (!log.covers(now.tick)) return tick;
   const bool has_command = logged && log_.ticks().has_message(now.tick);
   if (time_of(now.tick, map_.time_step) < options_.from) {
@@ -61,7 +67,7 @@ LogSink::Judged LogSink::compare_tick(const TickData& now) {
     return tick;
   }
   if (!has_command) {
-    ++report_.ticks_without_command;
+    ++(log_.ticks().has_message(now.tick) ? report_.ticks_without_command : report_.ticks_without_message);
     timing_.add({});
     return tick;
   }
@@ -69,7 +75,10 @@ LogSink::Judged LogSink::compare_tick(const TickData& now) {
   if (options_.commands) options_.commands->add(log_.ticks().time(now.tick), pairs);
   if (certainty_) {
     std::vector<double> commands;
-    for (const CommandPair& pair : pairs) commands.push_back(pair.actual);
+    for (const CommandPair& pair : pairs) {
+      commands.push_back(pair.actual);
+      tick.off.push_back(pair.logged ? pair.actual - *pair.logged : 0.0);
+    }
     tick.moves = commands != last_commands_;
     last_commands_ = std::move(commands);
   }
@@ -77,6 +86,8 @@ LogSink::Judged LogSink::compare_tick(const TickData& now) {
   timing_.add(std::move(pairs));
   return tick;
 }
+
+double LogSink::log_time(std::int64_t tick) const { return seconds_of(log_.ticks().time(tick) - log_.ticks().time(0)); }
 
 /// Takes the ticks whose differences are known.
 void LogSink::take_judged() {
@@ -93,13 +104,19 @@ void LogSink::take_judged() {
 void LogSink::count_if_certain(const Judged& tick) {
   const auto beyond = std::ranges::find_if(tick.differences, &Divergence::is_beyond);
   const bool agrees = beyond == tick.differences.end();
-  const bool is_certain = certainty_->take(tick.tick, tick.misses_input, agrees, tick.moves);
+  const bool says_nothing = tick.may_be_of_another && !agrees;
+  const bool is_known =
+      certainty_->take(tick.tick, tick.misses_input, agrees || says_nothing, tick.moves && !says_nothing);
+  const bool is_certain = is_known && !says_nothing;
   LogStretches& certain = *report_.certain;
   if (!is_certain && !agrees && !certain.first_uncertain) certain.first_uncertain = tick.tick;
+  if (!is_certain && certain.first_uncertain) rest_.add(log_time(tick.tick), tick.off);
   if (!is_certain || tick.compared == 0) return;
   ++certain.compared;
   certain.different += agrees ? 0 : 1;
-  if (!agrees && !certain.beyond) certain.beyond = *beyond;
+  if (agrees || certain.beyond) return;
+  certain.beyond = *beyond;
+  certain.beyond_at = log_time(tick.tick);
 }
 
 void LogSink::judge(Judged tick) {
@@ -124,6 +141,8 @@ void LogSink::report(Judged tick) {
   report_.values += tick.compared;
   ++report_.ticks_compared;
   report_.ticks_different += tick.differences.empty() ? 0 : 1;
+  if (std::ranges::any_of(tick.differences, &Divergence::is_beyond) && ++report_.ticks_beyond == 1)
+    report_.beyond_at = log_time(tick.tick);
   for (Divergence& found : tick.differences) {
     if (options_.on_difference) options_.on_difference(found);
     report_.add(std::move(found));
@@ -149,6 +168,7 @@ void LogSink::finish() {
   if (report_.ticks_compared == 0) end_doubt();
   report_.ticks_in_doubt += static_cast<std::int64_t>(in_doubt_.size());
   if (report_.beyond) report_.timing = timing_.explanation();
+  if (report_.certain && log_.commands()) report_.certain->rest = rest_.report(log_.commands()->columns());
 }
 
 }  // namespace rehearse

@@ -47,10 +47,12 @@ class LogSink final : public RecordingSink {
   /// The comparison of one tick.
   struct Judged {
     std::int64_t tick = 0;
-    bool is_irregular = false;  // its command may depend on a message that is late or missing
-    bool misses_input = false;  // so may its inputs
-    bool moves = false;         // its commands aren't those of the tick before
-    std::int64_t compared = 0;  // numbers
+    bool is_irregular = false;       // its command may depend on a message that is late or missing
+    bool misses_input = false;       // so may its inputs
+    bool moves = false;              // its commands aren't those of the tick before
+    bool may_be_of_another = false;  // its command may be another tick's
+    std::int64_t compared = 0;       // numbers
+    std::vector<double> off = {};    // replayed minus logged, by column; only if certain ticks are counted
     std::vector<Divergence> differences = {};
   };
   void compare(const TickData& now);
@@ -59,10 +61,13 @@ class LogSink final : public RecordingSink {
   void note_joystick(const TickData& now);
   bool is_irregular(std::int64_t tick, bool has_command) const;
   bool misses_input(std::int64_t tick) const;
+  bool lacks_command(bool has_command) const;
   void judge(Judged tick);
   void report(Judged tick);
   void end_doubt();
   void count_if_certain(const Judged& tick);
+  /// From the first tick on [s].
+  double log_time(std::int64_t tick) const;
 
   const LogReplayOptions& options_;
   const LogMap& map_;
@@ -76,7 +81,9 @@ class LogSink final : public RecordingSink {
   static constexpr std::size_t longest_doubt = 100;
   CommandTiming timing_;
   std::optional<LogCertainty> certainty_;
+  RestOfLog rest_;
   std::vector<double> last_commands_;
+  bool lacked_command_ = false;         // the tick before, for which a message is missing or late
   std::unique_ptr<RowJudge> judge_;     // none before the first tick
   std::deque<Judged> waiting_;          // ticks whose differences aren't all known
   std::deque<Divergence> differences_;  // of the waiting ticks

@@ -5,6 +5,7 @@
 #include <rehearse/messages.h>
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -117,6 +118,18 @@ void add_latencies(std::int64_t time, const std::vector<MappedSource>& sources, 
   }
 }
 
+void note_timeless(const std::string& reason, const mcap::Message& message, SourceSurvey& found) {
+  ++found.without_time;
+  const auto same = [&](const LogUnreadable& known) { return known.reason == reason; };
+  auto known = std::ranges::find_if(found.timeless, same);
+  if (known == found.timeless.end()) {
+    const bool has_log_time = message.log_time <= static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+    const std::int64_t time = has_log_time ? static_cast<std::int64_t>(message.log_time) : found.last;
+    known = found.timeless.insert(known, {reason, 0, static_cast<double>(time) * 1e-9});
+  }
+  ++known->messages;
+}
+
 bool is_behind(const mcap::Location& a, const mcap::Location& b) {
   return a.record != b.record ? a.record > b.record : a.inside > b.inside;
 }
@@ -142,7 +155,7 @@ LogSurvey survey(mcap::Reader& log, const LogMap& map, const Model& model, const
       if (!state.any || is_behind(message.location, state.furthest)) state.furthest = message.location;
       state.any = true;
       if (!time) {
-        ++source.without_time;
+        note_timeless(time.errors()[0].message, message, source);
         continue;
       }
       if (source.first && *time < source.last) continue;  // an earlier time than before: it isn't used
@@ -158,11 +171,15 @@ LogSurvey survey(mcap::Reader& log, const LogMap& map, const Model& model, const
         const auto parsed = ros2msg::Schema::parse(schema->name, schema->data);
         if (!parsed) continue;  // topics_of() has reported it
         state.joints = std::make_unique<JointSurvey>(sources[i], map, model, *parsed);
-        if (sources[i].commands && has_relative) state.commands = std::make_unique<CommandReader>(map, model, *parsed);
+        if (sources[i].commands) state.commands = std::make_unique<CommandReader>(map, model, *parsed);
       }
       state.joints->look(message.data, *time, source);
-      if (state.commands)
-        if (const auto joints = state.commands->read(message.data)) keep_largest(found.largest_commands, *joints);
+      if (!state.commands) continue;
+      const bool gives_range = found.ranges.takes_next();
+      if (!gives_range && !has_relative) continue;
+      auto joints = state.commands->read(message.data);
+      if (joints && has_relative) keep_largest(found.largest_commands, *joints);
+      if (joints && gives_range) found.ranges.add(*std::move(joints));
     }
     return true;
   };

@@ -29,8 +29,10 @@ struct GivenJoint {
 
 struct SourceSurvey {
   std::int64_t messages = 0;
-  std::int64_t out_of_order = 0;         // messages after one of a later log time in the file
-  std::int64_t without_time = 0;         // not counted as used messages
+  std::int64_t out_of_order = 0;  // messages after one of a later log time in the file
+  std::int64_t without_time = 0;  // not counted as used messages
+  std::vector<LogUnreadable>
+      timeless;  // the reasons; first_at is the log's time of the message, or of the one before [s]
   std::optional<std::int64_t> first;     // [ns]
   std::optional<std::int64_t> complete;  // for joints: the time when each had a message [ns]; else first
   std::int64_t last = 0;                 // [ns]
@@ -50,6 +52,7 @@ struct LogSurvey {
   DurationCounts latencies;          // of commands after the last tick's message, if there are any
   std::int64_t latest = 0;           // largest delay of a message's log time after its time [ns]
   CommandedJoints largest_commands;  // magnitudes, if a tolerance of the map is relative; else empty
+  CommandRanges ranges;              // of the commands
   Diagnostics damage;                // damage of the log
 };
 

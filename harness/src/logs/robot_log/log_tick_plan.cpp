@@ -54,7 +54,9 @@ Result<TickPlan> TickPlan::make(const LogMap& map, const std::vector<MappedSourc
   plan.latency_ = gap - gap / 2;
   plan.shift_ = tick.before_commands ? -plan.latency_ : gap / 2;
   plan.of_others_ = {gap / 2, plan.latency_};
-  const std::int64_t nearest = is_measured ? gaps->quantile(0.05) - plan.latency_ : gap / 2 - plan.regular_.jitter;
+  // On a grid a message is off by its own jitter; hardly any message by over twice that of nine of ten.
+  std::int64_t nearest = is_measured ? gaps->quantile(0.05) - plan.latency_ : gap / 2;
+  if (tick.grid || !is_measured) nearest -= 2 * plan.regular_.jitter;
   // A late message of a regular topic: the next one is further away.
   const std::int64_t step = std::llround(map.time_step * 1e9);
   const std::int64_t late = std::min(step / 2, (step - plan.latency_) * 3 / 4);
@@ -64,7 +66,7 @@ Result<TickPlan> TickPlan::make(const LogMap& map, const std::vector<MappedSourc
 }
 
 LogTicks TickPlan::ticks(const std::vector<std::int64_t>& messages, std::int64_t start) const {
-  if (!tick_.grid) return LogTicks::at_messages(messages, start, time_step_, shift_);
+  if (!tick_.grid) return LogTicks::at_messages(messages, start, time_step_, shift_, skips_missing_);
   return LogTicks::at_regular_times(regular_, shift_, start, messages.back(), time_step_);
 }
 

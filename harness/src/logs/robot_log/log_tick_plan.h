@@ -33,12 +33,14 @@ class TickPlan {
   LogTickReport report() const;
 
  private:
-  explicit TickPlan(const LogMap& map) : tick_(*map.tick), time_step_(map.time_step) {}
+  explicit TickPlan(const LogMap& map)
+      : tick_(*map.tick), time_step_(map.time_step), skips_missing_(map.skips_missing) {}
   /// The input with the most regular time to the next command; -1: none is regular.
   static int steadiest_input(const std::vector<MappedSource>& sources, const LogSurvey& survey);
 
   const TickSource& tick_;
   double time_step_;
+  bool skips_missing_;
   RegularTimes regular_;
   std::int64_t shift_ = 0;    // of the ticks after the messages [ns]
   std::int64_t latency_ = 0;  // [ns]

@@ -46,9 +46,10 @@ bool DurationCounts::is_regular() const {
 }
 
 LogTicks LogTicks::at_messages(const std::vector<std::int64_t>& messages, std::int64_t start, double time_step,
-                               std::int64_t shift) {
+                               std::int64_t shift, bool skips) {
   LogTicks ticks(start, time_step);
   ticks.is_nominal_ = false;
+  ticks.skips_ = skips;
   constexpr double gain = 0.1;  // a single late message moves the phase by a tenth of its lateness
   double phase = 0.0;           // smoothed time of the last tick after the start [steps]
   const auto steps = [start, time_step](std::int64_t time) {
@@ -67,9 +68,10 @@ LogTicks LogTicks::at_messages(const std::vector<std::int64_t>& messages, std::i
     if (message + 1 != messages.end())
       passed = std::min<std::int64_t>(passed, std::llround(steps(*(message + 1)) - phase) - 1);
     passed = std::max<std::int64_t>(1, passed);
+    const std::int64_t ticks_passed = skips ? 1 : passed;
     phase += static_cast<double>(passed);
     phase += gain * (steps(*message) - phase);
-    ticks.messages_.push_back({*message, ticks.messages_.back().tick + passed});
+    ticks.messages_.push_back({*message, ticks.messages_.back().tick + ticks_passed});
   }
   for (Message& message : ticks.messages_) message.time = std::max(message.time + shift, start);
   return ticks;
@@ -177,7 +179,8 @@ bool LogTicks::has_message(std::int64_t tick) const {
 bool LogTicks::is_irregular(std::int64_t tick) const {
   constexpr double usual = 0.2;  // [time steps]: two messages that are each off by a tenth of a step are within it
   if (is_grid() || tick <= 0) return false;
-  return std::abs(static_cast<double>(time(tick) - time(tick - 1)) * 1e-9 - step_) > usual * step_;
+  const double longer = static_cast<double>(time(tick) - time(tick - 1)) * 1e-9 - step_;
+  return (skips_ ? -longer : std::abs(longer)) > usual * step_;
 }
 
 }  // namespace rehearse

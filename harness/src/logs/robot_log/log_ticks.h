@@ -53,9 +53,9 @@ class LogTicks {
 
   /// A tick for each of the times in `messages` [ns], which are sorted, unless it is before `start`. Where messages are
   /// missing there is a tick for each of them, evenly spaced. Ticks are later than the messages by `shift` [ns], which
-  /// may be negative, but not before `start`.
+  /// may be negative, but not before `start`. `skips`: there are no ticks where messages are missing.
   static LogTicks at_messages(const std::vector<std::int64_t>& messages, std::int64_t start, double time_step,
-                              std::int64_t shift = 0);
+                              std::int64_t shift = 0, bool skips = false);
 
   /// As at_messages(), for a grid of regular times up to `end` [ns].
   static LogTicks at_regular_times(const RegularTimes& times, std::int64_t shift, std::int64_t start, std::int64_t end,
@@ -91,6 +91,7 @@ class LogTicks {
   double period_ = 0.0;          // of a grid [ns]
   std::int64_t grid_start_ = 0;  // of an estimated grid [ns]
   bool is_nominal_ = false;
+  bool skips_ = false;             // a long time between two ticks is no irregularity
   std::int64_t size_ = 0;          // of a grid
   std::vector<Message> messages_;  // empty: a grid
 };

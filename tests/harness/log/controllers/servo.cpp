@@ -1,6 +1,8 @@
-// Holds each joint at 0.5 rad, with one kind of memory: none, a filtered derivative, or an integral.
+// Holds each joint at 0.5 rad, with one kind of memory: none, a filtered derivative, or an integral. Its option is a
+// factor of its commands.
 #include <cnoid/SimpleController>
 
+#include <string>
 #include <vector>
 
 namespace {
@@ -11,6 +13,7 @@ class Servo : public cnoid::SimpleController {
  public:
   bool initialize(cnoid::SimpleControllerIO* io) override {
     dt_ = io->timeStep();
+    if (!io->optionString().empty()) scale_ = std::stod(io->optionString());
     for (cnoid::Link* joint : io->body()->joints()) {
       joint->setActuationMode(cnoid::Link::JointEffort);
       io->enableOutput(joint);
@@ -34,7 +37,7 @@ class Servo : public cnoid::SimpleController {
         axis.state += 20.0 * (0.5 - q) * dt_;
         u += axis.state;
       }
-      axis.joint->u() = u;
+      axis.joint->u() = scale_ * u;
     }
     is_first_ = false;
     return true;
@@ -46,7 +49,7 @@ class Servo : public cnoid::SimpleController {
     double last = 0.0, state = 0.0;
   };
   std::vector<Axis> axes_;
-  double dt_ = 0.0;
+  double dt_ = 0.0, scale_ = 1.0;
   bool is_first_ = true;
 };
 

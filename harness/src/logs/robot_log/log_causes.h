@@ -1,0 +1,29 @@
+// The usual causes for commands that differ although the controller is the robot's: other readings of the log.
+// Internal.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "log_clocks.h"
+#include "log_replay.h"
+#include "log_survey.h"
+#include "logs/map/log_map.h"
+
+namespace rehearse {
+
+/// A map that reads a log in another way.
+struct OtherReading {
+  LogMap map;
+  std::vector<std::string> lines;  // that state it in the user's map
+  std::string meaning;
+  bool has_same_messages = true;  // ticks are at the same topic, and clocks are the same
+};
+
+/// The readings that are worth a try, the most usual first: times by stamps, or by the log; the controller started
+/// with another message; it isn't called where messages are missing; it was started again; ticks by another topic.
+std::vector<OtherReading> other_readings(const LogMap& map, const std::vector<MappedSource>& sources,
+                                         const LogSurvey& survey, const std::vector<LogTopic>& topics,
+                                         const LogReplayReport& report);
+
+}  // namespace rehearse

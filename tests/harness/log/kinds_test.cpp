@@ -1,0 +1,142 @@
+// The verdict on logs with each kind of trouble that logs of robots have, for controllers without a memory, with a
+// filtered derivative and with an integral. An unchanged controller is never accused; a changed one is found where
+// anything is certain.
+#include "kinds.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+namespace rehearse {
+namespace {
+
+using namespace kinds;
+
+/// The exit code of `rehearse replay`.
+char verdict_of(const Result<LogReplayReport>& report) {
+  if (!report) return '2';
+  return report->undecided() ? '4' : report->within() ? '0' : '1';
+}
+
+std::string details_of(const Result<LogReplayReport>& report) {
+  if (!report) return to_string(report.errors());
+  std::string text = std::to_string(report->ticks_different) + " of " + std::to_string(report->ticks_compared) +
+                     " differ, " + std::to_string(report->ticks) + " ticks";
+  if (report->certain)
+    text += ", memory " + std::to_string(report->certain->memory.value_or(-1)) + ", certain " +
+            std::to_string(report->certain->different) + " of " + std::to_string(report->certain->compared);
+  if (report->certain && report->certain->beyond) text += ", " + to_string(*report->certain->beyond);
+  if (report->beyond) text += "; beyond: " + to_string(*report->beyond);
+  if (report->timing)
+    text += "; timing " + (report->timing->shift ? std::to_string(*report->timing->shift) : "of a neighbour");
+  if (report->cause)
+    text += "; cause " + report->cause->lines[0] + ", " + std::to_string(report->cause->different) + " of " +
+            std::to_string(report->cause->ticks);
+  return text + "\n" + to_string(report->remarks);
+}
+
+constexpr std::array controllers{"ServoWith_none", "ServoWith_filtered", "ServoWith_integral"};
+
+class KindsOfLogs : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { setenv("REHEARSE_CONTROLLER_PATH", TEST_CONTROLLERS, 1); }
+
+  Result<LogReplayReport> replay(const Kind& kind, const std::string& controller, Change change) const {
+    Chance chance(17);
+    Plan plan(chance);
+    if (kind.plan) kind.plan(plan);
+    Log log = run(plan, controller, change);
+    if (kind.spoil) kind.spoil(log);
+    return replay_by(write(log, folder_.path()), controller, kind.map);
+  }
+
+  Result<LogReplayReport> replay_by(const fs::path& log, const std::string& controller, const std::string& map) const {
+    std::ofstream(folder_ / "map.yaml") << "rehearse_map: 1\ntime_step: 0.002\n" << map;
+    LogReplayOptions options;
+    options.controller = controller;
+    options.model = fs::path(FIXTURES_DIR) / "models/pan_tilt_head.urdf";
+    options.map = folder_ / "map.yaml";
+    return replay_log(log, folder_ / "run.mcap", options);
+  }
+
+  /// The last log.
+  fs::path log() const { return fs::exists(folder_ / "log.mcap") ? folder_ / "log.mcap" : folder_ / "log"; }
+
+ private:
+  const test::TemporaryFolder folder_;
+};
+
+class Kinds : public KindsOfLogs, public ::testing::WithParamInterface<Kind> {};
+
+/// The map with those lines instead of its own of the same keys.
+std::string with_lines(const std::string& map, const std::vector<std::string>& lines) {
+  const auto key_of = [](const std::string& line) { return line.substr(0, line.find(':')); };
+  std::istringstream old(map);
+  std::string changed;
+  for (std::string line; std::getline(old, line);)
+    if (std::ranges::none_of(lines, [&](const std::string& other) { return key_of(other) == key_of(line); }))
+      changed += line + "\n";
+  for (const std::string& line : lines) changed += line + "\n";
+  return changed;
+}
+
+TEST_P(Kinds, DoNotAccuseAnUnchangedController) {
+  std::string found, details;
+  for (const char* controller : controllers) {
+    const auto report = replay(GetParam(), controller, Change::none);
+    found += verdict_of(report);
+    details += std::string(controller) + ": " + details_of(report) + "\n";
+    if (!report || !report->cause) continue;
+    const auto proposed = replay_by(log(), controller, with_lines(GetParam().map, report->cause->lines));
+    EXPECT_EQ(verdict_of(proposed), '0') << controller << " with " << report->cause->lines[0] << ": "
+                                         << details_of(proposed);
+    if (controller != controllers.back()) continue;
+    EXPECT_EQ(report->cause->lines[0], GetParam().cause) << details_of(report);
+  }
+  EXPECT_EQ(found, GetParam().same) << details;
+}
+
+TEST_P(Kinds, ShowAChangedController) {
+  for (const Change change : {Change::gain, Change::sign, Change::late}) {
+    std::string found, details;
+    for (const char* controller : controllers) {
+      const auto report = replay(GetParam(), controller, change);
+      found += verdict_of(report);
+      details += std::string(controller) + ": " + details_of(report) + "\n";
+      if (verdict_of(report) != '1') continue;
+      // by a shift of the commands, or by a tick that is certain
+      if (report->timing && report->timing->shift) continue;
+      ASSERT_TRUE(report->certain && report->certain->beyond) << details;
+      const std::int64_t wait = report->certain->memory.value_or(0) + 12;
+      EXPECT_LE(report->certain->beyond->tick, report->beyond->tick + wait) << name_of(change) << " of " << details;
+    }
+    const bool is_other = change == Change::late && GetParam().late;
+    EXPECT_EQ(found, is_other ? GetParam().late : GetParam().changed) << name_of(change) << "\n" << details;
+  }
+}
+
+/// After a gap an integral is off for ever: the report has the beginning, the size, and that it stays so.
+TEST_F(KindsOfLogs, StateHowFarAnIntegralIsOffAfterAGap) {
+  const auto gap =
+      std::ranges::find_if(all(), [](const Kind& kind) { return kind.name == std::string("a_burst_lost"); });
+  const auto report = replay(*gap, "ServoWith_integral", Change::none);
+  ASSERT_TRUE(report && report->undecided()) << details_of(report);
+  ASSERT_TRUE(report->certain && report->certain->rest);
+  const LogRest& rest = *report->certain->rest;
+  EXPECT_EQ(rest.series.substr(rest.series.size() - 2), "/u");
+  EXPECT_NEAR(rest.from, 1.28, 0.01);
+  EXPECT_TRUE(rest.is_constant()) << rest.low << " to " << rest.high;
+  EXPECT_GT(rest.share(), 1e-4);
+  EXPECT_LT(rest.share(), 0.02);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Kinds, ::testing::ValuesIn(all()),
+                         [](const auto& parameter) { return std::string(parameter.param.name); });
+
+}  // namespace
+}  // namespace rehearse
