@@ -1,50 +1,19 @@
-// Bags of ROS 1, written by a small writer of this test from the public description of version 2.0, whole and broken.
+// Bags of ROS 1, whole and broken.
 #include <bzlib.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <lz4frame.h>
 #include <rehearse/trace.h>
 
-#include <cstring>
-
 #include "bag_files.h"
+#include "ros1_files.h"
 
 namespace rehearse::test {
 namespace {
 
+using namespace ros1;
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-template <class Number>
-std::string raw(Number number) {
-  std::string bytes(sizeof number, '\0');
-  std::memcpy(bytes.data(), &number, sizeof number);
-  return bytes;
-}
-std::string block(const std::string& bytes) { return raw(static_cast<std::uint32_t>(bytes.size())) + bytes; }
-std::string field(const std::string& name, const std::string& value) { return block(name + "=" + value); }
-std::string record(const std::string& fields, const std::string& data) { return block(fields) + block(data); }
-std::string op(char kind) { return field("op", std::string(1, kind)); }
-std::string time_of(std::uint32_t seconds, std::uint32_t nanoseconds) { return raw(seconds) + raw(nanoseconds); }
-
-const std::string joint_state =
-    "Header header\nstring[] name\nfloat64[] position\nfloat64[] velocity\nfloat64[] effort\n"
-    "================================================================================\n"
-    "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n";
-
-std::string connection(std::uint32_t id, const std::string& topic) {
-  return record(op(7) + field("conn", raw(id)) + field("topic", topic),
-                field("topic", topic) + field("type", "sensor_msgs/JointState") + field("md5sum", "3066dcd7") +
-                    field("message_definition", joint_state) + field("callerid", "/robot"));
-}
-
-/// The position of KNEE, stamped and recorded at 100.5 s and so many milliseconds.
-std::string message(std::uint32_t connection, std::uint32_t milliseconds, double position) {
-  const std::string time = time_of(100, 500'000'000 + milliseconds * 1'000'000);
-  const std::string payload = raw<std::uint32_t>(0) + time + block("base") + raw<std::uint32_t>(1) + block("KNEE") +
-                              raw<std::uint32_t>(1) + raw(position) + raw<std::uint32_t>(0) + raw<std::uint32_t>(0);
-  return record(op(2) + field("conn", raw(connection)) + field("time", time), payload);
-}
 
 std::string by_bz2(std::string raw_bytes) {
   std::string out(raw_bytes.size() + 1000, '\0');
@@ -61,19 +30,14 @@ std::string by_lz4(const std::string& raw_bytes) {
   return out;
 }
 
-std::string chunk(const std::string& records, const std::string& compression = "none") {
-  return record(
-      op(5) + field("compression", compression) + field("size", raw(static_cast<std::uint32_t>(records.size()))),
-      compression == "bz2"   ? by_bz2(records)
-      : compression == "lz4" ? by_lz4(records)
-                             : records);
+/// A chunk in that compression.
+std::string packed(const std::string& records, const std::string& compression) {
+  return chunk_of(records, compression,
+                  compression == "bz2"   ? by_bz2(records)
+                  : compression == "lz4" ? by_lz4(records)
+                                         : records);
 }
-std::string header(const std::string& more = "") {
-  return "#ROSBAG V2.0\n" +
-         record(op(3) + field("index_pos", raw<std::uint64_t>(0)) + field("conn_count", raw<std::uint32_t>(1)) +
-                    field("chunk_count", raw<std::uint32_t>(1)) + more,
-                std::string(200, ' '));
-}
+std::string chunk(const std::string& records) { return chunk_of(records, "none", records); }
 std::string knee(std::uint32_t from, std::uint32_t until) {
   std::string messages;
   for (std::uint32_t i = from; i < until; ++i) messages += message(3, i, 0.25 * i);
@@ -109,9 +73,9 @@ class Ros1Bags : public ::testing::Test {
 
 TEST_F(Ros1Bags, AreReadInEachCompression) {
   for (const char* compression : {"none", "bz2", "lz4"}) {
-    const std::string bag = header() + chunk(connection(3, "/joints") + knee(0, 2), compression) +
+    const std::string bag = header() + packed(connection(3, "/joints") + knee(0, 2), compression) +
                             record(op(4) + field("conn", raw<std::uint32_t>(3)), "index") +
-                            chunk(knee(2, 3), compression) + connection(3, "/joints") +
+                            packed(knee(2, 3), compression) + connection(3, "/joints") +
                             record(op(6), "information on chunks");
     EXPECT_THAT(contents(bag), ElementsAre("/joints 0", "/joints 1", "/joints 2")) << compression;
     const auto trace = Trace::load(folder_ / "run.bag");
@@ -135,7 +99,7 @@ TEST_F(Ros1Bags, ThatWereNotClosedAreReadUpToTheirEnd) {
 
 TEST_F(Ros1Bags, WithADamagedChunkAreReadBehindIt) {
   for (const char* compression : {"bz2", "lz4"}) {
-    std::string broken = chunk(knee(2, 100), compression);
+    std::string broken = packed(knee(2, 100), compression);
     for (std::size_t i = broken.size() / 2; i < broken.size() / 2 + 20; ++i) broken[i] = static_cast<char>(~broken[i]);
     const auto found =
         contents(header() + chunk(connection(3, "/joints") + knee(0, 2)) + broken + chunk(knee(100, 101)));
@@ -176,7 +140,7 @@ TEST_F(Ros1Bags, OfOtherVersionsAndEncryptedOnesAreRefused) {
 }
 
 TEST_F(Ros1Bags, CutAnywhereAreReadWithoutACrash) {
-  const std::string bag = header() + chunk(connection(3, "/joints") + knee(0, 3), "lz4") + chunk(knee(3, 5), "bz2");
+  const std::string bag = header() + packed(connection(3, "/joints") + knee(0, 3), "lz4") + packed(knee(3, 5), "bz2");
   for (std::size_t size = 13; size < bag.size(); ++size) contents(bag.substr(0, size));
 }
 
