@@ -264,6 +264,18 @@ TEST(ProtobufMessages, AreDecodedByTheirDescriptor) {
       << "what is left out has its default";
 }
 
+/// As some writers write them: without a dot at their beginning.
+TEST(ProtobufMessages, MayNameTypesInTheirScope) {
+  const std::string messages =
+      text_field(4, text_field(1, "Outer") + described("near", 1, 11, false, "Inner") +
+                        described("far", 2, 11, false, "Other") + described("whole", 3, 11, false, "b.Outer.Inner") +
+                        text_field(3, text_field(1, "Inner") + described("x", 1, 5))) +
+      text_field(4, text_field(1, "Other") + described("y", 1, 5));
+  EXPECT_THAT(
+      form("protobuf", "protobuf", "a.b.Outer", file_of("a.b", messages)).values(text_field(2, number_field(1, 7))),
+      ElementsAre("near/x=0", "far/y=7", "whole/x=0"));
+}
+
 TEST(ProtobufMessages, ThatAreCutOrOfAnotherTypeAreReported) {
   const Form state = form("protobuf", "protobuf", "robot.State", descriptors);
   EXPECT_THAT(state.values("\x80").back(), HasSubstr("the message ends within a field, or isn't protobuf"));

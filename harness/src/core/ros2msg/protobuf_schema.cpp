@@ -60,6 +60,14 @@ class Descriptors {
     const auto found = messages_.find(name);
     return found == messages_.end() ? nullptr : &found->second;
   }
+  /// The full name of a type as it is written in a message: with a dot at its beginning, or to be searched in the
+  /// message's scope and those around it.
+  std::string full_name(const std::string& written, std::string scope) const {
+    if (written.starts_with('.')) return written.substr(1);
+    while (!scope.empty() && !messages_.contains(scope + "." + written))
+      scope.erase(scope.find('.') == std::string::npos ? 0 : scope.rfind('.'));
+    return scope.empty() ? written : scope + "." + written;
+  }
 
  private:
   template <class Take>
@@ -105,8 +113,7 @@ class Descriptors {
     if (part.number == field_number) field.number = static_cast<std::uint32_t>(part.bits);
     if (part.number == field_label) field.is_repeated = part.bits == label_repeated;
     if (part.number == field_type) field.type = static_cast<ProtobufType>(part.bits);
-    if (part.number == field_type_name)
-      field.type_name = std::string(part.text().substr(part.text().starts_with('.') ? 1 : 0));
+    if (part.number == field_type_name) field.type_name = part.text();
     return true;
   }
 
@@ -128,7 +135,7 @@ class ProtobufSchema {
     schema.definitions[index].name = name;
     std::vector<FieldDefinition> definitions;
     for (const Field& field : *fields)
-      if (auto definition = definition_of(field)) definitions.push_back(*std::move(definition));
+      if (auto definition = definition_of(field, name)) definitions.push_back(*std::move(definition));
     if (name == "google.protobuf.Timestamp" || name == "google.protobuf.Duration") {
       for (FieldDefinition& field : definitions) {  // as in ROS 2
         field.name = field.name == "seconds" ? "sec" : field.name == "nanos" ? "nanosec" : field.name;
@@ -146,7 +153,8 @@ class ProtobufSchema {
   Schema schema;
 
  private:
-  std::optional<FieldDefinition> definition_of(const Field& field) {
+  /// `message`: the name of the message that has the field. None: it can't be read.
+  std::optional<FieldDefinition> definition_of(const Field& field, const std::string& message) {
     FieldDefinition definition;
     definition.name = field.name;
     definition.number = field.number;
@@ -154,10 +162,10 @@ class ProtobufSchema {
     FieldType& type = definition.type;
     if (field.is_repeated) type.shape = FieldType::Shape::sequence;
     if (field.type == ProtobufType::message) {
-      const auto message = add(field.type_name);
-      if (!message) return std::nullopt;
+      const auto inner = add(descriptors_.full_name(field.type_name, message));
+      if (!inner) return std::nullopt;
       type.is_message = true;
-      type.message = *message;
+      type.message = *inner;
     } else if (field.type == ProtobufType::bytes && !field.is_repeated) {
       type.primitive = Primitive::uint8;
       type.shape = FieldType::Shape::sequence;
