@@ -356,8 +356,9 @@ Exit run_info(const InfoSettings& settings) {
 std::function<Exit()> declare_info(CLI::App& options) {
   const auto settings = std::make_shared<InfoSettings>();
   options
-      .add_option("TRACE", settings->trace,
-                  "a recording, or any other log: MCAP, a rosbag2 folder or database; -: standard input")
+      .add_option(
+          "TRACE", settings->trace,
+          "a recording, or any other log: MCAP, a rosbag2 folder or database, a bag of ROS 1; -: standard input")
       ->required()
       ->type_name("");
   options.add_flag(

@@ -12,7 +12,6 @@
 #include <array>
 #include <cerrno>
 #include <cstdio>
-#include <cstdlib>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -167,15 +166,13 @@ LibraryOrigin origin_of(const fs::path& library) {
 }
 
 std::vector<fs::path> files_of_linked(const LibraryOrigin& origin, const fs::path& library) {
-  std::vector<std::string> folders = origin.searched;
-  if (const char* const more = std::getenv("LD_LIBRARY_PATH")) add_folders(more, folders);
   std::vector<fs::path> files;
   for (const std::string& name : origin.needed) {
     const bool is_path = name.find('/') != std::string::npos;
     std::vector<fs::path> places;
     if (is_path) places.emplace_back(name);
     if (!is_path)
-      for (const std::string& folder : folders) places.push_back(folder_of_search(folder, library) / name);
+      for (const std::string& folder : origin.searched) places.push_back(folder_of_search(folder, library) / name);
     std::error_code missing;
     const auto there = [&missing](const fs::path& place) { return fs::is_regular_file(place, missing); };
     const auto found = std::find_if(places.begin(), places.end(), there);

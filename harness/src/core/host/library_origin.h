@@ -17,8 +17,8 @@ struct LibraryOrigin {
 /// can't be read, or libdw isn't installed.
 LibraryOrigin origin_of(const std::filesystem::path& library);
 
-/// The files of the libraries that `library` links, where they are in a folder of its own search, or of
-/// LD_LIBRARY_PATH. Others, such as the system's, are left out.
+/// The files of the libraries that `library` links, where they are in a folder of its own search. Others, such as the
+/// system's, are left out.
 std::vector<std::filesystem::path> files_of_linked(const LibraryOrigin& origin, const std::filesystem::path& library);
 
 }  // namespace rehearse
