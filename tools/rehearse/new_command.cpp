@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -140,11 +141,12 @@ Exit run_new(const NewSettings& settings) {
   fmt::print(
       "  cmake --build build\n  REHEARSE_GOLDEN=new ctest --test-dir build --output-on-failure\n"
       "  ctest --test-dir build --output-on-failure\n");
+  std::fflush(stdout);  // before related output on stderr
   if (!has_workflow)
-    fmt::print(
-        "\nIt has no workflow for GitHub Actions: this build doesn't know the address of Rehearse's repository.\n"
-        "rehearse new --workflow --origin URL {} writes one.\n",
-        shell_word(folder.string()));
+    fmt::print(stderr,
+               "note: it has no workflow for GitHub Actions, as this build doesn't know the address of Rehearse's "
+               "repository: rehearse new --workflow --origin URL {} writes one\n",
+               shell_word(folder.string()));
   return Exit::done;
 }
 
