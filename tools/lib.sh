@@ -51,8 +51,8 @@ with_progress() {
 
 ninja_progress() { sed --unbuffered -nE 's/^\[([0-9]+)\/([0-9]+)\].*/\1 \2/p'; }
 
-# repository_of REMOTE: the address of a repository on GitHub as a browser opens it; nothing for other remotes.
-repository_of() { sed -nE 's#^(https://|ssh://git@|git@)github\.com[:/]([^/]+/[^/]+)$#https://github.com/\2#p' <<< "${1%.git}"; }
+# origin_of REMOTE: the address of a remote as a browser opens it, from which anyone can fetch; nothing for a folder.
+origin_of() { sed -nE 's#^(https?://|ssh://git@|git@)([^/:@]+)[:/](.+)$#https://\2/\3#p' <<< "${1%.git}"; }
 
 # Options of cmake, besides those of the preset.
 configure_options=()

@@ -275,7 +275,8 @@ TEST_F(Compare, CountsThePixelsThatDiffer) {
   const Comparison comparison = compared();
   ASSERT_TRUE(comparison.first);
   EXPECT_EQ(comparison.first->stage, Stage::renderer);
-  EXPECT_THAT(comparison.first->note, HasSubstr("1 of 8 pixels (12.5 %) differ, by up to 3 of 255"));
+  EXPECT_THAT(comparison.first->note,
+              HasSubstr("1 of 8 pixels (12.5 %) differ beyond tolerance, by up to 3 of 255; allowed: 0.05 %"));
 }
 
 TEST_F(Compare, AllowsPixelsByDeltaAndByShare) {

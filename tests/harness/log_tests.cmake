@@ -3,6 +3,7 @@ find_package(JPEG REQUIRED)
 rehearse_add_test(log_test LABEL unit SHARDS 2
   SOURCES
     log/clocks_test.cpp
+    log/encodings_test.cpp
     log/faithful_test.cpp
     log/feeds_test.cpp
     log/joint_messages_test.cpp
@@ -15,7 +16,7 @@ rehearse_add_test(log_test LABEL unit SHARDS 2
     log/stretches_test.cpp
     log/ticks_test.cpp
     log/watch_test.cpp
-  LIBRARIES Rehearse::logs Rehearse::testing JPEG::JPEG)
+  LIBRARIES Rehearse::logs Rehearse::testing JPEG::JPEG fmt::fmt)
 # Logs of each form: the more, the more gaps and orders of their messages.
 include(RehearseControllers)
 foreach(memory none filtered integral)

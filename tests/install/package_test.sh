@@ -81,18 +81,21 @@ grep "apt-get install gdb" /log || { cat /log; exit 1; }
 if rehearse audit scenarios/hold.yaml --valgrind > /log 2>&1; then echo "valgrind isn't missed"; exit 1; fi
 grep "apt-get install valgrind" /log || { cat /log; exit 1; }
 
-# the workflow's own steps, in a checkout, with the packages from a folder in place of a release
+# the workflow's own steps, in a checkout, with a release in a folder
+test -f .github/workflows/test.yml || rehearse new --workflow --origin file:///origin .
 mkdir /home/new/checkout && cp -r .github .gitattributes .gitignore * /home/new/checkout/ && cd /home/new/checkout
 rm -r build
 awk '/^ +run: \|$/ { block = 1; next } /^ +run: / { sub(/^ +run: /, ""); print; next }
      block && /^          / { print; next } { block = 0 }' .github/workflows/test.yml > /workflow
 grep -q "rehearse check" /workflow
-CI=true REHEARSE_PACKAGES=file:///packages bash -e /workflow > /log 2>&1 || { tail -n 40 /log; exit 1; }
+release=/origin/releases/download/v$(rehearse --version | grep -o "[0-9.]*" | head -n 1)
+mkdir -p "$release" && cp /packages/*.deb "$release"
+CI=true REHEARSE_ORIGIN=file:///origin REHEARSE_PACKAGES=/kept bash -e /workflow > /log 2>&1 || { tail -n 40 /log; exit 1; }
 test -f build/check.xml
 man -w rehearse-record > /dev/null 2>&1 || test -f /usr/share/man/man1/rehearse-record.1.gz
 echo "from the packages to an accepted change in $((SECONDS - began)) s"
 
-cd / && rm -r /home/new /tmp/rehearse*.deb
+cd / && rm -r /home/new /kept /origin
 apt-get purge --yes rehearse rehearse-dev > /log 2>&1
 apt-get autoremove --purge --yes > /log 2>&1
 find / -xdev -not -path '/proc/*' -not -path '/var/*' -not -path '/etc/*' | sort > /after

@@ -385,6 +385,8 @@ class Maker {
         sentence: sentences[state],
         besides: sentences[state],
         state: options.state ?? (is_violated ? 'violated' : state),
+        notes: options.notes ?? [],
+        ...(options.levels && { levels: options.levels }),
       },
       time_step: 0.001,
       begin: 0,

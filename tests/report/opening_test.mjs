@@ -288,6 +288,19 @@ test('a run without a difference opens where its cameras have their first pictur
   }
 });
 
+test('levels are in the order of verdicts, and notes are below the sentence', async () => {
+  const levels = { closed: 'differs', controller: 'equal', plant: 'not compared' };
+  const notes = ['walk.cpp is newer than Walk.so: built before your last change'];
+  await with_report({ ...small, levels, notes }, {}, async ({ page }) => {
+    assert.deepEqual(await page.locator('.levels .level').allInnerTexts(), [
+      'controller equal',
+      'plant not compared',
+      'closed differs',
+    ]);
+    assert.equal(await page.innerText('.verdict .remark'), `note: ${notes[0]}`);
+  });
+});
+
 test('different bits within tolerance are no red "Beyond tolerance"', async () => {
   await with_report({ ...small, state: 'bits' }, {}, async ({ page }) => {
     assert.equal(await page.textContent('.state'), 'Other bits, within tolerance');

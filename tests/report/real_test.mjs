@@ -2,7 +2,7 @@
 // REHEARSE_COMMAND, CHANGED_GAIN (the controller) and SOURCES (the repository) are in the environment.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { statSync } from 'node:fs';
+import { readFileSync, statSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { before, test } from 'node:test';
 import { scratch_file, settled, state_of, with_file } from './bench.mjs';
@@ -45,6 +45,26 @@ test('a planted fault is on the screen when the report opens', async () => {
     assert.match(await page.innerText('tr.differs:has-text("controller.SR1")'), /changed_gain/);
     assert.deepEqual(complaints, []);
     assert.equal(requests.length, 1);
+  });
+});
+
+test('pictures that differ are on the screen when the report opens, and above the robot in a narrow window', async () => {
+  const scenario = join(SOURCES, 'fixtures/scenarios/camera_follower.yaml'),
+    [recoloured, trace, report] = ['recoloured.yaml', 'camera.mcap', 'camera.html'].map(scratch_file);
+  const text = readFileSync(scenario, 'utf8').replaceAll('../models', join(SOURCES, 'fixtures/models'));
+  writeFileSync(recoloured, text.replace('color: [0.9, 0.1, 0.1]', 'color: [0.9, 0.3, 0.1]'));
+  rehearse('record', recoloured, '-o', trace);
+  rehearse('report', trace, join(SOURCES, 'golden/CameraFollower.KeepsTheBallInTheMiddle.mcap'), '-o', report);
+  const top_of = async (page, panel) => (await page.locator(`[aria-label="${panel}"]`).first().boundingBox()).y;
+  await with_file(report, { width: 1280, height: 720 }, async ({ page }) => {
+    await settled(page);
+    const picture = await page.locator('.cameras canvas').first().boundingBox();
+    assert.ok(picture.height > 60 && picture.y + picture.height < 720);
+    assert.ok((await top_of(page, 'cameras')) > (await top_of(page, 'robot')));
+  });
+  await with_file(report, { width: 420, height: 900 }, async ({ page }) => {
+    await settled(page);
+    assert.ok((await top_of(page, 'cameras')) < (await top_of(page, 'robot')));
   });
 });
 

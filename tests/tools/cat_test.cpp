@@ -72,7 +72,7 @@ TEST_F(Cat, GivesBytesOfWhatItDoesNotDecode) {
   EXPECT_EQ(lines[0].at("data"), "//4=");
   EXPECT_EQ(lines[0].at("encoding"), "protobuf");
   EXPECT_EQ(lines[0].at("schema"), "foo.Bar");
-  EXPECT_FALSE(lines[0].contains("error"));
+  EXPECT_THAT(lines[0].at("error"), HasSubstr("schema foo.Bar: error: the schema isn't a FileDescriptorSet of protobuf"));
   EXPECT_EQ(lines[1].at("data"), "AAEAAAc=");
   EXPECT_THAT(lines[1].at("error"), HasSubstr("schema a/msg/B:1: error: type Unknown is used but not defined"));
   EXPECT_EQ(lines[2].at("error"), "the payload ends at byte 8, within header/stamp/nanosec");
@@ -85,7 +85,8 @@ TEST_F(Cat, TellsPeopleTheFieldsInALine) {
   EXPECT_THAT(text, StartsWith(R"(1700000000.123456789 /joints header={stamp={sec=1 nanosec=2} frame_id="base"} )"
                                R"(name=["KNEE" "ANKLE"] position=[0.0 -0.0] velocity=[] effort=[])"
                                "\n"));
-  EXPECT_THAT(text, HasSubstr("/proto (2 bytes of encoding \"protobuf\")\n"));
+  EXPECT_THAT(text, HasSubstr("/proto (2 bytes of encoding \"protobuf\": schema foo.Bar: error: the schema isn't a "
+                              "FileDescriptorSet of protobuf)\n"));
   EXPECT_THAT(text, HasSubstr("/short (8 bytes of encoding \"cdr\": the payload ends at byte 8"));
 }
 

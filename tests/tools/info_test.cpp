@@ -1,4 +1,5 @@
 // rehearse info of files of other programs: large files, files from a pipe, files with payloads that aren't text.
+#include "../harness/bag/ros1_files.h"
 #include "../harness/mcap/large_file.h"
 #include "command.h"
 
@@ -13,6 +14,7 @@
 namespace rehearse::test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -64,6 +66,39 @@ TEST_F(InfoOfAnyFile, TellsADateOfWallClockTime) {
                               "duration     2 s\nstart        2024-05-01 12:34:56.123456789 UTC\n"
                               "end          2024-05-01 12:34:58.123456789 UTC\n"));
   EXPECT_THAT(text, ContainsRegex("\ncompression  none: 1 chunk, .*\n             zstd: 2 chunks, "));
+}
+
+TEST_F(InfoOfAnyFile, TellsDefinitionsIfItIsAsked) {
+  auto writer = std::move(*mcap::Writer::create(folder() / "some.mcap"));
+  writer->add_channel(writer->add_schema("a/msg/B", "ros2msg", "int32 x\nint32 y"), "/b", "cdr");
+  writer->add_channel(writer->add_schema("a.C", "protobuf", std::string("\x0a\0", 2)), "/c", "protobuf");
+  writer->add_channel(writer->add_schema("a/msg/D", "", ""), "/d", "cdr");
+  ASSERT_TRUE(writer->close());
+  const std::string text = done({"info", "some.mcap", "--schemas"}).out;
+  EXPECT_THAT(text, HasSubstr("\nschema a/msg/B of encoding ros2msg\n    int32 x\n    int32 y\n"));
+  EXPECT_THAT(text, HasSubstr("\nschema a.C of encoding protobuf\n    2 bytes\n"));
+  EXPECT_THAT(text, HasSubstr("\nschema a/msg/D of no encoding\n"));
+  EXPECT_THAT(done({"info", "some.mcap"}).out, Not(HasSubstr("int32 x")));
+}
+
+/// Tables, definitions, differences and messages of a bag of ROS 1.
+TEST_F(InfoOfAnyFile, AndOtherVerbsReadABagOfRos1) {
+  for (const auto& [name, last] : {std::pair("a.bag", 0.5), {"b.bag", 0.75}}) {
+    const std::string records = ros1::connection(3, "/joints") + ros1::message(3, 0, 0.25) + ros1::message(3, 1, last);
+    std::ofstream(folder() / name, std::ios::binary) << ros1::header() << ros1::chunk_of(records, "none", records);
+  }
+  EXPECT_THAT(done({"info", "a.bag", "--schemas"}).out,
+              AllOf(HasSubstr("form         bag of ROS 1 (version 2.0)\n"), HasSubstr("profile      ros1\n"),
+                    HasSubstr("schema sensor_msgs/JointState of encoding ros1msg\n    Header header\n")));
+  EXPECT_THAT(done({"cat", "a.bag"}).out, HasSubstr(R"(frame_id="base"} name=["KNEE"] position=[0.25])"));
+  EXPECT_THAT(done({"doctor", "a.bag"}).out, HasSubstr("no findings"));
+  done({"export", "a.bag", "-o", "tables"});
+  EXPECT_THAT(read_file(folder() / "tables/joints.csv"), HasSubstr("0.5"));
+  const Outcome differ = rehearse({"diff", "a.bag", "b.bag"});
+  EXPECT_EQ(differ.status, 1);
+  EXPECT_THAT(differ.out, HasSubstr("/joints position/0 is 0.75, expected 0.5"));
+  done({"filter", "a.bag", "-o", "a.mcap"});
+  EXPECT_EQ(rehearse({"diff", "a.bag", "a.mcap"}).status, 0);
 }
 
 TEST_F(InfoOfAnyFile, TellsAProgramOfChunks) {

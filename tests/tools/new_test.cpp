@@ -6,13 +6,18 @@
 namespace rehearse::test {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::ContainsRegex;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
+
+const std::string origin = "https://github.com/owner/name";
 
 class New : public Command {};
 
 TEST_F(New, WritesAProjectOfThatNameAndSaysHowToBuildIt) {
-  const Outcome outcome = run(command, {"new", "my walker"});
+  const Outcome outcome = run(command, {"new", "my walker", "--origin", origin});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("cmake -S . -B build"));
   EXPECT_THAT(outcome.out, HasSubstr("\n  REHEARSE_GOLDEN=new ctest --test-dir build --output-on-failure\n"
@@ -25,32 +30,135 @@ TEST_F(New, WritesAProjectOfThatNameAndSaysHowToBuildIt) {
     EXPECT_GT(fs::file_size(project / file), 10u) << file;
 }
 
-/// The address is that of this build; without one a comment tells which line is to be filled in.
 TEST_F(New, ItsWorkflowNeedsNoVariableOfTheRepository) {
-  ASSERT_EQ(run(command, {"new", "."}).status, 0);
-  const std::string workflow = read_file(folder() / ".github/workflows/test.yml"), repository = REHEARSE_REPOSITORY;
-  EXPECT_THAT(workflow, Not(HasSubstr("vars.")));
-  EXPECT_THAT(workflow, Not(HasSubstr("@RELEASE")));
-  EXPECT_THAT(workflow, HasSubstr("/${package}_" REHEARSE_VERSION "-1_amd64.deb\"\n"));
-  if (repository.empty())
-    EXPECT_THAT(workflow,
-                HasSubstr("  # Fill in the next line: the address of a folder with these packages, as that of a "
-                          "release on GitHub.\n  REHEARSE_PACKAGES: \"\"\n"));
-  else
-    EXPECT_THAT(workflow,
-                HasSubstr("REHEARSE_PACKAGES: \"" + repository + "/releases/download/v" REHEARSE_VERSION "\"\n"));
+  ASSERT_EQ(run(command, {"new", ".", "--origin", origin}).status, 0);
+  const std::string workflow = read_file(folder() / ".github/workflows/test.yml");
+  EXPECT_THAT(workflow, AllOf(Not(HasSubstr("vars.")), Not(HasSubstr("secrets.")), Not(ContainsRegex("@[A-Z]+@"))));
+  EXPECT_THAT(workflow,
+              HasSubstr("  REHEARSE_ORIGIN: \"https://github.com/owner/name\"\n  REHEARSE_COMMIT: \"HEAD\" "));
+  EXPECT_THAT(workflow, HasSubstr("/releases/download/v" REHEARSE_VERSION "/$1_" REHEARSE_VERSION "-1_amd64.deb\""));
 }
 
-TEST_F(New, TheAddressOfItsReleasesIsTakenFromTheRemote) {
+TEST_F(New, WithoutAnAddressItSaysHowToGetAWorkflow) {
+  if (!std::string(REHEARSE_ORIGIN).empty()) GTEST_SKIP() << "this build knows its address";
+  const Outcome made = run(command, {"new", "my arm"});
+  EXPECT_EQ(made.status, 0);
+  EXPECT_FALSE(fs::exists(folder() / "my arm/.github"));
+  EXPECT_THAT(made.out, EndsWith("ctest --test-dir build --output-on-failure\n")) << "its steps can be copied";
+  EXPECT_EQ(made.err,
+            "note: it has no workflow for GitHub Actions, as this build doesn't know the address of Rehearse's "
+            "repository: rehearse new --workflow --origin URL 'my arm' writes one\n");
+  const Outcome refused = run(command, {"new", "--workflow", "my arm"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_EQ(refused.err,
+            "error: this build doesn't know the address of Rehearse's repository (--origin URL states it)\n");
+}
+
+TEST_F(New, AddsAWorkflowToAProjectThatExists) {
+  fs::create_directory(folder() / "arm");
+  const Outcome added = run(command, {"new", "--workflow", "--origin", origin, "arm"});
+  EXPECT_EQ(added.status, 0) << added.err;
+  EXPECT_THAT(added.out, HasSubstr("arm/.github/workflows/test.yml: builds the project and runs its tests on GitHub"));
+  EXPECT_FALSE(fs::exists(folder() / "arm/hold.cpp"));
+  EXPECT_THAT(read_file(folder() / "arm/.github/workflows/test.yml"), HasSubstr(origin));
+  const Outcome again = run(command, {"new", "--workflow", "--origin", origin, "arm"});
+  EXPECT_EQ(again.status, 2);
+  EXPECT_EQ(again.err,
+            "arm/.github/workflows/test.yml: error: there is a workflow (remove it to have it written anew)\n");
+  EXPECT_EQ(run(command, {"new", "--workflow", "--origin", origin, "nowhere"}).err,
+            "error: there is no folder nowhere\n");
+}
+
+TEST_F(New, RefusesAnAddressThatGitHubCantFetchFrom) {
+  for (const char* wrong : {"/srv/git/rehearse", "github.com/owner/name", "https://a\"b", "https://a b", "://x"}) {
+    const Outcome refused = run(command, {"new", "arm", "--origin", wrong});
+    EXPECT_EQ(refused.status, 2) << wrong;
+    EXPECT_EQ(refused.err, "error: --origin '" + std::string(wrong) +
+                               "' isn't the address of a repository (expected one that anyone can fetch from, as "
+                               "https://github.com/OWNER/NAME)\n");
+  }
+  EXPECT_FALSE(fs::exists(folder() / "arm"));
+}
+
+/// The step of the workflow that gets the packages, with programs in place of apt and curl that need no network.
+class NewWorkflow : public New {
+ protected:
+  NewWorkflow() {
+    EXPECT_EQ(run(command, {"new", ".", "--origin", "file://" + repository().string()}).status, 0);
+    const std::string workflow = read_file(folder() / ".github/workflows/test.yml");
+    const std::size_t step = workflow.find("Fetch the packages"), begin = workflow.find("run: |\n", step) + 7;
+    std::string text = workflow.substr(begin, workflow.find("      - name", begin) - begin);
+    const std::string source = (folder() / "source").string();  // in place of the step's own folder
+    for (std::size_t at = 0; (at = text.find("/tmp/rehearse", at)) != std::string::npos; at += source.size())
+      text.replace(at, 13, source);
+    for (const char* below : {"bin", "repository/tools", "repository/releases/download/v" REHEARSE_VERSION})
+      fs::create_directories(folder() / below);
+    write("step.sh", text);
+    write("bin/apt-get", "#!/bin/sh\n");
+    write("bin/dpkg", "#!/bin/sh\ngrep -q '^a package' \"$2\"\n");
+    write("bin/curl", "#!/bin/sh\nfor last; do :; done\ncp \"${last#file://}\" \"$4\"\n");
+    for (const char* program : {"apt-get", "dpkg", "curl"})
+      fs::permissions(folder() / "bin" / program, fs::perms::owner_all);
+    write("repository/tools/package",
+          "#!/bin/sh\nmkdir -p build/packages\nfor package in rehearse rehearse-dev rehearse-doc; do\n"
+          "  echo \"a package built of $(git rev-parse HEAD)\" > build/packages/${package}_9-1_amd64.deb\ndone\n");
+    fs::permissions(repository() / "tools/package", fs::perms::owner_all);
+    const std::string line =
+        "cd repository && git init --quiet && git add . && git -c user.name=n -c user.email=e "
+        "commit --quiet -m first && git rev-parse HEAD";
+    commit_ = run("sh", {"-c", line}).out;
+  }
+  fs::path repository() const { return folder() / "repository"; }
+  void release(const std::string& package, const std::string& content) const {
+    write("repository/releases/download/v" REHEARSE_VERSION "/" + package + "_" REHEARSE_VERSION "-1_amd64.deb",
+          content);
+  }
+  Outcome get() const {
+    return run(
+        "bash", {"-e", "step.sh"},
+        "PATH=\"$PWD/bin:$PATH\" REHEARSE_PACKAGES=\"$PWD/packages\" REHEARSE_COMMIT=HEAD REHEARSE_ORIGIN=\"file://" +
+            repository().string() + "\"");
+  }
+  std::string commit_;
+};
+
+TEST_F(NewWorkflow, InstallsTheRelease) {
+  release("rehearse", "a package of the release\n");
+  release("rehearse-dev", "a package for builds\n");
+  const Outcome got = get();
+  EXPECT_EQ(got.status, 0) << got.err;
+  EXPECT_EQ(read_file(folder() / "packages/rehearse.deb"), "a package of the release\n");
+  EXPECT_EQ(read_file(folder() / "packages/rehearse-dev.deb"), "a package for builds\n");
+  EXPECT_FALSE(fs::exists(folder() / "source"));
+}
+
+TEST_F(NewWorkflow, BuildsFromSourceWithoutARelease) {
+  const Outcome got = get();
+  EXPECT_EQ(got.status, 0) << got.err;
+  for (const char* package : {"rehearse", "rehearse-dev"})
+    EXPECT_EQ(read_file(folder() / "packages" / (std::string(package) + ".deb")), "a package built of " + commit_);
+}
+
+/// Some servers answer with a page instead of an error.
+TEST_F(NewWorkflow, BuildsFromSourceWhereTheAnswerIsNoPackage) {
+  release("rehearse", "<html>Sign in</html>\n");
+  release("rehearse-dev", "<html>Sign in</html>\n");
+  const Outcome got = get();
+  EXPECT_EQ(got.status, 0) << got.err;
+  EXPECT_EQ(read_file(folder() / "packages/rehearse.deb"), "a package built of " + commit_);
+}
+
+TEST_F(New, TheAddressOfItsOriginIsTakenFromTheRemote) {
   const std::string functions = quoted((fixtures.parent_path() / "tools/lib.sh").string());
-  const auto repository_of = [&](const std::string& remote) {
-    return run("bash", {"-c", "source " + functions + "; repository_of \"$1\"", "bash", remote}).out;
+  const auto origin_of = [&](const std::string& remote) {
+    return run("bash", {"-c", "source " + functions + "; origin_of \"$1\"", "bash", remote}).out;
   };
   for (const char* remote : {"git@github.com:owner/name.git", "ssh://git@github.com/owner/name",
                              "https://github.com/owner/name.git", "https://github.com/owner/name"})
-    EXPECT_EQ(repository_of(remote), "https://github.com/owner/name\n") << remote;
-  for (const char* remote : {"", "/srv/git/name.git", "git@example.org:owner/name.git"})
-    EXPECT_EQ(repository_of(remote), "") << remote;
+    EXPECT_EQ(origin_of(remote), "https://github.com/owner/name\n") << remote;
+  EXPECT_EQ(origin_of("git@example.org:group/team/name.git"), "https://example.org/group/team/name\n");
+  for (const char* remote : {"", "/srv/git/name.git", "../name", "file:///srv/git/name.git"})
+    EXPECT_EQ(origin_of(remote), "") << remote;
 }
 
 TEST_F(New, TheStepsItPrintsCanBeCopiedIntoAShell) {

@@ -85,10 +85,26 @@ TEST_F(Project, ALibraryThatIsOlderThanItsSourceIsToldFirst) {
   EXPECT_EQ(rehearse({"replay", "golden/Swing.Swings.mcap"}).err, note);
   EXPECT_EQ(rehearse({"record", "scenarios/swing.yaml"}).err, note);
   EXPECT_EQ(rehearse({"check", "scenarios/swing.yaml", "scenarios/swing.yaml"}).err, note) << "once";
+  const std::string sentence = note.substr(6, note.size() - 7);
+  const auto expect_in_remarks = [&](const std::vector<std::string>& words) {
+    const nlohmann::json remarks = rehearse(words).json()["remarks"];
+    ASSERT_EQ(remarks.size(), 1u) << words[0];
+    EXPECT_EQ(remarks[0].is_string() ? remarks[0] : remarks[0]["message"], sentence) << words[0];
+  };
+  expect_in_remarks({"check", "--json"});
+  expect_in_remarks({"replay", "golden/Swing.Swings.mcap", "--json"});
+  expect_in_remarks({"record", "scenarios/swing.yaml", "--json"});
+  const std::string scenario = read_file(folder() / "scenarios/swing.yaml");
+  write("scenarios/swing.yaml", scenario + "expect:\n  - {channel: Pendulum/hinge/q, below: -90 deg, at: end}\n");
+  EXPECT_EQ(rehearse({"check"}).status, 1);
+  EXPECT_THAT(read_file(folder() / "build/goldens/pending/Swing.Swings.html"), HasSubstr(sentence));
+  write("scenarios/swing.yaml", scenario);
   write("scenarios/fall.yaml", read_file(folder() / "scenarios/swing.yaml"));
   const Outcome tested = run(OWNING_TESTS, {"--gtest_filter=Macro.Falls"},
-                             "REHEARSE_FIXTURES=scenarios REHEARSE_GOLDEN_DIR=golden REHEARSE_PENDING=pending");
+                             "REHEARSE_FIXTURES=scenarios REHEARSE_GOLDEN_DIR=golden REHEARSE_PENDING=pending "
+                             "REHEARSE_REPORT=always");
   EXPECT_THAT(tested.err, HasSubstr(note)) << tested.out;
+  EXPECT_THAT(read_file(folder() / "traces/Macro.Falls.html"), HasSubstr(sentence));
   fs::remove(folder() / "scenarios/fall.yaml");
   write("swing.cpp", source);
   EXPECT_EQ(rehearse({"check"}).err, "") << "the edit was undone";

@@ -88,8 +88,9 @@ Exit run_cat(const CatSettings& settings) {
 std::function<Exit()> declare_cat(CLI::App& options) {
   const auto settings = std::make_shared<CatSettings>();
   options
-      .add_option("TRACE", settings->trace,
-                  "a recording, or any other log: MCAP, a rosbag2 folder or database; - is standard input")
+      .add_option(
+          "TRACE", settings->trace,
+          "a recording, or any other log: MCAP, a rosbag2 folder or database, a bag of ROS 1; - is standard input")
       ->required()
       ->type_name("");
   add_selection_options(options, settings->selection);

@@ -216,6 +216,7 @@ void add_page(const CheckSettings& settings, const Scenario& scenario, const fs:
         check_replaceable(pending_folder() / actual.filename().replace_extension(".html"), report_magic, "report");
     const fs::path golden = golden_of(settings, scenario);
     ReportOptions options;
+    options.notes = checked.notes;
     if (checked.report.controller == LevelState::differs)
       options.call_stack = call_stack_of(golden, settings.check.run);
     auto written = allowed ? write_failure_report(checked.report, scenario, golden, actual, std::move(options))
@@ -249,6 +250,7 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
   checked.scenario = scenario.name;
   checked.file = scenario.file;
   checked.report = *std::move(report);
+  checked.notes = notes_on_old_libraries(scenario, settings.check.run);
   if (!compared_anything(checked.report)) checked.report.verdict = "nothing was compared: " + checked.report.verdict;
   checked.seconds = stopwatch.seconds();
   if (!settings.json) tell_verdict(checked, settings.verbose);
@@ -333,7 +335,7 @@ Exit run_check(const CheckSettings& settings, const CLI::App& options) {
     return refuse(error("--golden compares one scenario", "name that scenario"));
   if (const auto alone = check_owners(settings, *scenarios); !alone) return refuse(alone.errors());
   if (const auto ready = virtualise_like_goldens(settings, *scenarios); !ready) return refuse(ready.errors());
-  for (const Scenario& scenario : *scenarios) tell_old_libraries(scenario, settings.check.run);
+  for (const Scenario& scenario : *scenarios) tell_old_libraries(notes_on_old_libraries(scenario, settings.check.run));
   std::vector<CheckOutcome> all;
   if (const Exit ended = check_all(settings, *scenarios, all); ended != Exit::done || interruption() != 0) return ended;
   Exit worst = Exit::done;

@@ -32,6 +32,7 @@ Json json_of_check(const Checked& checked) {
   object["scenario"] = checked.scenario;
   object["file"] = checked.file;
   object["message"] = checked.report.message;
+  for (const std::string& note : checked.notes) object["remarks"].push_back(note);
   object["report"] = checked.page ? Json(checked.page->file.string()) : Json();
   return object;
 }

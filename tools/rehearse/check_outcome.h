@@ -23,6 +23,7 @@ struct Checked {
   std::string scenario;  // name
   std::string file;
   CheckReport report;
+  std::vector<std::string> notes;     // on libraries that are out of date; they were printed before the run
   std::optional<FailureReport> page;  // the report for a browser
   std::string no_page;                // the reason why there is no report although one was requested
   double seconds = 0.0;               // wall time of the check, without its report [s]

@@ -132,7 +132,9 @@ Exit run_export(const ExportSettings& settings) {
 
 std::function<Exit()> declare_export(CLI::App& options) {
   const auto settings = std::make_shared<ExportSettings>();
-  options.add_option("TRACE", settings->trace, "a recording, or any other log: MCAP, a rosbag2 folder or database")
+  options
+      .add_option("TRACE", settings->trace,
+                  "a recording, or any other log: MCAP, a rosbag2 folder or database, a bag of ROS 1")
       ->required()
       ->type_name("");
   options

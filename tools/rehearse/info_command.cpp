@@ -30,6 +30,7 @@ struct InfoSettings {
   std::string trace;
   bool json = false;
   bool full = false;
+  bool schemas = false;
 };
 
 /// Counts of the messages of a channel, or of all: from reading them, or from the summary (then without bytes).
@@ -297,6 +298,16 @@ void tell_records(const mcap::Reader& reader) {
   }
 }
 
+/// The definitions of messages. Those of protobuf and flatbuffers are no text.
+void tell_schemas(const mcap::Reader& reader) {
+  for (const auto& [id, schema] : reader.schemas()) {
+    const bool is_text = schema.encoding != "protobuf" && schema.encoding != "flatbuffer";
+    fmt::print("\nschema {} of {}\n    {}\n", plain_text(schema.name),
+               schema.encoding.empty() ? "no encoding" : "encoding " + plain_text(schema.encoding),
+               is_text ? plain_lines(schema.data) : file_size_text(schema.data.size()));
+  }
+}
+
 void tell_events(const Contents& contents) {
   if (contents.events.empty()) return;
   fmt::print("\nevents\n");
@@ -309,9 +320,10 @@ void tell_events(const Contents& contents) {
     fmt::print("  and {} more; --json lists them all\n", contents.events.size() - events_shown);
 }
 
-void tell(const mcap::Reader& reader, const Contents& contents) {
+void tell(const mcap::Reader& reader, const Contents& contents, bool with_schemas) {
   tell_file(reader, contents);
   tell_channels(reader, contents);
+  if (with_schemas) tell_schemas(reader);
   tell_records(reader);
   tell_events(contents);
   if (contents.by_summary)
@@ -336,7 +348,7 @@ Exit run_info(const InfoSettings& settings) {
     print(trace_json(**reader, contents));
     return contents.damage.empty() ? Exit::done : Exit::bad_input;
   }
-  tell(**reader, contents);
+  tell(**reader, contents, settings.schemas);
   std::fflush(stdout);  // before related output on stderr
   return contents.damage.empty() ? Exit::done : refuse(contents.damage);
 }
@@ -344,14 +356,16 @@ Exit run_info(const InfoSettings& settings) {
 std::function<Exit()> declare_info(CLI::App& options) {
   const auto settings = std::make_shared<InfoSettings>();
   options
-      .add_option("TRACE", settings->trace,
-                  "a recording, or any other log: MCAP, a rosbag2 folder or database; -: standard input")
+      .add_option(
+          "TRACE", settings->trace,
+          "a recording, or any other log: MCAP, a rosbag2 folder or database, a bag of ROS 1; -: standard input")
       ->required()
       ->type_name("");
   options.add_flag(
       "--full", settings->full,
       "read all messages and check all checksums, however large the file is; else the numbers of a file of more than "
       "64 MB are those of its summary");
+  options.add_flag("--schemas", settings->schemas, "print the definitions of messages, which --json always has");
   add_json_flag(options, settings->json);
   return [settings] { return run_info(*settings); };
 }
@@ -361,6 +375,7 @@ std::function<Exit()> declare_info(CLI::App& options) {
 const Verb info_verb{"info",
                      "  rehearse info sr1.mcap\n"
                      "  rehearse info sr1.mcap --json\n"
+                     "  rehearse info log.bag --schemas\n"
                      "  ssh robot cat log.mcap | rehearse info -\n",
                      declare_info};
 

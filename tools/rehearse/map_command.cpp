@@ -55,7 +55,7 @@ Exit run_map(const MapSettings& settings) {
 
 std::function<Exit()> declare_map(CLI::App& options) {
   const auto settings = std::make_shared<MapSettings>();
-  options.add_option("LOG", settings->log, "a robot's log: MCAP, or a rosbag2 folder or database")
+  options.add_option("LOG", settings->log, "a robot's log: MCAP, a rosbag2 folder or database, or a bag of ROS 1")
       ->required()
       ->type_name("");
   options.add_option("--model", settings->model, "the robot, a URDF or .body file")->required()->type_name("FILE");

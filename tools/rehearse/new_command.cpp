@@ -1,6 +1,8 @@
 // rehearse new: writes a new project of the user, ready to build.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -16,8 +18,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::string_view workflow_file = ".github/workflows/test.yml";
+
 struct NewSettings {
   std::string folder;
+  std::string origin;          // the repository of Rehearse; empty: that of this build
+  bool workflow_only = false;  // of a project that exists
+};
+
+/// The texts that replace those between @ in the files.
+struct Replacements {
+  std::string project, origin, commit;
 };
 
 /// The folder's name, with '_' instead of characters that a CMake project's name can't contain.
@@ -30,12 +41,35 @@ std::string project_name(const fs::path& folder) {
   return name.empty() ? "controllers" : name;
 }
 
-std::string filled_in(std::string_view text, const std::string& name) {
-  constexpr std::string_view placeholder = "@PROJECT@";
+void replace(std::string& text, std::string_view placeholder, const std::string& by) {
+  for (std::size_t at = 0; (at = text.find(placeholder, at)) != std::string::npos; at += by.size())
+    text.replace(at, placeholder.size(), by);
+}
+
+std::string filled_in(std::string_view text, const Replacements& replacements) {
   std::string filled(text);
-  for (std::size_t at = 0; (at = filled.find(placeholder, at)) != std::string::npos; at += name.size())
-    filled.replace(at, placeholder.size(), name);
+  replace(filled, "@PROJECT@", replacements.project);
+  replace(filled, "@ORIGIN@", replacements.origin);
+  replace(filled, "@COMMIT@", replacements.commit);
   return filled;
+}
+
+/// Checks an address that GitHub's machines fetch from, and that stands between quotes in the workflow.
+Result<void> check_origin(const std::string& origin) {
+  const auto is_plain = [](char c) { return c > ' ' && c != 0x7f && c != '"' && c != '\\'; };
+  const std::size_t scheme = origin.find("://");
+  if (scheme != std::string::npos && scheme > 0 && std::ranges::all_of(origin, is_plain)) return {};
+  return error(fmt::format("--origin '{}' isn't the address of a repository", origin),
+               "expected one that anyone can fetch from, as https://github.com/OWNER/NAME");
+}
+
+/// What the files of this project are filled in with. The commit is known only of this build's own repository.
+Replacements replacements_of(const NewSettings& settings) {
+  const BuiltFrom built = built_from();
+  const bool is_own = settings.origin.empty() || settings.origin == built.repository;
+  const bool has_commit = is_own && !built.commit.empty();
+  return {project_name(settings.folder), is_own ? std::string(built.repository) : settings.origin,
+          has_commit ? std::string(built.commit) : "HEAD"};
 }
 
 Result<void> prepare(const fs::path& folder) {
@@ -67,13 +101,37 @@ std::string prefix() {
   return above.string();
 }
 
+/// Writes the workflow into a project that exists.
+Exit add_workflow(const fs::path& folder, const Replacements& replacements) {
+  std::error_code ignored;
+  const fs::path target = folder / workflow_file;
+  if (!fs::is_directory(folder, ignored)) return refuse(error(fmt::format("there is no folder {}", folder.string())));
+  if (replacements.origin.empty())
+    return refuse(error("this build doesn't know the address of Rehearse's repository", "--origin URL states it"));
+  if (fs::exists(target, ignored))
+    return refuse(error_in(target.string(), "there is a workflow", "remove it to have it written anew"));
+  for (const ProjectFile& file : new_project_files())
+    if (file.path == workflow_file)
+      if (const auto written = write(target, filled_in(file.text, replacements)); !written)
+        return refuse(written.errors());
+  fmt::print("{}: builds the project and runs its tests on GitHub, with Rehearse from {}\n", target.string(),
+             replacements.origin);
+  return Exit::done;
+}
+
 Exit run_new(const NewSettings& settings) {
   const fs::path folder = settings.folder;
+  if (!settings.origin.empty())
+    if (const auto usable = check_origin(settings.origin); !usable) return refuse(usable.errors());
+  const Replacements replacements = replacements_of(settings);
+  if (settings.workflow_only) return add_workflow(folder, replacements);
   if (const auto prepared = prepare(folder); !prepared) return refuse(prepared.errors());
-  const std::string name = project_name(folder);
-  for (const ProjectFile& file : new_project_files())
-    if (const auto written = write(folder / file.path, filled_in(file.text, name)); !written)
+  const bool has_workflow = !replacements.origin.empty();
+  for (const ProjectFile& file : new_project_files()) {
+    if (file.path == workflow_file && !has_workflow) continue;
+    if (const auto written = write(folder / file.path, filled_in(file.text, replacements)); !written)
       return refuse(written.errors());
+  }
 
   const std::string where = prefix();
   fmt::print("{}: a controller, its robot, its scenario and its tests. To build it and make its golden:\n\n",
@@ -83,6 +141,12 @@ Exit run_new(const NewSettings& settings) {
   fmt::print(
       "  cmake --build build\n  REHEARSE_GOLDEN=new ctest --test-dir build --output-on-failure\n"
       "  ctest --test-dir build --output-on-failure\n");
+  std::fflush(stdout);  // before related output on stderr
+  if (!has_workflow)
+    fmt::print(stderr,
+               "note: it has no workflow for GitHub Actions, as this build doesn't know the address of Rehearse's "
+               "repository: rehearse new --workflow --origin URL {} writes one\n",
+               shell_word(folder.string()));
   return Exit::done;
 }
 
@@ -91,11 +155,20 @@ std::function<Exit()> declare_new(CLI::App& options) {
   options.add_option("DIR", settings->folder, "the folder to write, new or empty; it names the project")
       ->required()
       ->type_name("");
+  options
+      .add_option("--origin", settings->origin,
+                  "the repository of Rehearse, from which the workflow for GitHub Actions gets its packages or its "
+                  "source; without it, the one of which this command was built")
+      ->type_name("URL");
+  options.add_flag("--workflow", settings->workflow_only,
+                   "write only the workflow for GitHub Actions, into a project that exists");
   return [settings] { return run_new(*settings); };
 }
 
 }  // namespace
 
-const Verb new_verb{"new", "  rehearse new my_walker\n", declare_new};
+const Verb new_verb{"new",
+                    "  rehearse new my_walker\n  rehearse new --workflow --origin https://github.com/OWNER/NAME .\n",
+                    declare_new};
 
 }  // namespace rehearse::tool

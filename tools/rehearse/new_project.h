@@ -8,9 +8,17 @@ namespace rehearse::tool {
 
 struct ProjectFile {
   std::string_view path;  // relative to the project
-  std::string_view text;  // @PROJECT@ is replaced by the project's name
+  std::string_view text;  // @PROJECT@ is replaced by the project's name, and so are @ORIGIN@ and @COMMIT@
 };
 
 std::span<const ProjectFile> new_project_files();
+
+/// The repository of Rehearse from which this command was built; empty: not known.
+struct BuiltFrom {
+  std::string_view repository;  // its address
+  std::string_view commit;
+};
+
+BuiltFrom built_from();
 
 }  // namespace rehearse::tool

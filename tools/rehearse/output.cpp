@@ -67,6 +67,15 @@ Json json_of(const Diagnostics& diagnostics) {
   return list;
 }
 
+Json json_of_remarks(Diagnostics remarks, const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) {
+    Diagnostic& remark = remarks.emplace_back();
+    remark.severity = Severity::note;
+    remark.message = note;
+  }
+  return json_of(remarks);
+}
+
 Result<void> write_text(const std::filesystem::path& file, const std::string& text) {
   std::ofstream stream(file, std::ios::binary);
   stream << text;

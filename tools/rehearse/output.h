@@ -20,6 +20,8 @@ namespace rehearse::tool {
 using Json = nlohmann::ordered_json;
 
 Json json_of(const Diagnostics& diagnostics);
+/// The remarks of a command's result, and after them sentences that were printed as notes.
+Json json_of_remarks(Diagnostics remarks, const std::vector<std::string>& notes);
 
 /// The version of the JSON objects' form: it increases if a member is removed or changes its meaning.
 inline constexpr int json_schema = 1;

@@ -90,8 +90,9 @@ void tell_recording(const Scenario& scenario, const std::string& trace, const Ru
              summary.bytes > 0 ? ", " + file_size_text(summary.bytes) : "", trace);
 }
 
-Json json_of_run(const Scenario& scenario, const std::string& trace, const RunSummary& summary,
-                 const std::vector<ExpectationResult>& judged, const std::optional<Reproduction>& verified) {
+Json json_of_run(const RecordSettings& settings, const Scenario& scenario, const std::string& trace,
+                 const RunSummary& summary, const std::vector<ExpectationResult>& judged,
+                 const std::optional<Reproduction>& verified) {
   Json expectations = Json::array();
   for (const ExpectationResult& result : judged)
     expectations.push_back({{"text", result.text}, {"line", result.expectation.place.line}, {"holds", result.holds}});
@@ -106,7 +107,7 @@ Json json_of_run(const Scenario& scenario, const std::string& trace, const RunSu
           {"repeats_itself", verified ? Json(verified->reproduced()) : Json(nullptr)},
           {"failure", summary.failure ? json_of(Diagnostics{*summary.failure})[0] : Json(nullptr)},
           {"controller_refused", summary.controller_refused},
-          {"remarks", json_of(summary.remarks)}};
+          {"remarks", json_of_remarks(summary.remarks, notes_on_old_libraries(scenario, settings.record))}};
 }
 
 /// Evaluates the scenario's expectations. Violations are only remarks, because the recording itself is valid. A run
@@ -270,7 +271,7 @@ Exit record_scenario(RecordSettings& settings, const Scenario& scenario, const s
     if (!settings.json) fmt::print("{}\n", verified->verdict);
     if (!verified->reproduced()) exit = verified->failure ? Exit::controller_failed : Exit::differs;
   }
-  if (settings.json) print(json_of_run(scenario, trace, *summary, *judged, verified));
+  if (settings.json) print(json_of_run(settings, scenario, trace, *summary, *judged, verified));
   std::fflush(stdout);  // before related output on stderr
   tell_remarks(*summary);
   tell_violations(*judged);
@@ -294,7 +295,7 @@ Exit run_record(RecordSettings& settings, const CLI::App& options) {
   if (!scenario) return refuse(scenario.errors());
   if (settings.debugger.is_wanted()) return run_in_gdb(settings, *scenario, options);
   tell_warnings(*scenario);
-  tell_old_libraries(*scenario, settings.record);
+  tell_old_libraries(notes_on_old_libraries(*scenario, settings.record));
   const std::string trace =
       settings.trace.empty() ? std::filesystem::path(scenario->file).stem().string() + ".mcap" : settings.trace;
   if (const auto allowed = check_trace(settings, *scenario, trace); !allowed) return refuse(allowed.errors());

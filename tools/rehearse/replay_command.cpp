@@ -55,7 +55,7 @@ std::string verdict(const ReplayReport& report) {
                      count_text(report.values, "commanded number"));
 }
 
-Json report_json(const ReplayReport& report) {
+Json report_json(const ReplayReport& report, const std::vector<std::string>& notes) {
   return {{"verdict", verdict(report)},
           {"equal", report.equal() && report.values > 0},
           {"within", report.equal() && report.values > 0},  // the tolerance of a replay is zero
@@ -74,7 +74,7 @@ Json report_json(const ReplayReport& report) {
           {"failure", report.failure ? Json(report.failure->message) : Json(nullptr)},
           {"changed_files", report.changed_files},
           {"controller_refused", report.controller_refused},
-          {"remarks", json_of(report.remarks)}};
+          {"remarks", json_of_remarks(report.remarks, notes)}};
 }
 
 void tell(const ReplaySettings& settings, const ReplayReport& report, double seconds) {
@@ -161,18 +161,20 @@ Exit run_ticks(ReplaySettings& settings) {
 }
 
 /// A recording that can't be read is reported by its replay.
-void tell_old_libraries_of(const ReplaySettings& settings) {
+std::vector<std::string> notes_on_libraries_of(const ReplaySettings& settings) {
   const auto reader = mcap::Reader::open(settings.trace);
   const auto scenario = reader ? scenario_of(**reader) : Result<Scenario>(reader.errors());
-  if (scenario) tell_old_libraries(*scenario, settings.replay);
+  return scenario ? notes_on_old_libraries(*scenario, settings.replay) : std::vector<std::string>();
 }
 
 Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
   if (const auto usable = check_usage(settings); !usable) return refuse(usable.errors());
   if (settings.debugger.is_wanted()) return run_in_gdb(settings, options);
+  std::vector<std::string> notes;
   if (!settings.is_of_a_log()) {
     if (const auto ready = virtualise_process_like(settings.trace); !ready) return refuse(ready.errors());
-    tell_old_libraries_of(settings);
+    notes = notes_on_libraries_of(settings);
+    tell_old_libraries(notes);
   }
   supervise_process();
   end_runs_on_signals();
@@ -192,7 +194,7 @@ Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
     if (const auto written = write_replay(settings.trace, settings.output, settings.replay); !written)
       return refuse(written.errors());
   if (settings.json) {
-    print(report_json(*report));
+    print(report_json(*report, notes));
   } else {
     tell(settings, *report, stopwatch.seconds());
     std::fflush(stdout);  // before related output on stderr

@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "core/host/controller_library.h"
+#include "core/host/source_age.h"
 #include "core/host/virtualised.h"
 #include "core/mcap/replaceable.h"
 #include "model_scenario.h"
@@ -202,7 +204,7 @@ Json certain_json(const LogReplayReport& report) {
           {"rest", rest_json(certain)}};
 }
 
-Json report_json(const LogReplayReport& report, const std::string& trace) {
+Json report_json(const LogReplayReport& report, const std::string& trace, const std::vector<std::string>& notes) {
   Json topics = Json::array();
   for (const LogTopicReport& topic : report.topics) topics.push_back(topic_json(topic));
   return {{"verdict", verdict(report)},
@@ -233,7 +235,7 @@ Json report_json(const LogReplayReport& report, const std::string& trace) {
           {"topics", topics},
           {"failure", report.failure ? Json(report.failure->message) : Json(nullptr)},
           {"controller_refused", report.controller_refused},
-          {"remarks", json_of(report.remarks)}};
+          {"remarks", json_of_remarks(report.remarks, notes)}};
 }
 
 /// The problem of a topic in a few words; empty: none.
@@ -333,6 +335,9 @@ Exit replay_log_of(LogSettings settings) {
     return refuse(allowed.errors());
   if (!settings.scenario.empty())
     if (const auto unused = check_unused(settings.scenario); !unused) return refuse(unused.errors());
+  const auto library = find_controller_library(settings.replay.controller, {});  // the replay reports a missing one
+  const auto notes = library ? notes_on_old_library(*library) : std::vector<std::string>();
+  tell_old_libraries(notes);
   InterposerWatch watch;
   if (is_interposed()) settings.replay.watch = &watch;
   const Stopwatch stopwatch;
@@ -351,7 +356,7 @@ Exit replay_log_of(LogSettings settings) {
     if (const auto saved = save_scenario(scenario, settings.scenario); !saved) return refuse(saved.errors());
   }
   if (settings.json) {
-    print(report_json(*report, settings.trace));
+    print(report_json(*report, settings.trace, notes));
   } else {
     tell(settings, *report, stopwatch.seconds());
     std::fflush(stdout);  // before related output on stderr

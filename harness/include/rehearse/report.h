@@ -58,6 +58,7 @@ struct ReportOptions {
   /// The comparison of both recordings, whose findings are shown; none: both are compared.
   std::optional<Comparison> comparison;
   std::optional<ReportVerdict> verdict;  // none: that of the comparison and the expectations
+  std::vector<std::string> notes;        // sentences below the verdict, such as of a library that is out of date
   /// The judged expectations; none: those of the recorded scenario are judged.
   std::optional<std::vector<ExpectationResult>> expectations;
   /// The file of the run's scenario, beside which models and meshes are. Empty: they are searched in the repository

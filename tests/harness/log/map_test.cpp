@@ -180,7 +180,9 @@ TEST(LogTopics, KnowTheFieldsOfTheirMessages) {
 TEST(LogTopics, SayWhyTheyCannotBeRead) {
   EXPECT_THAT(topic_with("/t", "a/msg/B", "float64").problem, HasSubstr("its schema can't be read"));
   const mcap::Schema idl{1, "a/msg/B", "ros2idl", ""};
-  EXPECT_THAT(log_topic("/t", "cdr", &idl).problem, HasSubstr("'ros2idl', not in ros2msg"));
+  EXPECT_THAT(log_topic("/t", "cdr", &idl).problem, HasSubstr("its schema can't be read: it doesn't define a/msg/B"));
+  EXPECT_EQ(log_topic("/t", "json", &idl).problem,
+            "messages of encoding 'json' with a schema in 'ros2idl' can't be read");
   EXPECT_THAT(log_topic("/t", "cdr", nullptr).problem, HasSubstr("no schema"));
 }
 

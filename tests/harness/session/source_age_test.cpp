@@ -4,6 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -20,6 +24,8 @@ namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
 
 class SourceAge : public ::testing::Test {
  protected:
@@ -45,7 +51,24 @@ class SourceAge : public ::testing::Test {
     fs::last_write_time(file, fs::file_time_type::clock::now() - std::chrono::hours(hours));
   }
   fs::path library() const { return folder_ / "build/Walk.so"; }
-  std::string note() const { return note_on_old_library(library()); }
+  /// The library is looked at in a new process, as by each command. Several notes are separated by line ends.
+  std::string note() const {
+    std::array<int, 2> ends{};
+    EXPECT_EQ(::pipe(ends.data()), 0);
+    if (::fork() == 0) {
+      std::string text;
+      for (const std::string& note : notes_on_old_library(library())) text += (text.empty() ? "" : "\n") + note;
+      _exit(::write(ends[1], text.data(), text.size()) == static_cast<ssize_t>(text.size()) ? 0 : 1);
+    }
+    ::close(ends[1]);
+    std::string text(4096, ' ');
+    const ssize_t size = ::read(ends[0], text.data(), text.size());
+    ::close(ends[0]);
+    int status = 0;
+    EXPECT_TRUE(::wait(&status) > 0 && status == 0);
+    text.resize(static_cast<std::size_t>(size));
+    return text;
+  }
 
   test::TemporaryFolder folder_;
 };
@@ -99,6 +122,54 @@ TEST_F(SourceAge, OfFilesThatTheBuildMakesAndOfOtherProjectsIsNotTold) {
   build("-g1", "build/made.cpp");
   set_age(folder_ / "build/made.cpp", 0);
   set_age(elsewhere / "other.h", 0);
+  EXPECT_EQ(note(), "");
+}
+
+/// Walk.so links libgait.so, which links libclock.so; each is found by the search of the library that links it.
+TEST_F(SourceAge, OfALinkedLibraryOfTheProjectIsTold) {
+  const auto compile = [this](const std::string& output, const std::string& source, const std::string& link) {
+    fs::create_directories((folder_ / output).parent_path());
+    const std::string line = test::quoted(CXX_COMPILER) + " -O0 -shared -fPIC -g1 -o " +
+                             test::quoted((folder_ / output).string()) + " " +
+                             test::quoted((folder_ / source).string()) + " " + link;
+    ASSERT_EQ(std::system(line.c_str()), 0) << line;
+    set_age(folder_ / output, 2);
+    set_age(folder_ / source, 3);
+  };
+  write("clock.cpp", "int now() { return 1; }\n");
+  write("gait.cpp", "int now();\nint step() { return now(); }\n");
+  write("stride.cpp", "int step();\nint stride() { return step(); }\n");
+  const std::string libraries = " -L" + test::quoted((folder_ / "build/lib").string());
+  compile("build/lib/libclock.so", "clock.cpp", "");
+  compile("build/lib/libgait.so", "gait.cpp", libraries + " -Wl,--no-as-needed -lclock '-Wl,-rpath,$ORIGIN'");
+  compile("build/Walk.so", "stride.cpp", libraries + " -Wl,--no-as-needed -lgait '-Wl,-rpath,$ORIGIN/lib'");
+  EXPECT_EQ(note(), "");
+  write("gait.cpp", "int step() { return 7; }\n");
+  EXPECT_THAT(note(), AllOf(HasSubstr("gait.cpp is newer than libgait.so: built before your last change"),
+                            Not(HasSubstr("Walk.so")), Not(HasSubstr("clock"))));
+  write("clock.cpp", "int now() { return 7; }\n");
+  write("stride.cpp", "int stride() { return 7; }\n");
+  EXPECT_THAT(note(),
+              AllOf(HasSubstr("gait.cpp is newer than libgait.so"), HasSubstr("clock.cpp is newer than libclock.so"),
+                    StartsWith((fs::proximate(folder_ / "stride.cpp")).string() + " is newer than Walk.so")));
+}
+
+TEST_F(SourceAge, OfALinkedLibraryOfAnotherProjectIsNotTold) {
+  const test::TemporaryFolder elsewhere;
+  std::ofstream(elsewhere / "CMakeLists.txt");
+  std::ofstream(elsewhere / "gait.cpp") << "int step() { return 1; }\n";
+  const std::string other = (elsewhere / "libgait.so").string();
+  const auto compile = [](const std::string& arguments) {
+    const std::string line = test::quoted(CXX_COMPILER) + " -O0 -shared -fPIC -g1 " + arguments;
+    ASSERT_EQ(std::system(line.c_str()), 0) << line;
+  };
+  compile("-o " + test::quoted(other) + " " + test::quoted((elsewhere / "gait.cpp").string()));
+  compile("-o " + test::quoted(library().string()) + " " + test::quoted((folder_ / "walk.cpp").string()) + " -L" +
+          test::quoted(elsewhere.path().string()) + " -Wl,--no-as-needed -lgait -Wl,-rpath," +
+          test::quoted(elsewhere.path().string()));
+  set_age(folder_ / "walk.cpp", 3);
+  set_age(folder_ / "gait.h", 3);
+  set_age(elsewhere / "gait.cpp", -1);
   EXPECT_EQ(note(), "");
 }
 

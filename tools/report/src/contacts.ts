@@ -27,6 +27,12 @@ function links_of(a: string, b: string, moving: Set<string>): string {
   return (swapped ? [b, a] : [a, b]).map(short_name).join(' – ');
 }
 
+/** One past the last tick that the run has. */
+function end_of(run: number, data: ReportData): number {
+  const { complete, ticks } = data.runs[run]!;
+  return complete ? data.end : Math.min(data.end, Math.max(data.begin, ticks));
+}
+
 /** In the order of their first contact. Contacts that don't end last until the run does. */
 export function pairs_of_links(data: ReportData): PairOfLinks[] {
   const moving = new Set(
@@ -41,7 +47,7 @@ export function pairs_of_links(data: ReportData): PairOfLinks[] {
     if (!pair) pairs.set(links, (pair = { name: `contact ${links}`, links, spans: [] }));
     let span = open.get(key);
     if (span ? begins : !begins && pair.spans.some((one) => one.run === run)) continue;
-    if (!span) pair.spans.push((span = { run, begin: begins ? tick : data.begin, end: data.end }));
+    if (!span) pair.spans.push((span = { run, begin: begins ? tick : data.begin, end: end_of(run, data) }));
     if (begins) {
       open.set(key, span);
     } else {

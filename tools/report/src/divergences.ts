@@ -22,6 +22,11 @@ export class Tour {
     return first === null ? null : (divergences[first] ?? null);
   }
 
+  /** Whether the first divergence is in pictures. */
+  get is_about_pictures(): boolean {
+    return this.report.data.cameras.some((camera) => camera.topic === this.first?.channel);
+  }
+
   /** The tick of the first violated expectation; null: all hold. */
   get first_violation(): number | null {
     const [violated] = violations(this.report);

@@ -192,7 +192,13 @@ export interface ReportData {
   format: number;
   title: string;
   rehearse: string;
-  verdict: { sentence: string; besides: string; state: VerdictState; levels?: Record<string, string> };
+  verdict: {
+    sentence: string;
+    besides: string;
+    state: VerdictState;
+    notes: string[];
+    levels?: Record<string, string>;
+  };
   time_step: number;
   begin: number;
   end: number;

@@ -192,6 +192,7 @@ function put_together(report: Report) {
     report.data.cameras.length > 0 && cameras_panel(cameras),
     'between robot and cameras',
   );
+  if (left && tour.is_about_pictures) left.classList.add('about_pictures');
   const right = panels_beside(
     'right',
     report.has_numbers && plots_panel(report, channels, plots),

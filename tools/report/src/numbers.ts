@@ -32,6 +32,15 @@ export function short_text(value: number): string {
   return size >= 1e5 || size < 1e-3 ? value.toExponential(1).replace('e+', 'e') : String(Number(value.toPrecision(4)));
 }
 
+/** The numbers beside a plot. Where they would look equal, those after the first are differences from it. */
+export function axis_texts(values: number[]): string[] {
+  const texts = values.map(short_text);
+  if (new Set(texts).size === texts.length) return texts;
+  return values.map((value, i) =>
+    i === 0 ? String(Number(value.toPrecision(7))) : `+${short_text(Number((value - values[0]!).toPrecision(3)))}`,
+  );
+}
+
 /** Decimals that tell one tick from the next. */
 export function time_text(time: number, time_step: number): string {
   const decimals = Math.min(9, Math.max(3, Math.ceil(-Math.log10(time_step) - 1e-9)));

@@ -4,7 +4,7 @@ import { curves_in_view, type Curves } from './decimate';
 import { button, element, set_name, set_text } from './dom';
 import { concerns } from './expectations';
 import type { ExpectationEntry } from './format';
-import { difference_text, short_text, value_text } from './numbers';
+import { axis_texts, difference_text, short_text, value_text } from './numbers';
 import { Columns, type Report, type Series } from './report';
 import type { Store } from './store';
 import { palette } from './theme';
@@ -272,7 +272,7 @@ export class Plot {
             gap: 6,
             space,
             values: (_, splits) =>
-              this.has_two_states ? [] : splits.map((split) => short_text(Number(split.toPrecision(9)))),
+              this.has_two_states ? [] : axis_texts(splits.map((split) => Number(split.toPrecision(9)))),
           },
         ],
         bands: [{ series: [2, 1], fill: colors.band }],

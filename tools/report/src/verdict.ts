@@ -18,7 +18,7 @@ const words = {
 
 export function verdict(store: Store, report: Report, help: () => void): HTMLElement {
   const { data } = report;
-  const { state, sentence, besides, levels } = data.verdict;
+  const { state, sentence, besides, notes, levels } = data.verdict;
   const steps = data.runs[0]?.ticks ?? 0;
   const length =
     report.ticks === 0
@@ -34,7 +34,7 @@ export function verdict(store: Store, report: Report, help: () => void): HTMLEle
     ),
   );
   const outcomes = data.runs
-    .filter((run) => run.outcome !== '')
+    .filter((run) => run.outcome !== '' && !sentence.includes(run.outcome))
     .map((run) => element('span', { class: 'outcome' }, `${run.role === 'golden' ? 'golden: ' : ''}${run.outcome}`));
   return element(
     'header',
@@ -49,9 +49,10 @@ export function verdict(store: Store, report: Report, help: () => void): HTMLEle
         element(
           'p',
           { class: 'levels' },
-          ...Object.entries(levels).map(([level, state]) =>
-            element('span', { class: `level ${state.replace(' ', '_')}` }, element('b', {}, level), ` ${state}`),
-          ),
+          ...['controller', 'plant', 'closed'].map((level) => {
+            const state = levels[level] ?? 'not compared';
+            return element('span', { class: `level ${state.replace(' ', '_')}` }, element('b', {}, level), ` ${state}`);
+          }),
         ),
       element(
         'div',
@@ -62,5 +63,6 @@ export function verdict(store: Store, report: Report, help: () => void): HTMLEle
     ),
     violated,
     (!violated || besides !== '') && element('p', { class: 'sentence' }, violated ? besides : sentence),
+    ...notes.map((note) => element('p', { class: 'remark' }, element('b', {}, 'note: '), note)),
   );
 }

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "core/kinds/channel_name.h"
+#include "core/ros2msg/message_format.h"
 #include "core/trace/message_rest.h"
 #include "divergence_text.h"
 #include "series_rules.h"
@@ -27,8 +28,8 @@ using Fields = std::vector<MessageField>;
 
 std::optional<ros2msg::Decoder> decoder_of(const Trace& trace, const TraceChannel& channel) {
   const mcap::Schema* schema = trace.schema_of(channel);
-  if (channel.encoding != "cdr" || schema == nullptr || schema->encoding != "ros2msg") return std::nullopt;
-  auto parsed = ros2msg::Schema::parse(schema->name, schema->data);
+  if (!ros2msg::is_decodable(channel.encoding, schema)) return std::nullopt;
+  auto parsed = ros2msg::schema_of(channel.encoding, *schema);
   if (!parsed) return std::nullopt;
   return ros2msg::Decoder(std::move(*parsed));
 }

@@ -108,16 +108,17 @@ class PayloadJudge final : public PartJudge {
     Divergence divergence = place(golden_index);
     divergence.difference = difference;
     divergence.tolerance = allowed;
-    divergence.note = fmt::format("{} differ, by up to {:g}{}", share_text(found.differing, golden.pixels()),
-                                  found.largest, golden.depths.empty() ? " of 255" : " m");
-    if (too_many)
-      divergence.note += fmt::format("; {} by more than a pixel's tolerance; allowed: {:.3g} %",
-                                     share_text(found.beyond, golden.pixels()), 100.0 * tolerance_.pixel_share);
+    const bool all_beyond = too_many && found.beyond == found.differing;
+    divergence.note =
+        fmt::format("{} differ{}, by up to {:g}{}", share_text(found.differing, golden.pixels()),
+                    all_beyond ? " beyond tolerance" : "", found.largest, golden.depths.empty() ? " of 255" : " m");
+    if (too_many && !all_beyond)
+      divergence.note += fmt::format("; {} beyond tolerance", share_text(found.beyond, golden.pixels()));
+    if (too_many) divergence.note += fmt::format("; allowed: {:.3g} %", 100.0 * tolerance_.pixel_share);
     if (by_window)
-      divergence.note += fmt::format(
-          "; {:.3g} % of the {} x {} pixels at ({}, {}) by more than a pixel's tolerance; allowed: {:.3g} %",
-          100.0 * found.densest, PixelDifferences::window, PixelDifferences::window, found.densest_x, found.densest_y,
-          100.0 * tolerance_.pixel_window);
+      divergence.note += fmt::format("; {:.3g} % of the {} x {} pixels at ({}, {}) beyond tolerance; allowed: {:.3g} %",
+                                     100.0 * found.densest, PixelDifferences::window, PixelDifferences::window,
+                                     found.densest_x, found.densest_y, 100.0 * tolerance_.pixel_window);
     findings_.describe(divergence, beyond);
     return true;
   }

@@ -1,108 +1,25 @@
 #include "source_age.h"
 
-#include <dlfcn.h>
-#include <elfutils/libdw.h>
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
 #include <cstdio>
 #include <fstream>
 #include <map>
-#include <optional>
 #include <set>
-#include <sstream>
-#include <type_traits>
+#include <system_error>
 #include <utility>
 
 #include "controller_host.h"
 #include "core/mcap/hashing.h"
 #include "core/scenario/project.h"
+#include "library_origin.h"
 
 namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Functions of libdw, which is loaded only to read line information: no run depends on it.
-struct Libdw {
-  decltype(&dwarf_begin) begin = nullptr;
-  decltype(&dwarf_end) end = nullptr;
-  decltype(&dwarf_nextcu) next_unit = nullptr;
-  decltype(&dwarf_offdie) entry_at = nullptr;
-  decltype(&dwarf_getsrcfiles) files_of = nullptr;
-  decltype(&dwarf_filesrc) name_of = nullptr;
-
-  /// None: it isn't installed.
-  static std::optional<Libdw> load() {
-    void* const library = ::dlopen("libdw.so.1", RTLD_NOW | RTLD_LOCAL);
-    if (!library) return std::nullopt;
-    Libdw functions;
-    const auto find = [library](const char* name, auto& function) {
-      function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(::dlsym(library, name));
-      return function != nullptr;
-    };
-    const bool found = find("dwarf_begin", functions.begin) && find("dwarf_end", functions.end) &&
-                       find("dwarf_nextcu", functions.next_unit) && find("dwarf_offdie", functions.entry_at) &&
-                       find("dwarf_getsrcfiles", functions.files_of) && find("dwarf_filesrc", functions.name_of);
-    return found ? std::optional(functions) : std::nullopt;
-  }
-};
-
-/// Writes the names of all source files in the library's line information, a line each.
-void print_line_files(const fs::path& library, std::FILE* to) {
-  const auto dw = Libdw::load();
-  const int file = dw ? ::open(library.c_str(), O_RDONLY | O_CLOEXEC) : -1;
-  Dwarf* const session = file < 0 ? nullptr : dw->begin(file, DWARF_C_READ);
-  if (!session) return;
-  std::set<std::string> names;
-  std::size_t header = 0;
-  for (Dwarf_Off unit = 0, next = 0; dw->next_unit(session, unit, &next, &header, nullptr, nullptr, nullptr) == 0;
-       unit = next) {
-    Dwarf_Die entry;
-    Dwarf_Files* files = nullptr;
-    std::size_t count = 0;
-    if (!dw->entry_at(session, unit + header, &entry) || dw->files_of(&entry, &files, &count) != 0) continue;
-    for (std::size_t i = 0; i < count; ++i)
-      if (const char* name = dw->name_of(files, i, nullptr, nullptr)) names.insert(name);
-  }
-  for (const std::string& name : names) fmt::print(to, "{}\n", name);
-  dw->end(session);
-}
-
-/// The names of all source files in the library's line information. A child process reads it: the memory of this one,
-/// which runs controllers, stays as it is.
-std::vector<std::string> line_files_of(const fs::path& library) {
-  std::array<int, 2> ends{};
-  if (::pipe2(ends.data(), O_CLOEXEC) != 0) return {};
-  const pid_t child = ::fork();
-  if (child == 0) {
-    if (std::FILE* const to = ::fdopen(ends[1], "w")) {
-      print_line_files(library, to);
-      std::fflush(to);
-    }
-    ::_exit(0);
-  }
-  ::close(ends[1]);
-  std::string text;
-  std::array<char, 4096> block{};
-  for (ssize_t came = child < 0 ? 0 : 1; came != 0;) {
-    came = ::read(ends[0], block.data(), block.size());
-    if (came > 0) text.append(block.data(), static_cast<std::size_t>(came));
-    if (came < 0 && errno != EINTR) break;
-  }
-  ::close(ends[0]);
-  while (child > 0 && ::waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
-  }
-  std::vector<std::string> names;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) names.push_back(line);
-  return names;
-}
 
 bool is_below(const fs::path& file, const fs::path& folder) {
   const fs::path inside = file.lexically_relative(folder);
@@ -117,11 +34,11 @@ fs::path build_of(const fs::path& library) {
   return {};
 }
 
-/// The library's sources below its project, which exist, without those in builds.
-std::set<fs::path> sources_of(const fs::path& library, const fs::path& project, const fs::path& build) {
+/// The sources below the project, which exist, without those in builds.
+std::set<fs::path> sources_in(const std::vector<std::string>& names, const fs::path& project, const fs::path& build) {
   const std::vector<fs::path> builds = build_folders(project);
   std::set<fs::path> sources;
-  for (const fs::path name : line_files_of(library)) {
+  for (const fs::path name : names) {
     std::error_code missing;
     const fs::path file = fs::weakly_canonical(name.is_absolute() ? name : project / name, missing);
     const auto has_it = [&file](const fs::path& folder) { return is_below(file, folder); };
@@ -132,18 +49,34 @@ std::set<fs::path> sources_of(const fs::path& library, const fs::path& project, 
   return sources;
 }
 
-/// The sources of a library, and what is known of their content when it was built.
+/// The libraries below the project or its build that a library links.
+std::set<fs::path> linked_in(const LibraryOrigin& origin, const fs::path& library, const fs::path& project,
+                             const fs::path& build) {
+  std::set<fs::path> linked;
+  for (const fs::path& file : files_of_linked(origin, library))
+    if (is_below(file, project) || (!build.empty() && is_below(file, build))) linked.insert(file);
+  return linked;
+}
+
+/// The sources of a library, what is known of their content when it was built, and the libraries that it links.
 struct BuiltSources {
   static constexpr const char* unknown = "-";
+  static constexpr const char* link = "+";  // in place of a hash: the file is a library
 
   std::string library;                     // its hash and the time of its file
   std::map<fs::path, std::string> hashes;  // unknown: the source was newer already
+  std::set<fs::path> linked;
 
   static BuiltSources read(const fs::path& file) {
     BuiltSources known;
     std::ifstream stream(file);
     std::getline(stream, known.library);
-    for (std::string hash, path; stream >> hash && std::getline(stream >> std::ws, path);) known.hashes[path] = hash;
+    for (std::string hash, path; stream >> hash && std::getline(stream >> std::ws, path);) {
+      if (hash == link)
+        known.linked.insert(path);
+      else
+        known.hashes[path] = hash;
+    }
     return known;
   }
   void write(const fs::path& file) const {
@@ -153,6 +86,7 @@ struct BuiltSources {
     std::ofstream stream(whole);
     stream << library << '\n';
     for (const auto& [path, hash] : hashes) stream << hash << ' ' << path.string() << '\n';
+    for (const fs::path& path : linked) stream << link << ' ' << path.string() << '\n';
     stream.close();
     if (stream) fs::rename(whole, file, failed);
     if (!stream || failed) fs::remove(whole, failed);  // the next check has to read the library again
@@ -167,7 +101,9 @@ BuiltSources built_sources(const fs::path& library, fs::file_time_type built, co
   now.library = fmt::format("{} {}", content_hash_of(library), built.time_since_epoch().count());
   if (!build.empty())
     if (BuiltSources before = BuiltSources::read(file); before.library == now.library) return before;
-  for (const fs::path& source : sources_of(library, project, build)) {
+  const LibraryOrigin origin = origin_of(library);
+  now.linked = linked_in(origin, library, project, build);
+  for (const fs::path& source : sources_in(origin.sources, project, build)) {
     std::error_code missing;
     const bool is_older = fs::last_write_time(source, missing) <= built;
     now.hashes[source] = is_older ? content_hash_of(source) : BuiltSources::unknown;
@@ -185,31 +121,54 @@ std::string sentence(const std::vector<fs::path>& newer, const fs::path& library
                      library.filename().string(), build.empty() ? "build it" : "cmake --build " + as_seen(build));
 }
 
-}  // namespace
+/// What was found out about a library.
+struct LibraryAge {
+  std::string note;  // empty: it is up to date, or nothing is known
+  std::set<fs::path> linked;
+};
 
-std::string note_on_old_library(const fs::path& named) {
+LibraryAge age_of(const fs::path& library) {
   std::error_code missing;
-  const fs::path library = fs::canonical(named, missing);
-  if (missing) return {};
   const fs::file_time_type built = fs::last_write_time(library, missing);
   auto project = find_project(library);
   if (!project) project = find_project("./");
   if (missing || !project) return {};
+  const BuiltSources sources = built_sources(library, built, fs::canonical(*project, missing));
   std::vector<fs::path> newer;
-  for (const auto& [source, hash] : built_sources(library, built, fs::canonical(*project, missing)).hashes) {
+  for (const auto& [source, hash] : sources.hashes) {
     const fs::file_time_type written = fs::last_write_time(source, missing);
     if (!missing && written > built && content_hash_of(source) != hash) newer.push_back(source);
   }
-  return newer.empty() ? std::string() : sentence(newer, library);
+  return {newer.empty() ? std::string() : sentence(newer, library), sources.linked};
+}
+
+/// Adds the notes of a library and of those that it links. `seen`: the libraries whose notes are in the list.
+void add_notes(const fs::path& library, std::set<fs::path>& seen, std::vector<std::string>& notes) {
+  static auto& ages = *new std::map<fs::path, LibraryAge>;
+  std::error_code missing;
+  const fs::path file = fs::canonical(library, missing);
+  if (missing || !seen.insert(file).second) return;
+  const auto [known, is_new] = ages.try_emplace(file);
+  if (is_new) known->second = age_of(file);
+  if (!known->second.note.empty()) notes.push_back(known->second.note);
+  for (const fs::path& linked : known->second.linked) add_notes(linked, seen, notes);
+}
+
+}  // namespace
+
+std::vector<std::string> notes_on_old_library(const fs::path& library) {
+  std::set<fs::path> seen;
+  std::vector<std::string> notes;
+  add_notes(library, seen, notes);
+  return notes;
 }
 
 std::vector<std::string> notes_on_old_libraries(const Scenario& scenario, const HostOptions& options) {
-  static auto& seen = *new std::set<fs::path>;
+  std::set<fs::path> seen;
   std::vector<std::string> notes;
   const auto look = [&](const ScenarioBody& body, const ScenarioController& controller) {
     const auto library = library_of(scenario, controller, body.name + "/" + controller.name, options);
-    if (!library || !seen.insert(*library).second) return;  // a run reports a library that is missing
-    if (std::string note = note_on_old_library(*library); !note.empty()) notes.push_back(std::move(note));
+    if (library) add_notes(*library, seen, notes);  // a run reports a library that is missing
   };
   for (const ScenarioBody& body : scenario.bodies)
     for (const ScenarioController& controller : body.controllers) {
@@ -219,8 +178,10 @@ std::vector<std::string> notes_on_old_libraries(const Scenario& scenario, const 
   return notes;
 }
 
-void tell_old_libraries(const Scenario& scenario, const HostOptions& options) {
-  for (const std::string& note : notes_on_old_libraries(scenario, options)) fmt::print(stderr, "note: {}\n", note);
+void tell_old_libraries(const std::vector<std::string>& notes) {
+  static auto& told = *new std::set<std::string>;
+  for (const std::string& note : notes)
+    if (told.insert(note).second) fmt::print(stderr, "note: {}\n", note);
 }
 
 }  // namespace rehearse

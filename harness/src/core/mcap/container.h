@@ -1,6 +1,6 @@
-// Logs in other containers than an MCAP file: rosbag2 folders, their SQLite databases, files compressed by zstd. This
-// room recognises them by their first bytes. Their reader converts them to an MCAP file, so that everything else reads
-// MCAP alone. Internal.
+// Logs in other containers than an MCAP file: rosbag2 folders, their SQLite databases, bags of ROS 1, files compressed
+// by zstd. This room recognises them by their first bytes. Their reader converts them to an MCAP file, so that
+// everything else reads MCAP alone. Internal.
 #pragma once
 
 #include <rehearse/mcap.h>
@@ -49,8 +49,8 @@ struct OpenedFolder {
 class ContainerReader {
  public:
   virtual ~ContainerReader() = default;
-  /// Converts a file in the container sqlite or zstd. `bytes`: its content; `name`: its name in messages; `path` opens
-  /// it.
+  /// Converts a file in the container sqlite, zstd or ros1_bag. `bytes`: its content; `name`: its name in messages;
+  /// `path` opens it.
   virtual Result<ConvertedPtr> convert_file(Container container, Bytes bytes, const std::string& name,
                                             const std::filesystem::path& path) const = 0;
   /// `name`: the folder's name in messages.

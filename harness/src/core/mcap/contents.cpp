@@ -153,9 +153,8 @@ std::string describe_start(Bytes start) {
   }
   switch (container_of(start)) {
     case Container::ros1_bag:
-      return "a bag of ROS 1, which isn't read: rosbags-convert --src FILE --dst FOLDER (of the Python package "
-             "rosbags) "
-             "makes a bag of ROS 2, and mcap convert FILE OUT.mcap an MCAP file with messages of ROS 1";
+      return container_reader() ? "not an MCAP file, but a bag of ROS 1: it is read by its name, not as a stream"
+                                : "not an MCAP file, but a bag of ROS 1, which a build with the wing logs reads";
     case Container::sqlite:
       return container_reader() ? "not an MCAP file, but a database: it is read by its name, not as a stream"
                                 : "not an MCAP file, but a database, which a build with the wing logs reads";

@@ -186,7 +186,9 @@ Result<FileView> FileView::open(const std::filesystem::path& file) {
   if (!view) return view;
   const Container container = container_of(view->bytes());
   const ContainerReader* reader = container_reader();
-  if (!reader || (container != Container::sqlite && container != Container::zstd)) return view;
+  const bool is_other =
+      container == Container::sqlite || container == Container::zstd || container == Container::ros1_bag;
+  if (!reader || !is_other) return view;
   const std::filesystem::path path = kept ? std::filesystem::path(kept->path()) : file;
   auto converted = reader->convert_file(container, view->bytes(), view->name(), path);
   if (!converted) return converted.errors();

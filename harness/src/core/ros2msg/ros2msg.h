@@ -1,4 +1,5 @@
-// ros2msg: the schema language of ROS 2 messages, and a decoder for any payload that such a schema describes.
+// ros2msg: the schema language of ROS 2 messages, and a decoder for any payload that such a schema describes. Schemas
+// in other languages, and payloads in other encodings, are in message_format.h.
 //
 // A schema text is the fields of a type, then for each type that it uses a line of '=' signs, a line "MSG:
 // package/Name" and its fields. A field is `TYPE name` with an optional default, a constant is `TYPE NAME=value`. TYPE
@@ -36,7 +37,10 @@ struct FieldType {
 struct FieldDefinition {
   std::string name;
   FieldType type;
-  std::string default_value;  // as written; empty if there is none
+  std::string default_value;       // as written; empty if there is none
+  std::string stored_as = {};      // JSON: the name in payloads; empty: `name`
+  std::uint32_t number = 0;        // protobuf: in payloads
+  std::uint8_t protobuf_type = 0;  // protobuf: a ProtobufType
 };
 
 struct Constant {
@@ -51,9 +55,13 @@ struct Definition {
   std::vector<Constant> constants;
 };
 
+/// The encoding of payloads.
+enum class Encoding { cdr, ros1, json, protobuf };
+
 /// A parsed schema. The first definition is the type itself.
 struct Schema {
   std::vector<Definition> definitions;
+  Encoding encoding = Encoding::cdr;
 
   /// `type` is the schema's name (sensor_msgs/msg/JointState); `file` is the name of the text in messages. Errors have
   /// the line: unknown and cyclic types, malformed lines, duplicate names.
@@ -70,7 +78,7 @@ struct Value {
   double number = 0.0;                 // floating: exact, a float32 widened
   std::string_view text;               // text, in the payload
   std::span<const std::byte> blob;     // blob, in the payload
-  std::span<const std::byte> bytes;    // the bytes of a number in the payload
+  std::span<const std::byte> bytes;    // the bytes of a number in a payload of CDR or ROS 1
 
   bool is_number() const { return kind != Kind::text && kind != Kind::blob; }
 };
@@ -93,8 +101,8 @@ class Decoder {
  public:
   explicit Decoder(Schema schema) : schema_(std::move(schema)) {}
 
-  /// Calls `callback` for every value in the order of the payload. False if the payload (CDR) ends too early, isn't
-  /// CDR, or violates a bound; the values before were delivered. Bytes left over at the end are ignored.
+  /// Calls `callback` for every value in the order of the schema. False if the payload ends too early, has another
+  /// encoding, or violates a bound; the values before were delivered. Bytes left over at the end are ignored.
   bool decode(std::span<const std::byte> payload, const std::function<void(const Value&)>& callback);
 
   /// Calls `visitor` for every value and for the structure of the message. After an error, open messages and arrays are

@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
-#include <charconv>
+#include <bit>
+#include <cstring>
+#include <type_traits>
 
+#include "payload_walk.h"
 #include "ros2msg.h"
 
 namespace rehearse::ros2msg {
@@ -37,19 +41,66 @@ std::string encapsulation_problem(std::span<const std::byte> payload) {
   return fmt::format("isn't CDR: it begins with 0x{:04x}", kind);
 }
 
-/// One pass over one payload. It always ends: each element takes at least a byte, and the parser limits the depth.
-class Walk {
+/// Reads a payload of ROS 1, with the members of CdrReader that Walk needs: numbers without alignment, texts without a
+/// zero at the end.
+class PackedReader {
+ public:
+  explicit PackedReader(std::span<const std::byte> payload) : bytes_(payload) {}
+
+  static bool is_version_2() { return false; }
+  bool ok() const { return ok_; }
+  std::size_t position() const { return position_; }
+
+  template <class T>
+  T get() {
+    std::array<std::byte, sizeof(T)> bytes{};
+    if (const std::byte* place = take(sizeof(T))) std::memcpy(bytes.data(), place, sizeof(T));
+    if constexpr (std::is_same_v<T, bool>)
+      return bytes[0] != std::byte{0};
+    else
+      return std::bit_cast<T>(bytes);
+  }
+  std::string_view get_string() {
+    const auto length = get<std::uint32_t>();
+    const std::byte* place = take(length);
+    return place ? std::string_view(reinterpret_cast<const char*>(place), length) : std::string_view();
+  }
+  std::uint32_t get_count(std::size_t element_size) {
+    const auto count = get<std::uint32_t>();
+    if (ok_ && count > (bytes_.size() - position_) / element_size) ok_ = false;
+    return ok_ ? count : 0;
+  }
+  const std::byte* take(std::size_t count) {
+    if (count > bytes_.size() - position_) ok_ = false;
+    if (!ok_) return nullptr;
+    position_ += count;
+    return bytes_.data() + position_ - count;
+  }
+
+ private:
+  std::span<const std::byte> bytes_;
+  std::size_t position_ = 0;
+  bool ok_ = true;
+};
+
+/// One pass over one payload of CDR or ROS 1. It always ends: each element takes at least a byte, and the parser limits
+/// the depth.
+template <class Reader>
+class Walk : public PayloadWalk {
  public:
   Walk(const Schema& schema, std::span<const std::byte> payload, std::string& path, Visitor& visitor)
-      : schema_(schema), payload_(payload), reader_(payload), path_(path), visitor_(visitor) {
-    if (!reader_.ok()) problem_ = encapsulation_problem(payload);
+      : PayloadWalk(schema, path, visitor), payload_(payload), reader_(payload) {
+    if (!reader_.ok()) fail(encapsulation_problem(payload));
   }
 
   void message(const Definition& definition) {
     visitor_.begin_message();
-    if (definition.fields.empty()) {  // CDR has no empty structures: ROS encodes one byte for a message without fields
-      reader_.get<std::uint8_t>();
-      check_end();
+    if constexpr (std::is_same_v<Reader, CdrReader>) {
+      if (definition.fields
+              .empty()) {  // CDR has no empty structures: ROS 2 encodes one byte for a message without fields
+        reader_.template get<std::uint8_t>();
+        check_end();
+      }
     }
     for (const FieldDefinition& field : definition.fields) {
       if (!ok()) return;
@@ -60,55 +111,27 @@ class Walk {
     if (ok()) visitor_.end_message();
   }
 
-  bool ok() const { return problem_.empty(); }
-  std::string take_problem() { return std::move(problem_); }
-
  private:
-  /// Extends the path during its lifetime.
-  class Segment {
-   public:
-    Segment(std::string& path, std::string_view name) : path_(path), length_(path.size()) {
-      if (!path_.empty()) path_ += '/';
-      path_ += name;
-    }
-    ~Segment() { path_.resize(length_); }
-    Segment(const Segment&) = delete;
-    Segment& operator=(const Segment&) = delete;
-
-   private:
-    std::string& path_;
-    std::size_t length_;
-  };
-
   void field(const FieldType& type) {
     if (type.shape == FieldType::Shape::single) return element(type);
     std::size_t size = 0;
     const bool has_size = reader_.is_version_2() && (type.is_message || type.primitive == Primitive::string);
-    if (has_size) size = reader_.get<std::uint32_t>();
+    if (has_size) size = reader_.template get<std::uint32_t>();
     const std::size_t begin = reader_.position();
     std::uint32_t count = type.count;
     if (type.shape == FieldType::Shape::sequence) {
       count = reader_.get_count(1);
-      if (type.count != 0 && count > type.count) fail(fmt::format("has {} elements of at most {}", count, type.count));
+      if (type.count != 0 && count > type.count)
+        fail_at(fmt::format("has {} elements of at most {}", count, type.count));
     }
     check_end();
     if (!ok()) return;
     if (!type.is_message && type.primitive == Primitive::uint8) return blob(count);
-    elements(type, count);
+    if (type.is_message && std::is_same_v<Reader, PackedReader> && is_empty(type.message)) count = 0;
+    array(count, [&](std::uint32_t) { element(type); });
     if (ok() && has_size && reader_.position() - begin != size) {
-      fail(fmt::format("states {} bytes and has {}", size, reader_.position() - begin));
+      fail_at(fmt::format("states {} bytes and has {}", size, reader_.position() - begin));
     }
-  }
-
-  void elements(const FieldType& type, std::uint32_t count) {
-    visitor_.begin_array(count);
-    std::array<char, 16> digits;
-    for (std::uint32_t i = 0; i < count && ok(); ++i) {
-      const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), i).ptr;
-      const Segment segment(path_, std::string_view(digits.data(), end));
-      element(type);
-    }
-    if (ok()) visitor_.end_array();
   }
 
   void element(const FieldType& type) {
@@ -127,63 +150,59 @@ class Walk {
       case Primitive::float32: value.number = static_cast<double>(take<float>(value)); break;
       case Primitive::float64: value.number = take<double>(value); break;
       case Primitive::string:
-        value.kind = Value::Kind::text;
-        value.text = reader_.get_string();
+        set_text(value, reader_.get_string());
         if (type.string_bound != 0 && value.text.size() > type.string_bound) {
-          fail(fmt::format("has {} characters of at most {}", value.text.size(), type.string_bound));
+          fail_at(fmt::format("has {} characters of at most {}", value.text.size(), type.string_bound));
         }
         break;
     }
-    emit(value);
+    emit_read(value);
+  }
+
+  /// True if a message takes no byte in ROS 1: then no count of them is too large for a payload.
+  bool is_empty(std::size_t message) const {
+    return std::ranges::all_of(schema_.definitions[message].fields, [this](const FieldDefinition& field) {
+      return field.type.is_message && field.type.shape != FieldType::Shape::sequence && is_empty(field.type.message);
+    });
   }
 
   /// Reads a number, and its bytes in the payload.
   template <class Number>
   Number take(Value& value) {
-    const Number number = reader_.get<Number>();
+    const Number number = reader_.template get<Number>();
     if (reader_.ok()) value.bytes = payload_.subspan(reader_.position() - sizeof(Number), sizeof(Number));
     return number;
   }
 
   void blob(std::uint32_t count) {
     Value value;
-    value.kind = Value::Kind::blob;
+    set_blob(value, {});
     const std::byte* place = reader_.take(count);
     if (place != nullptr) value.blob = {place, count};
+    emit_read(value);
+  }
+
+  void emit_read(Value& value) {
+    check_end();
     emit(value);
   }
 
-  static void set_signed(Value& value, std::int64_t number) {
-    value.kind = Value::Kind::signed_integer;
-    value.integer = number;
-  }
-  static void set_unsigned(Value& value, std::uint64_t number, Value::Kind kind = Value::Kind::unsigned_integer) {
-    value.kind = kind;
-    value.unsigned_integer = number;
-  }
-
-  void emit(Value& value) {
-    check_end();
-    if (!ok()) return;
-    value.path = path_;
-    visitor_.value(value);
-  }
-
   void check_end() {
-    if (reader_.ok() || !ok()) return;
-    problem_ = fmt::format("ends at byte {}{}{}", reader_.position(), path_.empty() ? "" : ", within ", path_);
+    if (reader_.ok()) return;
+    fail(fmt::format("ends at byte {}{}{}", reader_.position(), path_.empty() ? "" : ", within ", path_));
   }
-  void fail(std::string_view what) {
-    if (ok()) problem_ = fmt::format("breaks its schema: {} {}", path_, what);
-  }
+  void fail_at(std::string_view what) { fail(fmt::format("breaks its schema: {} {}", path_, what)); }
 
-  const Schema& schema_;
   const std::span<const std::byte> payload_;
-  CdrReader reader_;
-  std::string& path_;
-  Visitor& visitor_;
-  std::string problem_;
+  Reader reader_;
 };
+
+template <class Reader>
+std::string walk(const Schema& schema, std::span<const std::byte> payload, std::string& path, Visitor& visitor) {
+  Walk<Reader> walk(schema, payload, path, visitor);
+  if (walk.ok()) walk.message(schema.definitions.front());
+  return walk.take_problem();
+}
 
 }  // namespace
 
@@ -194,9 +213,12 @@ bool Decoder::decode(std::span<const std::byte> payload, const std::function<voi
 
 bool Decoder::decode(std::span<const std::byte> payload, Visitor& visitor) {
   path_.clear();
-  Walk walk(schema_, payload, path_, visitor);
-  if (walk.ok()) walk.message(schema_.definitions.front());
-  problem_ = walk.take_problem();
+  switch (schema_.encoding) {
+    case Encoding::cdr: problem_ = walk<CdrReader>(schema_, payload, path_, visitor); break;
+    case Encoding::ros1: problem_ = walk<PackedReader>(schema_, payload, path_, visitor); break;
+    case Encoding::json: problem_ = walk_json(schema_, payload, path_, visitor); break;
+    case Encoding::protobuf: problem_ = walk_protobuf(schema_, payload, path_, visitor); break;
+  }
   return problem_.empty();
 }
 

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "core/ros2msg/message_format.h"
 #include "message_json.h"
 
 namespace rehearse {
@@ -73,8 +74,9 @@ MessagePrinter::Decoding& MessagePrinter::decoding_of(const mcap::Channel& chann
   if (known != decodings_.end()) return known->second;
   Decoding& decoding = decodings_[channel.id];
   decoding.is_json = channel.message_encoding == "json";
-  if (channel.message_encoding != "cdr" || schema == nullptr || schema->encoding != "ros2msg") return decoding;
-  auto parsed = ros2msg::Schema::parse(schema->name, schema->data, "schema " + schema->name);
+  // JSON is printed as it is, with what its schema doesn't mention
+  if (decoding.is_json || !ros2msg::is_decodable(channel.message_encoding, schema)) return decoding;
+  auto parsed = ros2msg::schema_of(channel.message_encoding, *schema, "schema " + schema->name);
   if (parsed) {
     decoding.decoder.emplace(std::move(*parsed));
   } else {

@@ -9,6 +9,7 @@
 
 #include "core/mcap/glob.h"
 #include "core/mcap/hashing.h"
+#include "core/ros2msg/message_format.h"
 
 namespace rehearse {
 namespace {
@@ -63,9 +64,10 @@ bool ColumnFields::covers(const ros2msg::Value& value) const {
                      [&](std::string_view pattern) { return matches(pattern, value.path); });
 }
 
-std::unique_ptr<MessageRest> MessageRest::make(const std::string& type, const mcap::Schema* schema) {
-  if (schema == nullptr || schema->encoding != "ros2msg") return nullptr;
-  auto parsed = ros2msg::Schema::parse(schema->name, schema->data, "schema " + schema->name);
+std::unique_ptr<MessageRest> MessageRest::make(const std::string& type, std::string_view encoding,
+                                               const mcap::Schema* schema) {
+  if (!ros2msg::is_decodable(encoding, schema)) return nullptr;
+  auto parsed = ros2msg::schema_of(encoding, *schema, "schema " + schema->name);
   if (!parsed) return nullptr;
   return std::unique_ptr<MessageRest>(new MessageRest(type, std::move(*parsed)));
 }
@@ -96,6 +98,7 @@ void MessageRest::decode(mcap::Bytes payload, std::uint64_t log_time) {
   bytes_.assign(payload.begin(), payload.end());
   stamps_.clear();
   std::vector<std::pair<std::size_t, std::size_t>> cleared;
+  if (!is_cdr_) return find_kept(std::move(cleared));
   const auto take_out = [&](std::size_t begin, std::size_t size, std::byte filling = std::byte{0}) {
     std::fill_n(bytes_.begin() + static_cast<std::ptrdiff_t>(begin), size, filling);
     if (!cleared.empty() && cleared.back().second == begin)

@@ -31,8 +31,9 @@ class ColumnFields {
 /// detected by a comparison of bytes; only a different rest is decoded.
 class MessageRest {
  public:
-  /// Null if the schema isn't ros2msg or can't be parsed.
-  static std::unique_ptr<MessageRest> make(const std::string& type, const mcap::Schema* schema);
+  /// Null if payloads of that encoding can't be decoded. In other encodings than CDR the rest is the whole payload.
+  static std::unique_ptr<MessageRest> make(const std::string& type, std::string_view encoding,
+                                           const mcap::Schema* schema);
 
   /// Reads a message; true if its rest differs from the rest of the message before, or if it is the first message.
   bool take(mcap::Bytes payload, std::uint64_t log_time);
@@ -51,12 +52,14 @@ class MessageRest {
     bool is_log_time = false;
   };
 
-  MessageRest(std::string_view type, ros2msg::Schema schema) : columns_(type), decoder_(std::move(schema)) {}
+  MessageRest(std::string_view type, ros2msg::Schema schema)
+      : columns_(type), is_cdr_(schema.encoding == ros2msg::Encoding::cdr), decoder_(std::move(schema)) {}
   bool is_as_before(mcap::Bytes payload, std::uint64_t log_time) const;
   void decode(mcap::Bytes payload, std::uint64_t log_time);
   void find_kept(std::vector<std::pair<std::size_t, std::size_t>> cleared);
 
   ColumnFields columns_;
+  const bool is_cdr_;
   ros2msg::Decoder decoder_;
   std::vector<std::byte> bytes_;  // the payload, with different bytes in place of values that don't belong to the rest
   std::vector<std::pair<std::size_t, std::size_t>> kept_;  // byte spans [first, second) of the rest

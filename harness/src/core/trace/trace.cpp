@@ -232,7 +232,7 @@ struct Trace::Rests {
 Result<std::vector<std::byte>> Trace::rest(const TraceChannel& channel, std::size_t index) const {
   if (!rests_) rests_ = std::make_shared<Rests>();
   auto& maker = rests_->by_channel[static_cast<std::size_t>(&channel - channels_.data())];
-  if (!maker) maker = MessageRest::make(channel.type, schema_of(channel));
+  if (!maker) maker = MessageRest::make(channel.type, channel.encoding, schema_of(channel));
   const TraceRest* rest = channel.rest_of(index);
   REHEARSE_ASSERT(maker != nullptr && rest != nullptr, "only a channel whose schema is known has rests");
   const auto message = reader_->message_at(rest->location);

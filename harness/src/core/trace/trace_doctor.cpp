@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "core/kinds/channel_name.h"
+#include "core/ros2msg/message_format.h"
 #include "model/text.h"
 #include "run_facts.h"
 
@@ -22,23 +23,21 @@ constexpr const char* cut_by[] = {"rehearse.filter", "rehearse.merge", "rehearse
 }  // namespace
 
 void TraceCheck::schema(const mcap::Schema& schema, mcap::Place place, mcap::Findings& findings) {
-  if (schema.encoding != "ros2msg") return;
-  const auto parsed = ros2msg::Schema::parse(schema.name, schema.data);
-  if (!parsed)
+  const auto problem = ros2msg::problem_of(schema);
+  if (problem)
     findings.add(Severity::error, place,
-                 fmt::format("Schema {} {} can't be parsed: line {}: {}", schema.id, in_quotes(schema.name),
-                             parsed.errors().front().line, parsed.errors().front().message));
+                 fmt::format("Schema {} {} can't be parsed: {}{}", schema.id, in_quotes(schema.name),
+                             problem->line > 0 ? fmt::format("line {}: ", problem->line) : "", problem->message));
 }
 
 TraceCheck::ChannelState& TraceCheck::state_of(const mcap::Message& message, const mcap::Schema* schema) {
   const auto [place, added] = channels_.try_emplace(message.channel->id);
   ChannelState& state = place->second;
-  if (!added || schema == nullptr || message.channel->message_encoding != "cdr" || schema->encoding != "ros2msg")
-    return state;
+  if (!added || !ros2msg::is_decodable(message.channel->message_encoding, schema)) return state;
   state.topic = message.channel->topic;
   state.type = schema->name;
   state.is_tick = schema->name == msg::Tick::type_name && state.topic == run_topics::tick;
-  if (auto parsed = ros2msg::Schema::parse(schema->name, schema->data))
+  if (auto parsed = ros2msg::schema_of(message.channel->message_encoding, *schema))
     state.decoder = std::make_unique<ros2msg::Decoder>(std::move(*parsed));
   return state;
 }

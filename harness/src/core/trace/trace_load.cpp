@@ -8,6 +8,7 @@
 
 #include "core/kinds/channel_name.h"
 #include "core/mcap/hashing.h"
+#include "core/ros2msg/message_format.h"
 #include "core/ros2msg/ros2msg.h"
 #include "message_rest.h"
 #include "trace_windows.h"
@@ -18,7 +19,7 @@ namespace rehearse {
 // bytes.
 ChannelSource::ChannelSource(const mcap::Channel& channel, const mcap::Schema* schema, std::vector<TraceColumn> columns)
     : rows(channel, schema, std::move(columns)),
-      rest(rows.has_rows() ? MessageRest::make(rows.table.type, schema) : nullptr) {}
+      rest(rows.has_rows() ? MessageRest::make(rows.table.type, rows.table.encoding, schema) : nullptr) {}
 
 void ChannelSource::take_samples(const StateRate* rate) {
   samples = rate && rate->reduces(rows.table.topic) ? rate : nullptr;
@@ -31,8 +32,8 @@ void ChannelSource::keep_undecoded(const mcap::Schema* of) {
 
 namespace {
 
-std::string problem_of(mcap::Bytes payload, const mcap::Schema& schema) {
-  auto parsed = ros2msg::Schema::parse(schema.name, schema.data);
+std::string problem_of(mcap::Bytes payload, const std::string& encoding, const mcap::Schema& schema) {
+  auto parsed = ros2msg::schema_of(encoding, schema);
   if (!parsed) return parsed.errors()[0].message;
   ros2msg::Decoder decoder(std::move(*parsed));
   decoder.decode(payload, [](const ros2msg::Value&) {});
@@ -46,7 +47,7 @@ bool ChannelSource::add(const mcap::Message& message) {
   TraceChannel& table = rows.table;
   if (!rows.add(message.log_time, message.data)) {
     if (!schema) return false;
-    table.undecoded.push_back({table.times.size() - 1, problem_of(message.data, *schema)});
+    table.undecoded.push_back({table.times.size() - 1, problem_of(message.data, table.encoding, *schema)});
   }
   if (!rows.is_typed()) table.locations.push_back(message.location);
   table.hashes.push_back(hash_bytes(message.data.data(), message.data.size()));

@@ -1,6 +1,7 @@
 #include "trace_rows.h"
 
 #include "core/kinds/channel_name.h"
+#include "core/ros2msg/message_format.h"
 #include "core/ros2msg/ros2msg.h"
 
 namespace rehearse {
@@ -69,12 +70,11 @@ TraceChannel describe_channel(const mcap::Channel& channel, const mcap::Schema* 
 ChannelRows::ChannelRows(const mcap::Channel& channel, const mcap::Schema* schema, std::vector<TraceColumn> columns)
     : table(describe_channel(channel, schema)) {
   table.columns = std::move(columns);
-  if (table.encoding != "cdr" || schema == nullptr || schema->encoding != "ros2msg") return;
-  if (has_no_series(schema->name)) return;
-  reader_ = make_typed_row_reader(table);
+  if (!ros2msg::is_decodable(table.encoding, schema) || has_no_series(schema->name)) return;
+  if (table.encoding == "cdr") reader_ = make_typed_row_reader(table);
   typed_ = reader_ != nullptr;
   if (typed_) return;
-  auto parsed = ros2msg::Schema::parse(schema->name, schema->data, "schema " + schema->name);
+  auto parsed = ros2msg::schema_of(table.encoding, *schema, "schema " + schema->name);
   if (!parsed)
     problems_ = parsed.errors();
   else

@@ -76,7 +76,7 @@ Trace record_for_test(const std::string& scenario_file, const std::string& test)
   const auto scenario = Scenario::load(fixture_path(scenario_file));
   if (!scenario) fail_to_run(test, to_string(scenario.errors()));
   print_warnings(scenario->warnings);
-  tell_old_libraries(*scenario, {});
+  tell_old_libraries(notes_on_old_libraries(*scenario, {}));
   const fs::path file = new_trace_file(test);
   const auto run = make_recording(*scenario, test, file);
   if (!run) fail_to_run(test, to_string(run.errors()));
@@ -109,7 +109,7 @@ TestVerdict replay_and_compare(const GoldenStore& store, const std::string& name
     return {false, fmt::format("there is no golden {}; the run of a test becomes one: EXPECT_MATCHES_GOLDEN",
                                store.trace_file(name).string())};
   if (const auto golden = mcap::Reader::open(store.trace_file(name)))
-    if (const auto scenario = scenario_of(**golden)) tell_old_libraries(*scenario, {});
+    if (const auto scenario = scenario_of(**golden)) tell_old_libraries(notes_on_old_libraries(*scenario, {}));
   const auto report = replay(store.trace_file(name));
   if (!report) return {false, to_string(report.errors())};
   if (report->failure) return {false, report->failure->message};

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "core/golden/run_folder.h"
+#include "core/host/source_age.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/simulation/recorded_view.h"
 #include "test_recordings.h"
@@ -26,12 +27,20 @@ Wanted wanted() {
 
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
-ReportOptions options_of(const std::string& test, const TestVerdict& verdict, const ComparedTest& compared) {
+/// The scenario of the test's file, or else of its recording.
+Result<Scenario> scenario_of_test(const Trace& trace, const fs::path& file) {
+  return file.empty() ? recorded_scenario(trace) : Scenario::load(file);
+}
+
+ReportOptions options_of(const Trace& trace, const std::string& test, const TestVerdict& verdict,
+                         const ComparedTest& compared) {
   ReportOptions options;
   options.title = test;
   options.tolerances = compared.tolerances;
   options.horizon = compared.horizon;
   options.scenario = compared.scenario;
+  if (const auto scenario = scenario_of_test(trace, compared.scenario))
+    options.notes = notes_on_old_libraries(*scenario, {});
   if (compared.checked) {
     options.verdict = report_verdict(*compared.checked);
     if (compared.checked->controller == LevelState::differs) options.call_stack = call_stack_of(compared.golden, {});
@@ -42,7 +51,7 @@ ReportOptions options_of(const std::string& test, const TestVerdict& verdict, co
 }
 
 std::vector<std::uint8_t> thumbnail_of(const Trace& trace, const fs::path& scenario_file, std::int64_t tick) {
-  const auto scenario = scenario_file.empty() ? recorded_scenario(trace) : Scenario::load(scenario_file);
+  const auto scenario = scenario_of_test(trace, scenario_file);
   return scenario ? rehearse::thumbnail_of(*scenario, trace, tick) : std::vector<std::uint8_t>();
 }
 
@@ -91,7 +100,7 @@ std::string keep_test_report(const Trace& trace, const std::string& test, const 
   if (!verdict.passed || wanted() == Wanted::always) {
     const FolderLock alone(traces_folder());  // programs that run in parallel may run the same test
     const auto golden = has_golden ? std::optional(compared.golden) : std::nullopt;
-    const auto written = write_report(trace.file(), golden, file, options_of(test, verdict, compared));
+    const auto written = write_report(trace.file(), golden, file, options_of(trace, test, verdict, compared));
     if (written) {
       result.report = file;
       result.tick = written->first_tick;

@@ -19,6 +19,7 @@
 #include "core/mcap/codec.h"
 #include "core/mcap/container.h"
 #include "model/text.h"
+#include "ros1_bag.h"
 #include "sqlite_bag.h"
 #include "standard_types.h"
 
@@ -50,12 +51,13 @@ mcap::ChunkGroup group_of(std::string_view type) {
 class LogCopy {
  public:
   static Result<std::unique_ptr<LogCopy>> begin(mcap::Converted& target, const std::string& name,
-                                                const std::string& library);
+                                                const std::string& library, const std::string& profile = "ros2");
 
   /// Decompresses all messages that are compressed by zstd.
   void decompress_messages() { decompresses_ = true; }
   Result<void> add(mcap::Reader& log);
   Result<void> add(SqliteBag& log);
+  Result<void> add(Ros1Bag& log);
   Result<void> finish();
 
  private:
@@ -79,10 +81,11 @@ class LogCopy {
 };
 
 Result<std::unique_ptr<LogCopy>> LogCopy::begin(mcap::Converted& target, const std::string& name,
-                                                const std::string& library) {
+                                                const std::string& library, const std::string& profile) {
   if (target.file->descriptor() < 0) return not_kept(name, *target.file, std::strerror(errno));
   mcap::WriterOptions form;
   form.library = library;
+  form.profile = profile;
   form.crcs = false;  // the file is read by this process alone
   auto writer = mcap::Writer::create(target.file->path(), form);
   if (!writer) return not_kept(name, *target.file, writer.errors().front().message);
@@ -161,6 +164,24 @@ Result<void> LogCopy::add(SqliteBag& log) {
   });
   if (failed) return read;
   if (!read) target_.add_damage(read.errors(), log.lost_messages());
+  return {};
+}
+
+Result<void> LogCopy::add(Ros1Bag& log) {
+  std::map<std::uint32_t, std::uint16_t> ids;
+  bool failed = false;
+  const Result<void> read = log.for_each_message(
+      [&](const Ros1Connection& connection) {
+        const auto schema = writer_->add_schema(connection.type, "ros1msg", connection.definition);
+        ids[connection.id] = channel_of(schema, connection.type, connection.topic, "ros1", connection.details);
+      },
+      [&](std::uint32_t connection, std::uint64_t time, mcap::Bytes data) {
+        auto written = write(ids.at(connection), time, time, data, std::nullopt);
+        failed = !written;
+        return written;
+      });
+  if (failed) return read;
+  if (!read) target_.add_damage(read.errors(), std::nullopt);
   return {};
 }
 
@@ -252,6 +273,16 @@ Result<void> convert_database(mcap::Converted& converted, const std::string& nam
   return (*copy)->finish();
 }
 
+Result<void> convert_ros1(mcap::Converted& converted, const std::string& name, mcap::Bytes bytes) {
+  auto log = Ros1Bag::open(bytes, name);
+  if (!log) return log.errors();
+  converted.form = "bag of ROS 1 (version 2.0)";
+  auto copy = LogCopy::begin(converted, name, "rosbag", "ros1");
+  if (!copy) return copy.errors();
+  if (auto done = (*copy)->add(**log); !done) return done;
+  return (*copy)->finish();
+}
+
 /// Decompresses the file into the temporary file of `plain`. A stream that is cut is damage.
 Result<void> decompress(mcap::Converted& plain, const std::string& name, mcap::Bytes bytes) {
   if (plain.file->descriptor() < 0) return not_kept(name, *plain.file, std::strerror(errno));
@@ -327,6 +358,7 @@ class BagReader : public mcap::ContainerReader {
                                           const fs::path& path) const override {
     return conversions().find_or_make(identity_of_database(path), [&](mcap::Converted& converted) {
       converted.size = container == mcap::Container::sqlite ? size_of_database(path) : bytes.size();
+      if (container == mcap::Container::ros1_bag) return convert_ros1(converted, name, bytes);
       return container == mcap::Container::sqlite ? convert_database(converted, name, path)
                                                   : convert_compressed(converted, name, bytes);
     });

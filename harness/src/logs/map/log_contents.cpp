@@ -40,8 +40,7 @@ double median_of(std::vector<double> numbers) {
 class TopicReader {
  public:
   explicit TopicReader(TopicContents& contents) : contents_(contents) {
-    auto schema = ros2msg::Schema::parse(contents.topic.type, contents.topic.schema);
-    if (schema && contents.topic.problem.empty()) decoder_ = std::make_unique<ros2msg::Decoder>(*std::move(schema));
+    if (contents.topic.problem.empty()) decoder_ = std::make_unique<ros2msg::Decoder>(contents.topic.definitions);
   }
 
   /// Adds the facts of a message; false: enough messages were read.

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "core/ros2msg/ros2msg.h"
+#include "core/ros2msg/message_format.h"
 
 namespace rehearse {
 namespace {
@@ -49,29 +49,28 @@ bool LogTopic::has(std::string_view path, FieldContent content) const {
 LogTopic log_topic(std::string name, std::string message_encoding, const mcap::Schema* schema) {
   LogTopic topic;
   topic.name = std::move(name);
-  if (message_encoding != "cdr") {
-    topic.problem = fmt::format("its messages are encoded as '{}', not as cdr", message_encoding);
-  } else if (!schema) {
-    topic.problem = "it has no schema";
+  if (!schema) {
+    topic.problem = fmt::format("it has no schema; its messages are encoded as '{}'", message_encoding);
+    return topic;
   }
-  if (schema) {
-    topic.type = schema->name;
-    topic.schema = schema->data;
-  }
-  if (!topic.problem.empty()) return topic;
+  topic.type = schema->name;
+  topic.schema = schema->data;
   if (schema->encoding.empty() && schema->data.empty()) {
     topic.problem = fmt::format("the log has no definition of {}, and it is no standard type", schema->name);
     return topic;
   }
-  if (schema->encoding != "ros2msg") {
-    topic.problem = fmt::format("its schema is written in '{}', not in ros2msg", schema->encoding);
+  if (!ros2msg::is_decodable(message_encoding, schema)) {
+    topic.problem = fmt::format("messages of encoding '{}' with a schema in '{}' can't be read", message_encoding,
+                                schema->encoding);
     return topic;
   }
-  const auto parsed = ros2msg::Schema::parse(schema->name, schema->data);
+  const auto parsed = ros2msg::schema_of(message_encoding, *schema);
   if (!parsed) {
     topic.problem = fmt::format("its schema can't be read: {}", parsed.errors()[0].message);
   } else if (!FieldList(*parsed, topic.fields).add(parsed->definitions[0], "")) {
     topic.problem = fmt::format("its messages have more than {} fields", max_fields);
+  } else {
+    topic.definitions = *parsed;
   }
   return topic;
 }

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/ros2msg/ros2msg.h"
+
 namespace rehearse {
 
 /// The content of a message field, independent of its width.
@@ -19,8 +21,9 @@ struct LogTopic {
   /// The fields of its messages: paths with / between names, * for the elements of arrays and sequences: name/*, data,
   /// header/stamp/sec, transforms/*/child_frame_id.
   std::map<std::string, FieldContent> fields;
-  std::string schema;   // its text
-  std::string problem;  // why its messages can't be decoded; empty: they can
+  std::string schema;           // its text
+  ros2msg::Schema definitions;  // the schema, as read; none with a problem
+  std::string problem;          // why its messages can't be decoded; empty: they can
 
   bool has(std::string_view path, FieldContent content = FieldContent::number) const;
 };

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "clock_estimate.h"
+#include "core/ros2msg/message_format.h"
 #include "message_reader.h"
 
 namespace rehearse {
@@ -79,7 +80,7 @@ std::optional<std::int64_t> LogTimes::stamp_of(const mcap::Message& message) {
   std::unique_ptr<Stamps>& stamps = stamps_[message.channel->id];
   if (!stamps) {
     const mcap::Schema* schema = log_.schema_of(*message.channel);
-    auto parsed = ros2msg::Schema::parse(schema->name, schema->data);
+    auto parsed = ros2msg::schema_of(message.channel->message_encoding, *schema);
     if (!parsed) return std::nullopt;  // topics_of() has reported it
     stamps = std::make_unique<Stamps>(*parsed);
   }

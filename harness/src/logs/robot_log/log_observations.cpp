@@ -29,22 +29,21 @@ Result<void> LogObservations::make_feeds(const std::vector<LogTopic>& topics) {
     const auto topic = std::find_if(topics.begin(), topics.end(),
                                     [&](const LogTopic& known) { return known.name == mapped.source->topic; });
     REHEARSE_ASSERT(topic != topics.end(), "the map was read against these topics");
-    const auto schema = ros2msg::Schema::parse(topic->type, topic->schema);
-    if (!schema) return schema.errors();
+    const ros2msg::Schema& schema = topic->definitions;
     const DurationCounts& intervals = survey_.sources[i].intervals;
     const bool may_miss = !(map_.skips_missing && map_.tick && map_.tick->topic == mapped.source->topic);
     const std::int64_t period = may_miss && intervals.is_regular() ? intervals.median() : 0;
     Fed& fed = fed_.emplace_back(Fed{mapped, nullptr, TopicWatch(mapped.source->max_age, period)});
     if (plan_) fed.watch.doubt(plan_->window_of(mapped.source->topic));
-    if (mapped.joints) fed.feed = make_joint_feed(*mapped.joints, model_, *schema);
-    if (mapped.root) fed.feed = make_root_feed(*mapped.root, *schema);
-    if (mapped.joystick) fed.feed = make_joy_feed(*mapped.joystick, *schema);
-    if (mapped.devices) fed.feed = make_device_feed(*mapped.devices, model_, ticks_, *topic, *schema);
+    if (mapped.joints) fed.feed = make_joint_feed(*mapped.joints, model_, schema);
+    if (mapped.root) fed.feed = make_root_feed(*mapped.root, schema);
+    if (mapped.joystick) fed.feed = make_joy_feed(*mapped.joystick, schema);
+    if (mapped.devices) fed.feed = make_device_feed(*mapped.devices, model_, ticks_, *topic, schema);
     if (mapped.commands) {
       const SourceSurvey& whole = survey_.sources[i];
       CommandFacts facts{survey_.largest_commands,    survey_.ranges, whole.messages, *whole.first, whole.last,
                          plan_ ? plan_->latency() : 0};
-      commands_ = std::make_unique<LogCommands>(map_, model_, *schema, ticks_, std::move(facts));
+      commands_ = std::make_unique<LogCommands>(map_, model_, schema, ticks_, std::move(facts));
     }
     if (fed.feed) lookahead_ = std::max(lookahead_, period);
     if (plan_ && fed.feed) lookahead_ = std::max(lookahead_, plan_->window_of(mapped.source->topic).after + 1);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/compare/series_scale.h"
+#include "core/ros2msg/message_format.h"
 #include "joint_messages.h"
 #include "log_feed.h"
 #include "message_reader.h"
@@ -168,7 +169,7 @@ LogSurvey survey(mcap::Reader& log, const LogMap& map, const Model& model, const
       if (!sources[i].joints && !sources[i].commands) continue;
       if (!state.joints) {
         const mcap::Schema* schema = log.schema_of(*message.channel);
-        const auto parsed = ros2msg::Schema::parse(schema->name, schema->data);
+        const auto parsed = ros2msg::schema_of(message.channel->message_encoding, *schema);
         if (!parsed) continue;  // topics_of() has reported it
         state.joints = std::make_unique<JointSurvey>(sources[i], map, model, *parsed);
         if (sources[i].commands) state.commands = std::make_unique<CommandReader>(map, model, *parsed);

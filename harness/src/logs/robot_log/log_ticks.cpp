@@ -10,11 +10,12 @@
 namespace rehearse {
 namespace {
 
-constexpr int bins_per_octave = 64;  // 32 of them are used, except below 64 ns
+constexpr int bin_bits = 13;                    // of a duration's number that tell its bin
+constexpr int bins_per_octave = 1 << bin_bits;  // half of them are used, except below 8192 ns
 
 int bin_of(std::int64_t duration) {
   const auto number = static_cast<std::uint64_t>(duration);
-  const int shift = std::max(0, static_cast<int>(std::bit_width(number)) - 6);
+  const int shift = std::max(0, static_cast<int>(std::bit_width(number)) - bin_bits);
   return shift * bins_per_octave + static_cast<int>(number >> shift);
 }
 

@@ -122,6 +122,7 @@ inline bool same_layout(const ros2msg::Schema& a, std::size_t of_a, const ros2ms
 /// True if the schema's payloads have the layout of T.
 template <msg::MessageStruct T>
 bool has_layout_of(const ros2msg::Schema& schema) {
+  if (schema.encoding != ros2msg::Encoding::cdr) return false;
   const auto own = ros2msg::Schema::parse(T::type_name, msg::schema_text<T>());
   return own && same_layout(*own, 0, schema, 0);
 }

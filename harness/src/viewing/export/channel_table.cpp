@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/kinds/channel_name.h"
+#include "core/ros2msg/message_format.h"
 #include "core/ros2msg/ros2msg.h"
 #include "core/trace/message_json.h"
 
@@ -156,13 +157,13 @@ class WholeTable final : public ChannelTable {
 
 Result<std::unique_ptr<ChannelTable>> ChannelTable::make(const mcap::Channel& channel, const mcap::Schema* schema,
                                                          bool bytes) {
-  if (channel.message_encoding != "cdr" || schema == nullptr || schema->encoding != "ros2msg") {
+  if (!ros2msg::is_decodable(channel.message_encoding, schema)) {
     return error(fmt::format("messages of encoding '{}'{} can't be decoded", channel.message_encoding,
                              schema == nullptr ? " without a schema" : ""));
   }
   auto series = SeriesTable::make(channel, schema, false);
   if (!series) return series.errors();
-  auto parsed = ros2msg::Schema::parse(schema->name, schema->data, "schema " + schema->name);
+  auto parsed = ros2msg::schema_of(channel.message_encoding, *schema, "schema " + schema->name);
   if (!parsed && *series != nullptr) return std::unique_ptr<ChannelTable>(std::move(*series));
   if (!parsed) return parsed.errors();
   const auto columns = *series == nullptr ? std::nullopt : std::optional<ColumnFields>(schema->name);
@@ -178,7 +179,7 @@ Result<std::unique_ptr<SeriesTable>> SeriesTable::make(const mcap::Channel& chan
   if (any_schema && !table->rows_.problems().empty()) return table->rows_.problems();
   if (!(any_schema ? table->rows_.has_rows() : table->rows_.is_typed())) return std::unique_ptr<SeriesTable>();
   if (schema != nullptr) {
-    if (auto parsed = ros2msg::Schema::parse(schema->name, schema->data))
+    if (auto parsed = ros2msg::schema_of(channel.message_encoding, *schema))
       table->decoder_ = std::make_unique<ros2msg::Decoder>(std::move(*parsed));
     table->columns_ = std::make_unique<ColumnFields>(schema->name);
   }

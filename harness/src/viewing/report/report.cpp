@@ -204,7 +204,8 @@ std::string besides_violations(std::string sentence, const std::vector<Expectati
 ReportJson ReportMaker::verdict_json() const {
   ReportJson verdict{{"sentence", summary_.verdict},
                      {"besides", besides_violations(summary_.verdict, expectations_)},
-                     {"state", summary_.state}};
+                     {"state", summary_.state},
+                     {"notes", options_.notes}};
   if (options_.verdict && !options_.verdict->levels.empty()) verdict["levels"] = options_.verdict->levels;
   return verdict;
 }
