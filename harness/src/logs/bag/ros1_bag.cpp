@@ -14,7 +14,7 @@ namespace rehearse::bag {
 namespace {
 
 constexpr std::string_view magic = "#ROSBAG V2.0\n";
-constexpr std::uint32_t largest_chunk = std::uint32_t{1} << 30;  // decompressed [bytes]
+constexpr std::uint32_t largest_chunk = std::uint32_t{1} << 28;  // decompressed [bytes]
 
 enum class Op : std::uint8_t { message = 2, bag = 3, index = 4, chunk = 5, chunk_info = 6, connection = 7 };
 
