@@ -101,6 +101,17 @@ TEST_F(Mending, FilterKeepsWhatIsChosen) {
   EXPECT_THAT(done({"info", "part.mcap"}).out, HasSubstr("rehearse.filter"));
 }
 
+TEST_F(Mending, FilterKeepsTheAttachmentsThatAreChosen) {
+  const auto all = done({"filter", "run.mcap", "-o", "all.mcap", "--json"}).json();
+  ASSERT_GT(all["attachments"], 1);
+  const auto json = done({"filter", "run.mcap", "-o", "models.mcap", "--attachments", "*.urdf", "--json"}).json();
+  EXPECT_EQ(json["attachments"], 1);
+  EXPECT_EQ(done({"filter", "run.mcap", "-o", "none.mcap", "--no-attachments", "--json"}).json()["attachments"], 0);
+  const Outcome refused = rehearse({"filter", "run.mcap", "-o", "x.mcap", "--attachments", "*.stl"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("no attachment matches '*.stl'"));
+}
+
 TEST_F(Mending, ACutRecordingSaysWhyItIsNotReplayed) {
   done({"filter", "run.mcap", "-o", "late.mcap", "--ticks", "10.."});
   const Outcome outcome = rehearse({"replay", "late.mcap"});

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "command.h"
 #include "core/trace/filter.h"
@@ -21,6 +22,7 @@ struct FilterSettings {
   std::string target;
   mcap::FilterOptions options;
   std::string from, until, ticks, compression;
+  std::vector<std::string> attachments;
   bool no_attachments = false, no_metadata = false;
   bool json = false;
 };
@@ -46,7 +48,7 @@ Result<void> read_selection(FilterSettings& settings) {
   if (settings.compression == "zstd") settings.options.compression = mcap::Compression::zstd;
   if (settings.compression == "lz4") settings.options.compression = mcap::Compression::lz4;
   if (settings.compression == "none") settings.options.compression = mcap::Compression::none;
-  settings.options.attachments = !settings.no_attachments;
+  if (!settings.attachments.empty() || settings.no_attachments) settings.options.attachments = settings.attachments;
   settings.options.metadata = !settings.no_metadata;
   return {};
 }
@@ -91,7 +93,10 @@ std::function<Exit()> declare_filter(CLI::App& options) {
   options.add_option("--until", settings->until, "likewise; not included")->type_name("TIME");
   options.add_option("--ticks", settings->ticks, "of a recording of ours, as 100..199; both included")
       ->type_name("A..B");
-  options.add_flag("--no-attachments", settings->no_attachments, "leave them out");
+  CLI::Option* attachments =
+      options.add_option("--attachments", settings->attachments, "these only, by name; * stands for any text")
+          ->type_name("GLOB...");
+  options.add_flag("--no-attachments", settings->no_attachments, "leave all of them out")->excludes(attachments);
   options.add_flag("--no-metadata", settings->no_metadata, "leave the metadata records out");
   options.add_option("--compression", settings->compression, "of all channels (as each was)")
       ->check(CLI::IsMember({"zstd", "lz4", "none"}))

@@ -79,7 +79,10 @@ void Filter::define() {
 Result<void> Filter::write_extras_before(std::uint64_t offset) {
   const auto& attachments = reader_.attachments();
   for (; next_attachment_ < attachments.size() && attachments[next_attachment_].offset < offset; ++next_attachment_) {
-    if (!options_.attachments) continue;
+    const std::string& name = attachments[next_attachment_].name;
+    if (std::none_of(options_.attachments.begin(), options_.attachments.end(),
+                     [&](const std::string& pattern) { return matches(pattern, name); }))
+      continue;
     ++filtered_.attachments;
     if (auto done = copy(attachments[next_attachment_], writer_); !done) return done;
   }
@@ -106,7 +109,10 @@ Result<void> Filter::write_note() {
     note["from_ns"] = std::to_string(selector_.begin());
     if (selector_.end()) note["until_ns"] = std::to_string(*selector_.end());
   }
-  if (!options_.attachments) note["attachments"] = "left out";
+  if (options_.attachments.empty())
+    note["attachments"] = "left out";
+  else if (options_.attachments != FilterOptions().attachments)
+    note["attachments"] = join(options_.attachments);
   return writer_.add_metadata("rehearse.filter", note);
 }
 
@@ -148,6 +154,20 @@ WriterOptions form_of(const Reader& reader, const FilterOptions& options) {
   return form;
 }
 
+/// Fails for a glob, other than the default, that no attachment's name matches.
+Result<void> check_attachments(const Reader& reader, const FilterOptions& options) {
+  if (options.attachments == FilterOptions().attachments) return {};
+  std::vector<std::string> names;
+  for (const Attachment& attachment : reader.attachments()) names.push_back(attachment.name);
+  for (const std::string& pattern : options.attachments) {
+    if (std::any_of(names.begin(), names.end(), [&](const std::string& name) { return matches(pattern, name); }))
+      continue;
+    return error_in(reader.name(), fmt::format("no attachment matches '{}'", pattern),
+                    names.empty() ? "it has no attachments" : "it has " + printable(join(names), 200));
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<Filtered> filter(const std::filesystem::path& source, const std::filesystem::path& target,
@@ -159,6 +179,7 @@ Result<Filtered> filter(const std::filesystem::path& source, const std::filesyst
   if (!(*reader)->damage().empty()) return with_recover_hint((*reader)->damage());
   auto selector = Selector::of(options.selection, **reader);
   if (!selector) return selector.errors();
+  if (const auto checked = check_attachments(**reader, options); !checked) return checked.errors();
   auto draft = Draft::begin(target, std::span(&source, 1));
   if (!draft) return draft.errors();
   const ChannelGroups groups = groups_of(view, view.bytes());

@@ -18,7 +18,8 @@ namespace rehearse::mcap {
 struct FilterOptions {
   Selection selection;
   std::vector<std::string> exclude;  // globs of topics that are left out, even if they were selected
-  bool attachments = true;           // all attachments are kept
+  /// Globs of the attachments that are kept: all by default, none if it is empty.
+  std::vector<std::string> attachments = {"*"};
   bool metadata = true;              // all metadata records are kept
   std::optional<StateRate> samples;  // of the state only the samples at a rate are kept, and a record states the rate
   /// Compression of all channels; nullopt: the compression of each channel in the source.
@@ -30,7 +31,8 @@ struct FilterOptions {
 
   /// True if something is left out.
   bool cuts() const {
-    return !selection.topics.empty() || !selection.takes_all_times() || !exclude.empty() || !attachments || !metadata;
+    return !selection.topics.empty() || !selection.takes_all_times() || !exclude.empty() ||
+           attachments != std::vector<std::string>{"*"} || !metadata;
   }
 };
 
