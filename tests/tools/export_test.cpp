@@ -168,6 +168,36 @@ TEST_F(Export, JoinsNothingWithoutTicks) {
   EXPECT_FALSE(exists("all.csv"));
 }
 
+/// A row for each message of the clock, two at one time included, with the last values of the other topic.
+TEST_F(Export, JoinsAnyLogByTheMessagesOfATopic) {
+  auto writer = std::move(*mcap::Writer::create(folder() / "log.mcap"));
+  TopicWriter fast(*writer, "/fast", "cdr", add_schema<msg::JointState>(*writer));
+  TopicWriter slow(*writer, "/slow", "cdr", add_schema<msg::JointState>(*writer));
+  const auto joint = [](const char* name, double q) {
+    msg::JointState state;
+    state.name = {name};
+    state.position = {q};
+    return state;
+  };
+  fast.put(0, joint("A", 0.0));
+  slow.put(5, joint("B", 7.0));
+  fast.put(10, joint("A", 1.0));
+  fast.put(20, joint("A", 2.0));
+  fast.put(20, joint("A", 3.0));
+  slow.put(20, joint("B", 8.0));
+  slow.put(25, joint("B", 9.0));
+  ASSERT_TRUE(writer->close());
+  done({"export", "log.mcap", "-o", "log.csv", "--joined", "--clock", "/fast"});
+  EXPECT_EQ(read_file(folder() / "log.csv"),
+            "time [s],A/q,B/q\n"
+            "0.000000000,0,\n"
+            "0.000000010,1,7\n"
+            "0.000000020,2,7\n"
+            "0.000000020,3,8\n");
+  EXPECT_EQ(rehearse({"export", "log.mcap", "-o", "x.csv", "--joined", "--clock", "/imu"}).status, 2);
+  EXPECT_EQ(rehearse({"export", "log.mcap", "-o", "x", "--clock", "/fast"}).status, 2);
+}
+
 TEST_F(Export, WritesThePicturesThatWereRecorded) {
   const Outcome outcome = done({"export", "run.mcap", "-o", "pictures", "--frames", "--json"});
   EXPECT_EQ(read_file(folder() / "pictures/Robot_Camera_image.csv"),

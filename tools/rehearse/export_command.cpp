@@ -155,6 +155,11 @@ std::function<Exit()> declare_export(CLI::App& options) {
   options.add_option("--robot", settings->robot, "a folder for the recording's scenario and models")->type_name("DIR");
   CLI::Option* joined = options.add_flag("--joined", settings->joined,
                                          "one table of all series, a row a tick, instead of one table a topic");
+  options
+      .add_option("--clock", settings->options.clock,
+                  "with --joined: a row for each message of this topic, with the last values of all others")
+      ->type_name("TOPIC")
+      ->needs(joined);
   CLI::Option* frames = options.add_flag(
       "--frames", settings->frames,
       "pictures instead of tables: PNG or JPEG, and a table of their times. Distances become millimetres, 16 bits");
@@ -176,6 +181,7 @@ std::function<Exit()> declare_export(CLI::App& options) {
 const Verb export_verb{"export",
                        "  rehearse export sr1.mcap -o tables\n"
                        "  rehearse export sr1.mcap -o sr1.csv --joined --ticks 0..999\n"
+                       "  rehearse export bag -o log.csv --joined --clock /joint_states\n"
                        "  rehearse export sr1.mcap -o pictures --frames --topics '*Camera*'\n"
                        "  rehearse export sr1.mcap --viewer sr1.viewer.mcap --layout sr1.json\n"
                        "  rehearse export sr1.mcap --robot sr1_files\n"

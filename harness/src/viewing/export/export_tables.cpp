@@ -72,19 +72,19 @@ Result<Outputs> learn_columns(ExportSource& source, bool bytes, ExportReport& re
   return outputs;
 }
 
-/// A table with one row per tick, of all series.
+/// A table of all series, with one row per tick, or per message of another topic.
 class JoinedTable {
  public:
-  static Result<JoinedTable> learn(ExportSource& source, ExportReport& report);
+  static Result<JoinedTable> learn(ExportSource& source, const std::string& clock, ExportReport& report);
 
   std::string heading_line() const;
   std::int64_t columns() const;
-  /// Reads a message. If it is the first message of a new time, the row before is complete; if that row is a tick's, it
-  /// is written to `line`.
+  /// Reads a message. If it is the first message of a new time, or another one of the clock, the row before is
+  /// complete; if that row is the clock's, it is written to `line`.
   void take(const mcap::Message& message, std::string& line);
   /// Writes the present row to `line`.
   void end_row(std::string& line);
-  bool has_ticks() const { return has_ticks_; }
+  bool has_rows() const { return has_rows_; }
   void note_all_left_out(ExportReport& report) const {
     for (const Part& part : parts_) note_left_out(part.table->channel().topic, *part.table, report);
   }
@@ -93,18 +93,20 @@ class JoinedTable {
   struct Part {
     std::unique_ptr<SeriesTable> table;
     std::size_t columns = 0;
-    bool is_tick = false;
+    bool is_clock = false;
     bool is_there = false;  // the present row has a message of the channel
   };
 
   std::vector<Part> parts_;
   std::map<std::uint16_t, std::size_t> by_channel_;
   std::optional<std::uint64_t> time_;  // time of the present row [ns]
-  bool has_ticks_ = false;
+  bool has_rows_ = false;
+  bool holds_ = false;  // series keep their values until their next message
 };
 
-Result<JoinedTable> JoinedTable::learn(ExportSource& source, ExportReport& report) {
+Result<JoinedTable> JoinedTable::learn(ExportSource& source, const std::string& clock, ExportReport& report) {
   JoinedTable joined;
+  joined.holds_ = !clock.empty();
   for (const mcap::Channel* channel : source.channels()) {
     auto table = SeriesTable::make(*channel, source.schema_of(*channel), true);
     if (!table) {
@@ -112,9 +114,9 @@ Result<JoinedTable> JoinedTable::learn(ExportSource& source, ExportReport& repor
     } else if (*table == nullptr) {
       report.skipped.push_back({channel->topic, "its messages are no series of numbers"});
     } else {
-      const bool is_tick = (*table)->channel().type == msg::Tick::type_name;
+      const bool is_clock = clock.empty() ? (*table)->channel().type == msg::Tick::type_name : channel->topic == clock;
       joined.by_channel_[channel->id] = joined.parts_.size();
-      joined.parts_.push_back({std::move(*table), 0, is_tick, false});
+      joined.parts_.push_back({std::move(*table), 0, is_clock, false});
     }
   }
   const auto learned = source.pass([&](const mcap::Message& message) -> Result<void> {
@@ -123,8 +125,8 @@ Result<JoinedTable> JoinedTable::learn(ExportSource& source, ExportReport& repor
     if (!joined.parts_[part->second].table->read(message.data)) {
       source.note(*message.channel,
                   fmt::format("the message at {} ns doesn't fit its schema, or has too many values", message.log_time));
-    } else if (joined.parts_[part->second].is_tick) {
-      joined.has_ticks_ = true;
+    } else if (joined.parts_[part->second].is_clock) {
+      joined.has_rows_ = true;
     }
     return {};
   });
@@ -157,15 +159,15 @@ std::int64_t JoinedTable::columns() const {
 void JoinedTable::take(const mcap::Message& message, std::string& line) {
   const auto place = by_channel_.find(message.channel->id);
   if (place == by_channel_.end()) return;
-  if (time_ != message.log_time) end_row(line);
-  time_ = message.log_time;
   Part& part = parts_[place->second];
+  if (time_ != message.log_time || (part.is_clock && part.is_there)) end_row(line);
+  time_ = message.log_time;
   part.is_there = part.table->read(message.data);
 }
 
 void JoinedTable::end_row(std::string& line) {
-  const bool is_tick = std::any_of(parts_.begin(), parts_.end(), [](const Part& p) { return p.is_tick && p.is_there; });
-  if (is_tick && time_) {
+  const bool is_row = std::any_of(parts_.begin(), parts_.end(), [](const Part& p) { return p.is_clock && p.is_there; });
+  if (is_row && time_) {
     append_seconds(line, *time_);
     for (const Part& part : parts_) {
       if (part.is_there) {
@@ -176,7 +178,7 @@ void JoinedTable::end_row(std::string& line) {
     }
     line += '\n';
   }
-  for (Part& part : parts_) part.is_there = false;
+  for (Part& part : parts_) part.is_there = part.is_there && holds_ && !part.is_clock;
 }
 
 }  // namespace
@@ -227,12 +229,15 @@ Result<ExportReport> export_joined(const std::filesystem::path& trace, const std
   if (!source) return source.errors();
   if (const auto allowed = check_replaceable(file, table_magic, "table of Rehearse"); !allowed) return allowed.errors();
   ExportReport report;
-  auto joined = JoinedTable::learn(*source, report);
+  auto joined = JoinedTable::learn(*source, options.clock, report);
   if (!joined) return joined.errors();
-  if (!joined->has_ticks()) {
+  if (!joined->has_rows() && !options.clock.empty())
+    return error(fmt::format("{}: no selected message is a series of numbers on '{}', so there are no rows",
+                             trace.string(), options.clock),
+                 "rehearse info lists the topics");
+  if (!joined->has_rows())
     return error(fmt::format("{}: no selected message is a tick, so there are no rows to join by", trace.string()),
-                 "select /tick too; a file without ticks can be exported as one table for each topic");
-  }
+                 "select /tick too; of a log without ticks, --clock TOPIC names the topic that makes the rows");
   LineFiles files;
   if (const auto begun = files.begin(file, joined->heading_line()); !begun) return begun.errors();
   ExportedTopic all{file, "", 0, joined->columns(), 0};

@@ -25,6 +25,8 @@ namespace rehearse {
 struct ExportOptions {
   mcap::Selection selection;
   bool bytes = false;  // tables have columns of bytes, in base64
+  /// Of a joined table: the topic whose messages make the rows; empty: the ticks of a recording of Rehearse.
+  std::string clock = {};
   /// Called with the number of exported messages and the number of all messages; both passes count.
   std::function<void(std::int64_t, std::int64_t)> progress;
 };
@@ -61,8 +63,8 @@ struct ExportReport {
 Result<ExportReport> export_tables(const std::filesystem::path& trace, const std::filesystem::path& folder,
                                    const ExportOptions& options);
 
-/// Writes one table of all series, a row per tick: all messages with the log time of a /tick. Needs a recording of
-/// Rehearse.
+/// Writes one table of all series. A row per tick has all messages with the log time of a /tick. With a clock, a row
+/// per message of that topic has the last values of all series up to its log time; cells before the first are empty.
 Result<ExportReport> export_joined(const std::filesystem::path& trace, const std::filesystem::path& file,
                                    const ExportOptions& options);
 
