@@ -75,7 +75,7 @@ const Broken all_broken[] = {
     {"magnetic_field_of_words", 3, 17, "magnetic_field is .north.*list of 3 numbers"},
     {"gravity_overflow", 3, 17, "gravity\\[2\\] is '-1e999'.*expected a number"},
     {"options_map", 3, 10, "options is a map.*expected text"},
-    {"solver_unknown_method", 3, 18, "method is 'slow'.*quick .* or exact"},
+    {"solver_unknown_method", 3, 18, "method is 'slow'.*quick .* or direct"},
     {"solver_no_iterations", 3, 22, "iterations is 0.*from 1 to 10000"},
     {"iterations_auto_misspelt", 3, 22, "iterations is 'automatic'.*whole number"},
     {"solver_erp", 3, 15, "erp is 1.5.*from 0 to 1"},

@@ -1,5 +1,6 @@
 // SR1 walks along a pattern from a .seq file, by torque and by velocity.
 #include <rehearse/gtest.h>
+#include <rehearse/messages.h>
 
 #include <cstdlib>
 #include <stdexcept>

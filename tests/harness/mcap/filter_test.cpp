@@ -110,7 +110,8 @@ TEST_F(McapFilter, WritesTheCompressionThatIsAskedFor) {
 
 TEST_F(McapFilter, LeavesAttachmentsAndMetadataOutIfItIsTold) {
   mcap::FilterOptions options;
-  options.attachments = options.metadata = false;
+  options.attachments = {};
+  options.metadata = false;
   const Written written = filter(options);
   EXPECT_THAT(written.metadata, testing::IsEmpty());
   EXPECT_THAT(written.attachments, testing::IsEmpty());
