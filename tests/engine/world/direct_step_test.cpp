@@ -238,6 +238,27 @@ TEST(TheDirectSolver, LetsSr1StandOnItsWeight) {
   EXPECT_GT(link_of(*world, 0, 1).position.z(), 0.7);
 }
 
+/// SR1 on its feet under the torques of a stiff law: contacts that stick have one solution.
+TEST(TheDirectSolver, LetsSr1StandAsUnderTheExactSolver) {
+  const auto model = fixture("sr1");
+  const auto stand = [&](Method method) {
+    const auto world = make_world(settings_of(method), {floor_body(), body_of(model, {0.0, 0.0, 0.7135})});
+    for (int tick = 0; tick < 400; ++tick) {
+      Command command = idle(*world);
+      const std::vector<JointReading>& joints = world->sense().bodies[1].joints;
+      for (std::size_t id = 0; id < joints.size(); ++id)
+        command.bodies[1].joints[id] = effort(-5000.0 * joints[id].q - 100.0 * joints[id].dq);
+      world->actuate(command);
+      EXPECT_TRUE(world->step());
+    }
+    return world->sense().bodies[1];
+  };
+  const BodyObservation exact = stand(Method::exact), direct = stand(Method::direct);
+  for (std::size_t id = 0; id < exact.joints.size(); ++id)
+    EXPECT_NEAR(direct.joints[id].q, exact.joints[id].q, 1e-12) << "joint " << id;
+  expect_near(direct.links[0].position, exact.links[0].position, 1e-12);
+}
+
 /// A box beside the robot has no joint: ODE makes its step, with the same bits as without the robot.
 TEST(TheDirectSolver, LeavesBoxesToOde) {
   const WorldBody box = free_box("Box", Vector3d::Constant(0.2), 1.0, {0.5, 0.0, 0.15});
