@@ -242,12 +242,12 @@ void Forest::multiply(int group, int other, double* place, std::size_t stride) c
     lower = bodies_[lower].parent;
   }
   const int common = a == b ? a : -1;
-  const UnitHalf *units = unit_halves_.data() + first.begin, *other_units = unit_halves_.data() + second.begin;
-  const Half *single = halves_.data() + first.begin, *other_single = halves_.data() + second.begin;
-  if (first.is_units && second.is_units) return multiply(common, units, other_units, place, stride);
-  if (first.is_units) return multiply(common, units, other_single, place, stride);
-  if (second.is_units) return multiply(common, single, other_units, place, stride);
-  return multiply(common, single, other_single, place, stride);
+  const auto units = [&](const Group& of) { return unit_halves_.data() + of.begin; };
+  const auto single = [&](const Group& of) { return halves_.data() + of.begin; };
+  if (first.is_units && second.is_units) return multiply(common, units(first), units(second), place, stride);
+  if (first.is_units) return multiply(common, units(first), single(second), place, stride);
+  if (second.is_units) return multiply(common, single(first), units(second), place, stride);
+  return multiply(common, single(first), single(second), place, stride);
 }
 
 }  // namespace rehearse

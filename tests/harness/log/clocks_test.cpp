@@ -47,7 +47,7 @@ TEST(ClockEstimate, LeavesOutAFewWrongStamps) {
   for (const std::int64_t ahead : {second / 100, 3600 * second, -second / 100, -3600 * second}) {
     ClockEstimate clock;
     for (int i = 0; i < 5000; ++i) {
-      const std::int64_t time = 500 * second + i * 2'000'000;
+      const std::int64_t time = 500 * second + i * std::int64_t{2'000'000};
       const std::int64_t delay = 50'000 + (i * 7919) % 100'000;  // 50 to 150 us
       clock.add(time - 100 * second + (i % 2000 == 1999 ? ahead : 0), time + std::llround(20e-6 * 2e6 * i) + delay);
     }
