@@ -14,6 +14,7 @@ rehearse_add_test(world_tests LABEL sim SHARDS 8
     world/force_sensor_test.cpp
     world/free_rotation_test.cpp
     world/friction_test.cpp
+    world/given_motion_test.cpp
     world/hull_bodies_test.cpp
     world/hull_contacts_test.cpp
     world/inertial_sensors_test.cpp

@@ -68,13 +68,13 @@ TEST(Scenario, LoadsTheExampleOfTheManual) {
   EXPECT_EQ(scenario.joystick.value().at(1.0).axes[1], -1.0f);
 }
 
-TEST(Scenario, HasTheDefaultsOfChoreonoid) {
+TEST(Scenario, HasTheDefaultsOfChoreonoidWithTheDirectSolver) {
   const Scenario scenario = loaded(ball_with(""));
   EXPECT_EQ(scenario.name, "test");
   EXPECT_EQ(scenario.time_step, 0.001);
   EXPECT_EQ(scenario.gravity, Eigen::Vector3d(0, 0, -9.80665));
   EXPECT_EQ(scenario.seed, 0u);
-  EXPECT_EQ(scenario.solver.method, SolverSettings::Method::quick);
+  EXPECT_EQ(scenario.solver.method, SolverSettings::Method::direct);
   EXPECT_EQ(scenario.solver.iterations, 50);
   EXPECT_EQ(scenario.solver.erp, 0.4);
   EXPECT_EQ(scenario.cameras, std::nullopt);

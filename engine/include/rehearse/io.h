@@ -10,6 +10,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -190,9 +191,22 @@ struct LinkPlace {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
 };
 
+/// The commanded velocities of a link, in world axes.
+struct LinkTwist {
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();          // of its origin [m/s]
+  Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // [rad/s]
+};
+
+/// The motion of a link that no joint guides, at the end of the coming step and whatever acts on it. The place counts
+/// before the twist.
+struct GivenMotion {
+  std::optional<LinkPlace> place;
+  std::optional<LinkTwist> twist;
+};
+
 struct BodyCommand {
   std::vector<JointCommand> joints;    // by joint id
-  std::optional<LinkPlace> root;       // of a kinematic body's root link; nullopt: the link stays where it is
+  std::map<int, GivenMotion> given;    // by link index: of the root, and of links behind free joints
   std::vector<Wrench> external;        // by link index
   std::vector<DeviceCommand> devices;  // by device index
 };

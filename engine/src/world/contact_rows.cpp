@@ -10,6 +10,11 @@ using Eigen::Vector3d;
 
 namespace {
 
+/// Contacts yield more than joints. With ODE's softness the forces between feet that stiff drives press against each
+/// other depend on the last bits of positions: by 0.1 N for a robot of 127 kg. With this one a foot creeps by 1e-6 m/s
+/// under a friction of 100 N, and sinks by 3e-8 m under 1 kN.
+constexpr double contact_softness = 100.0;  // of a joint's
+
 bool has(const dSurfaceParameters& surface, int mode) { return (surface.mode & mode) == mode; }
 
 /// A force along `direction` at the contact point.
@@ -44,7 +49,7 @@ ContactRows contact_rows(const dContact& contact, dBodyID first, dBodyID second,
   const Vector3d point = vector(contact.geom.pos);
   const Vector3d arm = point - vector(dBodyGetPosition(first));
   const Vector3d second_arm = second ? Vector3d(point - vector(dBodyGetPosition(second))) : Vector3d(Vector3d::Zero());
-  const double layer_softness = correction.law.softness, time_step = correction.law.time_step;
+  const double layer_softness = contact_softness * correction.law.softness, time_step = correction.law.time_step;
   const Vector3d normal = reversed ? Vector3d(-vector(contact.geom.normal)) : vector(contact.geom.normal);
 
   ContactRows rows;

@@ -47,6 +47,16 @@ Vector6d velocity_of(dBodyID body) {
   return body ? spatial(vector(dBodyGetLinearVel(body)), vector(dBodyGetAngularVel(body))) : Vector6d(Vector6d::Zero());
 }
 
+/// Rows by which the body keeps its velocity in the step, whatever acts on it.
+void hold_velocity(dBodyID body, JointRows& rows) {
+  const Vector6d velocity = velocity_of(body);
+  for (int i = 0; i < 6; ++i) {
+    Row& row = rows.add();
+    row.first[i] = 1.0;
+    row.target = velocity[i];
+  }
+}
+
 }  // namespace
 
 DirectStep::DirectStep(const WorldSettings& settings, double most_velocity,
@@ -200,6 +210,7 @@ void DirectStep::load_joint(int index, Island& island) {
   place = {};
   const int body = index + trees_[trees_of_[index]].offset;
   JointRows& rows = forest_.bodies()[body].joint;
+  if (dBodyIsKinematic(part.body)) return hold_velocity(part.body, rows);
   if (part.plane) part.plane->add_rows(law_, rows);
   if (!part.joint) return;
   static const BodyPose world;
@@ -294,6 +305,7 @@ DirectStep::Outcome DirectStep::solve() {
       finish_joint(part);
       move(part);
     }
+    turn_to_targets(tree);
   }
   for (const ContactPlace& contact : contacts_) {
     Vector3d force = Vector3d::Zero();
@@ -332,6 +344,34 @@ void DirectStep::move(int index) const {
   advance(body, law_.time_step);
   dBodySetForce(body, 0.0, 0.0, 0.0);
   dBodySetTorque(body, 0.0, 0.0, 0.0);
+}
+
+/// Places links whose joints turn far in the step exactly, and all that they carry with them.
+void DirectStep::turn_to_targets(const Tree& tree) const {
+  std::vector<std::optional<Eigen::Isometry3d>> shifts(tree.last - tree.first);  // by part of the tree
+  const auto place = [](dBodyID body, const BodyPose& pose) {
+    const dQuaternion turn{pose.quaternion.w(), pose.quaternion.x(), pose.quaternion.y(), pose.quaternion.z()};
+    dBodySetPosition(body, pose.center.x(), pose.center.y(), pose.center.z());
+    dBodySetQuaternion(body, turn);
+  };
+  for (int part = tree.first; part < tree.last; ++part) {
+    if (!parts_[part].joint) continue;
+    const dBodyID body = parts_[part].body;
+    const BodyPose moved = BodyPose::of(body);
+    std::optional<BodyPose> exact = parts_[part].joint->driven_pose(BodyPose::of(parts_[part].parent), law_.time_step);
+    const int parent = parents_[part];
+    if (!exact && parent >= 0 && shifts[parent - tree.first]) {
+      const Eigen::Isometry3d& shift = *shifts[parent - tree.first];
+      const Eigen::Quaterniond turn(shift.linear());
+      exact = BodyPose{shift * moved.center, shift.linear() * moved.rotation, turn * moved.quaternion};
+    }
+    if (!exact) continue;
+    place(body, *exact);
+    Eigen::Isometry3d shift = Eigen::Isometry3d::Identity();
+    shift.linear() = exact->rotation * moved.rotation.transpose();
+    shift.translation() = exact->center - shift.linear() * moved.center;
+    shifts[part - tree.first] = shift;
+  }
 }
 
 void DirectStep::hide_from_ode(bool hidden) const {

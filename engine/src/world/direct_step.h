@@ -81,6 +81,7 @@ class DirectStep {
   BoundedRow row_between(const Row& row, dBodyID first, dBodyID second) const;
   void finish_joint(int part);
   void move(int part) const;
+  void turn_to_targets(const Tree& tree) const;
 
   StepLaw law_;
   double most_velocity_, surface_layer_, erp_;

@@ -60,6 +60,15 @@ Row JointGuide::axis_row(const JointPoses& poses, double target, double softness
   return row;
 }
 
+BodyPose JointGuide::first_at(double displacement, const BodyPose& second) const {
+  const Eigen::AngleAxisd turn(displacement, second.rotation * second_axis_);
+  BodyPose first;
+  first.quaternion = (turn * second.quaternion * relative_.conjugate()).normalized();
+  first.rotation = first.quaternion.toRotationMatrix();
+  first.center = second.center + second.rotation * second_anchor_ - first.rotation * anchor_;
+  return first;
+}
+
 void JointGuide::add_rows(const StepLaw& law, const JointPoses& poses, JointRows& rows) const {
   switch (type_) {
     case Type::revolute: hold_anchor(law, poses, rows); return hold_axis(law, poses, rows);

@@ -50,6 +50,9 @@ class JointGuide {
   /// the centres of mass, as ODE's.
   Row axis_row(const JointPoses& poses, double target, double softness) const;
 
+  /// Of a revolute joint: the first body's pose at that displacement [rad], counted from the poses at construction.
+  BodyPose first_at(double displacement, const BodyPose& second) const;
+
   dBodyID first() const { return first_; }
   dBodyID second() const { return second_; }
 

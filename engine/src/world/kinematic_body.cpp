@@ -93,9 +93,15 @@ void KinematicBody::drive(const BodyCommand& command) {
     q.push_back(next_joints_[id].q);
   }
   LinkReading root = links_[0];
-  if (command.root && !root_is_fixed(description())) {
-    root.position = command.root->position;
-    root.rotation = command.root->rotation.normalized();
+  if (const auto given = command.given.find(0); given != command.given.end() && !root_is_fixed(description())) {
+    const GivenMotion& motion = given->second;
+    if (motion.place) {
+      root.position = motion.place->position;
+      root.rotation = motion.place->rotation.normalized();
+    } else if (motion.twist) {
+      root.position += time_step_ * motion.twist->velocity;
+      root.rotation = rotation_after(root.rotation, motion.twist->angular_velocity, time_step_);
+    }
   }
   const auto poses = forward_kinematics(model(), pose_of(root), q);
   for (std::size_t i = 0; i < links_.size(); ++i) {

@@ -105,8 +105,7 @@ void OdeBody::create_joints(dWorldID world, const std::vector<Isometry3d>& zero_
     REHEARSE_ASSERT(is_movable(link.joint.type), "only movable joints and tracks have an id");
     slots_.push_back({false, static_cast<int>(joints_.size())});
     const RigidGroup& child = group_of(index);
-    joints_.emplace_back(world, link.joint, JointEnd{child.body, child.center}, group_of(link.parent).body,
-                         zero_posture[index],
+    joints_.emplace_back(world, link.joint, child.body, group_of(link.parent).body, zero_posture[index],
                          KeptLimits{description().joint_limits && !link.joint.mimic, description().effort_limits});
     has_resistance_ |= joints_.back().resists();
   }
@@ -117,6 +116,7 @@ void OdeBody::create_force_sensors(const RigidGroups& groups) {
   for (std::size_t i = 0; i < model().devices.size(); ++i) {
     const Device& device = model().devices[i];
     if (!std::holds_alternative<ForceSensor>(device.kind) || !has_joint(device.link)) continue;
+    measures_forces_ = true;
     if (links_[device.link].leads_group)
       joints_[slots_[model().links[device.link].joint.id].index].measure_wrench();
     else
@@ -190,7 +190,7 @@ void OdeBody::before_step() {
     group.previous_angular_velocity = vector(dBodyGetAngularVel(group.body));
   }
   for (OdeJoint& joint : joints_) joint.before_step(time_step_);
-  if (!cuts_.empty()) begin_motions();
+  if (measures_forces_) begin_motions();
 }
 
 void OdeBody::begin_motions() {
@@ -208,6 +208,7 @@ void OdeBody::drive(const BodyCommand& command) {
   REHEARSE_ASSERT(command.joints.size() == slots_.size(), "a command has an entry for each joint");
   hold_up_weightless();
   if (plane_) plane_->correct(time_step_);
+  for (const auto& [link, motion] : command.given) give_motion(link, motion);
   turn_freely();
   apply_rotors();
   if (has_resistance_) resist_motions();
@@ -225,11 +226,31 @@ void OdeBody::drive(const BodyCommand& command) {
   }
 }
 
+/// ODE's bodies without inertia keep their velocity in a step, and no force changes it.
+void OdeBody::give_motion(int link, const GivenMotion& motion) {
+  const RigidGroup& group = group_of(link);
+  if (!group.body || group.first_link != link || has_joint(link) || (!motion.place && !motion.twist)) return;
+  const Eigen::Quaterniond now = quaternion(dBodyGetQuaternion(group.body));
+  Vector3d velocity, angular_velocity;
+  if (motion.place) {
+    const Eigen::Quaterniond wanted = motion.place->rotation.normalized();
+    const Vector3d center = motion.place->position + wanted * group.center;
+    velocity = (center - vector(dBodyGetPosition(group.body))) / time_step_;
+    angular_velocity = angular_velocity_between(now, wanted, time_step_);
+  } else {
+    angular_velocity = motion.twist->angular_velocity;
+    velocity = motion.twist->velocity + angular_velocity.cross(now * group.center);
+  }
+  dBodySetKinematic(group.body);
+  dBodySetLinearVel(group.body, velocity.x(), velocity.y(), velocity.z());
+  dBodySetAngularVel(group.body, angular_velocity.x(), angular_velocity.y(), angular_velocity.z());
+}
+
 /// Applies the gyroscopic torques. ODE's own lose energy and add angular momentum; they remain for bodies that turn too
 /// fast for the step.
 void OdeBody::turn_freely() {
   for (const RigidGroup& group : groups_) {
-    if (!group.body) continue;
+    if (!group.body || dBodyIsKinematic(group.body)) continue;
     const Matrix3d axes = rotation(dBodyGetRotation(group.body));
     const Vector3d before = axes.transpose() * vector(dBodyGetAngularVel(group.body));
     const auto after = rotate_freely(group.inertia, group.inverse_inertia, before, time_step_);
@@ -320,6 +341,7 @@ void OdeBody::after_step() {
     group.acceleration = (vector(dBodyGetLinearVel(group.body)) - group.previous_velocity) / time_step_;
     group.angular_acceleration =
         (vector(dBodyGetAngularVel(group.body)) - group.previous_angular_velocity) / time_step_;
+    if (dBodyIsKinematic(group.body)) dBodySetDynamic(group.body);
   }
   for (OdeJoint& joint : joints_) joint.after_step(time_step_);
   for (std::size_t i = 0; i < model().devices.size(); ++i) {
@@ -333,13 +355,14 @@ void OdeBody::after_step() {
   }
 }
 
+/// The joint's force acts at the poses of the step's beginning.
 void OdeBody::measure_force(std::size_t index) {
   const Device& device = model().devices[index];
-  const dBodyID child = group_of(device.link).body;
+  const GroupMotion& child = group_of(device.link).motion;
   const Wrench wrench = joints_[slots_[model().links[device.link].joint.id].index].child_wrench();
-  const Vector3d lever = vector(dBodyGetPosition(child)) - link_point(device.link, device.pose.translation());
-  const Matrix3d to_sensor =
-      (rotation(dBodyGetRotation(child)) * links_[device.link].in_group.linear() * device.pose.linear()).transpose();
+  const Isometry3d sensor = child.frame * links_[device.link].in_group * device.pose;
+  const Vector3d lever = child.center - sensor.translation();
+  const Matrix3d to_sensor = sensor.linear().transpose();
   // the wrench of the child on its parent: the opposite of the joint's wrench on the child
   wrenches_[index].head<3>() = -(to_sensor * wrench.force);
   wrenches_[index].tail<3>() = -(to_sensor * (wrench.torque + lever.cross(wrench.force)));
@@ -383,14 +406,18 @@ LinkReading OdeBody::reading_of(int index) const {
     link.rotation = Eigen::Quaterniond(pose.linear()).normalized();
     return link;
   }
-  const Vector3d arm = rotation(dBodyGetRotation(group.body)) * (links_[index].in_group.translation() - group.center);
+  const Vector3d origin = links_[index].in_group.translation() - group.center;
+  const Vector3d arm = rotation(dBodyGetRotation(group.body)) * origin;
   const Vector3d w = vector(dBodyGetAngularVel(group.body));
   link.position = vector(dBodyGetPosition(group.body)) + arm;
   link.rotation = quaternion(dBodyGetQuaternion(group.body));
+  const Vector3d arm_before = rotation_before(link.rotation, w, time_step_) * origin;
+  const Vector3d w_before = w - time_step_ * group.angular_acceleration;
   if (!links_[index].leads_group) link.rotation = link.rotation * links_[index].rotation_in_group;
   link.velocity = vector(dBodyGetLinearVel(group.body)) + w.cross(arm);
   link.angular_velocity = w;
-  link.acceleration = group.acceleration + group.angular_acceleration.cross(arm) + w.cross(w.cross(arm));
+  link.acceleration =
+      group.acceleration + group.angular_acceleration.cross(arm_before) + w_before.cross(w_before.cross(arm_before));
   link.angular_acceleration = group.angular_acceleration;
   return link;
 }
@@ -509,7 +536,9 @@ void OdeBody::take_centers(const SimulatedBody& other) {
     const Vector3d velocity = vector(dBodyGetLinearVel(group.body)) + w.cross(arm);
     dBodySetPosition(group.body, position.x(), position.y(), position.z());
     dBodySetLinearVel(group.body, velocity.x(), velocity.y(), velocity.z());
-    group.acceleration += group.angular_acceleration.cross(arm) + w.cross(w.cross(arm));
+    const Vector3d arm_before = rotation_before(quaternion(dBodyGetQuaternion(group.body)), w, time_step_) * moved;
+    const Vector3d w_before = w - time_step_ * group.angular_acceleration;
+    group.acceleration += group.angular_acceleration.cross(arm_before) + w_before.cross(w_before.cross(arm_before));
   }
 }
 

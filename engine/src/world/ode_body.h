@@ -32,7 +32,8 @@ struct RigidGroup {
   Eigen::Vector3d angular_acceleration = Eigen::Vector3d::Zero();  // over the last step [rad/s²]
   Eigen::Vector3d previous_velocity = Eigen::Vector3d::Zero();     // before the last step; scratch, not state
   Eigen::Vector3d previous_angular_velocity = Eigen::Vector3d::Zero();
-  GroupMotion motion;  // before the last step, without accelerations; only if the body has cuts; scratch, not state
+  GroupMotion motion;  // before the last step, without accelerations; only if the body has force sensors; scratch, not
+                       // state
 };
 
 /// A force sensor whose link is connected by a fixed joint or a track.
@@ -82,6 +83,7 @@ class OdeBody final : public SimulatedBody {
   bool has_weight(int group) const;
   void resist_motions();
   void turn_freely();
+  void give_motion(int link, const GivenMotion& motion);
   static void place_shape(dGeomID geom, const RigidGroup& group, const Eigen::Isometry3d& in_group);
   void set_posture(const std::vector<Eigen::Isometry3d>& poses);
   void set_velocities(const std::vector<LinkMotion>& motions);
@@ -111,6 +113,7 @@ class OdeBody final : public SimulatedBody {
   bool has_resistance_ = false;                        // of any joint: damping or rotor inertia
   std::vector<Track> tracks_;                          // by joint id
   std::optional<PlaneConstraint> plane_;               // of the root
+  bool measures_forces_ = false;                       // of any joint
   std::vector<CutSensor> cuts_;                        // by device index
   std::vector<Eigen::Matrix<double, 6, 1>> wrenches_;  // by device index; force sensors: measured in the last step
 };

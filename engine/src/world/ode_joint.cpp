@@ -36,23 +36,22 @@ double share_of_end(double x) {
 
 }  // namespace
 
-OdeJoint::OdeJoint(dWorldID world, const Joint& joint, const JointEnd& child, dBodyID parent,
-                   const Eigen::Isometry3d& frame, KeptLimits kept)
+OdeJoint::OdeJoint(dWorldID world, const Joint& joint, dBodyID child, dBodyID parent, const Eigen::Isometry3d& frame,
+                   KeptLimits kept)
     : joint_(joint), child_(child), kept_(kept), revolute_(joint.type != JointType::prismatic) {
   const Vector3d anchor = frame.translation();
   const Vector3d axis = frame.linear() * joint.axis;
   if (revolute_) {
     ode_ = dJointCreateHinge(world, nullptr);
-    dJointAttach(ode_, child.body, parent);
+    dJointAttach(ode_, child, parent);
     dJointSetHingeAnchor(ode_, anchor.x(), anchor.y(), anchor.z());
     dJointSetHingeAxis(ode_, axis.x(), axis.y(), axis.z());
   } else {
     ode_ = dJointCreateSlider(world, nullptr);
-    dJointAttach(ode_, child.body, parent);
+    dJointAttach(ode_, child, parent);
     dJointSetSliderAxis(ode_, axis.x(), axis.y(), axis.z());
   }
-  guide_.emplace(revolute_ ? JointGuide::Type::revolute : JointGuide::Type::prismatic, child.body, parent, anchor,
-                 axis);
+  guide_.emplace(revolute_ ? JointGuide::Type::revolute : JointGuide::Type::prismatic, child, parent, anchor, axis);
   if (resists()) create_resistance(world, parent, axis);
 }
 
@@ -62,12 +61,12 @@ void OdeJoint::create_resistance(dWorldID world, dBodyID parent, const Vector3d&
   constexpr int in_child = 1;  // the axis moves with the first body
   if (revolute_) {
     resistance_ = dJointCreateAMotor(world, nullptr);
-    dJointAttach(resistance_, child_.body, parent);
+    dJointAttach(resistance_, child_, parent);
     dJointSetAMotorNumAxes(resistance_, 1);
     dJointSetAMotorAxis(resistance_, 0, in_child, axis.x(), axis.y(), axis.z());
   } else {
     resistance_ = dJointCreateLMotor(world, nullptr);
-    dJointAttach(resistance_, child_.body, parent);
+    dJointAttach(resistance_, child_, parent);
     dJointSetLMotorNumAxes(resistance_, 1);
     dJointSetLMotorAxis(resistance_, 0, in_child, axis.x(), axis.y(), axis.z());
   }
@@ -142,8 +141,9 @@ double OdeJoint::rate() const { return revolute_ ? dJointGetHingeAngleRate(ode_)
 void OdeJoint::before_step(double time_step) {
   previous_rate_ = rate();
   const dBodyID parent = dJointGetBody(ode_, 1);
-  const Vector3d center = vector(dBodyGetPosition(child_.body));
+  const Vector3d center = vector(dBodyGetPosition(child_));
   const Vector3d at = revolute_ ? anchor() : center;
+  axis_ = world_axis();
   arm_ = at - center;
   correction_.setZero();
   Vector3d at_parent = at;
@@ -151,7 +151,7 @@ void OdeJoint::before_step(double time_step) {
     dVector3 second;
     dJointGetHingeAnchor2(ode_, second);
     at_parent = vector(second);
-    correction_ = dWorldGetERP(dBodyGetWorld(child_.body)) / time_step * (at_parent - at);
+    correction_ = dWorldGetERP(dBodyGetWorld(child_)) / time_step * (at_parent - at);
   }
   if (parent) parent_arm_ = at_parent - vector(dBodyGetPosition(parent));
 }
@@ -168,13 +168,13 @@ double OdeJoint::missing_impulse() const {
     dBodyGetMass(body, &mass);
     return 1.0 / mass.mass;
   };
-  Vector3d apart = velocity(child_.body, arm_) - correction_;
-  double inverse = inverse_mass(child_.body);
+  Vector3d apart = velocity(child_, arm_) - correction_;
+  double inverse = inverse_mass(child_);
   if (parent) {
     apart -= velocity(parent, parent_arm_);
     inverse += inverse_mass(parent);
   }
-  if (!revolute_) apart -= world_axis().dot(apart) * world_axis();
+  if (!revolute_) apart -= axis_.dot(apart) * axis_;
   return apart.norm() / inverse;
 }
 
@@ -203,7 +203,7 @@ double OdeJoint::beyond(double displacement) const {
 void OdeJoint::ease_stops(double time_step) {
   constexpr double velocity = 1.0;  // [rad/s] or [m/s]
   const double share = velocity * time_step / std::max(std::abs(beyond(displacement())), 1e-12);
-  const double own = dWorldGetERP(dBodyGetWorld(child_.body));
+  const double own = dWorldGetERP(dBodyGetWorld(child_));
   const bool eases = share < own;
   if (!eases && !eases_) return;
   set(dParamStopERP, std::min(share, own));
@@ -287,7 +287,7 @@ void OdeJoint::apply_effort(double time_step) {
   }
   // ODE applies the force at the two centres of mass, and compensates the couple by half of it on each body
   if (const dBodyID parent = dJointGetBody(ode_, 1)) {
-    const Vector3d half = 0.5 * (vector(dBodyGetPosition(parent)) - vector(dBodyGetPosition(child_.body)));
+    const Vector3d half = 0.5 * (vector(dBodyGetPosition(parent)) - vector(dBodyGetPosition(child_)));
     even_torque_ = half.cross(applied_ * world_axis());
   }
   dJointAddSliderForce(ode_, applied_);
@@ -339,6 +339,14 @@ std::optional<BoundedRow> OdeJoint::reached_stop(const StepLaw& law, const Joint
   return stop;
 }
 
+std::optional<BodyPose> OdeJoint::driven_pose(const BodyPose& parent, double time_step) const {
+  constexpr double large = 0.1, half_turn = pi;  // [rad]; ODE doesn't count the turns of a step
+  const double turn = motor_velocity_ * time_step;
+  const bool is_far = std::abs(turn) >= large && std::abs(turn) < half_turn;
+  if (!revolute_ || !is_far || !motor_on_ || std::isfinite(get(dParamFMax))) return std::nullopt;
+  return guide_->first_at(displacement() + turn, parent);  // the displacement is that of the step's beginning
+}
+
 void OdeJoint::take_impulses(const JointRows& rows, const Forest::Impulses& impulses, const Row* bounded,
                              double impulse, double time_step) {
   if (!feedback_) return;
@@ -384,7 +392,7 @@ Wrench OdeJoint::child_wrench() const {
   // ODE reports the joint's constraint forces on body 1, the child. They don't include efforts that were added as
   // external forces.
   Wrench wrench{vector(feedback_->f1), vector(feedback_->t1)};
-  (revolute_ ? wrench.torque : wrench.force) += applied_ * world_axis();
+  (revolute_ ? wrench.torque : wrench.force) += applied_ * axis_;
   if (!revolute_) wrench.torque += even_torque_;
   if (resistance_) {
     wrench.force += vector(resistance_feedback_->f1);
@@ -394,14 +402,13 @@ Wrench OdeJoint::child_wrench() const {
 }
 
 double OdeJoint::motor_effort() const {
-  const Vector3d axis = world_axis(), force = vector(feedback_->f1);
+  const Vector3d force = vector(feedback_->f1);
   // about the hinge's axis, where the guiding constraint forces have no component
-  const Vector3d lever = rotation(dBodyGetRotation(child_.body)) * child_.center;
-  const double effort = axis.dot(revolute_ ? Vector3d(vector(feedback_->t1) + lever.cross(force)) : force);
+  const double effort = axis_.dot(revolute_ ? Vector3d(vector(feedback_->t1) - arm_.cross(force)) : force);
   if (!resistance_) return effort;
   // the effort of everything that acts on the joint, except the resistance
   const dJointFeedback& resistance = *resistance_feedback_;
-  return effort + applied_ + axis.dot(vector(revolute_ ? resistance.t1 : resistance.f1)) -
+  return effort + applied_ + axis_.dot(vector(revolute_ ? resistance.t1 : resistance.f1)) -
          resistance_gain_ * (resistance_velocity_ - rate());
 }
 

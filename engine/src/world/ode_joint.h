@@ -17,12 +17,6 @@
 
 namespace rehearse {
 
-/// One end of a joint; if `body` is null, the end is the world.
-struct JointEnd {
-  dBodyID body = nullptr;
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();  // of mass, in the link's frame [m]
-};
-
 /// The limits that are applied to a joint.
 struct KeptLimits {
   bool displacement = false;  // stops at lower and upper
@@ -31,8 +25,9 @@ struct KeptLimits {
 
 class OdeJoint {
  public:
-  /// `joint` must outlive this. `frame`: the child link's pose at displacement 0, which is the bodies' current pose.
-  OdeJoint(dWorldID world, const Joint& joint, const JointEnd& child, dBodyID parent, const Eigen::Isometry3d& frame,
+  /// `joint` must outlive this. `parent` may be null: the world. `frame`: the child link's pose at displacement 0,
+  /// which is the bodies' current pose.
+  OdeJoint(dWorldID world, const Joint& joint, dBodyID child, dBodyID parent, const Eigen::Isometry3d& frame,
            KeptLimits kept);
   OdeJoint(OdeJoint&&) = default;
 
@@ -66,6 +61,9 @@ class OdeJoint {
   std::optional<LimitedDrive> limited_drive(const StepLaw& law, const JointPoses& poses) const;
   /// The stop that the joint has reached.
   std::optional<BoundedRow> reached_stop(const StepLaw& law, const JointPoses& poses) const;
+  /// The child's pose after the step, if a drive without limit turns the joint so far that the step's velocities, which
+  /// are those of its beginning, miss the target. `parent`: its pose after the step.
+  std::optional<BodyPose> driven_pose(const BodyPose& parent, double time_step) const;
   /// Stores the results as ODE's feedback: the impulses of `rows`, and the row of the drive or the stop with its
   /// impulse, if there is one.
   void take_impulses(const JointRows& rows, const Forest::Impulses& impulses, const Row* bounded, double impulse,
@@ -102,7 +100,7 @@ class OdeJoint {
   double motor_effort() const;
 
   const Joint& joint_;
-  JointEnd child_;
+  dBodyID child_;
   KeptLimits kept_;
   bool revolute_;
   dJointID ode_ = nullptr;         // destroyed with its world
@@ -117,6 +115,7 @@ class OdeJoint {
   // scratch within a step
   double previous_rate_ = 0.0;
   double previous_effort_ = 0.0;                           // of the actuator, in the last step
+  Eigen::Vector3d axis_ = Eigen::Vector3d::UnitX();        // of the joint at the step's beginning; world
   Eigen::Vector3d arm_ = Eigen::Vector3d::Zero();          // from the child's centre of mass to the joint [m]
   Eigen::Vector3d parent_arm_ = Eigen::Vector3d::Zero();   // from the parent's [m]
   Eigen::Vector3d correction_ = Eigen::Vector3d::Zero();   // velocity by which ODE corrects the joint's error [m/s]

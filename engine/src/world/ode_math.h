@@ -4,6 +4,8 @@
 #include <ode/ode.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 
 namespace rehearse {
 
@@ -25,6 +27,29 @@ struct OdeRotation {
     }
   }
 };
+
+/// The rotation at the end of a step with that angular velocity in world axes [rad/s]. ODE adds half of the angular
+/// velocity times the quaternion.
+inline Eigen::Quaterniond rotation_after(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& angular_velocity,
+                                         double time_step) {
+  const Eigen::Vector3d half = 0.5 * time_step * angular_velocity;
+  return (Eigen::Quaterniond(1.0, half.x(), half.y(), half.z()) * rotation).normalized();
+}
+
+/// The rotation at the beginning of the step that ends with `rotation` and `angular_velocity`.
+inline Eigen::Quaterniond rotation_before(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& angular_velocity,
+                                          double time_step) {
+  return rotation_after(rotation, -angular_velocity, time_step);
+}
+
+/// The angular velocity by which rotation_after() turns `from` to `to`, and almost half a turn at most.
+inline Eigen::Vector3d angular_velocity_between(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to,
+                                                double time_step) {
+  constexpr double least = 1e-3;  // cosine of half the angle
+  const Eigen::Quaterniond turn = to * from.conjugate();
+  const double sign = turn.w() < 0.0 ? -1.0 : 1.0;
+  return 2.0 / time_step * sign / std::max(std::abs(turn.w()), least) * turn.vec();
+}
 
 /// Calls `use` with each number array of a body's pose and its size: position, quaternion, rotation. ODE returns
 /// pointers to its own numbers; its setters would normalise the quaternion and so change bits.

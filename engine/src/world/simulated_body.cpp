@@ -9,14 +9,14 @@
 #include "geoms.h"
 #include "initial_motion.h"
 #include "model/rigid_groups.h"
+#include "ode_math.h"
 
 namespace rehearse {
 namespace {
 
-/// The acceleration of a point fixed to the link: a + dw/dt x r + w x (w x r), with the arm r from the link's origin.
-Eigen::Vector3d acceleration_at(const Eigen::Vector3d& arm, const LinkReading& link) {
-  const Eigen::Vector3d& w = link.angular_velocity;
-  return link.acceleration + link.angular_acceleration.cross(arm) + w.cross(w.cross(arm));
+/// The axes of the link at the beginning of the step, when the forces acted that changed its velocity.
+Eigen::Matrix3d axes_before(const LinkReading& link, double time_step) {
+  return rotation_before(link.rotation, link.angular_velocity, time_step).toRotationMatrix();
 }
 
 /// The readings of sensors that depend on the motion of their link alone, in the device's frame; of all other devices
@@ -26,9 +26,8 @@ class LinkSensor {
   LinkSensor(const Device& device, const LinkReading& link, const WorldSettings& settings)
       : link_(link),
         settings_(settings),
-        arm_(device.pose.translation()),
-        to_world_(link.rotation.toRotationMatrix()),
-        to_sensor_((to_world_ * device.pose.linear()).transpose()) {}
+        pose_(device.pose),
+        to_sensor_((link.rotation.toRotationMatrix() * device.pose.linear()).transpose()) {}
 
   std::vector<double> operator()(const Gyro&) const { return numbers(angular_velocity()); }
   std::vector<double> operator()(const Accelerometer&) const { return numbers(specific_force()); }
@@ -45,16 +44,22 @@ class LinkSensor {
  private:
   static std::vector<double> numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
   Eigen::Vector3d angular_velocity() const { return to_sensor_ * link_.angular_velocity; }
+  /// At the sensor's place the acceleration is a + dw/dt x r + w x (w x r), with the arm r from the link's origin.
   Eigen::Vector3d specific_force() const {
-    const bool has_arm = settings_.lever_arms && !arm_.isZero(0.0);
-    const Eigen::Vector3d acceleration = has_arm ? acceleration_at(to_world_ * arm_, link_) : link_.acceleration;
-    return to_sensor_ * (acceleration - settings_.gravity);
+    const Eigen::Matrix3d axes = axes_before(link_, settings_.time_step);
+    Eigen::Vector3d acceleration = link_.acceleration;
+    if (settings_.lever_arms && !pose_.translation().isZero(0.0)) {
+      const Eigen::Vector3d arm = axes * pose_.translation();
+      const Eigen::Vector3d w = link_.angular_velocity - settings_.time_step * link_.angular_acceleration;
+      acceleration += link_.angular_acceleration.cross(arm) + w.cross(w.cross(arm));
+    }
+    return (axes * pose_.linear()).transpose() * (acceleration - settings_.gravity);
   }
 
   const LinkReading& link_;
   const WorldSettings& settings_;
-  const Eigen::Vector3d arm_;
-  const Eigen::Matrix3d to_world_, to_sensor_;
+  const Eigen::Isometry3d& pose_;  // of the sensor in the link's frame
+  const Eigen::Matrix3d to_sensor_;
 };
 
 }  // namespace
@@ -155,9 +160,10 @@ void SimulatedBody::take_touches(std::vector<Touch> touches) {
   }
 }
 
-std::vector<double> SimulatedBody::contact_reading(std::size_t device, const LinkReading& link) const {
+std::vector<double> SimulatedBody::contact_reading(std::size_t device, const LinkReading& link,
+                                                   double time_step) const {
   const Eigen::Matrix3d& in_link = model().devices[device].pose.linear();
-  const Eigen::Matrix3d to_sensor = (link.rotation.toRotationMatrix() * in_link).transpose();
+  const Eigen::Matrix3d to_sensor = (axes_before(link, time_step) * in_link).transpose();
   const Eigen::Vector3d force = to_sensor * contact_sums_[device].force;
   return {contact_sums_[device].points, force.x(), force.y(), force.z()};
 }
@@ -182,7 +188,7 @@ void SimulatedBody::observe_devices(BodyObservation& observation, const WorldSet
     if (std::holds_alternative<ForceSensor>(device.kind))
       reading.values = force_reading(i);
     else if (std::holds_alternative<ContactSensor>(device.kind))
-      reading.values = contact_reading(i, link);
+      reading.values = contact_reading(i, link, settings.time_step);
     else
       reading.values = std::visit(LinkSensor(device, link, settings), device.kind);
     if (!stepped) reading.values.assign(reading.values.size(), 0.0);

@@ -28,7 +28,6 @@ enum class StatePart {
   belt,          // of a track
   wrench,        // measured by a force sensor in the last step; the next step doesn't depend on it
   actuator,      // of a rotor or holder: its command
-  solver,        // of the world: iterations; a world without it begins with its default
   connection,    // of a joint between bodies, or of a holder
   contact,       // measured by a contact sensor in the last step; the next step doesn't depend on it
 };
@@ -207,7 +206,7 @@ class SimulatedBody {
     double thrust = 0.0;                                  // along the direction [N]
     double torque = 0.0;                                  // about it [N·m]
   };
-  std::vector<double> contact_reading(std::size_t device, const LinkReading& link) const;
+  std::vector<double> contact_reading(std::size_t device, const LinkReading& link, double time_step) const;
 
   WorldBody description_;
   double mass_;

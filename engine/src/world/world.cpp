@@ -55,7 +55,6 @@ class Restorer final : public StateVisitor {
 
 namespace {
 constexpr int substitute_iterations = 1000;  // of the quick solver where the exact one fails
-constexpr double converged_share = 0.001;    // of a body's weight that may be missing at its joints
 }  // namespace
 
 struct World::Impl {
@@ -73,7 +72,6 @@ struct World::Impl {
   std::vector<LinkPair> touching;
   std::uint64_t random = 0;
   std::int64_t tick = 0;
-  double iterations;      // of a solver that converges, in the coming step
   bool exploded = false;  // ODE stopped during a step
   bool diverged = false;  // the direct solver found no finite velocities
   std::string solver_message;
@@ -89,8 +87,7 @@ struct World::Impl {
         law(of, with),
         found(static_cast<std::size_t>(of.solver.max_contacts)),
         friction(of.time_step, of.gravity.norm()),
-        random(of.seed),
-        iterations(of.solver.iterations) {}
+        random(of.seed) {}
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
   ~Impl() {
@@ -103,7 +100,6 @@ struct World::Impl {
   void apply_command();
   void step_bodies();
   void step_directly();
-  void step_until_converged();
   void measure_residual(int iterations);
   std::vector<dBodyID> ode_bodies() const;
 
@@ -114,9 +110,6 @@ struct World::Impl {
     visitor.visit(&random, sizeof random);
     for (auto& body : bodies) body->visit_state(visitor);
     connections->visit_state(visitor);
-    if (!settings.solver.converge) return;
-    visitor.begin_part("", "", StatePart::solver);
-    visitor.visit(iterations);
   }
   void after_restore();
   void save_to(std::vector<std::byte>& bytes) {
@@ -273,24 +266,6 @@ void World::Impl::measure_residual(int iterations) {
   }
 }
 
-/// ODE's quick solver makes a fixed number of iterations and doesn't report their success, so a step that isn't good
-/// enough is made anew with twice as many. The next step begins with that number: a better step would have to add the
-/// force that was missing in the step before.
-void World::Impl::step_until_converged() {
-  const OdeMotions before(ode_bodies());
-  for (;; iterations = std::min<double>(2.0 * iterations, SolverSettings::most_iterations)) {
-    dWorldSetQuickStepNumIterations(world, static_cast<int>(iterations));
-    exploded = !step_ode(world, settings.time_step, true);
-    if (exploded) return;
-    measure_residual(static_cast<int>(iterations));
-    if (residual.share <= converged_share || iterations >= SolverSettings::most_iterations) break;
-    before.restore();
-  }
-  constexpr double ample = 0.02;  // share of the allowed residual below which half the iterations will do
-  if (residual.share < ample * converged_share)
-    iterations = std::max<double>(0.5 * iterations, settings.solver.iterations);
-}
-
 /// Bodies that the direct solver moves are hidden from ODE, which makes a quick step of the others.
 void World::Impl::step_directly() {
   const DirectStep::Outcome outcome = direct->solve();
@@ -314,7 +289,6 @@ void World::Impl::step_bodies() {
   OwnRandom own_random(random);
   if (direct) return step_directly();
   if (settings.solver.method == SolverSettings::Method::quick) {
-    if (settings.solver.converge) return step_until_converged();
     exploded = !step_ode(world, settings.time_step, true);
     if (!exploded) measure_residual(settings.solver.iterations);
     return;

@@ -31,7 +31,7 @@ class Kinematic : public EachSolver {
 
   static Command move_to(const World& world, const Vector3d& position) {
     Command command = idle(world);
-    command.bodies[0].root = LinkPlace{position, Eigen::Quaterniond::Identity()};
+    command.bodies[0].given[0].place = LinkPlace{position, Eigen::Quaterniond::Identity()};
     return command;
   }
 

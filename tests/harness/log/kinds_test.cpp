@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
+#include <vector>
 
 namespace rehearse {
 namespace {
@@ -135,7 +136,19 @@ TEST_F(KindsOfLogs, StateHowFarAnIntegralIsOffAfterAGap) {
   EXPECT_LT(rest.share(), 0.02);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Kinds, ::testing::ValuesIn(all()),
+/// Under a sanitizer, where they take eight minutes, each sixth kind: the kinds differ in numbers, not in code.
+std::vector<Kind> tested() {
+#ifdef __SANITIZE_ADDRESS__
+  constexpr std::size_t one_in = 6;
+#else
+  constexpr std::size_t one_in = 1;
+#endif
+  std::vector<Kind> some;
+  for (std::size_t i = 0; i < all().size(); i += one_in) some.push_back(all()[i]);
+  return some;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Kinds, ::testing::ValuesIn(tested()),
                          [](const auto& parameter) { return std::string(parameter.param.name); });
 
 }  // namespace

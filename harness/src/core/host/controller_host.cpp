@@ -312,8 +312,11 @@ void ControllerHost::apply(HostedController& hosted, Command& command) {
       case Quantity::dq: body.joints[field.joint].dq = *value; break;
       case Quantity::u: body.joints[field.joint].u = *value; break;
       case Quantity::pose:
-        if (field.link == 0)
-          body.root = LinkPlace{{value[0], value[1], value[2]}, {value[6], value[3], value[4], value[5]}};
+        body.given[field.link].place = LinkPlace{{value[0], value[1], value[2]},
+                                                 {value[6], value[3], value[4], value[5]}};
+        break;
+      case Quantity::twist:
+        body.given[field.link].twist = LinkTwist{{value[0], value[1], value[2]}, {value[3], value[4], value[5]}};
         break;
       case Quantity::wrench:
         body.external[field.link].force += Eigen::Vector3d(value[0], value[1], value[2]);

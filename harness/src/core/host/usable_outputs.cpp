@@ -49,19 +49,16 @@ class Judge {
   }
 
   void judge_link() {
-    if (wants(CnoidLink::LinkTwist)) say("LinkTwist doesn't drive link '{}'", link_.name);
     if (wants(CnoidLink::LinkAcceleration)) say("LinkAcceleration doesn't drive link '{}'", link_.name);
     if (wants(CnoidLink::LinkExtWrench) && body_.kinematic)
       say("a wrench on link '{}' has no effect: its body is kinematic", link_.name);
-    if (!wants(CnoidLink::LinkPosition)) return;
-    if (!body_.kinematic)
-      say("link '{}' can't be moved by command: it is simulated by its dynamics, unless the scenario says dynamics: "
-          "kinematic",
-          link_.name);
-    else if (!is_root_)
+    if (!wants(CnoidLink::LinkPosition | CnoidLink::LinkTwist)) return;
+    if (is_root_ ? body_.fixed : link_.joint.type == JointType::fixed)
+      say("link '{}' can't be moved by command: it is fixed to {}", link_.name, is_root_ ? "the world" : "its parent");
+    else if (!is_root_ && body_.kinematic)
       say("link '{}' can't be moved by command: of a kinematic body only the root link can", link_.name);
-    else if (body_.fixed)
-      say("link '{}' can't be moved by command: it is fixed to the world", link_.name);
+    else if (!is_root_ && link_.joint.type != JointType::free)
+      say("link '{}' can't be moved by command: joint '{}' connects it to its parent", link_.name, link_.joint.name);
   }
 
   template <class... Values>

@@ -7,15 +7,16 @@
 namespace rehearse {
 namespace {
 
-/// Size and matrices of a pinhole camera without distortion, as sensor_msgs/CameraInfo defines them.
+/// Size and matrices of a pinhole camera without distortion, as sensor_msgs/CameraInfo defines them: the centre of the
+/// first pixel is at (0, 0), so that of the picture is half a pixel before half its size.
 msg::CameraInfo camera_info(const msg::Header& header, const Camera& camera) {
   msg::CameraInfo info;
   info.header = header;
   info.width = static_cast<std::uint32_t>(camera.width);
   info.height = static_cast<std::uint32_t>(camera.height);
   const double focal = camera.height / 2.0 / std::tan(vertical_field_of_view(camera) / 2.0);  // [pixels]
-  const double cx = camera.width / 2.0;
-  const double cy = camera.height / 2.0;
+  const double cx = (camera.width - 1) / 2.0;
+  const double cy = (camera.height - 1) / 2.0;
   info.distortion_model = "plumb_bob";
   info.d.assign(5, 0.0);
   info.k = {focal, 0, cx, 0, focal, cy, 0, 0, 1};

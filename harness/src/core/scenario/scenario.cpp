@@ -96,22 +96,14 @@ void read_seed(Findings& findings, const Keys& keys, Scenario& scenario) {
   }
 }
 
-/// A number, or auto: the default number, and more in steps that don't converge.
-void read_iterations(Findings& findings, const YamlNode& node, SolverSettings& solver) {
-  solver.converge = node.kind == YamlNode::Kind::scalar && node.text == "auto";
-  if (solver.converge) return;
-  if (const auto count = read_integer(findings, node, "iterations", 1, SolverSettings::most_iterations))
-    solver.iterations = static_cast<int>(*count);
-}
-
 void read_solver(Findings& findings, const YamlNode& node, SolverSettings& solver) {
   using enum SolverSettings::Method;
   const Keys keys(findings, node, "the solver",
                   {"method", "iterations", "over_relaxation", "erp", "cfm", "max_correcting_velocity", "surface_layer",
                    "friction", "max_contacts", "belt_depth"});
-  keys.word("method", "quick (iterative), exact (by ODE) or direct (by the tree of joints)",
-            {{"quick", quick}, {"exact", exact}, {"direct", direct}}, solver.method);
-  if (const YamlNode* iterations = keys.find("iterations")) read_iterations(findings, *iterations, solver);
+  keys.word("method", "direct (by the tree of joints), quick (iterative, by ODE) or exact (by ODE)",
+            {{"direct", direct}, {"quick", quick}, {"exact", exact}}, solver.method);
+  keys.integer("iterations", 1, SolverSettings::most_iterations, solver.iterations);
   keys.number("over_relaxation", {0.0, 2.0, "", true, true}, solver.over_relaxation);
   keys.number("erp", {0.0, 1.0}, solver.erp);
   keys.number("cfm", {0.0, 1.0}, solver.cfm);

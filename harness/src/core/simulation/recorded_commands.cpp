@@ -35,6 +35,15 @@ bool is_on(const Device& device, const std::vector<double>& state) {
 
 }  // namespace
 
+std::optional<RecordedCommands::Kind> RecordedCommands::link_kind(ChannelKind kind) {
+  switch (kind) {
+    case ChannelKind::wrench: return Kind::wrench;
+    case ChannelKind::pose: return Kind::place;
+    case ChannelKind::twist: return Kind::twist;
+    default: return std::nullopt;
+  }
+}
+
 Result<RecordedCommands> RecordedCommands::find(const Scenario& scenario, const Trace& trace) {
   RecordedCommands commands(scenario, trace);
   if (const auto origin = RunFacts::of(trace).branch) commands.acted_until_ = origin->acted_until.value_or(0);
@@ -119,11 +128,10 @@ Result<void> RecordedCommands::add(const ChannelName& name, int body, bool delay
     source.kind = Kind::device;
     source.target = commanded.model->find_device(name.owner);
     if (source.target < 0) return unknown("device");
-  } else if (name.kind == ChannelKind::wrench || name.kind == ChannelKind::pose) {
-    source.kind = name.kind == ChannelKind::pose ? Kind::root : Kind::wrench;
+  } else if (const auto kind = link_kind(name.kind)) {
+    source.kind = *kind;
     source.target = commanded.model->find_link(name.owner);
     if (source.target < 0) return unknown("link");
-    if (source.kind == Kind::root && source.target != 0) return {};  // no effect: the host has reported it
   } else {
     return {};  // quantities that move nothing
   }
@@ -229,8 +237,10 @@ void RecordedCommands::put_row(const Source& source, std::size_t row, Command& c
   if (source.kind == Kind::device) {
     body.devices[source.target] = {true, is_on(scenario_.bodies[source.body].model->devices[source.target], numbers),
                                    numbers};
-  } else if (source.kind == Kind::root && numbers.size() == 7) {
-    body.root = LinkPlace{vector(numbers, 0), {numbers[6], numbers[3], numbers[4], numbers[5]}};
+  } else if (source.kind == Kind::place && numbers.size() == 7) {
+    body.given[source.target].place = LinkPlace{vector(numbers, 0), {numbers[6], numbers[3], numbers[4], numbers[5]}};
+  } else if (source.kind == Kind::twist && numbers.size() == 6) {
+    body.given[source.target].twist = LinkTwist{vector(numbers, 0), vector(numbers, 3)};
   } else if (source.kind == Kind::wrench && numbers.size() == 6) {
     body.external[source.target].force += vector(numbers, 0);
     body.external[source.target].torque += vector(numbers, 3);

@@ -45,7 +45,7 @@ class RecordedCommands final : public Commander {
     double JointCommand::*number = nullptr;
     Drive drive = drive_none;
   };
-  enum class Kind { joints, wrench, root, device };
+  enum class Kind { joints, wrench, place, twist, device };
   struct Source {
     Kind kind = Kind::joints;
     std::size_t channel = 0;  // of the trace
@@ -60,6 +60,8 @@ class RecordedCommands final : public Commander {
   };
 
   RecordedCommands(const Scenario& scenario, const Trace& trace) : scenario_(scenario), trace_(trace) {}
+  /// The kind of a channel of a link's commands; nullopt: it moves nothing.
+  static std::optional<Kind> link_kind(ChannelKind kind);
   Result<void> add(const ChannelName& name, int body, bool delay, std::size_t channel);
   Result<void> add_joints(Source& source);
   std::vector<bool> columns_with_numbers(std::size_t channel) const;

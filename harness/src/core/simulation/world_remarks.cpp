@@ -75,7 +75,7 @@ void WorldRemarks::check_residual(std::int64_t tick, const Residual& residual, s
   const ScenarioBody& body = scenario_.bodies[static_cast<std::size_t>(residual.body)];
   add(tick, severity,
       fmt::format("the solver's {} iterations leave the forces at joint '{}' of '{}' wrong by {:.0f} % of the body's "
-                  "weight in the step after tick {}; 'iterations: auto' of the solver iterates until it converges",
+                  "weight in the step after tick {}; 'method: direct' of the solver computes them",
                   residual.iterations, body.model->links[static_cast<std::size_t>(residual.link)].joint.name, body.name,
                   100.0 * residual.share, tick - 1),
       events);
