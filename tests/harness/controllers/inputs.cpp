@@ -225,5 +225,26 @@ class Teleporter : public cnoid::SimpleController {
 };
 const Add<Teleporter> teleporter("teleport");
 
+/// spin RATE: keeps the root where it is, and turns it about z [rad/s].
+class Spinner : public cnoid::SimpleController {
+ public:
+  explicit Spinner(const Words& words) : rate_(std::stod(words.at(0))) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    root_ = io->body()->rootLink();
+    io->enableOutput(root_, Link::LinkTwist);
+    return true;
+  }
+  bool control() override {
+    root_->v().setZero();
+    root_->w() = cnoid::Vector3(0.0, 0.0, rate_);
+    return true;
+  }
+
+ private:
+  double rate_;
+  Link* root_ = nullptr;
+};
+const Add<Spinner> spinner("spin");
+
 }  // namespace
 }  // namespace behaviours

@@ -49,6 +49,9 @@ class Actuation : public RunTest {
   static std::string gripper(const std::string& options, const std::string& more = "") {
     return scenario("model: gripper.urdf" + more, behaviour("C", options));
   }
+  static std::string free_box(const std::string& options) {
+    return scenario("box: {size: [1, 1, 1]}, mass: 3, position: [0, 0, 2]", behaviour("C", options));
+  }
   static std::string kinematic_box(const std::string& options) {
     return scenario("box: {size: [1, 1, 1]}, dynamics: kinematic, position: [0, 0, 2]", behaviour("C", options));
   }
@@ -68,6 +71,24 @@ TEST_F(Actuation, AKinematicBodysRootGoesWhereLinkPositionSays) {
     ASSERT_NEAR(x[tick], 0.001 * static_cast<double>(tick - 1), 1e-15);
   EXPECT_THAT(trace.values("Rig/Rig/position/z"), Each(2.0));  // it doesn't fall
   EXPECT_NEAR(trace.last("Rig/Rig/linear/x"), 1.0, 1e-9);
+  EXPECT_THAT(said(trace), IsEmpty());
+  expect_equal_replay();
+}
+
+TEST_F(Actuation, ASimulatedBodysRootGoesWhereLinkPositionSays) {
+  const Trace trace = record_run(free_box("teleport"));
+  const std::vector<double> x = trace.values("Rig/Rig/position/x");
+  for (std::size_t tick = 2; tick < x.size(); ++tick)
+    ASSERT_NEAR(x[tick], 0.001 * static_cast<double>(tick - 1), 1e-12);
+  EXPECT_NEAR(trace.last("Rig/Rig/position/z"), 2.0, 1e-4);  // it falls in the step before its first command acts
+  EXPECT_THAT(said(trace), IsEmpty());
+  expect_equal_replay();
+}
+
+TEST_F(Actuation, ASimulatedBodysRootHasTheVelocitiesThatLinkTwistSays) {
+  const Trace trace = record_run(free_box("spin 2.0"));
+  EXPECT_NEAR(trace.last("Rig/Rig/angular/z"), 2.0, 1e-12);
+  EXPECT_NEAR(trace.last("Rig/Rig/linear/z"), 0.0, 1e-12);
   EXPECT_THAT(said(trace), IsEmpty());
   expect_equal_replay();
 }
@@ -157,7 +178,8 @@ TEST_F(Actuation, ATrackTakesNothingElse) {
 TEST_F(Actuation, ModesThatDriveNothingAreNamed) {
   EXPECT_THAT(said(record_run(rig_with("drive acceleration 1"))),
               Contains("Rig/C: JointAcceleration doesn't drive joint 'SHOULDER'"));
-  EXPECT_THAT(said(record_run(rig_with("drive twist 1"))), Contains("Rig/C: link 'ARM' can't be moved by command: joint 'SHOULDER' connects it to its parent"));
+  EXPECT_THAT(said(record_run(rig_with("drive twist 1"))),
+              Contains("Rig/C: link 'ARM' can't be moved by command: joint 'SHOULDER' connects it to its parent"));
 }
 
 TEST_F(Actuation, TwoControllersWithUnlikeModesForOneJointAreNamed) {
