@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cnoid/CompositeIK>
 #include <cnoid/JointPath>
 
@@ -16,6 +17,10 @@ bool CompositeIK::addBaseLink(Link* link) {
   if (!link || !targetLink_) return false;
   const auto path = JointPath::getCustomPath(link, targetLink_);
   if (path->linkPath().empty()) return false;
+  for (const auto& other : paths_) {
+    const auto isShared = [&other](const LinkPtr& joint) { return other->indexOf(joint) >= 0; };
+    if (std::any_of(path->begin(), path->end(), isShared)) return false;
+  }
   paths_.push_back(path);
   return true;
 }

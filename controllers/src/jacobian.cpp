@@ -1,6 +1,7 @@
 #include <cnoid/Jacobian>
 
 #include <cstddef>
+#include <stdexcept>
 
 #include "composite_inertia.h"
 
@@ -11,6 +12,7 @@ namespace {
 /// Momentum and angular momentum about the root link's origin, 6 x joints. With a base link the root moves so that the
 /// base link doesn't.
 MatrixXd jointMomenta(const Body& body, const Link* base, const CompositeInertias& composites) {
+  if (base && base->body() != &body) throw std::invalid_argument("link " + base->name() + " belongs to another body");
   const Vector3 about = body.rootLink()->p();
   MatrixXd momenta = MatrixXd::Zero(6, body.numJoints());
   for (int id = 0; id < body.numJoints(); ++id) {

@@ -4,6 +4,8 @@
 #include <cnoid/EigenUtil>
 #include <cnoid/Jacobian>
 
+#include <stdexcept>
+
 #include "bodies.h"
 
 namespace {
@@ -117,6 +119,12 @@ TEST(Jacobian, OfALinkIsItsDerivativeUpAndDownAPath) {
       EXPECT_LT((J.col(i) - velocity(before, after, local, 2 * small_step)).norm(), 1e-8) << name << " " << i;
     }
   }
+}
+
+TEST(Jacobian, OfTheCentreOfMassRefusesABaseLinkOfAnotherBody) {
+  const BodyPtr body = make_stirred_biped(), other = make_biped();
+  MatrixXd J;
+  EXPECT_THROW(calcCMJacobian(body, other->link("LEFT6"), J), std::invalid_argument);
 }
 
 TEST(Jacobian, IsThatOfThePathForItsEnd) {

@@ -78,6 +78,15 @@ TEST(CompositeIK, NeedsABaseLinkWithAPath) {
   EXPECT_FALSE(ik.calcRemainingPartForwardKinematicsForInverseKinematics());
 }
 
+TEST(CompositeIK, RefusesPathsThatShareAJoint) {
+  const BodyPtr body = make_biped();
+  CompositeIK ik(body, body->link("CHEST"));
+  EXPECT_TRUE(ik.addBaseLink(body->link("LEFT6")));
+  EXPECT_FALSE(ik.addBaseLink(body->link("RIGHT6")));  // both lead through the joint of CHEST
+  EXPECT_EQ(ik.numJointPaths(), 1);
+  EXPECT_EQ(LeggedBodyHelper(body).getFootBasedIK(body->link("CHEST")), nullptr);
+}
+
 TEST(JointPath, MovesTheRestOfTheBodyAfterASolution) {
   const BodyPtr body = make_biped();
   cnoid::JointPath path(body->link("LEFT6"), body->rootLink());

@@ -17,7 +17,8 @@ class CNOID_GENERAL_EXPORT CompositeIK : public InverseKinematics {
   CompositeIK(Body* body, Link* targetLink) { reset(body, targetLink); }
 
   void reset(Body* body, Link* targetLink);
-  /// Adds a link that stays in place. False if there is no path from it to the target link.
+  /// Adds a link that stays in place. False if there is no path from it to the target link, or if a joint of this path
+  /// belongs to the path of another base link: they could not be solved one after the other.
   bool addBaseLink(Link* link);
 
   Body* body() const { return body_; }
@@ -32,7 +33,7 @@ class CNOID_GENERAL_EXPORT CompositeIK : public InverseKinematics {
 
   using InverseKinematics::calcInverseKinematics;
   /// Solves the path from each base link. True: all have reached the goal, and the target link's pose is exactly T.
-  /// False, if one has not, or if there is no base link: joints and links are as before. Paths must not share joints.
+  /// False, if one has not, or if there is no base link: joints and links are as before.
   bool calcInverseKinematics(const Isometry3& T) override;
   /// Computes the poses of all links of the body that are not on a path.
   bool calcRemainingPartForwardKinematicsForInverseKinematics() override;

@@ -10,7 +10,7 @@ namespace cnoid {
 
 /// Velocity of the centre of mass. Columns: the joints by id, for a base link that doesn't move. Without a base link
 /// (null) the root link doesn't move, and six columns follow: velocity of the root link's origin, then its angular
-/// velocity.
+/// velocity. Throws std::invalid_argument for a link of another body.
 CNOID_GENERAL_EXPORT void calcCMJacobian(Body* body, Link* base, MatrixXd& J);
 
 /// Angular momentum, 3 rows, columns as above. Without a base link it is about the centre of mass; with one, about the
