@@ -34,19 +34,31 @@ Body::~Body() {
 }
 
 Referenced* Body::doClone(CloneMap*) const {
-  auto* body = new Body(name_);
-  body->modelName_ = modelName_;
-  body->centerOfMass_ = centerOfMass_;
-  body->currentTimeFunction_ = currentTimeFunction_;
-  body->info_ = info_->deepClone();
-  body->setRootLink(cloneTree(rootLink_));
-  for (const auto& device : devices_) body->addDevice(device->clone(), body->link(device->link()->index()));
+  auto* body = new Body;
+  body->copyFrom(this);
   return body;
 }
 
-Link* Body::link(int index) const {
-  return index >= 0 && index < numLinks() ? links_[static_cast<std::size_t>(index)].get() : nullptr;
+void Body::copyFrom(const Body* other) {
+  if (other == this) return;
+  name_ = other->name_;
+  modelName_ = other->modelName_;
+  centerOfMass_ = other->centerOfMass_;
+  currentTimeFunction_ = other->currentTimeFunction_;
+  info_ = other->info_->deepClone();
+  setRootLink(cloneTree(other->rootLink_));
+  for (const auto& device : other->devices_) addDevice(device->clone(), link(device->link()->index()));
+  for (const auto& joint : other->extraJoints_) {
+    const ExtraJointPtr copy = joint->clone();
+    for (int end = 0; end < 2; ++end) {
+      const Link* original = joint->link(end);
+      if (original && original->body() == other) copy->setLink(end, link(original->index()));
+    }
+    extraJoints_.push_back(copy);
+  }
 }
+
+Link* Body::link(int index) const { return index >= 0 && index < numLinks() ? linkTraverse_.link(index) : nullptr; }
 
 Link* Body::link(const std::string& name) const { return find(linksByName_, name); }
 
@@ -57,6 +69,10 @@ Link* Body::joint(int id) const {
 Link* Body::joint(const std::string& name) const {
   Link* byJointName = find(linksByJointName_, name);
   return byJointName ? byJointName : link(name);
+}
+
+ExtraJoint* Body::extraJoint(int index) const {
+  return index >= 0 && index < numExtraJoints() ? extraJoints_[static_cast<std::size_t>(index)].get() : nullptr;
 }
 
 Device* Body::device(int index) const {
@@ -73,31 +89,33 @@ void Body::setRootLink(Link* link) {
   const LinkPtr holder(link);
   if (rootLink_) rootLink_->setBodyToSubTree(nullptr);
   clearDevices();
+  clearExtraJoints();
   rootLink_ = link;
   rootLink_->setBodyToSubTree(this);
   updateLinkTree();
 }
 
 void Body::updateLinkTree() {
-  links_.clear();
-  linksByName_.clear();
-  linksByJointName_.clear();
-  collectLinks(rootLink_);
+  linkTraverse_.find(rootLink_);
+  nameLinks();
   collectJoints();
 }
 
-void Body::collectLinks(Link* link) {
-  link->index_ = numLinks();
-  links_.push_back(link);
-  if (!link->name().empty()) linksByName_[link->name()] = link;
-  if (!link->jointSpecificName().empty()) linksByJointName_[link->jointSpecificName()] = link;
-  for (Link* child = link->child(); child; child = child->sibling()) collectLinks(child);
+void Body::nameLinks() {
+  linksByName_.clear();
+  linksByJointName_.clear();
+  int index = 0;
+  for (const auto& link : links()) {
+    link->index_ = index++;
+    if (!link->name().empty()) linksByName_[link->name()] = link;
+    if (!link->jointSpecificName().empty()) linksByJointName_[link->jointSpecificName()] = link;
+  }
 }
 
 void Body::collectJoints() {
   joints_.clear();
   std::vector<LinkPtr> unidentified;
-  for (const auto& link : links_) {
+  for (const auto& link : links()) {
     if (link->jointId() >= 0) {
       const auto id = static_cast<std::size_t>(link->jointId());
       if (id >= joints_.size()) joints_.resize(id + 1);
@@ -163,20 +181,20 @@ void Body::numberDevices() {
 }
 
 bool Body::hasMovableJoints() const {
-  return std::any_of(links_.begin() + 1, links_.end(), [](const LinkPtr& link) { return !link->isFixedJoint(); });
+  return std::any_of(links().begin() + 1, links().end(), [](const LinkPtr& link) { return !link->isFixedJoint(); });
 }
 
 bool Body::isStaticModel() const { return isFixedRootModel() && !hasMovableJoints(); }
 
 double Body::mass() const {
   double mass = 0.0;
-  for (const auto& link : links_) mass += link->mass();
+  for (const auto& link : links()) mass += link->mass();
   return mass;
 }
 
 const Vector3& Body::calcCenterOfMass() {
   Vector3 firstMoment = Vector3::Zero();
-  for (const auto& link : links_) {
+  for (const auto& link : links()) {
     link->wc() = link->T() * link->c();
     firstMoment += link->m() * link->wc();
   }
@@ -187,7 +205,7 @@ const Vector3& Body::calcCenterOfMass() {
 void Body::calcTotalMomentum(Vector3& P, Vector3& L) {
   P.setZero();
   L.setZero();
-  for (const auto& link : links_) {
+  for (const auto& link : links()) {
     const Vector3 momentum = link->m() * (link->v() + link->w().cross(link->R() * link->c()));
     const Matrix3 inertia = link->R() * link->I() * link->R().transpose();
     P += momentum;
@@ -197,12 +215,12 @@ void Body::calcTotalMomentum(Vector3& P, Vector3& L) {
 
 void Body::initializePosition() {
   rootLink_->T() = rootLink_->Tb();
-  for (const auto& link : links_) link->q() = link->q_initial();
+  for (const auto& link : links()) link->q() = link->q_initial();
   initializeState();
 }
 
 void Body::initializeState() {
-  for (const auto& link : links_) link->initializeState();
+  for (const auto& link : links()) link->initializeState();
   calcForwardKinematics(true, true);
   initializeDeviceStates();
 }
@@ -212,7 +230,7 @@ void Body::initializeDeviceStates() {
 }
 
 void Body::clearExternalForces() {
-  for (const auto& link : links_) link->F_ext().setZero();
+  for (const auto& link : links()) link->F_ext().setZero();
 }
 
 void Body::setCache(const std::string& name, Referenced* object) { caches_[name] = object; }

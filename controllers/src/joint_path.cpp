@@ -3,8 +3,10 @@
 #include <cnoid/EigenUtil>
 #include <cnoid/JointPath>
 #include <limits>
-#include <numeric>
 #include <stdexcept>
+
+#include "id_order.h"
+#include "remaining_links.h"
 
 namespace cnoid {
 
@@ -142,13 +144,7 @@ int JointPath::indexOf(const Link* link) const {
   return place == joints_.end() ? -1 : static_cast<int>(place - joints_.begin());
 }
 
-int JointPath::jointIndexAtIdOrder(int index) const {
-  std::vector<int> order(joints_.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(),
-                   [this](int a, int b) { return joint(a)->jointId() < joint(b)->jointId(); });
-  return order.at(static_cast<std::size_t>(index));
-}
+int JointPath::jointIndexAtIdOrder(int index) const { return placeInIdOrder(joints_, index); }
 
 // --- Inverse kinematics
 
@@ -288,6 +284,12 @@ bool JointPath::isBestEffortIkAvailable() const { return true; }
 bool JointPath::isBestEffortIkEnabled() const { return ik_->isBestEffort; }
 
 void JointPath::setBestEffortIkEnabled(bool on) { ik_->isBestEffort = on; }
+
+bool JointPath::calcRemainingPartForwardKinematicsForInverseKinematics() {
+  if (linkPath_.empty()) return false;
+  calcRemainingForwardKinematics(*endLink(), {&linkPath_});
+  return true;
+}
 
 int JointPath::getDOF() const { return numJoints(); }
 

@@ -56,6 +56,7 @@ Link::Link(const Link& other)
       dq_lower_(other.dq_lower_),
       u_upper_(other.u_upper_),
       u_lower_(other.u_lower_),
+      material_(other.material_),
       info_(other.info_->deepClone()) {}
 
 Link::~Link() {

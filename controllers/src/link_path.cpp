@@ -1,8 +1,7 @@
 #include <algorithm>
 #include <cnoid/LinkPath>
 #include <stdexcept>
-
-#include "link_motion.h"
+#include <utility>
 
 namespace cnoid {
 
@@ -19,43 +18,31 @@ std::vector<LinkPtr> wayToRoot(Link* link) {
 
 bool LinkPath::setPath(Link* base, Link* end) {
   if (!base || !end) throw std::invalid_argument("a path between links needs two links: one of them is null");
-  links_ = wayToRoot(base);
+  clear();
+  std::vector<LinkPtr> up = wayToRoot(base);
   std::vector<LinkPtr> down = wayToRoot(end);
-  if (links_.back() != down.back()) {
-    links_.clear();
-    numUpwardSteps_ = 0;
-    return false;
-  }
+  if (up.back() != down.back()) return false;
   // The common part of both ways above the link where they meet does not belong to the path.
   LinkPtr meeting;
-  while (!links_.empty() && !down.empty() && links_.back() == down.back()) {
-    meeting = links_.back();
-    links_.pop_back();
+  while (!up.empty() && !down.empty() && up.back() == down.back()) {
+    meeting = up.back();
+    up.pop_back();
     down.pop_back();
   }
-  numUpwardSteps_ = numLinks();
+  numUpwardSteps_ = static_cast<int>(up.size());
+  links_ = std::move(up);
   links_.push_back(meeting);
   links_.insert(links_.end(), down.rbegin(), down.rend());
+  hasRootUpperLinks_ = numUpwardSteps_ > 0;
+  hasRootLowerLinks_ = !hasRootUpperLinks_ && numLinks() > 1;
   return true;
 }
 
 void LinkPath::setPath(Link* end) {
+  clear();
   links_ = wayToRoot(end);
   std::reverse(links_.begin(), links_.end());
-  numUpwardSteps_ = 0;
-}
-
-void LinkPath::calcForwardKinematics(bool calcVelocity, bool calcAcceleration) {
-  for (int i = 1; i < numLinks(); ++i) {
-    const Link& from = *link(i - 1);
-    Link& to = *link(i);
-    const bool isDown = isDownward(i - 1);
-    isDown ? setPose(to, from) : setPoseOfParent(to, from);
-    if (!calcVelocity) continue;
-    isDown ? setVelocity(to, from) : setVelocityOfParent(to, from);
-    if (!calcAcceleration) continue;
-    isDown ? setAcceleration(to, from) : setAccelerationOfParent(to, from);
-  }
+  hasRootLowerLinks_ = numLinks() > 1;
 }
 
 }  // namespace cnoid

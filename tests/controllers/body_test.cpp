@@ -287,4 +287,48 @@ TEST(Body, AsksItsClockForTheTime) {
   EXPECT_EQ(body->currentTime(), 1.25);
 }
 
+TEST(Body, BecomesACopyOfAnother) {
+  const BodyPtr original = rehearse::test::make_biped();
+  original->setModelName("WALKER");
+  const cnoid::ExtraJointPtr rod = new cnoid::ExtraJoint(cnoid::ExtraJoint::Piston, cnoid::Vector3(0, 0, 2));
+  rod->setLink(0, original->link("LEFT1"));
+  rod->setLink(1, original->link("HEAD"));
+  rod->setPoint(1, cnoid::Vector3(1, 2, 3));
+  original->addExtraJoint(rod);
+  const BodyPtr body = rehearse::test::make_arm();
+  body->copyFrom(original);
+  EXPECT_EQ(body->name(), "biped");
+  EXPECT_EQ(body->modelName(), "WALKER");
+  EXPECT_EQ(body->numJoints(), 14);
+  EXPECT_EQ(body->link("ARM"), nullptr);
+  EXPECT_NE(body->link("HEAD"), original->link("HEAD"));
+  EXPECT_TRUE(body->info()->findListing("foot_links")->isValid());
+  ASSERT_EQ(body->numExtraJoints(), 1);
+  const cnoid::ExtraJoint& copy = *body->extraJoint(0);
+  EXPECT_NE(&copy, rod.get());
+  EXPECT_EQ(copy.type(), cnoid::ExtraJoint::Piston);
+  EXPECT_EQ(copy.axis(), cnoid::Vector3::UnitZ());
+  EXPECT_EQ(copy.link(0), body->link("LEFT1"));
+  EXPECT_EQ(copy.linkName(1), "HEAD");
+  EXPECT_EQ(copy.bodyName(1), "biped");
+  EXPECT_EQ(cnoid::Vector3(copy.point(1)), cnoid::Vector3(1, 2, 3));
+  EXPECT_TRUE(copy.isForLinksOfSameBody());
+  EXPECT_EQ(body->extraJoint(1), nullptr);
+  body->copyFrom(body);
+  EXPECT_EQ(body->numExtraJoints(), 1);
+  body->setRootLink(body->createLink(original->link("HEAD")));
+  EXPECT_EQ(body->numExtraJoints(), 0);
+}
+
+TEST(Body, CreatesLinksThatBelongToNoBody) {
+  const BodyPtr body = rehearse::test::make_biped();
+  const cnoid::LinkPtr fresh = body->createLink();
+  EXPECT_EQ(fresh->body(), nullptr);
+  EXPECT_EQ(fresh->jointType(), cnoid::Link::FixedJoint);
+  const cnoid::LinkPtr copy = body->createLink(body->link("CHEST"));
+  EXPECT_EQ(copy->name(), "CHEST");
+  EXPECT_EQ(copy->child(), nullptr);
+  EXPECT_EQ(copy->m(), body->link("CHEST")->m());
+}
+
 }  // namespace

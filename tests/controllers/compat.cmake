@@ -24,3 +24,10 @@ rehearse_add_test(projects_checkout_test LABEL compat TIMEOUT 900 SOURCES projec
                   LIBRARIES Rehearse::simulation Rehearse::choreonoid)
 target_compile_definitions(projects_checkout_test PRIVATE CHOREONOID_SOURCE="${REHEARSE_CHOREONOID_SOURCE}"
   COMPILE="${project_compiler}" OUTPUT="${CMAKE_CURRENT_BINARY_DIR}/projects")
+
+# A public controller of a humanoid: cmake -DREHEARSE_VNOID_SOURCE=DIR, a checkout of vnoid.
+set(REHEARSE_VNOID_SOURCE "" CACHE PATH "A checkout of vnoid, whose sample robot is to walk")
+rehearse_add_test(vnoid_checkout_test LABEL compat TIMEOUT 600 SOURCES vnoid_checkout_test.cpp
+                  LIBRARIES Rehearse::simulation Rehearse::choreonoid)
+target_compile_definitions(vnoid_checkout_test PRIVATE VNOID_SOURCE="${REHEARSE_VNOID_SOURCE}"
+  COMPILE="${project_compiler}" OUTPUT="${CMAKE_CURRENT_BINARY_DIR}/vnoid")

@@ -7,6 +7,7 @@
 #include <cnoid/RangeSensor>
 #include <cnoid/RotorDevice>
 #include <cnoid/SpotLight>
+#include <cnoid/ZmpDevice>
 
 #include <functional>
 #include <numeric>
@@ -114,7 +115,7 @@ INSTANTIATE_TEST_SUITE_P(
                     kind<cnoid::RangeSensor>("RangeSensor", 3 + 8), kind<cnoid::PointLight>("PointLight", 5 + 3),
                     kind<cnoid::SpotLight>("SpotLight", 5 + 3 + 6), kind<cnoid::HolderDevice>("HolderDevice", 1),
                     kind<cnoid::AttachmentDevice>("AttachmentDevice", 1),
-                    kind<Multicopter::RotorDevice>("RotorDevice", 19)),
+                    kind<Multicopter::RotorDevice>("RotorDevice", 19), kind<cnoid::ZmpDevice>("ZmpDevice", 4)),
     rehearse::test::by_name);
 
 TEST(Device, IsAlwaysOnUnlessItCanBeSwitched) {
@@ -159,6 +160,17 @@ TEST(Device, HasAPlaceOnItsLink) {
   EXPECT_TRUE(device->R_local().isApprox(turn.toRotationMatrix()));
   device->setLocalPosition(cnoid::Isometry3::Identity());
   EXPECT_TRUE(device->localPosition().isApprox(cnoid::Isometry3::Identity()));
+}
+
+TEST(Device, HasTheCycleOfEarlierReleasesWithoutEffect) {
+  const cnoid::ForceSensorPtr sensor = new cnoid::ForceSensor;
+  sensor->setCycle(5.0);
+  EXPECT_EQ(sensor->cycle(), 20.0);
+  cnoid::Isometry3 pose(cnoid::AngleAxis(0.3, cnoid::Vector3::UnitZ()));
+  pose.translation() = cnoid::Vector3(1, 2, 3);
+  sensor->setLocalAttitude(pose);
+  EXPECT_TRUE(sensor->R_local().isApprox(pose.linear()));
+  EXPECT_TRUE(sensor->T_local_org().translation().isZero(0.0));
 }
 
 }  // namespace

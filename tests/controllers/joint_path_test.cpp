@@ -297,4 +297,13 @@ TEST(JointPath, RefusesANullLink) {
   EXPECT_THROW(JointPath::getCustomPath(body->rootLink(), nullptr), std::invalid_argument);
 }
 
+TEST_F(SixJointArm, IsFoundByTheFunctionOfEarlierReleases) {
+  const cnoid::JointPathPtr path = cnoid::getCustomJointPath(body_, body_->rootLink(), hand_);
+  ASSERT_TRUE(path);
+  EXPECT_EQ(path->numJoints(), 6);
+  EXPECT_FALSE(path->hasAnalyticalIK());
+  path->setBestEffortIKmode(true);
+  EXPECT_TRUE(path->isBestEffortIKmode());
+}
+
 }  // namespace

@@ -233,4 +233,30 @@ TEST(LinkContactPoint, TellsWhatItWasMadeOf) {
   EXPECT_EQ(point.depth(), 0.001);
 }
 
+TEST(Link, HasTheMaterialOfItsModel) {
+  const cnoid::LinkPtr link = new cnoid::Link;
+  EXPECT_EQ(link->materialName(), "Default");
+  link->setMaterial("Ground");
+  const cnoid::LinkPtr copy = link->clone();
+  EXPECT_EQ(copy->materialName(), "Ground");
+  link->setMaterial("");
+  EXPECT_EQ(link->materialName(), "Default");
+}
+
+TEST(Link, HasTheNamesOfEarlierReleasesForItsPose) {
+  const cnoid::LinkPtr link = new cnoid::Link;
+  const cnoid::Matrix3 turn = cnoid::AngleAxis(0.7, cnoid::Vector3::UnitX()).toRotationMatrix();
+  link->setAttitude(turn);
+  link->p() = cnoid::Vector3(1, 2, 3);
+  EXPECT_EQ(link->attitude(), turn);
+  EXPECT_EQ(link->calcRfromAttitude(turn), turn);
+  EXPECT_EQ(link->Ta().matrix(), link->T().matrix());
+  cnoid::Isometry3 pose;
+  link->getAttitudeAndTranslation(pose);
+  EXPECT_EQ(pose.matrix(), link->T().matrix());
+  const cnoid::Link::ActuationMode mode = cnoid::Link::JointEffort;
+  link->setActuationMode(mode);
+  EXPECT_EQ(link->actuationMode(), cnoid::Link::JointEffort);
+}
+
 }  // namespace

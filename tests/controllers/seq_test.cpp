@@ -4,7 +4,9 @@
 #include <cnoid/MultiValueSeq>
 #include <cnoid/Vector3Seq>
 
+#include <memory>
 #include <stdexcept>
+#include <type_traits>
 
 #include "bodies.h"
 
@@ -16,6 +18,8 @@ using cnoid::MultiSE3Seq;
 using cnoid::MultiValueSeq;
 using cnoid::Vector3;
 using cnoid::Vector3Seq;
+
+static_assert(std::is_same_v<cnoid::MultiValueSeqPtr, std::shared_ptr<MultiValueSeq>>);
 
 /// Three frames of two parts: 0 1, 10 11, 20 21, at 100 Hz.
 MultiValueSeq make_seq() {

@@ -15,6 +15,7 @@ rehearse_add_test(session_tests LABEL sim SHARDS 6
   SOURCES
     session/acting_devices_test.cpp
     session/actuation_test.cpp
+    session/body_loading_test.cpp
     session/branch_test.cpp
     session/contacts_test.cpp
     session/controller_watch_test.cpp
@@ -47,7 +48,7 @@ target_compile_definitions(session_tests PRIVATE
 
 add_test_controller(Behaviours
   controllers/behaviours.cpp controllers/contacts.cpp controllers/devices.cpp controllers/failures.cpp
-  controllers/inputs.cpp controllers/joysticks.cpp controllers/lifecycle.cpp controllers/trespasses.cpp
+  controllers/inputs.cpp controllers/joysticks.cpp controllers/lifecycle.cpp controllers/models.cpp controllers/trespasses.cpp
   controllers/words.cpp)
 find_package(Threads REQUIRED)
 target_link_libraries(Behaviours PRIVATE Threads::Threads)

@@ -187,7 +187,7 @@ print /r ahead_
 print *(cnoid::Body*)0
 set var gains_.m_storage.m_rows = -5
 print gains_
-set var *(long*)&body_.object_->links_ = 8
+set var *(long*)&body_.object_->linkTraverse_.links_ = 8
 print *body_
 print *(Eigen::VectorXd*)$sp
 print *this)");

@@ -83,4 +83,6 @@ class CNOID_GENERAL_EXPORT AbstractMultiSeq : public AbstractSeq {
   AbstractMultiSeq& operator=(const AbstractMultiSeq&) = default;
 };
 
+using AbstractSeqPtr = std::shared_ptr<AbstractSeq>;
+
 }  // namespace cnoid

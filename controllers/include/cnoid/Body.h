@@ -7,7 +7,8 @@
 
 #include "ClonableReferenced.h"
 #include "DeviceList.h"
-#include "Link.h"
+#include "ExtraJoint.h"
+#include "LinkTraverse.h"
 
 #include <functional>
 #include <map>
@@ -31,6 +32,8 @@ class CNOID_GENERAL_EXPORT Body : public ClonableReferenced {
   /// A deep copy with state and devices; the caller becomes its first owner. Caches and images are not copied (see
   /// Camera).
   Body* clone() const { return static_cast<Body*>(doClone(nullptr)); }
+  /// Makes this body such a copy of the other one. What it had before is lost, except its caches.
+  void copyFrom(const Body* other);
 
   /// In a scenario: the body's name there. modelName() is the name in the model file.
   const std::string& name() const { return name_; }
@@ -38,12 +41,13 @@ class CNOID_GENERAL_EXPORT Body : public ClonableReferenced {
 
   // --- Links: depth first, children of a link in order; link 0 is the root
 
-  int numLinks() const { return static_cast<int>(links_.size()); }
+  int numLinks() const { return linkTraverse_.numLinks(); }
   /// Null if the index is out of range.
   Link* link(int index) const;
   /// Null if there is no link of that name. Of several links of that name: the last.
   Link* link(const std::string& name) const;
-  const std::vector<LinkPtr>& links() const { return links_; }
+  const std::vector<LinkPtr>& links() const { return linkTraverse_.links(); }
+  const LinkTraverse& linkTraverse() const { return linkTraverse_; }
   Link* rootLink() const { return rootLink_; }
 
   // --- Joints: by joint id
@@ -74,6 +78,14 @@ class CNOID_GENERAL_EXPORT Body : public ClonableReferenced {
   const std::vector<LinkPtr>& allJoints() const { return joints_; }
   int numAllJoints() const { return static_cast<int>(joints_.size()); }
   int numVirtualJoints() const { return numAllJoints() - numIdentifiedJoints_; }
+
+  // --- Joints that close loops
+
+  int numExtraJoints() const { return static_cast<int>(extraJoints_.size()); }
+  /// Null if the index is out of range.
+  ExtraJoint* extraJoint(int index) const;
+  void addExtraJoint(ExtraJoint* joint) { extraJoints_.push_back(joint); }
+  void clearExtraJoints() { extraJoints_.clear(); }
 
   // --- Devices: in the order of the model, those of a link before those of the next
 
@@ -129,7 +141,9 @@ class CNOID_GENERAL_EXPORT Body : public ClonableReferenced {
   void calcTotalMomentum(Vector3& P, Vector3& L);
 
   /// Computes poses (and velocities, accelerations) of all links from the root's and the joints' q (dq, ddq).
-  void calcForwardKinematics(bool calcVelocity = false, bool calcAcceleration = false);
+  void calcForwardKinematics(bool calcVelocity = false, bool calcAcceleration = false) {
+    linkTraverse_.calcForwardKinematics(calcVelocity, calcAcceleration);
+  }
 
   /// The root link's pose in the model.
   const Isometry3& defaultPosition() const { return rootLink_->Tb(); }
@@ -189,6 +203,8 @@ class CNOID_GENERAL_EXPORT Body : public ClonableReferenced {
 
   // --- For building a body
 
+  /// A new link that belongs to no body: a copy of `original`, without its children, if it isn't null.
+  Link* createLink(const Link* original = nullptr) const { return original ? original->clone() : new Link; }
   void setName(const std::string& name) { name_ = name; }
   void setModelName(const std::string& name) { modelName_ = name; }
   /// Replaces the whole tree.
@@ -209,7 +225,7 @@ class CNOID_GENERAL_EXPORT Body : public ClonableReferenced {
   Referenced* doClone(CloneMap* cloneMap) const override;
 
  private:
-  void collectLinks(Link* link);
+  void nameLinks();
   void collectJoints();
   void numberDevices();
   Referenced* findCacheEntry(const std::string& name) const;
@@ -217,12 +233,13 @@ class CNOID_GENERAL_EXPORT Body : public ClonableReferenced {
   std::string name_;
   std::string modelName_;
   LinkPtr rootLink_;
-  std::vector<LinkPtr> links_;
+  LinkTraverse linkTraverse_;
   std::vector<LinkPtr> joints_;  // by joint id, then joints without an id
   int numIdentifiedJoints_ = 0;
   std::map<std::string, Link*> linksByName_;
   std::map<std::string, Link*> linksByJointName_;
   DeviceList<> devices_;
+  std::vector<ExtraJointPtr> extraJoints_;
   MappingPtr info_;
   std::map<std::string, ReferencedPtr> caches_;
   Vector3 centerOfMass_;

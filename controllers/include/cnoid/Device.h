@@ -116,6 +116,14 @@ class CNOID_GENERAL_EXPORT Device : public DeviceState {
   /// Marks info() as changed: it is sent like the state after notifyStateChange().
   void notifyInfoChange() { sigInfoChanged_(); }
 
+  [[deprecated("Use T_local.")]] const Isometry3& T_local_org() const { return T_local_; }
+  [[deprecated("Use setLocalRotation.")]] void setLocalAttitude(const Isometry3& pose) {
+    T_local_.linear() = pose.linear();
+  }
+  /// No effect: the rate of a vision sensor is its frame rate, and other sensors measure in every step. [ms]
+  [[deprecated("Use VisionSensor::setFrameRate.")]] void setCycle(double) {}
+  [[deprecated("Use VisionSensor::frameRate.")]] double cycle() const { return 20.0; }
+
   // For building a body
   void setIndex(int index) { index_ = index; }
   void setId(int id) { id_ = id; }

@@ -121,6 +121,8 @@ class CNOID_GENERAL_EXPORT JointPath : public InverseKinematics {
   bool isBestEffortIkEnabled() const override;
   void setBestEffortIkEnabled(bool on) override;
   int getDOF() const override;
+  /// Computes the poses of all links of the body that are not on the path from the poses of those that are.
+  bool calcRemainingPartForwardKinematicsForInverseKinematics() override;
 
   // --- Tuning
 
@@ -147,6 +149,9 @@ class CNOID_GENERAL_EXPORT JointPath : public InverseKinematics {
                                                                                                  const Matrix3& base_R,
                                                                                                  const Vector3& end_p,
                                                                                                  const Matrix3& end_R);
+  [[deprecated("Use hasCustomIK.")]] bool hasAnalyticalIK() const { return hasCustomIK(); }
+  [[deprecated("Use setCustomIkDisabled.")]] void setNumericalIKenabled(bool on) { setCustomIkDisabled(on); }
+  [[deprecated("Use isCustomIkDisabled.")]] bool isNumericalIkEnabled() const { return isCustomIkDisabled(); }
   [[deprecated("Use setNumericalIkMaxIkError.")]] void setNumericalIKmaxIKerror(double e) {
     setNumericalIkMaxIkError(e);
   }
@@ -159,6 +164,8 @@ class CNOID_GENERAL_EXPORT JointPath : public InverseKinematics {
   [[deprecated("Use setNumericalIkDampingConstant.")]] void setNumericalIKdampingConstant(double lambda) {
     setNumericalIkDampingConstant(lambda);
   }
+  [[deprecated("Use setBestEffortIkEnabled.")]] void setBestEffortIKmode(bool on) { setBestEffortIkEnabled(on); }
+  [[deprecated("Use isBestEffortIkEnabled.")]] bool isBestEffortIKmode() const { return isBestEffortIkEnabled(); }
   [[deprecated("Use setBestEffortIkEnabled.")]] void setBestEffortIkMode(bool on) { setBestEffortIkEnabled(on); }
   [[deprecated("Use isBestEffortIkEnabled.")]] bool isBestEffortIkMode() const { return isBestEffortIkEnabled(); }
 
@@ -183,5 +190,12 @@ class CNOID_GENERAL_EXPORT JointPath : public InverseKinematics {
   bool isCustomIkDisabled_ = false;
   std::unique_ptr<NumericalIK> ik_;
 };
+
+using JointPathPtr = std::shared_ptr<JointPath>;
+
+[[deprecated("Use JointPath::getCustomPath.")]] inline JointPathPtr getCustomJointPath(Body*, Link* baseLink,
+                                                                                       Link* endLink) {
+  return JointPath::getCustomPath(baseLink, endLink);
+}
 
 }  // namespace cnoid

@@ -142,6 +142,7 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   };
   [[deprecated("Use JointVelocity on a PseudoContinuousTrackJoint.")]] static constexpr int JOINT_SURFACE_VELOCITY =
       DeprecatedJointSurfaceVelocity;
+  using ActuationMode [[deprecated("Use StateFlag, or int for several flags.")]] = StateFlag;
 
   /// The quantities that drive the joint: StateFlags, usually one. They determine the effect of enableInput(link) and
   /// enableOutput(link).
@@ -238,6 +239,14 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
     T_.linear() = newRotation.template cast<double>().toRotationMatrix();
   }
 
+  // Names of earlier releases, in which a link's axes could differ from those of its model
+
+  [[deprecated("Use T.")]] Isometry3 Ta() const { return T_; }
+  [[deprecated("Use R.")]] Matrix3 attitude() const { return R(); }
+  [[deprecated("Use setRotation.")]] void setAttitude(const Matrix3& newRotation) { R() = newRotation; }
+  [[deprecated("Use the matrix itself.")]] Matrix3 calcRfromAttitude(const Matrix3& rotation) const { return rotation; }
+  [[deprecated("Use T.")]] void getAttitudeAndTranslation(Isometry3& pose) const { pose = T_; }
+
   // --- Motion of the link frame's origin, in world axes
 
   Vector3& v() { return v_; }  // [m/s]
@@ -294,6 +303,9 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   }
 
   // --- Contacts
+
+  /// Of the link's surface, as the model names it: "Default" if it names none.
+  const std::string& materialName() const { return material_; }
 
   /// A point where a different object touches this link; everything in world axes.
   class ContactPoint {
@@ -376,6 +388,8 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   void setCenterOfMass(const Vector3& center) { c_ = center; }
   void setInertia(const Matrix3& inertia) { I_ = inertia; }
   void setEquivalentRotorInertia(double inertia) { Jm2_ = inertia; }
+  /// An empty name means "Default".
+  void setMaterial(const std::string& name) { material_ = name.empty() ? "Default" : name; }
 
   /// Moves the link, with all links below it, from its place and makes it the last, or first, child of this link.
   void appendChild(Link* link);
@@ -430,6 +444,7 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   double dq_lower_;
   double u_upper_;
   double u_lower_;
+  std::string material_ = "Default";
   std::vector<ContactPoint> contactPoints_;
   MappingPtr info_;
 };

@@ -23,4 +23,6 @@ class CNOID_GENERAL_EXPORT MultiSE3Seq : public MultiSeq<SE3> {
   bool doReadSeq(const Mapping* archive, std::ostream& os) override;
 };
 
+using MultiSE3SeqPtr = std::shared_ptr<MultiSE3Seq>;
+
 }  // namespace cnoid

@@ -20,4 +20,6 @@ class CNOID_GENERAL_EXPORT MultiValueSeq : public MultiSeq<double> {
   bool doReadSeq(const Mapping* archive, std::ostream& os) override;
 };
 
+using MultiValueSeqPtr = std::shared_ptr<MultiValueSeq>;
+
 }  // namespace cnoid

@@ -21,4 +21,6 @@ class CNOID_GENERAL_EXPORT Vector3Seq : public Seq<Vector3> {
   bool doReadSeq(const Mapping* archive, std::ostream& os) override;
 };
 
+using Vector3SeqPtr = std::shared_ptr<Vector3Seq>;
+
 }  // namespace cnoid

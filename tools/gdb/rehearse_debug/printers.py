@@ -105,7 +105,7 @@ class Body(PrinterWithParts):
     """Name and size; then the root's position, and each joint."""
 
     def summary(self) -> str:
-        links = sum(1 for _ in values.elements(self.value["links_"]))
+        links = sum(1 for _ in values.elements(self.value["linkTraverse_"]["links_"]))
         devices = sum(1 for _ in values.elements(self.value["devices_"]))
         name, model = values.text(self.value["name_"]), values.text(self.value["modelName_"])
         joints = int(self.value["numIdentifiedJoints_"])

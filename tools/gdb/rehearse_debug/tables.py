@@ -60,7 +60,7 @@ class Io:
             raise gdb.GdbError("Rehearse has no debug information here: what is an input can't be told") from problem
         if not bool(self.io["frozen_"]):
             raise gdb.GdbError(f"{now}: inputs and outputs are known once all controllers have initialized")
-        self.links = [values.pointee(link) for link in values.elements(self.body["links_"])]
+        self.links = [values.pointee(link) for link in values.elements(self.body["linkTraverse_"]["links_"])]
 
     def fields(self, layout: str) -> List[Field]:
         return [
@@ -95,7 +95,7 @@ def command(now: place.Place, element: str) -> gdb.Value:
     joint, _, quantity = element.rpartition("/")
     members = {_READ[known]: member for known, member in _WRITTEN.items()}
     body = gdb.Value(now.body).cast(gdb.lookup_type("cnoid::Body").pointer()).dereference()
-    for link in map(values.pointee, values.elements(body["links_"])):
+    for link in map(values.pointee, values.elements(body["linkTraverse_"]["links_"])):
         if link is not None and printers.Link.joint_name(link) == joint and quantity in members:
             return link[members[quantity] + "_"]
     raise gdb.GdbError(f"'{element}' is no command of a joint (JOINT/u, /q or /dq; see rehearse-commands)")

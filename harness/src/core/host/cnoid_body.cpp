@@ -5,6 +5,7 @@
 #include <cnoid/RotorDevice>
 #include <limits>
 
+#include "body_info.h"
 #include "core/kinds/kinds.h"
 #include "core/kinds/values_device.h"
 
@@ -45,6 +46,7 @@ cnoid::LinkPtr make_link(const Link& link, bool fixed) {
   made->setCenterOfMass(link.inertial.center);
   made->setInertia(link.inertial.inertia);
   made->setEquivalentRotorInertia(link.joint.armature);
+  made->setMaterial(link.material);
   return made;
 }
 
@@ -89,6 +91,20 @@ cnoid::DevicePtr make_device(const Device& device) {
   return made;
 }
 
+/// The body is where the model puts it: a frame that the file doesn't give follows from the other one.
+cnoid::ExtraJointPtr make_extra_joint(const cnoid::Body& body, const LoopJoint& loop) {
+  constexpr cnoid::ExtraJoint::ExtraJointType types[] = {cnoid::ExtraJoint::Fixed, cnoid::ExtraJoint::Hinge,
+                                                         cnoid::ExtraJoint::Piston, cnoid::ExtraJoint::Ball};
+  cnoid::ExtraJointPtr made = new cnoid::ExtraJoint(types[static_cast<int>(loop.type)], loop.axis);
+  cnoid::Link* link = body.link(loop.link);
+  cnoid::Link* other = body.link(loop.other_link);
+  made->setLink(0, link);
+  made->setLocalPosition(0, loop.frame);
+  made->setLink(1, other);
+  made->setLocalPosition(1, loop.has_other_frame ? loop.other_frame : other->T().inverse() * link->T() * loop.frame);
+  return made;
+}
+
 }  // namespace
 
 cnoid::BodyPtr make_cnoid_body(const Model& model, const std::string& name, bool fixed) {
@@ -101,7 +117,9 @@ cnoid::BodyPtr make_cnoid_body(const Model& model, const std::string& name, bool
   body->setModelName(model.name);
   body->setRootLink(links[0]);
   for (const Device& device : model.devices) body->addDevice(make_device(device), links[device.link]);
+  read_body_info(model, *body->info());
   body->initializePosition();
+  for (const LoopJoint& loop : model.loops) body->addExtraJoint(make_extra_joint(*body, loop));
   return body;
 }
 

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "body_loading.h"
 #include "core/guard/guarded_call.h"
 #include "core/guard/own_library.h"
 #include "core/guard/supervisor.h"
@@ -162,6 +163,7 @@ Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::pat
     return error(name + " can't be loaded again in this process: before, it " + before->second,
                  "its static objects are incomplete; another process can load it");
   std::string problem;
+  register_body_loader();
   // Its static objects are constructed here: code of the library's author.
   ProcessGuard::instance().begin(library->threads_, true);
   const CallOutcome outcome = guarded_call(
