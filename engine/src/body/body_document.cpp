@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "mesh/mesh_input.h"
 #include "model/names.h"
 #include "model/text.h"
+#include "vrml_body.h"
 
 namespace rehearse::body {
 namespace {
@@ -103,6 +105,9 @@ Result<NamedFile> Files::find(const std::string& written, const Document& by) {
   std::string place = written;
   if (!variable.empty()) {
     const std::string rest = written.substr(variable.size() + 3);
+    if (const char* home = std::getenv("HOME");
+        home != nullptr && variable == "HOME" && !options_.packages.contains("HOME"))
+      if (std::error_code ignored; fs::exists(home + rest, ignored)) return NamedFile{home + rest, written};
     if (variable == "SHARE" && options_.packages.count("SHARE") == 0)
       place = "package://share" + rest;
     else if (variable == "PROJECT_DIR" || variable == "PROGRAM_TOP")
@@ -113,7 +118,9 @@ Result<NamedFile> Files::find(const std::string& written, const Document& by) {
   Result<MeshPlace> found = paths_.find(place);
   if (found) return NamedFile{found->file, written};
   if (is_bundle_ || skips_meshes()) return NamedFile{written, written};  // the bundle may contain it
-  return found.errors();
+  if (variable.empty() || options_.packages.contains(std::string(variable))) return found.errors();
+  return error(fmt::format("there is no folder for ${{{}}}", variable),
+               fmt::format("--variable {0}=DIR, or packages: {{{0}: DIR}} in a scenario", variable));
 }
 
 Document* Files::open(const NamedFile& file, const YamlAnchors& outer, Diagnostic& problem) {
@@ -148,6 +155,14 @@ void Files::parse(Document& document, const std::string& text, const YamlAnchors
   if (text.starts_with("version https://git-lfs")) {
     problem = rehearse::error("it is a git-lfs pointer, not the file that it stands for", "run: git lfs pull");
     problem.line = 1;
+    return;
+  }
+  if (is_vrml(document.name(), text)) {
+    Result<YamlNodePtr> body = body_of_vrml(text);
+    if (body)
+      document.root = *std::move(body);
+    else
+      problem = body.errors().front();
     return;
   }
   Result<YamlDocument> parsed = parse_yaml_document(text, document.name(), outer);
