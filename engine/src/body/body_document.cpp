@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <optional>
@@ -105,9 +104,6 @@ Result<NamedFile> Files::find(const std::string& written, const Document& by) {
   std::string place = written;
   if (!variable.empty()) {
     const std::string rest = written.substr(variable.size() + 3);
-    if (const char* home = std::getenv("HOME");
-        home != nullptr && variable == "HOME" && !options_.packages.contains("HOME"))
-      if (std::error_code ignored; fs::exists(home + rest, ignored)) return NamedFile{home + rest, written};
     if (variable == "SHARE" && options_.packages.count("SHARE") == 0)
       place = "package://share" + rest;
     else if (variable == "PROJECT_DIR" || variable == "PROGRAM_TOP")

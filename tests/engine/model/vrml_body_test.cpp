@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <rehearse/body.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
@@ -110,6 +111,18 @@ TEST(VrmlBody, MayBeTheModelOfAYamlFileWithRules) {
   using Pair = std::array<int, 2>;
   EXPECT_THAT(model.apart, ElementsAre(Pair{0, 1}, Pair{0, 2}, Pair{1, 2}));
   EXPECT_THAT(to_string(model.report), HasSubstr("footLinks, standardPose"));
+}
+
+TEST(BodyFiles, MayNameMeshesBelowTheHome) {
+  const std::string before = std::getenv("HOME") == nullptr ? "" : std::getenv("HOME");
+  setenv("HOME", FIXTURES_DIR "/models", 1);
+  const auto model = parse_body(
+      "format: ChoreonoidBody\nformat_version: 2.0\nlinks:\n  - name: A\n    joint_type: fixed\n    elements:\n"
+      "      - { type: Resource, uri: \"${HOME}/meshes/wheel.wrl\" }\n",
+      "/tmp/elsewhere.body");
+  setenv("HOME", before.c_str(), 1);
+  ASSERT_TRUE(model.ok()) << to_string(model.errors());
+  EXPECT_EQ(model->links[0].visuals.size(), 1u);
 }
 
 TEST(BodyFiles, AreToldByTheirContent) {

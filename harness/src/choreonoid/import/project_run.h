@@ -88,6 +88,8 @@ class ProjectReader {
   double length_of_time_bar();
   void read_ode(body::Mapping& keys);
   void read_vision();
+  void note_unknown_targets(const ProjectItem& item, const std::vector<std::string>& bodies,
+                            const std::vector<std::string>& sensors);
   void read_materials();
   void read_table(const std::string& written, const YamlNode& at);
 

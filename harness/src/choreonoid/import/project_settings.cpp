@@ -149,6 +149,24 @@ void ProjectReader::read_ode(Mapping& keys) {
   settings_.belt_depth = keys.number({"surface_drive_culling_depth"}).value_or(settings_.belt_depth);
 }
 
+/// Notes the names of a vision simulator that no body or camera has.
+void ProjectReader::note_unknown_targets(const ProjectItem& item, const std::vector<std::string>& bodies,
+                                         const std::vector<std::string>& sensors) {
+  for (const std::string& name : bodies)
+    if (std::none_of(bodies_.begin(), bodies_.end(), [&](const ProjectBody& body) { return body.item->name == name; }))
+      document().note(*item.node, fmt::format("{} is for the body {}, which isn't there", item.type, in_quotes(name)));
+  const auto has_sensor = [&](const std::string& name) {
+    for (const ProjectBody& body : bodies_)
+      for (const Device& device : body.model.devices)
+        if (device.name == name) return true;
+    return false;
+  };
+  for (const std::string& name : sensors)
+    if (!has_sensor(name))
+      document().note(*item.node,
+                      fmt::format("{} is for the sensor {}, which isn't there", item.type, in_quotes(name)));
+}
+
 void ProjectReader::read_vision() {
   if (settings_.simulator == nullptr) return;
   for (const ProjectItem* item : file_.all()) {
@@ -171,6 +189,7 @@ void ProjectReader::read_vision() {
         if (std::holds_alternative<Camera>(device.kind) && is_meant(bodies, body.item->name) &&
             is_meant(sensors, device.name))
           settings_.cameras->push_back(body.name + "/" + device.name);
+    note_unknown_targets(*item, bodies, sensors);
     if (bodies.empty() && sensors.empty()) settings_.cameras.reset();
     keys.finish();
     taken(*item, "the cameras take pictures");
