@@ -91,6 +91,7 @@ class VrmlParser {
     advance();
     expect("[");
     std::map<std::string, VrmlValue>& defaults = protos_[name];
+    defaults.clear();  // a second PROTO of the name replaces the first
     while (!problem_ && !is("]")) {
       const bool is_event = is("eventIn") || is("eventOut");
       if (!is_event && !is("field") && !is("exposedField")) fail("a field of a PROTO is expected");

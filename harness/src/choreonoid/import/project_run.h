@@ -102,6 +102,8 @@ class ProjectReader {
   void read_posture(body::Mapping& keys, ProjectBody& body);
   void read_root(body::Mapping& keys, ProjectBody& body);
   void attach(const ProjectItem& item, body::Mapping& keys, ProjectBody& body);
+
+  // project_controllers.cpp
   void read_controllers(const ProjectItem& item, std::set<std::string>& names,
                         std::vector<ProjectController>& controllers);
   std::optional<ProjectController> read_controller(const ProjectItem& item, std::set<std::string>& names);
@@ -111,8 +113,10 @@ class ProjectReader {
   /// The file that the project names. A missing one is taken from a similar place in the project's folders, with a
   /// warning; an unknown variable in its path is reported.
   std::optional<std::filesystem::path> find_file(const std::string& written, const YamlNode& at);
+  /// The value of a variable in paths.
   std::optional<std::filesystem::path> folder_of(const std::string& variable) const;
   std::optional<std::filesystem::path> find_similar(const std::string& written) const;
+
   // import.cpp
   std::string seen_from_folder(const std::filesystem::path& file) const;
   std::string unique_name(const std::string& wanted, std::set<std::string>& names) const;
