@@ -31,3 +31,10 @@ rehearse_add_test(vnoid_checkout_test LABEL compat TIMEOUT 600 SOURCES vnoid_che
                   LIBRARIES Rehearse::simulation Rehearse::choreonoid)
 target_compile_definitions(vnoid_checkout_test PRIVATE VNOID_SOURCE="${REHEARSE_VNOID_SOURCE}"
   COMPILE="${project_compiler}" OUTPUT="${CMAKE_CURRENT_BINARY_DIR}/vnoid")
+
+# Projects and bodies of others: cmake -DREHEARSE_OUTSIDE_PROJECTS=DIR, a folder of checkouts.
+set(REHEARSE_OUTSIDE_PROJECTS "" CACHE PATH "A folder of checkouts, OWNER+NAME each, whose projects are to be imported")
+rehearse_add_test(outside_checkout_test LABEL compat TIMEOUT 900 SOURCES outside_checkout_test.cpp
+                  LIBRARIES Rehearse::scenario Rehearse::choreonoid)
+target_compile_definitions(outside_checkout_test PRIVATE OUTSIDE_PROJECTS="${REHEARSE_OUTSIDE_PROJECTS}"
+  CHOREONOID_SOURCE="${REHEARSE_CHOREONOID_SOURCE}")

@@ -12,7 +12,7 @@ rehearse_add_test(model_tests LABEL unit SHARDS 4
   LIBRARIES Rehearse::model tinyxml2::tinyxml2 PNG::PNG JPEG::JPEG)
 
 rehearse_add_test(body_tests LABEL unit SHARDS 1
-  SOURCES model/body_broken_test.cpp model/body_test.cpp model/vrml_test.cpp
+  SOURCES model/body_broken_test.cpp model/body_test.cpp model/mesh_nodes_test.cpp model/vrml_body_test.cpp model/vrml_test.cpp
   LIBRARIES Rehearse::model)
 
 rehearse_add_test(body_checkout_test LABEL compat TIMEOUT 300 SOURCES model/body_checkout_test.cpp LIBRARIES Rehearse::model)

@@ -43,13 +43,12 @@ const Broken refused[] = {
     {"model_absent", 18, "no model file '../models/nowhere.body'.*looked for"},
     {"model_unnamed", 15, "the body 'Thing' names no model file"},
     {"model_broken", 18, "the model 'body_joint_type_unknown.body' can't be used"},
-    {"variable_unknown", 18, "MY_MODELS.*whose folder is unknown.*only ..SHARE. and ..PROJECT_DIR."},
+    {"variable_unknown", 18, "MY_MODELS.*whose folder is unknown.*--variable MY_MODELS=DIR"},
     {"translation_of_two", 18, "initial_root_translation isn't a list of 3 numbers"},
     {"rotation_of_text", 18, "a rotation isn't a list of 4 numbers"},
     {"attitude_no_rotation", 15, "the initial attitude of 'Thing' is no rotation"},
     {"flag_of_a_number", 18, "fix_root is '2', and true or false is expected"},
     {"joints_of_text", 18, "joint_displacements is 'left', and a number is expected"},
-    {"controller_unnamed", 20, "the controller 'Drive' names no library"},
     {"controllers_three_deep", 28, "the controller 'C' is a child of a child"},
     {"time_step_zero", 15, "the time step is 0 s.*0.00001 to 0.1"},
     {"time_step_of_text", 18, "time_step is 'fast', and a number is expected"},
@@ -60,6 +59,7 @@ const Broken refused[] = {
 };
 
 const Broken remarked[] = {
+    {"controller_unnamed", 20, "the controller 'Drive' names no library; it is left out"},
     {"controller_of_another_kind", 20, "BodyMotionControllerItem 'Motion' is left out: only SimpleControllers are run"},
     {"class_unknown", 15, "WindItem 'Wind' is left out: its class is unknown"},
     {"sub_project", 15, "SubProjectItem 'Rest' is left out: a project within the project"},

@@ -181,6 +181,13 @@ TEST_F(Import, KeepsTwoDimensionsAndJointLimits) {
   EXPECT_TRUE(scenario.bodies[0].joint_limits.value_or(true));
 }
 
+TEST_F(Import, NotesTheTargetsOfAVisionSimulatorThatArentThere) {
+  const std::string remarks =
+      to_string(imported("target_sensors: [ AHEAD ]", "target_bodies: [ Wagon, Cart ]").remarks);
+  EXPECT_THAT(remarks, HasSubstr("note: GLVisionSimulatorItem is for the body 'Cart', which isn't there"));
+  EXPECT_THAT(remarks, Not(HasSubstr("'Wagon'")));
+}
+
 TEST_F(Import, SaysThatFrictionIsAHalfWithoutChoreonoidsTable) {
   options_.share.clear();
   const ImportedProject without =

@@ -104,7 +104,7 @@ TEST_F(GoldenNoise, LetsACheckSayWhichTolerancesLieBelowIt) {
 /// A process that isn't pinned computes sin() otherwise, and a controller that calls it commands other last bits.
 TEST_F(Command, CheckOfAnotherArithmeticIsWithinTolerance) {
   const fs::path scenario = fixtures / "scenarios/arm_reach.yaml";
-  done({"record", scenario.string(), "-o", "golden.mcap"});
+  done({"record", scenario.string(), "-o", "golden.mcap", "--quiet"});
   // without `rehearse`, which would pin it
   const fs::path simulator = command.parent_path() / "../libexec/rehearse/rehearse-simulate";
   const Outcome outcome = run(simulator, {"check", scenario.string(), "--golden", "golden.mcap", "--json"},

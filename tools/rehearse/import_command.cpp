@@ -119,7 +119,8 @@ Exit run_import(ImportSettings& settings) {
   const auto scenario = Scenario::load(file);
   if (!scenario) return refuse(why_unusable(settings.project, file, scenario.errors()));
   written.keep();
-  if (settings.options.model.allow_missing_meshes)  // which ones are missing
+  const UrdfOptions& model = settings.options.model;
+  if (model.allow_missing_meshes || model.allow_unknown_devices)  // which ones are left out
     imported->remarks.insert(imported->remarks.end(), scenario->warnings.begin(), scenario->warnings.end());
   if (settings.json) {
     print(json_of_import(*imported, file));

@@ -21,7 +21,7 @@
 namespace rehearse::tool {
 namespace {
 
-constexpr std::size_t events_shown = 20;  // for people; JSON contains all of them
+constexpr std::size_t events_shown = 20;  // without --full; JSON contains all of them
 /// Files up to this size are read completely without --full, in a fraction of a second [bytes].
 constexpr std::uintmax_t small_file = 64'000'000;
 /// A log time above this comes from a wall clock, not from a simulation: 1973 [ns].
@@ -308,24 +308,25 @@ void tell_schemas(const mcap::Reader& reader) {
   }
 }
 
-void tell_events(const Contents& contents) {
+void tell_events(const Contents& contents, bool all) {
   if (contents.events.empty()) return;
   fmt::print("\nevents\n");
-  for (std::size_t i = 0; i < std::min(contents.events.size(), events_shown); ++i) {
+  const std::size_t shown = all ? contents.events.size() : std::min(contents.events.size(), events_shown);
+  for (std::size_t i = 0; i < shown; ++i) {
     const msg::Event& event = contents.events[i];
     fmt::print("  tick {}, {} s: {}: {}: {}\n", event.tick, static_cast<double>(event.stamp.to_ns()) / 1e9,
                event.severity, plain_text(event.source), plain_lines(event.text));
   }
-  if (contents.events.size() > events_shown)
-    fmt::print("  and {} more; --json lists them all\n", contents.events.size() - events_shown);
+  if (contents.events.size() > shown)
+    fmt::print("  and {} more; --full prints them all\n", contents.events.size() - shown);
 }
 
-void tell(const mcap::Reader& reader, const Contents& contents, bool with_schemas) {
+void tell(const mcap::Reader& reader, const Contents& contents, const InfoSettings& settings) {
   tell_file(reader, contents);
   tell_channels(reader, contents);
-  if (with_schemas) tell_schemas(reader);
+  if (settings.schemas) tell_schemas(reader);
   tell_records(reader);
-  tell_events(contents);
+  tell_events(contents, settings.full);
   if (contents.by_summary)
     fmt::print("\nfrom the file's summary; --full reads the whole file: payloads, {}, checksums\n",
                contents.event_count > 0 ? count_text(contents.event_count, "event") + " and rates of channels"
@@ -348,7 +349,7 @@ Exit run_info(const InfoSettings& settings) {
     print(trace_json(**reader, contents));
     return contents.damage.empty() ? Exit::done : Exit::bad_input;
   }
-  tell(**reader, contents, settings.schemas);
+  tell(**reader, contents, settings);
   std::fflush(stdout);  // before related output on stderr
   return contents.damage.empty() ? Exit::done : refuse(contents.damage);
 }
@@ -363,8 +364,8 @@ std::function<Exit()> declare_info(CLI::App& options) {
       ->type_name("");
   options.add_flag(
       "--full", settings->full,
-      "read all messages and check all checksums, however large the file is; else the numbers of a file of more than "
-      "64 MB are those of its summary");
+      "read all messages and check all checksums, however large the file is, and print all events; else the numbers of "
+      "a file of more than 64 MB are those of its summary");
   options.add_flag("--schemas", settings->schemas, "print the definitions of messages, which --json always has");
   add_json_flag(options, settings->json);
   return [settings] { return run_info(*settings); };

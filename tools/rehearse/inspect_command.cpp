@@ -37,6 +37,11 @@ Json mimic_json(const Model& model, const Joint& joint) {
           {"offset", joint.mimic->offset}};
 }
 
+/// `inertia_at_joint`: what the joint feels of the rotor, its inertia times the square of the gear ratio.
+Json rotor_json(const Joint& joint) {
+  return {{"inertia", joint.rotor_inertia}, {"gear_ratio", joint.gear_ratio}, {"inertia_at_joint", joint.armature}};
+}
+
 Json joint_json(const Model& model, const Link& link) {
   const Joint& joint = link.joint;
   return {{"name", joint.name},
@@ -50,6 +55,7 @@ Json joint_json(const Model& model, const Link& link) {
             {"upper", limit_json(joint.upper)},
             {"effort", limit_json(joint.effort)},
             {"velocity", limit_json(joint.velocity)}}},
+          {"rotor", rotor_json(joint)},
           {"mimic", mimic_json(model, joint)},
           {"line", joint.line}};
 }
@@ -178,6 +184,15 @@ std::string effort_text(const Joint& joint) {
   return fmt::format("{:.4g} {}", joint.effort, is_linear(joint.type) ? "N" : "N·m");
 }
 
+bool has_rotor(const Link* link) { return link->joint.armature != 0.0; }
+
+std::string rotor_text(const Joint& joint) {
+  if (joint.armature == 0.0) return "-";
+  const std::string whole = fmt::format("{:.4g} {}", joint.armature, is_linear(joint.type) ? "kg" : "kg·m²");
+  if (joint.rotor_inertia == 0.0) return whole;
+  return fmt::format("{:.4g} kg·m², gear {:.4g}: {}", joint.rotor_inertia, joint.gear_ratio, whole);
+}
+
 void tell(const Model& model) {
   const Joint& root = model.links[0].joint;
   fmt::print("{}: {}, {}{}, {}, {:.6g} kg, {}\n\n", model.name, count_text(model.links.size(), "link"),
@@ -185,12 +200,17 @@ void tell(const Model& model) {
              count_text(model.devices.size(), "device"), model.mass(),
              root.type == JointType::free ? "free" : "fixed to the world");
   if (model.links.size() > 1) {
+    const std::vector<const Link*> links = links_by_joint(model);
+    const bool shows_rotors = std::any_of(links.begin(), links.end(), has_rotor);
     std::vector<TableRow> rows{{"id", "joint", "type", "moves", "range", "effort"}};
-    for (const Link* link : links_by_joint(model))
+    if (shows_rotors) rows[0].push_back("rotor");
+    for (const Link* link : links) {
       rows.push_back({id_text(link->joint.controller_id.value_or(link->joint.id)), link->joint.name,
                       type_text(model, link->joint), link->name,
                       is_movable(link->joint.type) ? range_text(link->joint) : "-",
                       is_movable(link->joint.type) ? effort_text(link->joint) : "-"});
+      if (shows_rotors) rows.back().push_back(is_movable(link->joint.type) ? rotor_text(link->joint) : "-");
+    }
     print_table(rows);
     fmt::print("\n");
   }
@@ -220,7 +240,9 @@ Exit run_inspect(const InspectSettings& settings) {
 
 std::function<Exit()> declare_inspect(CLI::App& options) {
   const auto settings = std::make_shared<InspectSettings>();
-  options.add_option("MODEL", settings->model, "a URDF or .body file")->required()->type_name("");
+  options.add_option("MODEL", settings->model, "a URDF, or a body of Choreonoid: .body, .yaml or .wrl")
+      ->required()
+      ->type_name("");
   options.add_flag("--strict", settings->urdf.strict, "each repair is an error");
   add_model_options(options, settings->urdf);
   add_json_flag(options, settings->json);

@@ -81,12 +81,15 @@ void add_model_options(CLI::App& options, UrdfOptions& urdf) {
     for (const std::string& text : texts) take_pair(urdf.packages, "--package", "NAME=DIR", text);
   };
   options
-      .add_option_function<std::vector<std::string>>("--package", take_packages,
-                                                     "the directory that package://NAME means")
+      .add_option_function<std::vector<std::string>>(
+          "--package,--variable", take_packages,
+          "the directory that package://NAME, or ${NAME} in a body or project, means")
       ->type_name("NAME=DIR")
       ->allow_extra_args(false);
   options.add_flag("--allow-missing-meshes", urdf.allow_missing_meshes,
                    "meshes that can't be loaded are left out, with a warning");
+  options.add_flag("--allow-unknown-devices", urdf.allow_unknown_devices,
+                   "elements of a body that are no known devices are left out, with a warning each");
   add_number(options, "--default-mass", "of links that move and have none [kg]", 1e-9, 1e9,
              [&urdf](double mass) { urdf.default_mass = mass; });
 }

@@ -30,8 +30,8 @@ void add_integer(CLI::App& options, const std::string& option, const std::string
 /// without a name; if it is null, a missing name is an error.
 void add_host_options(CLI::App& options, HostOptions& host, std::string* alone = nullptr);
 
-/// Declares the options of verbs that load a model: --package NAME=DIR, any number of times, --allow-missing-meshes and
-/// --default-mass.
+/// Declares the options of verbs that load a model: --package NAME=DIR or --variable NAME=DIR, any number of times,
+/// --allow-missing-meshes, --allow-unknown-devices and --default-mass.
 void add_model_options(CLI::App& options, UrdfOptions& urdf);
 
 /// Declares --topics, --from, --until and --ticks: a selection of a file's messages.

@@ -23,8 +23,10 @@ bool is_terminal(std::FILE* stream) { return isatty(fileno(stream)) == 1; }
 Progress::Progress(std::string what, int parts)
     : what_(std::move(what)), on_terminal_(isatty(STDERR_FILENO) == 1 && !is_traced()), parts_(parts) {}
 
-Progress::~Progress() {
-  if (drawn_) fmt::print(stderr, "\r\x1b[K");
+Progress::~Progress() { hide(); }
+
+void Progress::hide() {
+  if (std::exchange(drawn_, false)) fmt::print(stderr, "\r\x1b[K");
 }
 
 StoppableProgress::StoppableProgress(std::string what) : Progress(std::move(what)) { end_runs_on_signals(); }

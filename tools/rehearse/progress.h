@@ -21,6 +21,8 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   void show(std::int64_t done, std::int64_t all);
+  /// Removes the bar until the next count: something else is printed.
+  void hide();
   /// Changes the text before the bar.
   void set_text(std::string what) { what_ = std::move(what); }
 

@@ -32,12 +32,14 @@ namespace {
 
 /// The options of a branch.
 struct BranchSettings {
+  bool quiet = false;
   std::string from;   // "TRACE@3.2s"; empty: not a branch
   std::string trace;  // empty: named like the source, in the working directory
   BranchOptions options;
 };
 
 struct RecordSettings {
+  bool quiet = false;  // lines that controllers write aren't printed
   std::string scenario;
   ModelScenario model;        // instead of a scenario, if it names a model
   std::string alone;          // a library given without the name of a controller, for the model
@@ -135,6 +137,14 @@ Exit run_in_gdb(const RecordSettings& settings, const Scenario& scenario, const 
   return become_gdb(settings.debugger, words_without_debugger("record", options), settings.tick);
 }
 
+/// Prints what controllers write to os() as it comes, on stderr.
+auto teller(Progress& progress) {
+  return [&progress](const std::string& controller, const std::string& line) {
+    progress.hide();
+    fmt::print(stderr, "{}: {}\n", plain_text(controller), plain_text(line));
+  };
+}
+
 void tell_branch(const BranchSettings& settings, const BranchSummary& branch, double seconds) {
   fmt::print("branched off {} at tick {} ({:g} s): {}\n", settings.from.substr(0, settings.from.rfind('@')),
              branch.tick, branch.time, branch.world);
@@ -162,6 +172,7 @@ Exit record_branch_of(BranchSettings settings) {
   const auto branch = [&] {
     Progress progress("branching");
     settings.options.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
+    if (!settings.quiet) settings.options.on_message = teller(progress);
     return record_branch(*from, settings.trace, settings.options);
   }();
   if (!branch) return refuse(branch.errors());
@@ -192,6 +203,7 @@ Exit run_branch(RecordSettings& settings) {
   settings.branch.options.scenario = settings.scenario;
   settings.branch.options.duration = settings.duration;
   settings.branch.trace = settings.trace;
+  settings.branch.quiet = settings.quiet;
   supervise_process();
   end_runs_on_signals();
   return record_branch_of(settings.branch);
@@ -205,10 +217,13 @@ Result<void> check_model_options(const RecordSettings& settings) {
   if (!has_model && !settings.alone.empty())
     return error(fmt::format("--controller: '{}' is not NAME=LIB", settings.alone), "LIB alone goes with --model");
   const UrdfOptions& loading = settings.model.urdf;
-  const bool has_loading = !loading.packages.empty() || loading.default_mass || loading.allow_missing_meshes;
+  const bool has_loading = !loading.packages.empty() || loading.default_mass || loading.allow_missing_meshes ||
+                           loading.allow_unknown_devices;
   if (!has_model && (has_loading || !settings.model.solver.empty()))
-    return error("--package, --default-mass, --allow-missing-meshes and --solver go with --model",
-                 "a scenario states packages, default_mass and allow_missing_meshes of its bodies, and its solver");
+    return error(
+        "--package, --default-mass, --allow-missing-meshes, --allow-unknown-devices and --solver go with --model",
+        "a scenario states packages, default_mass, allow_missing_meshes and allow_unknown_devices of its bodies, "
+        "and its solver");
   if (!has_model && !settings.save_scenario.empty())
     return error("--save-scenario writes the scenario of a --model", "expected --model URDF as well");
   if (!has_model && settings.scenario.empty())
@@ -246,8 +261,10 @@ Exit record_scenario(RecordSettings& settings, const Scenario& scenario, const s
   const Result<RunSummary> summary = [&] {
     Progress progress("recording");
     settings.record.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
+    if (!settings.quiet) settings.record.on_message = teller(progress);
     return record(scenario, trace, settings.record);
   }();
+  settings.record.on_message = nullptr;
   end_if_reader_is_gone();
   if (!summary) return refuse(summary.errors());
   if (summary->trace_changed) {
@@ -332,7 +349,9 @@ std::function<Exit()> declare_record(CLI::App& options) {
   options.add_option("--model", settings->model.model, "instead of a scenario: this robot, standing on a floor")
       ->type_name("URDF");
   add_model_options(options, settings->model.urdf);
-  options.add_option("--solver", settings->model.solver, "with --model: quick (iterative), exact (by ODE) or direct (by the tree of joints)")
+  options
+      .add_option("--solver", settings->model.solver,
+                  "with --model: quick (iterative), exact (by ODE) or direct (by the tree of joints)")
       ->type_name("METHOD")
       ->check(CLI::IsMember({"quick", "exact", "direct"}));
   options
@@ -350,6 +369,7 @@ std::function<Exit()> declare_record(CLI::App& options) {
   options.add_flag("--verify", settings->verify,
                    "then run a sample of it again, from its checkpoints, and all its commands: does it repeat itself?");
   options.add_flag("--no-frames", settings->no_frames, "record no pictures; the cameras run all the same");
+  options.add_flag("--quiet", settings->quiet, "don't print what controllers write to os(); the trace has it");
   add_host_options(options, settings->record, &settings->alone);
   add_json_flag(options, settings->json);
   add_branch_options(options, settings->branch);

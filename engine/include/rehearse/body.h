@@ -1,5 +1,5 @@
-// Choreonoid's .body files: loads a file into a Model and reports everything that it changes or ignores; and model
-// files of any format by their ending.
+// Choreonoid's body files (.body, .yaml, .yml, and .wrl with a Humanoid of OpenHRP): loads a file into a Model and
+// reports everything that it changes or ignores; and model files of any format by their ending.
 //
 // The loader reads the format versions 1.0 to 2.0 with both spellings of keys (jointType, joint_type). Defaults and
 // meanings are those of Choreonoid's loader: angles are in degrees unless angleUnit is radian, a link without any mass
@@ -9,7 +9,9 @@
 //   Joint::controller_id is the jointId; controllers see gaps and fixed joints with an id as in Choreonoid.
 // - Model files that a .body includes (sub-bodies, YAML resources) are part of Model::source_text.
 // - Findings are those of urdf.h: error, repair, warning, note. A key without effect here is a note; a key that
-//   resembles a known key is a warning. A node of an unknown type is an error, unless it is optional.
+//   resembles a known key is a warning. A node of an unknown type is an error, unless it is optional or
+//   UrdfOptions::allow_unknown_devices; its elements are read all the same.
+// - A file with modelFile adds its rules of collision to the body of that file.
 // - Mesh resources are the formats of urdf.h and VRML97 (.wrl).
 #pragma once
 
@@ -35,13 +37,13 @@ Result<Model> load_body(const std::filesystem::path& file, const UrdfOptions& op
 /// messages, in Model::source_file, and as the file that paths are relative to.
 Result<Model> parse_body(const std::string& text, const std::string& name, const UrdfOptions& options = {});
 
-/// True if the file's name has the ending of a model file: .urdf or .body.
+/// True if the file is a model: a .urdf or .body by its name, a .yaml, .yml or .wrl by its content.
 bool is_model_file(const std::filesystem::path& file);
 
-/// load_body() for a file whose name ends with .body, else load_urdf().
+/// load_body() for a file whose name ends with .body, .yaml, .yml or .wrl, else load_urdf().
 Result<Model> load_model(const std::filesystem::path& file, const UrdfOptions& options = {});
 
-/// parse_body() for a name that ends with .body, else parse_urdf().
+/// parse_body() for a name with one of these endings, else parse_urdf().
 Result<Model> parse_model(const std::string& text, const std::string& name, const UrdfOptions& options = {});
 
 }  // namespace rehearse

@@ -188,6 +188,8 @@ struct Joint {
   double spring_stiffness = 0.0;  // [N·m/rad] or [N/m]
   double spring_reference = 0.0;  // displacement at which the spring exerts no effort
   double armature = 0.0;          // inertia of the drive's rotor, as it acts at the joint [kg·m²] or [kg]
+  double rotor_inertia = 0.0;     // of the rotor itself, before the gear; 0: the file has only `armature` [kg·m²]
+  double gear_ratio = 1.0;        // turns of the rotor for a turn of the joint
   std::optional<Mimic> mimic;
   int line = 0;  // of the model's file; 0: the file doesn't contain this joint
 };

@@ -17,10 +17,10 @@
 //   nearest that is. Both are repairs, described in the page reference/urdf.md.
 // - An effort or velocity limit of 0 means "not given", as CAD exporters write it: unlimited.
 // - Shapes are box, sphere, cylinder, capsule (radius, length without the caps) and mesh: STL, DAE, OBJ, glTF and GLB.
-//   The page reference/meshes.md describes the search for mesh files and the meaning of the formats. A mesh that is missing or
-//   cannot be read is an error. UrdfOptions::contact determines the geometry that contacts use for a mesh, else the
-//   file: PyBullet's <collision concave="yes"> means triangles, Drake's <drake:declare_convex/> in <mesh> the hull.
-//   For a mesh that moves, contacts never use triangles, but convex parts.
+//   The page reference/meshes.md describes the search for mesh files and the meaning of the formats. A mesh that is
+//   missing or cannot be read is an error. UrdfOptions::contact determines the geometry that contacts use for a mesh,
+//   else the file: PyBullet's <collision concave="yes"> means triangles, Drake's <drake:declare_convex/> in <mesh> the
+//   hull. For a mesh that moves, contacts never use triangles, but convex parts.
 // - The contact properties in <gazebo reference="LINK"> and in PyBullet's <contact> are read into Link::surface,
 //   has_weight and collides_with_own; the page reference/urdf.md lists the elements.
 // - Sensors are those of `<gazebo reference="LINK"><sensor name=".." type="..">`, with SDF's elements: type imu,
@@ -61,9 +61,10 @@ struct UrdfOptions {
   enum class Meshes { load, skip };
 
   bool strict = false;                                         // repairs become errors
-  std::map<std::string, std::filesystem::path> packages = {};  // directories of package://NAME, searched first
+  std::map<std::string, std::filesystem::path> packages = {};  // of package://NAME and ${NAME}, searched first
   bool compare = true;  // the result with urdfdom's; false: for the text of a recording, which was compared before
-  bool allow_missing_meshes = false;  // a mesh that cannot be loaded is left out, with a warning
+  bool allow_missing_meshes = false;   // a mesh that cannot be loaded is left out, with a warning
+  bool allow_unknown_devices = false;  // of a .body: elements of unknown types are left out, with a warning each
   Meshes meshes = Meshes::load;
   MeshContact contact = MeshContact::automatic;  // of collision meshes; has precedence over the file
   bool fixed_root = false;                  // the caller fixes the root link to the world, so the root needs no mass

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 
 #include "body_document.h"
 #include "body_draft.h"
@@ -12,11 +13,21 @@
 namespace rehearse {
 namespace {
 
-bool is_body(const std::filesystem::path& file) { return file.extension() == ".body"; }
+/// True if the text of a file that may be a body is one. A .yaml may be anything, and a .wrl a mesh.
+bool describes_body(const std::filesystem::path& file, std::string_view text) {
+  if (file.extension() == ".wrl") return text.find("Humanoid") != std::string_view::npos;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::string_view line = text.substr(at, text.find('\n', at) - at);
+    for (const std::string_view key : {"format:", "modelFile:", "model_file:"})
+      if (line.starts_with(key)) return key != "format:" || line.find("ChoreonoidBody") != std::string_view::npos;
+    at += line.size() + 1;
+  }
+  return false;
+}
 
 /// The masses and inertias that ODE needs, as for a URDF.
-void complete(Model& model, const UrdfOptions& options, urdf::Findings& findings) {
-  urdf::complete_masses(model, options, findings);
+void complete(Model& model, const UrdfOptions& options, const urdf::MassHints& hints, urdf::Findings& findings) {
+  urdf::complete_masses(model, options, findings, hints);
   urdf::repair_inertias(model, options, findings);
   urdf::check_dynamics(model, options, findings);
 }
@@ -38,8 +49,11 @@ Result<Model> parse_body(const std::string& text, const std::string& name, const
   if (files.has_error()) return files.errors();
   body::BodyDraft draft = body::read_body(files, files.main());
   if (files.has_error()) return files.errors();
+  urdf::MassHints hints{"give it a mass, or it or a link fixed to it a RigidBody", {}};
+  for (const body::LinkDraft& link : draft.links)
+    if (!link.mass_hint.empty()) hints.of_links[link.link.name] = link.mass_hint;
   std::optional<Model> model = body::join(std::move(draft), files);
-  if (model) complete(*model, options, files.main().findings());
+  if (model) complete(*model, options, hints, files.main().findings());
   if (files.has_error()) return files.errors();
   REHEARSE_ASSERT(model.has_value(), "a body that can't be read has an error");
   model->source_file = name;
@@ -48,14 +62,23 @@ Result<Model> parse_body(const std::string& text, const std::string& name, const
   return std::move(*model);
 }
 
-bool is_model_file(const std::filesystem::path& file) { return is_body(file) || file.extension() == ".urdf"; }
+bool body::is_body_name(const std::filesystem::path& file) {
+  const std::string ending = file.extension().string();
+  return ending == ".body" || ending == ".yaml" || ending == ".yml" || ending == ".wrl";
+}
+
+bool is_model_file(const std::filesystem::path& file) {
+  if (file.extension() == ".body" || file.extension() == ".urdf") return true;
+  const Result<std::string> text = body::is_body_name(file) ? read_mesh_file(file) : Result<std::string>("");
+  return text && describes_body(file, *text);
+}
 
 Result<Model> load_model(const std::filesystem::path& file, const UrdfOptions& options) {
-  return is_body(file) ? load_body(file, options) : load_urdf(file, options);
+  return body::is_body_name(file) ? load_body(file, options) : load_urdf(file, options);
 }
 
 Result<Model> parse_model(const std::string& text, const std::string& name, const UrdfOptions& options) {
-  return is_body(name) ? parse_body(text, name, options) : parse_urdf(text, name, options);
+  return body::is_body_name(name) ? parse_body(text, name, options) : parse_urdf(text, name, options);
 }
 
 }  // namespace rehearse

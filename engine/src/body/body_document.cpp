@@ -12,6 +12,7 @@
 #include "mesh/mesh_input.h"
 #include "model/names.h"
 #include "model/text.h"
+#include "vrml_body.h"
 
 namespace rehearse::body {
 namespace {
@@ -113,7 +114,9 @@ Result<NamedFile> Files::find(const std::string& written, const Document& by) {
   Result<MeshPlace> found = paths_.find(place);
   if (found) return NamedFile{found->file, written};
   if (is_bundle_ || skips_meshes()) return NamedFile{written, written};  // the bundle may contain it
-  return found.errors();
+  if (variable.empty() || options_.packages.contains(std::string(variable))) return found.errors();
+  return error(fmt::format("there is no folder for ${{{}}}", variable),
+               fmt::format("--variable {0}=DIR, or packages: {{{0}: DIR}} in a scenario", variable));
 }
 
 Document* Files::open(const NamedFile& file, const YamlAnchors& outer, Diagnostic& problem) {
@@ -148,6 +151,14 @@ void Files::parse(Document& document, const std::string& text, const YamlAnchors
   if (text.starts_with("version https://git-lfs")) {
     problem = rehearse::error("it is a git-lfs pointer, not the file that it stands for", "run: git lfs pull");
     problem.line = 1;
+    return;
+  }
+  if (is_vrml(document.name(), text)) {
+    Result<YamlNodePtr> body = body_of_vrml(text);
+    if (body)
+      document.root = *std::move(body);
+    else
+      problem = body.errors().front();
     return;
   }
   Result<YamlDocument> parsed = parse_yaml_document(text, document.name(), outer);

@@ -3,7 +3,10 @@
 
 #include <rehearse/model.h>
 
+#include <filesystem>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "body_document.h"
@@ -17,12 +20,15 @@ struct Contents {
   std::vector<Shape> visuals;
   std::vector<Shape> collisions;
   std::vector<Device> devices;  // without the link
+  /// Lines of a RigidBody and of a second one that replaces it; nothing: none is replaced.
+  std::optional<std::pair<int, int>> replaced_body;
 };
 
 struct LinkDraft {
   Link link;  // all but the parent; its joint's controller_id is the jointId
   std::string parent;
   std::vector<Device> devices;
+  std::string mass_hint;  // if the link turns out to have no mass; empty: the usual hint
 };
 
 /// A joint that closes a loop. Its second frame is that of the initial posture, as for Choreonoid's ODE item.
@@ -45,6 +51,9 @@ struct BodyDraft {
   std::vector<LoopDraft> loops;
   CollisionRules rules;
 };
+
+/// True if a file of that name is read as a body: .body, .yaml, .yml, .wrl.
+bool is_body_name(const std::filesystem::path& file);
 
 /// Reads a body's links, and those of its sub-bodies. Errors are reported in their document.
 BodyDraft read_body(Files& files, Document& document);

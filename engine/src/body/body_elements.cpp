@@ -50,8 +50,19 @@ void ElementReader::read_all(const YamlNode& elements, const Place& place) {
   if (elements.kind == YamlNode::Kind::empty) return;
   Mapping by_type(elements, "elements", *place.document);
   if (!by_type.is_map()) return;
+  note_replaced(elements);
   if (by_type.find({"type"}) != nullptr) return read_typed(elements, place);
   for (const auto& [type, node] : by_type.unread()) read(type, *node, place);
+}
+
+/// Of two RigidBody keys in one mapping the second replaces the first, with its mass.
+void ElementReader::note_replaced(const YamlNode& elements) {
+  const YamlNode* first = nullptr;
+  for (const YamlNodePtr& key : elements.keys) {
+    if (key->text != "RigidBody") continue;
+    if (first != nullptr) contents_.replaced_body = {first->line, key->line};
+    first = key.get();
+  }
 }
 
 void ElementReader::read_typed(const YamlNode& node, const Place& place) {
@@ -119,11 +130,21 @@ void ElementReader::refuse(const std::string& type, Mapping& keys, const Place& 
     below.transform = place.transform * keys.transform();
     return read_below(keys, below);
   }
-  if (is_optional)
+  const bool is_allowed = files_.options().allow_unknown_devices;
+  if (is_optional) {
     document.note(keys.node(), fmt::format("the optional element {} isn't known; it is left out", in_quotes(type)));
-  else
+  } else if (!is_allowed) {
     document.error(keys.node(), fmt::format("the element type {} isn't known", in_quotes(type)),
-                   "write is_optional: true if it may be left out");
+                   "if it is a device of a plugin: --allow-unknown-devices, or allow_unknown_devices: true in a "
+                   "scenario, leaves it out");
+  } else {
+    const std::string name = keys.text({"name"}).value_or("");
+    document.warning(keys.node(), fmt::format("the device {}{} isn't known; it is left out", in_quotes(type),
+                                              name.empty() ? "" : " " + in_quotes(name)));
+    Place below = place;
+    below.transform = place.transform * keys.transform();
+    read_below(keys, below);
+  }
 }
 
 void ElementReader::read_below(Mapping& keys, const Place& place) {

@@ -31,6 +31,7 @@ class ElementReader {
   void read_all(const YamlNode& elements, const Place& place);
 
  private:
+  void note_replaced(const YamlNode& elements);
   void read_typed(const YamlNode& node, const Place& place);
   void read(const std::string& type, const YamlNode& node, const Place& place);
   bool read_known(const std::string& type, Mapping& keys, const Place& place);

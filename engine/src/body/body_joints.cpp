@@ -55,6 +55,7 @@ void read_axis(Mapping& keys, Joint& joint) {
   const YamlNode* node = keys.find({"joint_axis", "jointAxis"});
   const auto axis = node == nullptr ? std::nullopt : axis_of(*node, keys.document());
   if (!axis) return;
+  if (joint.type == JointType::fixed || joint.type == JointType::free) return;  // an axis means nothing there
   const double length = axis->norm();
   if (length < 1e-6) return keys.document().error(*node, "the joint axis is zero", "as in [0, 0, 1]");
   constexpr double slack = 1e-6;
@@ -135,6 +136,8 @@ void read_rotor(Mapping& keys, Joint& joint) {
   const double rotor = keys.soft_number({"rotor_inertia", "rotorInertia"}, 0.0);
   const double ratio = keys.soft_number({"gear_ratio", "gearRatio"}, 1.0);
   joint.armature = whole.value_or(rotor * ratio * ratio);
+  joint.rotor_inertia = rotor;
+  joint.gear_ratio = ratio;
   if (joint.armature >= 0.0) return;
   keys.document().error(keys.node(), fmt::format("the rotor's inertia is {} kg·m²", joint.armature), "0 or above");
   joint.armature = 0.0;

@@ -20,6 +20,8 @@ class LinkReader {
 
  private:
   void check_head(Mapping& keys);
+  Document* open(const YamlNode& at, const std::string& uri, const char* kind);
+  BodyDraft read_other(Mapping& keys, const YamlNode& file);
   void read_loops(const YamlNode& loops);
   void read_loop_frame(Mapping& keys, LoopJoint& joint);
   void read_rest(Mapping& keys);
@@ -68,6 +70,8 @@ const std::vector<std::string_view> link_keys_without_effect = {"density",
 BodyDraft LinkReader::read() {
   Mapping keys(*document_.root, "the file", document_);
   if (!keys.is_map()) return std::move(draft_);
+  if (keys.find({"format"}) == nullptr)
+    if (const YamlNode* file = keys.find({"model_file", "modelFile"})) return read_other(keys, *file);
   check_head(keys);
   draft_.name = keys.text({"name"}).value_or("");
   if (draft_.name.empty()) draft_.name = std::filesystem::path(document_.name()).stem().string();
@@ -154,10 +158,6 @@ void LinkReader::read_rest(Mapping& keys) {
 
 void LinkReader::check_head(Mapping& keys) {
   const std::string format = keys.text({"format"}).value_or("");
-  if (format.empty() && keys.find({"model_file", "modelFile"}) != nullptr) {
-    document_.error(keys.node(), "the file refers to a model of another format by modelFile", "name that file instead");
-    return;
-  }
   if (format != "ChoreonoidBody")
     document_.error(keys.node(),
                     format.empty() ? "it isn't a Choreonoid body: the format is missing"
@@ -183,7 +183,7 @@ void LinkReader::read_all(const YamlNode& links) {
     Mapping by_type(links, "links", document_);
     for (const auto& [type, node] : by_type.unread()) read_entry(*node, type);
   }
-  if (draft_.links.empty() && !document_.findings().has_error()) document_.error(links, "the body has no link");
+  if (draft_.links.empty() && !files_.has_error()) document_.error(links, "the body has no link");
 }
 
 void LinkReader::read_entry(const YamlNode& node, std::string type) {
@@ -237,6 +237,11 @@ LinkDraft LinkReader::read_contents(Mapping& keys, LinkDraft draft, bool of_sub_
   link.visuals.insert(link.visuals.end(), contents.visuals.begin(), contents.visuals.end());
   link.collisions.insert(link.collisions.end(), contents.collisions.begin(), contents.collisions.end());
   draft.devices.insert(draft.devices.end(), contents.devices.begin(), contents.devices.end());
+  if (contents.replaced_body)
+    draft.mass_hint = fmt::format(
+        "its second RigidBody, of line {}, replaces the first, of line {}: write elements as a "
+        "list",
+        contents.replaced_body->second, contents.replaced_body->first);
   if (!of_sub_body) read_mass(keys, std::move(contents.bodies), link);
   return draft;
 }
@@ -263,24 +268,44 @@ void LinkReader::read_mass(Mapping& keys, std::vector<Inertial> bodies, Link& li
                                                in_quotes(link.name), node == nullptr ? " and the inertia 1 1 1" : ""));
 }
 
-void LinkReader::read_sub_body(Mapping& keys) {
-  const auto uri = keys.text({"uri"});
-  if (!uri || uri->empty()) return document_.error(keys.node(), "a SubBody has no uri", "uri: the path of a .body");
-  const Result<NamedFile> file = files_.find(*uri, document_);
+/// The document of another body; null, with an error, if it can't be read.
+Document* LinkReader::open(const YamlNode& at, const std::string& uri, const char* kind) {
+  const Result<NamedFile> file = files_.find(uri, document_);
   Diagnostic problem;
-  Document* sub = nullptr;
+  Document* opened = nullptr;
   if (!file)
     problem = file.errors().front();
   else if (depth_ >= 10)
     problem = error("its sub-bodies contain each other");
   else
-    sub = files_.open(*file, {}, problem);
-  if (sub == nullptr) {
-    const std::string where = problem.line > 0 ? fmt::format("line {}: ", problem.line) : "";
-    return document_.error(keys.node(),
-                           fmt::format("the sub-body {} can't be used: {}{}", in_quotes(*uri), where, problem.message),
-                           problem.hint);
+    opened = files_.open(*file, {}, problem);
+  if (opened != nullptr) return opened;
+  const std::string where = problem.line > 0 ? fmt::format("line {}: ", problem.line) : "";
+  document_.error(at, fmt::format("the {} {} can't be used: {}{}", kind, in_quotes(uri), where, problem.message),
+                  problem.hint);
+  return nullptr;
+}
+
+/// A file that adds rules and notes to the body of another file.
+BodyDraft LinkReader::read_other(Mapping& keys, const YamlNode& file) {
+  if (!is_body_name(file.text)) {
+    document_.error(file, fmt::format("modelFile names {}, which is no body file", in_quotes(file.text)),
+                    "a .body, .yaml, .yml or .wrl is read; name a file of another format instead of this one");
+    return std::move(draft_);
   }
+  Document* other = open(file, file.text, "model");
+  if (other == nullptr) return std::move(draft_);
+  draft_ = LinkReader(files_, *other, depth_ + 1).read();
+  sub_rules_ = std::exchange(draft_.rules, {});
+  read_rest(keys);
+  return std::move(draft_);
+}
+
+void LinkReader::read_sub_body(Mapping& keys) {
+  const auto uri = keys.text({"uri"});
+  if (!uri || uri->empty()) return document_.error(keys.node(), "a SubBody has no uri", "uri: the path of a .body");
+  Document* sub = open(keys.node(), *uri, "sub-body");
+  if (sub == nullptr) return;
   add_sub_body(keys, LinkReader(files_, *sub, depth_ + 1).read());
   keys.finish({"name", "mass", "centerOfMass", "center_of_mass", "inertia"});
 }

@@ -57,8 +57,10 @@ std::string refusal(const Assimp::Importer& importer, const std::filesystem::pat
   return "assimp reports: " + reason;
 }
 
-/// The scene is owned by the importer; if it is null, see the importer's GetErrorString().
-const aiScene* import(Assimp::Importer& importer, MeshFormat format, MeshInput& input) {
+/// The scene is owned by the importer; if it is null, see the importer's GetErrorString(). `by_name`: nodes of a DAE
+/// have their names instead of their ids.
+const aiScene* import(Assimp::Importer& importer, MeshFormat format, MeshInput& input, bool by_name = false) {
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, by_name);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
   importer.SetIOHandler(&input);
@@ -78,21 +80,28 @@ void warn_of_missing(MeshFormat format, const MeshInput& input, std::vector<std:
   }
 }
 
-Result<MeshReading> convert(const aiScene& scene, MeshFormat format, MeshInput& input, const Eigen::Vector3d& scale) {
+Result<MeshReading> convert(const aiScene& scene, MeshFormat format, MeshInput& input, const Eigen::Vector3d& scale,
+                            const MeshSelection& selection) {
   MeshReading reading;
   warn_of_missing(format, input, reading.warnings);
   const MeshMaterials materials(scene, format, input, reading.warnings);
-  Result<std::vector<MeshPart>> parts = read_parts(scene, format, materials, scale);
+  Result<std::vector<MeshPart>> parts = read_parts(scene, format, materials, scale, selection);
   if (!parts) return parts.errors();
   reading.data.parts = *std::move(parts);
   return reading;
 }
 
-Result<MeshReading> read_by_assimp(MeshFormat format, MeshInput& input, const Eigen::Vector3d& scale) {
+Result<MeshReading> read_by_assimp(MeshFormat format, MeshInput& input, const Eigen::Vector3d& scale,
+                                   const MeshSelection& selection) {
+  if (format == MeshFormat::dae && !selection.node.empty()) {  // a name as in Choreonoid's head, else an id as before
+    Assimp::Importer by_name;
+    const aiScene* named = import(by_name, format, input, true);
+    if (named != nullptr && has_node(*named, selection.node)) return convert(*named, format, input, scale, selection);
+  }
   Assimp::Importer importer;
   const aiScene* scene = import(importer, format, input);
   if (scene == nullptr) return error(refusal(importer, input.file()));
-  return convert(*scene, format, input, scale);
+  return convert(*scene, format, input, scale, selection);
 }
 
 Result<MeshReading> read_vrml(MeshInput& input, const MeshSelection& selection, const Eigen::Vector3d& scale) {
@@ -124,10 +133,8 @@ Result<MeshReading> read_mesh(const std::filesystem::path& file, const Eigen::Ve
     MeshInput input(file, *bytes);
     if (auto checked = check_mesh_bytes(*format, *bytes); !checked) return at(file, checked.errors());
     input.replace(*std::move(bytes));
-    if (!selection.node.empty() && *format != MeshFormat::vrml)
-      return at(file, {error("only a .wrl has nodes that can be read by name", "name a file with that part alone")});
-    Result<MeshReading> reading =
-        *format == MeshFormat::vrml ? read_vrml(input, selection, scale) : read_by_assimp(*format, input, scale);
+    Result<MeshReading> reading = *format == MeshFormat::vrml ? read_vrml(input, selection, scale)
+                                                              : read_by_assimp(*format, input, scale, selection);
     if (!reading) return at(file, reading.errors());
     std::error_code ignored;
     reading->data.file = std::filesystem::weakly_canonical(file, ignored).string();

@@ -23,9 +23,11 @@
 
 namespace rehearse {
 
-/// The part of a mesh file that is wanted. Only of a VRML file.
+/// The part of a mesh file that is wanted.
 struct MeshSelection {
-  std::string node = {};               // the node of that name (DEF), without the translations of it and above it
+  /// The node of that name, without the translations of it and above it: in VRML that of DEF, in a DAE its name or its
+  /// id, in an OBJ a group or object, in an STL a solid.
+  std::string node = {};
   std::set<std::string> without = {};  // nodes of these names are left out
 };
 
@@ -38,5 +40,8 @@ struct MeshReading {
 /// known format, has more than max_mesh_bytes or max_mesh_triangles, no triangle, or a vertex that isn't finite.
 Result<MeshReading> read_mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale,
                               const MeshSelection& selection = {});
+
+/// The error for a selected node that a file doesn't have; `names`: of its nodes.
+Diagnostic no_such_node(const std::string& wanted, const std::vector<std::string>& names);
 
 }  // namespace rehearse

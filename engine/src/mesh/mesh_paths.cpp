@@ -162,6 +162,9 @@ Result<MeshPlace> MeshPaths::find_in_package(const std::string& name, const std:
     missing.hint = fmt::format("package '{}' was given as {}", name, given->second.string());
     return missing;
   }
+  if (name == "HOME")  // ${HOME} of a body
+    for (const fs::path& home : directories_of("HOME"))
+      if (const auto found = find_below(home, rest)) return MeshPlace{*found, ""};
   std::vector<fs::path> looked_in;
   for (const auto places : {&MeshPaths::places_above, &MeshPaths::places_searched, &MeshPaths::places_of_environment}) {
     for (const fs::path& directory : (this->*places)(name)) {

@@ -4,9 +4,13 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <tuple>
+
+#include "model/names.h"
+#include "model/text.h"
 
 namespace rehearse {
 namespace {
@@ -31,6 +35,8 @@ Matrix placing_of(MeshFormat format, const Eigen::Vector3d& scale) {
   placing.leftCols<3>() = scale.asDiagonal() * turn;
   return placing;
 }
+
+std::string name_text(const aiString& text) { return {text.data, text.length}; }
 
 Eigen::Vector3d vector_of(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 
@@ -143,10 +149,11 @@ class PartReader {
   PartReader(const aiScene& scene, MeshFormat format, const MeshMaterials& materials)
       : scene_(scene), format_(format), materials_(materials) {}
 
-  /// Adds the meshes of a node. An error if one of them can't be used.
-  std::optional<Diagnostic> read(const aiNode& node, const Matrix& place) {
+  /// Adds the meshes of a node; with a name only the first mesh of that name. An error if one of them can't be used.
+  std::optional<Diagnostic> read(const aiNode& node, const Matrix& place, const std::string* only = nullptr) {
     for (unsigned i = 0; i < node.mNumMeshes; ++i) {
       if (node.mMeshes[i] >= scene_.mNumMeshes) return error("a node of it refers to a mesh that isn't there");
+      if (only != nullptr && *only != name_text(scene_.mMeshes[node.mMeshes[i]]->mName)) continue;
       const aiMesh& mesh = *scene_.mMeshes[node.mMeshes[i]];
       if ((mesh.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) == 0) continue;  // lines and points
       count_ += mesh.mNumFaces;
@@ -188,25 +195,84 @@ class PartReader {
   int object_ = 0;
 };
 
+bool has_mesh(const aiScene& scene, const aiNode& node, const std::string& name) {
+  for (unsigned i = 0; i < node.mNumMeshes; ++i)
+    if (node.mMeshes[i] < scene.mNumMeshes && name_text(scene.mMeshes[node.mMeshes[i]]->mName) == name) return true;
+  return false;
+}
+
+/// The names of all nodes in the order of the tree, each once.
+std::vector<std::string> names_of_nodes(const aiScene& scene) {
+  std::vector<std::string> names;
+  std::vector<const aiNode*> waiting{scene.mRootNode};
+  while (!waiting.empty()) {
+    const aiNode& node = *waiting.back();
+    waiting.pop_back();
+    const std::string name = name_text(node.mName);
+    if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    for (unsigned i = node.mNumChildren; i-- > 0;) waiting.push_back(node.mChildren[i]);
+  }
+  return names;
+}
+
+/// A node that is still to be read.
+struct Waiting {
+  const aiNode* node;
+  Matrix parent;   // from the parent node's frame to the shape's
+  bool is_within;  // the selected node
+};
+
 }  // namespace
 
+Diagnostic no_such_node(const std::string& wanted, const std::vector<std::string>& names) {
+  constexpr std::size_t most = 20;
+  return error(fmt::format("it has no node {}", in_quotes(wanted)),
+               names.empty() ? "none of its nodes has a name" : "its nodes: " + listed(names, most));
+}
+
+bool has_node(const aiScene& scene, const std::string& name) {
+  std::vector<const aiNode*> waiting;
+  if (scene.mRootNode != nullptr) waiting.push_back(scene.mRootNode);
+  while (!waiting.empty()) {
+    const aiNode& node = *waiting.back();
+    waiting.pop_back();
+    if (name_text(node.mName) == name || has_mesh(scene, node, name)) return true;
+    for (unsigned i = 0; i < node.mNumChildren; ++i) waiting.push_back(node.mChildren[i]);
+  }
+  return false;
+}
+
 Result<std::vector<MeshPart>> read_parts(const aiScene& scene, MeshFormat format, const MeshMaterials& materials,
-                                         const Eigen::Vector3d& scale) {
+                                         const Eigen::Vector3d& scale, const MeshSelection& selection) {
   if (scene.mRootNode == nullptr) return error("it has no triangles");
-  struct Waiting {
-    const aiNode* node;
-    Matrix parent;  // from the parent node's frame to the shape's
-  };
+  bool found = selection.node.empty();
   PartReader reader(scene, format, materials);
   std::vector<Waiting> waiting{// a stack instead of recursion, because a file may nest nodes to any depth
-                               {scene.mRootNode, placing_of(format, scale)}};
+                               {scene.mRootNode, placing_of(format, scale), found}};
   while (!waiting.empty()) {
-    const auto [node, parent] = waiting.back();
+    auto [node, parent, is_within] = waiting.back();
     waiting.pop_back();
-    const Matrix place = product(parent, matrix_of(node->mTransformation));
-    if (auto problem = reader.read(*node, place)) return *problem;
-    for (unsigned i = node->mNumChildren; i-- > 0;) waiting.push_back({node->mChildren[i], place});
+    const std::string name = name_text(node->mName);
+    if (is_within && selection.without.contains(name)) continue;
+    Matrix place = product(parent, matrix_of(node->mTransformation));
+    if (!is_within && !found && (name == selection.node || has_mesh(scene, *node, selection.node))) {
+      const bool is_whole = name == selection.node;
+      found = true;
+      Matrix turned = place;  // as in Choreonoid: only rotations and scales remain
+      if (node != scene.mRootNode) turned.col(3).setZero();
+      if (!is_whole) {
+        if (auto problem = reader.read(*node, turned, &selection.node)) return *problem;
+        break;
+      }
+      waiting.clear();
+      is_within = true;
+      place = turned;
+    }
+    if (is_within)
+      if (auto problem = reader.read(*node, place)) return *problem;
+    for (unsigned i = node->mNumChildren; i-- > 0;) waiting.push_back({node->mChildren[i], place, is_within});
   }
+  if (!found) return no_such_node(selection.node, names_of_nodes(scene));
   std::vector<MeshPart> parts = reader.take();
   if (parts.empty()) return error("it has no triangles");
   return parts;

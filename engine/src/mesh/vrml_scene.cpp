@@ -7,7 +7,6 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <set>
 
 #include "mesh_format.h"
 #include "model/text.h"
@@ -21,6 +20,7 @@ namespace {
 constexpr int max_inlines = 10;         // within each other
 constexpr int max_nodes = 1'000'000;    // visited: a node that is used several times counts each time
 constexpr std::size_t max_colors = 64;  // of a Shape
+constexpr std::size_t max_names = 100;  // of nodes, for a message
 
 Eigen::Vector3d vector_of(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
 
@@ -39,20 +39,7 @@ Eigen::Affine3d transform_of(const VrmlNode& node) {
          Eigen::Scaling(vector_of(node.numbers("scale", {1, 1, 1}))) * stretch.inverse() * center.inverse();
 }
 
-/// The nodes below a grouping node.
-std::vector<VrmlNodePtr> children_of(const VrmlNode& node) {
-  static const std::set<std::string> groups = {"Transform", "Group", "Anchor", "Billboard", "Collision"};
-  if (groups.count(node.type) != 0) {
-    const VrmlValue* children = node.find("children");
-    return children == nullptr ? std::vector<VrmlNodePtr>() : children->nodes;
-  }
-  const VrmlValue* levels = node.type == "Switch" ? node.find("choice")
-                            : node.type == "LOD"  ? node.find("level")
-                                                  : nullptr;
-  const std::vector<double> which = node.numbers("whichChoice", {node.type == "LOD" ? 0.0 : -1.0});
-  if (levels == nullptr || which[0] < 0.0 || which[0] >= static_cast<double>(levels->nodes.size())) return {};
-  return {levels->nodes[static_cast<std::size_t>(which[0])]};
-}
+bool is_placed(const VrmlNode& node) { return node.type == "Transform" || node.is_of_proto; }
 
 /// Lists of indices, each ended by -1.
 std::vector<std::vector<int>> faces_of(const VrmlNode& node, const char* field) {
@@ -120,16 +107,20 @@ class SceneReader {
   std::optional<Diagnostic> problem;
   std::vector<MeshPart> parts;
   bool found_node = false;
+  std::vector<std::string> names;  // of the nodes, in the order of the tree
 
  private:
   void read(const VrmlNode& node, const Eigen::Affine3d& place) {
     if (problem || (found_node && !is_within_)) return;
     if (is_within_ && selection_.without.count(node.name) != 0) return;
+    if (!node.name.empty() && std::find(names.begin(), names.end(), node.name) == names.end() &&
+        names.size() < max_names)
+      names.push_back(node.name);
     if (++count_ > max_nodes) return fail(node, "its nodes unfold to more than a million");
     const bool is_selected = !is_within_ && node.name == selection_.node;
     is_within_ = is_within_ || is_selected;
     found_node = found_node || is_selected;
-    Eigen::Affine3d here = node.type == "Transform" ? place * transform_of(node) : place;
+    Eigen::Affine3d here = is_placed(node) ? place * transform_of(node) : place;
     if (is_selected) here.translation().setZero();  // as in Choreonoid: only rotations and scales remain
     if (node.type == "Inline")
       read_inline(node, here);
@@ -164,6 +155,7 @@ class SceneReader {
     if (geometry == nullptr) return;
     Result<PolygonMesh> polygons = polygons_of(*geometry);
     if (!polygons) return fail(*geometry, polygons.errors().front().message);
+    leave_out_impossible(*polygons);
     if (polygons->faces.empty()) return;
     const VrmlNode* appearance = node.node("appearance");
     MeshPart paint;
@@ -186,6 +178,20 @@ class SceneReader {
       parts.push_back(*std::move(part));
     }
     if (!parts.empty()) object_ = parts.back().object + 1;
+  }
+
+  /// As in Choreonoid, faces with corners that don't exist are left out.
+  void leave_out_impossible(PolygonMesh& polygons) {
+    if (!polygons.texture_faces.empty() && polygons.texture_faces != polygons.faces) return;  // they are parallel
+    const auto count = static_cast<int>(polygons.vertices.size());
+    const auto is_impossible = [count](const std::vector<int>& face) {
+      return std::any_of(face.begin(), face.end(), [count](int corner) { return corner >= count; });
+    };
+    const std::size_t left_out = std::erase_if(polygons.faces, is_impossible);
+    if (polygons.texture_coordinates.size() == polygons.vertices.size())
+      std::erase_if(polygons.texture_faces, is_impossible);
+    if (left_out > 0)
+      warnings_.push_back(fmt::format("{} faces refer to vertices that don't exist; they are left out", left_out));
   }
 
   static float opacity_of(const MeshPart& paint) { return paint.color ? (*paint.color)[3] : 1.0f; }
@@ -316,8 +322,7 @@ Result<std::vector<MeshPart>> read_vrml_parts(MeshInput& input, const MeshSelect
   SceneReader reader(input, selection, warnings);
   reader.read_all(*nodes, Eigen::Affine3d(Eigen::Scaling(scale)));
   if (reader.problem) return *reader.problem;
-  if (!selection.node.empty() && !reader.found_node)
-    return error(fmt::format("it has no node {}", in_quotes(selection.node)));
+  if (!selection.node.empty() && !reader.found_node) return no_such_node(selection.node, reader.names);
   if (reader.parts.empty()) return error("it has no triangles");
   return std::move(reader.parts);
 }

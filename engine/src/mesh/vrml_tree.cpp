@@ -4,6 +4,7 @@
 
 #include <charconv>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "model/text.h"
@@ -13,6 +14,15 @@ namespace {
 
 constexpr int max_depth = 100;  // nodes within nodes
 
+/// The PROTOs with which OpenHRP describes a body.
+bool is_of_body(std::string_view type) {
+  for (const char* known : {"Humanoid", "Joint", "Segment", "Surface", "ExtraJoint", "ForceSensor", "Gyro",
+                            "AccelerationSensor", "VisionSensor", "RangeSensor", "PressureSensor", "PhotoInterrupter",
+                            "TorqueSensor", "TactileSensor", "SpotLightDevice", "CylinderSensor", "Site", "Displacer"})
+    if (type == known) return true;
+  return false;
+}
+
 class VrmlParser {
  public:
   explicit VrmlParser(std::string_view text) : text_(text) { advance(); }
@@ -20,7 +30,7 @@ class VrmlParser {
   Result<std::vector<VrmlNodePtr>> parse() {
     std::vector<VrmlNodePtr> nodes;
     while (!problem_ && !word_.empty()) {
-      if (skip_route()) continue;
+      if (skip_route() || read_proto()) continue;
       nodes.push_back(read_node(0));
     }
     if (problem_) return *problem_;
@@ -70,6 +80,36 @@ class VrmlParser {
   bool skip_route() {
     if (!is("ROUTE")) return false;
     for (int i = 0; i < 4; ++i) advance();  // ROUTE a.b TO c.d
+    return true;
+  }
+
+  /// PROTO NAME [ fields with their types and defaults ] { nodes }
+  bool read_proto() {
+    if (!is("PROTO")) return false;
+    advance();
+    const std::string name = word_;
+    advance();
+    expect("[");
+    std::map<std::string, VrmlValue>& defaults = protos_[name];
+    defaults.clear();  // a second PROTO of the name replaces the first
+    while (!problem_ && !is("]")) {
+      const bool is_event = is("eventIn") || is("eventOut");
+      if (!is_event && !is("field") && !is("exposedField")) fail("a field of a PROTO is expected");
+      if (problem_) break;
+      advance();
+      advance();  // its type
+      const std::string field = word_;
+      advance();
+      if (!is_event) read_value(0, defaults[field]);
+    }
+    advance();
+    if (!is("{")) expect("{");
+    int depth = 0;
+    do {
+      if (word_.empty()) fail(fmt::format("the PROTO {} doesn't end", in_quotes(name)));
+      depth += is("{") ? 1 : is("}") ? -1 : 0;
+      if (!problem_) advance();
+    } while (!problem_ && depth > 0);
     return true;
   }
 
@@ -128,15 +168,28 @@ class VrmlParser {
       read_value(depth, node->fields[field]);
     }
     advance();
+    complete(*node);
     if (!node->name.empty()) known_[node->name] = node;
     return node;
+  }
+
+  /// Adds the defaults of the fields that a node of a PROTO leaves out.
+  void complete(VrmlNode& node) {
+    const auto proto = protos_.find(node.type);
+    if (proto == protos_.end() || problem_) return;
+    if (!is_of_body(node.type)) {
+      word_line_ = node.line;
+      return fail(fmt::format("a node of the PROTO {}, which isn't one of OpenHRP's bodies", in_quotes(node.type)));
+    }
+    node.is_of_proto = true;
+    node.fields.insert(proto->second.begin(), proto->second.end());
   }
 
   void read_type(VrmlNode& node) {
     node.type = word_;
     if (word_.empty() || is_text_ || is_bracket(word_[0]) || number())
       return fail(fmt::format("a node is expected, not {}", word_.empty() ? "the end" : in_quotes(word_)));
-    if (node.type == "PROTO" || node.type == "EXTERNPROTO") return fail("PROTO isn't read");
+    if (node.type == "EXTERNPROTO") return fail("EXTERNPROTO isn't read");
     advance();
   }
 
@@ -185,6 +238,7 @@ class VrmlParser {
   bool is_text_ = false;
   int word_line_ = 1;
   std::map<std::string, VrmlNodePtr> known_;
+  std::map<std::string, std::map<std::string, VrmlValue>> protos_;  // by name: the defaults of the fields
   std::optional<Diagnostic> problem_;
 };
 
@@ -203,6 +257,22 @@ const VrmlNode* VrmlNode::node(const std::string& field) const {
 std::vector<double> VrmlNode::numbers(const std::string& field, std::vector<double> otherwise) const {
   const VrmlValue* value = find(field);
   return value != nullptr && value->numbers.size() == otherwise.size() ? value->numbers : otherwise;
+}
+
+std::vector<VrmlNodePtr> children_of(const VrmlNode& node) {
+  static const std::set<std::string> groups = {"Transform", "Group", "Anchor", "Billboard", "Collision"};
+  if (groups.contains(node.type) || node.is_of_proto) {
+    const VrmlValue* all = node.find(node.type == "Humanoid"  ? "humanoidBody"
+                                     : node.type == "Surface" ? "visual"
+                                                              : "children");
+    return all == nullptr ? std::vector<VrmlNodePtr>() : all->nodes;
+  }
+  const VrmlValue* levels = node.type == "Switch" ? node.find("choice")
+                            : node.type == "LOD"  ? node.find("level")
+                                                  : nullptr;
+  const std::vector<double> which = node.numbers("whichChoice", {node.type == "LOD" ? 0.0 : -1.0});
+  if (levels == nullptr || which[0] < 0.0 || which[0] >= static_cast<double>(levels->nodes.size())) return {};
+  return {levels->nodes[static_cast<std::size_t>(which[0])]};
 }
 
 Result<std::vector<VrmlNodePtr>> parse_vrml(std::string_view text) {

@@ -1,4 +1,6 @@
-// A VRML97 file (ISO/IEC 14772-1) as a tree of nodes. PROTO isn't read.
+// A VRML97 file (ISO/IEC 14772-1) as a tree of nodes. Of PROTO only the nodes of OpenHRP's bodies are read: Humanoid,
+// Joint, Segment, sensors and a few more. Their fields have the defaults that the file declares; their bodies, which
+// repeat the fields, are passed over. A node of another PROTO is an error.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -26,6 +28,7 @@ struct VrmlNode {
   std::string name;  // of its DEF; empty: none
   std::map<std::string, VrmlValue> fields;
   int line = 0;
+  bool is_of_proto = false;  // its type is declared by a PROTO of the file
 
   /// The field, or null.
   const VrmlValue* find(const std::string& field) const;
@@ -34,6 +37,10 @@ struct VrmlNode {
   /// The field's numbers, if there are as many; else `otherwise`.
   std::vector<double> numbers(const std::string& field, std::vector<double> otherwise) const;
 };
+
+/// The nodes below a grouping node: Transform, Group, Switch, LOD (its first level), Humanoid, Joint, Segment and
+/// others.
+std::vector<VrmlNodePtr> children_of(const VrmlNode& node);
 
 /// The nodes on the file's top level. The header may be missing. An error, with its line, if the text isn't VRML97.
 Result<std::vector<VrmlNodePtr>> parse_vrml(std::string_view text);

@@ -5,6 +5,7 @@
 
 #include "urdf_findings.h"
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -167,9 +168,19 @@ void place_devices(const Draft& draft, Model& model, Findings& findings);
 /// or doesn't move, and for joints that follow each other in a circle.
 void resolve_mimics(const Draft& draft, Model& model, Findings& findings);
 
+/// How a link gets a mass in the format of the file.
+struct MassHints {
+  std::string usual = "give it or a link fixed to it an <inertial>";
+  std::map<std::string, std::string> of_links = {};  // by name: the cause for one link
+  const std::string& of(const std::string& link) const {
+    const auto own = of_links.find(link);
+    return own == of_links.end() ? usual : own->second;
+  }
+};
+
 /// Handles moving links without mass: a root is fixed to the world, others get the default mass, if there is one; both
 /// are repairs. Else an error.
-void complete_masses(Model& model, const UrdfOptions& options, Findings& findings);
+void complete_masses(Model& model, const UrdfOptions& options, Findings& findings, const MassHints& hints = {});
 
 /// Repairs the inertia of links with mass in rigid groups that move and whose inertia isn't positive definite: a link
 /// without inertia gets that of its shapes, an inertia that isn't positive definite becomes the nearest that is. Call

@@ -126,6 +126,8 @@ void apply_joint_parts(const Draft& draft, Model& model, Findings& findings) {
                                                in_quotes(rotor.joint)));
     } else if (joint->armature == 0.0) {
       joint->armature = rotor.ratio * rotor.ratio * rotor.inertia;
+      joint->rotor_inertia = rotor.inertia;
+      joint->gear_ratio = rotor.ratio;
     }
   }
   Suggestions suggestions = links_of(model);

@@ -126,7 +126,7 @@ void repair_inertia(Link& link, Findings& findings) {
 
 }  // namespace
 
-void complete_masses(Model& model, const UrdfOptions& options, Findings& findings) {
+void complete_masses(Model& model, const UrdfOptions& options, Findings& findings, const MassHints& hints) {
   if (options.kinematic) return;
   const RigidGroups groups = group_links(model);
   for (std::size_t i = 0; i < groups.first_links.size(); ++i) {
@@ -136,13 +136,13 @@ void complete_masses(Model& model, const UrdfOptions& options, Findings& finding
     if (i == 0) {
       findings.repair(first.line,
                       fmt::format("root link {} has no mass; it is fixed to the world", in_quotes(first.name)),
-                      "to set it free, give it or a link fixed to it an <inertial>");
+                      "to set it free, " + hints.of(first.name));
       first.joint.type = JointType::fixed;
     } else if (options.default_mass) {
       give_mass(model, groups, static_cast<int>(i), *options.default_mass, findings);
     } else {
       findings.error(first.line, fmt::format("link {} moves but has no mass", in_quotes(first.name)),
-                     "give it or a link fixed to it an <inertial>, or state a default mass when loading it");
+                     hints.of(first.name) + ", or state a default mass when loading it");
     }
   }
 }

@@ -43,6 +43,8 @@ struct HostOptions {
   double memory_limit = 0.0;
   /// Libraries and the contents of their static objects stay loaded after the run.
   bool keep_libraries = false;
+  /// Called with each line that a controller writes to os(), after the call in which it does; null: never called.
+  std::function<void(const std::string& controller, const std::string& line)> on_message;
   /// Is notified of each call; null: nothing is notified. Must outlive the run.
   ControllerWatch* watch = nullptr;
 };

@@ -86,6 +86,7 @@ const std::vector<Mistake> errors = {
     {"translation_of_text", 6, "a translation is 'here', and a number is expected"},
     {"translation_of_two", 6, "a translation isn't a list of 3 numbers"},
     {"two_links_of_one_name", 8, "a second link with the name 'ARM', after the one in line 7"},
+    {"variable_unknown", 8, "the resource '${MY_PARTS}/wheel.stl' can't be used: there is no folder for ${MY_PARTS}"},
     {"version_of_tomorrow", 1, "the format version 2.1 isn't known"},
     {"visual_in_collision", 10, "a Visual is within a Collision"},
 };
@@ -148,6 +149,13 @@ TEST(BrokenBody, MayLackItsMeshesIfThatIsAllowed) {
     EXPECT_TRUE(result->links[0].visuals.empty());
     EXPECT_THAT(to_string(result->report), testing::HasSubstr("can't be used; its shape is left out"));
   }
+}
+
+TEST(BrokenBody, NamesTheOptionForAnUnknownVariable) {
+  const Result<Model> result = load_body(folder + "body_variable_unknown.body");
+  EXPECT_THAT(to_string(result.errors()), testing::HasSubstr("--variable MY_PARTS=DIR"));
+  const Result<Model> given = load_body(folder + "body_variable_unknown.body", {.packages = {{"MY_PARTS", folder}}});
+  EXPECT_THAT(to_string(given.errors()), testing::HasSubstr("package 'MY_PARTS' was given as"));
 }
 
 TEST(BrokenBody, EveryFileIsInATable) {

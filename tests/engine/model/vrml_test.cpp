@@ -126,7 +126,12 @@ TEST_F(Vrml, IsRefusedWithTheLineAndTheReason) {
   EXPECT_THAT(refusal("#VRML V2.0 utf8\nShape {\n geometry Box {"),
               HasSubstr("mesh.wrl:3: error: the node 'Box' of line 3"));
   EXPECT_THAT(refusal("#VRML V2.0 utf8\n\nUSE NOTHING"), HasSubstr(":3: error: USE 'NOTHING' has no DEF"));
-  EXPECT_THAT(refusal("#VRML V2.0 utf8\nPROTO Wheel [ ] { Group { } }"), HasSubstr(":2: error: PROTO isn't read"));
+  EXPECT_THAT(refusal("#VRML V2.0 utf8\nPROTO Wheel [ ] { Group { } }\nWheel { }"),
+              HasSubstr(":3: error: a node of the PROTO 'Wheel', which isn't one of OpenHRP's bodies"));
+  EXPECT_THAT(refusal("#VRML V2.0 utf8\nPROTO Wheel [ colour 1 0 0 ] { }"),
+              HasSubstr(":2: error: a field of a PROTO is expected"));
+  EXPECT_THAT(refusal("#VRML V2.0 utf8\nPROTO Wheel [ ] { Group {"), HasSubstr("the PROTO 'Wheel' doesn't end"));
+  EXPECT_THAT(refusal("#VRML V2.0 utf8\nEXTERNPROTO Wheel [ ] \"w.wrl\""), HasSubstr("EXTERNPROTO isn't read"));
   EXPECT_THAT(refusal("#VRML V2.0 utf8\nInline { url \"gone.wrl\" }"),
               HasSubstr("its Inline 'gone.wrl' can't be read"));
   EXPECT_THAT(refusal("#VRML V2.0 utf8\nGroup { }"), HasSubstr("it has no triangles"));

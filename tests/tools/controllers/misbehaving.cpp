@@ -147,6 +147,7 @@ void past_the_library(const std::string& deed) {
 class Misbehaving : public cnoid::SimpleController {
  public:
   bool initialize(cnoid::SimpleControllerIO* io) override {
+    io_ = io;
     std::istringstream words(io->optionString());
     words >> deed_;
     if (!(words >> when_)) when_ = -1;
@@ -164,6 +165,7 @@ class Misbehaving : public cnoid::SimpleController {
   bool control() override {
     joint_->u() = -1.0 * joint_->q();
     if (deed_ == "slow") usleep(200000);
+    if (deed_ == "chat") io_->os() << "call " << calls_ << std::endl;
     if (calls_++ == when_) misbehave();
     return true;
   }
@@ -188,6 +190,7 @@ class Misbehaving : public cnoid::SimpleController {
   std::string deed_;
   int when_ = -1;
   int calls_ = 0;
+  cnoid::SimpleControllerIO* io_ = nullptr;
   cnoid::Link* joint_ = nullptr;
   cnoid::Link* volatile missing_ = nullptr;  // as for a misspelt name without a check
 };

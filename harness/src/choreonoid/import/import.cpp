@@ -76,24 +76,6 @@ ProjectReader::ProjectReader(ProjectFile& file, fs::path project, const ImportOp
   if (options_.share.empty()) options_.share = find_share(project_);
 }
 
-std::optional<fs::path> ProjectReader::find_file(const std::string& written, const YamlNode& at) {
-  const std::size_t end = written.starts_with("${") ? written.find('}') : std::string::npos;
-  if (end == std::string::npos) return project_.parent_path() / written;
-  const std::string variable = written.substr(2, end - 2);
-  const std::string rest = written.substr(std::min(written.find_first_not_of('/', end + 1), written.size()));
-  if (variable == "PROJECT_DIR") return project_.parent_path() / rest;
-  if (variable == "SHARE" && !options_.share.empty()) {
-    std::error_code ignored;
-    const fs::path in_checkout = options_.share.parent_path() / "sample" / rest;  // installation moves it
-    return !fs::exists(options_.share / rest, ignored) && fs::exists(in_checkout, ignored) ? in_checkout
-                                                                                           : options_.share / rest;
-  }
-  document().error(at, fmt::format("{} is below ${{{}}}, whose folder is unknown", in_quotes(written), variable),
-                   variable == "SHARE" ? "--share DIR: Choreonoid's share folder, which has default/materials.yaml"
-                                       : "only ${SHARE} and ${PROJECT_DIR} have a value");
-  return std::nullopt;
-}
-
 std::string ProjectReader::seen_from_folder(const fs::path& file) const {
   std::error_code ignored;
   const fs::path folder = fs::weakly_canonical(fs::absolute(options_.folder, ignored), ignored);
@@ -126,6 +108,7 @@ void ProjectReader::keep_model_options() {
     packages.push_back(fmt::format("{}: {}", yaml_text(name), yaml_text(seen_from_folder(directory))));
   if (!packages.empty()) settings_.model_options.push_back(fmt::format("packages: {{{}}}", fmt::join(packages, ", ")));
   if (model.allow_missing_meshes) settings_.model_options.emplace_back("allow_missing_meshes: true");
+  if (model.allow_unknown_devices) settings_.model_options.emplace_back("allow_unknown_devices: true");
   if (model.default_mass) settings_.model_options.push_back(fmt::format("default_mass: {}", *model.default_mass));
 }
 

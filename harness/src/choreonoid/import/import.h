@@ -22,7 +22,8 @@ struct ImportOptions {
   std::string simulator;           // name of the simulator item; empty: the first of ODE, else the first
   std::optional<double> duration;  // [s], instead of the project's
   std::filesystem::path share;     // value of ${SHARE}; empty: searched for above the project
-  UrdfOptions model;               // of all models: packages, missing meshes and a default mass are used
+  UrdfOptions model;  // of all models: packages (values of variables in paths, too), missing meshes, unknown devices
+                      // and a default mass are used
 };
 
 /// An item of the project.

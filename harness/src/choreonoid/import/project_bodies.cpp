@@ -77,10 +77,7 @@ void ProjectReader::read_body(const ProjectItem& item) {
   keys.finish({"collision_detection", "collisionDetection", "current_base_link", "currentBaseLink", "lock_location",
                "location_editable", "isEditable", "scene_sensitive", "link_kinematics", "zmp"});
   std::set<std::string> names;
-  for (const auto& child : item.children) {
-    if (child->type != "SimpleControllerItem") continue;
-    body.controllers.push_back(read_controller(*child, names));
-  }
+  read_controllers(item, names, body.controllers);
   const std::size_t links = body.model.links.size(), joints = body.model.joints.size();
   taken(item,
         fmt::format("body {}: {}, {} link{}, {} joint{}", body.name, fs::path(body.model_file).filename().string(),
@@ -102,7 +99,8 @@ void ProjectReader::read_model(Mapping& keys, ProjectBody& body) {
   UrdfOptions options = options_.model;
   options.meshes = UrdfOptions::Meshes::skip;
   Result<Model> model = error("");
-  if (is_model_file(*file)) {
+  const std::string ending = file->extension().string();
+  if (ending == ".yaml" || ending == ".yml" || is_model_file(*file)) {
     model = load_model(*file, options);
   } else {
     wrap_mesh(*file, body);
@@ -156,14 +154,23 @@ void ProjectReader::read_posture(Mapping& keys, ProjectBody& body) {
   }
   const std::vector<double> first = initial.value_or(std::vector<double>()),
                             second = shown.value_or(std::vector<double>());
-  for (std::size_t i = 0; i < std::max(first.size(), second.size()); ++i) {
+  const std::size_t count = std::max(first.size(), second.size());
+  std::size_t unused = 0;
+  for (std::size_t i = 0; i < count; ++i) {
     const double value = i < first.size() ? first[i] : second[i];
     const int link = link_of_joint(body.model, static_cast<int>(i));
+    if (link < 0) ++unused;
     if (link < 0) continue;
     const Joint& joint = body.model.links[static_cast<std::size_t>(link)].joint;
+    if (!is_movable(joint.type) && std::abs(value) >= least) ++unused;
     if (!is_movable(joint.type) || (std::abs(value) < least && joint.start == 0.0)) continue;
     body.posture.push_back({joint.name, value_text(joint, value, in_degrees)});
   }
+  if (unused > 0)
+    document().note(*body.item->node,
+                    fmt::format("{} of {} joint values of {} aren't used: {} has {} joint{}", unused, count,
+                                in_quotes(body.item->name), fs::path(body.model_file).filename().string(),
+                                body.model.joints.size(), body.model.joints.size() == 1 ? "" : "s"));
 }
 
 void ProjectReader::read_root(Mapping& keys, ProjectBody& body) {
@@ -218,48 +225,6 @@ void ProjectReader::attach(const ProjectItem& item, Mapping& keys, ProjectBody& 
   else if (holder != parent->model.devices.end())
     place += "/" + parent->model.links[static_cast<std::size_t>(holder->link)].name;
   attachments_.push_back({place, body.name});
-}
-
-ProjectController ProjectReader::read_controller(const ProjectItem& item, std::set<std::string>& names) {
-  Mapping keys = data_of(item, file_);
-  ProjectController controller;
-  controller.name = unique_name(item.name, names);
-  const std::string library = keys.text({"controller"}).value_or("");
-  const std::string base = keys.text({"base_directory", "baseDirectory"}).value_or("Controller directory");
-  if (library.empty())
-    document().error(*item.node, fmt::format("the controller {} names no library", in_quotes(item.name)),
-                     "controller: the name of a library without its ending");
-  const fs::path stem = fs::path(library).replace_extension();
-  if (base == "Project directory") {
-    fs::path file = stem;
-    file += ".so";
-    const std::string seen = seen_from_folder(project_.parent_path() / file);
-    controller.library = seen.find('/') == std::string::npos ? "./" + seen : seen;
-  } else if (stem.is_absolute()) {
-    controller.library = stem.string() + ".so";
-  } else {
-    controller.library = stem.filename().string();
-  }
-  controller.options = keys.text({"controller_options", "controllerOptions"}).value_or("");
-  controller.delay = !keys.flag({"no_delay_mode", "isNoDelayMode", "isImmediateMode"}).value_or(false);
-  if (keys.flag({"is_old_target_variable_mode"}).value_or(false))
-    document().warning(*item.node,
-                       fmt::format("the controller {} is run in the old target variable mode in Choreonoid; "
-                                   "here targets are q_target and dq_target",
-                                   in_quotes(item.name)));
-  keys.finish();
-  for (const auto& child : item.children) {
-    if (child->type != "SimpleControllerItem") continue;
-    if (item.parent->type == "SimpleControllerItem")
-      document().error(*child->node, fmt::format("the controller {} is a child of a child", in_quotes(child->name)),
-                       "a scenario's controllers have children, but these have none");
-    else
-      controller.children.push_back(read_controller(*child, names));
-  }
-  taken(item,
-        fmt::format("controller {}: {}{}", controller.name, controller.library,
-                    controller.options.empty() ? "" : fmt::format(", options {}", in_quotes(controller.options))));
-  return controller;
 }
 
 }  // namespace rehearse::import

@@ -48,7 +48,7 @@ void read_time_bar(const YamlNode& toolbars, ProjectFile& file) {
     file.frame_rate = rate;
     file.max_time = length;
   } else {
-    file.document.error(*bar, "the time bar has no positive frame_rate and max_time");
+    file.wrong_time_bar = bar;
   }
 }
 

@@ -31,8 +31,9 @@ struct ProjectFile {
 
   body::Document document;
   ProjectItem root;
-  double frame_rate = 1000.0;  // of the time bar [Hz]
-  double max_time = 30.0;      // likewise [s]
+  double frame_rate = 1000.0;                // of the time bar [Hz]
+  double max_time = 30.0;                    // likewise [s]
+  const YamlNode* wrong_time_bar = nullptr;  // without a positive rate and length: an error if the run needs it
 
   /// All items but the root, in document order.
   std::vector<const ProjectItem*> all() const;

@@ -85,8 +85,11 @@ class ProjectReader {
   void choose_simulator();
   void read_settings();
   void read_time_range(body::Mapping& keys);
+  double length_of_time_bar();
   void read_ode(body::Mapping& keys);
   void read_vision();
+  void note_unknown_targets(const ProjectItem& item, const std::vector<std::string>& bodies,
+                            const std::vector<std::string>& sensors);
   void read_materials();
   void read_table(const std::string& written, const YamlNode& at);
 
@@ -99,11 +102,22 @@ class ProjectReader {
   void read_posture(body::Mapping& keys, ProjectBody& body);
   void read_root(body::Mapping& keys, ProjectBody& body);
   void attach(const ProjectItem& item, body::Mapping& keys, ProjectBody& body);
-  ProjectController read_controller(const ProjectItem& item, std::set<std::string>& names);
+
+  // project_controllers.cpp
+  void read_controllers(const ProjectItem& item, std::set<std::string>& names,
+                        std::vector<ProjectController>& controllers);
+  std::optional<ProjectController> read_controller(const ProjectItem& item, std::set<std::string>& names);
+  std::string library_of(const ProjectItem& item, const std::string& written, const std::string& base);
+
+  // project_files.cpp
+  /// The file that the project names. A missing one is taken from a similar place in the project's folders, with a
+  /// warning; an unknown variable in its path is reported.
+  std::optional<std::filesystem::path> find_file(const std::string& written, const YamlNode& at);
+  /// The value of a variable in paths.
+  std::optional<std::filesystem::path> folder_of(const std::string& variable) const;
+  std::optional<std::filesystem::path> find_similar(const std::string& written) const;
 
   // import.cpp
-  /// The file that the project names; an unknown variable in its path is reported.
-  std::optional<std::filesystem::path> find_file(const std::string& written, const YamlNode& at);
   std::string seen_from_folder(const std::filesystem::path& file) const;
   std::string unique_name(const std::string& wanted, std::set<std::string>& names) const;
   void taken(const ProjectItem& item, std::string outcome) { outcomes_[&item] = {true, std::move(outcome)}; }

@@ -59,7 +59,7 @@ void ProjectReader::choose_simulator() {
 void ProjectReader::read_settings() {
   settings_.time_step = 1.0 / file_.frame_rate;
   if (settings_.simulator == nullptr) {
-    settings_.duration = options_.duration.value_or(file_.max_time);
+    settings_.duration = options_.duration ? *options_.duration : length_of_time_bar();
     settings_.why_so_long = options_.duration ? "" : "as in the time bar";
     if (options_.simulator.empty())
       document().warning(*world_->node, "the project has no simulator item; step and length are those of the time bar",
@@ -91,6 +91,13 @@ void ProjectReader::read_settings() {
                           item.type == ode ? "gravity, solver, options" : "gravity, options"));
 }
 
+double ProjectReader::length_of_time_bar() {
+  if (file_.wrong_time_bar != nullptr)
+    document().error(*file_.wrong_time_bar, "the time bar has no positive frame_rate and max_time",
+                     "--duration S states the length");
+  return file_.max_time;
+}
+
 void ProjectReader::read_time_range(Mapping& keys) {
   const std::string mode = keys.text({"time_range_mode", "timeRangeMode"}).value_or("unlimited");
   const double length = keys.number({"time_length", "timeLength"}).value_or(300.0);
@@ -103,7 +110,7 @@ void ProjectReader::read_time_range(Mapping& keys) {
   } else if (mode == "specified" || mode == "Specified time") {
     settings_.duration = length;
   } else if (mode == "timebar" || mode == "Time bar range") {
-    settings_.duration = file_.max_time;
+    settings_.duration = length_of_time_bar();
   } else if (settings_.ends_when_done) {
     settings_.duration = longest_until_done;
     settings_.why_so_long = "at most: the project leaves it to its controllers";
@@ -142,6 +149,24 @@ void ProjectReader::read_ode(Mapping& keys) {
   settings_.belt_depth = keys.number({"surface_drive_culling_depth"}).value_or(settings_.belt_depth);
 }
 
+/// Notes the names of a vision simulator that no body or camera has.
+void ProjectReader::note_unknown_targets(const ProjectItem& item, const std::vector<std::string>& bodies,
+                                         const std::vector<std::string>& sensors) {
+  for (const std::string& name : bodies)
+    if (std::none_of(bodies_.begin(), bodies_.end(), [&](const ProjectBody& body) { return body.item->name == name; }))
+      document().note(*item.node, fmt::format("{} is for the body {}, which isn't there", item.type, in_quotes(name)));
+  const auto has_sensor = [&](const std::string& name) {
+    for (const ProjectBody& body : bodies_)
+      for (const Device& device : body.model.devices)
+        if (device.name == name) return true;
+    return false;
+  };
+  for (const std::string& name : sensors)
+    if (!has_sensor(name))
+      document().note(*item.node,
+                      fmt::format("{} is for the sensor {}, which isn't there", item.type, in_quotes(name)));
+}
+
 void ProjectReader::read_vision() {
   if (settings_.simulator == nullptr) return;
   for (const ProjectItem* item : file_.all()) {
@@ -164,6 +189,7 @@ void ProjectReader::read_vision() {
         if (std::holds_alternative<Camera>(device.kind) && is_meant(bodies, body.item->name) &&
             is_meant(sensors, device.name))
           settings_.cameras->push_back(body.name + "/" + device.name);
+    note_unknown_targets(*item, bodies, sensors);
     if (bodies.empty() && sensors.empty()) settings_.cameras.reset();
     keys.finish();
     taken(*item, "the cameras take pictures");

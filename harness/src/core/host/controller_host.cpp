@@ -72,6 +72,7 @@ void ControllerHost::collect_messages(HostedController& hosted, CallEnd end) {
   for (std::string& line : lines) {
     hosted.last_lines.push_back(line);
     if (hosted.last_lines.size() > lines_of_a_failure) hosted.last_lines.pop_front();
+    if (options_.on_message) options_.on_message(hosted.label, line);
     event(Severity::note, hosted.label, std::move(line));
   }
   if (hosted.io->take_enabled_too_late() && !std::exchange(hosted.reported.enabled_too_late, true))

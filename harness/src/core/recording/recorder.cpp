@@ -149,7 +149,9 @@ namespace {
 const char* media_type_of(const ScenarioBody& body) {
   const Link& root = body.model->links.front();
   const Mesh* mesh = root.visuals.empty() ? nullptr : std::get_if<Mesh>(&root.visuals.front().geometry);
-  if (std::filesystem::path(body.model_file).extension() == ".body") return "application/yaml";
+  const std::string ending = std::filesystem::path(body.model_file).extension();
+  if (ending == ".wrl") return "model/vrml";
+  if (ending == ".body" || ending == ".yaml" || ending == ".yml") return "application/yaml";
   if (!mesh || !mesh->heightmap) return "application/xml";
   return mesh->file.ends_with(".png") ? "image/png" : "text/plain";
 }

@@ -57,27 +57,43 @@ class BodyReader {
   Scenario& scenario_;
   // By file: the packages of its first body.
   std::map<std::string, std::map<std::string, std::filesystem::path>> packages_;
-  // by file, fixed, kinematic, default mass, missing meshes and their contact; null: loading failed, and this was
-  // reported
-  std::map<std::tuple<std::string, bool, bool, std::optional<double>, bool, MeshContact>, std::shared_ptr<const Model>>
+  // by file, fixed, kinematic, default mass, missing meshes, unknown devices and the meshes' contact; null: loading
+  // failed, and this was reported
+  std::map<std::tuple<std::string, bool, bool, std::optional<double>, bool, bool, MeshContact>,
+           std::shared_ptr<const Model>>
       models_;
 };
 
 void BodyReader::read(const YamlNode& node) {
-  const Keys keys(findings_, node, "a body", {"name",           "model",
-                                              "packages",       "box",
-                                              "sphere",         "cylinder",
-                                              "heightmap",      "mass",
-                                              "default_mass",   "fixed",
-                                              "dynamics",       "allow_missing_meshes",
-                                              "joint_limits",   "collision",
-                                              "self_collision", "effort_limits",
-                                              "friction",       "mu2",
-                                              "fdir1",          "restitution",
-                                              "position",       "rotation",
-                                              "joints",         "velocity",
-                                              "controllers",    "joint_velocities",
-                                              "links"});
+  const Keys keys(findings_, node, "a body",
+                  {"name",
+                   "model",
+                   "packages",
+                   "box",
+                   "sphere",
+                   "cylinder",
+                   "heightmap",
+                   "mass",
+                   "default_mass",
+                   "fixed",
+                   "dynamics",
+                   "allow_missing_meshes",
+                   "allow_unknown_devices",
+                   "joint_limits",
+                   "collision",
+                   "self_collision",
+                   "effort_limits",
+                   "friction",
+                   "mu2",
+                   "fdir1",
+                   "restitution",
+                   "position",
+                   "rotation",
+                   "joints",
+                   "velocity",
+                   "controllers",
+                   "joint_velocities",
+                   "links"});
   if (!keys.is_map()) return;
   ScenarioBody body;
   body.place = {scenario_.file, node.line, node.column};
@@ -187,6 +203,7 @@ void BodyReader::refuse_keys_of_a_file(const Keys& keys) {
       {"packages", "are", "they are the directories of a model's meshes"},
       {"default_mass", "is", "the mass of a shape is stated by mass"},
       {"allow_missing_meshes", "is", "it leaves out the shapes of missing meshes"},
+      {"allow_unknown_devices", "is", "it leaves out the devices of a .body that no plugin reads"},
   };
   for (const auto& [key, verb, hint] : of_a_file)
     if (const YamlNode* node = keys.find(key))
@@ -202,6 +219,7 @@ void BodyReader::read_model_file(const Keys& keys, const YamlNode& node, Scenari
     options.contact = body.contact;
     keys.number("default_mass", any_mass, options.default_mass);
     keys.flag("allow_missing_meshes", options.allow_missing_meshes);
+    keys.flag("allow_unknown_devices", options.allow_unknown_devices);
     options.packages.insert(body.packages.begin(), body.packages.end());
     body.model_file = *file;
     body.model = load_model(node, *file, options);
@@ -223,7 +241,7 @@ std::shared_ptr<const Model> BodyReader::load_model(const YamlNode& node, const 
                     "a recording contains a model once: give both bodies the same packages");
   const auto [known, is_new] =
       models_.emplace(std::tuple(file, options.fixed_root, options.kinematic, options.default_mass,
-                                 options.allow_missing_meshes, options.contact),
+                                 options.allow_missing_meshes, options.allow_unknown_devices, options.contact),
                       nullptr);
   if (!is_new) return known->second;
   Result<Model> model = source_(file, options);

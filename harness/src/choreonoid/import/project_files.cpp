@@ -1,0 +1,103 @@
+// The files that a project names: by paths with variables, and of another machine.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/text.h"
+#include "project_run.h"
+
+namespace rehearse::import {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_levels = 6;  // folders above the project that are searched
+
+/// "${NAME}/rest" in two parts; an empty name: there is no variable.
+struct VariablePath {
+  std::string variable;
+  std::string rest;
+};
+
+VariablePath split_variable(const std::string& written) {
+  const std::size_t end = written.starts_with("${") ? written.find('}') : std::string::npos;
+  if (end == std::string::npos) return {"", written};
+  return {written.substr(2, end - 2),
+          written.substr(std::min(written.find_first_not_of('/', end + 1), written.size()))};
+}
+
+/// The folders above a file, the nearest first, at most `most_levels`; neither the root nor a folder of the root.
+std::vector<fs::path> folders_above(const fs::path& file) {
+  std::error_code ignored;
+  std::vector<fs::path> folders;
+  for (fs::path above = fs::absolute(file, ignored).lexically_normal().parent_path();
+       folders.size() < most_levels && above.has_relative_path() && above.parent_path().has_relative_path();
+       above = above.parent_path())
+    folders.push_back(above);
+  return folders;
+}
+
+/// The ends of a path, the longest first; each has a folder and a name.
+std::vector<fs::path> ends_of(const std::string& path) {
+  std::vector<fs::path> parts, ends;
+  for (const fs::path& part : fs::path(path).lexically_normal())
+    if (part != ".." && part != "." && !part.has_root_directory() && !part.empty()) parts.push_back(part);
+  for (std::size_t first = 0; first + 2 <= parts.size(); ++first) {
+    fs::path& end = ends.emplace_back();
+    for (std::size_t i = first; i < parts.size(); ++i) end /= parts[i];
+  }
+  return ends;
+}
+
+}  // namespace
+
+std::optional<fs::path> ProjectReader::folder_of(const std::string& variable) const {
+  if (const auto given = options_.model.packages.find(variable); given != options_.model.packages.end())
+    return given->second;
+  if (variable == "PROJECT_DIR") return project_.parent_path();
+  if (variable == "SHARE" && !options_.share.empty()) return options_.share;
+  const char* home = variable == "HOME" ? std::getenv("HOME") : nullptr;
+  return home == nullptr ? std::nullopt : std::optional<fs::path>(home);
+}
+
+/// A file with the same last folders and name: above the project, or in the share folder. Projects name files by where
+/// their author installs them.
+std::optional<fs::path> ProjectReader::find_similar(const std::string& written) const {
+  std::vector<fs::path> folders = folders_above(project_);
+  if (!options_.share.empty()) folders.push_back(options_.share);
+  std::error_code ignored;
+  for (const fs::path& end : ends_of(split_variable(written).rest))
+    for (const fs::path& folder : folders)
+      for (const fs::path& name : {end, fs::path(end).replace_extension(".body")})  // formerly .wrl or .yaml
+        if (fs::is_regular_file(folder / name, ignored)) return folder / name;
+  const fs::path beside = project_.parent_path() / fs::path(written).filename();
+  return fs::is_regular_file(beside, ignored) ? std::optional(beside) : std::nullopt;
+}
+
+std::optional<fs::path> ProjectReader::find_file(const std::string& written, const YamlNode& at) {
+  const auto [variable, rest] = split_variable(written);
+  const auto folder = variable.empty() ? std::optional(project_.parent_path()) : folder_of(variable);
+  std::error_code ignored;
+  if (folder && fs::exists(*folder / rest, ignored)) return *folder / rest;
+  if (folder && variable == "SHARE")  // installation moves samples there
+    if (const fs::path sample = folder->parent_path() / "sample" / rest; fs::exists(sample, ignored)) return sample;
+  if (const auto similar = find_similar(written)) {
+    const fs::path seen = similar->lexically_normal().lexically_proximate(
+        fs::absolute(project_, ignored).lexically_normal().parent_path());
+    document().warning(at, fmt::format("{} isn't there; {} is taken, a guess", in_quotes(written, 200), seen.string()),
+                       variable.empty() ? "" : fmt::format("--variable {}=DIR names the folder", variable));
+    return similar;
+  }
+  if (folder) return *folder / rest;  // whoever reads it reports that it is missing
+  document().error(at, fmt::format("{} is below ${{{}}}, whose folder is unknown", in_quotes(written, 200), variable),
+                   variable == "SHARE" ? "--share DIR: Choreonoid's share folder, which has default/materials.yaml"
+                                       : fmt::format("--variable {}=DIR", variable));
+  return std::nullopt;
+}
+
+}  // namespace rehearse::import
