@@ -155,7 +155,7 @@ TEST_F(Import, TakesTheSimulatorThatIsAskedFor) {
   EXPECT_FALSE(scenario.ends_when_done);
   EXPECT_EQ(scenario.solver.iterations, 50);
   EXPECT_THAT(aist.scenario, HasSubstr("cameras: none"));
-  EXPECT_THAT(to_string(aist.remarks), HasSubstr("is simulated by ODE here"));
+  EXPECT_THAT(to_string(aist.remarks), HasSubstr("the direct solver here: forces differ from its own"));
 }
 
 TEST_F(Import, RefusesASimulatorThatIsNotThere) {

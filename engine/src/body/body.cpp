@@ -7,7 +7,9 @@
 
 #include "body_document.h"
 #include "body_draft.h"
+#include "mesh/convex_parts.h"
 #include "mesh/mesh_input.h"
+#include "model/rigid_groups.h"
 #include "urdf/urdf_draft.h"
 
 namespace rehearse {
@@ -32,6 +34,22 @@ void complete(Model& model, const UrdfOptions& options, const urdf::MassHints& h
   urdf::check_dynamics(model, options, findings);
 }
 
+/// A mesh that never moves is touched as it is, unless it is convex or the caller wants its hull or parts.
+void take_triangles(Model& model, const UrdfOptions& options) {
+  const bool is_fixed = options.fixed_root || model.links.front().joint.type == JointType::fixed;
+  if (!is_fixed || options.contact == MeshContact::hull || options.contact == MeshContact::parts) return;
+  constexpr double rounding = 1e-3;
+  const RigidGroups groups = group_links(model);
+  for (std::size_t i = 0; i < model.links.size(); ++i) {
+    if (groups.links[i].group != 0) continue;
+    for (Shape& shape : model.links[i].collisions) {
+      auto* mesh = std::get_if<Mesh>(&shape.geometry);
+      if (!mesh || !mesh->data) continue;
+      if (options.contact == MeshContact::triangles || !is_convex(*mesh->data, rounding)) mesh->hulls = nullptr;
+    }
+  }
+}
+
 }  // namespace
 
 Result<Model> load_body(const std::filesystem::path& file, const UrdfOptions& options) {
@@ -54,6 +72,7 @@ Result<Model> parse_body(const std::string& text, const std::string& name, const
     if (!link.mass_hint.empty()) hints.of_links[link.link.name] = link.mass_hint;
   std::optional<Model> model = body::join(std::move(draft), files);
   if (model) complete(*model, options, hints, files.main().findings());
+  if (model) take_triangles(*model, options);
   if (files.has_error()) return files.errors();
   REHEARSE_ASSERT(model.has_value(), "a body that can't be read has an error");
   model->source_file = name;

@@ -117,7 +117,9 @@ void ElementReader::read_mesh(const YamlNode& at, const std::string& uri, const 
     MeshSelection selection{fragment, fragments_of(uri)};
     selection.without.erase(fragment);
     const auto loaded = shared_mesh(file.file, mesh.scale, selection);
-    const auto hulls = loaded && !place.is_visual ? shared_hulls(file.file, mesh.scale, MeshContact::hull, selection)
+    const bool in_parts = files_.options().contact == MeshContact::parts;
+    const MeshContact contact = in_parts ? MeshContact::parts : MeshContact::hull;
+    const auto hulls = loaded && !place.is_visual ? shared_hulls(file.file, mesh.scale, contact, selection)
                                                   : Result<std::shared_ptr<const ConvexHulls>>(nullptr);
     if (!loaded || !hulls) {
       const Diagnostic& reason = loaded ? hulls.errors().front() : loaded.errors().front();

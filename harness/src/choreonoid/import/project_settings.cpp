@@ -83,9 +83,10 @@ void ProjectReader::read_settings() {
   if (item.type == ode)
     read_ode(keys);
   else if (!settings_.is_kinematic)
-    document().warning(*item.node,
-                       fmt::format("{} {} is simulated by ODE here: forces and contacts differ from its own", item.type,
-                                   in_quotes(item.name)));
+    document().warning(
+        *item.node,
+        fmt::format("{} {} is simulated with ODE's contacts and the direct solver here: forces differ from its own",
+                    item.type, in_quotes(item.name)));
   keys.finish({"realtime_sync", "recording", "record_collision_data"});
   taken(item, fmt::format("time step {} s, {}", settings_.time_step,
                           item.type == ode ? "gravity, solver, options" : "gravity, options"));
@@ -125,13 +126,14 @@ void ProjectReader::read_time_range(Mapping& keys) {
                      "a scenario's duration is above 0 and at most 86400 s");
 }
 
-/// The keys of the ODE item whose values differ from the defaults, which scenarios share.
+/// The method of the ODE item, and its keys whose values differ from the defaults, which scenarios share. A project of
+/// another item has the default method: Choreonoid's own engine solves joints directly, too.
 void ProjectReader::read_ode(Mapping& keys) {
   const auto state = [this](const char* key, const std::optional<double>& value, double otherwise) {
     if (value && *value != otherwise) settings_.solver.emplace_back(key, fmt::format("{}", *value));
   };
-  if (keys.text({"step_mode", "stepMode"}).value_or("").starts_with("Big"))
-    settings_.solver.emplace_back("method", "exact");
+  const bool is_exact = keys.text({"step_mode", "stepMode"}).value_or("").starts_with("Big");
+  settings_.solver.emplace_back("method", is_exact ? "exact" : "quick");
   state("iterations", keys.number({"num_iterations", "numIterations"}), 50.0);
   state("over_relaxation", keys.number({"over_relaxation", "overRelaxation"}), 1.3);
   state("erp", keys.number({"global_erp", "globalERP"}), 0.4);

@@ -43,7 +43,7 @@ class ModelLoader : public cnoid::AbstractBodyLoader {
 }  // namespace
 
 void register_body_loader() {
-  cnoid::BodyLoader::registerLoader({"body", "urdf"}, [] { return std::make_shared<ModelLoader>(); });
+  cnoid::BodyLoader::registerLoader({"body", "urdf", "wrl", "yaml", "yml"}, [] { return std::make_shared<ModelLoader>(); });
 }
 
 }  // namespace rehearse
