@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <fstream>
 #include <numbers>
+#include <string>
+#include <variant>
 
 #include "support/temporary_folder.h"
 
@@ -274,6 +276,29 @@ extra_joints:
   EXPECT_EQ(model->loops[1].type, LoopJoint::Type::spherical);
   EXPECT_EQ(model->loops[1].name, "ball");
   EXPECT_THAT(to_string(model->report), ::testing::HasSubstr("the piston that closes a loop"));
+}
+
+/// An angle with rounded legs: the number of hulls that contacts take; 0: its triangles.
+std::size_t hulls_of_bracket(const std::string& joint_type, MeshContact contact) {
+  const std::string text =
+      "format: ChoreonoidBody\nformat_version: 2.0\nlinks:\n  - name: BRACKET\n    joint_type: " + joint_type +
+      "\n    elements:\n      RigidBody:\n        mass: 1\n        inertia: [1, 0, 0, 0, 1, 0, 0, "
+      "0, 1]\n        elements: {Resource: {uri: mesh_arm/meshes/bracket.stl}}\n";
+  UrdfOptions options;
+  options.contact = contact;
+  const auto model = parse_body(text, FIXTURES_DIR "/models/test.body", options);
+  EXPECT_TRUE(model.ok()) << to_string(model.errors());
+  const auto& mesh = std::get<Mesh>(model->links.at(0).collisions.at(0).geometry);
+  return mesh.hulls ? mesh.hulls->size() : 0;
+}
+
+TEST(Body, TouchesByTheTrianglesOfAMeshThatNeverMovesAndByConvexPartsIfTheyAreWanted) {
+  EXPECT_EQ(hulls_of_bracket("free", MeshContact::automatic), 1u);
+  EXPECT_GE(hulls_of_bracket("free", MeshContact::parts), 2u);
+  EXPECT_EQ(hulls_of_bracket("fixed", MeshContact::automatic), 0u);
+  EXPECT_EQ(hulls_of_bracket("fixed", MeshContact::triangles), 0u);
+  EXPECT_EQ(hulls_of_bracket("fixed", MeshContact::hull), 1u);
+  EXPECT_GE(hulls_of_bracket("fixed", MeshContact::parts), 2u);
 }
 
 TEST(Body, TheWagonOfTheFixturesStandsOnItsWheels) {
