@@ -50,7 +50,7 @@ const imu = (where) =>
     const series = table('swing.mcap');
     const [time, q, dq] = [series('time'), series('Pendulum/hinge/q'), series('Pendulum/hinge/dq')];
     const along = series('Pendulum/imu/linear_acceleration/z');
-    const formula = q.map((angle, i) => dq[i] ** 2 + gravity * Math.cos(angle));
+    const formula = q.map((_, i) => (i === 0 ? NaN : dq[i - 1] ** 2 + gravity * Math.cos(q[i - 1])));
     const worst = largest(formula.slice(2).map((value, i) => value - along[i + 2]));
     demand('imu', worst, 0.1, 'm/s²'); // half of what the reading changes by in a step
     return figure(
@@ -63,7 +63,7 @@ const imu = (where) =>
           { label: 'reading', values: along, points: 40 },
         ],
       }),
-      `A pendulum of 1 m that falls from 100°, without a controller: the reading at its tip, and the formula with the recorded q and dq. They differ by at most ${worst.toPrecision(2)} m/s²: a reading is the mean over a step of 1 ms, the formula belongs to its end.`,
+      `A pendulum of 1 m that falls from 100°, without a controller: the reading at its tip, and the formula with the recorded q and dq. They differ by at most ${worst.toPrecision(2)} m/s²: a reading is the mean over a step of 1 ms, the formula belongs to its beginning.`,
     );
   });
 
