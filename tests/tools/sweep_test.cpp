@@ -1,67 +1,19 @@
 // rehearse sweep: campaigns from the command line, killed and resumed, and the mistakes that users make.
-#include "command.h"
-#include "falling_box.h"
+#include "sweep_fixture.h"
 
 #include <fcntl.h>
-#include <gmock/gmock.h>
 #include <signal.h>
 #include <sys/file.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <map>
 #include <set>
 #include <thread>
 
 namespace rehearse::test {
 namespace {
-
-using ::testing::HasSubstr;
-
-constexpr int bad_input = 2;
-
-class Sweep : public Command {
- protected:
-  /// A box that falls 20 ms; the lower ones reach the floor.
-  fs::path box(const std::string& more = "", const std::string& name = "box.yaml") const {
-    return write(name, falling_box("0.02", "above: 0.3", "0.6") + more);
-  }
-  /// The pendulum under a controller that misbehaves by `deeds`.
-  fs::path deeds(const std::string& deeds) const {
-    std::string text = read_file(pendulum(MISBEHAVING, "none"));
-    return write("deeds.yaml",
-                 text + "vary:\n  deed: {path: bodies.Pendulum.controllers.Swing.options, grid: [" + deeds + "]}\n");
-  }
-  std::map<std::string, std::string> verdicts(const std::string& campaign) const {
-    std::map<std::string, std::string> by_first_value;
-    std::istringstream stream(read_file(folder() / campaign / "results.csv"));
-    std::string line;
-    std::getline(stream, line);
-    while (std::getline(stream, line)) {
-      std::istringstream cells(line);
-      std::string number, value, verdict;
-      std::getline(cells, number, ',');
-      std::getline(cells, value, ',');
-      std::getline(cells, verdict, ',');
-      by_first_value[value] = verdict;
-    }
-    return by_first_value;
-  }
-  std::string results(const std::string& campaign) const { return read_file(folder() / campaign / "results.csv"); }
-  /// How often each case has a result line that isn't a second run.
-  std::map<int, int> counts(const std::string& campaign) const {
-    std::map<int, int> counts;
-    std::istringstream stream(read_file(folder() / campaign / "results.jsonl"));
-    for (std::string line; std::getline(stream, line);) {
-      const auto object = nlohmann::json::parse(line, nullptr, false);
-      if (!object.is_discarded() && !object.value("again", false)) ++counts[object["case"].get<int>()];
-    }
-    return counts;
-  }
-};
 
 TEST_F(Sweep, RefusesAnExpectationWhoseSeriesDoesNotExist) {
   std::string text = read_file(box());
@@ -215,30 +167,6 @@ TEST_F(Sweep, LosesAndDoublesNoCaseWhenItIsKilled) {
   const auto found = counts("killed");
   EXPECT_EQ(found.size(), 600u);
   for (const auto& [number, count] : found) EXPECT_EQ(count, 1) << number;
-}
-
-TEST_F(Sweep, StopsOnAFullDiskAndGoesOn) {
-  box();
-  rehearse({"sweep", "box.yaml", "--cases", "300", "-o", "whole"});
-  const pid_t child = fork();
-  if (child == 0) {
-    if (chdir(folder().c_str()) != 0) _exit(9);
-    std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit limit{40000, 40000};
-    setrlimit(RLIMIT_FSIZE, &limit);
-    const int log = open("log", O_WRONLY | O_CREAT | O_TRUNC, 0666);
-    dup2(log, STDOUT_FILENO);
-    dup2(log, STDERR_FILENO);
-    execl(command.c_str(), "rehearse", "sweep", "box.yaml", "--cases", "300", "-o", "full", nullptr);
-    _exit(9);
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  EXPECT_EQ(WEXITSTATUS(status), bad_input);
-  EXPECT_THAT(read_file(folder() / "log"), HasSubstr("can't be written: File too large"));
-  EXPECT_THAT(read_file(folder() / "log"), HasSubstr("sweep resume"));
-  rehearse({"sweep", "resume", "full"});
-  EXPECT_EQ(results("full"), results("whole"));
 }
 
 TEST_F(Sweep, EndsAfterSoManyFailures) {

@@ -37,11 +37,11 @@ Result<Campaign> create_campaign(const std::filesystem::path& scenario, const st
                                  const CampaignOptions& options, const Simulation& simulation);
 
 /// Runs all cases that have no result. Fails if another process works here, if the nominal run differs from that in
-/// the plan, or if results can't be written.
+/// the plan, if results can't be written, or if the environment prevents a case (a full disk): it gets no result.
 Result<void> run_cases(Campaign& campaign, const SweepOptions& options, const Simulation& simulation);
 
 /// Runs a scenario with this text in a process of its own, and judges it. `trace`: the file of the recording; empty:
-/// it is not kept. Fails if a signal interrupts it.
+/// it is not kept. Fails if a signal interrupts it, or if the environment prevents it.
 Result<CaseResult> run_text(const Campaign& campaign, const std::string& text, const std::filesystem::path& trace,
                             const Simulation& simulation);
 

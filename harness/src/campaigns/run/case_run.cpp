@@ -4,8 +4,12 @@
 #include <rehearse/check.h>
 #include <rehearse/compare.h>
 #include <rehearse/mcap.h>
+#include <sys/resource.h>
 
+#include <algorithm>
 #include <cctype>
+#include <cerrno>
+#include <cstring>
 
 #include "core/check/unknown_series.h"
 #include "core/mcap/hashing.h"
@@ -57,6 +61,24 @@ Result<void> compare_with_golden(const Scenario& scenario, const CampaignOptions
   return {};
 }
 
+/// The system's errors that aren't of a case: the same case may run later, or on another machine.
+constexpr int errors_of_environment[] = {ENOSPC, EDQUOT, EFBIG, EIO, EROFS, ENOMEM, ENFILE, ESTALE};
+
+bool is_of_environment(const Diagnostics& problems, const std::filesystem::path& trace) {
+  return std::ranges::any_of(problems, [&](const Diagnostic& problem) {
+    return problem.file == trace.string() || std::ranges::any_of(errors_of_environment, [&](int number) {
+             return problem.message.find(std::strerror(number)) != std::string::npos;
+           });
+  });
+}
+
+/// Largest file that this process may write [bytes]. A controller can change it.
+rlim_t file_limit() {
+  rlimit limit{};
+  ::getrlimit(RLIMIT_FSIZE, &limit);
+  return limit.rlim_cur;
+}
+
 }  // namespace
 
 std::string without_numbers(std::string_view sentence) {
@@ -82,11 +104,13 @@ CaseResult ended_case(std::int64_t number, CaseVerdict verdict, std::string sent
   return result;
 }
 
-CaseRun run_case(const std::filesystem::path& file, const std::string& text, const CampaignOptions& options,
-                 const std::filesystem::path& trace, const Simulation& simulation) {
+Result<CaseRun> run_case(const std::filesystem::path& file, const std::string& text, const CampaignOptions& options,
+                         const std::filesystem::path& trace, const Simulation& simulation) {
   CaseRun made;
   CaseResult& result = made.result;
-  const auto invalid = [&](const Diagnostics& problems) {
+  const rlim_t limit = file_limit();
+  const auto invalid = [&](const Diagnostics& problems) -> Result<CaseRun> {
+    if (file_limit() == limit && is_of_environment(problems, trace)) return problems;
     result.verdict = CaseVerdict::invalid;
     result.sentence = problems.front().message;
     result.reason = without_numbers(result.sentence);
@@ -109,6 +133,7 @@ CaseRun run_case(const std::filesystem::path& file, const std::string& text, con
     result.tick = run->ticks;
   }
   const auto judged = judge_recording(scenario->expectations, trace);
+  if (!judged && !run->trace_changed) return judged.errors();  // its own process has just written it
   if (!judged) return invalid(judged.errors());
   CheckReport report;
   report.run = *run;
@@ -121,7 +146,7 @@ CaseRun run_case(const std::filesystem::path& file, const std::string& text, con
   for (const ExpectationResult& expectation : judged->expectations) made.expectations.push_back(expectation.text);
   take_violation(*judged, result);
   if (const auto compared = compare_with_golden(*scenario, options, trace, result); !compared)
-    return invalid(compared.errors());
+    return mcap::Reader::open(options.golden) ? invalid(compared.errors()) : Result<CaseRun>(compared.errors());
   if (const auto reader = mcap::Reader::open(trace)) made.libraries = RunFacts::of(**reader).controllers;
   return made;
 }

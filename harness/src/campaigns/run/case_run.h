@@ -18,12 +18,13 @@ struct CaseRun {
 };
 
 /// Runs a scenario in this process. `file`: the place to which its paths are relative. The recording is written to
-/// `trace`, and stays.
-CaseRun run_case(const std::filesystem::path& file, const std::string& text, const CampaignOptions& options,
-                 const std::filesystem::path& trace, const Simulation& simulation);
+/// `trace`, and stays. Fails if the environment prevents the run, as a full disk does: nothing is known of the case.
+Result<CaseRun> run_case(const std::filesystem::path& file, const std::string& text, const CampaignOptions& options,
+                         const std::filesystem::path& trace, const Simulation& simulation);
 
 /// Runs a scenario with this text in a process of its own. `file`: the place to which its paths are relative. `trace`:
-/// the file of its recording; empty: it is not kept. Fails if a signal interrupts it.
+/// the file of its recording; empty: it is not kept. Fails if a signal interrupts it, or if the environment prevents
+/// it.
 Result<CaseRun> run_alone(const Campaign& campaign, const std::string& text, const std::filesystem::path& file,
                           const std::filesystem::path& trace, const Simulation& simulation);
 

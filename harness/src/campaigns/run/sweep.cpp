@@ -29,7 +29,8 @@ using Clock = std::chrono::steady_clock;
 constexpr const char* trace_name = "run.mcap";
 constexpr const char* new_campaign =
     "begin another campaign in a new folder, and compare: rehearse sweep report NEW --against OLD";
-const std::string refusal = "refused: ";  // begins an answer of a worker that isn't a result
+// these begin answers of workers that aren't results
+const std::string refusal = "refused: ", hindrance = "hindered: ";
 
 Diagnostic interrupted() { return error("interrupted: nothing was judged"); }
 
@@ -49,12 +50,19 @@ WorkerPool::Limits limits_of(const CampaignOptions& options) {
   return {options.case_limit, options.host.memory_limit * 1e6};
 }
 
-CaseRun timed_case(const fs::path& file, const std::string& text, const CampaignOptions& options, const fs::path& trace,
-                   const Simulation& simulation) {
+Result<CaseRun> timed_case(const fs::path& file, const std::string& text, const CampaignOptions& options,
+                           const fs::path& trace, const Simulation& simulation) {
   const Clock::time_point begin = Clock::now();
-  CaseRun run = run_case(file, text, options, trace, simulation);
-  run.result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  auto run = run_case(file, text, options, trace, simulation);
+  if (run) run->result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   return run;
+}
+
+/// The environment prevented a case in two processes. The case has no result, so that it is run again.
+Diagnostic hindered(const Campaign& campaign, std::int64_t number, const std::string& why) {
+  return error_in(
+      campaign.folder().string(), fmt::format("case {} can't be run here: {}", number, why),
+      fmt::format("it has no result; remove the cause, then: rehearse sweep resume {}", campaign.folder().string()));
 }
 
 /// Keeps the trace of a failure if its case is among the lowest of its verdict. All kept traces are found by the names
@@ -144,6 +152,12 @@ Result<void> Work::take(const WorkerPool::Answer& answer, Phase phase) {
     queue_.push_front(answer.job);
     return {};
   }
+  if (answer.text && answer.text->starts_with(hindrance)) {
+    pool_.renew(answer.folder);  // an earlier case may have changed the limits of its process
+    if (!lost_.insert(answer.job).second) return hindered(campaign_, answer.job, answer.text->substr(hindrance.size()));
+    queue_.push_front(answer.job);
+    return {};
+  }
   if (answer.text && answer.text->starts_with(refusal))
     return error_in(campaign_.folder().string(), answer.text->substr(refusal.size()), new_campaign);
   CaseResult result = result_of(answer);
@@ -197,15 +211,18 @@ Result<CaseRun> run_alone(const Campaign& campaign, const std::string& text, con
   const auto scratch = RunFolder::make(campaign.folder() / "running");
   if (!scratch) return scratch.errors();
   WorkerPool pool(1, limits_of(campaign.options()), scratch->path(), [&](std::int64_t, const fs::path& folder) {
-    const CaseRun run = timed_case(file, text, campaign.options(), folder / trace_name, simulation);
+    const auto run = timed_case(file, text, campaign.options(), folder / trace_name, simulation);
+    if (!run) return hindrance + run.errors().front().message;
     const Json answer{
-        {"result", json_of_result(run.result)}, {"expectations", run.expectations}, {"libraries", run.libraries}};
+        {"result", json_of_result(run->result)}, {"expectations", run->expectations}, {"libraries", run->libraries}};
     return answer.dump(-1, ' ', false, Json::error_handler_t::replace);
   });
   if (auto given = pool.give(0); !given) return given.errors();
   std::optional<WorkerPool::Answer> answer;
   while (!answer && interruption() == 0) answer = pool.wait();
   if (!answer) return interrupted();
+  if (answer->text && answer->text->starts_with(hindrance))
+    return error_in(file.string(), "it can't be run here: " + answer->text->substr(hindrance.size()));
   CaseRun run;
   const Json object = answer->text ? Json::parse(*answer->text, nullptr, false) : Json();
   if (object.is_object()) {
@@ -302,13 +319,14 @@ Result<void> run_cases(Campaign& campaign, const SweepOptions& options, const Si
                   [&](std::int64_t number, const fs::path& folder) {
                     const auto text = campaign.text_of(number);
                     if (!text) return line_of(ended_case(number, CaseVerdict::invalid, text.errors().front().message));
-                    CaseRun run = timed_case(campaign.scenario().file, *text, campaign.options(), folder / trace_name,
-                                             simulation);
-                    if (!run.libraries.empty() && !varies_libraries)
-                      if (const auto same = check_libraries(campaign, run.libraries); !same)
+                    auto run = timed_case(campaign.scenario().file, *text, campaign.options(), folder / trace_name,
+                                          simulation);
+                    if (!run) return hindrance + run.errors().front().message;
+                    if (!run->libraries.empty() && !varies_libraries)
+                      if (const auto same = check_libraries(campaign, run->libraries); !same)
                         return refusal + same.errors().front().message;
-                    run.result.number = number;
-                    return line_of(run.result);
+                    run->result.number = number;
+                    return line_of(run->result);
                   });
   return Work(campaign, options, *file, pool).run();
 }

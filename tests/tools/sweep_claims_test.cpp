@@ -1,0 +1,44 @@
+// rehearse sweep: results that it must not claim, and what its reports say of them.
+#include "sweep_fixture.h"
+
+namespace rehearse::test {
+namespace {
+
+TEST_F(Sweep, StopsOnAFullDiskAndGoesOn) {
+  box();
+  rehearse({"sweep", "box.yaml", "--cases", "300", "-o", "whole"});
+  const Outcome stopped = with_small_files(40000, {"sweep", "box.yaml", "--cases", "300", "-o", "full"});
+  EXPECT_EQ(stopped.status, bad_input);
+  EXPECT_THAT(stopped.err, HasSubstr("can't be written: File too large"));
+  EXPECT_THAT(stopped.err, HasSubstr("sweep resume"));
+  rehearse({"sweep", "resume", "full"});
+  EXPECT_EQ(results("full"), results("whole"));
+}
+
+TEST_F(Sweep, GivesNoResultToACaseThatTheMachinePrevents) {
+  box("  length: {path: duration, choice: [0.02, 4]}\n");  // the recordings of the longer runs don't fit
+  rehearse({"sweep", "box.yaml", "--cases", "12", "-o", "whole"});
+  ASSERT_THAT(results("whole"), HasSubstr(",4,"));
+  const Outcome stopped = with_small_files(60000, {"sweep", "box.yaml", "--cases", "12", "-o", "full"});
+  EXPECT_EQ(stopped.status, bad_input);
+  EXPECT_THAT(stopped.err, HasSubstr("can't be run here: can't write the trace: File too large"));
+  EXPECT_THAT(stopped.err, HasSubstr("it has no result; remove the cause, then: rehearse sweep resume full"));
+  const auto status = rehearse({"sweep", "status", "full", "--json"}).json();
+  EXPECT_EQ(status["verdicts"]["invalid"], 0);
+  EXPECT_GT(status["missing"], 0);
+  rehearse({"sweep", "resume", "full"});
+  EXPECT_EQ(results("full"), results("whole"));
+
+  // nor does a case that is made again blame its values
+  for (int number = 0; number < 12; ++number) {
+    const auto again = rehearse({"sweep", "case", std::to_string(number), "full", "--json"}).json();
+    if (again["values"]["length"] != "4") continue;
+    const Outcome refused = with_small_files(60000, {"sweep", "case", std::to_string(number), "full"});
+    EXPECT_EQ(refused.status, bad_input);
+    EXPECT_THAT(refused.err, HasSubstr("it can't be run here: can't write the trace: File too large"));
+    return;
+  }
+}
+
+}  // namespace
+}  // namespace rehearse::test
