@@ -167,6 +167,17 @@ TEST(Statistics, RankCorrelationIsAsPublished) {
   EXPECT_TRUE(std::isnan(rank_correlation({1, 1}, {1, 2})));
 }
 
+TEST(Statistics, CramersVIsThatOfTheTableOfCounts) {
+  EXPECT_NEAR(cramers_v({{20, 10}, {10, 20}}), 1.0 / 3.0, 1e-12) << "(ad - bc) / sqrt((a+b)(c+d)(a+c)(b+d))";
+  EXPECT_NEAR(cramers_v({{10, 0}, {0, 10}, {5, 5}}), std::sqrt(20.0 / 30.0), 1e-12);
+  EXPECT_EQ(cramers_v({{10, 0}, {0, 10}}), 1.0);
+  EXPECT_EQ(cramers_v({{0, 10}, {10, 0}, {0, 0}}), 1.0) << "neither an order nor a word without cases has an effect";
+  EXPECT_EQ(cramers_v({{5, 5}, {5, 5}}), 0.0);
+  EXPECT_TRUE(std::isnan(cramers_v({{5, 5}, {0, 0}})));
+  EXPECT_TRUE(std::isnan(cramers_v({{5, 0}, {5, 0}})));
+  EXPECT_TRUE(std::isnan(cramers_v({})));
+}
+
 TEST(ResultLines, KeepAllOfAResult) {
   CaseResult result;
   result.number = 17;

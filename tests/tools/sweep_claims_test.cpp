@@ -40,5 +40,23 @@ TEST_F(Sweep, GivesNoResultToACaseThatTheMachinePrevents) {
   }
 }
 
+TEST_F(Sweep, ReportsTheShareThatPassesOfEachWord) {
+  deeds("none, throw 5, 7, none, refuse, none");  // the controller does nothing for a 7
+  rehearse({"sweep", "deeds.yaml", "-o", "run"});
+  const auto deed = nlohmann::json::parse(read_file(folder() / "run/report.json"))["parameters"][0];
+  EXPECT_TRUE(deed["correlation_with_passing"].is_null());
+  EXPECT_NEAR(deed["association_with_passing"].get<double>(), 1.0, 1e-12);
+  std::vector<std::string> words;
+  std::vector<std::pair<int, int>> counts;
+  for (const auto& word : deed["words"]) {
+    words.push_back(word["word"]);
+    counts.emplace_back(word["passed"], word["cases"]);
+  }
+  EXPECT_EQ(words, (std::vector<std::string>{"7", "none", "refuse", "throw 5"}));
+  EXPECT_EQ(counts, (std::vector<std::pair<int, int>>{{1, 1}, {3, 3}, {0, 1}, {0, 1}}));
+  EXPECT_THAT(read_file(folder() / "run/report.md"), HasSubstr("| deed | none | 3 | 3 | 100 % |"));
+  EXPECT_THAT(read_file(folder() / "run/report.html"), HasSubstr(">throw 5</text>"));
+}
+
 }  // namespace
 }  // namespace rehearse::test

@@ -33,6 +33,10 @@ double mcnemar_exact(std::int64_t one_way, std::int64_t other_way);
 /// has only one value.
 double rank_correlation(const std::vector<double>& a, const std::vector<double>& b);
 
+/// The association of two kinds of words, 0 to 1, from the number of cases by row and column: H. Cramér, Mathematical
+/// Methods of Statistics (1946), section 21.9. NaN if cases are in one row or in one column only.
+double cramers_v(const std::vector<std::vector<std::int64_t>>& counts);
+
 // Reports.
 
 /// The results of a campaign, counted.

@@ -15,6 +15,7 @@
 #include "case_table.h"
 #include "core/golden/golden_files.h"
 #include "core/mcap/hashing.h"
+#include "model/text.h"
 
 namespace rehearse {
 namespace {
@@ -31,23 +32,37 @@ std::uint64_t hash_of_text(const std::string& text) {
   return hash;
 }
 
+std::optional<double> finite_number(const std::string& text) {
+  const auto number = number_in<double>(text);
+  return number && std::isfinite(*number) ? number : std::nullopt;
+}
+
+/// A parameter with a value that is no number has words; they are in the order of the alphabet.
 void read_values(const Campaign& campaign, CaseTable& table) {
   const std::size_t count = campaign.scenario().variations.size();
   table.values.assign(count, std::vector<double>(table.size()));
   table.words.resize(count);
-  std::vector<std::map<std::string, std::size_t>> places(count);
+  std::vector<bool> has_words(count);
   for (std::size_t number = 0; number < table.size(); ++number) {
     const std::vector<std::string> values = campaign.values_of(static_cast<std::int64_t>(number));
-    for (std::size_t i = 0; i < count; ++i) {
-      double& value = table.values[i][number];
-      const char* const end = values[i].data() + values[i].size();
-      const auto [stop, status] = std::from_chars(values[i].data(), end, value);
-      if (status == std::errc() && stop == end && places[i].empty()) continue;
-      const auto [place, is_new] = places[i].emplace(values[i], places[i].size());
-      if (is_new) table.words[i].push_back(values[i]);
-      value = static_cast<double>(place->second);
-    }
+    for (std::size_t i = 0; i < count; ++i)
+      if (const auto value = finite_number(values[i]))
+        table.values[i][number] = *value;
+      else
+        has_words[i] = true;
   }
+  if (std::ranges::count(has_words, true) == 0) return;
+  std::vector<std::map<std::string, std::vector<std::size_t>>> cases(count);  // by word
+  for (std::size_t number = 0; number < table.size(); ++number) {
+    std::vector<std::string> values = campaign.values_of(static_cast<std::int64_t>(number));
+    for (std::size_t i = 0; i < count; ++i)
+      if (has_words[i]) cases[i][std::move(values[i])].push_back(number);
+  }
+  for (std::size_t i = 0; i < count; ++i)
+    for (const auto& [word, these] : cases[i]) {
+      for (const std::size_t number : these) table.values[i][number] = static_cast<double>(table.words[i].size());
+      table.words[i].push_back(word);
+    }
 }
 
 double median(std::vector<double> values) {
@@ -95,19 +110,8 @@ double correlation(const CaseTable& table, const std::vector<double>& values, co
   return rank_correlation(a, b);
 }
 
-Json json_of_parameter(const Campaign& campaign, const CaseTable& table, std::size_t index) {
-  const Variation& variation = campaign.scenario().variations[index];
-  const std::vector<double>& values = table.values[index];
-  std::vector<double> passing(table.size(), none), of_passed, of_failed;
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    if (!table.has(i)) continue;
-    passing[i] = table.passed(i) ? 1.0 : 0.0;
-    (table.passed(i) ? of_passed : of_failed).push_back(values[i]);
-  }
-  Json object{{"name", variation.name},
-              {"path", variation.path},
-              {"nominal", variation.nominal},
-              {"correlation_with_passing", number_or_null(correlation(table, values, passing))}};
+/// The expectation on whose margin a parameter has the largest effect; null: no correlation is known.
+Json strongest_margin(const Campaign& campaign, const CaseTable& table, const std::vector<double>& values) {
   double strongest = 0.0;
   std::string of_expectation;
   for (std::size_t e = 0; e < table.margins.size(); ++e) {
@@ -116,11 +120,53 @@ Json json_of_parameter(const Campaign& campaign, const CaseTable& table, std::si
     strongest = found;
     of_expectation = campaign.expectations()[e];
   }
-  object["correlation_with_margin"] =
-      of_expectation.empty() ? Json(nullptr) : Json{{"expectation", of_expectation}, {"correlation", strongest}};
-  const bool is_number = table.words[index].empty();
-  object["median_of_passed"] = is_number ? number_or_null(median(of_passed)) : Json(nullptr);
-  object["median_of_failed"] = is_number ? number_or_null(median(of_failed)) : Json(nullptr);
+  if (of_expectation.empty()) return nullptr;
+  return {{"expectation", of_expectation}, {"correlation", strongest}};
+}
+
+/// Words have no order, so no rank: of each the share that passes, and their association with passing.
+void add_words(const CaseTable& table, std::size_t index, Json& object) {
+  const std::vector<std::string>& words = table.words[index];
+  std::vector<std::vector<std::int64_t>> counts(words.size(), {0, 0});  // by word: passed and failed cases
+  for (std::size_t i = 0; i < table.size(); ++i)
+    if (table.has(i)) ++counts[static_cast<std::size_t>(table.values[index][i])][table.passed(i) ? 0 : 1];
+  object["association_with_passing"] = number_or_null(cramers_v(counts));
+  object["words"] = Json::array();
+  for (std::size_t word = 0; word < words.size(); ++word) {
+    const std::int64_t passed = counts[word][0], all = passed + counts[word][1];
+    const double share = all == 0 ? none : static_cast<double>(passed) / static_cast<double>(all);
+    object["words"].push_back({{"word", words[word]},
+                               {"cases", all},
+                               {"passed", passed},
+                               {"share", number_or_null(share)},
+                               {"interval", json_of_interval(wilson_interval(passed, all))}});
+  }
+}
+
+Json json_of_parameter(const Campaign& campaign, const CaseTable& table, std::size_t index) {
+  const Variation& variation = campaign.scenario().variations[index];
+  const std::vector<double>& values = table.values[index];
+  Json object{{"name", variation.name},
+              {"path", variation.path},
+              {"nominal", variation.nominal},
+              {"correlation_with_passing", nullptr},
+              {"correlation_with_margin", nullptr},
+              {"median_of_passed", nullptr},
+              {"median_of_failed", nullptr}};
+  if (!table.words[index].empty()) {
+    add_words(table, index, object);
+    return object;
+  }
+  std::vector<double> passing(table.size(), none), of_passed, of_failed;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    if (!table.has(i)) continue;
+    passing[i] = table.passed(i) ? 1.0 : 0.0;
+    (table.passed(i) ? of_passed : of_failed).push_back(values[i]);
+  }
+  object["correlation_with_passing"] = number_or_null(correlation(table, values, passing));
+  object["correlation_with_margin"] = strongest_margin(campaign, table, values);
+  object["median_of_passed"] = number_or_null(median(of_passed));
+  object["median_of_failed"] = number_or_null(median(of_failed));
   return object;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace rehearse {
@@ -55,6 +56,28 @@ double rank_correlation(const std::vector<double>& a, const std::vector<double>&
     yy += (y[i] - mean) * (y[i] - mean);
   }
   return xy / std::sqrt(xx * yy);
+}
+
+double cramers_v(const std::vector<std::vector<std::int64_t>>& counts) {
+  std::vector<double> of_row, of_column;
+  for (const std::vector<std::int64_t>& row : counts) {
+    of_row.push_back(static_cast<double>(std::accumulate(row.begin(), row.end(), std::int64_t{0})));
+    of_column.resize(std::max(of_column.size(), row.size()));
+    for (std::size_t column = 0; column < row.size(); ++column) of_column[column] += static_cast<double>(row[column]);
+  }
+  const double all = std::accumulate(of_row.begin(), of_row.end(), 0.0);
+  double squares = 0.0;  // chi squared over the number of cases
+  for (std::size_t row = 0; row < counts.size(); ++row)
+    for (std::size_t column = 0; column < counts[row].size(); ++column) {
+      const double expected = of_row[row] * of_column[column] / all;
+      const double excess = static_cast<double>(counts[row][column]) - expected;
+      if (expected > 0.0) squares += excess * excess / expected / all;
+    }
+  const auto occurring = [](const std::vector<double>& sums) {
+    return static_cast<double>(std::ranges::count_if(sums, [](double sum) { return sum > 0.0; }));
+  };
+  const double degrees = std::min(occurring(of_row), occurring(of_column)) - 1.0;
+  return degrees < 1.0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(squares / degrees);
 }
 
 }  // namespace rehearse
