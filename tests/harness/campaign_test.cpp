@@ -167,6 +167,45 @@ TEST(Statistics, RankCorrelationIsAsPublished) {
   EXPECT_TRUE(std::isnan(rank_correlation({1, 1}, {1, 2})));
 }
 
+TEST(Statistics, QuantilesAreBetweenTheTwoValuesAroundThem) {
+  EXPECT_EQ(quantile_of_sorted({1, 2, 4, 8}, 0.5), 3.0) << "the mean of the two in the middle";
+  EXPECT_EQ(quantile_of_sorted({1, 2, 4}, 0.5), 2.0);
+  EXPECT_EQ(quantile_of_sorted({1, 2, 4, 8, 16}, 0.0), 1.0);
+  EXPECT_EQ(quantile_of_sorted({1, 2, 4, 8, 16}, 1.0), 16.0);
+  EXPECT_NEAR(quantile_of_sorted({1, 2, 4, 8, 16}, 0.05), 1.2, 1e-12);
+  EXPECT_EQ(quantile_of_sorted({7}, 0.05), 7.0);
+  EXPECT_TRUE(std::isnan(quantile_of_sorted({}, 0.5)));
+}
+
+TEST(Statistics, TheIntervalAfterAFailureIsThatOfInverseSampling) {
+  const Interval tenth = inverse_interval(1, 10);  // (1 - p)^10 = 0.975, (1 - p)^9 = 0.025
+  EXPECT_NEAR(tenth.high, std::pow(0.975, 0.1), 1e-12);
+  EXPECT_NEAR(tenth.low, std::pow(0.025, 1.0 / 9.0), 1e-12);
+  EXPECT_EQ(inverse_interval(4, 4).low, 0.0);
+  EXPECT_NEAR(inverse_interval(4, 4).high, 1.0 - std::pow(0.025, 0.25), 1e-12);
+  // the number of cases is n with the probability C(n - 1, k - 1) p^k (1 - p)^(n - k)
+  for (const double p : {0.02, 0.2, 0.5, 0.9})
+    for (const int k : {1, 3, 10}) {
+      double covered = 0.0, estimate = 0.0;
+      for (int n = k; n < 3000; ++n) {
+        const double probability = std::exp(std::lgamma(n) - std::lgamma(k) - std::lgamma(n - k + 1) + k * std::log(p) +
+                                            (n - k) * std::log1p(-p));
+        if (probability < 1e-15) continue;
+        const Interval interval = inverse_interval(k, n);
+        if (interval.low <= 1.0 - p && 1.0 - p <= interval.high) covered += probability;
+        CampaignSummary summary;
+        summary.cases = n;
+        summary.verdicts[0] = n - k;
+        summary.until_failures = k;
+        if (k > 1) estimate += probability * summary.share();
+      }
+      EXPECT_GE(covered, 0.95 - 1e-9) << p << " " << k;
+      if (k > 1) {
+        EXPECT_NEAR(estimate, 1.0 - p, 1e-6) << "unbiased";
+      }
+    }
+}
+
 TEST(Statistics, CramersVIsThatOfTheTableOfCounts) {
   EXPECT_NEAR(cramers_v({{20, 10}, {10, 20}}), 1.0 / 3.0, 1e-12) << "(ad - bc) / sqrt((a+b)(c+d)(a+c)(b+d))";
   EXPECT_NEAR(cramers_v({{10, 0}, {0, 10}, {5, 5}}), std::sqrt(20.0 / 30.0), 1e-12);

@@ -179,10 +179,16 @@ TEST_F(Sweep, EndsAfterSoManyFailures) {
   const auto status = rehearse({"sweep", "status", "few", "--json"}).json();
   EXPECT_EQ(status["verdicts"]["violated"], 3);
   EXPECT_GT(status["missing"], 50);
+  EXPECT_EQ(status["until_failures"], 3);
+  const double judged = 3.0 + status["verdicts"]["passed"].get<double>();
+  EXPECT_NEAR(status["share"].get<double>(), 1.0 - 2.0 / (judged - 1.0), 1e-12) << "of inverse sampling";
+  EXPECT_THAT(ended.out, HasSubstr("; the work ended with failure 3, so the share that passes is about "));
   EXPECT_EQ(rehearse({"sweep", "resume", "few", "--until-failures", "3", "--json"}).json()["missing"],
             status["missing"]);
-  rehearse({"sweep", "resume", "few"});
+  EXPECT_EQ(rehearse({"sweep", "resume", "few", "--json"}).json()["until_failures"], nullptr);
   EXPECT_EQ(results("few"), results("whole"));
+  EXPECT_THAT(rehearse({"sweep", "box.yaml", "--cases", "100", "-o", "one", "--until-failures", "1"}).out,
+              HasSubstr("; the work ended with the first failure, so the share that passes is within "));
 }
 
 TEST_F(Sweep, JudgesByTheGoldenToo) {

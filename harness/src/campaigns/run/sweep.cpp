@@ -88,6 +88,7 @@ class Work {
       : campaign_(campaign), options_(options), file_(file), pool_(pool), done_(campaign) {}
 
   Result<void> run();
+  bool ended_by_failures() const { return progress_.failed >= options_.most_failures; }
 
  private:
   enum class Phase { first, again };
@@ -133,8 +134,7 @@ std::deque<std::int64_t> Work::queue_of(Phase phase) {
 
 bool Work::goes_on() {
   progress_.seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
-  return interruption() == 0 && progress_.failed < options_.most_failures &&
-         (!options_.progress || options_.progress(progress_));
+  return interruption() == 0 && !ended_by_failures() && (!options_.progress || options_.progress(progress_));
 }
 
 CaseResult Work::result_of(const WorkerPool::Answer& answer) const {
@@ -307,6 +307,7 @@ Result<void> run_cases(Campaign& campaign, const SweepOptions& options, const Si
   if (!file) return file.errors();
   if (!CampaignFolder::take_new(campaign))
     if (auto same = check_nominal(campaign, simulation); !same) return same;
+  if (auto done = set_ending_failures(own_folder, 0); !done) return done;
   const auto scratch = RunFolder::make(own_folder / "running");
   if (!scratch) return scratch.errors();
   std::error_code ignored;
@@ -328,7 +329,9 @@ Result<void> run_cases(Campaign& campaign, const SweepOptions& options, const Si
                     run->result.number = number;
                     return line_of(run->result);
                   });
-  return Work(campaign, options, *file, pool).run();
+  Work work(campaign, options, *file, pool);
+  if (auto done = work.run(); !done || !work.ended_by_failures()) return done;
+  return set_ending_failures(own_folder, options.most_failures);
 }
 
 }  // namespace rehearse

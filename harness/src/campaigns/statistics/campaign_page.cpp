@@ -188,8 +188,10 @@ std::string subtitle_of(const Json& report) {
   const Json& summary = report["summary"];
   std::string text = fmt::format("Scenario {}, seed {}, plan {}. ", text_of(report["scenario"]),
                                  text_of(report["seed"]), text_of(report["plan"]));
-  text += fmt::format("The share that passes is within {} to {} with 95 % confidence (Wilson's interval). ",
-                      percent(summary["interval"][0].get<double>()), percent(summary["interval"][1].get<double>()));
+  text += fmt::format(
+      "The share that passes is within {} to {} with 95 % confidence ({}). ",
+      percent(summary["interval"][0].get<double>()), percent(summary["interval"][1].get<double>()),
+      summary["until_failures"].is_null() ? "Wilson's interval" : "of inverse sampling: the work ended with a failure");
   text += fmt::format("The nominal scenario: {}. ", text_of(report["nominal"]["verdict"]));
   return text + fmt::format("Cases that ran twice, in different processes: {}; {}.", text_of(summary["repeated"]),
                             summary["unrepeated"].empty() ? "each gave the same bits"

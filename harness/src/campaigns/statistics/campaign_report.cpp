@@ -11,6 +11,7 @@
 #include <set>
 
 #include "campaign_page.h"
+#include "campaigns/plan/campaign_folder.h"
 #include "campaigns/plan/csv_text.h"
 #include "case_table.h"
 #include "core/golden/golden_files.h"
@@ -66,9 +67,8 @@ void read_values(const Campaign& campaign, CaseTable& table) {
 }
 
 double median(std::vector<double> values) {
-  if (values.empty()) return none;
   std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
+  return quantile_of_sorted(values, 0.5);
 }
 
 Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
@@ -181,10 +181,7 @@ Json json_of_margins(const Campaign& campaign, const CaseTable& table, std::size
   }
   std::sort(found.begin(), found.end());
   std::sort(passes.begin(), passes.end());
-  const auto quantile = [&](double share) {
-    return found.empty() ? Json(nullptr)
-                         : Json(found[static_cast<std::size_t>(share * static_cast<double>(found.size() - 1))]);
-  };
+  const auto quantile = [&](double share) { return number_or_null(quantile_of_sorted(found, share)); };
   Json worst = Json::array();
   for (std::size_t i = 0; i < std::min(passes.size(), listed_passes); ++i)
     worst.push_back({{"case", passes[i].second}, {"margin", passes[i].first}});
@@ -216,12 +213,15 @@ Json json_of_summary(const CampaignSummary& summary) {
   Json verdicts = Json::object();
   for (std::size_t i = 0; i < case_verdict_count; ++i)
     verdicts[std::string(to_string(static_cast<CaseVerdict>(i)))] = summary.verdicts[i];
-  const double share =
-      summary.judged() == 0 ? none : static_cast<double>(summary.passed()) / static_cast<double>(summary.judged());
-  return {{"verdict", verdict(summary)},    {"cases", summary.cases},
-          {"verdicts", verdicts},           {"missing", summary.missing},
-          {"share", number_or_null(share)}, {"interval", json_of_interval(summary.interval())},
-          {"repeated", summary.repeated},   {"unrepeated", summary.unrepeated}};
+  return {{"verdict", verdict(summary)},
+          {"cases", summary.cases},
+          {"verdicts", verdicts},
+          {"missing", summary.missing},
+          {"share", number_or_null(summary.share())},
+          {"interval", json_of_interval(summary.interval())},
+          {"until_failures", summary.until_failures > 0 ? Json(summary.until_failures) : Json(nullptr)},
+          {"repeated", summary.repeated},
+          {"unrepeated", summary.unrepeated}};
 }
 
 /// The cases whose verdict flipped between two campaigns over the same cases.
@@ -249,7 +249,7 @@ Json json_of_change(const CaseTable& now, const CaseTable& before) {
           {"mended_cases", first_of(mended)}};
 }
 
-CampaignSummary summary_of(const CaseTable& table) {
+CampaignSummary summary_of(const Campaign& campaign, const CaseTable& table) {
   CampaignSummary summary;
   summary.cases = static_cast<std::int64_t>(table.size());
   for (const auto& verdict : table.verdicts) {
@@ -260,6 +260,8 @@ CampaignSummary summary_of(const CaseTable& table) {
   }
   summary.repeated = table.repeated;
   summary.unrepeated = table.unrepeated;
+  const std::int64_t failures = ending_failures(campaign.folder());
+  if (summary.missing > 0 && summary.failed() == failures) summary.until_failures = failures;
   return summary;
 }
 
@@ -372,7 +374,7 @@ Result<CaseTable> CaseTable::of(const Campaign& campaign) {
 Result<CampaignSummary> summary_of(const Campaign& campaign) {
   const auto table = CaseTable::of(campaign);
   if (!table) return table.errors();
-  return summary_of(*table);
+  return summary_of(campaign, *table);
 }
 
 std::string verdict(const CampaignSummary& summary) {
@@ -381,10 +383,15 @@ std::string verdict(const CampaignSummary& summary) {
                        summary.unrepeated.front());
   if (summary.judged() == 0) return fmt::format("none of {} cases has a result", summary.cases);
   const Interval interval = summary.interval();
-  std::string text =
-      fmt::format("{} of {} cases pass: {:.4g} % ({:.4g} % to {:.4g} %)", summary.passed(), summary.judged(),
-                  100.0 * static_cast<double>(summary.passed()) / static_cast<double>(summary.judged()),
-                  100.0 * interval.low, 100.0 * interval.high);
+  const std::string range = fmt::format("{:.4g} % to {:.4g} %", 100.0 * interval.low, 100.0 * interval.high);
+  std::string text = fmt::format("{} of {} cases pass", summary.passed(), summary.judged());
+  if (summary.until_failures == 1)
+    text += fmt::format("; the work ended with the first failure, so the share that passes is within {}", range);
+  else if (summary.until_failures > 1)
+    text += fmt::format("; the work ended with failure {}, so the share that passes is about {:.4g} % ({})",
+                        summary.until_failures, 100.0 * summary.share(), range);
+  else
+    text += fmt::format(": {:.4g} % ({})", 100.0 * summary.share(), range);
   if (summary.missing > 0) text += fmt::format("; {} have no result yet", summary.missing);
   return text;
 }
@@ -394,7 +401,7 @@ std::string to_json(const CampaignSummary& summary) { return json_of_summary(sum
 Result<CampaignSummary> write_campaign_report(const Campaign& campaign, const Campaign* against) {
   const auto table = CaseTable::of(campaign);
   if (!table) return table.errors();
-  const CampaignSummary summary = summary_of(*table);
+  const CampaignSummary summary = summary_of(campaign, *table);
   Json report = json_of_report(campaign, *table, summary);
   if (against) {
     if (against->digest() != campaign.digest())
