@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -68,6 +69,32 @@ TEST(RunCases, LeavesACaseWithoutAResultIfTheDiskIsFull) {
   EXPECT_EQ(summary->missing, 0);
   EXPECT_EQ(summary->passed(), 2);
   EXPECT_EQ(summary->verdicts[static_cast<std::size_t>(CaseVerdict::failed)], 2);
+}
+
+TEST(Shrink, RemovesAParameterThatBecomesNeedless) {
+  // of a heavy box the height matters, of a lighter one it doesn't
+  const Simulation simulation =
+      simulation_of([](double mass, double height) { return mass > 2.1 && (height > 1.0 || mass < 2.3); });
+  const Campaign campaign = campaign_of("2, 3", "1, 2", simulation);
+  const auto shrunk = shrink(campaign, 3, {}, simulation);
+  ASSERT_TRUE(shrunk) << to_string(shrunk.errors());
+  EXPECT_TRUE(shrunk->finished);
+  EXPECT_EQ(shrunk->differs, (std::vector<std::size_t>{0})) << "only the mass";
+  EXPECT_NEAR(std::stod(shrunk->values[0]), 2.1, 0.005);
+  EXPECT_EQ(shrunk->result.reason, "the box fails");
+}
+
+TEST(Shrink, MovesAParameterFurtherAfterAnotherHasMoved) {
+  // the less the mass, the less height is needed
+  const Simulation simulation = simulation_of([](double mass, double height) {
+    return mass > 2.2 && height > 1.0 + std::min(0.9, 0.2 * (mass - 1.9)) && (mass > 2.6 || height < 1.5);
+  });
+  const Campaign campaign = campaign_of("2, 3", "1, 2", simulation);
+  const auto shrunk = shrink(campaign, 3, {}, simulation);
+  ASSERT_TRUE(shrunk) << to_string(shrunk.errors());
+  EXPECT_TRUE(shrunk->finished);
+  EXPECT_NEAR(std::stod(shrunk->values[0]), 2.2, 0.01) << "after the height is below 1.5";
+  EXPECT_NEAR(std::stod(shrunk->values[1]), 1.06, 0.01) << "after the mass is near 2.2";
 }
 
 }  // namespace

@@ -64,7 +64,8 @@ struct Shrunk {
 
 /// Sets parameters of a failing case back to nominal as long as it fails for the same reason (delta debugging: A.
 /// Zeller, R. Hildebrandt, Simplifying and Isolating Failure-Inducing Input, IEEE Transactions on Software Engineering
-/// 28 (2002)), bisects the others towards nominal, then cuts the duration. Fails if the case passes.
+/// 28 (2002)), and bisects the others towards nominal. Repeats both until nothing changes, then cuts the duration. Fails
+/// if the case passes.
 Result<Shrunk> shrink(const Campaign& campaign, std::int64_t number, const ShrinkOptions& options,
                       const Simulation& simulation);
 
