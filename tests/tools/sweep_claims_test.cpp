@@ -1,6 +1,11 @@
 // rehearse sweep: results that it must not claim, and what its reports say of them.
 #include "sweep_fixture.h"
 
+#include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
+
 namespace rehearse::test {
 namespace {
 
@@ -56,6 +61,53 @@ TEST_F(Sweep, ReportsTheShareThatPassesOfEachWord) {
   EXPECT_EQ(counts, (std::vector<std::pair<int, int>>{{1, 1}, {3, 3}, {0, 1}, {0, 1}}));
   EXPECT_THAT(read_file(folder() / "run/report.md"), HasSubstr("| deed | none | 3 | 3 | 100 % |"));
   EXPECT_THAT(read_file(folder() / "run/report.html"), HasSubstr(">throw 5</text>"));
+}
+
+TEST_F(Sweep, NamesWhatElseDiffersBetweenTwoCampaigns) {
+  box();
+  rehearse({"sweep", "box.yaml", "--cases", "5", "-o", "before"});
+  rehearse({"sweep", "box.yaml", "--cases", "5", "-o", "again"});
+  const auto compared = [&](const std::string& campaign) {
+    rehearse({"sweep", "report", campaign, "--against", "before"});
+    const auto report = nlohmann::json::parse(read_file(folder() / campaign / "report.json"));
+    return report["against"]["differences"].get<std::vector<std::string>>();
+  };
+  EXPECT_EQ(compared("again"), std::vector<std::string>());
+  EXPECT_THAT(read_file(folder() / "again/report.md"),
+              HasSubstr("| neither the scenario, nor a controller, a model or an option |"));
+  std::string text = "# longer, and on the Moon\n" + read_file(folder() / "box.yaml") + "gravity: [0, 0, -1.6]\n";
+  text.replace(text.find("duration: 0.02"), 14, "duration: 0.03");
+  text.replace(text.find("size: [2, 2, 0.2]"), 17, "size: [3, 3, 0.2]");
+  write("moon.yaml", text);
+  rehearse({"sweep", "moon.yaml", "--cases", "5", "-o", "moon", "--case-limit", "60"});
+  EXPECT_EQ(compared("moon"),
+            (std::vector<std::string>{"in the scenario bodies", "in the scenario duration: 0.03, was 0.02",
+                                      "in the scenario gravity: [0, 0, -1.6], was not stated",
+                                      "case limit: 60 s, was 600 s"}));
+}
+
+TEST_F(Sweep, SaysThatAControllerHasChangedSinceTheCampaign) {
+  fs::copy_file(MISBEHAVING, folder() / "controller.so");
+  std::string own = read_file(deeds("none, throw 5"));
+  own.replace(own.find(MISBEHAVING), std::string(MISBEHAVING).size(), "./controller.so");
+  write("own.yaml", own);
+  rehearse({"sweep", "own.yaml", "-o", "run"});
+  const auto same = rehearse({"sweep", "case", "1", "run", "--json"});
+  EXPECT_EQ(same.json()["changed_controllers"], nlohmann::json::array());
+  EXPECT_EQ(same.err, "");
+  // a byte after the end changes nothing but the hash, as a rebuild may
+  fs::copy_file(folder() / "controller.so", folder() / "rebuilt.so");
+  std::ofstream(folder() / "rebuilt.so", std::ios::app) << '\n';
+  fs::rename(folder() / "rebuilt.so", folder() / "controller.so");
+  const std::string warning = "warning: the controller Pendulum/Swing has changed since the campaign began";
+  const auto again = rehearse({"sweep", "case", "1", "run", "--json"});
+  EXPECT_EQ(again.json()["changed_controllers"], nlohmann::json::array({"Pendulum/Swing"}));
+  EXPECT_THAT(again.err, HasSubstr(warning));
+  const auto shrunk = rehearse({"sweep", "shrink", "1", "run", "--json"});
+  EXPECT_EQ(shrunk.json()["changed_controllers"], nlohmann::json::array({"Pendulum/Swing"}));
+  EXPECT_THAT(shrunk.err, HasSubstr(warning));
+  EXPECT_THAT(rehearse({"sweep", "shrink", "0", "run"}).err,
+              HasSubstr("case 0 passes (the controller Pendulum/Swing has changed since the campaign began)"));
 }
 
 }  // namespace

@@ -231,6 +231,10 @@ TEST_F(Sweep, ComparesTwoCampaignsCaseByCase) {
   EXPECT_EQ(change["mended"], 0);
   EXPECT_GT(change["broken"].get<int>(), 5);
   EXPECT_LT(change["p"].get<double>(), 0.05);
+  const std::vector<std::string> differences{"a new expectation: Box/Box/position/z above 0.4 m",
+                                             "an expectation that is gone: Box/Box/position/z above 0.3 m"};
+  EXPECT_EQ(change["differences"].get<std::vector<std::string>>(), differences);
+  EXPECT_THAT(compared.out, HasSubstr("differs from before: a new expectation: Box/Box/position/z above 0.4 m\n"));
   rehearse({"sweep", "box.yaml", "--cases", "40", "-o", "smaller"});
   EXPECT_THAT(rehearse({"sweep", "report", "after", "--against", "smaller"}).err,
               HasSubstr("plan differs from that of"));

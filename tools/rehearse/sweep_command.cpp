@@ -82,6 +82,9 @@ Exit finish(const Campaign& campaign, const SweepSettings& settings, const Campa
     if (campaign.nominal().verdict != CaseVerdict::passed)
       fmt::print("the nominal scenario fails: {}\n", plain_text(campaign.nominal().sentence));
     if (summary->missing > 0) fmt::print("go on: {}\n", resume_advice(settings.folder));
+    if (against)
+      for (const std::string& difference : differences(*against, campaign))
+        fmt::print("differs from {}: {}\n", settings.against, plain_text(difference));
     fmt::print("report: {}\n", page.string());
   }
   std::fflush(stdout);

@@ -74,6 +74,10 @@ std::string verdict(const CampaignSummary& summary);
 /// estimate), until_failures (null: the work didn't end with a failure), repeated, unrepeated.
 std::string to_json(const CampaignSummary& summary);
 
+/// What else than the results differs between two campaigns with the same plan, a phrase each, as "the controller
+/// SR1/Walk" or "duration: 3, was 2": of the scenario, its models, its expectations, its controllers and the options.
+std::vector<std::string> differences(const Campaign& before, const Campaign& now);
+
 /// Writes report.html, report.md, report.json and results.csv into the campaign's folder. `against`: a campaign with
 /// the same plan, before a change; null: none. Fails if the plans differ, or a file can't be written.
 Result<CampaignSummary> write_campaign_report(const Campaign& campaign, const Campaign* against = nullptr);

@@ -245,28 +245,45 @@ Result<CaseRun> run_alone(const Campaign& campaign, const std::string& text, con
   return run;
 }
 
-Result<CaseResult> run_text(const Campaign& campaign, const std::string& text, const fs::path& trace,
-                            const Simulation& simulation) {
+namespace {
+
+/// The controllers whose libraries aren't those with which the campaign began. `now`: those of the nominal run.
+std::vector<std::string> changed_libraries(const Campaign& campaign, const std::map<std::string, std::string>& now) {
+  std::vector<std::string> changed;
+  for (const auto& [controller, library] : campaign.libraries())
+    if (const auto found = now.find(controller); found == now.end() || found->second != library)
+      changed.push_back(controller);
+  return changed;
+}
+
+/// The same for the run of a case. `now` is empty if the run has no recording. A case may vary a library.
+std::vector<std::string> changed_in_case(const Campaign& campaign, const std::map<std::string, std::string>& now) {
+  const bool varies_libraries = std::ranges::any_of(
+      campaign.scenario().variations, [](const Variation& variation) { return variation.path.ends_with(".library"); });
+  return now.empty() || varies_libraries ? std::vector<std::string>() : changed_libraries(campaign, now);
+}
+
+std::string change_of(const std::string& controller) {
+  return fmt::format("the controller {} has changed since the campaign began", controller);
+}
+
+}  // namespace
+
+Result<TextRun> run_text(const Campaign& campaign, const std::string& text, const fs::path& trace,
+                         const Simulation& simulation) {
   auto run = run_alone(campaign, text, campaign.scenario().file, trace, simulation);
   if (!run) return run.errors();
-  return run->result;
+  return TextRun{std::move(run->result), changed_in_case(campaign, run->libraries)};
 }
 
 namespace {
-
-Result<void> check_libraries(const Campaign& campaign, const std::map<std::string, std::string>& now) {
-  for (const auto& [controller, library] : campaign.libraries())
-    if (const auto found = now.find(controller); found == now.end() || found->second != library)
-      return error_in(campaign.folder().string(),
-                      fmt::format("the controller {} has changed since the campaign began", controller), new_campaign);
-  return {};
-}
 
 /// Results of different controllers, models or programs must not be counted together.
 Result<void> check_nominal(const Campaign& campaign, const Simulation& simulation) {
   const auto now = run_alone(campaign, campaign.scenario().text, campaign.scenario().file, {}, simulation);
   if (!now) return now.errors();
-  if (auto same = check_libraries(campaign, now->libraries); !same) return same;
+  if (const auto changed = changed_libraries(campaign, now->libraries); !changed.empty())
+    return error_in(campaign.folder().string(), change_of(changed.front()), new_campaign);
   if (now->result.repeats(campaign.nominal())) return {};
   return error_in(
       campaign.folder().string(), "the nominal run has changed since the campaign began",
@@ -312,10 +329,6 @@ Result<void> run_cases(Campaign& campaign, const SweepOptions& options, const Si
   if (!scratch) return scratch.errors();
   std::error_code ignored;
   fs::create_directories(trace_folder(own_folder), ignored);
-  const auto& variations = campaign.scenario().variations;
-  const bool varies_libraries = std::any_of(variations.begin(), variations.end(), [](const Variation& variation) {
-    return variation.path.ends_with(".library");
-  });
   WorkerPool pool(std::max<std::size_t>(options.jobs, 1), limits_of(campaign.options()), scratch->path(),
                   [&](std::int64_t number, const fs::path& folder) {
                     const auto text = campaign.text_of(number);
@@ -323,9 +336,8 @@ Result<void> run_cases(Campaign& campaign, const SweepOptions& options, const Si
                     auto run = timed_case(campaign.scenario().file, *text, campaign.options(), folder / trace_name,
                                           simulation);
                     if (!run) return hindrance + run.errors().front().message;
-                    if (!run->libraries.empty() && !varies_libraries)
-                      if (const auto same = check_libraries(campaign, run->libraries); !same)
-                        return refusal + same.errors().front().message;
+                    if (const auto changed = changed_in_case(campaign, run->libraries); !changed.empty())
+                      return refusal + change_of(changed.front());
                     run->result.number = number;
                     return line_of(run->result);
                   });

@@ -70,15 +70,18 @@ Result<Shrinker::Tried> Shrinker::attempt(const std::vector<std::string>& values
     text = text_with(*text, campaign_.scenario().file, "duration", fmt::format("{}", duration));
   if (!text) return text.errors();
   if (others_.contains(*text)) return Tried::is_other;
-  const auto result = run_text(campaign_, *text, {}, simulation_);
-  if (!result && interruption() != 0) return Tried::ended;
-  if (!result) return result.errors();
+  const auto run = run_text(campaign_, *text, {}, simulation_);
+  if (!run && interruption() != 0) return Tried::ended;
+  if (!run) return run.errors();
   ++best_.runs;
-  const bool is_first = best_.scenario.empty();
-  if (is_first) wanted_ = *result;
-  const bool fails = !result->passed() && result->verdict == wanted_.verdict && result->reason == wanted_.reason;
+  const CaseResult& result = run->result;
+  if (best_.scenario.empty()) {
+    wanted_ = result;
+    best_.changed = run->changed;
+  }
+  const bool fails = !result.passed() && result.verdict == wanted_.verdict && result.reason == wanted_.reason;
   if (fails) {
-    best_.result = *result;
+    best_.result = result;
     best_.values = linked;
     best_.duration = duration;
     best_.scenario = *std::move(text);
@@ -204,7 +207,9 @@ Result<Shrunk> Shrinker::run() {
   if (best_.scenario.empty() && interruption() != 0) return error("interrupted: nothing was shrunk");
   if (wanted_.passed())
     return error_in(campaign_.folder().string(), fmt::format("case {} passes", best_.number),
-                    "expected a case that fails: rehearse sweep report lists some");
+                    best_.changed.empty()
+                        ? "expected a case that fails: rehearse sweep report lists some"
+                        : fmt::format("the controller {} has changed since the campaign began", best_.changed.front()));
   Result<bool> going_on = *first != Tried::ended;
   if (*going_on) going_on = remove_and_bisect();
   if (going_on && *going_on) going_on = cut_duration();

@@ -176,9 +176,19 @@ ReportTable change_table(const Json& change) {
   return table;
 }
 
+ReportTable difference_table(const Json& change) {
+  ReportTable table{"What differs between the two campaigns", "Flips may come from any of these.", {"difference"}, {}};
+  for (const Json& difference : change["differences"]) table.rows.push_back({text_of(difference)});
+  if (table.rows.empty()) table.rows.push_back({"neither the scenario, nor a controller, a model or an option"});
+  return table;
+}
+
 std::vector<ReportTable> tables_of(const Json& report) {
   std::vector<ReportTable> tables{verdict_table(report)};
-  if (report.contains("against")) tables.push_back(change_table(report["against"]));
+  if (report.contains("against")) {
+    tables.push_back(change_table(report["against"]));
+    tables.push_back(difference_table(report["against"]));
+  }
   for (auto* make : {failure_table, parameter_table, word_table, margin_table, cell_table})
     if (ReportTable table = make(report); !table.rows.empty()) tables.push_back(std::move(table));
   return tables;

@@ -412,6 +412,7 @@ Result<CampaignSummary> write_campaign_report(const Campaign& campaign, const Ca
     const auto before = CaseTable::of(*against);
     if (!before) return before.errors();
     report["against"] = json_of_change(*table, *before);
+    report["against"]["differences"] = differences(*against, campaign);
   }
   if (auto written = write_csv(campaign, *table); !written) return written.errors();
   const fs::path& folder = campaign.folder();
