@@ -227,12 +227,16 @@ TEST(ResultLines, KeepAllOfAResult) {
   result.hash = "0123456789abcdef";
   result.ticks = 20;
   result.margins = {0.1, std::nullopt, -1e-17};
+  result.errors = 2;
+  result.first_error = "Arm/Swing: wrote nan";
   result.again = true;
   const auto read = result_of_line(line_of(result));
   ASSERT_TRUE(read);
   EXPECT_TRUE(read->repeats(result));
   EXPECT_EQ(read->number, 17);
   EXPECT_EQ(read->reason, "x above 1");
+  EXPECT_EQ(read->errors, 2);
+  EXPECT_EQ(read->first_error, "Arm/Swing: wrote nan");
   EXPECT_TRUE(read->again);
   EXPECT_FALSE(result_of_line(line_of(result).substr(0, 60)));
   EXPECT_FALSE(result_of_line("{}"));
@@ -258,6 +262,13 @@ TEST(Reasons, HaveNoNumbers) {
   EXPECT_EQ(without_numbers("controller 'Arm2/Swing' threw x in control() at tick 120 (0.12 s)"),
             "controller 'Arm2/Swing' threw x in control() at tick # (# s)");
   EXPECT_EQ(without_numbers("it is 1.5e-07 m and -3."), "it is # m and -#.");
+}
+
+TEST(ErrorLines, BeginWithTheWord) {
+  for (const char* line : {"error: no map", "Error no map", "[ERROR] [12.3] no map", "  error"})
+    EXPECT_TRUE(is_error_line(line)) << line;
+  for (const char* line : {"", "tracking error: 0.01", "no errors", "errors: 0", "error_norm 0.1", "1.5"})
+    EXPECT_FALSE(is_error_line(line)) << line;
 }
 
 TEST(Csv, CellsAreReadAsTheyAreWritten) {

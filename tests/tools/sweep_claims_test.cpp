@@ -110,5 +110,23 @@ TEST_F(Sweep, SaysThatAControllerHasChangedSinceTheCampaign) {
               HasSubstr("case 0 passes (the controller Pendulum/Swing has changed since the campaign began)"));
 }
 
+TEST_F(Sweep, CountsCasesWithErrorsOfControllers) {
+  deeds("none, nan 5, complain 7, complain 9, throw 5");
+  const Outcome swept = rehearse({"sweep", "deeds.yaml", "-o", "run"});
+  EXPECT_THAT(swept.out,
+              HasSubstr("in 3 cases controllers wrote errors or numbers that aren't finite; 3 of them pass\n"));
+  const auto report = nlohmann::json::parse(read_file(folder() / "run/report.json"));
+  EXPECT_EQ(report["summary"]["with_errors"], 3);
+  EXPECT_EQ(report["summary"]["passed_with_errors"], 3);
+  ASSERT_EQ(report["errors"].size(), 2u) << report["errors"].dump();
+  EXPECT_EQ(report["errors"][0]["error"], "Pendulum/Swing: [ERROR] no map");
+  EXPECT_EQ(report["errors"][0]["cases"], nlohmann::json::array({2, 3}));
+  EXPECT_THAT(report["errors"][1]["example"].get<std::string>(), HasSubstr("wrote nan into u of link"));
+  EXPECT_EQ(report["errors"][1]["passed"], 1);
+  EXPECT_THAT(read_file(folder() / "run/report.md"), HasSubstr("## Errors of controllers"));
+  box();
+  EXPECT_THAT(rehearse({"sweep", "box.yaml", "--cases", "5", "-o", "sound"}).out, ::testing::Not(HasSubstr("finite")));
+}
+
 }  // namespace
 }  // namespace rehearse::test

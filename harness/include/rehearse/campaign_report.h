@@ -54,6 +54,8 @@ struct CampaignSummary {
   std::int64_t missing = 0;              // cases without a result
   std::int64_t repeated = 0;             // cases that ran twice
   std::vector<std::int64_t> unrepeated;  // cases whose second run differed; at most 100 of them
+  std::int64_t with_errors = 0;          // cases whose controllers wrote numbers that aren't finite, or error lines
+  std::int64_t passed_with_errors = 0;   // those of them that pass
   std::int64_t until_failures = 0;       // the work ended with this failure; 0: it didn't end with a failure
 
   std::int64_t passed() const { return verdicts[0]; }
@@ -70,8 +72,12 @@ Result<CampaignSummary> summary_of(const Campaign& campaign);
 /// A sentence, without a full stop: "981 of 1000 cases pass: 98.1 % (97.1 % to 98.8 %)".
 std::string verdict(const CampaignSummary& summary);
 
+/// A sentence, without a full stop, on cases with errors of controllers; empty: there are none.
+std::string error_sentence(const CampaignSummary& summary);
+
 /// A JSON object: verdict, cases, verdicts (counts by name), missing, share and interval of those that pass (null: no
-/// estimate), until_failures (null: the work didn't end with a failure), repeated, unrepeated.
+/// estimate), until_failures (null: the work didn't end with a failure), repeated, unrepeated, with_errors,
+/// passed_with_errors.
 std::string to_json(const CampaignSummary& summary);
 
 /// What else than the results differs between two campaigns with the same plan, a phrase each, as "the controller

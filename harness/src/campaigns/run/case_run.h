@@ -31,7 +31,7 @@ Result<CaseRun> run_alone(const Campaign& campaign, const std::string& text, con
 /// The result of a case whose process ended without a verdict.
 CaseResult ended_case(std::int64_t number, CaseVerdict verdict, std::string sentence);
 
-/// The sentence with # in the place of each number: equal for failures of one kind.
-std::string without_numbers(std::string_view sentence);
+/// True if a line of a controller states an error: its first word is "error", in any case, as in "[ERROR] no map".
+bool is_error_line(std::string_view line);
 
 }  // namespace rehearse

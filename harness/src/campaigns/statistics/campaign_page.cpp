@@ -88,6 +88,19 @@ ReportTable failure_table(const Json& report) {
   return table;
 }
 
+ReportTable error_table(const Json& report) {
+  ReportTable table{
+      "Errors of controllers",
+      "Cases in which a controller wrote a number that isn't finite, or a line that begins with \"error\". "
+      "The verdict doesn't depend on them.",
+      {"cases", "of which pass", "error", "for example", "first cases"},
+      {}};
+  for (const Json& error : report["errors"])
+    table.rows.push_back({text_of(error["count"]), text_of(error["passed"]), text_of(error["error"]),
+                          text_of(error["example"]), case_list(error["cases"])});
+  return table;
+}
+
 ReportTable parameter_table(const Json& report) {
   ReportTable table{
       "Parameters",
@@ -189,7 +202,7 @@ std::vector<ReportTable> tables_of(const Json& report) {
     tables.push_back(change_table(report["against"]));
     tables.push_back(difference_table(report["against"]));
   }
-  for (auto* make : {failure_table, parameter_table, word_table, margin_table, cell_table})
+  for (auto* make : {failure_table, error_table, parameter_table, word_table, margin_table, cell_table})
     if (ReportTable table = make(report); !table.rows.empty()) tables.push_back(std::move(table));
   return tables;
 }

@@ -13,6 +13,7 @@
 #include "campaign_page.h"
 #include "campaigns/plan/campaign_folder.h"
 #include "campaigns/plan/csv_text.h"
+#include "campaigns/plan/result_lines.h"
 #include "case_table.h"
 #include "core/golden/golden_files.h"
 #include "core/mcap/hashing.h"
@@ -97,6 +98,32 @@ Json failures_of(const CaseTable& table) {
                         {"cases", std::vector<std::int64_t>(these.begin(), listed)}});
   }
   return failures;
+}
+
+/// The errors of controllers by kind, the most frequent first.
+Json errors_of(const CaseTable& table) {
+  struct Kind {
+    std::vector<std::int64_t> cases;
+    std::int64_t passed = 0;
+  };
+  std::map<std::string, Kind> kinds;
+  for (const auto& [number, text] : table.first_errors) {
+    Kind& kind = kinds[without_numbers(text)];
+    kind.cases.push_back(number);
+    kind.passed += table.passed(static_cast<std::size_t>(number)) ? 1 : 0;
+  }
+  std::vector<std::pair<std::string, Kind>> order(kinds.begin(), kinds.end());
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.second.cases.size() > b.second.cases.size(); });
+  Json errors = Json::array();
+  for (auto& [text, kind] : order) {
+    const std::size_t count = kind.cases.size();
+    const std::string& example = table.first_errors.at(kind.cases.front());
+    kind.cases.resize(std::min(count, listed_cases));
+    errors.push_back(
+        {{"error", text}, {"count", count}, {"passed", kind.passed}, {"example", example}, {"cases", kind.cases}});
+  }
+  return errors;
 }
 
 /// The rank correlation with a column, over the cases that have both.
@@ -220,6 +247,8 @@ Json json_of_summary(const CampaignSummary& summary) {
           {"share", number_or_null(summary.share())},
           {"interval", json_of_interval(summary.interval())},
           {"until_failures", summary.until_failures > 0 ? Json(summary.until_failures) : Json(nullptr)},
+          {"with_errors", summary.with_errors},
+          {"passed_with_errors", summary.passed_with_errors},
           {"repeated", summary.repeated},
           {"unrepeated", summary.unrepeated}};
 }
@@ -260,6 +289,10 @@ CampaignSummary summary_of(const Campaign& campaign, const CaseTable& table) {
   }
   summary.repeated = table.repeated;
   summary.unrepeated = table.unrepeated;
+  for (const auto& [number, text] : table.first_errors) {
+    ++summary.with_errors;
+    if (table.passed(static_cast<std::size_t>(number))) ++summary.passed_with_errors;
+  }
   const std::int64_t failures = ending_failures(campaign.folder());
   if (summary.missing > 0 && summary.failed() == failures) summary.until_failures = failures;
   return summary;
@@ -270,7 +303,7 @@ Result<void> write_csv(const Campaign& campaign, const CaseTable& table) {
   std::ofstream stream(draft, std::ios::binary);
   std::string line = "case";
   for (const Variation& variation : campaign.scenario().variations) line += ',' + variation.name;
-  line += ",verdict,tick,ticks,hash,reason";
+  line += ",verdict,tick,ticks,hash,reason,errors";
   for (const std::string& expectation : campaign.expectations()) line += ',' + csv_cell("margin: " + expectation);
   stream << line << '\n';
   for (std::size_t i = 0; i < table.size(); ++i) {
@@ -278,12 +311,12 @@ Result<void> write_csv(const Campaign& campaign, const CaseTable& table) {
     for (const std::string& value : campaign.values_of(static_cast<std::int64_t>(i))) line += ',' + csv_cell(value);
     if (table.has(i)) {
       const bool passed = table.passed(i);
-      line += fmt::format(",{},{},{},{},{}", to_string(*table.verdicts[i]),
+      line += fmt::format(",{},{},{},{},{},{}", to_string(*table.verdicts[i]),
                           table.failing_ticks[i] < 0 ? "" : fmt::format("{}", table.failing_ticks[i]), table.ticks[i],
                           table.hashes[i] == 0 ? "" : hash_text(table.hashes[i]),
-                          passed ? "" : csv_cell(table.reason_texts[table.reasons[i]]));
+                          passed ? "" : csv_cell(table.reason_texts[table.reasons[i]]), table.errors[i]);
     } else {
-      line += ",missing,,,,";
+      line += ",missing,,,,,";
     }
     for (const std::vector<double>& margins : table.margins)
       line += std::isnan(margins[i]) ? "," : fmt::format(",{}", margins[i]);
@@ -306,7 +339,8 @@ Json json_of_report(const Campaign& campaign, const CaseTable& table, const Camp
                {{"verdict", std::string(to_string(campaign.nominal().verdict))},
                 {"sentence", campaign.nominal().sentence},
                 {"hash", campaign.nominal().hash}}},
-              {"failures", failures_of(table)}};
+              {"failures", failures_of(table)},
+              {"errors", errors_of(table)}};
   report["parameters"] = Json::array();
   const std::size_t count = campaign.scenario().variations.size();
   for (std::size_t i = 0; i < count; ++i) report["parameters"].push_back(json_of_parameter(campaign, table, i));
@@ -329,6 +363,7 @@ Result<CaseTable> CaseTable::of(const Campaign& campaign) {
   table.failing_ticks.assign(size, -1);
   table.hashes.resize(size);
   table.reasons.resize(size);
+  table.errors.resize(size);
   table.margins.assign(campaign.expectations().size(), std::vector<double>(size, none));
   std::map<std::string, std::size_t> places;
   std::vector<std::int64_t> lowest;  // case by reason
@@ -340,6 +375,8 @@ Result<CaseTable> CaseTable::of(const Campaign& campaign) {
     table.ticks[i] = result.ticks;
     table.failing_ticks[i] = result.tick.value_or(-1);
     table.hashes[i] = hash_of_text(result.hash);
+    table.errors[i] = result.errors;
+    if (result.errors > 0) table.first_errors[result.number] = result.first_error;
     const auto [place, is_new] = places.emplace(result.reason, places.size());
     table.reasons[i] = place->second;
     if (is_new) {
@@ -394,6 +431,13 @@ std::string verdict(const CampaignSummary& summary) {
     text += fmt::format(": {:.4g} % ({})", 100.0 * summary.share(), range);
   if (summary.missing > 0) text += fmt::format("; {} have no result yet", summary.missing);
   return text;
+}
+
+std::string error_sentence(const CampaignSummary& summary) {
+  if (summary.with_errors == 0) return "";
+  return fmt::format("in {} controllers wrote errors or numbers that aren't finite; {} of them {}",
+                     count_text(summary.with_errors, "case"), summary.passed_with_errors,
+                     summary.passed_with_errors == 1 ? "passes" : "pass");
 }
 
 std::string to_json(const CampaignSummary& summary) { return json_of_summary(summary).dump(); }
