@@ -80,8 +80,8 @@ std::string error_sentence(const CampaignSummary& summary);
 /// passed_with_errors.
 std::string to_json(const CampaignSummary& summary);
 
-/// What else than the results differs between two campaigns with the same plan, a phrase each, as "the controller
-/// SR1/Walk" or "duration: 3, was 2": of the scenario, its models, its expectations, its controllers and the options.
+/// What else than the results differs between two campaigns with the same plan, a phrase each, as "the model arm.urdf":
+/// of their scenarios, models, expectations, controllers and options.
 std::vector<std::string> differences(const Campaign& before, const Campaign& now);
 
 /// Writes report.html, report.md, report.json and results.csv into the campaign's folder. `against`: a campaign with
