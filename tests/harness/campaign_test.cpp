@@ -167,6 +167,56 @@ TEST(Statistics, RankCorrelationIsAsPublished) {
   EXPECT_TRUE(std::isnan(rank_correlation({1, 1}, {1, 2})));
 }
 
+TEST(Statistics, QuantilesAreBetweenTheTwoValuesAroundThem) {
+  EXPECT_EQ(quantile_of_sorted({1, 2, 4, 8}, 0.5), 3.0) << "the mean of the two in the middle";
+  EXPECT_EQ(quantile_of_sorted({1, 2, 4}, 0.5), 2.0);
+  EXPECT_EQ(quantile_of_sorted({1, 2, 4, 8, 16}, 0.0), 1.0);
+  EXPECT_EQ(quantile_of_sorted({1, 2, 4, 8, 16}, 1.0), 16.0);
+  EXPECT_NEAR(quantile_of_sorted({1, 2, 4, 8, 16}, 0.05), 1.2, 1e-12);
+  EXPECT_EQ(quantile_of_sorted({7}, 0.05), 7.0);
+  EXPECT_TRUE(std::isnan(quantile_of_sorted({}, 0.5)));
+}
+
+TEST(Statistics, TheIntervalAfterAFailureIsThatOfInverseSampling) {
+  const Interval tenth = inverse_interval(1, 10);  // (1 - p)^10 = 0.975, (1 - p)^9 = 0.025
+  EXPECT_NEAR(tenth.high, std::pow(0.975, 0.1), 1e-12);
+  EXPECT_NEAR(tenth.low, std::pow(0.025, 1.0 / 9.0), 1e-12);
+  EXPECT_EQ(inverse_interval(4, 4).low, 0.0);
+  EXPECT_NEAR(inverse_interval(4, 4).high, 1.0 - std::pow(0.025, 0.25), 1e-12);
+  // the number of cases is n with the probability C(n - 1, k - 1) p^k (1 - p)^(n - k)
+  for (const double p : {0.02, 0.2, 0.5, 0.9})
+    for (const int k : {1, 3, 10}) {
+      double covered = 0.0, estimate = 0.0;
+      for (int n = k; n < 3000; ++n) {
+        const double probability = std::exp(std::lgamma(n) - std::lgamma(k) - std::lgamma(n - k + 1) + k * std::log(p) +
+                                            (n - k) * std::log1p(-p));
+        if (probability < 1e-15) continue;
+        const Interval interval = inverse_interval(k, n);
+        if (interval.low <= 1.0 - p && 1.0 - p <= interval.high) covered += probability;
+        CampaignSummary summary;
+        summary.cases = n;
+        summary.verdicts[0] = n - k;
+        summary.until_failures = k;
+        if (k > 1) estimate += probability * summary.share();
+      }
+      EXPECT_GE(covered, 0.95 - 1e-9) << p << " " << k;
+      if (k > 1) {
+        EXPECT_NEAR(estimate, 1.0 - p, 1e-6) << "unbiased";
+      }
+    }
+}
+
+TEST(Statistics, CramersVIsThatOfTheTableOfCounts) {
+  EXPECT_NEAR(cramers_v({{20, 10}, {10, 20}}), 1.0 / 3.0, 1e-12) << "(ad - bc) / sqrt((a+b)(c+d)(a+c)(b+d))";
+  EXPECT_NEAR(cramers_v({{10, 0}, {0, 10}, {5, 5}}), std::sqrt(20.0 / 30.0), 1e-12);
+  EXPECT_EQ(cramers_v({{10, 0}, {0, 10}}), 1.0);
+  EXPECT_EQ(cramers_v({{0, 10}, {10, 0}, {0, 0}}), 1.0) << "neither an order nor a word without cases has an effect";
+  EXPECT_EQ(cramers_v({{5, 5}, {5, 5}}), 0.0);
+  EXPECT_TRUE(std::isnan(cramers_v({{5, 5}, {0, 0}})));
+  EXPECT_TRUE(std::isnan(cramers_v({{5, 0}, {5, 0}})));
+  EXPECT_TRUE(std::isnan(cramers_v({})));
+}
+
 TEST(ResultLines, KeepAllOfAResult) {
   CaseResult result;
   result.number = 17;
@@ -177,12 +227,16 @@ TEST(ResultLines, KeepAllOfAResult) {
   result.hash = "0123456789abcdef";
   result.ticks = 20;
   result.margins = {0.1, std::nullopt, -1e-17};
+  result.errors = 2;
+  result.first_error = "Arm/Swing: wrote nan";
   result.again = true;
   const auto read = result_of_line(line_of(result));
   ASSERT_TRUE(read);
   EXPECT_TRUE(read->repeats(result));
   EXPECT_EQ(read->number, 17);
   EXPECT_EQ(read->reason, "x above 1");
+  EXPECT_EQ(read->errors, 2);
+  EXPECT_EQ(read->first_error, "Arm/Swing: wrote nan");
   EXPECT_TRUE(read->again);
   EXPECT_FALSE(result_of_line(line_of(result).substr(0, 60)));
   EXPECT_FALSE(result_of_line("{}"));
@@ -208,6 +262,13 @@ TEST(Reasons, HaveNoNumbers) {
   EXPECT_EQ(without_numbers("controller 'Arm2/Swing' threw x in control() at tick 120 (0.12 s)"),
             "controller 'Arm2/Swing' threw x in control() at tick # (# s)");
   EXPECT_EQ(without_numbers("it is 1.5e-07 m and -3."), "it is # m and -#.");
+}
+
+TEST(ErrorLines, BeginWithTheWord) {
+  for (const char* line : {"error: no map", "Error no map", "[ERROR] [12.3] no map", "  error"})
+    EXPECT_TRUE(is_error_line(line)) << line;
+  for (const char* line : {"", "tracking error: 0.01", "no errors", "errors: 0", "error_norm 0.1", "1.5"})
+    EXPECT_FALSE(is_error_line(line)) << line;
 }
 
 TEST(Csv, CellsAreReadAsTheyAreWritten) {

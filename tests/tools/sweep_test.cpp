@@ -1,67 +1,19 @@
 // rehearse sweep: campaigns from the command line, killed and resumed, and the mistakes that users make.
-#include "command.h"
-#include "falling_box.h"
+#include "sweep_fixture.h"
 
 #include <fcntl.h>
-#include <gmock/gmock.h>
 #include <signal.h>
 #include <sys/file.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <map>
 #include <set>
 #include <thread>
 
 namespace rehearse::test {
 namespace {
-
-using ::testing::HasSubstr;
-
-constexpr int bad_input = 2;
-
-class Sweep : public Command {
- protected:
-  /// A box that falls 20 ms; the lower ones reach the floor.
-  fs::path box(const std::string& more = "", const std::string& name = "box.yaml") const {
-    return write(name, falling_box("0.02", "above: 0.3", "0.6") + more);
-  }
-  /// The pendulum under a controller that misbehaves by `deeds`.
-  fs::path deeds(const std::string& deeds) const {
-    std::string text = read_file(pendulum(MISBEHAVING, "none"));
-    return write("deeds.yaml",
-                 text + "vary:\n  deed: {path: bodies.Pendulum.controllers.Swing.options, grid: [" + deeds + "]}\n");
-  }
-  std::map<std::string, std::string> verdicts(const std::string& campaign) const {
-    std::map<std::string, std::string> by_first_value;
-    std::istringstream stream(read_file(folder() / campaign / "results.csv"));
-    std::string line;
-    std::getline(stream, line);
-    while (std::getline(stream, line)) {
-      std::istringstream cells(line);
-      std::string number, value, verdict;
-      std::getline(cells, number, ',');
-      std::getline(cells, value, ',');
-      std::getline(cells, verdict, ',');
-      by_first_value[value] = verdict;
-    }
-    return by_first_value;
-  }
-  std::string results(const std::string& campaign) const { return read_file(folder() / campaign / "results.csv"); }
-  /// How often each case has a result line that isn't a second run.
-  std::map<int, int> counts(const std::string& campaign) const {
-    std::map<int, int> counts;
-    std::istringstream stream(read_file(folder() / campaign / "results.jsonl"));
-    for (std::string line; std::getline(stream, line);) {
-      const auto object = nlohmann::json::parse(line, nullptr, false);
-      if (!object.is_discarded() && !object.value("again", false)) ++counts[object["case"].get<int>()];
-    }
-    return counts;
-  }
-};
 
 TEST_F(Sweep, RefusesAnExpectationWhoseSeriesDoesNotExist) {
   std::string text = read_file(box());
@@ -217,30 +169,6 @@ TEST_F(Sweep, LosesAndDoublesNoCaseWhenItIsKilled) {
   for (const auto& [number, count] : found) EXPECT_EQ(count, 1) << number;
 }
 
-TEST_F(Sweep, StopsOnAFullDiskAndGoesOn) {
-  box();
-  rehearse({"sweep", "box.yaml", "--cases", "300", "-o", "whole"});
-  const pid_t child = fork();
-  if (child == 0) {
-    if (chdir(folder().c_str()) != 0) _exit(9);
-    std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit limit{40000, 40000};
-    setrlimit(RLIMIT_FSIZE, &limit);
-    const int log = open("log", O_WRONLY | O_CREAT | O_TRUNC, 0666);
-    dup2(log, STDOUT_FILENO);
-    dup2(log, STDERR_FILENO);
-    execl(command.c_str(), "rehearse", "sweep", "box.yaml", "--cases", "300", "-o", "full", nullptr);
-    _exit(9);
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  EXPECT_EQ(WEXITSTATUS(status), bad_input);
-  EXPECT_THAT(read_file(folder() / "log"), HasSubstr("can't be written: File too large"));
-  EXPECT_THAT(read_file(folder() / "log"), HasSubstr("sweep resume"));
-  rehearse({"sweep", "resume", "full"});
-  EXPECT_EQ(results("full"), results("whole"));
-}
-
 TEST_F(Sweep, EndsAfterSoManyFailures) {
   box();
   rehearse({"sweep", "box.yaml", "--cases", "100", "-o", "whole"});
@@ -251,10 +179,16 @@ TEST_F(Sweep, EndsAfterSoManyFailures) {
   const auto status = rehearse({"sweep", "status", "few", "--json"}).json();
   EXPECT_EQ(status["verdicts"]["violated"], 3);
   EXPECT_GT(status["missing"], 50);
+  EXPECT_EQ(status["until_failures"], 3);
+  const double judged = 3.0 + status["verdicts"]["passed"].get<double>();
+  EXPECT_NEAR(status["share"].get<double>(), 1.0 - 2.0 / (judged - 1.0), 1e-12) << "of inverse sampling";
+  EXPECT_THAT(ended.out, HasSubstr("; the work ended with failure 3, so the share that passes is about "));
   EXPECT_EQ(rehearse({"sweep", "resume", "few", "--until-failures", "3", "--json"}).json()["missing"],
             status["missing"]);
-  rehearse({"sweep", "resume", "few"});
+  EXPECT_EQ(rehearse({"sweep", "resume", "few", "--json"}).json()["until_failures"], nullptr);
   EXPECT_EQ(results("few"), results("whole"));
+  EXPECT_THAT(rehearse({"sweep", "box.yaml", "--cases", "100", "-o", "one", "--until-failures", "1"}).out,
+              HasSubstr("; the work ended with the first failure, so the share that passes is within "));
 }
 
 TEST_F(Sweep, JudgesByTheGoldenToo) {
@@ -297,6 +231,10 @@ TEST_F(Sweep, ComparesTwoCampaignsCaseByCase) {
   EXPECT_EQ(change["mended"], 0);
   EXPECT_GT(change["broken"].get<int>(), 5);
   EXPECT_LT(change["p"].get<double>(), 0.05);
+  const std::vector<std::string> differences{"a new expectation: Box/Box/position/z above 0.4 m",
+                                             "an expectation that is gone: Box/Box/position/z above 0.3 m"};
+  EXPECT_EQ(change["differences"].get<std::vector<std::string>>(), differences);
+  EXPECT_THAT(compared.out, HasSubstr("differs from before: a new expectation: Box/Box/position/z above 0.4 m\n"));
   rehearse({"sweep", "box.yaml", "--cases", "40", "-o", "smaller"});
   EXPECT_THAT(rehearse({"sweep", "report", "after", "--against", "smaller"}).err,
               HasSubstr("plan differs from that of"));

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <vector>
@@ -54,6 +55,12 @@ Json json_of_values(const Campaign& campaign, const std::vector<std::string>& va
   return object;
 }
 
+/// After a rebuild a case may end otherwise than in the campaign.
+void tell_changed(const std::vector<std::string>& controllers) {
+  for (const std::string& controller : controllers)
+    fmt::print(stderr, "warning: the controller {} has changed since the campaign began\n", controller);
+}
+
 /// "the same bits as in the campaign", or the difference.
 std::string agreement(const std::optional<CaseResult>& kept, const CaseResult& now) {
   if (!kept) return "the campaign has no result of it yet";
@@ -76,8 +83,9 @@ Exit run_case_again(SweepSettings& settings) {
   const fs::path trace = settings.output.empty()
                              ? campaign->folder() / "traces" / fmt::format("case-{}.mcap", settings.number)
                              : fs::path(settings.output);
-  const auto result = run_text(*campaign, *text, trace, simulation());
-  if (!result) return refuse(result.errors());
+  const auto run = run_text(*campaign, *text, trace, simulation());
+  if (!run) return refuse(run.errors());
+  const CaseResult* const result = &run->result;
   const std::string same = agreement(*kept, *result);
   if (settings.json) {
     Json object = json_of_result(*campaign, *result);
@@ -85,12 +93,15 @@ Exit run_case_again(SweepSettings& settings) {
     object["values"] = json_of_values(*campaign, campaign->values_of(settings.number));
     object["trace"] = trace.string();
     object["same"] = *kept ? Json((*kept)->repeats(*result)) : Json(nullptr);
+    object["changed_controllers"] = run->changed;
     print(object);
   } else {
     tell_values(*campaign, campaign->values_of(settings.number));
     fmt::print("case {}: {}{}\n{}\n{}\n", settings.number, to_string(result->verdict),
                result->sentence.empty() ? "" : ": " + plain_text(result->sentence), same, trace.string());
   }
+  std::fflush(stdout);
+  tell_changed(run->changed);
   return *kept && !(*kept)->repeats(*result) ? Exit::differs : Exit::done;
 }
 
@@ -143,10 +154,13 @@ Exit run_shrink(SweepSettings& settings) {
     object["runs"] = shrunk->runs;
     object["finished"] = shrunk->finished;
     object["scenario"] = file.string();
+    object["changed_controllers"] = shrunk->changed;
     print(object);
   } else {
     tell_shrunk(*campaign, *shrunk, file);
   }
+  std::fflush(stdout);
+  tell_changed(shrunk->changed);
   return Exit::done;
 }
 

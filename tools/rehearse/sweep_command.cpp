@@ -59,6 +59,10 @@ void tell_verdicts(const CampaignSummary& summary) {
   print_table(rows);
 }
 
+void tell_errors(const CampaignSummary& summary) {
+  if (const std::string sentence = error_sentence(summary); !sentence.empty()) fmt::print("{}\n", sentence);
+}
+
 void tell_unrepeated(const CampaignSummary& summary) {
   if (summary.unrepeated.empty()) return;
   fmt::print(stderr,
@@ -79,9 +83,13 @@ Exit finish(const Campaign& campaign, const SweepSettings& settings, const Campa
   } else {
     tell_verdicts(*summary);
     fmt::print("{}\n", verdict(*summary));
+    tell_errors(*summary);
     if (campaign.nominal().verdict != CaseVerdict::passed)
       fmt::print("the nominal scenario fails: {}\n", plain_text(campaign.nominal().sentence));
     if (summary->missing > 0) fmt::print("go on: {}\n", resume_advice(settings.folder));
+    if (against)
+      for (const std::string& difference : differences(*against, campaign))
+        fmt::print("differs from {}: {}\n", settings.against, plain_text(difference));
     fmt::print("report: {}\n", page.string());
   }
   std::fflush(stdout);
@@ -200,6 +208,7 @@ Exit run_status(SweepSettings& settings) {
   } else {
     tell_verdicts(*summary);
     fmt::print("{}\n", verdict(*summary));
+    tell_errors(*summary);
     if (is_in_slurm(*campaign) && queue) fmt::print("{}\n", to_string(*queue));
     const bool is_at_work = queue && queue->running + queue->waiting > 0;
     if (summary->missing > 0 && !is_at_work)

@@ -52,8 +52,11 @@ struct CaseResult {
   std::string hash;                  // of all messages of the run; empty: there was no run to its end
   std::int64_t ticks = 0;            // simulated
   std::vector<std::optional<double>> margins;  // by expectation, as ExpectationResult::margin
-  double seconds = 0.0;                        // wall time [s]
-  bool again = false;                          // the second run of a case that the plan runs twice
+  std::int64_t errors =
+      0;  // of controllers: kinds of numbers that aren't finite, and error lines; the verdict may pass
+  std::string first_error;  // the first of them; empty: none
+  double seconds = 0.0;     // wall time [s]
+  bool again = false;       // the second run of a case that the plan runs twice
 
   bool passed() const { return verdict == CaseVerdict::passed; }
   /// True if a run repeats this one: everything but the wall time is equal.

@@ -23,6 +23,14 @@ struct Interval {
 /// Cai, A. DasGupta, Interval Estimation for a Binomial Proportion, Statistical Science 16 (2001) recommend it.
 Interval wilson_interval(std::int64_t passed, std::int64_t all);
 
+/// The interval with 95 % confidence of the share that passes, if the work ended with a failure (--until-failures): the
+/// exact one of inverse sampling, from the binomial distribution. `failed`: at least 1, of `all` cases.
+Interval inverse_interval(std::int64_t failed, std::int64_t all);
+
+/// The quantile of sorted values, in proportion between the two values around it. The median of an even number of
+/// values (share 0.5) is the mean of the two in the middle. NaN if there are none.
+double quantile_of_sorted(const std::vector<double>& sorted, double share);
+
 /// The probability of these numbers of flips in the two directions, or of more unequal ones, if both directions were
 /// equally likely: Q. McNemar, Note on the sampling error of the difference between correlated proportions or
 /// percentages, Psychometrika 12 (1947), with the exact binomial distribution, two-sided.
@@ -33,6 +41,10 @@ double mcnemar_exact(std::int64_t one_way, std::int64_t other_way);
 /// has only one value.
 double rank_correlation(const std::vector<double>& a, const std::vector<double>& b);
 
+/// The association of two kinds of words, 0 to 1, from the number of cases by row and column: H. Cramér, Mathematical
+/// Methods of Statistics (1946), section 21.9. NaN if cases are in one row or in one column only.
+double cramers_v(const std::vector<std::vector<std::int64_t>>& counts);
+
 // Reports.
 
 /// The results of a campaign, counted.
@@ -42,11 +54,17 @@ struct CampaignSummary {
   std::int64_t missing = 0;              // cases without a result
   std::int64_t repeated = 0;             // cases that ran twice
   std::vector<std::int64_t> unrepeated;  // cases whose second run differed; at most 100 of them
+  std::int64_t with_errors = 0;          // cases whose controllers wrote numbers that aren't finite, or error lines
+  std::int64_t passed_with_errors = 0;   // those of them that pass
+  std::int64_t until_failures = 0;       // the work ended with this failure; 0: it didn't end with a failure
 
   std::int64_t passed() const { return verdicts[0]; }
   std::int64_t judged() const { return cases - missing; }
   std::int64_t failed() const { return judged() - passed(); }
-  Interval interval() const { return wilson_interval(passed(), judged()); }
+  /// The share of all cases that pass, estimated. If the work ended with failure K, 1 - (K - 1) / (cases - 1): J. B. S.
+  /// Haldane, On a method of estimating frequencies, Biometrika 33 (1945). NaN: no estimate, as with K = 1.
+  double share() const;
+  Interval interval() const;
 };
 
 Result<CampaignSummary> summary_of(const Campaign& campaign);
@@ -54,9 +72,17 @@ Result<CampaignSummary> summary_of(const Campaign& campaign);
 /// A sentence, without a full stop: "981 of 1000 cases pass: 98.1 % (97.1 % to 98.8 %)".
 std::string verdict(const CampaignSummary& summary);
 
-/// A JSON object: verdict, cases, verdicts (counts by name), missing, share and interval of those that pass, repeated,
-/// unrepeated.
+/// A sentence, without a full stop, on cases with errors of controllers; empty: there are none.
+std::string error_sentence(const CampaignSummary& summary);
+
+/// A JSON object: verdict, cases, verdicts (counts by name), missing, share and interval of those that pass (null: no
+/// estimate), until_failures (null: the work didn't end with a failure), repeated, unrepeated, with_errors,
+/// passed_with_errors.
 std::string to_json(const CampaignSummary& summary);
+
+/// What else than the results differs between two campaigns with the same plan, a phrase each, as "the model arm.urdf":
+/// of their scenarios, models, expectations, controllers and options.
+std::vector<std::string> differences(const Campaign& before, const Campaign& now);
 
 /// Writes report.html, report.md, report.json and results.csv into the campaign's folder. `against`: a campaign with
 /// the same plan, before a change; null: none. Fails if the plans differ, or a file can't be written.

@@ -58,13 +58,15 @@ struct Shrunk {
   std::vector<std::size_t> differs;  // indices of the variations that differ from nominal
   double duration = 0.0;             // [s]
   int runs = 0;
-  bool finished = false;  // false: the budget was spent, or the search was interrupted
-  std::string scenario;   // its text, whose paths are relative to the campaign's scenario
+  bool finished = false;             // false: the budget was spent, or the search was interrupted
+  std::vector<std::string> changed;  // controllers whose libraries have changed since the campaign began, by BODY/NAME
+  std::string scenario;              // its text, whose paths are relative to the campaign's scenario
 };
 
 /// Sets parameters of a failing case back to nominal as long as it fails for the same reason (delta debugging: A.
 /// Zeller, R. Hildebrandt, Simplifying and Isolating Failure-Inducing Input, IEEE Transactions on Software Engineering
-/// 28 (2002)), bisects the others towards nominal, then cuts the duration. Fails if the case passes.
+/// 28 (2002)), and bisects the others towards nominal. Repeats both until nothing changes, then cuts the duration.
+/// Fails if the case passes.
 Result<Shrunk> shrink(const Campaign& campaign, std::int64_t number, const ShrinkOptions& options,
                       const Simulation& simulation);
 

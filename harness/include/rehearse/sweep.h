@@ -11,6 +11,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace rehearse {
 
@@ -37,12 +38,17 @@ Result<Campaign> create_campaign(const std::filesystem::path& scenario, const st
                                  const CampaignOptions& options, const Simulation& simulation);
 
 /// Runs all cases that have no result. Fails if another process works here, if the nominal run differs from that in
-/// the plan, or if results can't be written.
+/// the plan, if results can't be written, or if the environment prevents a case (a full disk): it gets no result.
 Result<void> run_cases(Campaign& campaign, const SweepOptions& options, const Simulation& simulation);
 
+struct TextRun {
+  CaseResult result;
+  std::vector<std::string> changed;  // controllers whose libraries have changed since the campaign began, by BODY/NAME
+};
+
 /// Runs a scenario with this text in a process of its own, and judges it. `trace`: the file of the recording; empty:
-/// it is not kept. Fails if a signal interrupts it.
-Result<CaseResult> run_text(const Campaign& campaign, const std::string& text, const std::filesystem::path& trace,
-                            const Simulation& simulation);
+/// it is not kept. Fails if a signal interrupts it, or if the environment prevents it.
+Result<TextRun> run_text(const Campaign& campaign, const std::string& text, const std::filesystem::path& trace,
+                         const Simulation& simulation);
 
 }  // namespace rehearse

@@ -1,7 +1,7 @@
 // A controller that does what its options say, as "crash 12": what, and in which call of control(); without a number in
-// initialize(). Knows: refuse, throw, crash, abort, exit, close, overflow, print, hang, leak, nan, chance, slow (each
-// call takes 0.2 s); say-and-DEED: writes a line in initialize() and does DEED; and what ends the process past the C
-// library, see past_the_library().
+// initialize(). Knows: refuse, throw, crash, abort, exit, close, overflow, print, hang, leak, nan, complain, chance,
+// slow (each call takes 0.2 s); say-and-DEED: writes a line in initialize() and does DEED; and what ends the process
+// past the C library, see past_the_library().
 #include <cmath>
 #include <cnoid/SimpleController>
 #include <cstdio>
@@ -179,6 +179,7 @@ class Misbehaving : public cnoid::SimpleController {
     if (deed_ == "close")
       for (int descriptor = 1; descriptor < 1024; ++descriptor) close(descriptor);
     if (deed_ == "nan") joint_->u() = std::nan("");
+    if (deed_ == "complain") io_->os() << "[ERROR] no map" << std::endl;
     if (deed_ == "chance") joint_->u() = 1e-9 * std::random_device()();
     if (deed_ == "overflow") overflow_stack();
     if (deed_ == "print") std::printf("%s\n", std::string(10000, 'x').c_str());

@@ -109,6 +109,28 @@ std::optional<std::int64_t> case_of_kept_trace(const fs::path& file, CaseVerdict
   return number_in<std::int64_t>(std::string_view(name).substr(prefix.size()));
 }
 
+namespace {
+
+fs::path ending_file(const fs::path& folder) { return folder / "ending.json"; }
+
+}  // namespace
+
+std::int64_t ending_failures(const fs::path& folder) {
+  const auto text = read_text(ending_file(folder));
+  const Json ending = text ? Json::parse(*text, nullptr, false) : Json();
+  return ending.is_object() && ending.contains("failures") && ending["failures"].is_number_integer()
+             ? ending["failures"].get<std::int64_t>()
+             : 0;
+}
+
+Result<void> set_ending_failures(const fs::path& folder, std::int64_t failures) {
+  if (failures > 0) return replace_text(ending_file(folder), Json{{"failures", failures}}.dump() + '\n');
+  std::error_code failed;
+  fs::remove(ending_file(folder), failed);
+  if (failed) return error_in(ending_file(folder).string(), fmt::format("it can't be removed: {}", failed.message()));
+  return {};
+}
+
 Result<CampaignLock> CampaignLock::take(const fs::path& folder, bool shared) {
   const fs::path file = folder / "lock";
   CampaignLock lock(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));

@@ -26,6 +26,10 @@ std::filesystem::path kept_trace_file(const std::filesystem::path& folder, const
 /// The number of the case whose kept recording has this name; none: it is no recording of a case with this verdict.
 std::optional<std::int64_t> case_of_kept_trace(const std::filesystem::path& file, CaseVerdict verdict);
 
+/// The number of failures with which the work on a campaign ended (SweepOptions::most_failures); 0: it didn't end so.
+std::int64_t ending_failures(const std::filesystem::path& folder);
+Result<void> set_ending_failures(const std::filesystem::path& folder, std::int64_t failures);
+
 /// True if the options have the same effect on a campaign.
 bool are_same(const CampaignOptions& a, const CampaignOptions& b);
 

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -61,6 +62,10 @@ Json json_of_result(const CaseResult& result) {
               {"ticks", result.ticks},
               {"margins", std::move(margins)},
               {"seconds", std::round(result.seconds * 1e6) / 1e6}};
+  if (result.errors > 0) {
+    object["errors"] = result.errors;
+    object["first_error"] = result.first_error;
+  }
   if (result.again) object["again"] = true;
   return object;
 }
@@ -80,6 +85,8 @@ std::optional<CaseResult> result_of_json(const Json& object) {
     for (const Json& margin : object.at("margins"))
       result.margins.push_back(margin.is_null() ? std::nullopt : std::optional(margin.get<double>()));
     result.seconds = object.at("seconds").get<double>();
+    result.errors = object.value("errors", std::int64_t{0});
+    result.first_error = object.value("first_error", "");
     result.again = object.value("again", false);
     return result;
   } catch (const Json::exception&) {
@@ -94,6 +101,20 @@ std::string line_of(const CaseResult& result) {
 std::optional<CaseResult> result_of_line(std::string_view line) {
   const Json object = Json::parse(line, nullptr, false);
   return object.is_object() ? result_of_json(object) : std::nullopt;
+}
+
+std::string without_numbers(std::string_view sentence) {
+  std::string text;
+  for (std::size_t i = 0; i < sentence.size(); ++i) {
+    const char c = sentence[i];
+    const bool in_word =
+        i > 0 && (std::isalpha(static_cast<unsigned char>(sentence[i - 1])) != 0 || sentence[i - 1] == '_');
+    const bool in_number = text.ends_with('#') && (std::isdigit(static_cast<unsigned char>(c)) != 0 || c == '.' ||
+                                                   c == 'e' || c == '-' || c == '+');
+    if (in_number && !(c == '.' && (i + 1 == sentence.size() || sentence[i + 1] == ' '))) continue;
+    text += std::isdigit(static_cast<unsigned char>(c)) != 0 && !in_word ? '#' : c;
+  }
+  return text;
 }
 
 Result<ResultFile> ResultFile::open(const std::filesystem::path& file) {

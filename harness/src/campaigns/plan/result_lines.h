@@ -23,6 +23,9 @@ std::string line_of(const CaseResult& result);
 /// None: the line is no result, as one that was cut.
 std::optional<CaseResult> result_of_line(std::string_view line);
 
+/// The sentence with # in the place of each number: equal for failures of one kind.
+std::string without_numbers(std::string_view sentence);
+
 /// A file to which one process appends results. Nothing is buffered, so that a kill cuts the last line at most.
 class ResultFile {
  public:

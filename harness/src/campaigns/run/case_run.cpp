@@ -4,9 +4,15 @@
 #include <rehearse/check.h>
 #include <rehearse/compare.h>
 #include <rehearse/mcap.h>
+#include <sys/resource.h>
 
+#include <algorithm>
 #include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <utility>
 
+#include "campaigns/plan/result_lines.h"
 #include "core/check/unknown_series.h"
 #include "core/mcap/hashing.h"
 #include "core/trace/run_facts.h"
@@ -57,20 +63,44 @@ Result<void> compare_with_golden(const Scenario& scenario, const CampaignOptions
   return {};
 }
 
+void add_error(std::string text, CaseResult& result) {
+  if (result.errors++ == 0) result.first_error = std::move(text);
+}
+
+/// Remarks on controllers that are errors, as numbers that aren't finite; without the failure itself.
+void take_errors(const RunSummary& run, CaseResult& result) {
+  for (const Diagnostic& remark : run.remarks)
+    if (remark.severity == Severity::error && !(run.failure && remark.message.ends_with(run.failure->message)))
+      add_error(remark.message, result);
+}
+
+/// The system's errors that aren't of a case: the same case may run later, or on another machine.
+constexpr int errors_of_environment[] = {ENOSPC, EDQUOT, EFBIG, EIO, EROFS, ENOMEM, ENFILE, ESTALE};
+
+bool is_of_environment(const Diagnostics& problems, const std::filesystem::path& trace) {
+  return std::ranges::any_of(problems, [&](const Diagnostic& problem) {
+    return problem.file == trace.string() || std::ranges::any_of(errors_of_environment, [&](int number) {
+             return problem.message.find(std::strerror(number)) != std::string::npos;
+           });
+  });
+}
+
+/// Largest file that this process may write [bytes]. A controller can change it.
+rlim_t file_limit() {
+  rlimit limit{};
+  ::getrlimit(RLIMIT_FSIZE, &limit);
+  return limit.rlim_cur;
+}
+
 }  // namespace
 
-std::string without_numbers(std::string_view sentence) {
-  std::string text;
-  for (std::size_t i = 0; i < sentence.size(); ++i) {
-    const char c = sentence[i];
-    const bool in_word =
-        i > 0 && (std::isalpha(static_cast<unsigned char>(sentence[i - 1])) != 0 || sentence[i - 1] == '_');
-    const bool in_number = text.ends_with('#') && (std::isdigit(static_cast<unsigned char>(c)) != 0 || c == '.' ||
-                                                   c == 'e' || c == '-' || c == '+');
-    if (in_number && !(c == '.' && (i + 1 == sentence.size() || sentence[i + 1] == ' '))) continue;
-    text += std::isdigit(static_cast<unsigned char>(c)) != 0 && !in_word ? '#' : c;
-  }
-  return text;
+bool is_error_line(std::string_view line) {
+  const auto is_letter = [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; };
+  const auto ends_word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_'; };
+  const auto begin = std::ranges::find_if(line, is_letter), end = std::find_if(begin, line.end(), ends_word);
+  std::string word(begin, end);
+  for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return word == "error";
 }
 
 CaseResult ended_case(std::int64_t number, CaseVerdict verdict, std::string sentence) {
@@ -82,11 +112,13 @@ CaseResult ended_case(std::int64_t number, CaseVerdict verdict, std::string sent
   return result;
 }
 
-CaseRun run_case(const std::filesystem::path& file, const std::string& text, const CampaignOptions& options,
-                 const std::filesystem::path& trace, const Simulation& simulation) {
+Result<CaseRun> run_case(const std::filesystem::path& file, const std::string& text, const CampaignOptions& options,
+                         const std::filesystem::path& trace, const Simulation& simulation) {
   CaseRun made;
   CaseResult& result = made.result;
-  const auto invalid = [&](const Diagnostics& problems) {
+  const rlim_t limit = file_limit();
+  const auto invalid = [&](const Diagnostics& problems) -> Result<CaseRun> {
+    if (file_limit() == limit && is_of_environment(problems, trace)) return problems;
     result.verdict = CaseVerdict::invalid;
     result.sentence = problems.front().message;
     result.reason = without_numbers(result.sentence);
@@ -99,16 +131,21 @@ CaseRun run_case(const std::filesystem::path& file, const std::string& text, con
   RecordOptions recording;
   static_cast<HostOptions&>(recording) = options.host;
   if (options.golden.empty()) recording.checkpoint_period = 0.0;  // goldens have checkpoints
+  recording.on_message = [&](const std::string& controller, const std::string& line) {
+    if (is_error_line(line)) add_error(controller + ": " + line, result);
+  };
   const auto run = simulation.record(*scenario, trace, recording);
   if (!run) return invalid(run.errors());
   result.ticks = run->ticks;
   result.verdict = verdict_of(run->end);
+  take_errors(*run, result);
   if (!result.passed()) {
     result.sentence = run->failure->message;
     result.reason = without_numbers(result.sentence);
     result.tick = run->ticks;
   }
   const auto judged = judge_recording(scenario->expectations, trace);
+  if (!judged && !run->trace_changed) return judged.errors();  // its own process has just written it
   if (!judged) return invalid(judged.errors());
   CheckReport report;
   report.run = *run;
@@ -121,7 +158,7 @@ CaseRun run_case(const std::filesystem::path& file, const std::string& text, con
   for (const ExpectationResult& expectation : judged->expectations) made.expectations.push_back(expectation.text);
   take_violation(*judged, result);
   if (const auto compared = compare_with_golden(*scenario, options, trace, result); !compared)
-    return invalid(compared.errors());
+    return mcap::Reader::open(options.golden) ? invalid(compared.errors()) : Result<CaseRun>(compared.errors());
   if (const auto reader = mcap::Reader::open(trace)) made.libraries = RunFacts::of(**reader).controllers;
   return made;
 }

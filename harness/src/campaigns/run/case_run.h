@@ -18,19 +18,20 @@ struct CaseRun {
 };
 
 /// Runs a scenario in this process. `file`: the place to which its paths are relative. The recording is written to
-/// `trace`, and stays.
-CaseRun run_case(const std::filesystem::path& file, const std::string& text, const CampaignOptions& options,
-                 const std::filesystem::path& trace, const Simulation& simulation);
+/// `trace`, and stays. Fails if the environment prevents the run, as a full disk does: nothing is known of the case.
+Result<CaseRun> run_case(const std::filesystem::path& file, const std::string& text, const CampaignOptions& options,
+                         const std::filesystem::path& trace, const Simulation& simulation);
 
 /// Runs a scenario with this text in a process of its own. `file`: the place to which its paths are relative. `trace`:
-/// the file of its recording; empty: it is not kept. Fails if a signal interrupts it.
+/// the file of its recording; empty: it is not kept. Fails if a signal interrupts it, or if the environment prevents
+/// it.
 Result<CaseRun> run_alone(const Campaign& campaign, const std::string& text, const std::filesystem::path& file,
                           const std::filesystem::path& trace, const Simulation& simulation);
 
 /// The result of a case whose process ended without a verdict.
 CaseResult ended_case(std::int64_t number, CaseVerdict verdict, std::string sentence);
 
-/// The sentence with # in the place of each number: equal for failures of one kind.
-std::string without_numbers(std::string_view sentence);
+/// True if a line of a controller states an error: its first word is "error", in any case, as in "[ERROR] no map".
+bool is_error_line(std::string_view line);
 
 }  // namespace rehearse

@@ -29,7 +29,8 @@ using Clock = std::chrono::steady_clock;
 constexpr const char* trace_name = "run.mcap";
 constexpr const char* new_campaign =
     "begin another campaign in a new folder, and compare: rehearse sweep report NEW --against OLD";
-const std::string refusal = "refused: ";  // begins an answer of a worker that isn't a result
+// these begin answers of workers that aren't results
+const std::string refusal = "refused: ", hindrance = "hindered: ";
 
 Diagnostic interrupted() { return error("interrupted: nothing was judged"); }
 
@@ -49,12 +50,19 @@ WorkerPool::Limits limits_of(const CampaignOptions& options) {
   return {options.case_limit, options.host.memory_limit * 1e6};
 }
 
-CaseRun timed_case(const fs::path& file, const std::string& text, const CampaignOptions& options, const fs::path& trace,
-                   const Simulation& simulation) {
+Result<CaseRun> timed_case(const fs::path& file, const std::string& text, const CampaignOptions& options,
+                           const fs::path& trace, const Simulation& simulation) {
   const Clock::time_point begin = Clock::now();
-  CaseRun run = run_case(file, text, options, trace, simulation);
-  run.result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  auto run = run_case(file, text, options, trace, simulation);
+  if (run) run->result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   return run;
+}
+
+/// The environment prevented a case in two processes. The case has no result, so that it is run again.
+Diagnostic hindered(const Campaign& campaign, std::int64_t number, const std::string& why) {
+  return error_in(
+      campaign.folder().string(), fmt::format("case {} can't be run here: {}", number, why),
+      fmt::format("it has no result; remove the cause, then: rehearse sweep resume {}", campaign.folder().string()));
 }
 
 /// Keeps the trace of a failure if its case is among the lowest of its verdict. All kept traces are found by the names
@@ -80,6 +88,7 @@ class Work {
       : campaign_(campaign), options_(options), file_(file), pool_(pool), done_(campaign) {}
 
   Result<void> run();
+  bool ended_by_failures() const { return progress_.failed >= options_.most_failures; }
 
  private:
   enum class Phase { first, again };
@@ -125,8 +134,7 @@ std::deque<std::int64_t> Work::queue_of(Phase phase) {
 
 bool Work::goes_on() {
   progress_.seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
-  return interruption() == 0 && progress_.failed < options_.most_failures &&
-         (!options_.progress || options_.progress(progress_));
+  return interruption() == 0 && !ended_by_failures() && (!options_.progress || options_.progress(progress_));
 }
 
 CaseResult Work::result_of(const WorkerPool::Answer& answer) const {
@@ -141,6 +149,12 @@ CaseResult Work::result_of(const WorkerPool::Answer& answer) const {
 Result<void> Work::take(const WorkerPool::Answer& answer, Phase phase) {
   // something outside of the case may have ended its process
   if (!answer.text && !answer.exceeded && lost_.insert(answer.job).second) {
+    queue_.push_front(answer.job);
+    return {};
+  }
+  if (answer.text && answer.text->starts_with(hindrance)) {
+    pool_.renew(answer.folder);  // an earlier case may have changed the limits of its process
+    if (!lost_.insert(answer.job).second) return hindered(campaign_, answer.job, answer.text->substr(hindrance.size()));
     queue_.push_front(answer.job);
     return {};
   }
@@ -197,15 +211,18 @@ Result<CaseRun> run_alone(const Campaign& campaign, const std::string& text, con
   const auto scratch = RunFolder::make(campaign.folder() / "running");
   if (!scratch) return scratch.errors();
   WorkerPool pool(1, limits_of(campaign.options()), scratch->path(), [&](std::int64_t, const fs::path& folder) {
-    const CaseRun run = timed_case(file, text, campaign.options(), folder / trace_name, simulation);
+    const auto run = timed_case(file, text, campaign.options(), folder / trace_name, simulation);
+    if (!run) return hindrance + run.errors().front().message;
     const Json answer{
-        {"result", json_of_result(run.result)}, {"expectations", run.expectations}, {"libraries", run.libraries}};
+        {"result", json_of_result(run->result)}, {"expectations", run->expectations}, {"libraries", run->libraries}};
     return answer.dump(-1, ' ', false, Json::error_handler_t::replace);
   });
   if (auto given = pool.give(0); !given) return given.errors();
   std::optional<WorkerPool::Answer> answer;
   while (!answer && interruption() == 0) answer = pool.wait();
   if (!answer) return interrupted();
+  if (answer->text && answer->text->starts_with(hindrance))
+    return error_in(file.string(), "it can't be run here: " + answer->text->substr(hindrance.size()));
   CaseRun run;
   const Json object = answer->text ? Json::parse(*answer->text, nullptr, false) : Json();
   if (object.is_object()) {
@@ -228,28 +245,45 @@ Result<CaseRun> run_alone(const Campaign& campaign, const std::string& text, con
   return run;
 }
 
-Result<CaseResult> run_text(const Campaign& campaign, const std::string& text, const fs::path& trace,
-                            const Simulation& simulation) {
+namespace {
+
+/// The controllers whose libraries aren't those with which the campaign began. `now`: those of the nominal run.
+std::vector<std::string> changed_libraries(const Campaign& campaign, const std::map<std::string, std::string>& now) {
+  std::vector<std::string> changed;
+  for (const auto& [controller, library] : campaign.libraries())
+    if (const auto found = now.find(controller); found == now.end() || found->second != library)
+      changed.push_back(controller);
+  return changed;
+}
+
+/// The same for the run of a case. `now` is empty if the run has no recording. A case may vary a library.
+std::vector<std::string> changed_in_case(const Campaign& campaign, const std::map<std::string, std::string>& now) {
+  const bool varies_libraries = std::ranges::any_of(
+      campaign.scenario().variations, [](const Variation& variation) { return variation.path.ends_with(".library"); });
+  return now.empty() || varies_libraries ? std::vector<std::string>() : changed_libraries(campaign, now);
+}
+
+std::string change_of(const std::string& controller) {
+  return fmt::format("the controller {} has changed since the campaign began", controller);
+}
+
+}  // namespace
+
+Result<TextRun> run_text(const Campaign& campaign, const std::string& text, const fs::path& trace,
+                         const Simulation& simulation) {
   auto run = run_alone(campaign, text, campaign.scenario().file, trace, simulation);
   if (!run) return run.errors();
-  return run->result;
+  return TextRun{std::move(run->result), changed_in_case(campaign, run->libraries)};
 }
 
 namespace {
-
-Result<void> check_libraries(const Campaign& campaign, const std::map<std::string, std::string>& now) {
-  for (const auto& [controller, library] : campaign.libraries())
-    if (const auto found = now.find(controller); found == now.end() || found->second != library)
-      return error_in(campaign.folder().string(),
-                      fmt::format("the controller {} has changed since the campaign began", controller), new_campaign);
-  return {};
-}
 
 /// Results of different controllers, models or programs must not be counted together.
 Result<void> check_nominal(const Campaign& campaign, const Simulation& simulation) {
   const auto now = run_alone(campaign, campaign.scenario().text, campaign.scenario().file, {}, simulation);
   if (!now) return now.errors();
-  if (auto same = check_libraries(campaign, now->libraries); !same) return same;
+  if (const auto changed = changed_libraries(campaign, now->libraries); !changed.empty())
+    return error_in(campaign.folder().string(), change_of(changed.front()), new_campaign);
   if (now->result.repeats(campaign.nominal())) return {};
   return error_in(
       campaign.folder().string(), "the nominal run has changed since the campaign began",
@@ -290,27 +324,26 @@ Result<void> run_cases(Campaign& campaign, const SweepOptions& options, const Si
   if (!file) return file.errors();
   if (!CampaignFolder::take_new(campaign))
     if (auto same = check_nominal(campaign, simulation); !same) return same;
+  if (auto done = set_ending_failures(own_folder, 0); !done) return done;
   const auto scratch = RunFolder::make(own_folder / "running");
   if (!scratch) return scratch.errors();
   std::error_code ignored;
   fs::create_directories(trace_folder(own_folder), ignored);
-  const auto& variations = campaign.scenario().variations;
-  const bool varies_libraries = std::any_of(variations.begin(), variations.end(), [](const Variation& variation) {
-    return variation.path.ends_with(".library");
-  });
   WorkerPool pool(std::max<std::size_t>(options.jobs, 1), limits_of(campaign.options()), scratch->path(),
                   [&](std::int64_t number, const fs::path& folder) {
                     const auto text = campaign.text_of(number);
                     if (!text) return line_of(ended_case(number, CaseVerdict::invalid, text.errors().front().message));
-                    CaseRun run = timed_case(campaign.scenario().file, *text, campaign.options(), folder / trace_name,
-                                             simulation);
-                    if (!run.libraries.empty() && !varies_libraries)
-                      if (const auto same = check_libraries(campaign, run.libraries); !same)
-                        return refusal + same.errors().front().message;
-                    run.result.number = number;
-                    return line_of(run.result);
+                    auto run = timed_case(campaign.scenario().file, *text, campaign.options(), folder / trace_name,
+                                          simulation);
+                    if (!run) return hindrance + run.errors().front().message;
+                    if (const auto changed = changed_in_case(campaign, run->libraries); !changed.empty())
+                      return refusal + change_of(changed.front());
+                    run->result.number = number;
+                    return line_of(run->result);
                   });
-  return Work(campaign, options, *file, pool).run();
+  Work work(campaign, options, *file, pool);
+  if (auto done = work.run(); !done || !work.ended_by_failures()) return done;
+  return set_ending_failures(own_folder, options.most_failures);
 }
 
 }  // namespace rehearse

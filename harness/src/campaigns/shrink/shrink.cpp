@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 
 #include "campaigns/run/case_run.h"
 #include "core/golden/golden_files.h"
@@ -18,7 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 using Indices = std::vector<std::size_t>;
 
-constexpr int halvings = 8;  // of the distance to the nominal value
+constexpr int halvings = 8;          // of the distance to the nominal value
+constexpr double least_move = 0.02;  // of this distance; a smaller one doesn't count as a change
 
 Indices without(const Indices& all, std::size_t begin, std::size_t end) {
   Indices rest(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(begin));
@@ -43,8 +45,10 @@ class Shrinker {
   const std::vector<Variation>& variations() const { return campaign_.scenario().variations; }
   Result<Tried> attempt(const std::vector<std::string>& values, double duration);
   Result<Tried> attempt(const Indices& differing);
+  Result<bool> remove_and_bisect();
   Result<bool> remove_parameters();
   Result<bool> bisect(std::size_t index);
+  double distance(std::size_t index) const;
   Result<bool> cut_duration();
   void keep_differing();
 
@@ -52,7 +56,8 @@ class Shrinker {
   const ShrinkOptions& options_;
   const Simulation& simulation_;
   const std::vector<std::string> case_values_;
-  CaseResult wanted_;  // the failure
+  CaseResult wanted_;             // the failure
+  std::set<std::string> others_;  // scenarios that don't fail for the wanted reason
   Shrunk best_;
 };
 
@@ -64,28 +69,34 @@ Result<Shrinker::Tried> Shrinker::attempt(const std::vector<std::string>& values
   if (text && duration != campaign_.scenario().duration)
     text = text_with(*text, campaign_.scenario().file, "duration", fmt::format("{}", duration));
   if (!text) return text.errors();
-  const auto result = run_text(campaign_, *text, {}, simulation_);
-  if (!result && interruption() != 0) return Tried::ended;
-  if (!result) return result.errors();
+  if (others_.contains(*text)) return Tried::is_other;
+  const auto run = run_text(campaign_, *text, {}, simulation_);
+  if (!run && interruption() != 0) return Tried::ended;
+  if (!run) return run.errors();
   ++best_.runs;
-  const bool is_first = best_.scenario.empty();
-  if (is_first) wanted_ = *result;
-  const bool fails = !result->passed() && result->verdict == wanted_.verdict && result->reason == wanted_.reason;
+  const CaseResult& result = run->result;
+  if (best_.scenario.empty()) {
+    wanted_ = result;
+    best_.changed = run->changed;
+  }
+  const bool fails = !result.passed() && result.verdict == wanted_.verdict && result.reason == wanted_.reason;
   if (fails) {
-    best_.result = *result;
+    best_.result = result;
     best_.values = linked;
     best_.duration = duration;
     best_.scenario = *std::move(text);
     keep_differing();
+  } else {
+    others_.insert(*std::move(text));
   }
   if (options_.progress && !options_.progress(best_.runs, best_.differs.size())) return Tried::ended;
   return fails ? Tried::fails : Tried::is_other;
 }
 
-/// Tries a run in which the parameters with these indices have the values of the case, and all others are nominal.
+/// Tries a run in which the parameters with these indices have their best values so far, and all others are nominal.
 Result<Shrinker::Tried> Shrinker::attempt(const Indices& differing) {
   std::vector<std::string> values(variations().size());
-  for (const std::size_t i : differing) values[i] = case_values_[i];
+  for (const std::size_t i : differing) values[i] = best_.values[i];
   return attempt(values, best_.duration);
 }
 
@@ -149,6 +160,29 @@ Result<bool> Shrinker::bisect(std::size_t index) {
   return true;
 }
 
+/// From the nominal value; 0: one of the two is no number.
+double Shrinker::distance(std::size_t index) const {
+  const auto value = number_in<double>(best_.values[index]), nominal = number_in<double>(variations()[index].nominal);
+  return value && nominal ? std::abs(*value - *nominal) : 0.0;
+}
+
+/// A parameter may become needless, or move further, after another one has moved; repeats both until nothing changes.
+Result<bool> Shrinker::remove_and_bisect() {
+  std::set<std::size_t> settled;  // bisected since the last change of any other parameter
+  for (;;) {
+    const std::size_t before = best_.differs.size();
+    if (auto going_on = remove_parameters(); !going_on || !*going_on) return going_on;
+    if (best_.differs.size() < before) settled.clear();
+    const Indices differing = best_.differs;
+    const auto next = std::ranges::find_if(differing, [&](std::size_t index) { return !settled.contains(index); });
+    if (next == differing.end()) return true;
+    const double far = distance(*next);
+    if (auto going_on = bisect(*next); !going_on || !*going_on) return going_on;
+    if (far - distance(*next) > least_move * far) settled.clear();
+    settled.insert(*next);
+  }
+}
+
 /// Cuts the duration, so that the run ends soon after the failure.
 Result<bool> Shrinker::cut_duration() {
   if (!best_.result.tick) return true;
@@ -173,12 +207,11 @@ Result<Shrunk> Shrinker::run() {
   if (best_.scenario.empty() && interruption() != 0) return error("interrupted: nothing was shrunk");
   if (wanted_.passed())
     return error_in(campaign_.folder().string(), fmt::format("case {} passes", best_.number),
-                    "expected a case that fails: rehearse sweep report lists some");
+                    best_.changed.empty()
+                        ? "expected a case that fails: rehearse sweep report lists some"
+                        : fmt::format("the controller {} has changed since the campaign began", best_.changed.front()));
   Result<bool> going_on = *first != Tried::ended;
-  if (*going_on) going_on = remove_parameters();
-  const Indices differing = best_.differs;
-  for (const std::size_t index : differing)
-    if (going_on && *going_on) going_on = bisect(index);
+  if (*going_on) going_on = remove_and_bisect();
   if (going_on && *going_on) going_on = cut_duration();
   if (!going_on) return going_on.errors();
   best_.finished = *going_on;

@@ -1,6 +1,7 @@
 #include "campaign_page.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +17,8 @@ constexpr std::size_t parts = 4;           // of a range, in cells
 constexpr std::size_t bins = 20;           // of a histogram
 constexpr std::size_t most_points = 2000;  // of a scatter
 constexpr std::size_t most_pairs = 6;
+constexpr std::size_t most_labels = 8;           // words at an axis
+constexpr std::size_t most_words = 20;           // of a parameter, in the table
 constexpr double width = 260.0, height = 150.0;  // of a picture [px]
 
 struct Extent {
@@ -85,20 +88,57 @@ ReportTable failure_table(const Json& report) {
   return table;
 }
 
+ReportTable error_table(const Json& report) {
+  ReportTable table{
+      "Errors of controllers",
+      "Cases in which a controller wrote a number that isn't finite, or a line that begins with \"error\". "
+      "The verdict doesn't depend on them.",
+      {"cases", "of which pass", "error", "for example", "first cases"},
+      {}};
+  for (const Json& error : report["errors"])
+    table.rows.push_back({text_of(error["count"]), text_of(error["passed"]), text_of(error["error"]),
+                          text_of(error["example"]), case_list(error["cases"])});
+  return table;
+}
+
 ReportTable parameter_table(const Json& report) {
   ReportTable table{
       "Parameters",
       "Rank correlation (Spearman) of each parameter with passing, and with the margin on which it has "
-      "the largest effect.",
+      "the largest effect. Words have no order: V is Cramér's association with passing, 0 to 1.",
       {"parameter", "path", "nominal", "with passing", "with a margin", "median of passed", "median of failed"},
       {}};
   for (const Json& parameter : report["parameters"]) {
     const Json& margin = parameter["correlation_with_margin"];
+    const std::string with_passing = parameter.contains("words") ? "V " + text_of(parameter["association_with_passing"])
+                                                                 : text_of(parameter["correlation_with_passing"]);
     table.rows.push_back(
-        {text_of(parameter["name"]), text_of(parameter["path"]), text_of(parameter["nominal"]),
-         text_of(parameter["correlation_with_passing"]),
+        {text_of(parameter["name"]), text_of(parameter["path"]), text_of(parameter["nominal"]), with_passing,
          margin.is_null() ? "-" : fmt::format("{}: {}", text_of(margin["correlation"]), text_of(margin["expectation"])),
          text_of(parameter["median_of_passed"]), text_of(parameter["median_of_failed"])});
+  }
+  return table;
+}
+
+ReportTable word_table(const Json& report) {
+  ReportTable table{"Words",
+                    "The share of the cases with each word that passes, with its interval.",
+                    {"parameter", "word", "cases", "passed", "share", "95 % confidence"},
+                    {}};
+  for (const Json& parameter : report["parameters"]) {
+    if (!parameter.contains("words")) continue;
+    const Json& words = parameter["words"];
+    for (std::size_t i = 0; i < std::min(words.size(), most_words); ++i) {
+      const Json& word = words[i];
+      const std::string share = word["share"].is_null() ? "-" : percent(word["share"].get<double>());
+      table.rows.push_back({text_of(parameter["name"]), text_of(word["word"]), text_of(word["cases"]),
+                            text_of(word["passed"]), share,
+                            fmt::format("{} to {}", percent(word["interval"][0].get<double>()),
+                                        percent(word["interval"][1].get<double>()))});
+    }
+    if (words.size() > most_words)
+      table.rows.push_back({text_of(parameter["name"]), fmt::format("and {} more", words.size() - most_words)});
+    table.rows.back().resize(table.heading.size());
   }
   return table;
 }
@@ -149,10 +189,20 @@ ReportTable change_table(const Json& change) {
   return table;
 }
 
+ReportTable difference_table(const Json& change) {
+  ReportTable table{"What differs between the two campaigns", "Flips may come from any of these.", {"difference"}, {}};
+  for (const Json& difference : change["differences"]) table.rows.push_back({text_of(difference)});
+  if (table.rows.empty()) table.rows.push_back({"neither the scenario, nor a controller, a model or an option"});
+  return table;
+}
+
 std::vector<ReportTable> tables_of(const Json& report) {
   std::vector<ReportTable> tables{verdict_table(report)};
-  if (report.contains("against")) tables.push_back(change_table(report["against"]));
-  for (auto* make : {failure_table, parameter_table, margin_table, cell_table})
+  if (report.contains("against")) {
+    tables.push_back(change_table(report["against"]));
+    tables.push_back(difference_table(report["against"]));
+  }
+  for (auto* make : {failure_table, error_table, parameter_table, word_table, margin_table, cell_table})
     if (ReportTable table = make(report); !table.rows.empty()) tables.push_back(std::move(table));
   return tables;
 }
@@ -161,8 +211,10 @@ std::string subtitle_of(const Json& report) {
   const Json& summary = report["summary"];
   std::string text = fmt::format("Scenario {}, seed {}, plan {}. ", text_of(report["scenario"]),
                                  text_of(report["seed"]), text_of(report["plan"]));
-  text += fmt::format("The share that passes is within {} to {} with 95 % confidence (Wilson's interval). ",
-                      percent(summary["interval"][0].get<double>()), percent(summary["interval"][1].get<double>()));
+  text += fmt::format(
+      "The share that passes is within {} to {} with 95 % confidence ({}). ",
+      percent(summary["interval"][0].get<double>()), percent(summary["interval"][1].get<double>()),
+      summary["until_failures"].is_null() ? "Wilson's interval" : "of inverse sampling: the work ended with a failure");
   text += fmt::format("The nominal scenario: {}. ", text_of(report["nominal"]["verdict"]));
   return text + fmt::format("Cases that ran twice, in different processes: {}; {}.", text_of(summary["repeated"]),
                             summary["unrepeated"].empty() ? "each gave the same bits"
@@ -189,7 +241,9 @@ std::string svg(const std::string& label, const std::string& content) {
 }
 
 std::string ends_of(const CaseTable& table, std::size_t parameter) {
-  if (!table.words[parameter].empty()) return fmt::format("{} values", table.words[parameter].size());
+  const std::vector<std::string>& words = table.words[parameter];
+  if (words.size() > most_labels) return fmt::format("{} words", words.size());
+  if (!words.empty()) return fmt::format("{}", fmt::join(words, ", "));
   const Extent extent = extent_of(table.values[parameter]);
   return fmt::format("{} to {}", short_number(extent.low), short_number(extent.high));
 }
@@ -221,6 +275,53 @@ std::string histogram(const CaseTable& table, const std::vector<double>& column,
   return svg(label, bars);
 }
 
+std::string label_at(double x, double y, const std::string& word) {
+  std::size_t end = std::min<std::size_t>(word.size(), 12);
+  while (end < word.size() && (static_cast<unsigned char>(word[end]) & 0xC0) == 0x80) --end;  // within a letter
+  const std::string shown = word.substr(0, end) + (end < word.size() ? "..." : "");
+  return fmt::format("<text class=\"word\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>", x, y, html_text(shown));
+}
+
+/// A bar for each word: the share that passes below, the share that fails above.
+std::string word_bars(const CaseTable& table, std::size_t parameter, const std::string& label) {
+  const std::vector<std::string>& words = table.words[parameter];
+  std::vector<double> passed(words.size()), all(words.size());
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    if (!table.has(i)) continue;
+    const auto word = static_cast<std::size_t>(table.values[parameter][i]);
+    ++all[word];
+    passed[word] += table.passed(i) ? 1.0 : 0.0;
+  }
+  const double slot = width / static_cast<double>(words.size());
+  std::string bars;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const double left = slot * static_cast<double>(i), size = all[i] > 0.0 ? height * passed[i] / all[i] : 0.0;
+    const auto bar = [&](const char* kind, double top, double tall) {
+      if (all[i] > 0.0 && tall > 0.0)
+        bars += fmt::format("<rect class=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"/>", kind,
+                            left + 0.1 * slot, top, 0.8 * slot, tall);
+    };
+    bar("failed", 0.0, height - size);
+    bar("passed", height - size, size);
+    if (words.size() <= most_labels) bars += label_at(left + 0.1 * slot + 2.0, height - 4.0, words[i]);
+  }
+  return svg(label, bars);
+}
+
+/// The words of a parameter at their places on an axis; empty: it has numbers, or too many words.
+std::string axis_labels(const CaseTable& table, std::size_t parameter, bool across) {
+  const std::vector<std::string>& words = table.words[parameter];
+  if (words.size() > most_labels) return "";
+  const Extent extent = extent_of(table.values[parameter]);
+  std::string labels;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const double share = extent.share(static_cast<double>(i));
+    labels += across ? label_at(0.85 * width * share, height - 4.0, words[i])
+                     : label_at(2.0, 10.0 + (height - 24.0) * (1.0 - share), words[i]);
+  }
+  return labels;
+}
+
 /// Failed cases are drawn above passed ones; of many of a kind only some.
 std::string scatter(const CaseTable& table, std::size_t a, std::size_t b, const std::string& label) {
   const Extent x = extent_of(table.values[a]), y = extent_of(table.values[b]);
@@ -235,7 +336,7 @@ std::string scatter(const CaseTable& table, std::size_t a, std::size_t b, const 
           fmt::format("<circle class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.5\"/>", passed ? "passed" : "failed",
                       width * x.share(table.values[a][cases[i]]), height * (1.0 - y.share(table.values[b][cases[i]])));
   }
-  return svg(label, points);
+  return svg(label, points + axis_labels(table, a, true) + axis_labels(table, b, false));
 }
 
 std::string figure(const std::string& picture, const std::string& caption) {
@@ -247,7 +348,8 @@ std::vector<std::size_t> by_effect(const Json& report) {
   std::vector<std::pair<double, std::size_t>> effects;
   for (std::size_t i = 0; i < report["parameters"].size(); ++i) {
     const Json& parameter = report["parameters"][i];
-    const Json& passing = parameter["correlation_with_passing"];
+    const Json& passing =
+        parameter[parameter.contains("words") ? "association_with_passing" : "correlation_with_passing"];
     const Json& margin = parameter["correlation_with_margin"];
     const double effect = std::max(passing.is_null() ? 0.0 : std::abs(passing.get<double>()),
                                    margin.is_null() ? 0.0 : std::abs(margin["correlation"].get<double>()));
@@ -264,9 +366,10 @@ std::string pictures_of(const Campaign& campaign, const CaseTable& table, const 
   const std::vector<std::size_t> order = by_effect(report);
   std::string text =
       "<h2>Passed and failed</h2>\n<p>Each distribution in shares of its own cases: <b class=\"passed\">passed</b>, "
-      "<b class=\"failed\">failed</b>.</p>\n<div class=\"pictures\">\n";
+      "<b class=\"failed\">failed</b>. A bar of a word is the share of its cases.</p>\n<div class=\"pictures\">\n";
   for (const std::size_t i : order)
-    text += figure(histogram(table, table.values[i], variations[i].name),
+    text += figure(table.words[i].empty() ? histogram(table, table.values[i], variations[i].name)
+                                          : word_bars(table, i, variations[i].name),
                    fmt::format("{}: {}", variations[i].name, ends_of(table, i)));
   for (std::size_t e = 0; e < table.margins.size(); ++e) {
     const auto is_number = [](double margin) { return std::isfinite(margin); };
@@ -330,7 +433,7 @@ std::string page_of(const Campaign& campaign, const CaseTable& table, const Json
       ".scroll {{ overflow-x: auto }} .scroll td {{ overflow-wrap: break-word }}\n"
       ".pictures {{ display: flex; flex-wrap: wrap; gap: 1rem }}\n"
       "figure {{ margin: 0; width: 276px }} figcaption {{ font-size: .85rem; overflow-wrap: anywhere }}\n"
-      ".frame {{ fill: none; stroke: #8888 }}\n"
+      ".frame {{ fill: none; stroke: #8888 }} .word {{ font-size: 11px; fill: currentColor }}\n"
       "b.passed {{ color: light-dark(#1b7a37, #7ddc97) }} b.failed {{ color: light-dark(#b3261e, #ff8a80) }}\n"
       "svg .passed {{ fill: light-dark(#1b7a37, #7ddc97); fill-opacity: .45 }}\n"
       "svg .failed {{ fill: light-dark(#b3261e, #ff8a80); fill-opacity: .6 }}\n"

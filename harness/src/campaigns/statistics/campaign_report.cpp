@@ -11,10 +11,13 @@
 #include <set>
 
 #include "campaign_page.h"
+#include "campaigns/plan/campaign_folder.h"
 #include "campaigns/plan/csv_text.h"
+#include "campaigns/plan/result_lines.h"
 #include "case_table.h"
 #include "core/golden/golden_files.h"
 #include "core/mcap/hashing.h"
+#include "model/text.h"
 
 namespace rehearse {
 namespace {
@@ -31,29 +34,42 @@ std::uint64_t hash_of_text(const std::string& text) {
   return hash;
 }
 
+std::optional<double> finite_number(const std::string& text) {
+  const auto number = number_in<double>(text);
+  return number && std::isfinite(*number) ? number : std::nullopt;
+}
+
+/// A parameter with a value that is no number has words; they are in the order of the alphabet.
 void read_values(const Campaign& campaign, CaseTable& table) {
   const std::size_t count = campaign.scenario().variations.size();
   table.values.assign(count, std::vector<double>(table.size()));
   table.words.resize(count);
-  std::vector<std::map<std::string, std::size_t>> places(count);
+  std::vector<bool> has_words(count);
   for (std::size_t number = 0; number < table.size(); ++number) {
     const std::vector<std::string> values = campaign.values_of(static_cast<std::int64_t>(number));
-    for (std::size_t i = 0; i < count; ++i) {
-      double& value = table.values[i][number];
-      const char* const end = values[i].data() + values[i].size();
-      const auto [stop, status] = std::from_chars(values[i].data(), end, value);
-      if (status == std::errc() && stop == end && places[i].empty()) continue;
-      const auto [place, is_new] = places[i].emplace(values[i], places[i].size());
-      if (is_new) table.words[i].push_back(values[i]);
-      value = static_cast<double>(place->second);
-    }
+    for (std::size_t i = 0; i < count; ++i)
+      if (const auto value = finite_number(values[i]))
+        table.values[i][number] = *value;
+      else
+        has_words[i] = true;
   }
+  if (std::ranges::count(has_words, true) == 0) return;
+  std::vector<std::map<std::string, std::vector<std::size_t>>> cases(count);  // by word
+  for (std::size_t number = 0; number < table.size(); ++number) {
+    std::vector<std::string> values = campaign.values_of(static_cast<std::int64_t>(number));
+    for (std::size_t i = 0; i < count; ++i)
+      if (has_words[i]) cases[i][std::move(values[i])].push_back(number);
+  }
+  for (std::size_t i = 0; i < count; ++i)
+    for (const auto& [word, these] : cases[i]) {
+      for (const std::size_t number : these) table.values[i][number] = static_cast<double>(table.words[i].size());
+      table.words[i].push_back(word);
+    }
 }
 
 double median(std::vector<double> values) {
-  if (values.empty()) return none;
   std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
+  return quantile_of_sorted(values, 0.5);
 }
 
 Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
@@ -84,6 +100,32 @@ Json failures_of(const CaseTable& table) {
   return failures;
 }
 
+/// The errors of controllers by kind, the most frequent first.
+Json errors_of(const CaseTable& table) {
+  struct Kind {
+    std::vector<std::int64_t> cases;
+    std::int64_t passed = 0;
+  };
+  std::map<std::string, Kind> kinds;
+  for (const auto& [number, text] : table.first_errors) {
+    Kind& kind = kinds[without_numbers(text)];
+    kind.cases.push_back(number);
+    kind.passed += table.passed(static_cast<std::size_t>(number)) ? 1 : 0;
+  }
+  std::vector<std::pair<std::string, Kind>> order(kinds.begin(), kinds.end());
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.second.cases.size() > b.second.cases.size(); });
+  Json errors = Json::array();
+  for (auto& [text, kind] : order) {
+    const std::size_t count = kind.cases.size();
+    const std::string& example = table.first_errors.at(kind.cases.front());
+    kind.cases.resize(std::min(count, listed_cases));
+    errors.push_back(
+        {{"error", text}, {"count", count}, {"passed", kind.passed}, {"example", example}, {"cases", kind.cases}});
+  }
+  return errors;
+}
+
 /// The rank correlation with a column, over the cases that have both.
 double correlation(const CaseTable& table, const std::vector<double>& values, const std::vector<double>& column) {
   std::vector<double> a, b;
@@ -95,19 +137,8 @@ double correlation(const CaseTable& table, const std::vector<double>& values, co
   return rank_correlation(a, b);
 }
 
-Json json_of_parameter(const Campaign& campaign, const CaseTable& table, std::size_t index) {
-  const Variation& variation = campaign.scenario().variations[index];
-  const std::vector<double>& values = table.values[index];
-  std::vector<double> passing(table.size(), none), of_passed, of_failed;
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    if (!table.has(i)) continue;
-    passing[i] = table.passed(i) ? 1.0 : 0.0;
-    (table.passed(i) ? of_passed : of_failed).push_back(values[i]);
-  }
-  Json object{{"name", variation.name},
-              {"path", variation.path},
-              {"nominal", variation.nominal},
-              {"correlation_with_passing", number_or_null(correlation(table, values, passing))}};
+/// The expectation on whose margin a parameter has the largest effect; null: no correlation is known.
+Json strongest_margin(const Campaign& campaign, const CaseTable& table, const std::vector<double>& values) {
   double strongest = 0.0;
   std::string of_expectation;
   for (std::size_t e = 0; e < table.margins.size(); ++e) {
@@ -116,11 +147,53 @@ Json json_of_parameter(const Campaign& campaign, const CaseTable& table, std::si
     strongest = found;
     of_expectation = campaign.expectations()[e];
   }
-  object["correlation_with_margin"] =
-      of_expectation.empty() ? Json(nullptr) : Json{{"expectation", of_expectation}, {"correlation", strongest}};
-  const bool is_number = table.words[index].empty();
-  object["median_of_passed"] = is_number ? number_or_null(median(of_passed)) : Json(nullptr);
-  object["median_of_failed"] = is_number ? number_or_null(median(of_failed)) : Json(nullptr);
+  if (of_expectation.empty()) return nullptr;
+  return {{"expectation", of_expectation}, {"correlation", strongest}};
+}
+
+/// Words have no order, so no rank: of each the share that passes, and their association with passing.
+void add_words(const CaseTable& table, std::size_t index, Json& object) {
+  const std::vector<std::string>& words = table.words[index];
+  std::vector<std::vector<std::int64_t>> counts(words.size(), {0, 0});  // by word: passed and failed cases
+  for (std::size_t i = 0; i < table.size(); ++i)
+    if (table.has(i)) ++counts[static_cast<std::size_t>(table.values[index][i])][table.passed(i) ? 0 : 1];
+  object["association_with_passing"] = number_or_null(cramers_v(counts));
+  object["words"] = Json::array();
+  for (std::size_t word = 0; word < words.size(); ++word) {
+    const std::int64_t passed = counts[word][0], all = passed + counts[word][1];
+    const double share = all == 0 ? none : static_cast<double>(passed) / static_cast<double>(all);
+    object["words"].push_back({{"word", words[word]},
+                               {"cases", all},
+                               {"passed", passed},
+                               {"share", number_or_null(share)},
+                               {"interval", json_of_interval(wilson_interval(passed, all))}});
+  }
+}
+
+Json json_of_parameter(const Campaign& campaign, const CaseTable& table, std::size_t index) {
+  const Variation& variation = campaign.scenario().variations[index];
+  const std::vector<double>& values = table.values[index];
+  Json object{{"name", variation.name},
+              {"path", variation.path},
+              {"nominal", variation.nominal},
+              {"correlation_with_passing", nullptr},
+              {"correlation_with_margin", nullptr},
+              {"median_of_passed", nullptr},
+              {"median_of_failed", nullptr}};
+  if (!table.words[index].empty()) {
+    add_words(table, index, object);
+    return object;
+  }
+  std::vector<double> passing(table.size(), none), of_passed, of_failed;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    if (!table.has(i)) continue;
+    passing[i] = table.passed(i) ? 1.0 : 0.0;
+    (table.passed(i) ? of_passed : of_failed).push_back(values[i]);
+  }
+  object["correlation_with_passing"] = number_or_null(correlation(table, values, passing));
+  object["correlation_with_margin"] = strongest_margin(campaign, table, values);
+  object["median_of_passed"] = number_or_null(median(of_passed));
+  object["median_of_failed"] = number_or_null(median(of_failed));
   return object;
 }
 
@@ -135,10 +208,7 @@ Json json_of_margins(const Campaign& campaign, const CaseTable& table, std::size
   }
   std::sort(found.begin(), found.end());
   std::sort(passes.begin(), passes.end());
-  const auto quantile = [&](double share) {
-    return found.empty() ? Json(nullptr)
-                         : Json(found[static_cast<std::size_t>(share * static_cast<double>(found.size() - 1))]);
-  };
+  const auto quantile = [&](double share) { return number_or_null(quantile_of_sorted(found, share)); };
   Json worst = Json::array();
   for (std::size_t i = 0; i < std::min(passes.size(), listed_passes); ++i)
     worst.push_back({{"case", passes[i].second}, {"margin", passes[i].first}});
@@ -170,12 +240,17 @@ Json json_of_summary(const CampaignSummary& summary) {
   Json verdicts = Json::object();
   for (std::size_t i = 0; i < case_verdict_count; ++i)
     verdicts[std::string(to_string(static_cast<CaseVerdict>(i)))] = summary.verdicts[i];
-  const double share =
-      summary.judged() == 0 ? none : static_cast<double>(summary.passed()) / static_cast<double>(summary.judged());
-  return {{"verdict", verdict(summary)},    {"cases", summary.cases},
-          {"verdicts", verdicts},           {"missing", summary.missing},
-          {"share", number_or_null(share)}, {"interval", json_of_interval(summary.interval())},
-          {"repeated", summary.repeated},   {"unrepeated", summary.unrepeated}};
+  return {{"verdict", verdict(summary)},
+          {"cases", summary.cases},
+          {"verdicts", verdicts},
+          {"missing", summary.missing},
+          {"share", number_or_null(summary.share())},
+          {"interval", json_of_interval(summary.interval())},
+          {"until_failures", summary.until_failures > 0 ? Json(summary.until_failures) : Json(nullptr)},
+          {"with_errors", summary.with_errors},
+          {"passed_with_errors", summary.passed_with_errors},
+          {"repeated", summary.repeated},
+          {"unrepeated", summary.unrepeated}};
 }
 
 /// The cases whose verdict flipped between two campaigns over the same cases.
@@ -203,7 +278,7 @@ Json json_of_change(const CaseTable& now, const CaseTable& before) {
           {"mended_cases", first_of(mended)}};
 }
 
-CampaignSummary summary_of(const CaseTable& table) {
+CampaignSummary summary_of(const Campaign& campaign, const CaseTable& table) {
   CampaignSummary summary;
   summary.cases = static_cast<std::int64_t>(table.size());
   for (const auto& verdict : table.verdicts) {
@@ -214,6 +289,12 @@ CampaignSummary summary_of(const CaseTable& table) {
   }
   summary.repeated = table.repeated;
   summary.unrepeated = table.unrepeated;
+  for (const auto& [number, text] : table.first_errors) {
+    ++summary.with_errors;
+    if (table.passed(static_cast<std::size_t>(number))) ++summary.passed_with_errors;
+  }
+  const std::int64_t failures = ending_failures(campaign.folder());
+  if (summary.missing > 0 && summary.failed() == failures) summary.until_failures = failures;
   return summary;
 }
 
@@ -222,7 +303,7 @@ Result<void> write_csv(const Campaign& campaign, const CaseTable& table) {
   std::ofstream stream(draft, std::ios::binary);
   std::string line = "case";
   for (const Variation& variation : campaign.scenario().variations) line += ',' + variation.name;
-  line += ",verdict,tick,ticks,hash,reason";
+  line += ",verdict,tick,ticks,hash,reason,errors";
   for (const std::string& expectation : campaign.expectations()) line += ',' + csv_cell("margin: " + expectation);
   stream << line << '\n';
   for (std::size_t i = 0; i < table.size(); ++i) {
@@ -230,12 +311,12 @@ Result<void> write_csv(const Campaign& campaign, const CaseTable& table) {
     for (const std::string& value : campaign.values_of(static_cast<std::int64_t>(i))) line += ',' + csv_cell(value);
     if (table.has(i)) {
       const bool passed = table.passed(i);
-      line += fmt::format(",{},{},{},{},{}", to_string(*table.verdicts[i]),
+      line += fmt::format(",{},{},{},{},{},{}", to_string(*table.verdicts[i]),
                           table.failing_ticks[i] < 0 ? "" : fmt::format("{}", table.failing_ticks[i]), table.ticks[i],
                           table.hashes[i] == 0 ? "" : hash_text(table.hashes[i]),
-                          passed ? "" : csv_cell(table.reason_texts[table.reasons[i]]));
+                          passed ? "" : csv_cell(table.reason_texts[table.reasons[i]]), table.errors[i]);
     } else {
-      line += ",missing,,,,";
+      line += ",missing,,,,,";
     }
     for (const std::vector<double>& margins : table.margins)
       line += std::isnan(margins[i]) ? "," : fmt::format(",{}", margins[i]);
@@ -258,7 +339,8 @@ Json json_of_report(const Campaign& campaign, const CaseTable& table, const Camp
                {{"verdict", std::string(to_string(campaign.nominal().verdict))},
                 {"sentence", campaign.nominal().sentence},
                 {"hash", campaign.nominal().hash}}},
-              {"failures", failures_of(table)}};
+              {"failures", failures_of(table)},
+              {"errors", errors_of(table)}};
   report["parameters"] = Json::array();
   const std::size_t count = campaign.scenario().variations.size();
   for (std::size_t i = 0; i < count; ++i) report["parameters"].push_back(json_of_parameter(campaign, table, i));
@@ -281,6 +363,7 @@ Result<CaseTable> CaseTable::of(const Campaign& campaign) {
   table.failing_ticks.assign(size, -1);
   table.hashes.resize(size);
   table.reasons.resize(size);
+  table.errors.resize(size);
   table.margins.assign(campaign.expectations().size(), std::vector<double>(size, none));
   std::map<std::string, std::size_t> places;
   std::vector<std::int64_t> lowest;  // case by reason
@@ -292,6 +375,8 @@ Result<CaseTable> CaseTable::of(const Campaign& campaign) {
     table.ticks[i] = result.ticks;
     table.failing_ticks[i] = result.tick.value_or(-1);
     table.hashes[i] = hash_of_text(result.hash);
+    table.errors[i] = result.errors;
+    if (result.errors > 0) table.first_errors[result.number] = result.first_error;
     const auto [place, is_new] = places.emplace(result.reason, places.size());
     table.reasons[i] = place->second;
     if (is_new) {
@@ -326,7 +411,7 @@ Result<CaseTable> CaseTable::of(const Campaign& campaign) {
 Result<CampaignSummary> summary_of(const Campaign& campaign) {
   const auto table = CaseTable::of(campaign);
   if (!table) return table.errors();
-  return summary_of(*table);
+  return summary_of(campaign, *table);
 }
 
 std::string verdict(const CampaignSummary& summary) {
@@ -335,12 +420,24 @@ std::string verdict(const CampaignSummary& summary) {
                        summary.unrepeated.front());
   if (summary.judged() == 0) return fmt::format("none of {} cases has a result", summary.cases);
   const Interval interval = summary.interval();
-  std::string text =
-      fmt::format("{} of {} cases pass: {:.4g} % ({:.4g} % to {:.4g} %)", summary.passed(), summary.judged(),
-                  100.0 * static_cast<double>(summary.passed()) / static_cast<double>(summary.judged()),
-                  100.0 * interval.low, 100.0 * interval.high);
+  const std::string range = fmt::format("{:.4g} % to {:.4g} %", 100.0 * interval.low, 100.0 * interval.high);
+  std::string text = fmt::format("{} of {} cases pass", summary.passed(), summary.judged());
+  if (summary.until_failures == 1)
+    text += fmt::format("; the work ended with the first failure, so the share that passes is within {}", range);
+  else if (summary.until_failures > 1)
+    text += fmt::format("; the work ended with failure {}, so the share that passes is about {:.4g} % ({})",
+                        summary.until_failures, 100.0 * summary.share(), range);
+  else
+    text += fmt::format(": {:.4g} % ({})", 100.0 * summary.share(), range);
   if (summary.missing > 0) text += fmt::format("; {} have no result yet", summary.missing);
   return text;
+}
+
+std::string error_sentence(const CampaignSummary& summary) {
+  if (summary.with_errors == 0) return "";
+  return fmt::format("in {} controllers wrote errors or numbers that aren't finite; {} of them {}",
+                     count_text(summary.with_errors, "case"), summary.passed_with_errors,
+                     summary.passed_with_errors == 1 ? "passes" : "pass");
 }
 
 std::string to_json(const CampaignSummary& summary) { return json_of_summary(summary).dump(); }
@@ -348,7 +445,7 @@ std::string to_json(const CampaignSummary& summary) { return json_of_summary(sum
 Result<CampaignSummary> write_campaign_report(const Campaign& campaign, const Campaign* against) {
   const auto table = CaseTable::of(campaign);
   if (!table) return table.errors();
-  const CampaignSummary summary = summary_of(*table);
+  const CampaignSummary summary = summary_of(campaign, *table);
   Json report = json_of_report(campaign, *table, summary);
   if (against) {
     if (against->digest() != campaign.digest())
@@ -359,6 +456,7 @@ Result<CampaignSummary> write_campaign_report(const Campaign& campaign, const Ca
     const auto before = CaseTable::of(*against);
     if (!before) return before.errors();
     report["against"] = json_of_change(*table, *before);
+    report["against"]["differences"] = differences(*against, campaign);
   }
   if (auto written = write_csv(campaign, *table); !written) return written.errors();
   const fs::path& folder = campaign.folder();

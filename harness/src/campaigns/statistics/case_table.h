@@ -25,11 +25,14 @@ struct CaseTable {
   std::vector<std::int64_t> ticks, failing_ticks;    // -1: none
   std::vector<std::uint64_t> hashes;
   std::vector<std::size_t> reasons;  // index into reason_texts
+  std::vector<std::int64_t> errors;  // of controllers
 
   std::vector<std::vector<double>> margins;     // by expectation, by case; NaN: none
   std::vector<std::vector<double>> values;      // by variation, by case; of words their place in `words`
   std::vector<std::vector<std::string>> words;  // by variation; empty: its values are numbers
   std::vector<std::string> reason_texts, reason_examples;
+
+  std::map<std::int64_t, std::string> first_errors;  // by case with errors
 
   std::int64_t repeated = 0;
   std::vector<std::int64_t> unrepeated;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace rehearse {
@@ -20,6 +21,31 @@ std::vector<double> ranks_of(const std::vector<double>& values) {
   return ranks;
 }
 
+/// The probability of at most `most` successes in n attempts.
+double binomial_at_most(std::int64_t most, std::int64_t n, double probability) {
+  const double size = static_cast<double>(n), yes = std::log(probability), no = std::log1p(-probability);
+  double sum = 0.0;
+  for (std::int64_t k = 0; k <= std::min(most, n); ++k) {
+    const double some = static_cast<double>(k), rest = size - some;
+    // 0 attempts have no logarithm of 0 in their product
+    sum += std::exp(std::lgamma(size + 1.0) - std::lgamma(some + 1.0) - std::lgamma(rest + 1.0) +
+                    (some > 0.0 ? some * yes : 0.0) + (rest > 0.0 ? rest * no : 0.0));
+  }
+  return std::min(1.0, sum);
+}
+
+/// The probability of a success at which at most `most` successes in n attempts have this probability; 1: none is so
+/// large.
+double binomial_bound(std::int64_t most, std::int64_t n, double at_most) {
+  double low = 0.0, high = 1.0;
+  constexpr int halvings = 60;
+  for (int i = 0; i < halvings; ++i) {
+    const double middle = 0.5 * (low + high);
+    (binomial_at_most(most, n, middle) > at_most ? low : high) = middle;
+  }
+  return high;
+}
+
 }  // namespace
 
 Interval wilson_interval(std::int64_t passed, std::int64_t all) {
@@ -32,16 +58,35 @@ Interval wilson_interval(std::int64_t passed, std::int64_t all) {
   return {passed == 0 ? 0.0 : (middle - reach) * scale, passed == all ? 1.0 : (middle + reach) * scale};
 }
 
+Interval inverse_interval(std::int64_t failed, std::int64_t all) {
+  REHEARSE_ASSERT(failed >= 1 && failed <= all, "the work ended with a failure");
+  constexpr double tail = 0.025;
+  // more cases were needed with a smaller probability of a failure, and fewer with a larger one
+  const double least = binomial_bound(failed - 1, all, 1.0 - tail);
+  const double most = failed == all ? 1.0 : binomial_bound(failed - 1, all - 1, tail);
+  return {1.0 - most, 1.0 - least};
+}
+
+double quantile_of_sorted(const std::vector<double>& sorted, double share) {
+  if (sorted.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const double place = share * static_cast<double>(sorted.size() - 1), part = place - std::floor(place);
+  const double below = sorted[static_cast<std::size_t>(place)];
+  return part == 0.0 ? below : (1.0 - part) * below + part * sorted[static_cast<std::size_t>(place) + 1];
+}
+
 double mcnemar_exact(std::int64_t one_way, std::int64_t other_way) {
-  const std::int64_t n = one_way + other_way, fewer = std::min(one_way, other_way);
-  const double size = static_cast<double>(n);
-  double sum = 0.0;
-  for (std::int64_t k = 0; k <= fewer; ++k) {
-    const double some = static_cast<double>(k);
-    sum += std::exp(std::lgamma(size + 1.0) - std::lgamma(some + 1.0) - std::lgamma(size - some + 1.0) -
-                    size * std::log(2.0));
-  }
-  return std::min(1.0, 2.0 * sum);
+  return std::min(1.0, 2.0 * binomial_at_most(std::min(one_way, other_way), one_way + other_way, 0.5));
+}
+
+double CampaignSummary::share() const {
+  const double all = static_cast<double>(judged());
+  if (until_failures == 0) return static_cast<double>(passed()) / all;  // 0 / 0: NaN
+  const double before_last = static_cast<double>(failed() - 1);
+  return failed() == 1 ? std::numeric_limits<double>::quiet_NaN() : 1.0 - before_last / (all - 1.0);
+}
+
+Interval CampaignSummary::interval() const {
+  return until_failures > 0 ? inverse_interval(failed(), judged()) : wilson_interval(passed(), judged());
 }
 
 double rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
@@ -55,6 +100,28 @@ double rank_correlation(const std::vector<double>& a, const std::vector<double>&
     yy += (y[i] - mean) * (y[i] - mean);
   }
   return xy / std::sqrt(xx * yy);
+}
+
+double cramers_v(const std::vector<std::vector<std::int64_t>>& counts) {
+  std::vector<double> of_row, of_column;
+  for (const std::vector<std::int64_t>& row : counts) {
+    of_row.push_back(static_cast<double>(std::accumulate(row.begin(), row.end(), std::int64_t{0})));
+    of_column.resize(std::max(of_column.size(), row.size()));
+    for (std::size_t column = 0; column < row.size(); ++column) of_column[column] += static_cast<double>(row[column]);
+  }
+  const double all = std::accumulate(of_row.begin(), of_row.end(), 0.0);
+  double squares = 0.0;  // chi squared over the number of cases
+  for (std::size_t row = 0; row < counts.size(); ++row)
+    for (std::size_t column = 0; column < counts[row].size(); ++column) {
+      const double expected = of_row[row] * of_column[column] / all;
+      const double excess = static_cast<double>(counts[row][column]) - expected;
+      if (expected > 0.0) squares += excess * excess / expected / all;
+    }
+  const auto occurring = [](const std::vector<double>& sums) {
+    return static_cast<double>(std::ranges::count_if(sums, [](double sum) { return sum > 0.0; }));
+  };
+  const double degrees = std::min(occurring(of_row), occurring(of_column)) - 1.0;
+  return degrees < 1.0 ? std::numeric_limits<double>::quiet_NaN() : std::sqrt(squares / degrees);
 }
 
 }  // namespace rehearse

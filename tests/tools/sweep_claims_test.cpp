@@ -1,0 +1,132 @@
+// rehearse sweep: results that it must not claim, and what its reports say of them.
+#include "sweep_fixture.h"
+
+#include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace rehearse::test {
+namespace {
+
+TEST_F(Sweep, StopsOnAFullDiskAndGoesOn) {
+  box();
+  rehearse({"sweep", "box.yaml", "--cases", "300", "-o", "whole"});
+  const Outcome stopped = with_small_files(40000, {"sweep", "box.yaml", "--cases", "300", "-o", "full"});
+  EXPECT_EQ(stopped.status, bad_input);
+  EXPECT_THAT(stopped.err, HasSubstr("can't be written: File too large"));
+  EXPECT_THAT(stopped.err, HasSubstr("sweep resume"));
+  rehearse({"sweep", "resume", "full"});
+  EXPECT_EQ(results("full"), results("whole"));
+}
+
+TEST_F(Sweep, GivesNoResultToACaseThatTheMachinePrevents) {
+  box("  length: {path: duration, choice: [0.02, 4]}\n");  // the recordings of the longer runs don't fit
+  rehearse({"sweep", "box.yaml", "--cases", "12", "-o", "whole"});
+  ASSERT_THAT(results("whole"), HasSubstr(",4,"));
+  const Outcome stopped = with_small_files(60000, {"sweep", "box.yaml", "--cases", "12", "-o", "full"});
+  EXPECT_EQ(stopped.status, bad_input);
+  EXPECT_THAT(stopped.err, HasSubstr("can't be run here: can't write the trace: File too large"));
+  EXPECT_THAT(stopped.err, HasSubstr("it has no result; remove the cause, then: rehearse sweep resume full"));
+  const auto status = rehearse({"sweep", "status", "full", "--json"}).json();
+  EXPECT_EQ(status["verdicts"]["invalid"], 0);
+  EXPECT_GT(status["missing"], 0);
+  rehearse({"sweep", "resume", "full"});
+  EXPECT_EQ(results("full"), results("whole"));
+
+  // nor does a case that is made again blame its values
+  for (int number = 0; number < 12; ++number) {
+    const auto again = rehearse({"sweep", "case", std::to_string(number), "full", "--json"}).json();
+    if (again["values"]["length"] != "4") continue;
+    const Outcome refused = with_small_files(60000, {"sweep", "case", std::to_string(number), "full"});
+    EXPECT_EQ(refused.status, bad_input);
+    EXPECT_THAT(refused.err, HasSubstr("it can't be run here: can't write the trace: File too large"));
+    return;
+  }
+}
+
+TEST_F(Sweep, ReportsTheShareThatPassesOfEachWord) {
+  deeds("none, throw 5, 7, none, refuse, none");  // the controller does nothing for a 7
+  rehearse({"sweep", "deeds.yaml", "-o", "run"});
+  const auto deed = nlohmann::json::parse(read_file(folder() / "run/report.json"))["parameters"][0];
+  EXPECT_TRUE(deed["correlation_with_passing"].is_null());
+  EXPECT_NEAR(deed["association_with_passing"].get<double>(), 1.0, 1e-12);
+  std::vector<std::string> words;
+  std::vector<std::pair<int, int>> counts;
+  for (const auto& word : deed["words"]) {
+    words.push_back(word["word"]);
+    counts.emplace_back(word["passed"], word["cases"]);
+  }
+  EXPECT_EQ(words, (std::vector<std::string>{"7", "none", "refuse", "throw 5"}));
+  EXPECT_EQ(counts, (std::vector<std::pair<int, int>>{{1, 1}, {3, 3}, {0, 1}, {0, 1}}));
+  EXPECT_THAT(read_file(folder() / "run/report.md"), HasSubstr("| deed | none | 3 | 3 | 100 % |"));
+  EXPECT_THAT(read_file(folder() / "run/report.html"), HasSubstr(">throw 5</text>"));
+}
+
+TEST_F(Sweep, NamesWhatElseDiffersBetweenTwoCampaigns) {
+  box();
+  rehearse({"sweep", "box.yaml", "--cases", "5", "-o", "before"});
+  rehearse({"sweep", "box.yaml", "--cases", "5", "-o", "again"});
+  const auto compared = [&](const std::string& campaign) {
+    rehearse({"sweep", "report", campaign, "--against", "before"});
+    const auto report = nlohmann::json::parse(read_file(folder() / campaign / "report.json"));
+    return report["against"]["differences"].get<std::vector<std::string>>();
+  };
+  EXPECT_EQ(compared("again"), std::vector<std::string>());
+  EXPECT_THAT(read_file(folder() / "again/report.md"),
+              HasSubstr("| neither the scenario, nor a controller, a model or an option |"));
+  std::string text = "# longer, and on the Moon\n" + read_file(folder() / "box.yaml") + "gravity: [0, 0, -1.6]\n";
+  text.replace(text.find("duration: 0.02"), 14, "duration: 0.03");
+  text.replace(text.find("size: [2, 2, 0.2]"), 17, "size: [3, 3, 0.2]");
+  write("moon.yaml", text);
+  rehearse({"sweep", "moon.yaml", "--cases", "5", "-o", "moon", "--case-limit", "60"});
+  EXPECT_EQ(compared("moon"),
+            (std::vector<std::string>{"in the scenario bodies", "in the scenario duration: 0.03, was 0.02",
+                                      "in the scenario gravity: [0, 0, -1.6], was not stated",
+                                      "case limit: 60 s, was 600 s"}));
+}
+
+TEST_F(Sweep, SaysThatAControllerHasChangedSinceTheCampaign) {
+  fs::copy_file(MISBEHAVING, folder() / "controller.so");
+  std::string own = read_file(deeds("none, throw 5"));
+  own.replace(own.find(MISBEHAVING), std::string(MISBEHAVING).size(), "./controller.so");
+  write("own.yaml", own);
+  rehearse({"sweep", "own.yaml", "-o", "run"});
+  const auto same = rehearse({"sweep", "case", "1", "run", "--json"});
+  EXPECT_EQ(same.json()["changed_controllers"], nlohmann::json::array());
+  EXPECT_EQ(same.err, "");
+  // a byte after the end changes nothing but the hash, as a rebuild may
+  fs::copy_file(folder() / "controller.so", folder() / "rebuilt.so");
+  std::ofstream(folder() / "rebuilt.so", std::ios::app) << '\n';
+  fs::rename(folder() / "rebuilt.so", folder() / "controller.so");
+  const std::string warning = "warning: the controller Pendulum/Swing has changed since the campaign began";
+  const auto again = rehearse({"sweep", "case", "1", "run", "--json"});
+  EXPECT_EQ(again.json()["changed_controllers"], nlohmann::json::array({"Pendulum/Swing"}));
+  EXPECT_THAT(again.err, HasSubstr(warning));
+  const auto shrunk = rehearse({"sweep", "shrink", "1", "run", "--json"});
+  EXPECT_EQ(shrunk.json()["changed_controllers"], nlohmann::json::array({"Pendulum/Swing"}));
+  EXPECT_THAT(shrunk.err, HasSubstr(warning));
+  EXPECT_THAT(rehearse({"sweep", "shrink", "0", "run"}).err,
+              HasSubstr("case 0 passes (the controller Pendulum/Swing has changed since the campaign began)"));
+}
+
+TEST_F(Sweep, CountsCasesWithErrorsOfControllers) {
+  deeds("none, nan 5, complain 7, complain 9, throw 5");
+  const Outcome swept = rehearse({"sweep", "deeds.yaml", "-o", "run"});
+  EXPECT_THAT(swept.out,
+              HasSubstr("in 3 cases controllers wrote errors or numbers that aren't finite; 3 of them pass\n"));
+  const auto report = nlohmann::json::parse(read_file(folder() / "run/report.json"));
+  EXPECT_EQ(report["summary"]["with_errors"], 3);
+  EXPECT_EQ(report["summary"]["passed_with_errors"], 3);
+  ASSERT_EQ(report["errors"].size(), 2u) << report["errors"].dump();
+  EXPECT_EQ(report["errors"][0]["error"], "Pendulum/Swing: [ERROR] no map");
+  EXPECT_EQ(report["errors"][0]["cases"], nlohmann::json::array({2, 3}));
+  EXPECT_THAT(report["errors"][1]["example"].get<std::string>(), HasSubstr("wrote nan into u of link"));
+  EXPECT_EQ(report["errors"][1]["passed"], 1);
+  EXPECT_THAT(read_file(folder() / "run/report.md"), HasSubstr("## Errors of controllers"));
+  box();
+  EXPECT_THAT(rehearse({"sweep", "box.yaml", "--cases", "5", "-o", "sound"}).out, ::testing::Not(HasSubstr("finite")));
+}
+
+}  // namespace
+}  // namespace rehearse::test
