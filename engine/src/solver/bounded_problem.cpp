@@ -11,8 +11,15 @@ constexpr int most_newton = 8;       // steps with all bounds free to change
 constexpr int most_rounds = 200;     // of the fallback
 constexpr int most_box_steps = 100;  // in a round
 constexpr int polishing = 4;         // Newton steps after each round
-constexpr int most_steps = 3000;     // of Newton in all rounds
 constexpr double smallest_pivot = 1e-13;
+
+/// Newton steps in all rounds. A step costs the third power of the rows: a crowd of contacts gets fewer, so that a step
+/// of the world stays within some tenths of a second.
+int most_steps(std::size_t rows) {
+  constexpr double most = 3000.0, least = 100.0, ample = 48.0;  // ample: rows for which the most are affordable
+  const double share = ample / std::max(ample, static_cast<double>(rows));
+  return static_cast<int>(std::max(least, most * share * share * share));
+}
 
 /// The share by which the normals' impulses follow in a round: less in later ones, which rows that swing need.
 double share_of_round(int round) {
@@ -233,7 +240,7 @@ bool BoundedProblem::step_along_free_rows() {
 bool BoundedProblem::solve_in_rounds(double tolerance, Outcome& outcome) {
   constexpr double of_box = 0.01;  // share of the tolerance
   normals_ = x_;
-  for (int round = 0; round < most_rounds && outcome.newton_steps < most_steps; ++round) {
+  for (int round = 0; round < most_rounds && outcome.newton_steps < most_steps(rows()); ++round) {
     for (std::size_t i = 0; i < rows(); ++i) normals_[i] += share_of_round(round) * (x_[i] - normals_[i]);
     before_ = std::exchange(x_, normals_);
     low_.resize(rows());
