@@ -40,6 +40,8 @@ ReplayComparison::ReplayComparison(const ReplayOptions& options, const std::vect
   for (const std::uint16_t id : delays_.channels()) reader_of_[id] = Reader::delays;
   channels_.insert(channels_.end(), outputs_.channels().begin(), outputs_.channels().end());
   channels_.insert(channels_.end(), delays_.channels().begin(), delays_.channels().end());
+  is_recovered_ = std::ranges::any_of(recording.metadata(),
+                                      [](const mcap::Metadata& entry) { return entry.name == "rehearse.recover"; });
   if (options.on_started) options.on_started(record_.fields());
 }
 
@@ -54,13 +56,15 @@ Result<void> ReplayComparison::take(const mcap::Message& message) {
 Result<void> ReplayComparison::emit(const TickData& now) {
   const std::int64_t before = std::max<std::int64_t>(0, now.tick - 1);
   words_.begin_tick([&](Divergence&& found) { word_differs(std::move(found), before); });
-  if (now.alive) {
+  if (now.alive && !inputs_are_lost_) {
     const std::vector<std::uint64_t>& row = record_.row();
     report_outputs(now.tick, row);
     compare(now, row);
     judge_.end_tick(now.tick);
-    last_tick_ = now.tick;
-    ++report_.ticks;
+    if (!inputs_are_lost_) {
+      last_tick_ = now.tick;
+      ++report_.ticks;
+    }
   }
   take_events();
   outputs_.begin_tick();
@@ -84,6 +88,7 @@ bool ReplayComparison::is_compared(std::int64_t tick) const {
 void ReplayComparison::compare(const TickData& now, const std::vector<std::uint64_t>& row) {
   const auto count = [this](Divergence&& found) { differs(std::move(found)); };
   if (!source_.alters()) compare_inputs(now);
+  if (inputs_are_lost_) return outputs_.pass_over(now.tick);
   if (!report_.first_other_hash && host_.output_hash() != source_.recorded().output_hash)
     report_.first_other_hash = now.tick;
   delays_.compare(count);
@@ -103,7 +108,9 @@ void ReplayComparison::compare_inputs(const TickData& now) {
   const bool same = host_.input_hash(*now.read) == source_.recorded().input_hash;
   if (!same && !report_.first_other_hash) report_.first_other_hash = now.tick;
   if (!reads_the_same_) reads_the_same_ = same;
-  if (same || !*reads_the_same_ || !is_compared(now.tick)) return;
+  if (same || !*reads_the_same_) return;
+  if (is_recovered_) return end_where_inputs_are_lost(now.tick);
+  if (!is_compared(now.tick)) return;
   Divergence found;
   found.channel = run_topics::tick;
   found.element = "input_hash";
@@ -111,6 +118,16 @@ void ReplayComparison::compare_inputs(const TickData& now) {
   found.note = "the recorded inputs differ from those that the controllers got when the recording was made";
   differs(std::move(found));
   reads_the_same_ = false;  // reported once
+}
+
+/// A recovered recording has each channel up to the last whole chunk, so that some end before others.
+void ReplayComparison::end_where_inputs_are_lost(std::int64_t tick) {
+  inputs_are_lost_ = true;
+  Diagnostic remark =
+      warning(fmt::format("the inputs of tick {} ({:g} s) and later ones are lost: commands are compared up to there",
+                          tick, time_of(tick, scenario_.time_step)),
+              "'rehearse recover' stated what it couldn't save");
+  report_.remarks.push_back(in_recording(recording_, std::move(remark)));
 }
 
 /// Takes a difference other than of two numbers.
@@ -190,6 +207,7 @@ Result<void> ReplayComparison::finish() {
 }
 
 void ReplayComparison::word_differs(Divergence&& found, std::int64_t tick) {
+  if (inputs_are_lost_) return;
   found.tick = tick;
   found.time = time_of(tick, scenario_.time_step);
   if (found.time < options_.from) return;

@@ -51,6 +51,7 @@ class ReplayComparison final : public Sink {
   bool is_compared(std::int64_t tick) const;
   void compare(const TickData& now, const std::vector<std::uint64_t>& row);
   void compare_inputs(const TickData& now);
+  void end_where_inputs_are_lost(std::int64_t tick);
   void compare_variables(std::int64_t tick);
   void report_outputs(std::int64_t tick, const std::vector<std::uint64_t>& row);
   void differs(Divergence&& found);
@@ -76,8 +77,10 @@ class ReplayComparison final : public Sink {
   const std::uint64_t from_;            // [ns]
   std::optional<bool> reads_the_same_;  // controllers read the recorded set of inputs; decided at the first tick
   std::map<std::string, std::optional<std::size_t>> variables_;  // numbers in the judge by topic; none: not judged
-  std::int64_t last_tick_ = -1;                                  // that was compared
-  std::int64_t last_different_ = -1;                             // tick
+  bool is_recovered_ = false;         // a part of the recording is lost: channels may end before the ticks
+  bool inputs_are_lost_ = false;      // from the present tick on: nothing is compared any more
+  std::int64_t last_tick_ = -1;       // that was compared
+  std::int64_t last_different_ = -1;  // tick
 };
 
 }  // namespace rehearse
