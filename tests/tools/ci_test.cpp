@@ -51,6 +51,25 @@ TEST_F(Ci, JunitHasACaseForEachScenarioWithTheVerdictForAMessage) {
   EXPECT_THAT(failure->GetText(), StartsWith("scenarios/stays.yaml:9\n"));
 }
 
+TEST_F(Ci, AGoldenThatCantBeUsedTakesNoVerdictFromOtherScenarios) {
+  std::ofstream(folder() / "scenarios/falls.yaml", std::ios::app) << "golden: Box.Falls\n";
+  fs::remove(folder() / "scenarios/stays.yaml");
+  ASSERT_EQ(rehearse({"check"}, "REHEARSE_GOLDEN=new").status, 0);
+  fs::remove(folder() / "golden/Box.Falls.txt");
+  write("scenarios/later.yaml",
+        "rehearse: 1\nduration: 0.05\nbodies: [{name: B, sphere: {radius: 0.1}, mass: 1}]\n"
+        "expect:\n  - {channel: B/B/position/z, below: 1}\n");
+  for (const char* jobs : {"-j1", "-j2"}) {
+    const Outcome outcome = rehearse({"check", jobs, "--junit", "check.xml"});
+    EXPECT_EQ(outcome.status, 2) << jobs;
+    EXPECT_THAT(outcome.out, HasSubstr("later: ")) << jobs;
+    EXPECT_THAT(outcome.err, HasSubstr("the digest of golden/Box.Falls.mcap is missing")) << jobs;
+    EXPECT_THAT(outcome.err, HasSubstr("1 of 2 scenarios wasn't judged: falls\n")) << jobs;
+    EXPECT_THAT(read_file(folder() / "check.xml"), HasSubstr("<error message=\"not judged: the digest of")) << jobs;
+  }
+  EXPECT_EQ(rehearse({"check", "scenarios/falls.yaml"}).err.find("wasn't judged"), std::string::npos);
+}
+
 TEST_F(Ci, JunitOfACrashIsAnError) {
   write("scenarios/crashes.yaml",
         read_file(pendulum(MISBEHAVING, "crash 3")) + "expect:\n  - {no_event: \"*never*\"}\n");

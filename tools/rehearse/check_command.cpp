@@ -1,5 +1,6 @@
 // rehearse check: runs scenarios and compares them with their goldens.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <rehearse/check.h>
 #include <rehearse/session.h>
 
@@ -262,11 +263,15 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
   return checked;
 }
 
-/// Checks one scenario and prints the result.
-Result<CheckOutcome> check_one(const CheckSettings& settings, const Scenario& scenario) {
+/// Checks one scenario and prints the result. `several`: a scenario that can't be judged doesn't end the others.
+Result<CheckOutcome> check_one(const CheckSettings& settings, const Scenario& scenario, bool several) {
   tell_warnings(scenario);
   auto checked = check_beside_others(settings, scenario);
-  if (!checked) return checked.errors();
+  if (!checked) {
+    if (!several || interruption() != 0) return checked.errors();
+    std::fputs(to_string(checked.errors()).c_str(), stderr);
+    return outcome_without_verdict(scenario, checked.errors());
+  }
   if (!settings.json) tell_files(*checked);
   return outcome_of(scenario, *std::move(checked));
 }
@@ -274,11 +279,12 @@ Result<CheckOutcome> check_one(const CheckSettings& settings, const Scenario& sc
 /// Checks the scenarios and adds their outcomes to `all`, in order.
 Exit check_all(const CheckSettings& settings, const std::vector<Scenario>& scenarios, std::vector<CheckOutcome>& all) {
   const std::size_t jobs = settings.jobs > 0 ? static_cast<std::size_t>(settings.jobs) : processors();
-  if (jobs > 1 && scenarios.size() > 1)
+  const bool several = scenarios.size() > 1;
+  if (jobs > 1 && several)
     return work_side_by_side(
         scenarios.size(), jobs,
         [&](std::size_t i) -> Result<std::string> {
-          const auto outcome = check_one(settings, scenarios[i]);
+          const auto outcome = check_one(settings, scenarios[i], several);
           if (!outcome) return outcome.errors();
           return form_of(*outcome, settings.json);
         },
@@ -286,11 +292,22 @@ Exit check_all(const CheckSettings& settings, const std::vector<Scenario>& scena
   supervise_process();
   end_runs_on_signals();
   for (const Scenario& scenario : scenarios) {
-    auto outcome = check_one(settings, scenario);
+    auto outcome = check_one(settings, scenario, several);
     if (!outcome) return refuse(outcome.errors());
     all.push_back(*std::move(outcome));
   }
   return Exit::done;
+}
+
+/// Lists the scenarios that couldn't be judged, after the verdicts of the others.
+void tell_unjudged(const std::vector<CheckOutcome>& all) {
+  std::vector<std::string> names;
+  for (const CheckOutcome& outcome : all)
+    if (outcome.exit == Exit::bad_input) names.push_back(outcome.scenario);
+  if (names.empty() || all.size() < 2) return;
+  std::fflush(stdout);
+  fmt::print(stderr, "{} of {} scenarios {} judged: {}\n", names.size(), all.size(),
+             names.size() == 1 ? "wasn't" : "weren't", fmt::join(names, ", "));
 }
 
 /// Compares only the closed loop unless the user named levels: otherwise the level in which gdb stops would be
@@ -342,6 +359,7 @@ Exit run_check(const CheckSettings& settings, const CLI::App& options) {
   for (const CheckOutcome& outcome : all) worst = std::max(worst, outcome.exit);
   if (settings.json) print(all.size() == 1 ? json_of(all[0]) : json_of_checks(all));
   if (!settings.no_report) keep_index(*scenarios, all, !settings.json);
+  tell_unjudged(all);
   if (!settings.junit.empty())
     if (const auto written = write_junit(settings.junit, all); !written) return refuse(written.errors());
   if (settings.github && !settings.json)

@@ -228,6 +228,21 @@ CheckOutcome outcome_of(const Scenario& scenario, Checked checked) {
   return outcome;
 }
 
+CheckOutcome outcome_without_verdict(const Scenario& scenario, const Diagnostics& errors) {
+  CheckOutcome outcome{.scenario = scenario.name,
+                       .file = scenario.file,
+                       .kind = scenario.golden.empty() ? "expectations" : "golden",
+                       .exit = Exit::bad_input,
+                       .verdict = "not judged: " + errors.at(0).message};
+  outcome.findings = TextsOfFindings{.details = to_string(errors),
+                                     .json = Json{{"scenario", outcome.scenario},
+                                                  {"file", outcome.file},
+                                                  {"verdict", outcome.verdict},
+                                                  {"equal", false},
+                                                  {"within", false}}};
+  return outcome;
+}
+
 Json json_of(const CheckOutcome& outcome) {
   const auto* checked = std::get_if<Checked>(&outcome.findings);
   return checked ? json_of_check(*checked) : std::get<TextsOfFindings>(outcome.findings).json;

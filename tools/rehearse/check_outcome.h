@@ -59,6 +59,8 @@ struct CheckOutcome {
 };
 
 CheckOutcome outcome_of(const Scenario& scenario, Checked checked);
+/// Of a scenario that couldn't be judged, as its golden can't be used: status 2, and the errors as its verdict.
+CheckOutcome outcome_without_verdict(const Scenario& scenario, const Diagnostics& errors);
 /// The form in which a process passes an outcome to another, and back. `json`: with the object for the user.
 std::string form_of(const CheckOutcome& outcome, bool json);
 CheckOutcome outcome_in(const std::string& form);
