@@ -59,10 +59,12 @@ joints:
   - {type: fixed, between: [Rig/ARM, Load]}
   - {type: fixed, between: [Load, End]}
 )";
-  record_run("rehearse: 1\nduration: 0.05\ncameras: none\nsolver: {method: quick, iterations: 2}\n" + arm);
+  const Trace trace =
+      record_run("rehearse: 1\nduration: 0.05\ncameras: none\nsolver: {method: quick, iterations: 2}\n" + arm);
   ASSERT_FALSE(summary_.remarks.empty());
   EXPECT_THAT(summary_.remarks[0].message,
               HasSubstr("world: the solver's 2 iterations leave the forces at joint 'SHOULDER' of 'Rig' wrong"));
+  EXPECT_THAT(said(trace), Contains(HasSubstr(", and in 9 before; 'method: direct' of the solver")));  // it lasts
   record_run("rehearse: 1\nduration: 0.05\ncameras: none\n" + arm);
   EXPECT_TRUE(summary_.remarks.empty());
 }

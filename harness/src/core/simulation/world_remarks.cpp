@@ -67,17 +67,22 @@ void WorldRemarks::check_unsolved(std::int64_t tick, const Unsolved& unsolved, s
       events);
 }
 
+/// Reported when it is twice as large as before, and at the 10th, 100th, ... step, so that a lasting one is seen.
 void WorldRemarks::check_residual(std::int64_t tick, const Residual& residual, std::vector<msg::Event>& events) {
   constexpr double most = 0.15;  // of the body's weight
-  if (residual.body < 0 || residual.share < std::max(most, 2.0 * residual_)) return;
+  if (residual.body < 0 || residual.share < most) return;
+  const bool lasts = ++unconverged_steps_ == next_unconverged_report_;
+  if (lasts) next_unconverged_report_ *= 10;
+  if (residual.share < 2.0 * residual_ && !lasts) return;
   const Severity severity = residual_ == 0.0 ? Severity::warning : Severity::note;
-  residual_ = residual.share;
+  residual_ = std::max(residual_, residual.share);
   const ScenarioBody& body = scenario_.bodies[static_cast<std::size_t>(residual.body)];
   add(tick, severity,
       fmt::format("the solver's {} iterations leave the forces at joint '{}' of '{}' wrong by {:.0f} % of the body's "
-                  "weight in the step after tick {}; 'method: direct' of the solver computes them",
+                  "weight in the step after tick {}{}; 'method: direct' of the solver computes them",
                   residual.iterations, body.model->links[static_cast<std::size_t>(residual.link)].joint.name, body.name,
-                  100.0 * residual.share, tick - 1),
+                  100.0 * residual.share, tick - 1,
+                  unconverged_steps_ > 1 ? fmt::format(", and in {} before", unconverged_steps_ - 1) : ""),
       events);
 }
 

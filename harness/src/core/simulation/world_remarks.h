@@ -18,8 +18,8 @@ class WorldRemarks {
   explicit WorldRemarks(const Scenario& scenario);
 
   /// Adds the events of the step before `tick`: steps that a solver didn't solve, joints beyond their limits or too
-  /// fast, and links that connected or separated. For all but the last kind the first event is a warning, and so a remark of the run. The
-  /// next event is a note that follows when it is twice as bad.
+  /// fast, and links that connected or separated. For all but the last kind the first event is a warning, and so a
+  /// remark of the run. The next event is a note that follows when it is twice as bad.
   void observe(std::int64_t tick, const World& world, const Observation& seen, std::vector<msg::Event>& events);
 
  private:
@@ -38,8 +38,10 @@ class WorldRemarks {
 
   const Scenario& scenario_;
   bool solver_failed_ = false;                 // in any step
-  double residual_ = 0.0;                      // the last that was reported
-  double unsolved_ = 0.0;                      // likewise
+  double residual_ = 0.0;                      // the largest that was reported
+  std::int64_t unconverged_steps_ = 0;         // so far
+  std::int64_t next_unconverged_report_ = 10;  // at that number
+  double unsolved_ = 0.0;                      // the last share that was reported
   bool crowded_ = false;                       // any island had too many contacts
   std::vector<std::vector<Excess>> excesses_;  // by body and joint id
 };
