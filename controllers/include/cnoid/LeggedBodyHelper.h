@@ -2,7 +2,7 @@
 //
 // Feet are the entries of `foot_links` (footLinks) in Body::info(): link, sole_center [m, in the link's frame], and
 // optionally home_cop (default: sole_center), toe_offset, knee_pitch_joint. The functions that move links work on the
-// helper's body.
+// helper's body, which must outlive it.
 #pragma once
 
 #include "Body.h"
@@ -81,7 +81,7 @@ class CNOID_GENERAL_EXPORT LeggedBodyHelper : public Referenced {
   /// False if a leg can't reach; links and joints are then in between.
   bool moveTo(const Isometry3& root, const Poses& feet);
 
-  BodyPtr body_;
+  Body* body_ = nullptr;  // no owner: the body may own the helper
   std::vector<Foot, Eigen::aligned_allocator<Foot>> feet_;
   ZmpDevicePtr zmpDevice_;
 };
