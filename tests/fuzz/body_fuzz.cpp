@@ -1,4 +1,5 @@
-// For any bytes, the loader of .body files returns a model or errors, and never crashes or hangs.
+// For any bytes, the loader of .body files, and of OpenHRP's in VRML, returns a model or errors, and never crashes or
+// hangs.
 #include <rehearse/body.h>
 
 #include <cstddef>
@@ -8,7 +9,8 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string text(data, data + size);
-  const auto result = rehearse::parse_body(text, "/nowhere/fuzz.body", {.meshes = rehearse::UrdfOptions::Meshes::skip});
+  const std::string name = text.starts_with("#VRML") ? "/nowhere/fuzz.wrl" : "/nowhere/fuzz.body";
+  const auto result = rehearse::parse_body(text, name, {.meshes = rehearse::UrdfOptions::Meshes::skip});
   if (!result) return 0;
   // What the rest of the engine relies on: one root, every parent before its children, dense ids of joints.
   for (std::size_t i = 0; i < result->links.size(); ++i) {
