@@ -1,5 +1,7 @@
 #include "cut.h"
 
+#include "ode_math.h"
+
 namespace rehearse {
 
 using Eigen::Matrix3d;
@@ -26,7 +28,7 @@ Wrench wrench_to_move(const PartBehind& part, const GroupMotion& motion, const V
   const Vector3d &w = motion.angular_velocity, &dw = motion.angular_acceleration;
   const Vector3d center = motion.frame * part.inertial.center;
   const Vector3d arm = center - motion.center;
-  const Vector3d acceleration = motion.acceleration + dw.cross(arm) + w.cross(w.cross(arm));
+  const Vector3d acceleration = acceleration_at(arm, motion.acceleration, w, dw);
   const Matrix3d inertia = motion.frame.linear() * part.inertial.inertia * motion.frame.linear().transpose();
   const Vector3d weight = part.weight.mass * gravity;
   const Vector3d inertial_force = part.inertial.mass * acceleration;

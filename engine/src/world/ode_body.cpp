@@ -416,8 +416,7 @@ LinkReading OdeBody::reading_of(int index) const {
   if (!links_[index].leads_group) link.rotation = link.rotation * links_[index].rotation_in_group;
   link.velocity = vector(dBodyGetLinearVel(group.body)) + w.cross(arm);
   link.angular_velocity = w;
-  link.acceleration =
-      group.acceleration + group.angular_acceleration.cross(arm_before) + w_before.cross(w_before.cross(arm_before));
+  link.acceleration = acceleration_at(arm_before, group.acceleration, w_before, group.angular_acceleration);
   link.angular_acceleration = group.angular_acceleration;
   return link;
 }
@@ -538,7 +537,7 @@ void OdeBody::take_centers(const SimulatedBody& other) {
     dBodySetLinearVel(group.body, velocity.x(), velocity.y(), velocity.z());
     const Vector3d arm_before = rotation_before(quaternion(dBodyGetQuaternion(group.body)), w, time_step_) * moved;
     const Vector3d w_before = w - time_step_ * group.angular_acceleration;
-    group.acceleration += group.angular_acceleration.cross(arm_before) + w_before.cross(w_before.cross(arm_before));
+    group.acceleration = acceleration_at(arm_before, group.acceleration, w_before, group.angular_acceleration);
   }
 }
 

@@ -28,6 +28,13 @@ struct OdeRotation {
   }
 };
 
+/// The acceleration of a point of a rigid body, at `arm` from another point whose acceleration is `a`: a + dw x r + w x
+/// (w x r). World axes.
+inline Eigen::Vector3d acceleration_at(const Eigen::Vector3d& arm, const Eigen::Vector3d& a, const Eigen::Vector3d& w,
+                                       const Eigen::Vector3d& dw) {
+  return a + dw.cross(arm) + w.cross(w.cross(arm));
+}
+
 /// The rotation at the end of a step with that angular velocity in world axes [rad/s]. ODE adds half of the angular
 /// velocity times the quaternion.
 inline Eigen::Quaterniond rotation_after(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& angular_velocity,

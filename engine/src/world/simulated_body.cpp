@@ -44,14 +44,12 @@ class LinkSensor {
  private:
   static std::vector<double> numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
   Eigen::Vector3d angular_velocity() const { return to_sensor_ * link_.angular_velocity; }
-  /// At the sensor's place the acceleration is a + dw/dt x r + w x (w x r), with the arm r from the link's origin.
   Eigen::Vector3d specific_force() const {
     const Eigen::Matrix3d axes = axes_before(link_, settings_.time_step);
     Eigen::Vector3d acceleration = link_.acceleration;
     if (settings_.lever_arms && !pose_.translation().isZero(0.0)) {
-      const Eigen::Vector3d arm = axes * pose_.translation();
-      const Eigen::Vector3d w = link_.angular_velocity - settings_.time_step * link_.angular_acceleration;
-      acceleration += link_.angular_acceleration.cross(arm) + w.cross(w.cross(arm));
+      const Eigen::Vector3d w_before = link_.angular_velocity - settings_.time_step * link_.angular_acceleration;
+      acceleration = acceleration_at(axes * pose_.translation(), acceleration, w_before, link_.angular_acceleration);
     }
     return (axes * pose_.linear()).transpose() * (acceleration - settings_.gravity);
   }
