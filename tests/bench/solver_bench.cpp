@@ -1,6 +1,9 @@
 // The cost of a step with the direct solver relative to one with ODE's quick solver: SR1 standing, held by PD torques
-// and by drives with limited efforts, and chains of links.
+// and by drives with limited efforts, SR1 with fingers, a recorded second, and chains of links.
 
+#include <fmt/format.h>
+#include <rehearse/body.h>
+#include <rehearse/session.h>
 #include <rehearse/world.h>
 
 #include <cstdlib>
@@ -18,15 +21,39 @@ namespace {
 constexpr int slice = 50;     // steps measured at a time
 constexpr int settled = 500;  // steps before the first measurement
 
+/// SR1 with a finger of seven joints at each wrist, so that it has 43 joints.
+std::shared_ptr<const Model> sr1_with_fingers(const Model& sr1) {
+  std::string text = sr1.source_text, fingers;
+  for (const char* side : {"RARM", "LARM"}) {
+    std::string parent = fmt::format("{}_WRIST_R", side);
+    for (int i = 0; i < 7; ++i) {
+      const std::string name = fmt::format("{}_FINGER{}", side, i);
+      fingers += fmt::format(
+          R"(<joint name="{0}" type="continuous"><parent link="{1}"/><child link="{0}"/><origin xyz="0 0 -0.03"/>
+          <axis xyz="{2}"/></joint><link name="{0}"><inertial><origin xyz="0 0 -0.015"/><mass value="0.05"/>
+          <inertia ixx="2e-5" ixy="0" ixz="0" iyy="2e-5" iyz="0" izz="1e-5"/></inertial></link>)",
+          name, parent, i % 2 == 0 ? "1 0 0" : "0 1 0");
+      parent = name;
+    }
+  }
+  text.insert(text.rfind("</robot>"), fingers);
+  return std::make_shared<const Model>(must(parse_model(text, sr1.source_file)));
+}
+
 /// SR1 standing in a world of its own, with one way to hold its joints.
 class Standing {
  public:
-  enum class Held { by_torque, by_limited_drive };
+  enum class Held { by_torque, by_limited_drive, by_torque_with_fingers };
 
   Standing(SolverSettings::Method method, Held held) : held_(held) {
     SolverSettings solver = Sr1Run::instance().scenario().solver;
     solver.method = method;
-    world_ = Sr1Run::instance().make_world(solver);
+    std::vector<WorldBody> bodies = Sr1Run::instance().bodies();
+    if (held == Held::by_torque_with_fingers) {
+      bodies[1].model = sr1_with_fingers(*bodies[1].model);
+      bodies[1].joints.resize(bodies[1].model->joints.size());
+    }
+    world_ = Sr1Run::instance().make_world(solver, std::move(bodies));
     for (const BodyObservation& seen : world_->sense().bodies) {
       BodyCommand& body = command_.bodies.emplace_back();
       body.joints.resize(seen.joints.size());
@@ -53,10 +80,12 @@ class Standing {
   void hold() {
     const std::vector<JointReading>& now = world_->sense().bodies[robot_].joints;
     for (std::size_t i = 0; i < now.size(); ++i) {
-      constexpr double p_gain = 5000.0, d_gain = 100.0;  // [N·m/rad], [N·m·s/rad]
+      const bool is_finger = i >= 29;
+      const double p_gain = is_finger ? 5.0 : 5000.0, d_gain = is_finger ? 0.02 : 100.0;  // [N·m/rad], [N·m·s/rad]
       const double torque = p_gain * (joints_[i].q - now[i].q) - d_gain * now[i].dq;
-      command_.bodies[robot_].joints[i] = held_ == Held::by_torque ? JointCommand{drive_effort, 0.0, 0.0, torque}
-                                                                   : JointCommand{drive_displacement, joints_[i].q};
+      command_.bodies[robot_].joints[i] = held_ == Held::by_limited_drive
+                                              ? JointCommand{drive_displacement, joints_[i].q}
+                                              : JointCommand{drive_effort, 0.0, 0.0, torque};
     }
   }
 
@@ -84,6 +113,26 @@ void direct_step_of_limited_drives_over_quick(benchmark::State& state) {
   direct_over_quick(state, Standing::Held::by_limited_drive);
 }
 BENCHMARK(direct_step_of_limited_drives_over_quick)->UseManualTime()->Unit(benchmark::kMillisecond);
+
+/// The same for 43 joints.
+void direct_step_of_43_joints_over_quick(benchmark::State& state) {
+  direct_over_quick(state, Standing::Held::by_torque_with_fingers);
+}
+BENCHMARK(direct_step_of_43_joints_over_quick)->UseManualTime()->Unit(benchmark::kMillisecond);
+
+/// Work: SR1 recorded for a second with the direct solver, without cameras. Base: the same with the quick solver.
+void direct_record_over_quick(benchmark::State& state) {
+  Scenario quick = Sr1Run::instance().scenario();
+  quick.duration = 1.0;
+  Scenario direct = quick;
+  direct.solver.method = SolverSettings::Method::direct;
+  const std::filesystem::path file = Sr1Run::instance().folder() / "second.mcap";
+  Pairs pairs;
+  for (auto _ : state)
+    state.SetIterationTime(pairs.measure([&] { must(record(direct, file)); }, [&] { must(record(quick, file)); }));
+  pairs.report(state, quick.ticks(), quick.ticks());
+}
+BENCHMARK(direct_record_over_quick)->UseManualTime()->Unit(benchmark::kMillisecond);
 
 /// A chain of links that hangs from the world and swings.
 std::unique_ptr<World> chain(int links) {

@@ -43,13 +43,16 @@ Sr1Run::~Sr1Run() {
   std::filesystem::remove_all(folder_, ignored);
 }
 
-std::unique_ptr<World> Sr1Run::make_world(const SolverSettings& solver) const {
+std::vector<WorldBody> Sr1Run::bodies() const {
   std::vector<WorldBody> bodies;
   for (const ScenarioBody& body : scenario_.bodies)
     bodies.push_back({body.name, body.model, body.fixed, body.position, body.rotation, body.joints, body.kinematic,
                       body.joint_limits.value_or(true), body.effort_limits, body.self_collision});
-  return must(
-      World::create({scenario_.time_step, scenario_.gravity, scenario_.seed, solver}, std::move(bodies)));
+  return bodies;
+}
+
+std::unique_ptr<World> Sr1Run::make_world(const SolverSettings& solver, std::vector<WorldBody> bodies) const {
+  return must(World::create({scenario_.time_step, scenario_.gravity, scenario_.seed, solver}, std::move(bodies)));
 }
 
 }  // namespace rehearse

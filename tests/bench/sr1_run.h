@@ -27,9 +27,11 @@ class Sr1Run {
   /// The commands to the world in each tick.
   const std::vector<Command>& commands() const { return commands_; }
 
-  /// A new world of the scenario's bodies, with the scenario's solver or another one.
-  std::unique_ptr<World> make_world() const { return make_world(scenario_.solver); }
-  std::unique_ptr<World> make_world(const SolverSettings& solver) const;
+  /// The scenario's bodies: a floor and SR1.
+  std::vector<WorldBody> bodies() const;
+  /// A new world of these bodies, with the scenario's solver.
+  std::unique_ptr<World> make_world() const { return make_world(scenario_.solver, bodies()); }
+  std::unique_ptr<World> make_world(const SolverSettings& solver, std::vector<WorldBody> bodies) const;
 
  private:
   Sr1Run();

@@ -7,7 +7,7 @@ rehearse_add_test(model_tests LABEL unit SHARDS 4
           model/mesh_looks_test.cpp model/mesh_paths_test.cpp model/model_test.cpp model/picture_file_test.cpp
           model/sr1_test.cpp model/urdf_broken_test.cpp model/urdf_devices_test.cpp model/urdf_hostile_test.cpp
           model/urdf_joint_parts_test.cpp
-          model/urdf_lenient_test.cpp model/urdf_masses_test.cpp model/urdf_meshes_test.cpp model/urdf_referee_test.cpp
+          model/urdf_lenient_test.cpp model/urdf_masses_test.cpp model/urdf_mesh_up_test.cpp model/urdf_meshes_test.cpp model/urdf_referee_test.cpp
           model/urdf_sensor_dialects_test.cpp model/urdf_surfaces_test.cpp model/urdf_test.cpp
   LIBRARIES Rehearse::model tinyxml2::tinyxml2 PNG::PNG JPEG::JPEG)
 

@@ -44,6 +44,13 @@ add_library(rehearse_cold_flags INTERFACE)
 target_link_libraries(rehearse_cold_flags INTERFACE rehearse_flags)
 target_compile_options(rehearse_cold_flags INTERFACE $<$<CONFIG:RelWithDebInfo>:${REHEARSE_COLD_FLAGS}>)
 
+# For code that takes most of a tick's time. GCC leaves products of Eigen's 3 x 3 matrices as calls, which are a tenth of
+# a step of the direct solver.
+add_library(rehearse_hot_flags INTERFACE)
+target_link_libraries(rehearse_hot_flags INTERFACE rehearse_flags)
+target_compile_definitions(rehearse_hot_flags INTERFACE
+  "EIGEN_STRONG_INLINE=inline __attribute__((always_inline))")
+
 if(REHEARSE_SANITIZE)
   add_compile_options(-fsanitize=${REHEARSE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${REHEARSE_SANITIZE})
@@ -70,16 +77,16 @@ endfunction()
 add_library(rehearse_private_headers INTERFACE)
 target_include_directories(rehearse_private_headers INTERFACE ${PROJECT_SOURCE_DIR}/engine/src ${PROJECT_SOURCE_DIR}/harness/src)
 
-# rehearse_room(NAME [COLD] SOURCES... PUBLIC headers... DOOR headers... MAY_USE rooms... LIBRARIES targets...): a folder
+# rehearse_room(NAME [HOT|COLD] SOURCES... PUBLIC headers... DOOR headers... MAY_USE rooms... LIBRARIES targets...): a folder
 # below engine/src or harness/src as a separate target, rehearse_room_NAME. Without sources it is a folder of headers.
-# COLD: the room takes little of a tick's time (rehearse_cold_flags).
+# HOT, COLD: the room takes most or little of a tick's time (rehearse_hot_flags, rehearse_cold_flags).
 #
 # A file of the room may include the room's own headers and those of the rooms after MAY_USE, no others: headers in
 # their folders, by their paths below src, and their installed headers (PUBLIC, in include/rehearse). Programs in tools/
 # may include installed headers, and the headers after DOOR. tests/determinism/rooms_test.cpp reads all this from the
 # targets. LIBRARIES are targets of other projects, and Rehearse::cnoid.
 function(rehearse_room name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "COLD" "" "SOURCES;PUBLIC;DOOR;MAY_USE;LIBRARIES")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "HOT;COLD" "" "SOURCES;PUBLIC;DOOR;MAY_USE;LIBRARIES")
   list(TRANSFORM arg_MAY_USE PREPEND rehearse_room_)
   set(room rehearse_room_${name})
   string(REGEX MATCH "^${PROJECT_SOURCE_DIR}/[a-z]+" part ${CMAKE_CURRENT_SOURCE_DIR})
@@ -90,6 +97,8 @@ function(rehearse_room name)
     set(flags rehearse_flags)
     if(arg_COLD)
       set(flags rehearse_cold_flags)
+    elseif(arg_HOT)
+      set(flags rehearse_hot_flags)
     endif()
     target_link_libraries(${room} PUBLIC ${arg_MAY_USE} ${arg_LIBRARIES} PRIVATE ${flags})
   else()

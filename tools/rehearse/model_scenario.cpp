@@ -129,6 +129,7 @@ std::string loading_text(const UrdfOptions& urdf) {
   if (!packages.empty()) text += fmt::format("    packages: {{{}}}\n", packages);
   if (urdf.default_mass) text += fmt::format("    default_mass: {}\n", *urdf.default_mass);
   if (urdf.allow_missing_meshes) text += "    allow_missing_meshes: true\n";
+  if (urdf.mesh_z_up) text += "    mesh_up: z\n";
   if (urdf.allow_unknown_devices) text += "    allow_unknown_devices: true\n";
   return text;
 }

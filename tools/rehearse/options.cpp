@@ -90,6 +90,12 @@ void add_model_options(CLI::App& options, UrdfOptions& urdf) {
                    "meshes that can't be loaded are left out, with a warning");
   options.add_flag("--allow-unknown-devices", urdf.allow_unknown_devices,
                    "elements of a body that are no known devices are left out, with a warning each");
+  options
+      .add_option_function<std::string>(
+          "--mesh-up", [&urdf](const std::string& axis) { urdf.mesh_z_up = axis == "z"; },
+          "the axis that glTF meshes have up; their standard says y (y)")
+      ->check(CLI::IsMember({"y", "z"}))
+      ->type_name("AXIS");
   add_number(options, "--default-mass", "of links that move and have none [kg]", 1e-9, 1e9,
              [&urdf](double mass) { urdf.default_mass = mass; });
 }

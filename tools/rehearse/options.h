@@ -31,7 +31,7 @@ void add_integer(CLI::App& options, const std::string& option, const std::string
 void add_host_options(CLI::App& options, HostOptions& host, std::string* alone = nullptr);
 
 /// Declares the options of verbs that load a model: --package NAME=DIR or --variable NAME=DIR, any number of times,
-/// --allow-missing-meshes, --allow-unknown-devices and --default-mass.
+/// --allow-missing-meshes, --allow-unknown-devices, --mesh-up and --default-mass.
 void add_model_options(CLI::App& options, UrdfOptions& urdf);
 
 /// Declares --topics, --from, --until and --ticks: a selection of a file's messages.

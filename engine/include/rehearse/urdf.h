@@ -64,6 +64,7 @@ struct UrdfOptions {
   std::map<std::string, std::filesystem::path> packages = {};  // of package://NAME and ${NAME}, searched first
   bool compare = true;  // the result with urdfdom's; false: for the text of a recording, which was compared before
   bool allow_missing_meshes = false;   // a mesh that cannot be loaded is left out, with a warning
+  bool mesh_z_up = false;              // glTF meshes have z up, against their standard: they aren't turned
   bool allow_unknown_devices = false;  // of a .body: elements of unknown types are left out, with a warning each
   Meshes meshes = Meshes::load;
   MeshContact contact = MeshContact::automatic;  // of collision meshes; has precedence over the file

@@ -46,12 +46,19 @@ struct WorldBody {
   bool planar = false;  // a root link that isn't fixed stays in the plane of x and z in which it begins
 };
 
-/// The error at which the quick solver stopped in a step: the largest force that is missing at any joint, as a share of
-/// the body's weight.
+/// A joint, by the link that it moves; `body` -1: none.
+struct JointPlace {
+  int body = -1;
+  int link = -1;  // index into the model's links
+};
+
+/// The errors at which the quick solver stopped in a step.
 struct Residual {
-  int body = -1;  // index of the body; -1: no body has a joint
-  int link = -1;  // index of the link that the joint moves
-  double share = 0.0;
+  JointPlace joint;    // with the largest missing force; none: no body has a joint
+  double share = 0.0;  // that force, as a share of the body's weight
+  JointPlace missed;   // the joint that misses the velocity of its drive most; none: all reach it
+  double velocity =
+      0.0;             // by which it misses it, or drifts while it is held; at an effort limit it may [rad/s] or [m/s]
   int iterations = 0;  // of the solver in that step; 0: the exact solver made it
 };
 
@@ -105,8 +112,8 @@ class World {
 
   /// The residual of the last step. Parts that a joint connects have different velocities at its anchor, by more than
   /// the joint's correction of its error; the missing force is what would stop the lighter of both parts within the
-  /// step, the other one free to move (reduced mass). Not part of the state: after restore() it is empty until the next
-  /// step.
+  /// step, the other one free to move (reduced mass). That force is small where a part is light; the velocity that a
+  /// drive misses isn't. Not part of the state: after restore() it is empty until the next step.
   const Residual& residual() const;
 
   /// Of the last step. Not part of the state.

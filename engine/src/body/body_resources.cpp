@@ -114,7 +114,7 @@ void ElementReader::read_mesh(const YamlNode& at, const std::string& uri, const 
   shape.pose.translation() = transform.translation();
   shape.pose.linear() = rotation;
   if (!files_.skips_meshes()) {
-    MeshSelection selection{fragment, fragments_of(uri)};
+    MeshSelection selection{fragment, fragments_of(uri), files_.options().mesh_z_up};
     selection.without.erase(fragment);
     const auto loaded = shared_mesh(file.file, mesh.scale, selection);
     const bool in_parts = files_.options().contact == MeshContact::parts;

@@ -12,7 +12,7 @@ namespace rehearse {
 namespace {
 
 using Key = std::tuple<std::string, std::uintmax_t, std::filesystem::file_time_type, double, double, double,
-                       std::string, std::set<std::string>>;
+                       std::string, std::set<std::string>, bool>;
 
 struct CachedMesh {
   MeshReading reading;
@@ -77,7 +77,8 @@ class MeshCache {
             scale.y(),
             scale.z(),
             selection.node,
-            selection.without};
+            selection.without,
+            selection.z_up};
   }
 
   std::mutex mutex_;

@@ -7,7 +7,8 @@
 // - OBJ: polygons become triangles; each object or group with faces has a separate `object` number. In all other
 //   formats the whole file is one object.
 // - WRL: VRML97, by Rehearse's own reader (vrml_scene.h), since assimp 5.2 has none.
-// - glTF and GLB: y is up by the standard, so they are turned: (x, y, z) becomes (x, -z, y).
+// - glTF and GLB: y is up by the standard, so they are turned: (x, y, z) becomes (x, -z, y); not if the
+//   selection says that z is up.
 // Vertices keep the bits of the file's floats where no transform and no scale changes them. Mirrored nodes and scales
 // reverse the winding as well, so that the outside stays outside. If a file has no normals, those of the triangles are
 // used. mesh_materials.h describes the colours.
@@ -23,12 +24,13 @@
 
 namespace rehearse {
 
-/// The part of a mesh file that is wanted.
+/// The part of a mesh file that is wanted, and how it is read.
 struct MeshSelection {
   /// The node of that name, without the translations of it and above it: in VRML that of DEF, in a DAE its name or its
   /// id, in an OBJ a group or object, in an STL a solid.
   std::string node = {};
   std::set<std::string> without = {};  // nodes of these names are left out
+  bool z_up = false;                   // a glTF file has z up, against its standard: it isn't turned
 };
 
 struct MeshReading {

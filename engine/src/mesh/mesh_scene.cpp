@@ -28,9 +28,9 @@ Matrix product(const Matrix& outer, const Matrix& inner) {
 }
 
 /// The transform from the file's frame to the shape's.
-Matrix placing_of(MeshFormat format, const Eigen::Vector3d& scale) {
+Matrix placing_of(MeshFormat format, const Eigen::Vector3d& scale, bool z_up) {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  if (format == MeshFormat::gltf || format == MeshFormat::glb) turn << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  if (!z_up && (format == MeshFormat::gltf || format == MeshFormat::glb)) turn << 1, 0, 0, 0, 0, -1, 0, 1, 0;
   Matrix placing = Matrix::Zero();
   placing.leftCols<3>() = scale.asDiagonal() * turn;
   return placing;
@@ -248,7 +248,7 @@ Result<std::vector<MeshPart>> read_parts(const aiScene& scene, MeshFormat format
   bool found = selection.node.empty();
   PartReader reader(scene, format, materials);
   std::vector<Waiting> waiting{// a stack instead of recursion, because a file may nest nodes to any depth
-                               {scene.mRootNode, placing_of(format, scale), found}};
+                               {scene.mRootNode, placing_of(format, scale, selection.z_up), found}};
   while (!waiting.empty()) {
     auto [node, parent, is_within] = waiting.back();
     waiting.pop_back();

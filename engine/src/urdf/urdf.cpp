@@ -141,6 +141,7 @@ std::optional<Model> read_robot(const std::string& text, const std::filesystem::
     urdf::repair_inertias(*model, options, findings);
     urdf::check_dynamics(*model, options, findings);
     meshes.prepare_contacts(*model);
+    urdf::check_mesh_up(*model, options, findings);
   }
   if (findings.has_error()) return std::nullopt;
   if (!options.compare) return model;

@@ -191,6 +191,9 @@ void repair_inertias(Model& model, const UrdfOptions& options, Findings& finding
 /// positive definite; warnings about improbable values. Call it after repair_inertias().
 void check_dynamics(const Model& model, const UrdfOptions& options, Findings& findings);
 
+/// A warning if glTF meshes fit the collision shapes of their links only with z up in their files.
+void check_mesh_up(const Model& model, const UrdfOptions& options, Findings& findings);
+
 /// Parses the document with urdfdom and compares its robot with the draft; each difference is an error.
 void compare_with_urdfdom(const tinyxml2::XMLDocument& document, const Draft& draft, Findings& findings);
 

@@ -65,7 +65,7 @@ std::optional<Mesh> Meshes::load(const XMLElement& element, Mesh mesh, Use use) 
     refuse(line, mesh.file, place.errors().front(), false);
     return std::nullopt;
   }
-  Result<SharedMesh> loaded = shared_mesh(place->file, mesh.scale);
+  Result<SharedMesh> loaded = shared_mesh(place->file, mesh.scale, selection());
   if (!loaded) {
     refuse(line, mesh.file, loaded.errors().front(), true);
     return std::nullopt;
@@ -126,7 +126,7 @@ MeshContact Meshes::contact_of(const Mesh& mesh, bool never_moves) {
 
 void Meshes::take_hulls(Mesh& mesh, MeshContact contact) {
   const std::string which = fmt::format("the mesh {}", in_quotes(mesh.file, longest_path));
-  const auto hulls = shared_hulls(mesh.data->file, mesh.scale, contact);
+  const auto hulls = shared_hulls(mesh.data->file, mesh.scale, contact, selection());
   if (!hulls) {
     findings_.error(mesh.line, fmt::format("{} can't be used for contact: {}", which, hulls.errors().front().message),
                     "contacts use convex parts of a mesh that moves");

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "mesh/mesh_file.h"
 #include "mesh/mesh_paths.h"
 #include "urdf_findings.h"
 
@@ -36,6 +37,7 @@ class Meshes {
   void prepare_contacts(Model& model);
 
  private:
+  MeshSelection selection() const { return {.z_up = options_.mesh_z_up}; }
   std::optional<Eigen::Vector3d> read_scale(tinyxml2::XMLElement& element);
   std::optional<Mesh> load(const tinyxml2::XMLElement& element, Mesh mesh, Use use);
   MeshContact contact_of(const Mesh& mesh, bool never_moves);

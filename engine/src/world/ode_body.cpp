@@ -319,14 +319,19 @@ Belt OdeBody::belt(int index) const {
   return {group_axes * (links_[track.link].in_group.linear() * model().links[track.link].joint.axis), track.speed};
 }
 
-LinkShare OdeBody::residual() const {
+JointErrors OdeBody::residual() const {
   constexpr double standard_gravity = 9.80665;  // [m/s²]
-  LinkShare worst;
+  JointErrors worst;
   double most = 0.0;  // [N·s]
   for (const int index : model().joints) {
     const Joint& joint = model().links[index].joint;
     if (slots_[joint.id].is_track) continue;
-    const double missing = joints_[slots_[joint.id].index].missing_impulse();
+    const OdeJoint& connected = joints_[slots_[joint.id].index];
+    if (const double velocity = connected.missed_velocity(); velocity > worst.velocity) {
+      worst.missed = index;
+      worst.velocity = velocity;
+    }
+    const double missing = connected.missing_impulse();
     if (missing <= most && worst.link >= 0) continue;
     most = missing;
     worst.link = index;

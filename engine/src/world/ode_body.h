@@ -62,7 +62,7 @@ class OdeBody final : public SimulatedBody {
   Eigen::Vector3d link_point(int link, const Eigen::Vector3d& point_in_link) const override;
   Belt belt(int index) const override;
   Mount mount(int link) const override;
-  LinkShare residual() const override;
+  JointErrors residual() const override;
   void after_step() override;
   void observe(BodyObservation& observation, const WorldSettings& settings, bool stepped) const override;
   bool plausible() const override;

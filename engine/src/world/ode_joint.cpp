@@ -178,6 +178,12 @@ double OdeJoint::missing_impulse() const {
   return apart.norm() / inverse;
 }
 
+double OdeJoint::missed_velocity() const {
+  constexpr double nearly = 1.0 - 1e-6;  // of the effort limit
+  if (!motor_on_ || !motor_drives_ || std::abs(motor_effort()) >= nearly * motor_limit_) return 0.0;
+  return std::abs(rate() - motor_velocity_);
+}
+
 void OdeJoint::count_turns(double displacement) {
   if (!revolute_) return;
   wrapped_ = dJointGetHingeAngle(ode_);

@@ -42,6 +42,9 @@ class OdeJoint {
   void before_step(double time_step);
   /// After ODE's step: the impulse that would give both bodies one velocity at the joint [N·s].
   double missing_impulse() const;
+  /// After ODE's step: the difference between the joint's velocity and its drive's; 0 without a drive, and for one
+  /// that is at its effort limit [rad/s] or [m/s].
+  double missed_velocity() const;
   /// True if resist() has to be called.
   bool resists() const { return joint_.damping > 0.0 || joint_.armature > 0.0 || joint_.spring_stiffness > 0.0; }
   /// Sets damping, rotor inertia and spring for the coming step. `inertia`: about the joint's axis without the rotor

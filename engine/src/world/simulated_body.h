@@ -93,10 +93,12 @@ struct MovingPart {
   const PlaneConstraint* plane = nullptr;             // null: none
 };
 
-/// A share of a body's weight, at a link.
-struct LinkShare {
-  int link = -1;  // index into the model's links; -1: none
-  double share = 0.0;
+/// The errors of a step at a body's joints, as in Residual; links are indices into the model's, -1: none.
+struct JointErrors {
+  int link = -1;
+  double share = 0.0;  // of the body's weight
+  int missed = -1;
+  double velocity = 0.0;  // [rad/s] or [m/s]
 };
 
 class SimulatedBody {
@@ -115,9 +117,8 @@ class SimulatedBody {
   virtual Belt belt(int index) const = 0;
   /// A kinematic body's link without shapes has no body of ODE, although it moves.
   virtual Mount mount(int link) const = 0;
-  /// The largest force that was missing at a joint after the last step, as a share of the body's weight, and the link
-  /// that this joint moves.
-  virtual LinkShare residual() const { return {}; }
+  /// Of the last step.
+  virtual JointErrors residual() const { return {}; }
   /// Reads the results of the step. Call take_touches() before it.
   virtual void after_step() = 0;
   /// Fills the readings from the state.

@@ -258,10 +258,14 @@ void World::Impl::measure_residual(int iterations) {
   residual = {};
   residual.iterations = iterations;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const LinkShare worst = bodies[i]->residual();
-    if (worst.link < 0 || (residual.body >= 0 && worst.share <= residual.share)) continue;
-    residual.body = static_cast<int>(i);
-    residual.link = worst.link;
+    const JointErrors worst = bodies[i]->residual();
+    const int body = static_cast<int>(i);
+    if (worst.missed >= 0 && worst.velocity > residual.velocity) {
+      residual.missed = {body, worst.missed};
+      residual.velocity = worst.velocity;
+    }
+    if (worst.link < 0 || (residual.joint.body >= 0 && worst.share <= residual.share)) continue;
+    residual.joint = {body, worst.link};
     residual.share = worst.share;
   }
 }

@@ -338,6 +338,9 @@ struct Event {
   REHEARSE_FIELDS(stamp, tick, severity, source, text)
 };
 
+/// True if the source of the observations reported the event, the world or a log, and no controller or its host.
+inline bool is_of_observations(const Event& event) { return event.source == "world" || event.source == "log"; }
+
 /// Two links begin or end to touch.
 struct ContactChange {
   static constexpr std::string_view type_name = "rehearse_msgs/msg/ContactChange";

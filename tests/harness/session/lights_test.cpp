@@ -109,7 +109,7 @@ TEST_F(Lights, AreHeardByOthersInTheNextTickAndNotByTheirWriter) {
   for (const std::string delay : {"", ", delay: false"}) {
     const Trace trace =
         record_run(with(behaviour("A", "bulb 7", delay) + ", " + behaviour("B", "overhear"), "cameras: none\n"));
-    EXPECT_THAT(said(trace), ElementsAre("Rig/B: tick 8 bulb off red 0.5"));
+    EXPECT_THAT(said_by_controllers(trace), ElementsAre("Rig/B: tick 8 bulb off red 0.5"));
     EXPECT_THAT(trace.values("Rig/A/output/SHOULDER/u"), ::testing::Each(0.0));  // the changes that A received
     const auto report = replay_run();
     ASSERT_TRUE(report.ok()) << to_string(report.errors());
@@ -120,7 +120,7 @@ TEST_F(Lights, AreHeardByOthersInTheNextTickAndNotByTheirWriter) {
 TEST_F(Lights, SeveralWordsInOneTickAreTheLastOne) {
   const Trace trace =
       record_run(with(behaviour("A", "bulb 7 TWICE") + ", " + behaviour("B", "overhear"), "cameras: none\n"));
-  EXPECT_THAT(said(trace), ElementsAre("Rig/B: tick 8 bulb off red 0.5"));
+  EXPECT_THAT(said_by_controllers(trace), ElementsAre("Rig/B: tick 8 bulb off red 0.5"));
   EXPECT_EQ(trace.find_channel("/Rig/A/output/Bulb/state")->messages(), 1u);
   EXPECT_EQ(trace.find_channel("/Rig/Bulb/state")->messages(), 1u);
 }
@@ -128,7 +128,7 @@ TEST_F(Lights, SeveralWordsInOneTickAreTheLastOne) {
 TEST_F(Lights, AWordInInitializeIsHeardOnce) {
   const Trace trace =
       record_run(with(behaviour("A", "bulb -1") + ", " + behaviour("B", "overhear"), "cameras: none\n"));
-  EXPECT_THAT(said(trace), ElementsAre("Rig/B: tick 0 bulb off red 0.5"));
+  EXPECT_THAT(said_by_controllers(trace), ElementsAre("Rig/B: tick 0 bulb off red 0.5"));
   EXPECT_EQ(trace.find_channel("/Rig/A/output/Bulb/state")->messages(), 1u);
   EXPECT_TRUE(replay_run()->equal());
 }
@@ -143,7 +143,7 @@ TEST_F(Lights, AnExceptionInASlotEndsTheRunAndNotTheProcess) {
 TEST_F(Lights, AStateThatIsNotFiniteIsNotPassedOn) {
   const Trace trace =
       record_run(with(behaviour("A", "bulb 7 nan") + ", " + behaviour("B", "overhear"), "cameras: none\n"));
-  EXPECT_THAT(said(trace),
+  EXPECT_THAT(said_by_controllers(trace),
               ElementsAre("Rig/A: gave device 'Bulb' a state that isn't finite at tick 7; it was recorded, but "
                           "the device keeps the one before it"));
 }
@@ -151,7 +151,7 @@ TEST_F(Lights, AStateThatIsNotFiniteIsNotPassedOn) {
 TEST_F(Lights, AnInfoReachesTheOthersAsACopyAndTheRecord) {
   const Trace trace =
       record_run(with(behaviour("A", "expose 7 0.25") + ", " + behaviour("B", "overhear"), "cameras: none\n"));
-  EXPECT_THAT(said(trace),
+  EXPECT_THAT(said_by_controllers(trace),
               ElementsAre("Rig/A: info of device 'Camera': {exposure: 0.25}", "Rig/B: tick 8 exposure 0.25"));
 }
 

@@ -146,6 +146,13 @@ inline std::vector<std::string> said(const Trace& trace) {
   return lines;
 }
 
+/// Likewise, without what the world says.
+inline std::vector<std::string> said_by_controllers(const Trace& trace) {
+  std::vector<std::string> lines = said(trace);
+  std::erase_if(lines, [](const std::string& line) { return line.starts_with("world: "); });
+  return lines;
+}
+
 /// The names of the trace's topics that begin with this text.
 inline std::vector<std::string> topics(const Trace& trace, const std::string& prefix) {
   std::vector<std::string> names;

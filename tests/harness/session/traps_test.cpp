@@ -156,7 +156,7 @@ TEST_F(Traps, EnableAfterInitializeIsIgnoredAndSaid) {
 }
 
 TEST_F(Traps, FrameZeroSensorsReadZero) {
-  EXPECT_THAT(said(record_run(rig_with("sense"))),
+  EXPECT_THAT(said_by_controllers(record_run(rig_with("sense"))),
               ElementsAre("Rig/C: tick 0 accelerometer 0 imu 0 force 0",
                           "Rig/C: tick 1 accelerometer 9.80665 imu 9.80665 force -9.80665"));
 }

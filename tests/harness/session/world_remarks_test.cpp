@@ -7,6 +7,7 @@ namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class WorldRemarks : public RunTest {
  protected:
@@ -66,6 +67,68 @@ joints:
               HasSubstr("world: the solver's 2 iterations leave the forces at joint 'SHOULDER' of 'Rig' wrong"));
   EXPECT_THAT(said(trace), Contains(HasSubstr(", and in 9 before; 'method: direct' of the solver")));  // it lasts
   record_run("rehearse: 1\nduration: 0.05\ncameras: none\n" + arm);
+  EXPECT_TRUE(summary_.remarks.empty());
+}
+
+TEST_F(WorldRemarks, AJointThatMissesItsDrivesVelocityIsAWarning) {
+  write("rig.urdf", R"(<robot name="Rig"><link name="world"/>
+  <joint name="ANKLE_P" type="continuous"><parent link="world"/><child link="CROSS"/><axis xyz="0 1 0"/></joint>
+  <link name="CROSS"><inertial><mass value="0.06"/>
+    <inertia ixx="1e-5" ixy="0" ixz="0" iyy="1e-5" iyz="0" izz="1e-5"/></inertial></link>
+  <joint name="ANKLE_R" type="continuous"><parent link="CROSS"/><child link="TRUNK"/><axis xyz="1 0 0"/></joint>
+  <link name="TRUNK"><inertial><origin xyz="0.02 0 0.9"/><mass value="40"/>
+    <inertia ixx="4" ixy="0" ixz="0" iyy="4" iyz="0" izz="1"/></inertial></link></robot>)");
+  const auto held = [](const std::string& method) {
+    return "rehearse: 1\nduration: 0.2\nsolver: {method: " + method +
+           "}\nbodies:\n  - {name: Rig, model: rig.urdf, controllers: [" + behaviour("C", "posture") + "]}\n";
+  };
+  const Trace trace = record_run(held("quick"));
+  EXPECT_THAT(said(trace), Contains(HasSubstr("world: the solver's 50 iterations leave joint 'ANKLE_")));
+  EXPECT_THAT(said(trace), Contains(HasSubstr("rad/s off its drive's velocity in the step after tick")));
+  record_run(held("direct"));
+  EXPECT_TRUE(summary_.remarks.empty());
+}
+
+TEST_F(WorldRemarks, AVelocityBeyondTheJointsLimitIsAWarning) {
+  std::string urdf = rig_urdf;
+  urdf.replace(urdf.find("velocity=\"1000\""), 15, "velocity=\"2\"");
+  write("rig.urdf", urdf);
+  record_run(rig_with("drive velocity 1.9 RAIL"));
+  EXPECT_TRUE(summary_.remarks.empty());
+  record_run(rig_with("drive velocity -3 RAIL"));
+  ASSERT_EQ(summary_.remarks.size(), 1u);
+  EXPECT_THAT(
+      summary_.remarks[0].message,
+      HasSubstr("joint 'RAIL' of 'Rig' is driven at -3 m/s, beyond its velocity limit of 2 m/s, which a velocity "
+                "drive doesn't obey"));
+}
+
+TEST_F(WorldRemarks, AVelocityTowardsAStopIsAnEventThere) {
+  const std::string beyond =
+      "world: joint 'RAIL' of 'Rig' is at its limit, 0.3 m, and its velocity drive is commanded ";
+  const Trace trace = record_run(rig_with("drive velocity 5 RAIL"));
+  EXPECT_THAT(said(trace), Contains(HasSubstr(beyond + "beyond it")));
+  EXPECT_THAT(said(record_run(rig_with("drive velocity 1 RAIL"))), Not(Contains(HasSubstr("is at its limit"))));
+  EXPECT_TRUE(summary_.remarks.empty());
+}
+
+TEST_F(WorldRemarks, ADriveAtItsEffortLimitIsAnEvent) {
+  std::string urdf = rig_urdf;
+  urdf.replace(urdf.find("effort=\"1000\""), 13, "effort=\"5\"");
+  write("rig.urdf", urdf);
+  const std::string limited = "world: joint 'RAIL' of 'Rig' was driven with its largest effort, 5 N";
+  EXPECT_THAT(said(record_run(rig_with("drive displacement 0.2 RAIL"))), Contains(limited));
+  EXPECT_THAT(said(record_run(rig_with("drive displacement 0.25 RAIL"))), Not(Contains(limited)));
+}
+
+TEST_F(WorldRemarks, ACameraThatIsReadAndDoesNotRunIsAWarning) {
+  record_run(rig_with("look"));
+  ASSERT_EQ(summary_.remarks.size(), 1u);
+  EXPECT_THAT(
+      summary_.remarks[0].message,
+      HasSubstr("'Rig/C' reads camera 'Camera' of 'Rig', which takes no pictures: the scenario's 'cameras' leaves "
+                "it out"));
+  record_run(rig(behaviour("C", "look"), ""));
   EXPECT_TRUE(summary_.remarks.empty());
 }
 

@@ -109,6 +109,7 @@ void ProjectReader::keep_model_options() {
   if (!packages.empty()) settings_.model_options.push_back(fmt::format("packages: {{{}}}", fmt::join(packages, ", ")));
   if (model.allow_missing_meshes) settings_.model_options.emplace_back("allow_missing_meshes: true");
   if (model.allow_unknown_devices) settings_.model_options.emplace_back("allow_unknown_devices: true");
+  if (model.mesh_z_up) settings_.model_options.emplace_back("mesh_up: z");
   if (model.default_mass) settings_.model_options.push_back(fmt::format("default_mass: {}", *model.default_mass));
 }
 

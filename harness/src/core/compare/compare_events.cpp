@@ -44,9 +44,11 @@ bool say_the_same(const msg::Event& a, const msg::Event& b) {
   return a.severity == b.severity && a.source == b.source && a.text == b.text;
 }
 
-/// True for a controller's own line that no rule compares.
+/// True for a controller's own line, and a remark on the world, which follows from values that are compared; unless a
+/// rule compares it.
 bool is_mere_word(const msg::Event& event, const std::vector<ToleranceRule>& rules) {
-  return event.severity == to_string(Severity::note) && std::ranges::none_of(rules, [&](const ToleranceRule& rule) {
+  const bool is_line = event.severity == to_string(Severity::note) || is_of_observations(event);
+  return is_line && std::ranges::none_of(rules, [&](const ToleranceRule& rule) {
            return rule.channel.starts_with("events/") && matches(rule.channel, "events/" + event.source);
          });
 }
@@ -114,7 +116,7 @@ class MessageJudge {
     divergence.tick = event.tick;
     divergence.time = static_cast<double>(event.stamp.to_ns()) / 1e9;
     divergence.channel = findings_.result().channel;
-    divergence.stage = Stage::controller;
+    divergence.stage = is_of_observations(event) ? Stage::physics : Stage::controller;
     return divergence;
   }
 

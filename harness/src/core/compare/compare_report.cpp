@@ -228,7 +228,8 @@ std::string verdict(const Comparison& comparison) {
   }
   if (comparison.equal) return counts_text(comparison);
   if (comparison.words_alone)
-    return fmt::format("{}; the controllers' lines differ from tick {} on", counts_text(comparison),
+    return fmt::format("{}; the {} lines differ from tick {} on", counts_text(comparison),
+                       comparison.first_bit->stage == Stage::controller ? "controllers'" : "world's",
                        comparison.first_bit->tick);
   const std::string since = fmt::format("bits differ from {} on", place_text(comparison, *comparison.first_bit));
   const std::string how = comparison.agreement == Agreement::in_noise ? "within the noise floor" : "within tolerance";

@@ -31,7 +31,10 @@ class Judge {
     const Joint& joint = link_.joint;
     if (!wants(joint_flags)) return;
     if (joint.id < 0) {
-      say("link '{}' has no joint to command", link_.name);
+      say("link '{}' has no joint to command{}", link_.name,
+          wants(CnoidLink::DeprecatedJointSurfaceVelocity)
+              ? "; its surface runs as a belt if its joint in the model is a pseudo_continuous_track"
+              : "");
     } else if (joint.mimic) {
       const Model& model = *body_.model;
       say("joint '{}' follows joint '{}': a command to it has no effect", joint.name,

@@ -77,8 +77,7 @@ Result<void> CopyingSink::take(const mcap::Message& message) {
   msg::Event event;
   if (!msg::decode(reader, event))
     return error(fmt::format("a message on /events at {} ns is not of its type", message.log_time));
-  const bool of_the_host = event.source != "world" && event.source != "log";
-  return of_the_host ? Result<void>() : recorder_.copy(message, *schema, message.channel->topic);
+  return is_of_observations(event) ? recorder_.copy(message, *schema, message.channel->topic) : Result<void>();
 }
 
 Result<void> CopyingSink::take_output(const mcap::Message& message, const mcap::Schema& schema) {

@@ -13,7 +13,7 @@ namespace {
 
 /// Adds an event of the host or its controllers; ignores events of the world and of a log.
 void add_event(RunningHash& events, const msg::Event& event) {
-  if (event.source == "world" || event.source == "log") return;
+  if (msg::is_of_observations(event)) return;
   CdrWriter cdr;
   msg::encode(event, cdr);
   events.add(cdr.bytes().data(), cdr.bytes().size());

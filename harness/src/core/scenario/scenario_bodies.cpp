@@ -57,9 +57,9 @@ class BodyReader {
   Scenario& scenario_;
   // By file: the packages of its first body.
   std::map<std::string, std::map<std::string, std::filesystem::path>> packages_;
-  // by file, fixed, kinematic, default mass, missing meshes, unknown devices and the meshes' contact; null: loading
-  // failed, and this was reported
-  std::map<std::tuple<std::string, bool, bool, std::optional<double>, bool, bool, MeshContact>,
+  // by file, fixed, kinematic, default mass, missing meshes, unknown devices, the meshes' up axis and contact; null:
+  // loading failed, and this was reported
+  std::map<std::tuple<std::string, bool, bool, std::optional<double>, bool, bool, bool, MeshContact>,
            std::shared_ptr<const Model>>
       models_;
 };
@@ -79,6 +79,7 @@ void BodyReader::read(const YamlNode& node) {
                    "dynamics",
                    "allow_missing_meshes",
                    "allow_unknown_devices",
+                   "mesh_up",
                    "joint_limits",
                    "collision",
                    "self_collision",
@@ -204,6 +205,7 @@ void BodyReader::refuse_keys_of_a_file(const Keys& keys) {
       {"default_mass", "is", "the mass of a shape is stated by mass"},
       {"allow_missing_meshes", "is", "it leaves out the shapes of missing meshes"},
       {"allow_unknown_devices", "is", "it leaves out the devices of a .body that no plugin reads"},
+      {"mesh_up", "is", "it states the axis that glTF meshes have up"},
   };
   for (const auto& [key, verb, hint] : of_a_file)
     if (const YamlNode* node = keys.find(key))
@@ -220,6 +222,8 @@ void BodyReader::read_model_file(const Keys& keys, const YamlNode& node, Scenari
     keys.number("default_mass", any_mass, options.default_mass);
     keys.flag("allow_missing_meshes", options.allow_missing_meshes);
     keys.flag("allow_unknown_devices", options.allow_unknown_devices);
+    keys.word("mesh_up", "y (as glTF states) or z (glTF meshes aren't turned)", {{"y", false}, {"z", true}},
+              options.mesh_z_up);
     options.packages.insert(body.packages.begin(), body.packages.end());
     body.model_file = *file;
     body.model = load_model(node, *file, options);
@@ -239,10 +243,10 @@ std::shared_ptr<const Model> BodyReader::load_model(const YamlNode& node, const 
   if (packages_.emplace(file, options.packages).first->second != options.packages)
     findings_.error(node, fmt::format("the model '{}' has other packages in a body above", shortened(file, 500)),
                     "a recording contains a model once: give both bodies the same packages");
-  const auto [known, is_new] =
-      models_.emplace(std::tuple(file, options.fixed_root, options.kinematic, options.default_mass,
-                                 options.allow_missing_meshes, options.allow_unknown_devices, options.contact),
-                      nullptr);
+  const auto [known, is_new] = models_.emplace(
+      std::tuple(file, options.fixed_root, options.kinematic, options.default_mass, options.allow_missing_meshes,
+                 options.allow_unknown_devices, options.mesh_z_up, options.contact),
+      nullptr);
   if (!is_new) return known->second;
   Result<Model> model = source_(file, options);
   if (!model) {

@@ -32,9 +32,16 @@ Result<void> ClosedLoop::create(const std::filesystem::path& trace, const HostOp
 
 void ClosedLoop::initialize() {
   run->command = host->initialize(initial_observation(scenario));
-  for (const HostedController& hosted : host->controllers())
-    if (hosted.running)
-      for (const int link : hosted.io->contact_links()) plant->world().watch(hosted.body, link);
+  for (const HostedController& hosted : host->controllers()) {
+    if (!hosted.running) continue;
+    for (const int link : hosted.io->contact_links()) plant->world().watch(hosted.body, link);
+    const ScenarioBody& body = scenario.bodies[static_cast<std::size_t>(hosted.body)];
+    for (const int index : hosted.io->input_devices()) {
+      const Device& device = body.model->devices[static_cast<std::size_t>(index)];
+      if (std::holds_alternative<Camera>(device.kind) && !scenario.runs_camera(body.name, device.name))
+        world->add_idle_camera(hosted.label, hosted.body, index);
+    }
+  }
 }
 
 void ClosedLoop::start() {
@@ -79,9 +86,9 @@ RunEnding ClosedLoop::end() const {
 std::optional<Diagnostic> ClosedLoop::failure() const {
   if (run->interruption()) return run->interruption();
   if (run->broke_down())
-    return error(
-        fmt::format("the simulation exploded in the step after tick {}: a position or velocity is no longer finite or above 1e8",
-                    run->tick() - 1));
+    return error(fmt::format(
+        "the simulation exploded in the step after tick {}: a position or velocity is no longer finite or above 1e8",
+        run->tick() - 1));
   return host->failure();
 }
 

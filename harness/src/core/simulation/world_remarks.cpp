@@ -16,14 +16,24 @@ WorldRemarks::WorldRemarks(const Scenario& scenario) : scenario_(scenario) {
   for (const ScenarioBody& body : scenario.bodies) excesses_.emplace_back(body.model->joints.size());
 }
 
-void WorldRemarks::observe(std::int64_t tick, const World& world, const Observation& seen,
+void WorldRemarks::add_idle_camera(const std::string& controller, int body, int device) {
+  const ScenarioBody& owner = scenario_.bodies[static_cast<std::size_t>(body)];
+  idle_cameras_.push_back(
+      fmt::format("'{}' reads camera '{}' of '{}', which takes no pictures: the scenario's 'cameras' leaves it out",
+                  controller, owner.model->devices[static_cast<std::size_t>(device)].name, owner.name));
+}
+
+void WorldRemarks::observe(std::int64_t tick, const World& world, const Observation& seen, const Command& command,
                            std::vector<msg::Event>& events) {
+  for (std::string& text : std::exchange(idle_cameras_, {})) add(tick, Severity::warning, std::move(text), events);
   check_limits(tick, seen, events);
   check_speeds(tick, seen, events);
+  check_drives(tick, seen, command, events);
   if (tick == 0) return;
   check_solver(tick, world, events);
   check_unsolved(tick, world.unsolved(), events);
   check_residual(tick, world.residual(), events);
+  check_missed(tick, world.residual(), events);
   for (const std::string& event : world.events())
     add(tick, Severity::note, fmt::format("{} in the step after tick {}", event, tick - 1), events);
 }
@@ -70,20 +80,75 @@ void WorldRemarks::check_unsolved(std::int64_t tick, const Unsolved& unsolved, s
 /// Reported when it is twice as large as before, and at the 10th, 100th, ... step, so that a lasting one is seen.
 void WorldRemarks::check_residual(std::int64_t tick, const Residual& residual, std::vector<msg::Event>& events) {
   constexpr double most = 0.15;  // of the body's weight
-  if (residual.body < 0 || residual.share < most) return;
+  if (residual.joint.body < 0 || residual.share < most) return;
   const bool lasts = ++unconverged_steps_ == next_unconverged_report_;
   if (lasts) next_unconverged_report_ *= 10;
   if (residual.share < 2.0 * residual_ && !lasts) return;
   const Severity severity = residual_ == 0.0 ? Severity::warning : Severity::note;
   residual_ = std::max(residual_, residual.share);
-  const ScenarioBody& body = scenario_.bodies[static_cast<std::size_t>(residual.body)];
+  const ScenarioBody& body = scenario_.bodies[static_cast<std::size_t>(residual.joint.body)];
+  const std::string& joint = body.model->links[static_cast<std::size_t>(residual.joint.link)].joint.name;
   add(tick, severity,
       fmt::format("the solver's {} iterations leave the forces at joint '{}' of '{}' wrong by {:.0f} % of the body's "
                   "weight in the step after tick {}{}; 'method: direct' of the solver computes them",
-                  residual.iterations, body.model->links[static_cast<std::size_t>(residual.link)].joint.name, body.name,
-                  100.0 * residual.share, tick - 1,
+                  residual.iterations, joint, body.name, 100.0 * residual.share, tick - 1,
                   unconverged_steps_ > 1 ? fmt::format(", and in {} before", unconverged_steps_ - 1) : ""),
       events);
+}
+
+/// A light link between heavy ones misses no large force, but its drive's velocity.
+void WorldRemarks::check_missed(std::int64_t tick, const Residual& residual, std::vector<msg::Event>& events) {
+  constexpr double most = 0.5;  // [rad/s] or [m/s]
+  if (residual.velocity < std::max(most, 2.0 * missed_)) return;
+  const bool is_first = std::exchange(missed_, residual.velocity) == 0.0;
+  const ScenarioBody& body = scenario_.bodies[static_cast<std::size_t>(residual.missed.body)];
+  const Joint& joint = body.model->links[static_cast<std::size_t>(residual.missed.link)].joint;
+  add(tick, is_first ? Severity::warning : Severity::note,
+      fmt::format("the solver's {} iterations leave joint '{}' of '{}' {:.2g} {} off its drive's velocity in the step "
+                  "after tick {}; 'method: direct' of the solver reaches it",
+                  residual.iterations, joint.name, body.name, residual.velocity,
+                  is_linear(joint.type) ? "m/s" : "rad/s", tick - 1),
+      events);
+}
+
+/// Commands that the joint can't follow. The effort is that of the step before the tick.
+void WorldRemarks::check_drives(std::int64_t tick, const Observation& seen, const Command& command,
+                                std::vector<msg::Event>& events) {
+  constexpr double slack = 1e-4, nearly = 1.0 - 1e-6;  // [rad] or [m]; of the effort limit
+  for (std::size_t i = 0; i < scenario_.bodies.size(); ++i) {
+    const ScenarioBody& body = scenario_.bodies[i];
+    if (body.kinematic) continue;
+    for (std::size_t id = 0; id < excesses_[i].size(); ++id) {
+      const JointCommand& wanted = command.bodies[i].joints[id];
+      if (!(wanted.drive & (drive_displacement | drive_velocity))) continue;
+      const Joint& joint = body.model->links[static_cast<std::size_t>(body.model->joints[id])].joint;
+      const JointReading& now = seen.bodies[i].joints[id];
+      const bool slides = is_linear(joint.type);
+      Excess& known = excesses_[i][id];
+      const auto report = [&](bool& reported, Severity severity, const std::string& text) {
+        if (std::exchange(reported, true)) return;
+        add(tick, severity, fmt::format("joint '{}' of '{}' {}", joint.name, body.name, text), events);
+      };
+      if (!(wanted.drive & drive_displacement)) {
+        const char* const unit = slides ? "m/s" : "rad/s";
+        if (std::abs(wanted.dq) > joint.velocity)
+          report(
+              known.too_fast, Severity::warning,
+              fmt::format(
+                  "is driven at {:.4g} {}, beyond its velocity limit of {:.4g} {}, which a velocity drive doesn't obey",
+                  wanted.dq, unit, joint.velocity, unit));
+        const bool outward =
+            (now.q >= joint.upper - slack && wanted.dq > 0.0) || (now.q <= joint.lower + slack && wanted.dq < 0.0);
+        if (body.joint_limits.value_or(true) && joint.type != JointType::track && outward)
+          report(known.blocked, Severity::note,
+                 fmt::format("is at its limit, {:.4g} {}, and its velocity drive is commanded beyond it", now.q,
+                             slides ? "m" : "rad"));
+      }
+      if (tick > 0 && std::isfinite(joint.effort) && std::abs(now.u) >= nearly * joint.effort)
+        report(known.weak, Severity::note,
+               fmt::format("was driven with its largest effort, {:.4g} {}", joint.effort, slides ? "N" : "N·m"));
+    }
+  }
 }
 
 /// An excess is reported when it no longer grows, so that the event states how far the joint went, or when it is large.

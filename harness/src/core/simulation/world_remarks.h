@@ -17,10 +17,16 @@ class WorldRemarks {
   /// The scenario must outlive this.
   explicit WorldRemarks(const Scenario& scenario);
 
+  /// A controller ("BODY/NAME") reads a camera that the scenario doesn't run: a warning of the first tick.
+  void add_idle_camera(const std::string& controller, int body, int device);
+
   /// Adds the events of the step before `tick`: steps that a solver didn't solve, joints beyond their limits or too
   /// fast, and links that connected or separated. For all but the last kind the first event is a warning, and so a
   /// remark of the run. The next event is a note that follows when it is twice as bad.
-  void observe(std::int64_t tick, const World& world, const Observation& seen, std::vector<msg::Event>& events);
+  /// `command`: in force. Drives that are commanded beyond a limit of their joints, or reach their effort limit, are
+  /// reported once per joint.
+  void observe(std::int64_t tick, const World& world, const Observation& seen, const Command& command,
+               std::vector<msg::Event>& events);
 
  private:
   /// The excess of a joint beyond its limits, in the last step and as reported last [rad] or [m].
@@ -28,17 +34,24 @@ class WorldRemarks {
     double last = 0.0;
     double reported = 0.0;
     double speed = 0.0;  // as reported last [rad/s] or [m/s]
+    // of its drive; true: reported
+    bool too_fast = false, blocked = false, weak = false;
   };
   void add(std::int64_t tick, Severity severity, std::string text, std::vector<msg::Event>& events) const;
   void check_solver(std::int64_t tick, const World& world, std::vector<msg::Event>& events);
   void check_unsolved(std::int64_t tick, const Unsolved& unsolved, std::vector<msg::Event>& events);
   void check_residual(std::int64_t tick, const Residual& residual, std::vector<msg::Event>& events);
   void check_speeds(std::int64_t tick, const Observation& seen, std::vector<msg::Event>& events);
+  void check_missed(std::int64_t tick, const Residual& residual, std::vector<msg::Event>& events);
   void check_limits(std::int64_t tick, const Observation& seen, std::vector<msg::Event>& events);
+  void check_drives(std::int64_t tick, const Observation& seen, const Command& command,
+                    std::vector<msg::Event>& events);
 
   const Scenario& scenario_;
+  std::vector<std::string> idle_cameras_;      // not reported yet
   bool solver_failed_ = false;                 // in any step
   double residual_ = 0.0;                      // the largest that was reported
+  double missed_ = 0.0;                        // likewise [rad/s] or [m/s]
   std::int64_t unconverged_steps_ = 0;         // so far
   std::int64_t next_unconverged_report_ = 10;  // at that number
   double unsolved_ = 0.0;                      // the last share that was reported

@@ -9,7 +9,7 @@ Result<bool> WorldSource::observe(TickData& now) {
   now.read = &plant_.read();
   now.state_hash = plant_.world().state_hash();
   now.touching = &plant_.world().touching();
-  remarks_.observe(now.tick, plant_.world(), plant_.seen(), now.events);
+  remarks_.observe(now.tick, plant_.world(), plant_.seen(), now.command, now.events);
   if (now.is_closing) return true;
   if (altered_) apply_alterations(now);
   if (checkpoint_interval_ == 0 || now.tick % checkpoint_interval_ != 0) return true;

@@ -23,6 +23,10 @@ class WorldSource : public ObservationSource {
   WorldSource(const Scenario& scenario, Plant& plant)
       : scenario_(scenario), plant_(plant), remarks_(scenario), trial_(scenario) {}
 
+  /// WorldRemarks::add_idle_camera().
+  void add_idle_camera(const std::string& controller, int body, int device) {
+    remarks_.add_idle_camera(controller, body, device);
+  }
   /// Saves a checkpoint every `interval` ticks; some are tested. 0: none.
   void save_checkpoints(std::int64_t interval) { checkpoint_interval_ = interval; }
   /// The result of these tests, for the outcome of a recording.
