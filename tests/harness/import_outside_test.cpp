@@ -136,6 +136,35 @@ TEST_F(OutsideProject, TakesFilesFromSimilarPlacesWithAWarning) {
   EXPECT_FALSE(import("file: ../model/absent.body").ok());
 }
 
+/// Folders of --search: the longest end of the path that one of them has, before the folders above the project.
+TEST_F(OutsideProject, TakesFilesFromFoldersThatAreGiven) {
+  const auto other = [&](const std::string& name) { return folder_.path() / "other" / name; };
+  fs::create_directories(other("tasks/A"));
+  fs::create_directories(other("second/tasks/A"));
+  EXPECT_THAT(to_string(import("file: tasks/A/flag.body").errors()), HasSubstr("--search DIR"));
+  std::ofstream(other("second/tasks/A/flag.body")) << block();
+  options_.search = {other(""), other("second")};
+  const ImportedProject second = imported("file: tasks/A/flag.body");
+  EXPECT_THAT(second.scenario, HasSubstr("model: ../other/second/tasks/A/flag.body"));
+  EXPECT_THAT(to_string(second.remarks), HasSubstr("warning: 'tasks/A/flag.body' isn't there; "));
+  EXPECT_TRUE(scenario_of(second).ok());
+  std::ofstream(other("tasks/A/flag.body")) << block();
+  EXPECT_THAT(imported("file: tasks/A/flag.body").scenario, HasSubstr("model: ../other/tasks/A/flag.body"));
+  EXPECT_THAT(imported("file: ../model/block.body").scenario, HasSubstr("model: ../group/model/block.body"));
+  fs::create_directories(other("model"));
+  std::ofstream(other("model/block.body")) << block();
+  EXPECT_THAT(imported("file: \"${MY_ROBOTS}/model/block.body\"").scenario,
+              HasSubstr("model: ../other/model/block.body"));
+}
+
+TEST_F(OutsideProject, IsToldToMakeAUrdfOfAXacroFile) {
+  write("model/robot.xacro", "<robot/>\n");
+  const auto refused = import("file: ../model/robot.xacro");
+  ASSERT_FALSE(refused.ok());
+  EXPECT_THAT(to_string(refused.errors()),
+              HasSubstr("test.cnoid:10: error: the model '../model/robot.xacro' is a template of ROS"));
+}
+
 TEST_F(OutsideProject, SearchesControllersOfOtherMachinesByTheirNames) {
   for (const char* path : {"/usr/lib/choreonoid-1.7/simplecontroller/DriveController.so",
                            "${PROGRAM_TOP}/lib/choreonoid-2.0/simplecontroller/DriveController",

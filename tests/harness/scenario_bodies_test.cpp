@@ -10,6 +10,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 // A slider between two masses: one prismatic joint, 0 to 0.5 m, then a fixed one.
 const char* const slider = R"(<?xml version="1.0"?>
@@ -252,6 +253,16 @@ TEST(ScenarioBodies, GivesLinksOtherMassesAndSurfaces) {
   EXPECT_EQ(top.friction, 0.2);
   EXPECT_EQ(top.restitution, 0.1);
   EXPECT_FALSE(cart.surface.friction);
+}
+
+/// The materials of a model that can't be used are unknown: a pair of them is no second mistake.
+TEST(ScenarioMaterials, AreNotMissedIfAModelCantBeUsed) {
+  const std::string text =
+      "rehearse: 1\nduration: 1\nbodies:\n  - {name: Cart, model: absent.body}\n"
+      "pairs:\n  - {between: [Rubber, Rubber], friction: 0.5}\n";
+  const std::string found = mistakes(load_text(text));
+  EXPECT_THAT(found, HasSubstr("absent.body"));
+  EXPECT_THAT(found, Not(HasSubstr("no link has the material")));
 }
 
 TEST(ScenarioMaterials, AreOfBodiesAndOfLinks) {

@@ -63,6 +63,22 @@ TEST_F(Outside, FilesBelowVariablesAreFoundByAnOption) {
   EXPECT_THAT(read_file(folder() / "a/drone.yaml"), HasSubstr("packages: {ROBOTS: ../elsewhere}"));
 }
 
+TEST_F(Outside, FilesOfOtherFoldersAreFoundByAnOption) {
+  drone();
+  const std::string cnoid = project("models/drone.body");
+  fs::create_directories(folder() / "elsewhere/models");
+  fs::rename(folder() / "drone.body", folder() / "elsewhere/models/drone.body");
+  EXPECT_EQ(run(command, {"import", cnoid, "-o", "a", "--allow-unknown-devices"}).status, 2);
+  const Outcome absent = run(command, {"import", cnoid, "-o", "a", "--search", "nowhere"});
+  EXPECT_EQ(absent.status, 2);
+  EXPECT_THAT(absent.err, HasSubstr("nowhere: error: the folder of --search isn't there"));
+  EXPECT_FALSE(exists("a"));
+  const Outcome found =
+      run(command, {"import", cnoid, "-o", "a", "--search", ".", "--search", "elsewhere", "--allow-unknown-devices"});
+  EXPECT_EQ(found.status, 4) << found.err;
+  EXPECT_THAT(read_file(folder() / "a/drone.yaml"), HasSubstr("model: ../elsewhere/models/drone.body"));
+}
+
 TEST_F(Outside, RotorsAreInspected) {
   const std::string hopper = (fixtures / "models/hopper.wrl").string();
   const std::string text = done({"inspect", hopper}).out;

@@ -26,6 +26,7 @@ struct ImportSettings {
   std::string project;
   std::string folder;
   std::string share;
+  std::vector<std::string> search;
   ImportOptions options;
   bool json = false;
 };
@@ -109,6 +110,11 @@ Diagnostics why_unusable(const std::string& project, const std::string& file, co
 Exit run_import(ImportSettings& settings) {
   settings.options.folder = settings.folder;
   settings.options.share = settings.share;
+  for (const std::string& folder : settings.search) {
+    std::error_code ignored;
+    if (!fs::is_directory(folder, ignored)) return refuse(error_in(folder, "the folder of --search isn't there"));
+    settings.options.search.emplace_back(folder);
+  }
   auto imported = import_project(settings.project, settings.options);
   if (!imported) return refuse(imported.errors());
   const std::string file = (fs::path(settings.folder) / (imported->name + ".yaml")).string();
@@ -153,6 +159,11 @@ std::function<Exit()> declare_import(CLI::App& options) {
       .add_option("--share", settings->share,
                   "the folder for ${SHARE} (the share folder of the checkout or installation around the project)")
       ->type_name("DIR");
+  options
+      .add_option("--search", settings->search,
+                  "a folder in which files that aren't there are searched by the ends of their paths; may be repeated")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
   add_model_options(options, settings->options.model);
   add_json_flag(options, settings->json);
   return [settings] { return run_import(*settings); };

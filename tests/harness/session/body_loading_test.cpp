@@ -4,11 +4,13 @@
 #include <cnoid/LeggedBodyHelper>
 
 #include <cmath>
+#include <regex>
 #include <sstream>
 
 #include "core/host/body_loading.h"
 #include "core/host/cnoid_body.h"
 #include "runs.h"
+#include "support/files.h"
 
 namespace rehearse {
 namespace {
@@ -78,6 +80,20 @@ TEST_F(BodyLoading, OfABodyFileHasItsInformationMaterialsAndLoops) {
   EXPECT_EQ(body->extraJoint(0)->linkName(1), "LEG");
   EXPECT_TRUE(body->extraJoint(0)->point(0).isApprox(cnoid::Vector3(0, 0, 1.5)));
   EXPECT_TRUE(body->extraJoint(0)->point(1).isApprox(cnoid::Vector3(0, 0, 0.5)));
+}
+
+/// A .yaml file around a body in VRML has the keys that VRML has no words for.
+TEST_F(BodyLoading, OfAYamlFileHasItsInformation) {
+  for (const char* name : {"hopper.yaml", "hopper.yml"}) {
+    const std::string text = test::read_file(std::string(FIXTURES_DIR) + "/models/hopper.yaml");
+    write(name, std::regex_replace(text, std::regex("hopper.wrl"), FIXTURES_DIR "/models/hopper.wrl"));
+    const Result<Model> model = load_model(path(name));
+    ASSERT_TRUE(model.ok()) << to_string(model.errors());
+    const cnoid::BodyPtr body = make_cnoid_body(*model, "Hopper", false);
+    ASSERT_TRUE(body->info()->findListing("footLinks")->isValid()) << name;
+    EXPECT_EQ(body->info()->findListing("footLinks")->at(0)->toString(), "FOOT");
+    EXPECT_EQ(body->info()->findListing("standardPose")->at(0)->toDouble(), -20.0);
+  }
 }
 
 /// Anchors of the links may be used outside them.

@@ -18,10 +18,11 @@
 namespace rehearse {
 
 struct ImportOptions {
-  std::filesystem::path folder;    // of the scenario: paths in it are relative to it
-  std::string simulator;           // name of the simulator item; empty: the first of ODE, else the first
-  std::optional<double> duration;  // [s], instead of the project's
-  std::filesystem::path share;     // value of ${SHARE}; empty: searched for above the project
+  std::filesystem::path folder;               // of the scenario: paths in it are relative to it
+  std::string simulator;                      // name of the simulator item; empty: the first of ODE, else the first
+  std::optional<double> duration;             // [s], instead of the project's
+  std::filesystem::path share;                // value of ${SHARE}; empty: searched for above the project
+  std::vector<std::filesystem::path> search;  // folders in which files that aren't there are searched first
   UrdfOptions model;  // of all models: packages (values of variables in paths, too), missing meshes, unknown devices
                       // and a default mass are used
 };

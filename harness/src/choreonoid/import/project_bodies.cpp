@@ -93,13 +93,17 @@ void ProjectReader::read_model(Mapping& keys, ProjectBody& body) {
   if (!file) return;
   std::error_code ignored;
   if (!fs::is_regular_file(*file, ignored))
-    return document().error(*node, fmt::format("there is no model file {}", in_quotes(node->text, 200)),
-                            fmt::format("looked for {}", file->lexically_normal().string()));
+    return document().error(
+        *node, fmt::format("there is no model file {}", in_quotes(node->text, 200)),
+        fmt::format("looked for {}; --search DIR names a folder that has its end", file->lexically_normal().string()));
+  const std::string ending = file->extension().string();
+  if (ending == ".xacro")
+    return document().error(*node, fmt::format("the model {} is a template of ROS", in_quotes(node->text, 200)),
+                            "make a URDF with ROS's xacro, and name it in the project");
   body.model_file = seen_from_folder(*file);
   UrdfOptions options = options_.model;
   options.meshes = UrdfOptions::Meshes::skip;
   Result<Model> model = error("");
-  const std::string ending = file->extension().string();
   if (ending == ".yaml" || ending == ".yml" || is_model_file(*file)) {
     model = load_model(*file, options);
   } else {

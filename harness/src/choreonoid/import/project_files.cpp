@@ -65,10 +65,12 @@ std::optional<fs::path> ProjectReader::folder_of(const std::string& variable) co
   return home == nullptr ? std::nullopt : std::optional<fs::path>(home);
 }
 
-/// A file with the same last folders and name: above the project, or in the share folder. Projects name files by where
-/// their author installs them.
+/// A file with the same last folders and name: in the given folders, above the project, or in the share folder.
+/// Projects name files by where their author installs them.
 std::optional<fs::path> ProjectReader::find_similar(const std::string& written) const {
-  std::vector<fs::path> folders = folders_above(project_);
+  std::vector<fs::path> folders = options_.search;
+  const std::vector<fs::path> above = folders_above(project_);
+  folders.insert(folders.end(), above.begin(), above.end());
   if (!options_.share.empty()) folders.push_back(options_.share);
   std::error_code ignored;
   for (const fs::path& end : ends_of(split_variable(written).rest))

@@ -29,7 +29,8 @@ std::string without_links(std::string_view text) {
 }  // namespace
 
 void read_body_info(const Model& model, cnoid::Mapping& info) {
-  if (std::filesystem::path(model.source_file).extension() != ".body") return;
+  const std::string ending = std::filesystem::path(model.source_file).extension().string();
+  if (ending != ".body" && ending != ".yaml" && ending != ".yml") return;
   // The first document: files that it includes follow as further documents.
   const std::string text = model.source_text.substr(0, model.source_text.find("\n--- ") + 1);
   const std::string& own = text.empty() ? model.source_text : text;

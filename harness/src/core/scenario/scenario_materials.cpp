@@ -109,7 +109,9 @@ void read_pair(Findings& findings, const YamlNode& node, const std::vector<std::
 void read_materials(Findings& findings, const YamlNode* materials, const YamlNode* pairs, Scenario& scenario) {
   std::vector<std::string> known = materials_of_models(scenario);
   if (materials != nullptr) read_materials(findings, *materials, known, scenario);
-  if (pairs == nullptr) return;
+  const bool has_all_models = std::all_of(scenario.bodies.begin(), scenario.bodies.end(),
+                                          [](const ScenarioBody& body) { return body.model != nullptr; });
+  if (pairs == nullptr || !has_all_models) return;  // materials of a model that can't be used are unknown
   for (const YamlNodePtr& pair : read_list(findings, *pairs, "pairs", "a list of pairs of materials"))
     read_pair(findings, *pair, known, scenario);
 }
