@@ -18,6 +18,7 @@ rehearse_add_test(session_tests LABEL sim SHARDS 6
     session/body_loading_test.cpp
     session/branch_test.cpp
     session/contacts_test.cpp
+    session/control_times_test.cpp
     session/controller_watch_test.cpp
     session/failures_test.cpp
     session/golden_samples_test.cpp

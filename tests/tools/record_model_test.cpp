@@ -6,7 +6,9 @@
 namespace rehearse::test {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class RecordModel : public Command {
  protected:
@@ -34,6 +36,25 @@ TEST_F(RecordModel, TheSavedScenarioSaysTheSame) {
   EXPECT_EQ(rehearse({"diff", "a.mcap", "b.mcap"}).status, 0);
   EXPECT_EQ(rehearse({"diff", "b.mcap", "c.mcap"}).status, 0);
   EXPECT_THAT(rehearse(with({"--save-scenario", "saved.yaml"})).err, HasSubstr("there is a file saved.yaml already"));
+}
+
+TEST_F(RecordModel, TellsHowLongControlTookAndWarnsBeyondADeadline) {
+  const std::string pendulum = (fixtures / "models/pendulum.urdf").string();
+  const std::vector<std::string> words = {"record",     "--model", pendulum, "--controller", MISBEHAVING,
+                                          "--duration", "0.02",    "-o",     "a.mcap"};
+  const auto with = [&](std::vector<std::string> all, const std::vector<std::string>& more) {
+    all.insert(all.end(), more.begin(), more.end());
+    return done(all);
+  };
+  const Outcome quick = with(words, {"--deadline", "100000"});
+  EXPECT_THAT(quick.out, ContainsRegex("control\\(\\) of [A-Za-z/]+: median [0-9.e+]+ µs, 99.9 % within [0-9.e+]+ µs, "
+                                       "longest [0-9.e+]+ µs at tick [0-9]+: [0-9.e+-]+ % of the period"));
+  EXPECT_THAT(quick.err, Not(HasSubstr("deadline")));
+  EXPECT_THAT(with(words, {"--deadline", "1e-6"}).err, HasSubstr("longer than the deadline of 0.001 µs"));
+  const Outcome replayed = done({"replay", "a.mcap", "--deadline", "1e-6"});
+  EXPECT_THAT(replayed.out, HasSubstr("control() of "));
+  EXPECT_THAT(replayed.err, HasSubstr("longer than the deadline of 0.001 µs"));
+  EXPECT_THAT(done({"replay", "a.mcap", "--json"}).out, HasSubstr("\"control_times\": ["));
 }
 
 TEST_F(RecordModel, TakesTheOptionsOfEveryVerbThatLoadsAModel) {

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "command.h"
+#include "control_times.h"
 #include "core/guard/interruption.h"
 #include "core/guard/supervise.h"
 #include "core/host/interposer.h"
@@ -51,6 +52,7 @@ struct RecordSettings {
   bool no_frames = false;
   bool verify = false;
   std::optional<double> checkpoints;  // [s]
+  std::optional<double> deadline;     // of control() [s]
   RecordOptions record;
   DebuggerOptions debugger;
   std::int64_t tick = 0;  // where gdb stops
@@ -90,6 +92,7 @@ void tell_recording(const Scenario& scenario, const std::string& trace, const Ru
              static_cast<double>(summary.ticks) / seconds);
   fmt::print("{}, {}{} in {}\n", count_text(summary.channels, "channel"), count_text(summary.pictures, "picture"),
              summary.bytes > 0 ? ", " + file_size_text(summary.bytes) : "", trace);
+  tell_control_times(summary.control_times);
 }
 
 Json json_of_run(const RecordSettings& settings, const Scenario& scenario, const std::string& trace,
@@ -109,6 +112,7 @@ Json json_of_run(const RecordSettings& settings, const Scenario& scenario, const
           {"repeats_itself", verified ? Json(verified->reproduced()) : Json(nullptr)},
           {"failure", summary.failure ? json_of(Diagnostics{*summary.failure})[0] : Json(nullptr)},
           {"controller_refused", summary.controller_refused},
+          {"control_times", json_of(summary.control_times)},
           {"remarks", json_of_remarks(summary.remarks, notes_on_old_libraries(scenario, settings.record))}};
 }
 
@@ -292,6 +296,7 @@ Exit record_scenario(RecordSettings& settings, const Scenario& scenario, const s
   if (settings.json) print(json_of_run(settings, scenario, trace, *summary, *judged, verified));
   std::fflush(stdout);  // before related output on stderr
   tell_remarks(*summary);
+  tell_missed_deadlines(summary->control_times, settings.deadline);
   tell_violations(*judged);
   return exit;
 }
@@ -372,6 +377,7 @@ std::function<Exit()> declare_record(CLI::App& options) {
   options.add_flag("--no-frames", settings->no_frames, "record no pictures; the cameras run all the same");
   options.add_flag("--quiet", settings->quiet, "don't print what controllers write to os(); the trace has it");
   add_host_options(options, settings->record, &settings->alone);
+  add_deadline_option(options, settings->deadline);
   add_json_flag(options, settings->json);
   add_branch_options(options, settings->branch);
   add_debugger_options(options, settings->debugger);

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "command.h"
+#include "control_times.h"
 #include "core/guard/interruption.h"
 #include "core/guard/supervise.h"
 #include "core/host/source_age.h"
@@ -36,6 +37,7 @@ struct ReplaySettings {
   std::string trace;
   bool json = false;
   ReplayOptions replay;
+  std::optional<double> deadline;  // of control() [s]
   std::string output;
   TickSettings ticks;
   DebuggerOptions debugger;
@@ -74,12 +76,14 @@ Json report_json(const ReplayReport& report, const std::vector<std::string>& not
           {"failure", report.failure ? Json(report.failure->message) : Json(nullptr)},
           {"changed_files", report.changed_files},
           {"controller_refused", report.controller_refused},
+          {"control_times", json_of(report.control_times)},
           {"remarks", json_of_remarks(report.remarks, notes)}};
 }
 
 void tell(const ReplaySettings& settings, const ReplayReport& report, double seconds) {
   fmt::print("replayed {}: {} without physics in {:.3f} s, {:.0f} ticks/s\n", settings.trace,
              count_text(report.ticks, "tick"), seconds, static_cast<double>(report.ticks) / seconds);
+  tell_control_times(report.control_times);
   fmt::print("{}{}\n", settings.replay.set.empty() ? "" : "with inputs altered: ", verdict(report));
   if (report.words.first)
     fmt::print("their messages differ, too, which doesn't change the verdict: {}\n", to_string(*report.words.first));
@@ -199,6 +203,7 @@ Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
     tell(settings, *report, stopwatch.seconds());
     std::fflush(stdout);  // before related output on stderr
     tell_remarks(report->remarks, report->failure);
+    tell_missed_deadlines(report->control_times, settings.deadline);
   }
   if (report->failure || report->controller_refused) return Exit::controller_failed;
   if (report->equal() && report->values == 0) return Exit::bad_input;
@@ -221,6 +226,7 @@ std::function<Exit()> declare_replay(CLI::App& options) {
       ->type_name("SERIES=VALUE")
       ->allow_extra_args(false);
   add_host_options(options, settings->replay, &settings->controller);
+  add_deadline_option(options, settings->deadline);
   add_integer(options, "--tick",
               "show this tick: inputs, commands, measurements, messages, changes, differences; with --gdb: stop there",
               0, std::numeric_limits<std::int64_t>::max() / 2, [=](std::int64_t tick) { settings->ticks.tick = tick; });

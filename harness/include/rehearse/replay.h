@@ -103,7 +103,8 @@ struct ReplayReport : Differences {
   /// Nothing that the controllers read, did or wrote distinguishes this replay from the whole recording: the hashes of
   /// inputs and outputs in all ticks, the channels that a recording would have, commands, lines, variables and events.
   bool repeats_the_run = false;
-  Diagnostics remarks;  // about libraries, warnings of controllers
+  Diagnostics remarks;                      // about libraries, warnings of controllers
+  std::vector<ControlTimes> control_times;  // of the controllers that took part
 
   /// All commands have the recorded bits.
   bool equal() const { return !first && !failure; }

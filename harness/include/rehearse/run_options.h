@@ -15,6 +15,8 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace rehearse {
 
@@ -73,6 +75,19 @@ enum class RunEnding {
   interrupted,
 };
 
+/// The wall times of a controller's calls of control(), by the clock of the machine: they differ from run to run, and no
+/// recording contains them. Each is at most 1.6 % too long, the longest is exact.
+struct ControlTimes {
+  std::string controller;  // "SR1/Walk"
+  double period = 0.0;     // the time step [s]
+  std::int64_t calls = 0;
+  double median = 0.0;   // [s]
+  double p999 = 0.0;     // 999 of 1000 calls take no longer [s]
+  double longest = 0.0;  // [s]
+  std::int64_t longest_tick = 0;
+  std::vector<std::pair<double, std::int64_t>> histogram = {};  // upper end of each bin [s] with its calls; ascending
+};
+
 /// The result of a run.
 struct RunSummary {
   std::int64_t ticks = 0;
@@ -86,6 +101,7 @@ struct RunSummary {
   bool controller_refused = false;  // a controller returned false from configure, initialize or start
   /// Misbehaviour of controllers, and World::remarks(); warnings and errors.
   Diagnostics remarks;
+  std::vector<ControlTimes> control_times;  // of the controllers that took part
 
   /// The failure, or the message of the controller that refused; null: the run is complete.
   const Diagnostic* ending() const {

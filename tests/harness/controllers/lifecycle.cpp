@@ -100,6 +100,22 @@ class ConstantPusher : public Pusher {
 };
 const Add<ConstantPusher> constant_pusher("push");
 
+/// busy TICK: control() takes some tens of milliseconds in that tick.
+class Busy : public cnoid::SimpleController {
+ public:
+  explicit Busy(const Words& words) : busy_at_(std::stoi(words.at(0))) {}
+  bool initialize(cnoid::SimpleControllerIO*) override { return true; }
+  bool control() override {
+    for (volatile int turn = 0; tick_ == busy_at_ && turn < 20'000'000;) turn = turn + 1;
+    ++tick_;
+    return true;
+  }
+
+ private:
+  int busy_at_ = 0, tick_ = 0;
+};
+const Add<Busy> busy("busy");
+
 /// file PATH: commands the effort in the file; refuses if there is no file.
 class FileReader : public Pusher {
  public:

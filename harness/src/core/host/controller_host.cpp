@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "controller_watch.h"
@@ -166,6 +167,15 @@ void ControllerHost::take_opened_files(HostedController& hosted) {
   }
 }
 
+std::vector<ControlTimes> ControllerHost::control_times() const {
+  std::vector<ControlTimes> times;
+  for (const HostedController& hosted : controllers_) {
+    ControlTimes of_controller = hosted.clock.times(hosted.label, scenario_->time_step);
+    if (of_controller.calls > 0) times.push_back(std::move(of_controller));
+  }
+  return times;
+}
+
 std::map<std::string, std::string> ControllerHost::files_read() const {
   std::map<std::string, std::string> files;
   for (const HostedController& hosted : controllers_)
@@ -214,7 +224,9 @@ bool ControllerHost::control() {
       stop_for_debugger();
       hosted.tick.result = hosted.controller->control();
     };
+    const auto begin = std::chrono::steady_clock::now();  // decides nothing, and no recording contains it
     alive = alive && call(hosted, "control", control, HowOften::in_ticks);
+    hosted.clock.add(tick_, std::chrono::steady_clock::now() - begin);
     hosted.tick.has_output = alive;
     if (!alive) break;
   }

@@ -23,6 +23,7 @@
 #include <string>
 #include <vector>
 
+#include "call_clock.h"
 #include "controller_io.h"
 #include "controller_library.h"
 #include "core/guard/guarded_call.h"
@@ -55,6 +56,7 @@ struct HostedController {
   std::map<std::string, std::string> files;  // files that it opened to read: content by name (opened_files.h)
   ControllerVariables variables;             // set in the current tick
   std::deque<std::string> last_lines;        // the last lines that it wrote
+  CallClock clock;                           // of control()
 
   /// Its inputs and outputs in the current tick.
   struct Tick {
@@ -109,6 +111,8 @@ class ControllerHost {
   void stop(std::int64_t end);
 
   const std::vector<HostedController>& controllers() const { return controllers_; }
+  /// Of the controllers that were called in a tick.
+  std::vector<ControlTimes> control_times() const;
   /// Files that the controllers have opened to read, as "BODY/NAME: file" and their content.
   std::map<std::string, std::string> files_read() const;
   /// The contents of the files that a recording contains, by the names of the attachments (opened_files.h).

@@ -94,6 +94,7 @@ Result<ReplayReport> replay_into(mcap::Reader& recording, const Scenario& scenar
   append_as_warnings(altered.unused(), report.remarks);
   report.failure = host.failure();
   report.controller_refused = host.any_refused();
+  report.control_times = host.control_times();
   report.repeats_the_run = same_channels && report.other_inputs.empty() && comparison.repeats_all() && report.equal() &&
                            report.words.different == 0 && !report.controller_refused &&
                            (source.last_state() || host.controllers().empty()) && options.from == 0.0 &&

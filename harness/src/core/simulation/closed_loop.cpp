@@ -111,6 +111,7 @@ Result<RunSummary> ClosedLoop::finish() {
   summary.channels = size.channels;
   summary.pictures = size.pictures;
   summary.controller_refused = host->any_refused();
+  summary.control_times = host->control_times();
   std::error_code failed;
   const std::uintmax_t bytes = std::filesystem::file_size(file, failed);
   summary.bytes = failed ? 0 : bytes;  // a pipe has no size

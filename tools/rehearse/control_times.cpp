@@ -1,0 +1,57 @@
+#include "control_times.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "options.h"
+
+namespace rehearse::tool {
+namespace {
+
+/// In microseconds: the unit stays the same on slow and fast machines.
+std::string time_text(double seconds) { return fmt::format("{:.3g} µs", seconds * 1e6); }
+
+}  // namespace
+
+void add_deadline_option(CLI::App& options, std::optional<double>& deadline) {
+  add_number(options, "--deadline", "warn of a control() that took longer, by this machine's clock [ms of wall time]",
+             1e-6, 1e6, [&deadline](double milliseconds) { deadline = milliseconds * 1e-3; });
+}
+
+void tell_control_times(const std::vector<ControlTimes>& all) {
+  for (const ControlTimes& times : all)
+    fmt::print("control() of {}: median {}, 99.9 % within {}, longest {} at tick {}: {:.3g} % of the period\n",
+               plain_text(times.controller), time_text(times.median), time_text(times.p999), time_text(times.longest),
+               times.longest_tick, 100.0 * times.longest / times.period);
+}
+
+void tell_missed_deadlines(const std::vector<ControlTimes>& all, std::optional<double> deadline) {
+  if (!deadline) return;
+  for (const ControlTimes& times : all)
+    if (times.longest > *deadline)
+      fmt::print(stderr, "{}\n",
+                 to_string(warning(fmt::format("control() of {} took {} at tick {}, longer than the deadline of {}",
+                                               plain_text(times.controller), time_text(times.longest),
+                                               times.longest_tick, time_text(*deadline)),
+                                   "by this machine's clock, with all that ran beside it")));
+}
+
+Json json_of(const std::vector<ControlTimes>& all) {
+  Json list = Json::array();
+  for (const ControlTimes& times : all) {
+    Json histogram = Json::array();
+    for (const auto& [end, calls] : times.histogram) histogram.push_back({end, calls});
+    list.push_back({{"controller", times.controller},
+                    {"period", times.period},
+                    {"calls", times.calls},
+                    {"median", times.median},
+                    {"p999", times.p999},
+                    {"longest", times.longest},
+                    {"longest_tick", times.longest_tick},
+                    {"histogram", histogram}});
+  }
+  return list;
+}
+
+}  // namespace rehearse::tool
