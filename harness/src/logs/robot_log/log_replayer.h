@@ -8,8 +8,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -56,13 +58,18 @@ class LogReplayer {
  private:
   Result<void> find_span();
   std::int64_t first_tick_with(std::int64_t message) const;
+  std::int64_t ticks_before(std::int64_t end, double all) const;
   Result<void> check_interval() const;
   Result<void> make_ticks(std::int64_t start, std::int64_t end);
   bool on_message(const mcap::Message& message);
   Result<void> run_ticks_before(std::int64_t time);
   Result<void> begin();
   Result<void> host_controller();
-  Result<Scenario> make_scenario(const BodyObservation& seen);
+  Result<void> check_state(const std::set<std::string>& asked);
+  Result<void> take_state();
+  Result<void> start_again(std::map<std::string, double> state);
+  Result<Scenario> make_scenario(const BodyObservation& seen, std::vector<ToleranceRule> tolerances = {});
+  Result<void> state_tolerances();
   mcap::StringMap provenance_of_log() const;
   void report_topics();
   void warn_of(const LogUnreadable& found, const LogSource& source);
@@ -87,6 +94,7 @@ class LogReplayer {
   std::optional<LogTicks> log_ticks_;
   std::int64_t ticks_ = 0;  // number of ticks to run
   std::optional<LogObservations> observations_;
+  BodyObservation first_seen_;  // root and joints at the first tick; NaN for joints without a source
   std::optional<Scenario> scenario_;
   std::unique_ptr<ControllerHost> host_;
   std::unique_ptr<Recorder> recorder_;
