@@ -155,6 +155,11 @@ const std::vector<Kind>& all() {
       {"restart", restart, nullptr, usual, "000", "111"},
       {"restart_without_pause", [](Plan& plan) { plan.restarts.push_back(ticks / 2); }, nullptr, usual, "044", "111",
        nullptr, "restart: [1.4995]"},
+      {"restart_without_pause_by_stamps_of_another_clock", [](Plan& plan) { plan.restarts.push_back(ticks / 2); },
+       [](Log& log) { log.each([](Logged& message) { message.stamp -= 86'400 * second; }); },
+       "clock: header.stamp\njoints: /joint_states\ntick: /joint_states\ncommands: /joint_commands\n"
+       "begins: controller\n",
+       "044", "111", nullptr, "restart: [1.4995]"},
       {"restart_resets_stamps", restart,
        [](Log& log) {
          const std::int64_t from = log.states[ticks / 2].stamp;

@@ -10,7 +10,6 @@
 #include <set>
 #include <utility>
 
-#include "core/trace/select.h"
 #include "model/clock.h"
 
 namespace rehearse {
@@ -124,7 +123,7 @@ class Readings {
     LogMap& map = add({fmt::format("restart: [{:.9g}]", fmt::join(all, ", "))},
                       fmt::format("another controller starts at {:.6g} s", report_.begins + report_.beyond_at));
     map.begins_with_controller = true;
-    readings_.back().begin = report_.start + std::llround(time * 1e9);
+    readings_.back().begin = time;
   }
 
   const LogMap& map_;
@@ -162,18 +161,17 @@ std::optional<std::uint64_t> first_logged(mcap::Reader& log, const std::string& 
 
 std::optional<OtherReading> reading_with_renamed(mcap::Reader& log, const LogMap& map,
                                                  const std::vector<MappedSource>& sources, const LogSurvey& survey,
-                                                 const std::vector<LogTopic>& topics) {
+                                                 const std::vector<LogTopic>& topics, std::int64_t ending) {
   constexpr double steps = 20.0, longest_pause = 1.0;  // [s]
   OtherReading reading{map, {}, "the topic is renamed half-way", false};
   std::map<std::string, std::string> renamed;
-  const auto times = mcap::log_times(log);
   for (std::size_t i = 0; i < sources.size(); ++i) {
     const LogSource& source = *sources[i].source;
     const auto own = std::ranges::find_if(topics, [&](const LogTopic& topic) { return topic.name == source.topic; });
     const bool is_event = sources[i].joystick != nullptr;  // it ends when nobody moves it
     if (own == topics.end() || is_event || !source.later_topic.empty() || renamed.contains(source.topic)) continue;
     const auto last = static_cast<double>(survey.sources[i].last_logged);
-    const bool ends_early = times && static_cast<double>(times->second) - last > steps * map.time_step * 1e9;
+    const bool ends_early = static_cast<double>(ending) - last > steps * map.time_step * 1e9;
     if (!ends_early) continue;
     for (const LogTopic& topic : topics) {
       const auto maps_it = [&](const MappedSource& mapped) { return mapped.source->is_on(topic.name); };

@@ -128,6 +128,12 @@ bool LogTimes::jumps_ahead(const mcap::Message& message, std::int64_t stamp) {
   return jumps;
 }
 
+bool LogTimes::are_stamps() const {
+  return std::ranges::all_of(topics_, [](const auto& entry) {
+    return entry.second.clock == LogClock::header_stamp && entry.second.offsets.empty();
+  });
+}
+
 std::optional<LogClockReport> LogTimes::clock_of(const std::string& topic) const {
   const std::vector<LogClockReport>& offsets = topics_.at(topic).offsets;
   if (offsets.empty()) return std::nullopt;

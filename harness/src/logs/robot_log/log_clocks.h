@@ -59,6 +59,8 @@ class LogTimes {
   Result<std::int64_t> of(const mcap::Message& message);
   /// The message's header.stamp [ns]; nullopt: it has none, or it isn't set.
   std::optional<std::int64_t> stamp_of(const mcap::Message& message);
+  /// True if all times are stamps, whose clock may be another one than the log's.
+  bool are_stamps() const;
   /// The offset of a topic's stamps from the log's clock; nullopt: it isn't needed.
   std::optional<LogClockReport> clock_of(const std::string& topic) const;
 

@@ -88,8 +88,10 @@ class Trials {
     LogReplayOptions part = options_;
     part.most_beyond = static_cast<std::int64_t>(0.1 * share * ticks);
     for (const OtherReading& reading : readings) {
-      const double begin = reading.begin ? seconds_of(*reading.begin - report_.start) / report_.time_step : 0.0;
-      part.span.begin = reading.begin ? reading.begin : options_.span.begin;
+      const double begin = reading.begin.value_or(0.0) / report_.time_step;
+      part.span.begin = options_.span.begin;
+      if (reading.begin)
+        part.span.begin = options_.span.beginning + std::llround((report_.begins + *reading.begin) * 1e9);
       const double steps = reading.map.time_step / report_.time_step;
       part.span.most_ticks = static_cast<std::int64_t>(std::ceil((ticks - begin) / steps));
       const double fewest = std::max(10.0, 0.5 * (1.0 - begin / ticks) * ticks * all_compared / all);
@@ -194,7 +196,8 @@ Result<LogReplayReport> replay_part(const ReplayedLog& log, const LogMap& map, c
       trials.try_readings(other_readings(map, replayer.sources(), replayer.survey(), log.topics, *report));
   }
   if (options.span.end) return report;
-  auto renamed = reading_with_renamed(log.reader, map, replayer.sources(), replayer.survey(), log.topics);
+  auto renamed =
+      reading_with_renamed(log.reader, map, replayer.sources(), replayer.survey(), log.topics, options.span.ending);
   if (!renamed) return report;
   if (report->undecided() && !report->cause) trials.try_longer(*renamed);
   if (!report->cause) remark_renamed(*renamed, report->remarks);
@@ -243,6 +246,7 @@ Result<LogSpan> span_of(const LogReplayOptions& options, mcap::Reader& log) {
   if (!times) return span;
   constexpr auto latest = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
   span.beginning = static_cast<std::int64_t>(std::min(times->first, latest));
+  span.ending = static_cast<std::int64_t>(std::min(times->second, latest));
   for (const auto& [bound, of_end] : {std::pair(options.from, false), std::pair(options.until, true)}) {
     if (!bound) continue;
     const auto moment = mcap::moment_in(*bound, log);

@@ -30,6 +30,7 @@ class CommandRecord;
 /// Times of a log [ns].
 struct LogSpan {
   std::int64_t beginning = 0;         // of the log: its first message
+  std::int64_t ending = 0;            // its last message
   std::optional<std::int64_t> begin;  // no tick is earlier
   std::optional<std::int64_t> end;    // nor at or after this time
   std::int64_t compared_from = 0;     // commands before this time are not compared

@@ -21,6 +21,20 @@ namespace rehearse {
 
 namespace fs = std::filesystem;
 
+/// If all times are stamps, those of the log are converted by the delay of the first message.
+void LogReplayer::convert_span() {
+  span_ = options_.span;
+  if (!times_->are_stamps()) return;
+  const auto source =
+      std::ranges::find_if(survey_.sources, [](const SourceSurvey& one) { return one.first.has_value(); });
+  if (source == survey_.sources.end()) return;
+  const std::int64_t delay = source->first_delay;
+  span_.beginning -= delay;
+  if (span_.begin) *span_.begin -= delay;
+  if (span_.end) *span_.end -= delay;
+  if (span_.compared_from > 0) span_.compared_from -= delay;
+}
+
 /// Determines the first tick and the number of ticks from the survey.
 Result<void> LogReplayer::find_span() {
   Diagnostics missing;
@@ -52,7 +66,7 @@ Result<void> LogReplayer::find_span() {
   if (!start) start = *survey_.sources[0].first;  // only a joystick
   if (stated) start = first_tick_with(*stated);
   *start += std::llround(map_.start.seconds * 1e9);
-  if (options_.span.begin) start = std::max(*start, *options_.span.begin);
+  if (span_.begin) start = std::max(*start, *span_.begin);
   *start += std::llround(static_cast<double>(options_.skip) * map_.time_step * 1e9);
   return make_ticks(*start, *end);
 }
@@ -82,11 +96,11 @@ Result<void> LogReplayer::make_ticks(std::int64_t start, std::int64_t end) {
                       "look at start"));
   }
   report_.start = log_ticks_->time(0);
-  report_.begins = seconds_of(report_.start - options_.span.beginning);
+  report_.begins = seconds_of(report_.start - span_.beginning);
   const double last = static_cast<double>(end - start) * 1e-9 / map_.time_step;
   double ticks = map_.tick ? static_cast<double>(log_ticks_->size()) : std::floor(last + 1e-6) + 1.0;
-  if (options_.span.end) ticks = std::min(ticks, static_cast<double>(ticks_before(*options_.span.end, ticks)));
-  if (options_.span.most_ticks) ticks = std::min(ticks, static_cast<double>(*options_.span.most_ticks));
+  if (span_.end) ticks = std::min(ticks, static_cast<double>(ticks_before(*span_.end, ticks)));
+  if (span_.most_ticks) ticks = std::min(ticks, static_cast<double>(*span_.most_ticks));
   const double most = Scenario::max_duration / map_.time_step;
   if (ticks > most)
     return error_in(log_.name(),
@@ -133,6 +147,7 @@ Result<LogReplayReport> LogReplayer::run(const std::vector<LogTopic>& topics, st
   times_ = known ? known->times : std::make_shared<LogTimes>(log_, sources_);
   survey_ = known ? known->survey : rehearse::survey(log_, map_, *model_, sources_, *times_);
   append_as_warnings(survey_.damage, report_.remarks);  // the undamaged data is used
+  convert_span();
   if (auto found = find_span(); !found) return found.errors();
   observations_.emplace(map_, *model_, sources_, survey_, *log_ticks_, plan_ ? &*plan_ : nullptr);
   if (auto made = observations_->make_feeds(topics); !made) return made.errors();
@@ -223,7 +238,7 @@ Result<void> LogReplayer::host_controller() {
   host_->start();
   if (auto fits = check_state(none.asked()); !fits) return fits;
   commands_.emplace(*host_, HostedCommands::Written::at_once);
-  sink_.emplace(*recorder_, options_, map_, *scenario_, *observations_, report_);
+  sink_.emplace(*recorder_, options_, span_.compared_from, map_, *scenario_, *observations_, report_);
   run_.emplace(map_.time_step, *observations_, *commands_, *sink_, 0, ticks_);
   run_->command = std::move(at_rest);
   run_->report_progress(options_.progress, ticks_);
@@ -372,7 +387,7 @@ Result<void> LogReplayer::finish() {
 
 /// Counts the log's commands after the last tick, whose inputs the log lacks.
 void LogReplayer::count_without_inputs() {
-  const LogSpan& span = options_.span;
+  const LogSpan& span = span_;
   if (!map_.commands || span.end || span.most_ticks || span.compared_from > report_.start || report_.failure) return;
   const auto source = std::ranges::find_if(sources_, [](const MappedSource& mapped) { return mapped.commands; });
   const std::int64_t last = survey_.sources[static_cast<std::size_t>(source - sources_.begin())].last;

@@ -56,6 +56,7 @@ class LogReplayer {
   const std::vector<MappedSource>& sources() const { return sources_; }
 
  private:
+  void convert_span();
   Result<void> find_span();
   std::int64_t first_tick_with(std::int64_t message) const;
   std::int64_t ticks_before(std::int64_t end, double all) const;
@@ -86,6 +87,7 @@ class LogReplayer {
   std::shared_ptr<const Model> model_;
   const std::filesystem::path& trace_;
   const LogReplayOptions& options_;
+  LogSpan span_;  // of the options, on the clock of the ticks
   std::vector<MappedSource> sources_;
   std::shared_ptr<LogTimes> times_;
   bool keeps_survey_ = false;

@@ -64,7 +64,7 @@ LogSink::Judged LogSink::compare_tick(const TickData& now) {
   tick.may_be_of_another = std::exchange(lacked_command_, lacks_command(logged != nullptr)) || log_.doubts_commands();
   if (!log.covers(now.tick)) return tick;
   const bool has_command = logged && log_.ticks().has_message(now.tick);
-  if (log_.ticks().time(now.tick) < options_.span.compared_from) {
+  if (log_.ticks().time(now.tick) < compared_from_) {
     if (has_command) LogCommands::pass_over(now.tick, *logged, *now.host, *judge_);
     return tick;
   }

@@ -21,10 +21,12 @@ namespace rehearse {
 
 class LogSink final : public RecordingSink {
  public:
-  LogSink(Recorder& recorder, const LogReplayOptions& options, const LogMap& map, const Scenario& scenario,
-          LogObservations& log, LogReplayReport& report)
+  /// `compared_from`: commands before this time of the ticks aren't compared [ns].
+  LogSink(Recorder& recorder, const LogReplayOptions& options, std::int64_t compared_from, const LogMap& map,
+          const Scenario& scenario, LogObservations& log, LogReplayReport& report)
       : RecordingSink(recorder, &report.remarks),
         options_(options),
+        compared_from_(compared_from),
         map_(map),
         scenario_(scenario),
         log_(log),
@@ -76,6 +78,7 @@ class LogSink final : public RecordingSink {
   double log_time(std::int64_t tick) const;
 
   const LogReplayOptions& options_;
+  const std::int64_t compared_from_;
   const LogMap& map_;
   const Scenario& scenario_;
   LogObservations& log_;

@@ -161,7 +161,10 @@ LogSurvey survey(mcap::Reader& log, const LogMap& map, const Model& model, const
       }
       if (source.first && *time < source.last) continue;  // an earlier time than before: it isn't used
       if (source.first) source.intervals.add(*time - source.last);
-      if (!source.first) source.first = source.complete = *time;
+      if (!source.first) {
+        source.first = source.complete = *time;
+        source.first_delay = static_cast<std::int64_t>(message.log_time) - *time;
+      }
       source.last = *time;
       source.last_logged = message.log_time;
       if (sources[i].commands) add_latencies(*time, sources, found);
