@@ -5,8 +5,7 @@
 #ifdef __cplusplus
 extern "C"
 #endif
-    __attribute__((visibility("default"))) int
-    speak(void);
+__attribute__((visibility("default"))) int speak(void);
 
 int speak(void) {
   rehearse_variable("phase", 0.25);
