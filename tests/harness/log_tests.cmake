@@ -19,11 +19,14 @@ rehearse_add_test(log_test LABEL unit SHARDS 2
   LIBRARIES Rehearse::logs Rehearse::testing JPEG::JPEG fmt::fmt)
 # Logs of each form: the more, the more gaps and orders of their messages.
 include(RehearseControllers)
-foreach(memory none filtered integral)
-  rehearse_add_simple_controller(ServoWith_${memory} log/controllers/servo.cpp)
-  target_compile_definitions(ServoWith_${memory} PRIVATE MEMORY=${memory})
-  set_target_properties(ServoWith_${memory} PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${test_controllers})
-  add_dependencies(log_test ServoWith_${memory})
+foreach(servo With_none With_filtered With_integral WithoutState)
+  rehearse_add_simple_controller(Servo${servo} log/controllers/servo.cpp)
+  string(REPLACE With_ "" memory ${servo})
+  string(REPLACE WithoutState integral memory ${memory})
+  string(COMPARE NOTEQUAL ${servo} WithoutState takes_state)
+  target_compile_definitions(Servo${servo} PRIVATE MEMORY=${memory} TAKES_STATE=$<BOOL:${takes_state}>)
+  set_target_properties(Servo${servo} PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${test_controllers})
+  add_dependencies(log_test Servo${servo})
 endforeach()
 rehearse_add_test(kinds_test LABEL unit SHARDS 2
   SOURCES log/kinds.cpp log/kinds_list.cpp log/kinds_test.cpp

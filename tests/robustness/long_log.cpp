@@ -1,5 +1,6 @@
-// long_log FOLDER SECONDS: writes a log that is so long, with its map and its robot. long_log FOLDER: reads it once in
-// order, decodes each message, and prints the time. For measurements (the page contribute/robustness_tests.md).
+// long_log FOLDER SECONDS [commands]: writes a log that is so long, with its map and its robot, and, if it is asked
+// for, with the commands of TankController. long_log FOLDER: reads it once in order, decodes each message, and prints
+// the time. For measurements (the page contribute/robustness_tests.md).
 #include "long_log.h"
 
 #include <chrono>
@@ -23,7 +24,7 @@ std::int64_t read_all(mcap::Reader& log) {
   std::int64_t count = 0;
   const auto done = log.for_each_message_in_order([&](const mcap::Message& message) {
     const std::string& topic = message.channel->topic;
-    if (topic == "/joint_states") count += joints.read(message.data) != nullptr;
+    if (topic == "/joint_states" || topic == "/joint_commands") count += joints.read(message.data) != nullptr;
     if (topic == "/imu") count += imu.read(message.data) != nullptr;
     if (topic == "/scan") count += scan.read(message.data) != nullptr;
     if (topic == "/joy") count += joy.read(message.data) != nullptr;
@@ -38,11 +39,13 @@ std::int64_t read_all(mcap::Reader& log) {
 
 int main(int count, char** words) {
   using namespace rehearse;
-  if (count == 3) {
-    test::write_long_log(words[1], std::filesystem::path(FIXTURES_DIR) / "models/tank.urdf", std::atof(words[2]));
+  if (count == 3 || count == 4) {
+    std::filesystem::create_directories(words[1]);
+    test::write_long_log(words[1], std::filesystem::path(FIXTURES_DIR) / "models/tank.urdf", std::atof(words[2]),
+                         count == 4);
     return 0;
   }
-  if (count != 2) return std::fprintf(stderr, "usage: long_log FOLDER [SECONDS]\n"), 2;
+  if (count != 2) return std::fprintf(stderr, "usage: long_log FOLDER [SECONDS [commands]]\n"), 2;
   const auto begin = std::chrono::steady_clock::now();
   const auto log = mcap::Reader::open(std::filesystem::path(words[1]) / "log.mcap");
   if (!log) return std::fprintf(stderr, "%s\n", to_string(log.errors()).c_str()), 2;

@@ -1,8 +1,9 @@
 // Writes the log of a tank: joints and IMU at 500 Hz, JPEG pictures of 640 x 480 at 30 Hz, scans of 1080 beams at 40
-// Hz.
+// Hz; and, if it is asked for, the commands of TankController.
 #pragma once
 
 #include <rehearse/cdr.h>
+#include <rehearse/controller_bench.h>
 #include <rehearse/diagnostic.h>
 #include <rehearse/mcap.h>
 #include <rehearse/messages.h>
@@ -12,6 +13,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,9 +35,33 @@ inline std::vector<std::uint8_t> jpeg_picture(int number) {
   return jpeg_file(width, height, pixels, 85);
 }
 
+inline BenchOptions bench_options(const msg::JointState& joints) {
+  BenchOptions options;
+  options.time_step = 0.002;
+  for (std::size_t i = 0; i < joints.name.size(); ++i) options.joints[joints.name[i]] = joints.position[i];
+  return options;
+}
+
+/// The controller's command for these inputs.
+inline msg::JointState command_of(ControllerBench& bench, const msg::JointState& joints) {
+  msg::JointState command;
+  command.name = joints.name;
+  for (std::size_t i = 0; i < joints.name.size(); ++i) {
+    bench.joint(joints.name[i]).q = joints.position[i];
+    bench.joint(joints.name[i]).dq = joints.velocity[i];
+  }
+  bench.tick();
+  for (const std::string& joint : joints.name) {
+    command.velocity.push_back(bench.joint(joint).dq_target);
+    command.effort.push_back(bench.joint(joint).u);
+  }
+  return command;
+}
+
 /// Writes `log.mcap`, `map.yaml` and `robot.urdf` into a folder. `tank`: the URDF of the tank, which gets an IMU, a
-/// laser and a camera.
-inline void write_long_log(const std::filesystem::path& folder, const std::filesystem::path& tank, double seconds) {
+/// laser and a camera. `with_commands`: the log also has those of TankController, and the map names them.
+inline void write_long_log(const std::filesystem::path& folder, const std::filesystem::path& tank, double seconds,
+                           bool with_commands = false) {
   std::ifstream stream(tank);
   std::string urdf{std::istreambuf_iterator<char>(stream), {}};
   urdf.replace(urdf.rfind("</robot>"), std::string::npos, R"(  <gazebo reference="CHASSIS">
@@ -57,7 +83,8 @@ inline void write_long_log(const std::filesystem::path& folder, const std::files
   std::ofstream(folder / "map.yaml")
       << "rehearse_map: 1\ntime_step: 0.002\ntick: /joint_states\njoints: /joint_states\n"
          "imus: {topic: /imu, device: Imu}\nranges: {topic: /scan, device: Laser}\n"
-         "cameras: {topic: /camera/compressed, device: Front}\njoystick: /joy\n";
+         "cameras: {topic: /camera/compressed, device: Front}\njoystick: /joy\n"
+      << (with_commands ? "commands: /joint_commands\nstart: first\nbegins: controller\n" : "");
   const auto writer = mcap::Writer::create(folder / "log.mcap");
   REHEARSE_ASSERT(writer.ok(), "the log can be written");
   CdrWriter cdr;
@@ -84,6 +111,7 @@ inline void write_long_log(const std::filesystem::path& folder, const std::files
   const auto of_joints = channel(joints, "/joint_states"), of_imu = channel(imu, "/imu"),
              of_scan = channel(scan, "/scan"), of_image = channel(image, "/camera/compressed", mcap::pictures),
              of_joy = channel(joy, "/joy");
+  const auto of_commands = with_commands ? channel(joints, "/joint_commands") : of_joints;
   const auto put = [&](std::uint16_t id, auto& message, std::int64_t time) {
     message.header.stamp = msg::Time::from_ns(static_cast<std::uint64_t>(time));
     cdr.reset();
@@ -92,6 +120,8 @@ inline void write_long_log(const std::filesystem::path& folder, const std::files
         (*writer)->write(id, static_cast<std::uint64_t>(time), static_cast<std::uint64_t>(time), cdr.bytes());
     REHEARSE_ASSERT(written.ok(), "the log can be written");
   };
+  constexpr std::int64_t latency = 500'000;  // [ns]
+  std::optional<ControllerBench> bench;
   constexpr std::int64_t start = 1'763'640'000'000'000'000, step = 2'000'000;  // [ns]
   const auto ticks = static_cast<std::int64_t>(seconds * 500.0);
   for (std::int64_t tick = 0; tick < ticks; ++tick) {
@@ -101,6 +131,11 @@ inline void write_long_log(const std::filesystem::path& folder, const std::files
     joints.velocity = {1.0, 1.1, std::cos(t), -0.3 * std::sin(3 * t)};
     joints.effort = {std::sin(7 * t), std::cos(5 * t), 0.1 * std::sin(11 * t), 0.0};
     put(of_joints, joints, time);
+    if (with_commands) {
+      if (!bench) bench.emplace("TankController", (folder / "robot.urdf").string(), bench_options(joints));
+      msg::JointState commands = command_of(*bench, joints);
+      put(of_commands, commands, time + latency);
+    }
     imu.angular_velocity = {0.01 * std::sin(17 * t), 0.01 * std::cos(13 * t), 0.1};
     imu.linear_acceleration = {std::sin(19 * t), std::cos(23 * t), 9.8};
     put(of_imu, imu, time);

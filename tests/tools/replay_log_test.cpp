@@ -3,12 +3,18 @@
 #include "support/files.h"
 
 #include <gmock/gmock.h>
+#include <rehearse/mcap.h>
 #include <rehearse/trace.h>
+
+#include <algorithm>
+
+#include "core/scenario/trace_scenario.h"
 
 namespace rehearse::test {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::AnyOf;
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -87,6 +93,85 @@ TEST_F(ReplayLog, EndsIn4IfTheStateOfTheControllerIsUnknown) {
   EXPECT_EQ(report["certain"]["memory"], nullptr);
 }
 
+TEST_F(ReplayLog, NamesNoTickAsAFindingWhereNothingIsDecided) {
+  done({"filter", "tank_log.mcap", "--from", "2", "-o", "late.mcap"});
+  fs::rename(folder() / "late.mcap", folder() / "tank_log.mcap");
+  const Outcome outcome = rehearse(tank());
+  EXPECT_THAT(outcome.out, Not(AnyOf(HasSubstr("\nfirst: "), HasSubstr("\nworst: "))));
+  const nlohmann::json report = rehearse(tank({"--json"})).json();
+  for (const char* key : {"first", "worst", "beyond"}) EXPECT_EQ(report[key], nullptr) << key;
+  EXPECT_EQ(report["ticks_different"], 600);
+}
+
+TEST_F(ReplayLog, CountsTimesFromTheLogsBeginningOrTakesDates) {
+  done({"filter", "tank_log.mcap", "--from", "2", "-o", "late.mcap", "--topics", "/Tank/*"});
+  done({"filter", "tank_log.mcap", "--until", "1", "-o", "early.mcap", "--topics", "/joy"});
+  fs::remove(folder() / "tank_log.mcap");
+  done({"merge", "early.mcap", "late.mcap", "-o", "tank_log.mcap"});
+  const nlohmann::json report = rehearse(tank({"--json", "--until", "3"})).json();
+  EXPECT_EQ(report["begins"], 2.0) << "the first tick has joints";
+  EXPECT_EQ(report["ticks"], 200);
+  const Outcome late = rehearse(tank({"--from", "9"}));
+  EXPECT_EQ(late.status, 2);
+  EXPECT_THAT(late.err, HasSubstr("nothing was recorded in the span that is asked for"));
+  const Outcome early = rehearse(tank({"--until", "1"}));
+  EXPECT_EQ(early.status, 2);
+  EXPECT_THAT(early.err, HasSubstr("the first tick is 2 s after the log's beginning"));
+}
+
+TEST_F(ReplayLog, TakesDatesInItsRecordingToo) {
+  done({"filter", "tank_log.mcap", "--exclude", "/tick", "-o", "log.mcap"});
+  fs::rename(folder() / "log.mcap", folder() / "tank_log.mcap");
+  EXPECT_EQ(rehearse(tank({"--until", "1970-01-01T00:00:02Z", "-o", "run.mcap", "--json"})).json()["ticks"], 400);
+  EXPECT_THAT(done({"replay", "run.mcap", "--until", "1970-01-01T00:00:01Z"}).out, HasSubstr(": 200 ticks without"));
+  EXPECT_THAT(done({"filter", "run.mcap", "--until", "1970-01-01T00:00:01Z", "-o", "part.mcap"}).out,
+              HasSubstr("from 0 s to 0.995"));
+  EXPECT_THAT(rehearse({"report", "run.mcap", "--from", "1970-01-01T00:00:03Z"}).err,
+              HasSubstr("nothing was recorded"));
+  for (const char* verb : {"replay", "step", "report", "filter"}) {
+    std::vector<std::string> words{verb, "golden.mcap", "--from", "2026-11-26T12:00:00Z"};
+    if (std::string(verb) == "filter") words.insert(words.end(), {"-o", "none.mcap"});
+    fs::copy_file(fixtures / "../golden/Tank.IsDrivenByJoystick.mcap", folder() / "golden.mcap",
+                  fs::copy_options::overwrite_existing);
+    const Outcome refused = rehearse(words);
+    EXPECT_EQ(refused.status, 2) << verb;
+    EXPECT_THAT(refused.err, HasSubstr("its times count from the beginning of the run, and are no dates")) << verb;
+  }
+}
+
+/// The controller that the log has didn't start again, so the second part differs.
+TEST_F(ReplayLog, StartsAFreshControllerAtEachRestart) {
+  std::ofstream(folder() / "tank.map.yaml", std::ios::app) << "\nrestart: 2\n";
+  const Outcome outcome = rehearse(tank({"-o", "run.mcap"}));
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("\nthe log's commands, bit for bit: 400 ticks, 1600 commanded numbers\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("\nafter the restart at 2.0000 s of the log: 601 ticks, 3.005 s\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("at tick 0 (0 s): "));
+  EXPECT_THAT(outcome.out, HasSubstr(", at 2.0000 s of the log; it is the first of 600 ticks that differ"));
+  EXPECT_THAT(done({"replay", "run.2.mcap"}).out, HasSubstr("\nequal bit for bit: 601 ticks, "));
+  const nlohmann::json report = rehearse(tank({"-o", "run.mcap", "--json"})).json();
+  ASSERT_EQ(report["after_restarts"].size(), 1);
+  EXPECT_EQ(report["after_restarts"][0]["begins"], 2.0);
+  EXPECT_EQ(report["after_restarts"][0]["trace"], "run.2.mcap");
+  std::ofstream(folder() / "run.2.mcap") << "notes";
+  EXPECT_THAT(rehearse(tank({"-o", "run.mcap"})).err, HasSubstr("run.2.mcap"));
+  EXPECT_EQ(read_file(folder() / "run.2.mcap"), "notes");
+}
+
+/// Commands of a robot's log are judged by their range, also when its recording is compared.
+TEST_F(ReplayLog, StatesTheTolerancesOfTheLogInItsRecording) {
+  done(tank({"-o", "run.mcap"}));
+  const auto run = mcap::Reader::open(folder() / "run.mcap");
+  ASSERT_TRUE(run.ok());
+  const auto scenario = scenario_of(**run);
+  ASSERT_TRUE(scenario.ok());
+  const std::vector<ToleranceRule>& rules = scenario->tolerances;
+  const auto of_turret = std::ranges::find_if(
+      rules, [](const ToleranceRule& rule) { return rule.channel == "Tank/TankController/output/TURRET_P/u"; });
+  ASSERT_NE(of_turret, rules.end());
+  EXPECT_NEAR(*of_turret->atol, 2.514e-5, 1e-8) << "1e-4 of its range of 0.25 N·m";
+}
+
 TEST_F(ReplayLog, EndsIn1IfTheCommandsDiffer) {
   // half a second late, the joystick has a different reading
   std::ofstream(folder() / "tank.map.yaml") << "rehearse_map: 1\ntime_step: 0.005\nbody: Tank\njoints: /Tank/joints\n"
@@ -117,7 +202,8 @@ TEST_F(ReplayLog, NamesTheLinesOfTheMapWithWhichTheCommandsAgree) {
   EXPECT_EQ(outcome.status, 4) << outcome.err;
   EXPECT_THAT(outcome.out,
               HasSubstr(" ticks with tick: /Tank/joints and time_step: 0.005 in the map: the controller is "
-                        "called at each message on /Tank/joints; as the map is, the replay differs from "));
+                        "called at each message on /Tank/joints; as the map is, "));
+  EXPECT_THAT(outcome.out, Not(AnyOf(HasSubstr("\nfirst: "), HasSubstr("\nworst: "), HasSubstr("at tick "))));
   const nlohmann::json report = rehearse(tank({"--json"})).json();
   EXPECT_EQ(report["cause"]["lines"], (nlohmann::json{"tick: /Tank/joints", "time_step: 0.005"}));
   EXPECT_EQ(report["cause"]["different"], 0);

@@ -115,7 +115,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{{"golden", "accept"},
              "error: no run is named (NAME, or --all; rehearse golden review shows the runs that wait)"},
         Case{{"golden", "accept", "A.B", "--all"}, "error: names are given, and --all (one of them will do)"},
-        Case{{"golden", "accept", "A.B", "--from", "later"}, "--from: 'later' is not a number from 0 to 86400"},
+        Case{{"golden", "accept", "A.B", "--from", "later"}, "--from: 'later' is no time"},
         Case{{"golden", "accept", "A.B", "--form", "2"},
              "error: rehearse golden accept: there is no option --form (did you mean --from? see rehearse golden "
              "accept"},

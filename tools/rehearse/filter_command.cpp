@@ -21,7 +21,8 @@ struct FilterSettings {
   std::string source;
   std::string target;
   mcap::FilterOptions options;
-  std::string from, until, ticks, compression;
+  TimeSpan span;
+  std::string ticks, compression;
   std::vector<std::string> attachments;
   bool no_attachments = false, no_metadata = false;
   bool json = false;
@@ -30,16 +31,8 @@ struct FilterSettings {
 /// Options in the form of text, parsed.
 Result<void> read_selection(FilterSettings& settings) {
   mcap::Selection& selection = settings.options.selection;
-  if (!settings.from.empty()) {
-    const auto moment = mcap::parse_time_bound(settings.from);
-    if (!moment) return moment.errors();
-    selection.from = *moment;
-  }
-  if (!settings.until.empty()) {
-    const auto moment = mcap::parse_time_bound(settings.until);
-    if (!moment) return moment.errors();
-    selection.until = *moment;
-  }
+  selection.from = settings.span.from;
+  selection.until = settings.span.until;
   if (!settings.ticks.empty()) {
     const auto ticks = mcap::parse_tick_span(settings.ticks);
     if (!ticks) return ticks.errors();
@@ -85,12 +78,7 @@ std::function<Exit()> declare_filter(CLI::App& options) {
       ->type_name("GLOB...");
   options.add_option("--exclude", settings->options.exclude, "not these, even if they were chosen")
       ->type_name("GLOB...");
-  options
-      .add_option("--from", settings->from,
-                  "seconds from the log's beginning, or a date, as 2026-11-26T12:00:00Z; +S counts from the first "
-                  "message; included")
-      ->type_name("TIME");
-  options.add_option("--until", settings->until, "likewise; not included")->type_name("TIME");
+  add_time_span(options, settings->span, "only messages from this time on", "only messages before this time");
   options.add_option("--ticks", settings->ticks, "of a recording of ours, as 100..199; both included")
       ->type_name("A..B");
   CLI::Option* attachments =

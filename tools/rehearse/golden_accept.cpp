@@ -16,6 +16,7 @@ struct GoldenAcceptSettings {
   bool all = false;
   bool json = false;
   Selection selection;  // of accept
+  TimeSpan span;        // likewise
   Reexecution again;    // of accept
 };
 
@@ -58,7 +59,7 @@ Exit decide_all(const GoldenAcceptSettings& settings, const char* done_word,
 /// Adds the scenarios that name the golden.
 Reexecution again_for(const GoldenAcceptSettings& settings, const GoldenStore& store, const std::string& name) {
   Reexecution again = settings.again;
-  if (settings.selection.is_all()) return again;  // no run is executed again
+  if (settings.selection.is_all() && settings.span.is_all()) return again;  // no run is executed again
   const auto owners = find_golden_owners(store.folder(), {store.folder() / ".."});
   if (const auto known = owners.find(name); known != owners.end())
     again.scenarios.assign(known->second.scenarios.begin(), known->second.scenarios.end());
@@ -67,7 +68,12 @@ Reexecution again_for(const GoldenAcceptSettings& settings, const GoldenStore& s
 
 Exit accept(const GoldenAcceptSettings& settings) {
   return decide_all(settings, "accepted", [&](GoldenStore& store, const std::string& name) -> Result<Json> {
-    const auto accepted = store.accept_pending(name, settings.selection, again_for(settings, store, name));
+    const auto span = seconds_in(settings.span, store.pending_file(name).string());
+    if (!span) return span.errors();
+    Selection selection = settings.selection;
+    selection.from = span->from.value_or(0.0);
+    selection.until = span->until;
+    const auto accepted = store.accept_pending(name, selection, again_for(settings, store, name));
     if (!accepted) return accepted.errors();
     if (!settings.json) tell_accepted(store, name, *accepted);
     return json_of_accepted(store, name, *accepted);
@@ -108,16 +114,12 @@ void tell_accepted(const GoldenStore& store, const std::string& name, const Acce
 
 std::function<Exit()> declare_golden_accept(CLI::App& options) {
   const auto settings = declare_names(options);
-  constexpr double longest = 86400.0;  // [s]
   options
       .add_option("--channel", settings->selection.channels,
                   "only these channels or series, * for any text; only if a run can produce the result")
       ->type_name("GLOB")
       ->allow_extra_args(false);
-  add_number(options, "--from", "only from this time on [s]", 0.0, longest,
-             [=](double time) { settings->selection.from = time; });
-  add_number(options, "--until", "only up to this time [s]", 0.0, longest,
-             [=](double time) { settings->selection.until = time; });
+  add_time_span(options, settings->span, "only from this time on", "only up to this time");
   add_host_options(options, settings->again.host);
   settings->again.run_plant = run_plant;
   return [settings] { return accept(*settings); };

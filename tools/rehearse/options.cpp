@@ -100,34 +100,67 @@ void add_model_options(CLI::App& options, UrdfOptions& urdf) {
              [&urdf](double mass) { urdf.default_mass = mass; });
 }
 
+namespace {
+
+/// CLI11 prints the option's name before the message of an error.
+template <class Parsed>
+auto taken(const std::string& option, Parsed parsed) {
+  if (parsed) return std::move(*parsed);
+  throw CLI::ValidationError(option, fmt::format("{} ({})", parsed.errors()[0].message, parsed.errors()[0].hint));
+}
+
+}  // namespace
+
+void add_time(CLI::App& options, const std::string& option, const std::string& help,
+              std::function<void(mcap::TimeBound)> take) {
+  const std::string form = option == "--until"
+                               ? ", in the form of --from"
+                               : ": seconds from the log's beginning, or a date, as 2026-11-26T12:00:00Z; +S counts "
+                                 "from the first message";
+  const auto read = [=](const std::string& text) { take(taken(option, mcap::parse_time_bound(text))); };
+  options.add_option_function<std::string>(option, read, help + form)->type_name("TIME");
+}
+
+void add_time_span(CLI::App& options, TimeSpan& span, const std::string& from, const std::string& until) {
+  add_time(options, "--from", from, [&span](mcap::TimeBound time) { span.from = time; });
+  add_time(options, "--until", until, [&span](mcap::TimeBound time) { span.until = time; });
+}
+
+Result<SecondsSpan> seconds_in(const TimeSpan& span, const std::string& recording) {
+  SecondsSpan seconds;
+  if (span.is_all()) return seconds;
+  auto reader = mcap::Reader::open(recording);
+  if (!reader) return reader.errors();
+  if (span.from) {
+    const auto from = mcap::seconds_in(*span.from, **reader);
+    if (!from) return from.errors();
+    seconds.from = *from;
+  }
+  if (span.until) {
+    const auto until = mcap::seconds_in(*span.until, **reader);
+    if (!until) return until.errors();
+    seconds.until = *until;
+  }
+  const auto times = mcap::log_times(**reader);
+  const bool is_after = times && seconds.from && *seconds.from > static_cast<double>(times->second) * 1e-9;
+  if (is_after || (seconds.until && *seconds.until <= seconds.from.value_or(0.0)))
+    return mcap::refusal_of_empty(**reader);
+  return seconds;
+}
+
 void add_selection_options(CLI::App& options, mcap::Selection& selection) {
-  // CLI11 prints the option's name before this message.
-  const auto take = [](const std::string& option, auto parsed) {
-    if (parsed) return std::move(*parsed);
-    throw CLI::ValidationError(option, fmt::format("{} ({})", parsed.errors()[0].message, parsed.errors()[0].hint));
-  };
   options
       .add_option("--topics", selection.topics,
                   "only topics that match one of these patterns; * stands for any text, slashes included")
       ->type_name("GLOB");
-  options
-      .add_option_function<std::string>(
-          "--from",
-          [=, &selection](const std::string& text) { selection.from = take("--from", mcap::parse_time_bound(text)); },
-          "only messages from this time on: seconds from the log's beginning, or a date, as 2026-11-26T12:00:00Z; +S "
-          "counts "
-          "from the file's first message")
-      ->type_name("TIME");
-  options
-      .add_option_function<std::string>(
-          "--until",
-          [=, &selection](const std::string& text) { selection.until = take("--until", mcap::parse_time_bound(text)); },
-          "only messages before this time, likewise")
-      ->type_name("TIME");
+  add_time(options, "--from", "only messages from this time on",
+           [&selection](mcap::TimeBound time) { selection.from = time; });
+  add_time(options, "--until", "only messages before this time",
+           [&selection](mcap::TimeBound time) { selection.until = time; });
   options
       .add_option_function<std::string>(
           "--ticks",
-          [=, &selection](const std::string& text) { selection.ticks = take("--ticks", mcap::parse_tick_span(text)); },
+          [&selection](const std::string& text) { selection.ticks = taken("--ticks", mcap::parse_tick_span(text)); },
           "only what was recorded in these ticks, both included; A.. and ..B have no other end")
       ->type_name("A..B");
 }

@@ -7,6 +7,7 @@
 #include <CLI/App.hpp>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -36,6 +37,25 @@ void add_model_options(CLI::App& options, UrdfOptions& urdf);
 
 /// Declares --topics, --from, --until and --ticks: a selection of a file's messages.
 void add_selection_options(CLI::App& options, mcap::Selection& selection);
+
+/// Times of a recording or a log on the command line.
+struct TimeSpan {
+  std::optional<mcap::TimeBound> from, until;
+
+  bool is_all() const { return !from && !until; }
+};
+/// The same from the beginning of a recording on [s].
+struct SecondsSpan {
+  std::optional<double> from, until;
+};
+
+/// Declares an option with a time: seconds from the log's beginning, or a date. `help` describes it without its form.
+void add_time(CLI::App& options, const std::string& option, const std::string& help,
+              std::function<void(mcap::TimeBound)> take);
+/// Declares --from and --until.
+void add_time_span(CLI::App& options, TimeSpan& span, const std::string& from, const std::string& until);
+/// The span in a recording. Fails if it can't be read, has no dates, or the span is empty.
+Result<SecondsSpan> seconds_in(const TimeSpan& span, const std::string& recording);
 
 /// Declares --json.
 void add_json_flag(CLI::App& options, bool& json);

@@ -43,6 +43,7 @@ struct ReplaySettings {
   DebuggerOptions debugger;
   // for a log
   std::string controller, model, map, scenario;
+  TimeSpan span;
 
   bool is_of_a_log() const { return !map.empty() || !model.empty(); }
 };
@@ -138,8 +139,8 @@ Exit run_log(const ReplaySettings& settings) {
   log.replay.controller = settings.controller;
   log.replay.model = settings.model;
   log.replay.map = settings.map;
-  log.replay.from = settings.replay.from;
-  log.replay.until = settings.replay.until;
+  log.replay.from = settings.span.from;
+  log.replay.until = settings.span.until;
   if constexpr (has_logs)
     return replay_log_of(std::move(log));
   else
@@ -176,6 +177,10 @@ Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
   if (settings.debugger.is_wanted()) return run_in_gdb(settings, options);
   std::vector<std::string> notes;
   if (!settings.is_of_a_log()) {
+    const auto span = seconds_in(settings.span, settings.trace);
+    if (!span) return refuse(span.errors());
+    settings.replay.from = span->from.value_or(0.0);
+    settings.replay.until = span->until;
     if (const auto ready = virtualise_process_like(settings.trace); !ready) return refuse(ready.errors());
     notes = notes_on_libraries_of(settings);
     tell_old_libraries(notes);
@@ -215,10 +220,8 @@ std::function<Exit()> declare_replay(CLI::App& options) {
   options.add_option("TRACE", settings->trace, "the recording; or, with --model and --map, a robot's log (MCAP)")
       ->required()
       ->type_name("");
-  add_number(options, "--from", "compare from this time on [s]; it starts at the beginning anyway", 0.0, longest_time,
-             [=](double from) { settings->replay.from = from; });
-  add_number(options, "--until", "end there [s]", 0.0, longest_time,
-             [=](double until) { settings->replay.until = until; });
+  add_time_span(options, settings->span, "compare from this time on; the replay starts at the beginning anyway",
+                "end at this time");
   options
       .add_option(
           "--set", settings->replay.set,

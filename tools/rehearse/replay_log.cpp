@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -43,6 +44,7 @@ std::string timing_text(const LogReplayReport& report) {
 
 /// A difference; with the time in the log if that of the recording is another one.
 std::string difference_text(const LogReplayReport& report, const Divergence& found, double at) {
+  at += report.begins;
   const bool is_elsewhere = std::abs(at - found.time) > 0.5 * report.time_step;
   return to_string(found) + (is_elsewhere ? fmt::format(", at {:.4f} s of the log", at) : "");
 }
@@ -58,34 +60,45 @@ std::string stretches_text(const LogReplayReport& report) {
 }
 
 /// The differences of the ticks that aren't certain.
-std::string rest_text(const LogStretches& certain) {
+std::string rest_text(const LogReplayReport& report) {
+  const LogStretches& certain = *report.certain;
   if (!certain.rest) return "no tick that isn't certain differs";
   const LogRest& rest = *certain.rest;
   const std::string unit = rest.unit.empty() ? "" : " " + rest.unit;
   const std::string reason = certain.memory ? "" : ": a state that the log doesn't contain, or another gain";
   const std::string share =
       rest.share() < 1.0 ? fmt::format("{:.2g} % of", 100.0 * rest.share()) : fmt::format("{:.2g} times", rest.share());
-  return fmt::format("from {:.3f} s on {} is off by at most {} its range ({:.3g}{}){}{}", rest.from, rest.series, share,
-                     rest.largest(), unit, rest.is_constant() ? ", nearly constant" : "", reason);
+  return fmt::format("from {:.3f} s on {} is off by at most {} its range ({:.3g}{}){}{}", report.begins + rest.from,
+                     rest.series, share, rest.largest(), unit, rest.is_constant() ? ", nearly constant" : "", reason);
 }
 
 std::string without_inputs_text(const LogReplayReport& report) {
   return fmt::format("for {} of commands after {:.3f} s the log has no inputs",
-                     count_text(report.ticks_without_inputs, "tick"), report.inputs_end);
+                     count_text(report.ticks_without_inputs, "tick"), report.begins + report.inputs_end);
+}
+
+/// What can't be decided by the map as it is.
+std::string as_the_map_is(const LogReplayReport& report) {
+  if (!report.beyond) return without_inputs_text(report);
+  return fmt::format("{} of {} are beyond their tolerance", report.ticks_beyond,
+                     count_text(report.ticks_compared, "tick"));
+}
+
+/// Another reading of the log with which the commands agree.
+std::string cause_text(const LogReplayReport& report) {
+  const LogCause& cause = *report.cause;
+  return fmt::format("undecided: the commands agree in {} with {} in the map: {}; as the map is, {}",
+                     agreeing_text(cause.ticks, cause.different), fmt::join(cause.lines, " and "), cause.meaning,
+                     as_the_map_is(report));
 }
 
 /// The verdict for commands beyond their tolerance.
 std::string verdict_of_difference(const LogReplayReport& report) {
-  const std::string differs =
-      "differs from the log's commands at " + difference_text(report, *report.beyond, report.beyond_at);
-  if (report.cause) {
-    const LogCause& cause = *report.cause;
-    return fmt::format("undecided: the commands agree in {} with {} in the map: {}; as the map is, the replay {}",
-                       agreeing_text(cause.ticks, cause.different), fmt::join(cause.lines, " and "), cause.meaning,
-                       differs);
-  }
-  if (report.undecided() && report.is_at_neighbours()) return "undecided: " + timing_text(report) + differs;
-  if (!report.certain) return timing_text(report) + differs;
+  if (report.undecided() && report.is_at_neighbours())
+    return "undecided: " + timing_text(report) + "as the map is, " + as_the_map_is(report);
+  if (!report.certain)
+    return timing_text(report) + "differs from the log's commands at " +
+           difference_text(report, *report.beyond, report.beyond_at);
   const LogStretches& certain = *report.certain;
   if (certain.beyond)
     return fmt::format("differs from the log's commands at {}; it is the first of {} that differ and are certain",
@@ -95,15 +108,16 @@ std::string verdict_of_difference(const LogReplayReport& report) {
   if (report.undecided())
     return fmt::format(
         "undecided: {}; {}{}; if the controller started with the log, state begins: controller in the map",
-        rest_text(certain), stretches_text(report), ending);
+        rest_text(report), stretches_text(report), ending);
   return fmt::format("within tolerance of the log's commands where the controller's state is known: {}; {}{}",
-                     stretches_text(report), rest_text(certain), ending);
+                     stretches_text(report), rest_text(report), ending);
 }
 
 std::string verdict(const LogReplayReport& report) {
   if (report.failure) return "failed: " + report.failure->message;
   if (!report.has_commands) return "nothing to compare with: the map names no commands";
   if (report.values == 0) return "nothing was compared: the log has no commands in these ticks";
+  if (report.undecided() && report.cause) return cause_text(report);
   if (report.beyond) return verdict_of_difference(report);
   const std::string amount =
       fmt::format("{}, {}", count_text(report.ticks_compared, "tick"), count_text(report.values, "commanded number"));
@@ -204,18 +218,22 @@ Json certain_json(const LogReplayReport& report) {
           {"rest", rest_json(certain)}};
 }
 
-Json report_json(const LogReplayReport& report, const std::string& trace, const std::vector<std::string>& notes) {
+Json report_json(const LogReplayReport& report, const std::vector<std::string>& notes) {
+  const Differences none, &named = report.named() ? *report.named() : none;
   Json topics = Json::array();
   for (const LogTopicReport& topic : report.topics) topics.push_back(topic_json(topic));
+  Json after_restarts = Json::array();
+  for (const LogReplayReport& part : report.after_restarts) after_restarts.push_back(report_json(part, {}));
   return {{"verdict", verdict(report)},
           {"equal", report.equal() && !is_of_nothing(report)},
           {"within", report.within() && !is_of_nothing(report)},
-          {"first", json_of(report.first)},
-          {"worst", json_of(report.worst)},
-          {"beyond", json_of(report.beyond)},
-          {"trace", trace},
+          {"first", json_of(named.first)},
+          {"worst", json_of(named.worst)},
+          {"beyond", json_of(named.beyond)},
+          {"trace", report.trace.string()},
           {"log_hash", report.log_hash},
           {"start", report.start},
+          {"begins", report.begins},
           {"ticks", report.ticks},
           {"duration", report.duration},
           {"ticks_compared", report.ticks_compared},
@@ -235,6 +253,7 @@ Json report_json(const LogReplayReport& report, const std::string& trace, const 
           {"topics", topics},
           {"failure", report.failure ? Json(report.failure->message) : Json(nullptr)},
           {"controller_refused", report.controller_refused},
+          {"after_restarts", after_restarts},
           {"remarks", json_of_remarks(report.remarks, notes)}};
 }
 
@@ -262,18 +281,22 @@ void tell_topics(const LogReplayReport& report) {
   std::vector<TableRow> rows{{"topic", "for", "messages", "Hz", "used", "longest gap", "oldest at a tick", ""}};
   for (const LogTopicReport& topic : report.topics) {
     const bool is_input = topic.use != "commands";  // commands are compared, not read by controllers
-    rows.push_back(
-        {topic.topic, topic.use, fmt::format("{}", topic.messages),
-         topic.rate > 0.0 ? fmt::format("{:.4g}", topic.rate) : "", is_input ? fmt::format("{}", topic.used) : "",
-         topic.messages > 1 ? fmt::format("{:.4g} s at {:.3f} s", topic.longest_gap, topic.longest_gap_at) : "",
-         is_input && topic.used > 0 ? fmt::format("{:.4g} s at {:.3f} s", topic.worst_age, topic.worst_age_at) : "",
-         troubles(topic)});
+    rows.push_back({topic.topic, topic.use, fmt::format("{}", topic.messages),
+                    topic.rate > 0.0 ? fmt::format("{:.4g}", topic.rate) : "",
+                    is_input ? fmt::format("{}", topic.used) : "",
+                    topic.messages > 1
+                        ? fmt::format("{:.4g} s at {:.3f} s", topic.longest_gap, report.begins + topic.longest_gap_at)
+                        : "",
+                    is_input && topic.used > 0
+                        ? fmt::format("{:.4g} s at {:.3f} s", topic.worst_age, report.begins + topic.worst_age_at)
+                        : "",
+                    troubles(topic)});
   }
   print_table(rows);
 }
 
 std::string ticks_text(const LogTickReport& tick) {
-  const std::string commands = tick.latency ? fmt::format("; commands {:.4g} s later (medians)", *tick.latency) : "";
+  const std::string commands = tick.latency ? fmt::format("; commands {:.5g} s later (medians)", *tick.latency) : "";
   const std::string phase =
       tick.phase == 0.0 ? "" : fmt::format("{:.4g} s {} ", std::abs(tick.phase), tick.phase < 0.0 ? "before" : "after");
   const std::string measured =
@@ -282,7 +305,7 @@ std::string ticks_text(const LogTickReport& tick) {
     return fmt::format("a grid of {:.6g} Hz, {}{}{}; a drift of {:+.3g} ppm from time_step, messages within {:.3g} s{}",
                        tick.rate, phase.empty() ? "at " : phase, tick.topic, measured, tick.drift * 1e6, tick.jitter,
                        commands);
-  return fmt::format("{}each message on {}{}, {:.4g} s apart, {} missing{}", phase, tick.topic, measured, tick.interval,
+  return fmt::format("{}each message on {}{}, {:.5g} s apart, {} missing{}", phase, tick.topic, measured, tick.interval,
                      tick.missing, commands);
 }
 
@@ -310,18 +333,44 @@ void tell_ticks(const LogReplayReport& report) {
         report.ticks_in_doubt == 1 ? "differs" : "differ");
 }
 
-void tell(const LogSettings& settings, const LogReplayReport& report, double seconds) {
-  fmt::print("replayed the log {}: {}, {:g} s, in {:.3f} s\n", settings.log, count_text(report.ticks, "tick"),
-             report.duration, seconds);
+void tell_part(const LogReplayReport& report) {
   tell_topics(report);
   tell_ticks(report);
   fmt::print("{}, {}, {} in {}\n", count_text(report.channels, "channel"), count_text(report.pictures, "picture"),
-             file_size_text(report.bytes), settings.trace);
+             file_size_text(report.bytes), report.trace.string());
   fmt::print("{}\n", verdict(report));
   if (!report.first) return;
-  fmt::print("first: {}\nworst: {}\n", to_string(*report.first), to_string(*report.worst));
+  if (const Differences* named = report.named(); named && named->first)
+    fmt::print("first: {}\nworst: {}\n", to_string(*named->first), to_string(*named->worst));
   fmt::print("{} of {} and {} of {} differ\n", report.ticks_different, count_text(report.ticks_compared, "tick"),
              report.values_different, count_text(report.values, "commanded number"));
+}
+
+void tell(const LogSettings& settings, const LogReplayReport& report, double seconds) {
+  fmt::print("replayed the log {}: {}, {:g} s, in {:.3f} s\n", settings.log, count_text(report.ticks, "tick"),
+             report.duration, seconds);
+  tell_part(report);
+  for (const LogReplayReport& part : report.after_restarts) {
+    fmt::print("\nafter the restart at {:.4f} s of the log: {}, {:g} s\n", part.begins, count_text(part.ticks, "tick"),
+               part.duration);
+    tell_part(part);
+  }
+}
+
+Exit exit_of(const LogReplayReport& report) {
+  if (report.failure || report.controller_refused) return Exit::controller_failed;
+  if (is_of_nothing(report)) return Exit::bad_input;
+  if (report.undecided()) return Exit::odd;
+  return report.within() ? Exit::done : Exit::differs;
+}
+
+/// That of the worst part.
+Exit exit_of_all(const LogReplayReport& report) {
+  std::vector<Exit> exits{exit_of(report)};
+  for (const LogReplayReport& part : report.after_restarts) exits.push_back(exit_of(part));
+  for (const Exit worst : {Exit::controller_failed, Exit::differs, Exit::odd, Exit::done})
+    if (std::ranges::find(exits, worst) != exits.end()) return worst;
+  return Exit::bad_input;  // nothing was compared in any
 }
 
 }  // namespace
@@ -356,16 +405,14 @@ Exit replay_log_of(LogSettings settings) {
     if (const auto saved = save_scenario(scenario, settings.scenario); !saved) return refuse(saved.errors());
   }
   if (settings.json) {
-    print(report_json(*report, settings.trace, notes));
+    print(report_json(*report, notes));
   } else {
     tell(settings, *report, stopwatch.seconds());
     std::fflush(stdout);  // before related output on stderr
     tell_remarks(report->remarks, report->failure);
+    for (const LogReplayReport& part : report->after_restarts) tell_remarks(part.remarks, part.failure);
   }
-  if (report->failure || report->controller_refused) return Exit::controller_failed;
-  if (is_of_nothing(*report)) return Exit::bad_input;
-  if (report->undecided()) return Exit::odd;
-  return report->within() ? Exit::done : Exit::differs;
+  return exit_of_all(*report);
 }
 
 }  // namespace rehearse::tool

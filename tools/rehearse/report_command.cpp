@@ -24,6 +24,7 @@ struct ReportSettings {
   std::string tolerances;             // a file; empty: those of the golden's scenario
   std::string scenario;
   ReportOptions options;
+  TimeSpan span;
   bool json = false;
   bool call_stack = false;
   HostOptions host;  // of the replay in gdb
@@ -48,6 +49,10 @@ Exit run_report(ReportSettings& settings) {
     if (!rules) return refuse(rules.errors());
     settings.options.tolerances = *std::move(rules);
   }
+  const auto span = seconds_in(settings.span, settings.trace);
+  if (!span) return refuse(span.errors());
+  settings.options.from = span->from;
+  settings.options.until = span->until;
   const fs::path file =
       settings.report.empty() ? fs::path(settings.trace).stem().concat(".html") : fs::path(settings.report);
   auto output = OutputFile::open(file.string(), settings.json);
@@ -86,11 +91,8 @@ std::function<Exit()> declare_report(CLI::App& options) {
       .add_option("-o,--output", settings->report,
                   "the file; - is stdout (TRACE's name with .html, in the working directory)")
       ->type_name("HTML");
-  constexpr double longest = Scenario::max_duration;
-  add_number(options, "--from", "only what was recorded from this time on [s]", 0.0, longest,
-             [=](double time) { settings->options.from = time; });
-  add_number(options, "--until", "only what was recorded before this time [s]", 0.0, longest,
-             [=](double time) { settings->options.until = time; });
+  add_time_span(options, settings->span, "only what was recorded from this time on",
+                "only what was recorded before this time");
   options
       .add_option("--topics", settings->options.topics,
                   "only series and pictures of topics that match one of these patterns; * stands for any text")

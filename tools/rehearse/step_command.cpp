@@ -19,7 +19,7 @@ namespace {
 
 struct StepSettings {
   std::string trace;
-  double from = 0.0;  // [s]
+  TimeSpan span;
   SteppingOptions stepping;
 };
 
@@ -59,10 +59,13 @@ Exit run_step(StepSettings& settings) {
   }();
   if (!trace) return refuse(trace.errors());
   tell_remarks(**trace);
-  const std::int64_t from = (*trace)->tick_at(settings.from);
+  const auto span = seconds_in(settings.span, settings.trace);
+  if (!span) return refuse(span.errors());
+  const double seconds = span->from.value_or(0.0);
+  const std::int64_t from = (*trace)->tick_at(seconds);
   if (from > (*trace)->last_tick())
-    return refuse(error(fmt::format("{} ends before {} s: its last tick is {} ({:.10g} s)", settings.trace,
-                                    settings.from, (*trace)->last_tick(), (*trace)->time_at((*trace)->last_tick()))));
+    return refuse(error(fmt::format("{} ends before {} s: its last tick is {} ({:.10g} s)", settings.trace, seconds,
+                                    (*trace)->last_tick(), (*trace)->time_at((*trace)->last_tick()))));
   StepSession session(**trace, command_line(settings), LineEditor::was_interrupted);
   session.go_to(from);
   return talk(**trace, session);
@@ -71,8 +74,7 @@ Exit run_step(StepSettings& settings) {
 std::function<Exit()> declare_step(CLI::App& options) {
   const auto settings = std::make_shared<StepSettings>();
   options.add_option("TRACE", settings->trace, "the recording")->required()->type_name("");
-  add_number(options, "--from", "begin at this time [s]", 0.0, longest_time,
-             [=](double from) { settings->from = from; });
+  add_time(options, "--from", "begin at this time", [=](mcap::TimeBound from) { settings->span.from = from; });
   add_host_options(options, settings->stepping);
   return [settings] { return run_step(*settings); };
 }

@@ -14,6 +14,13 @@ struct SingleEfforts {
   REHEARSE_FIELDS(data)
 };
 
+/// std_msgs/msg/Float64MultiArray without its layout.
+struct Numbers {
+  static constexpr std::string_view type_name = "std_msgs/msg/Float64MultiArray";
+  std::vector<double> data;
+  REHEARSE_FIELDS(data)
+};
+
 /// The displacement of a joint, and its velocity.
 std::pair<double, double> motion(std::size_t joint, std::int64_t time, Chance& noise) {
   const double t = static_cast<double>(time - start) * 1e-9, phase = 0.7 * static_cast<double>(joint);
@@ -49,6 +56,8 @@ std::vector<std::byte> payload_of(const Logged& message) {
     SingleEfforts efforts;
     efforts.data.assign(message.joints.effort.begin(), message.joints.effort.end());
     msg::encode(efforts, cdr);
+  } else if (message.is_array) {
+    msg::encode(Numbers{message.joints.effort}, cdr);
   } else {
     msg::JointState joints = message.joints;
     joints.header.stamp = msg::Time::from_ns(static_cast<std::uint64_t>(message.stamp));
@@ -65,10 +74,12 @@ void write_file(const std::vector<const Logged*>& messages, const fs::path& file
   std::map<std::string, std::uint16_t> channels;
   for (const Logged* message : messages) {
     if (channels.count(message->topic) == 0) {
-      const auto schema = message->is_single ? (*writer)->add_schema(std::string(SingleEfforts::type_name), "ros2msg",
-                                                                     msg::schema_text<SingleEfforts>())
-                                             : (*writer)->add_schema(std::string(msg::JointState::type_name), "ros2msg",
-                                                                     msg::schema_text<msg::JointState>());
+      const auto schema = message->is_array    ? (*writer)->add_schema(std::string(Numbers::type_name), "ros2msg",
+                                                                       msg::schema_text<Numbers>())
+                          : message->is_single ? (*writer)->add_schema(std::string(SingleEfforts::type_name), "ros2msg",
+                                                                       msg::schema_text<SingleEfforts>())
+                                               : (*writer)->add_schema(std::string(msg::JointState::type_name),
+                                                                       "ros2msg", msg::schema_text<msg::JointState>());
       channels[message->topic] = (*writer)->add_channel(schema, message->topic, "cdr");
     }
     const auto time = static_cast<std::uint64_t>(message->logged);
@@ -89,7 +100,7 @@ std::string_view name_of(Change change) {
 }
 
 Log run(const Plan& plan, const std::string& controller, Change change) {
-  Log log{plan.chance, {}, {}, {}};
+  Log log{plan.chance, {}, {}, {}, {}};
   const fs::path model = fs::path(FIXTURES_DIR) / "models/pan_tilt_head.urdf";
   std::unique_ptr<ControllerBench> bench;
   for (std::size_t i = 0; i < plan.times.size(); ++i) {
@@ -123,6 +134,11 @@ Log run(const Plan& plan, const std::string& controller, Change change) {
     Logged& command = log.commands.emplace_back(message_at("/joint_commands", time + latency));
     command.joints.name = joints;
     for (const std::string& joint : joints) command.joints.effort.push_back(bench->joint(joint).u);
+    if (!plan.publishes_state) continue;
+    Logged& published = log.controller_states.emplace_back(message_at("/state", time + latency));
+    published.is_array = true;
+    for (const std::string& joint : joints)
+      for (const char* number : {"/last", "/state"}) published.joints.effort.push_back(bench->variable(joint + number));
   }
   change_commands(log.commands, change);
   return log;
@@ -130,7 +146,7 @@ Log run(const Plan& plan, const std::string& controller, Change change) {
 
 fs::path write(const Log& log, const fs::path& folder) {
   std::vector<const Logged*> messages;
-  for (const std::vector<Logged>* part : {&log.states, &log.commands, &log.others})
+  for (const std::vector<Logged>* part : {&log.states, &log.commands, &log.controller_states, &log.others})
     for (const Logged& message : *part)
       if (message.is_kept) messages.push_back(&message);
   std::stable_sort(messages.begin(), messages.end(),

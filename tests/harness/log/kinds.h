@@ -34,6 +34,7 @@ struct Plan {
   std::string options;                // of the controller
   /// A message of TILT for so many of PAN: each has its own topic. 0: one topic has both.
   std::size_t tilt_every = 0;
+  bool publishes_state = false;  // after each command, on /state
 };
 
 /// A message of the log.
@@ -45,6 +46,7 @@ struct Logged {
   bool is_kept = true;
   bool is_cut = false;     // its last bytes are missing
   bool is_single = false;  // a Float32MultiArray of the efforts
+  bool is_array = false;   // a Float64MultiArray of the efforts
   msg::JointState joints;
 };
 
@@ -56,11 +58,12 @@ struct Log {
   Chance& chance;
   std::vector<Logged> states;    // of the joints
   std::vector<Logged> commands;  // parallel to `states`
+  std::vector<Logged> controller_states;
   std::vector<Logged> others;
   Container container = Container::file;
 
   void each(const std::function<void(Logged&)>& change) {
-    for (std::vector<Logged>* part : {&states, &commands, &others})
+    for (std::vector<Logged>* part : {&states, &commands, &controller_states, &others})
       for (Logged& message : *part) change(message);
   }
 };

@@ -1,4 +1,12 @@
 // The kinds of trouble, with the verdict on each.
+//
+// In three rows a changed controller ends in 4 although its log isn't empty of information. The reasons:
+// - begins_in_mid_run and efforts_alone_on_the_topic, with an integral: its state isn't in the log at the beginning, or
+//   after each message of efforts, and never agrees for a hundred ticks. Another state and another gain look alike, so
+//   that no tick is certain. With `state:` it is found (begins_in_mid_run_with_state).
+// - jitter_on_a_grid, one tick late: on a nominal grid each message that comes a little early or late is read in
+//   another tick, so the commands of neighbouring ticks agree as often with an unchanged controller. With `tick:` in
+//   the map, as proposed, the shift by a tick is found (jitter_100us).
 #include "kinds.h"
 
 namespace rehearse::kinds {
@@ -11,6 +19,10 @@ constexpr const char* by_stamps =
 // The usual map; the log has the controller's start.
 constexpr const char* usual =
     "joints: /joint_states\ntick: /joint_states\ncommands: /joint_commands\nbegins: controller\n";
+// The controller publishes its state.
+constexpr const char* with_state =
+    "joints: /joint_states\ntick: /joint_states\ncommands: /joint_commands\n"
+    "state: {topic: /state, names: [PAN/last, PAN/state, TILT/last, TILT/state]}\n";
 constexpr const char* in_mid_run = "joints: /joint_states\ntick: /joint_states\ncommands: /joint_commands\n";
 
 void jitter(Plan& plan, std::int64_t most) {
@@ -142,7 +154,12 @@ const std::vector<Kind>& all() {
        usual, "004", "111"},
       {"restart", restart, nullptr, usual, "000", "111"},
       {"restart_without_pause", [](Plan& plan) { plan.restarts.push_back(ticks / 2); }, nullptr, usual, "044", "111",
-       nullptr, "start: 1.4995"},
+       nullptr, "restart: [1.4995]"},
+      {"restart_without_pause_by_stamps_of_another_clock", [](Plan& plan) { plan.restarts.push_back(ticks / 2); },
+       [](Log& log) { log.each([](Logged& message) { message.stamp -= 86'400 * second; }); },
+       "clock: header.stamp\njoints: /joint_states\ntick: /joint_states\ncommands: /joint_commands\n"
+       "begins: controller\n",
+       "044", "111", nullptr, "restart: [1.4995]"},
       {"restart_resets_stamps", restart,
        [](Log& log) {
          const std::int64_t from = log.states[ticks / 2].stamp;
@@ -155,6 +172,28 @@ const std::vector<Kind>& all() {
          lose_span(log.commands, 0, 500);
        },
        in_mid_run, "004", "114"},
+      {"begins_in_mid_run_with_state", [](Plan& plan) { plan.publishes_state = true; },
+       [](Log& log) {
+         lose_span(log.states, 0, 500);
+         lose_span(log.commands, 0, 500);
+         lose_span(log.controller_states, 0, 500);
+       },
+       with_state, "000", "111"},
+      {"lost_1_of_50_with_state", [](Plan& plan) { plan.publishes_state = true; },
+       [](Log& log) {
+         lose(log.states, log.chance, 0.02);
+         lose(log.commands, log.chance, 0.02);
+         lose(log.controller_states, log.chance, 0.02);
+       },
+       with_state, "000", "111"},
+      {"a_burst_lost_with_a_few_states", [](Plan& plan) { plan.publishes_state = true; },
+       [](Log& log) {
+         lose_span(log.states, 600, 640);
+         lose_span(log.commands, 600, 640);
+         for (std::size_t i = 0; i < log.controller_states.size(); ++i)
+           log.controller_states[i].is_kept = i % 100 == 0 && (i < 600 || i >= 640);
+       },
+       with_state, "000", "111"},
       {"clock_steps_forward", nullptr, [](Log& log) { step_clock(log, second, true); }, usual, "000", "111"},
       {"clock_steps_back", nullptr, [](Log& log) { step_clock(log, -second, true); }, usual, "444", "111"},
       {"log_clock_steps_forward", nullptr, [](Log& log) { step_clock(log, second, false); }, by_stamps, "000", "111"},
@@ -199,7 +238,7 @@ const std::vector<Kind>& all() {
        [](Log& log) {
          for (std::size_t i = 600; i < log.states.size(); ++i) log.states[i].topic = "/robot/joint_states";
        },
-       usual, "444", "111"},
+       usual, "444", "111", nullptr, "renamed: {/joint_states: /robot/joint_states}"},
       {"commands_end", nullptr, [](Log& log) { lose_span(log.commands, 600, ticks); }, usual, "000", "111"},
       {"another_order_of_joints", nullptr,
        [](Log& log) {
@@ -275,7 +314,7 @@ const std::vector<Kind>& all() {
          for (std::size_t i = 200; i < plan.times.size(); ++i) plan.times[i] += second / 2;
          plan.restarts.push_back(200);
        },
-       nullptr, usual, "004", "111", nullptr, "start: 0.8995"},
+       nullptr, usual, "004", "111", nullptr, "restart: [0.8995]"},
       {"small_commands", [](Plan& plan) { plan.options = "0.0001"; }, nullptr,
        "joints: /joint_states\ntick: /joint_states\ncommands: /joint_commands\nbegins: controller\n"
        "controller: {options: \"0.0001\"}\n",

@@ -21,7 +21,11 @@ using namespace kinds;
 /// The exit code of `rehearse replay`.
 char verdict_of(const Result<LogReplayReport>& report) {
   if (!report) return '2';
-  return report->undecided() ? '4' : report->within() ? '0' : '1';
+  char worst = report->undecided() ? '4' : report->within() ? '0' : '1';
+  for (const LogReplayReport& part : report->after_restarts)
+    if (const char verdict = part.undecided() ? '4' : part.within() ? '0' : '1'; worst == '0' || verdict == '1')
+      worst = verdict;
+  return worst;
 }
 
 std::string details_of(const Result<LogReplayReport>& report) {

@@ -300,8 +300,8 @@ TEST_F(LogReplay, StartsWhenAllIsThere) {
 TEST_F(LogReplay, EndsWhereItIsToldTo) {
   log("Tank.IsDrivenByJoystick.mcap", tank());
   map(tank_map);
-  options_.from = 0.5;
-  options_.until = 1.0;
+  options_.from = mcap::TimeBound{500'000'000};
+  options_.until = mcap::TimeBound{1'000'000'000};
   const LogReplayReport report = replayed("TankController", "tank.urdf");
   EXPECT_EQ(report.ticks, 200);
   EXPECT_EQ(report.ticks_compared, 100);
@@ -405,7 +405,7 @@ TEST_F(LogReplay, BecomesAGoldenOfATest) {
   fs::create_directory(path("golden"));
   log("Tank.IsDrivenByJoystick.mcap", tank());
   map(tank_map);
-  options_.until = 1.0;
+  options_.until = mcap::TimeBound{1'000'000'000};
   replayed("TankController", "tank.urdf");
   {
     const Variable mode("REHEARSE_GOLDEN", "new");

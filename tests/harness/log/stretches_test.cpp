@@ -125,6 +125,21 @@ TEST_F(Stretches, OfALogWithTheControllersStartFindAChangedIntegral) {
             "same");
 }
 
+/// A number that the controller takes back has to be in the log.
+TEST_F(Stretches, RefuseAStateThatIsNotTheControllers) {
+  const Robot robot("ServoWith_integral", "pendulum.urdf", joints_of("pendulum.urdf"), false);
+  write(robot.run(11, {0.05, 0.0}, 200));
+  const auto refused = [&](const std::string& state, const std::string& controller) {
+    const auto report = replay(robot, std::string(by_message) + "state: " + state + "\n", controller);
+    return report ? std::string("it wasn't refused") : to_string(report.errors());
+  };
+  const std::string joint = joints_of("pendulum.urdf")[0];
+  EXPECT_THAT(refused("{topic: /efforts, names: [A]}", "ServoWith_integral"),
+              ::testing::HasSubstr("takes '" + joint + "/last' back, which 'state' doesn't have"));
+  EXPECT_THAT(refused("{topic: /efforts, names: [A]}", "ServoWithoutState"),
+              ::testing::HasSubstr("ServoWithoutState' takes no state back"));
+}
+
 CommandRecord record_of(const std::function<double(int)>& command, int from, int until) {
   CommandRecord record;
   record.begin(std::int64_t{1'000'000} * from);

@@ -129,7 +129,7 @@ class OneJudge : public RunTest, public ::testing::WithParamInterface<Row> {
     options.controller = "Behaviours";
     options.model = path("rig.urdf");
     options.map = path("map.yaml");
-    options.from = from;
+    options.from = mcap::TimeBound{static_cast<std::uint64_t>(std::llround(from * 1e9))};
     auto report = replay_log(path("golden.mcap"), path("log.mcap"), options);
     EXPECT_TRUE(report) << to_string(report.errors());
     return report ? *std::move(report) : LogReplayReport();

@@ -184,6 +184,14 @@ TEST(JsonMessages, AreDecodedByTheirSchema) {
   EXPECT_THAT(state.values(R"({"count": null})"), IsEmpty()) << "properties may be left out";
 }
 
+TEST(JsonMessages, HaveNumbersBeyondTheRangeOfADouble) {
+  const Form state = form("json", "jsonschema", "State", json_schema);
+  EXPECT_THAT(state.values(R"({"name": ["1e400 \"1e400"], "position": [1e400, -1.5E+4000, 1e-400, "NaN", 2]})"),
+              ElementsAre("name/0='1e400 \"1e400'", "position/0=inf", "position/1=-inf", "position/2=0",
+                          "position/3=nan", "position/4=2"));
+  EXPECT_THAT(state.values(R"({"position": [0001e400]})"), ElementsAre("problem: isn't JSON"));
+}
+
 TEST(JsonMessages, ThatBreakTheirSchemaAreReported) {
   const Form state = form("json", "jsonschema", "State", json_schema);
   EXPECT_THAT(state.values("{"), ElementsAre("problem: isn't JSON"));

@@ -53,6 +53,10 @@ constexpr DeviceMeasurement image_measurement{
             msg::encode(msg::CompressedImage{header, "", {}}, message.cdr);
             return true;
           }
+          if (!reading.image->file.empty()) {
+            msg::encode(message_of(header, *reading.image), message.cdr);
+            return true;
+          }
           message.raw = raw_picture(header, *reading.image);
           message.compose = compose_picture;
           message.held = reading.image->pixels.size() + reading.image->file.size();

@@ -39,7 +39,8 @@ Result<void> DeviceRecorder::write(TraceOutput& output, std::int64_t tick, const
     message.cdr.reset();
     message.compose = nullptr;
     if (!encode(*channel.form, *device_, reading, header, message)) continue;
-    if (message.compose || channel.form->type == msg::Image::type_name) ++output.size.pictures;
+    const bool is_color = channel.form->type == msg::CompressedImage::type_name && reading.image;
+    if (is_color || channel.form->type == msg::Image::type_name) ++output.size.pictures;
     auto done = message.compose
                     ? output.write_later(channel.id, tick, message.held, std::move(message.raw), message.compose)
                     : output.write_encoded(channel.id, tick, message.cdr.bytes());

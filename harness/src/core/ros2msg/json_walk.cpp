@@ -1,7 +1,13 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "payload_walk.h"
@@ -28,6 +34,37 @@ bool decode_base64(std::string_view text, std::vector<std::byte>& bytes) {
     bytes.push_back(static_cast<std::byte>(bits >> count & 0xff));
   }
   return count < 6;
+}
+
+/// The text with "Infinity" instead of each number beyond the range of a double, which the parser refuses.
+std::string with_infinities(std::string_view json) {
+  std::string text;
+  bool quoted = false;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const std::size_t size = quoted ? 0 : std::min(json.find_first_not_of("+-.0123456789eE", i), json.size()) - i;
+    if (size > 0 && (json[i] == '-' || std::isdigit(static_cast<unsigned char>(json[i])))) {
+      const std::string number(json.substr(i, size));
+      const bool is_number = Payload::accept(number.substr(0, number.find_first_of("eE")) + "e0");
+      const bool is_beyond = is_number && std::isinf(std::strtod(number.c_str(), nullptr));
+      text += !is_beyond ? number : number[0] == '-' ? "\"-Infinity\"" : "\"Infinity\"";
+      i += size - 1;
+      continue;
+    }
+    text += json[i];
+    if (json[i] == '"') quoted = !quoted;
+    if (quoted && json[i] == '\\' && i + 1 < json.size()) text += json[++i];
+  }
+  return text;
+}
+
+/// The number, or the text that stands for one that JSON doesn't have; nullopt: neither.
+std::optional<double> number_of(const Payload& json) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  if (json.is_number()) return json.get<double>();
+  if (json == "Infinity") return infinity;
+  if (json == "-Infinity") return -infinity;
+  if (json == "NaN") return std::numeric_limits<double>::quiet_NaN();
+  return std::nullopt;
 }
 
 class JsonWalk : public PayloadWalk {
@@ -83,8 +120,8 @@ class JsonWalk : public PayloadWalk {
         set_text(value, json.get_ref<const std::string&>());
         break;
       case Primitive::float64:
-        if (!json.is_number()) return misfit(json, "number");
-        value.number = json.get<double>();
+        if (!number_of(json)) return misfit(json, "number");
+        value.number = *number_of(json);
         break;
       default:
         if (!take_integer(json, value)) return;
@@ -112,7 +149,8 @@ class JsonWalk : public PayloadWalk {
 
 std::string walk_json(const Schema& schema, std::span<const std::byte> payload, std::string& path, Visitor& visitor) {
   const std::string_view text(reinterpret_cast<const char*>(payload.data()), payload.size());
-  const Payload json = Payload::parse(text, nullptr, false);
+  Payload json = Payload::parse(text, nullptr, false);
+  if (json.is_discarded()) json = Payload::parse(with_infinities(text), nullptr, false);
   if (json.is_discarded()) return "isn't JSON";
   JsonWalk walk(schema, path, visitor);
   walk.message(schema.definitions.front(), json);

@@ -10,6 +10,7 @@
 
 #include "core/mcap/glob.h"
 #include "model/text.h"
+#include "run_facts.h"
 
 namespace rehearse::mcap {
 
@@ -174,25 +175,68 @@ Result<void> Selector::find_span(Reader& reader) {
   if (!selection_.from && !selection_.until) return {};
   const auto times = log_times(reader);
   if (!times) return {};
-  const std::uint64_t beginning = tick_channels(reader).empty() ? times->first : 0;
-  const auto time_of = [&](const TimeBound& moment) {
-    switch (moment.origin) {
-      case TimeOrigin::beginning: return add(beginning, moment.ns);
-      case TimeOrigin::first_message: return add(times->first, moment.ns);
-      case TimeOrigin::clock: break;
-    }
-    return moment.ns;
-  };
-  if (selection_.from) begin_ = time_of(*selection_.from);
-  if (selection_.until) end_ = time_of(*selection_.until);
+  if (selection_.from) {
+    const auto moment = moment_in(*selection_.from, reader);
+    if (!moment) return moment.errors();
+    begin_ = *moment;
+  }
+  if (selection_.until) {
+    const auto moment = moment_in(*selection_.until, reader);
+    if (!moment) return moment.errors();
+    end_ = *moment;
+  }
   if (begin_ <= times->second && (!end_ || (*end_ > times->first && *end_ > begin_))) return {};
-  return *refusal_of_empty(reader);
+  return mcap::refusal_of_empty(reader);
 }
 
 std::optional<Diagnostic> Selector::refusal_of_empty(const Reader& reader) const {
   if (selection_.takes_all_times()) return std::nullopt;
+  return mcap::refusal_of_empty(reader);
+}
+
+Diagnostic refusal_of_empty(const Reader& reader) {
   return error_in(reader.name(), "nothing was recorded in the span that is asked for",
                   "rehearse info shows its begin and its end; times count from its beginning, or are dates");
+}
+
+namespace {
+
+/// The log's time at which a recording of a robot's log begins [ns]; nullopt: it isn't one.
+std::optional<std::uint64_t> start_of_log(const Reader& reader) {
+  for (const Metadata& record : reader.metadata())
+    if (const auto start = record.values.find(facts::log_start); start != record.values.end())
+      return number_in<std::uint64_t>(start->second);
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<std::uint64_t> moment_in(const TimeBound& bound, Reader& reader) {
+  const bool is_recording = !tick_channels(reader).empty();
+  switch (bound.origin) {
+    case TimeOrigin::first_message: {
+      const auto times = log_times(reader);
+      return add(times ? times->first : 0, bound.ns);
+    }
+    case TimeOrigin::beginning: {
+      if (is_recording) return bound.ns;
+      const auto times = log_times(reader);
+      return add(times ? times->first : 0, bound.ns);
+    }
+    case TimeOrigin::clock: break;
+  }
+  if (!is_recording) return bound.ns;
+  const auto start = start_of_log(reader);
+  if (!start)
+    return error_in(reader.name(), "its times count from the beginning of the run, and are no dates",
+                    "expected seconds from its beginning, as 3.5");
+  return bound.ns > *start ? bound.ns - *start : 0;
+}
+
+Result<double> seconds_in(const TimeBound& bound, Reader& reader) {
+  const auto moment = moment_in(bound, reader);
+  if (!moment) return moment.errors();
+  return static_cast<double>(*moment) * 1e-9;
 }
 
 std::optional<std::pair<std::uint64_t, std::uint64_t>> log_times(Reader& reader) {

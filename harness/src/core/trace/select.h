@@ -92,6 +92,14 @@ class Selector {
   std::optional<std::uint64_t> end_;
 };
 
+/// The log time that a bound means in a file [ns]. A date in a recording of a robot's log is a time of that log. Fails
+/// if the recording's clock has no dates.
+Result<std::uint64_t> moment_in(const TimeBound& bound, Reader& reader);
+/// The same from the beginning of a recording on [s].
+Result<double> seconds_in(const TimeBound& bound, Reader& reader);
+/// The refusal of a span without messages.
+Diagnostic refusal_of_empty(const Reader& reader);
+
 /// The log times of the file's earliest and latest message [ns]; nullopt: there are no messages. From the summary, else
 /// by a pass over all messages.
 std::optional<std::pair<std::uint64_t, std::uint64_t>> log_times(Reader& reader);

@@ -29,10 +29,10 @@ bool LogMapReader::check_version(const YamlNode& root) {
 
 void LogMapReader::read(const YamlNode& root) {
   if (!check_version(root)) return;
-  const Keys keys(
-      findings_, root, "the map",
-      {"rehearse_map", "body", "time_step", "tick", "clock", "start", "begins", "missing", "max_age", "controller",
-       "joints", "imus", "wrenches", "cameras", "ranges", "joystick", "root", "commands", "tolerances"});
+  const Keys keys(findings_, root, "the map",
+                  {"rehearse_map", "body",     "time_step", "tick",       "clock",  "start",     "restart",  "begins",
+                   "missing",      "renamed",  "max_age",   "controller", "joints", "imus",      "wrenches", "cameras",
+                   "ranges",       "joystick", "root",      "commands",   "state",  "tolerances"});
   read_body(keys, root);
   read_clock(keys);
   keys.word("begins", "run (the log may begin in the middle of a run) or controller (with the controller's start)",
@@ -49,9 +49,12 @@ void LogMapReader::read(const YamlNode& root) {
   if (const YamlNode* node = keys.find("joystick")) read_joystick(*node);
   if (const YamlNode* node = keys.find("root")) read_root(*node);
   if (const YamlNode* node = keys.find("commands")) read_commands(*node);
+  if (const YamlNode* node = keys.find("state")) read_state(*node);
   if (const YamlNode* node = keys.find("tick")) read_tick(*node);
+  if (const YamlNode* node = keys.find("renamed")) read_renamed(*node);
   read_start(keys);
   read_missing(keys);
+  if (const YamlNode* node = keys.find("restart")) read_restarts(*node);
   if (const YamlNode* node = keys.find("tolerances")) {
     Scenario place;  // read_tolerances() writes the list into it, in the form of a scenario's tolerances
     place.file = map_.file;
@@ -121,7 +124,8 @@ bool LogMapReader::has_topic(const std::string& topic) const {
   const auto is_it = [&](const LogSource& source) { return source.topic == topic; };
   return std::ranges::any_of(map_.joints, is_it) || std::ranges::any_of(map_.devices, is_it) ||
          (map_.joystick && is_it(*map_.joystick)) || (map_.root && is_it(*map_.root)) ||
-         (map_.commands && is_it(*map_.commands)) || (map_.tick && is_it(*map_.tick));
+         (map_.commands && is_it(*map_.commands)) || (map_.state && is_it(*map_.state)) ||
+         (map_.tick && is_it(*map_.tick));
 }
 
 void LogMapReader::read_start(const Keys& keys) {
@@ -140,6 +144,51 @@ void LogMapReader::read_start(const Keys& keys) {
     expected(findings_, *node, "start",
              "all (when each input has had a message), first (with the first message), a topic of this map (with its "
              "first message), or a time after all [s]");
+  }
+}
+
+void LogMapReader::read_restarts(const YamlNode& node) {
+  const auto read = [&](const YamlNode& one) {
+    const auto time = read_number(findings_, one, "restart", {0.0, Scenario::max_duration, "[s] of the log"});
+    if (!time) return;
+    if (!map_.restarts.empty() && *time <= map_.restarts.back())
+      findings_.error(one, fmt::format("the restart at {:g} s isn't later than the one before it", *time),
+                      "expected rising times [s] from the log's beginning");
+    map_.restarts.push_back(*time);
+  };
+  each(node, "restart", read);
+}
+
+/// Topics that have another name from some time of the log on.
+void LogMapReader::read_renamed(const YamlNode& node) {
+  if (node.kind != YamlNode::Kind::map)
+    return expected(findings_, node, "renamed", "a map from a topic of this map to its later name: {/old: /new}");
+  const auto of_log = [&](const std::string& name) {
+    return std::ranges::find_if(topics_, [&](const LogTopic& topic) { return topic.name == name; });
+  };
+  for (const NamedEntry& entry : read_entries(findings_, node)) {
+    const auto later = read_text(findings_, *entry.value, "renamed", name_of_topic);
+    if (!later) continue;
+    if (!has_topic(entry.name) || of_log(entry.name) == topics_.end()) {
+      findings_.error(*entry.key, fmt::format("'{}' is no topic of this map", shortened(entry.name)),
+                      "expected a topic of its sources, or its tick");
+    } else if (of_log(*later) == topics_.end()) {
+      findings_.error(*entry.value, fmt::format("the log has no topic '{}'", shortened(*later)),
+                      "expected the later name of " + entry.name);
+    } else if (has_topic(*later)) {
+      findings_.error(*entry.value, fmt::format("'{}' is a topic of this map itself", shortened(*later)),
+                      "name it only in 'renamed'");
+    } else if (of_log(*later)->type != of_log(entry.name)->type ||
+               of_log(*later)->schema != of_log(entry.name)->schema) {
+      findings_.error(
+          *entry.value,
+          fmt::format("'{}' is of another type than '{}': {}", shortened(*later), entry.name, of_log(*later)->type),
+          "expected " + of_log(entry.name)->type + " with the same definition");
+    } else {
+      map_.each_source([&](LogSource& source) {
+        if (source.topic == entry.name) source.later_topic = *later;
+      });
+    }
   }
 }
 

@@ -14,6 +14,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "log_topics.h"
@@ -35,11 +36,15 @@ enum class Sampling {
 /// A topic, and the rule that converts its messages to values at ticks.
 struct LogSource {
   std::string topic;
+  std::string later_topic;  // its name from some time of the log on; empty: it isn't renamed
   Sampling sampling = Sampling::hold;
   std::optional<double> max_age;  // an older message at a tick is a gap [s]; nullopt: there are no gaps
   LogClock clock = LogClock::log_time;
   std::optional<double> clock_offset;  // of the log's clock from the stamps' [s]; nullopt: estimated if it is needed
   Place place;                         // of the topic's name
+
+  /// True if the messages of that topic of the log are the source's.
+  bool is_on(std::string_view name) const { return name == topic || (!later_topic.empty() && name == later_topic); }
 };
 
 /// The ticks of the controller, by the messages of a topic.
@@ -103,6 +108,11 @@ struct CommandSource : LogSource {
   int shift = 0;                             // the commands of tick k are those in the log at tick k + shift
 };
 
+/// Arrays of the numbers that the robot's controller needed to continue, each published after a call of control().
+struct StateSource : LogSource {
+  std::vector<std::optional<std::string>> names;  // for which rehearse_state() takes each number; nullopt: none
+};
+
 struct MappedController {
   std::string name;     // empty: the library's
   std::string options;  // its option string
@@ -129,6 +139,8 @@ struct LogMap {
   double time_step = 0.001;        // of the controller [s]
   std::optional<TickSource> tick;  // nullopt: ticks are a grid of time_step from the first message on
   StartRule start;
+  std::vector<double>
+      restarts;  // a fresh controller starts at each of these times; rising [s] from the log's beginning
   /// True: the controller starts at the first tick. False: the log may begin in the middle of a run.
   bool begins_with_controller = false;
   /// True: the controller isn't called where messages of the tick's topic are missing. False: it is, on old inputs.
@@ -139,6 +151,7 @@ struct LogMap {
   std::optional<JoySource> joystick;
   std::optional<RootSource> root;
   std::optional<CommandSource> commands;
+  std::optional<StateSource> state;
   std::vector<ToleranceRule> tolerances;  // of commands, by series name
 
   /// Reads and checks a map against the model and the log's topics.
@@ -147,6 +160,18 @@ struct LogMap {
   /// Reads a map from text in memory; `file` is used in messages.
   static Result<LogMap> parse(std::string text, const std::string& file, const Model& model,
                               const std::vector<LogTopic>& topics);
+
+  /// Calls `use` with each source, and the tick.
+  template <class Use>
+  void each_source(Use&& use) {
+    for (JointSource& source : joints) use(source);
+    for (DeviceSource& source : devices) use(source);
+    if (joystick) use(*joystick);
+    if (root) use(*root);
+    if (commands) use(*commands);
+    if (state) use(*state);
+    if (tick) use(*tick);
+  }
 };
 
 }  // namespace rehearse

@@ -43,6 +43,8 @@ class LogMapReader {
   void read_start(const Keys& keys);
   void read_missing(const Keys& keys);
   bool has_topic(const std::string& topic) const;
+  void read_restarts(const YamlNode& node);
+  void read_renamed(const YamlNode& node);
   void read_controller(const YamlNode& node);
   void check_something_is_mapped(const YamlNode& root);
 
@@ -74,6 +76,7 @@ class LogMapReader {
   void read_axes(const YamlNode& node, JoySource& source);
   void read_buttons(const YamlNode& node, JoySource& source);
   void read_commands(const YamlNode& node);
+  void read_state(const YamlNode& node);
   void read_array_commands(const Keys& keys, CommandSource& source);
 
   // log_map_devices.cpp

@@ -292,6 +292,35 @@ void LogMapReader::read_array_commands(const Keys& keys, CommandSource& source) 
             {{"position", position}, {"velocity", velocity}, {"effort", effort}}, source.quantity);
 }
 
+/// The state that a controller takes back by rehearse_state().
+void LogMapReader::read_state(const YamlNode& node) {
+  const std::optional<Keys> keys = keys_of(node, "a source of states", {"topic", "names", "clock", "clock_offset"});
+  if (!keys) {
+    findings_.error(node, "'state' has no names", "expected {topic: ..., names: [...]}, a name for each number");
+    return;
+  }
+  if (!keys->is_map()) return;
+  StateSource source;
+  read_source(&*keys, source, std::nullopt);
+  std::set<std::string> taken;
+  if (const YamlNode* names = keys->require("names", "the name of each number in rehearse_state(); ~ for none")) {
+    for (const YamlNodePtr& item :
+         read_list(findings_, *names, "names", "a list of names in the order of the numbers")) {
+      std::optional<std::string> name;
+      if (item->kind != YamlNode::Kind::empty) name = read_text(findings_, *item, "names", "a name, or ~");
+      if (name && !taken.insert(*name).second)
+        findings_.error(*item, fmt::format("'{}' is in 'names' twice", shortened(*name)),
+                        "expected a name of its own for each number");
+      source.names.push_back(std::move(name));
+    }
+  }
+  const YamlNode* topic = keys->require("topic", name_of_topic);
+  if (topic == nullptr) return;
+  const Needs array{{"data/*", number}};
+  if (find_topic(*topic, "state", {array}, "an array of numbers, as Float64MultiArray", source) == nullptr) return;
+  map_.state = std::move(source);
+}
+
 void LogMapReader::read_commands(const YamlNode& node) {
   const std::optional<Keys> keys =
       keys_of(node, "a source of commands", {"topic", "names", "joints", "quantity", "shift", "clock", "clock_offset"});

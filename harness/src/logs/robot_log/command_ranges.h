@@ -32,6 +32,8 @@ class CommandRanges {
   /// The default tolerance of a number: 1e-4 of the range between the 1st and the 99th of a hundred commands; at least
   /// 1e-6 of the largest magnitude, for numbers of single precision, and a thousandth of the default of its unit.
   double tolerance(int joint, std::optional<double> CommandedJoint::*part, std::string_view unit) const;
+  /// True if the log has the number.
+  bool has(int joint, std::optional<double> CommandedJoint::*part) const { return !numbers(joint, part).empty(); }
   /// The range [the unit of the number].
   double range(int joint, std::optional<double> CommandedJoint::*part) const;
 

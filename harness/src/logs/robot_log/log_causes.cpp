@@ -1,10 +1,12 @@
 #include "log_causes.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <rehearse/scenario.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -69,12 +71,7 @@ class Readings {
       const auto topic = std::ranges::find_if(topics_, [&](const LogTopic& one) { return one.name == source.topic; });
       if (topic != topics_.end() && topic->has("header/stamp/sec")) change(source);
     };
-    for (JointSource& joints : map.joints) look(joints);
-    for (DeviceSource& devices : map.devices) look(devices);
-    if (map.joystick) look(*map.joystick);
-    if (map.root) look(*map.root);
-    if (map.commands) look(*map.commands);
-    if (map.tick) look(*map.tick);
+    map.each_source(look);
   }
 
   void add_other_clock() {
@@ -116,14 +113,17 @@ class Readings {
   /// A fresh controller from the first difference on.
   void add_restart() {
     const std::int64_t tick = report_.beyond->tick;
-    if (tick == 0 || map_.start.when != StartRule::When::all) return;
+    if (tick == 0) return;
     const double step = report_.duration / static_cast<double>(report_.ticks);
     // Before the tick by less than half a step, so that it is the first.
     const double time = std::round((report_.beyond_at - 0.25 * step) * 1e6) * 1e-6;
-    const std::vector<std::string> lines{fmt::format("start: {:.6g}", time), "begins: controller"};
-    LogMap& map = add(lines, fmt::format("another controller starts at {:.6g} s", report_.beyond_at));
-    map.start = {StartRule::When::time, "", time};
+    std::vector<double> all = map_.restarts;
+    all.push_back(std::round((report_.begins + time) * 1e6) * 1e-6);
+    std::ranges::stable_sort(all);
+    LogMap& map = add({fmt::format("restart: [{:.9g}]", fmt::join(all, ", "))},
+                      fmt::format("another controller starts at {:.6g} s", report_.begins + report_.beyond_at));
     map.begins_with_controller = true;
+    readings_.back().begin = time;
   }
 
   const LogMap& map_;
@@ -140,6 +140,59 @@ std::vector<OtherReading> other_readings(const LogMap& map, const std::vector<Ma
                                          const LogSurvey& survey, const std::vector<LogTopic>& topics,
                                          const LogReplayReport& report) {
   return Readings(map, sources, survey, topics, report).take();
+}
+
+namespace {
+
+/// The log time of the first message of a topic [ns]; nullopt: it has none.
+std::optional<std::uint64_t> first_logged(mcap::Reader& log, const std::string& topic) {
+  std::vector<std::uint16_t> channels;
+  for (const auto& [id, channel] : log.channels())
+    if (channel.topic == topic) channels.push_back(id);
+  std::optional<std::uint64_t> first;
+  read_in_order(log, channels, [&](const mcap::Message& message) {
+    first = message.log_time;
+    return false;
+  });
+  return first;
+}
+
+}  // namespace
+
+std::optional<OtherReading> reading_with_renamed(mcap::Reader& log, const LogMap& map,
+                                                 const std::vector<MappedSource>& sources, const LogSurvey& survey,
+                                                 const std::vector<LogTopic>& topics, std::int64_t ending) {
+  constexpr double steps = 20.0, longest_pause = 1.0;  // [s]
+  OtherReading reading{map, {}, "the topic is renamed half-way", false};
+  std::map<std::string, std::string> renamed;
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const LogSource& source = *sources[i].source;
+    const auto own = std::ranges::find_if(topics, [&](const LogTopic& topic) { return topic.name == source.topic; });
+    const bool is_event = sources[i].joystick != nullptr;  // it ends when nobody moves it
+    if (own == topics.end() || is_event || !source.later_topic.empty() || renamed.contains(source.topic)) continue;
+    const auto last = static_cast<double>(survey.sources[i].last_logged);
+    const bool ends_early = static_cast<double>(ending) - last > steps * map.time_step * 1e9;
+    if (!ends_early) continue;
+    for (const LogTopic& topic : topics) {
+      const auto maps_it = [&](const MappedSource& mapped) { return mapped.source->is_on(topic.name); };
+      if (topic.type != own->type || topic.schema != own->schema || std::ranges::any_of(sources, maps_it)) continue;
+      const auto first = first_logged(log, topic.name);
+      const double after = first ? (static_cast<double>(*first) - last) * 1e-9 : -1.0;
+      if (after < -0.5 * map.time_step || after > std::max(steps * map.time_step, longest_pause)) continue;
+      renamed.emplace(source.topic, topic.name);
+      break;
+    }
+  }
+  if (renamed.empty()) return std::nullopt;
+  std::vector<std::string> entries;
+  for (const auto& [old, later] : renamed) {
+    entries.push_back(fmt::format("{}: {}", old, later));
+    reading.map.each_source([&, &topic = old, &name = later](LogSource& source) {
+      if (source.topic == topic) source.later_topic = name;
+    });
+  }
+  reading.lines = {fmt::format("renamed: {{{}}}", fmt::join(entries, ", "))};
+  return reading;
 }
 
 }  // namespace rehearse

@@ -2,6 +2,8 @@
 // Internal.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,7 +19,8 @@ struct OtherReading {
   LogMap map;
   std::vector<std::string> lines;  // that state it in the user's map
   std::string meaning;
-  bool has_same_messages = true;  // ticks are at the same topic, and clocks are the same
+  bool has_same_messages = true;     // ticks are at the same topic, and clocks are the same
+  std::optional<double> begin = {};  // of the replay, from the first tick on [s]; nullopt: that of the map
 };
 
 /// The readings that are worth a try, the most usual first: times by stamps, or by the log; the controller started
@@ -25,5 +28,11 @@ struct OtherReading {
 std::vector<OtherReading> other_readings(const LogMap& map, const std::vector<MappedSource>& sources,
                                          const LogSurvey& survey, const std::vector<LogTopic>& topics,
                                          const LogReplayReport& report);
+
+/// The reading in which topics of the map have another name from their last messages on: that of a topic of their type
+/// that begins there. None: no topic is renamed. `ending`: log time of the log's last message [ns].
+std::optional<OtherReading> reading_with_renamed(mcap::Reader& log, const LogMap& map,
+                                                 const std::vector<MappedSource>& sources, const LogSurvey& survey,
+                                                 const std::vector<LogTopic>& topics, std::int64_t ending);
 
 }  // namespace rehearse

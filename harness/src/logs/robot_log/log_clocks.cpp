@@ -55,7 +55,8 @@ LogTimes::LogTimes(mcap::Reader& log, const std::vector<MappedSource>& sources) 
     stated.is_stated = true;
   }
   for (const auto& [id, channel] : log.channels())
-    if (const auto topic = topics_.find(channel.topic); topic != topics_.end()) by_channel_[id] = &topic->second;
+    for (const MappedSource& mapped : sources)
+      if (mapped.source->is_on(channel.topic)) by_channel_[id] = &*topics_.find(mapped.source->topic);
   if (any_log_time || any_offset) estimate(log, sources);
 }
 LogTimes::~LogTimes() = default;
@@ -70,7 +71,7 @@ void LogTimes::estimate(mcap::Reader& log, const std::vector<MappedSource>& sour
   read_in_order(log, channels_of(log, stamped), [&](const mcap::Message& message) {
     const auto stamp = stamp_of(message);
     if (stamp && message.log_time < end_of_time)
-      estimates[message.channel->topic].add(*stamp, static_cast<std::int64_t>(message.log_time));
+      estimates[by_channel_.at(message.channel->id)->first].add(*stamp, static_cast<std::int64_t>(message.log_time));
     return true;
   });
   for (const auto& [topic, estimate] : estimates) topics_.at(topic).offsets = estimate.report();
@@ -95,7 +96,7 @@ Result<std::int64_t> LogTimes::of(const mcap::Message& message) {
   constexpr std::int64_t early = 2'000'000;  // [ns]: clocks are estimated better than this
   if (message.log_time >= end_of_time) return error("a log time beyond the year 2116");
   const auto logged = static_cast<std::int64_t>(message.log_time);
-  const Topic& topic = *by_channel_.at(message.channel->id);
+  const Topic& topic = by_channel_.at(message.channel->id)->second;
   if (topic.clock == LogClock::log_time) return logged;
   const auto stamp = stamp_of(message);
   if (!stamp) return error("no time in header.stamp");
@@ -127,6 +128,12 @@ bool LogTimes::jumps_ahead(const mcap::Message& message, std::int64_t stamp) {
   return jumps;
 }
 
+bool LogTimes::are_stamps() const {
+  return std::ranges::all_of(topics_, [](const auto& entry) {
+    return entry.second.clock == LogClock::header_stamp && entry.second.offsets.empty();
+  });
+}
+
 std::optional<LogClockReport> LogTimes::clock_of(const std::string& topic) const {
   const std::vector<LogClockReport>& offsets = topics_.at(topic).offsets;
   if (offsets.empty()) return std::nullopt;
@@ -152,6 +159,7 @@ std::vector<MappedSource> sources_of(const LogMap& map, const Model& model) {
   if (map.joystick) add(*map.joystick, "joystick").joystick = &*map.joystick;
   if (map.root) add(*map.root, "root").root = &*map.root;
   if (map.commands) add(*map.commands, "commands").commands = &*map.commands;
+  if (map.state) add(*map.state, "state").state = &*map.state;
   const auto ticks_too = [&map](const MappedSource& mapped) { return mapped.source->topic == map.tick->topic; };
   if (map.tick && std::none_of(sources.begin(), sources.end(), ticks_too)) add(*map.tick, "ticks");
   return sources;
@@ -160,7 +168,7 @@ std::vector<MappedSource> sources_of(const LogMap& map, const Model& model) {
 std::vector<std::uint16_t> channels_of(const mcap::Reader& log, const std::vector<MappedSource>& sources) {
   std::vector<std::uint16_t> channels;
   for (const auto& [id, channel] : log.channels()) {
-    const auto maps_it = [topic = channel.topic](const MappedSource& mapped) { return mapped.source->topic == topic; };
+    const auto maps_it = [topic = channel.topic](const MappedSource& mapped) { return mapped.source->is_on(topic); };
     if (std::any_of(sources.begin(), sources.end(), maps_it)) channels.push_back(id);
   }
   return channels;

@@ -30,6 +30,7 @@ struct MappedSource {
   const JoySource* joystick = nullptr;
   const RootSource* root = nullptr;
   const CommandSource* commands = nullptr;
+  const StateSource* state = nullptr;
 
   /// True if the first tick waits for it: a joystick sends only when it is moved, and commands and camera infos are no
   /// inputs.
@@ -58,6 +59,8 @@ class LogTimes {
   Result<std::int64_t> of(const mcap::Message& message);
   /// The message's header.stamp [ns]; nullopt: it has none, or it isn't set.
   std::optional<std::int64_t> stamp_of(const mcap::Message& message);
+  /// True if all times are stamps, whose clock may be another one than the log's.
+  bool are_stamps() const;
   /// The offset of a topic's stamps from the log's clock; nullopt: it isn't needed.
   std::optional<LogClockReport> clock_of(const std::string& topic) const;
 
@@ -79,7 +82,8 @@ class LogTimes {
 
   const mcap::Reader& log_;
   std::map<std::string, Topic> topics_;
-  std::map<std::uint16_t, const Topic*> by_channel_;
+  /// The source's topic and its clock.
+  std::map<std::uint16_t, const std::pair<const std::string, Topic>*> by_channel_;
   std::map<std::uint16_t, std::unique_ptr<Stamps>> stamps_;  // by channel id
   std::map<std::uint16_t, Delays> delays_;                   // likewise
 };

@@ -114,21 +114,40 @@ const CommandedJoints* LogCommands::of_tick(std::int64_t tick) {
   return found;
 }
 
-namespace {
+std::vector<LogCommands::Commanded> LogCommands::commanded_by(const HostedController& hosted) const {
+  std::vector<Commanded> numbers;
+  if (!hosted.io) return numbers;
+  const std::string topic = ChannelName::of_controller(hosted.label, ChannelSide::output, ChannelKind::joints).topic();
+  for (const IoField& field : hosted.io->outputs().fields) {
+    const auto part = commanded_part(field);
+    if (!part) continue;
+    const Joint& joint = model_.links[field.link].joint;
+    numbers.push_back({field, part, topic, joint.name + "/" + name_of(field.quantity),
+                       std::string(unit_of_joint(name_of(field.quantity), is_linear(joint.type)))});
+  }
+  return numbers;
+}
 
 /// The rule of a number: that of the map, with the default where it states no absolute tolerance.
-ToleranceRule rule_of(const std::string& series, const std::vector<ToleranceRule>& rules, double tolerance) {
-  const auto stated = std::find_if(rules.rbegin(), rules.rend(),
+ToleranceRule LogCommands::rule_of(const Commanded& number) const {
+  const std::string series = series_name(number.topic, number.element);
+  const auto stated = std::find_if(map_rules_.rbegin(), map_rules_.rend(),
                                    [&](const ToleranceRule& rule) { return matches(rule.channel, series); });
-  ToleranceRule rule = stated == rules.rend() ? ToleranceRule() : *stated;
+  ToleranceRule rule = stated == map_rules_.rend() ? ToleranceRule() : *stated;
   rule.channel = series;
-  if (!rule.atol) rule.atol = tolerance;
+  if (!rule.atol) rule.atol = facts_.ranges.tolerance(number.field.joint, number.part, number.unit);
   return rule;
 }
 
-}  // namespace
+std::vector<ToleranceRule> LogCommands::tolerances(const ControllerHost& host) const {
+  std::vector<ToleranceRule> rules;
+  for (const HostedController& hosted : host.controllers())
+    for (const Commanded& number : commanded_by(hosted))
+      if (facts_.ranges.has(number.field.joint, number.part)) rules.push_back(rule_of(number));
+  return rules;
+}
 
-std::unique_ptr<RowJudge> LogCommands::make_judge(const ControllerHost& host, const Scenario& scenario,
+std::unique_ptr<RowJudge> LogCommands::make_judge(const ControllerHost& host, double time_step,
                                                   RowJudge::OnDifference differs) {
   SeriesScales scales;
   rules_.clear();
@@ -138,22 +157,17 @@ std::unique_ptr<RowJudge> LogCommands::make_judge(const ControllerHost& host, co
     TraceChannel& channel = channels.emplace_back();
     channel.topic = ChannelName::of_controller(hosted.label, ChannelSide::output, ChannelKind::joints).topic();
     channel.type = msg::JointState::type_name;
-    if (!hosted.io) continue;
-    for (const IoField& field : hosted.io->outputs().fields) {
-      const auto part = commanded_part(field);
-      if (!part) continue;
-      const Joint& joint = model_.links[field.link].joint;
-      const std::string element = joint.name + "/" + name_of(field.quantity);
-      const std::string unit(unit_of_joint(name_of(field.quantity), is_linear(joint.type)));
-      channel.metadata["unit:" + element] = unit;
-      channel.columns.push_back({element, {}, CellKind::floating});
-      columns_.push_back({element, unit, facts_.ranges.range(field.joint, part)});
-      const std::string series = series_name(channel.topic, element);
-      rules_.push_back(rule_of(series, scenario.tolerances, facts_.ranges.tolerance(field.joint, part, unit)));
-      if (!facts_.largest.empty()) scales[{channel.topic, element}] = (facts_.largest[field.joint].*part).value_or(0.0);
+    for (const Commanded& number : commanded_by(hosted)) {
+      const int joint = number.field.joint;
+      channel.metadata["unit:" + number.element] = number.unit;
+      channel.columns.push_back({number.element, {}, CellKind::floating});
+      columns_.push_back({number.element, number.unit, facts_.ranges.range(joint, number.part)});
+      rules_.push_back(rule_of(number));
+      if (!facts_.largest.empty())
+        scales[{channel.topic, number.element}] = (facts_.largest[joint].*number.part).value_or(0.0);
     }
   }
-  auto judge = std::make_unique<RowJudge>(&rules_, std::move(scales), scenario.time_step, std::move(differs));
+  auto judge = std::make_unique<RowJudge>(&rules_, std::move(scales), time_step, std::move(differs));
   for (const TraceChannel& channel : channels) judge->set_columns(judge->add_channel(channel), channel.columns);
   return judge;
 }

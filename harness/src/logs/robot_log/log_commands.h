@@ -67,6 +67,7 @@ class LogCommands {
         ticks_(ticks),
         facts_(std::move(facts)),
         shift_(map.commands->shift),
+        map_rules_(map.tolerances),
         reader_(map, model, schema) {}
 
   /// Adds the next message; it must not be earlier than the one before it. Fails with the reason if it can't be read.
@@ -81,9 +82,10 @@ class LogCommands {
   /// is the first one in this time that isn't later than usual by half a time step.
   const CommandedJoints* of_tick(std::int64_t tick);
 
+  /// The tolerance of each number of the controllers that the log has, by its range if the map states none.
+  std::vector<ToleranceRule> tolerances(const ControllerHost& host) const;
   /// A judge for the commands of the controllers, which this must outlive.
-  std::unique_ptr<RowJudge> make_judge(const ControllerHost& host, const Scenario& scenario,
-                                       RowJudge::OnDifference differs);
+  std::unique_ptr<RowJudge> make_judge(const ControllerHost& host, double time_step, RowJudge::OnDifference differs);
   /// The numbers that compare() returns.
   const std::vector<CommandColumn>& columns() const { return columns_; }
   /// Passes the commands of the controllers in a tick, and those of the log, to the judge that make_judge() made.
@@ -94,6 +96,16 @@ class LogCommands {
   static void pass_over(std::int64_t tick, const CommandedJoints& logged, const ControllerHost& host, RowJudge& judge);
 
  private:
+  /// A number that a controller commands.
+  struct Commanded {
+    const IoField& field;
+    std::optional<double> CommandedJoint::*part;
+    std::string topic, element;  // of the controller's channel
+    std::string unit;
+  };
+  std::vector<Commanded> commanded_by(const HostedController& hosted) const;
+  ToleranceRule rule_of(const Commanded& number) const;
+
   struct Sample {
     std::int64_t time = 0;  // [ns]
     CommandedJoints joints;
@@ -103,6 +115,7 @@ class LogCommands {
   const LogTicks& ticks_;
   const CommandFacts facts_;
   const int shift_;
+  const std::vector<ToleranceRule>& map_rules_;
   CommandReader reader_;
   std::vector<CommandColumn> columns_;
   std::vector<ToleranceRule> rules_;  // one for each number that the controllers command

@@ -2,6 +2,7 @@
 // mid-run, or lacks a message, doesn't contain this state. Internal.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -47,6 +48,8 @@ class LogCertainty {
   /// The next compared tick. `interrupted`: an input of it is missing in the log, or late; `agrees`: its commands are
   /// within tolerance; `moves`: they aren't those of the tick before. True: the tick is certain.
   bool take(std::int64_t tick, bool interrupted, bool agrees, bool moves);
+  /// The state with which the tick begins is known.
+  void know(std::int64_t tick) { known_from_ = std::min(known_from_, tick); }
 
  private:
   /// So many ticks that agree in a row, and so many moves among them, are no accident: the state is the robot's.

@@ -39,6 +39,7 @@ Result<void> LogObservations::make_feeds(const std::vector<LogTopic>& topics) {
     if (mapped.root) fed.feed = make_root_feed(*mapped.root, schema);
     if (mapped.joystick) fed.feed = make_joy_feed(*mapped.joystick, schema);
     if (mapped.devices) fed.feed = make_device_feed(*mapped.devices, model_, ticks_, *topic, schema);
+    if (mapped.state) states_ = std::make_unique<LogStates>(*mapped.state, schema);
     if (mapped.commands) {
       const SourceSurvey& whole = survey_.sources[i];
       CommandFacts facts{survey_.largest_commands,    survey_.ranges, whole.messages, *whole.first, whole.last,
@@ -63,12 +64,13 @@ void LogObservations::watch_order(LogTimes& times) {
 
 void LogObservations::take(std::int64_t time, const mcap::Message& message) {
   for (Fed& fed : fed_) {
-    if (fed.order && fed.mapped.source->topic == message.channel->topic)
-      fed.order->add(message, times_->stamp_of(message));
-    if (fed.mapped.source->topic != message.channel->topic || !fed.watch.came(time)) continue;
+    if (!fed.mapped.source->is_on(message.channel->topic)) continue;
+    if (fed.order) fed.order->add(message, times_->stamp_of(message));
+    if (!fed.watch.came(time)) continue;
     Result<void> taken;
     if (fed.feed) taken = fed.feed->take(time, message.data);
     if (fed.mapped.commands) taken = commands_->take(time, message.data);
+    if (fed.mapped.state && times_) taken = states_->take(time, message.data);
     ++fed.readable;
     if (!taken) reject(fed, time, taken.errors()[0]);
   }
@@ -110,11 +112,17 @@ void LogObservations::look(std::int64_t tick) {
       for (const std::string& joint : fed.feed->take_silences())
         add_gap_event(fed, tick, fmt::format("of joint {} on", joint));
     }
-    if (fed.order && fed.order->doubts(moment.time)) (fed.feed ? doubts_inputs_ : doubts_commands_) = true;
+    if (fed.order && fed.order->doubts(moment.time) && (fed.feed || fed.mapped.commands))
+      (fed.feed ? doubts_inputs_ : doubts_commands_) = true;
     const bool both_sides = fed.mapped.source->sampling == Sampling::interpolate;
     const auto age = fed.watch.look(moment.time, moment.seconds, both_sides);
     if (fed.feed && age == TopicWatch::Age::gap_begins) add_gap_event(fed, tick, "on");
   }
+}
+
+std::optional<std::map<std::string, double>> LogObservations::state_before(std::int64_t tick) {
+  if (!states_ || tick == 0) return std::nullopt;
+  return states_->in(ticks_.time(tick - 1), ticks_.time(tick));
 }
 
 void LogObservations::add_gap_event(Fed& fed, std::int64_t tick, std::string what) {

@@ -4,14 +4,17 @@
 #include <rehearse/model.h>
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/run/run.h"
 #include "log_commands.h"
 #include "log_feed.h"
 #include "log_replay.h"
+#include "log_states.h"
 #include "log_survey.h"
 #include "log_tick_plan.h"
 #include "order_watch.h"
@@ -44,6 +47,10 @@ class LogObservations final : public ObservationSource {
   void take(std::int64_t time, const mcap::Message& message);
   /// The commands of the robot's own controller; null: the map states none.
   LogCommands* commands() { return commands_.get(); }
+  /// The state that the robot's controller published between the tick before and this one; needs watch_order().
+  std::optional<std::map<std::string, double>> state_before(std::int64_t tick);
+  /// The robot at the last tick.
+  const Observation& seen() const { return seen_; }
 
   /// The robot at tick 0; NaN for joints without a source.
   const BodyObservation& look_first();
@@ -85,8 +92,9 @@ class LogObservations final : public ObservationSource {
   const TickPlan* plan_;
   std::vector<Fed> fed_;  // parallel to sources_
   std::unique_ptr<LogCommands> commands_;
-  std::int64_t lookahead_ = 0;  // [ns]
-  LogTimes* times_ = nullptr;   // null: the order isn't watched
+  std::unique_ptr<LogStates> states_;  // null: the map has none
+  std::int64_t lookahead_ = 0;         // [ns]
+  LogTimes* times_ = nullptr;          // null: the order isn't watched
   bool doubts_inputs_ = false, doubts_commands_ = false;
   Observation seen_;
   std::vector<msg::Event> gap_events_;

@@ -5,18 +5,23 @@
 #include <rehearse/mcap.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
 
 #include "core/guard/float_mode.h"
 #include "core/mcap/hashing.h"
+#include "core/mcap/replaceable.h"
+#include "core/trace/select.h"
 #include "log_causes.h"
 #include "log_memory.h"
 #include "log_replayer.h"
 #include "logs/bag/bag_folder.h"
 #include "logs/bag/sqlite_bag.h"
+#include "model/clock.h"
 
 namespace rehearse {
 namespace {
@@ -80,19 +85,34 @@ class Trials {
     const double share = static_cast<double>(report_.ticks_beyond) / all_compared;
     const double ticks = std::min(static_cast<double>(report_.beyond->tick) + ticks_after, all);
     if (ticks > most_ticks) return;
-    const double end = std::min(options_.until.value_or(report_.duration), ticks * report_.time_step);
     LogReplayOptions part = options_;
     part.most_beyond = static_cast<std::int64_t>(0.1 * share * ticks);
     for (const OtherReading& reading : readings) {
-      const double begin = reading.map.start.seconds;
-      part.until = end - begin;
-      const double fewest = std::max(10.0, 0.5 * (1.0 - begin / end) * ticks * all_compared / all);
+      const double begin = reading.begin.value_or(0.0) / report_.time_step;
+      part.span.begin = options_.span.begin;
+      if (reading.begin)
+        part.span.begin = options_.span.beginning + std::llround((report_.begins + *reading.begin) * 1e9);
+      const double steps = reading.map.time_step / report_.time_step;
+      part.span.most_ticks = static_cast<std::int64_t>(std::ceil((ticks - begin) / steps));
+      const double fewest = std::max(10.0, 0.5 * (1.0 - begin / ticks) * ticks * all_compared / all);
       const auto tried = replay(reading.map, part, reading.has_same_messages);
       if (!tried || tried->failure || static_cast<double>(tried->ticks_compared) < fewest) continue;
       if (static_cast<double>(tried->ticks_beyond) > 0.1 * share * static_cast<double>(tried->ticks_compared)) continue;
       report_.cause = LogCause{reading.lines, reading.meaning, tried->ticks_compared, tried->ticks_beyond};
       return;
     }
+  }
+
+  /// Of a reading that compares more ticks: sets the report's cause if nine of ten of the additional ones agree.
+  void try_longer(const OtherReading& reading) {
+    constexpr std::int64_t ticks_after = 1000;
+    LogReplayOptions part = options_;
+    part.span.most_ticks = report_.ticks + ticks_after;
+    const auto tried = replay(reading.map, part, reading.has_same_messages);
+    if (!tried || tried->failure) return;
+    const std::int64_t more = tried->ticks_compared - report_.ticks_compared;
+    if (more < 10 || 10 * (tried->ticks_beyond - report_.ticks_beyond) > more) return;
+    report_.cause = LogCause{reading.lines, reading.meaning, tried->ticks_compared, tried->ticks_beyond};
   }
 
  private:
@@ -123,7 +143,7 @@ class Trials {
     LogReplayOptions part = options_;
     part.commands = &commands;
     part.skip = tick;
-    part.until = static_cast<double>(until - tick) * map_.time_step;
+    part.span.most_ticks = until - tick;
     static_cast<void>(replay(map_, part, true));
     return commands;
   }
@@ -139,7 +159,113 @@ class Trials {
 
 }  // namespace
 
-Result<LogReplayReport> replay_log(const fs::path& log, const fs::path& trace, const LogReplayOptions& options) {
+namespace {
+
+/// What all parts of a replay share.
+struct ReplayedLog {
+  mcap::Reader& reader;
+  const std::vector<LogTopic>& topics;
+  std::shared_ptr<const Model> robot;
+  std::string hash;
+};
+
+/// Remarks that a topic may have been renamed.
+void remark_renamed(OtherReading& reading, Diagnostics& remarks) {
+  std::optional<Place> place;
+  reading.map.each_source([&](const LogSource& source) {
+    if (!place && !source.later_topic.empty()) place = source.place;
+  });
+  remarks.push_back(
+      at(place.value_or(Place()), warning("a topic of the map ends where another one of its type begins",
+                                          "expected " + reading.lines[0] + " in the map, if it was renamed")));
+}
+
+/// Replays the part of a log in the span of the options.
+Result<LogReplayReport> replay_part(const ReplayedLog& log, const LogMap& map, const fs::path& trace,
+                                    const LogReplayOptions& options) {
+  LogReplayer replayer(log.reader, map, log.robot, trace, options);
+  auto report = replayer.run(log.topics, log.hash);
+  if (!report) return report;
+  report->trace = trace;
+  if (report->failure) return report;
+  Trials trials(log.reader, map, log.robot, log.topics, options, *report);
+  const bool is_judged = !report->beyond || (report->timing && report->timing->shift);
+  if (!is_judged) {
+    trials.find_certain_ticks();
+    if (!report->within())
+      trials.try_readings(other_readings(map, replayer.sources(), replayer.survey(), log.topics, *report));
+  }
+  if (options.span.end) return report;
+  auto renamed =
+      reading_with_renamed(log.reader, map, replayer.sources(), replayer.survey(), log.topics, options.span.ending);
+  if (!renamed) return report;
+  if (report->undecided() && !report->cause) trials.try_longer(*renamed);
+  if (!report->cause) remark_renamed(*renamed, report->remarks);
+  return report;
+}
+
+/// run.mcap is the recording of the first controller, run.2.mcap that of the second.
+fs::path name_of_part(const fs::path& trace, std::size_t part) {
+  if (part == 0 || !trace.has_extension()) return trace;
+  return trace.parent_path() / fmt::format("{}.{}{}", trace.stem().string(), part + 1, trace.extension().string());
+}
+
+/// Replays a log that has restarts: each controller has a report and a recording of its own.
+Result<LogReplayReport> replay_parts(const ReplayedLog& log, LogMap map, const fs::path& trace,
+                                     LogReplayOptions options) {
+  const std::optional<std::int64_t> end = options.span.end;
+  std::optional<LogReplayReport> all;
+  for (std::size_t i = 0; i <= map.restarts.size(); ++i) {
+    const auto time_of = [&](std::size_t restart) {
+      return options.span.beginning + std::llround(map.restarts[restart] * 1e9);
+    };
+    if (i > 0) {
+      options.span.begin = time_of(i - 1);
+      map.begins_with_controller = true;
+      if (end && *options.span.begin >= *end) break;
+    }
+    options.span.end = i < map.restarts.size() ? std::optional<std::int64_t>(time_of(i)) : end;
+    if (end && options.span.end) options.span.end = std::min(*options.span.end, *end);
+    if (i > 0)
+      if (auto free = check_replaceable(name_of_part(trace, i), mcap_magic, "trace"); !free) return free.errors();
+    auto part = replay_part(log, map, name_of_part(trace, i), options);
+    if (!part) return part.errors();
+    if (!all)
+      all = *std::move(part);
+    else
+      all->after_restarts.push_back(*std::move(part));
+    if (all->failure || (i > 0 && all->after_restarts.back().failure)) break;
+  }
+  return *std::move(all);
+}
+
+/// The span of the options in times of the log.
+Result<LogSpan> span_of(const LogReplayOptions& options, mcap::Reader& log) {
+  LogSpan span;
+  const auto times = mcap::log_times(log);
+  if (!times) return span;
+  constexpr auto latest = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+  span.beginning = static_cast<std::int64_t>(std::min(times->first, latest));
+  span.ending = static_cast<std::int64_t>(std::min(times->second, latest));
+  for (const auto& [bound, of_end] : {std::pair(options.from, false), std::pair(options.until, true)}) {
+    if (!bound) continue;
+    const auto moment = mcap::moment_in(*bound, log);
+    if (!moment) return moment.errors();
+    const auto time = static_cast<std::int64_t>(std::min(*moment, latest));
+    if (of_end)
+      span.end = time;
+    else
+      span.compared_from = time;
+  }
+  const bool is_empty = static_cast<std::uint64_t>(span.compared_from) > times->second ||
+                        (span.end && (*span.end <= span.compared_from || *span.end <= span.beginning));
+  if (is_empty) return mcap::refusal_of_empty(log);
+  return span;
+}
+
+}  // namespace
+
+Result<LogReplayReport> replay_log(const fs::path& log, const fs::path& trace, const LogReplayOptions& stated) {
   const StandardFloatMode float_mode;
   auto reader = mcap::Reader::open(log);
   if (!reader) return reader.errors();
@@ -147,25 +273,22 @@ Result<LogReplayReport> replay_log(const fs::path& log, const fs::path& trace, c
   if (topics.empty()) return error_in(log.string(), "it contains no channel", "expected a ROS 2 bag");
   UrdfOptions urdf;
   urdf.meshes = UrdfOptions::Meshes::skip;  // nothing collides, and nothing is rendered
-  auto model = load_model(options.model, urdf);
+  auto model = load_model(stated.model, urdf);
   if (!model) return model.errors();
-  auto map = LogMap::load(options.map, *model, topics);
+  auto map = LogMap::load(stated.map, *model, topics);
   if (!map) return map.errors();
   std::error_code ignored;
   if (fs::equivalent(log, trace, ignored))
     return error_in(trace.string(), "that is the log itself", "name another file for the recording");
+  LogReplayOptions options = stated;
+  auto span = span_of(stated, **reader);
+  if (!span) return span.errors();
+  options.span = *span;
   const auto before = state_of(log);
   auto hash = hash_of(log);
   if (!hash) return hash.errors();
-  const auto robot = std::make_shared<const Model>(*std::move(model));
-  LogReplayer replayer(**reader, *map, robot, trace, options);
-  auto report = replayer.run(topics, *std::move(hash));
-  if (report && report->beyond && !report->failure && !(report->timing && report->timing->shift)) {
-    Trials trials(**reader, *map, robot, topics, options, *report);
-    trials.find_certain_ticks();
-    if (!report->within())
-      trials.try_readings(other_readings(*map, replayer.sources(), replayer.survey(), topics, *report));
-  }
+  auto report = replay_parts({**reader, topics, std::make_shared<const Model>(*std::move(model)), *std::move(hash)},
+                             *std::move(map), trace, std::move(options));
   if (state_of(log) != before) {
     if (fs::is_regular_file(trace, ignored)) fs::remove(trace, ignored);
     return error_in(log.string(), "it changed while it was read", "replay it when nothing writes it any more");

@@ -20,21 +20,33 @@
 #include <utility>
 #include <vector>
 
+#include "core/trace/select.h"
 #include "logs/map/log_map.h"
 
 namespace rehearse {
 
 class CommandRecord;
 
+/// Times of a log [ns].
+struct LogSpan {
+  std::int64_t beginning = 0;         // of the log: its first message
+  std::int64_t ending = 0;            // its last message
+  std::optional<std::int64_t> begin;  // no tick is earlier
+  std::optional<std::int64_t> end;    // nor at or after this time
+  std::int64_t compared_from = 0;     // commands before this time are not compared
+  std::optional<std::int64_t> most_ticks;
+};
+
 struct LogReplayOptions : HostOptions {
-  std::string controller;       // the library, a name or a path
-  std::filesystem::path model;  // the robot, a URDF or .body file
-  std::filesystem::path map;    // assigns topics to inputs
-  double from = 0.0;            // commands before this time are not compared [s]
-  std::optional<double> until;  // end of the replay [s]
+  std::string controller;                // the library, a name or a path
+  std::filesystem::path model;           // the robot, a URDF or .body file
+  std::filesystem::path map;             // assigns topics to inputs
+  std::optional<mcap::TimeBound> from;   // commands before this time are not compared
+  std::optional<mcap::TimeBound> until;  // end of the replay, not included
   /// Called with each difference from the log's commands, in the order of ticks; null: not.
   std::function<void(const Divergence&)> on_difference;
-  // To find out which ticks are certain (log_memory.h):
+  // Set by replay_log(), also to find out which ticks are certain (log_memory.h):
+  LogSpan span;
   std::int64_t skip = 0;              // ticks by which the replay begins later
   CommandRecord* commands = nullptr;  // takes the commands that are compared; null: not recorded
   /// The controller's memory. With it certain ticks are counted; a controller without a limit of memory has none in it.
@@ -145,12 +157,13 @@ struct LogRest {
 
 /// The ticks that decide about a controller: those that depend on nothing but inputs in the log. The others follow the
 /// log's beginning, which may be the middle of a run, or a missing input, within the controller's memory.
-struct LogStretches {
+///
+/// The differences are those of certain ticks alone.
+struct LogStretches : Differences {
   std::optional<std::int64_t> memory;           // [ticks]; none: a limit wasn't found
   std::int64_t compared = 0;                    // certain ticks that were compared
-  std::int64_t different = 0;                   // of them
-  std::optional<Divergence> beyond;             // the first of them beyond its tolerance
-  double beyond_at = 0.0;                       // its time in the log, from the first tick on [s]
+  std::int64_t different = 0;                   // of them, beyond a tolerance
+  double beyond_at = 0.0;                       // the time of `beyond` in the log, from the first tick on [s]
   std::optional<std::int64_t> first_uncertain;  // the first tick beyond its tolerance that isn't certain
   std::optional<LogRest> rest;                  // the differences from it on
 };
@@ -180,6 +193,7 @@ struct LogReplayReport : Differences {
   std::int64_t ticks = 0;
   double duration = 0.0;   // [s]
   std::int64_t start = 0;  // the log's time of the first tick [ns]
+  double begins = 0.0;     // the same, from the log's first message on [s]
   std::string log_hash;    // of the log's bytes, 16 hexadecimal digits
   std::vector<LogTopicReport> topics;
   bool has_commands = false;  // the map names topics with commands to compare
@@ -214,6 +228,9 @@ struct LogReplayReport : Differences {
   bool controller_refused = false;    // it returned false from configure, initialize or start
   /// Misbehaviour of controllers, and faults of the log.
   Diagnostics remarks;
+  /// Of the controllers that start at `restart:` of the map, each with a recording of its own.
+  std::vector<LogReplayReport> after_restarts;
+  std::filesystem::path trace;
 
   bool equal() const { return !first && within(); }
   bool within() const { return !failure && agrees() && is_mostly_certain(); }
@@ -226,6 +243,11 @@ struct LogReplayReport : Differences {
     return 2 * (beyond && certain ? certain->compared : ticks_compared) >= ticks_compared + ticks_without_inputs;
   }
   bool is_at_neighbours() const { return timing && !timing->shift; }
+  /// The differences that a verdict names: those of certain ticks if they were looked for; none if it is undecided.
+  const Differences* named() const {
+    if (undecided()) return nullptr;
+    return certain ? static_cast<const Differences*>(&*certain) : this;
+  }
   std::int64_t ticks_unknown() const { return ticks_without_message + ticks_without_command + ticks_in_doubt; }
 };
 

@@ -9,6 +9,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/host/given_state.h"
 #include "core/mcap/hashing.h"
 #include "core/recording/provenance.h"
 #include "log_mistakes.h"
@@ -19,6 +20,20 @@
 namespace rehearse {
 
 namespace fs = std::filesystem;
+
+/// If all times are stamps, those of the log are converted by the delay of the first message.
+void LogReplayer::convert_span() {
+  span_ = options_.span;
+  if (!times_->are_stamps()) return;
+  const auto source =
+      std::ranges::find_if(survey_.sources, [](const SourceSurvey& one) { return one.first.has_value(); });
+  if (source == survey_.sources.end()) return;
+  const std::int64_t delay = source->first_delay;
+  span_.beginning -= delay;
+  if (span_.begin) *span_.begin -= delay;
+  if (span_.end) *span_.end -= delay;
+  if (span_.compared_from > 0) span_.compared_from -= delay;
+}
 
 /// Determines the first tick and the number of ticks from the survey.
 Result<void> LogReplayer::find_span() {
@@ -50,7 +65,9 @@ Result<void> LogReplayer::find_span() {
   if (!missing.empty()) return missing;
   if (!start) start = *survey_.sources[0].first;  // only a joystick
   if (stated) start = first_tick_with(*stated);
-  *start += std::llround((map_.start.seconds + static_cast<double>(options_.skip) * map_.time_step) * 1e9);
+  *start += std::llround(map_.start.seconds * 1e9);
+  if (span_.begin) start = std::max(*start, *span_.begin);
+  *start += std::llround(static_cast<double>(options_.skip) * map_.time_step * 1e9);
   return make_ticks(*start, *end);
 }
 
@@ -79,18 +96,33 @@ Result<void> LogReplayer::make_ticks(std::int64_t start, std::int64_t end) {
                       "look at start"));
   }
   report_.start = log_ticks_->time(0);
+  report_.begins = seconds_of(report_.start - span_.beginning);
   const double last = static_cast<double>(end - start) * 1e-9 / map_.time_step;
   double ticks = map_.tick ? static_cast<double>(log_ticks_->size()) : std::floor(last + 1e-6) + 1.0;
-  if (options_.until) ticks = std::min(ticks, std::ceil(*options_.until / map_.time_step - 1e-6));
+  if (span_.end) ticks = std::min(ticks, static_cast<double>(ticks_before(*span_.end, ticks)));
+  if (span_.most_ticks) ticks = std::min(ticks, static_cast<double>(*span_.most_ticks));
   const double most = Scenario::max_duration / map_.time_step;
   if (ticks > most)
     return error_in(log_.name(),
                     fmt::format("it has {:.0f} s, and a recording has at most {:.0f}", ticks * map_.time_step,
                                 Scenario::max_duration),
                     "limit the time: --until");
-  if (ticks < 1.0) return error_in(log_.name(), "there is no tick to replay", "look at --until");
+  if (ticks < 1.0)
+    return error_in(log_.name(), "there is no tick to replay in the span that is asked for",
+                    fmt::format("the first tick is {:.9g} s after the log's beginning", report_.begins));
   ticks_ = static_cast<std::int64_t>(ticks);
   return {};
+}
+
+/// The number of ticks before that time [ns], of so many.
+std::int64_t LogReplayer::ticks_before(std::int64_t end, double all) const {
+  constexpr std::int64_t rounding = 1;  // [ns]
+  std::int64_t from = 0, to = static_cast<std::int64_t>(all);
+  while (from < to) {
+    const std::int64_t middle = from + (to - from) / 2;
+    log_ticks_->time(middle) + rounding < end ? from = middle + 1 : to = middle;
+  }
+  return from;
 }
 
 /// Fails unless the nominal time step is the interval of the messages: missing messages are found by it.
@@ -102,7 +134,7 @@ Result<void> LogReplayer::check_interval() const {
   constexpr double allowed = 0.25;
   if (interval == 0.0 || std::abs(interval - map_.time_step) <= allowed * map_.time_step) return {};
   return at(map_.tick->place,
-            error(fmt::format("the messages on '{}' are {:.4g} s apart (median), and time_step is {:g} s",
+            error(fmt::format("the messages on '{}' are {:.5g} s apart (median), and time_step is {:g} s",
                               map_.tick->topic, interval, map_.time_step),
                   "a tick is one time step after the one before"));
 }
@@ -115,6 +147,7 @@ Result<LogReplayReport> LogReplayer::run(const std::vector<LogTopic>& topics, st
   times_ = known ? known->times : std::make_shared<LogTimes>(log_, sources_);
   survey_ = known ? known->survey : rehearse::survey(log_, map_, *model_, sources_, *times_);
   append_as_warnings(survey_.damage, report_.remarks);  // the undamaged data is used
+  convert_span();
   if (auto found = find_span(); !found) return found.errors();
   observations_.emplace(map_, *model_, sources_, survey_, *log_ticks_, plan_ ? &*plan_ : nullptr);
   if (auto made = observations_->make_feeds(topics); !made) return made.errors();
@@ -146,6 +179,7 @@ Result<void> LogReplayer::run_ticks_before(std::int64_t time) {
   while (!over_ && log_ticks_->time((run_ ? run_->tick() : 0) + ahead) < time) {
     if (!run_)
       if (auto begun = begin(); !begun) return begun;
+    if (auto taken = take_state(); !taken) return taken;
     const auto going_on = run_->step();
     if (!going_on) return going_on.errors();
     over_ =
@@ -162,6 +196,8 @@ Result<void> LogReplayer::begin() {
   auto scenario = make_scenario(seen);
   if (!scenario) return scenario.errors();
   scenario_ = *std::move(scenario);
+  first_seen_.joints = seen.joints;
+  first_seen_.links = {seen.links[0]};
   observations_->complete_posture(scenario_->bodies[0].joints);
   report_.begin.joints = scenario_->bodies[0].joints;
   report_.begin.has_joystick = map_.joystick.has_value();
@@ -181,6 +217,7 @@ Result<void> LogReplayer::host_controller() {
     return errors;
   }
   host_ = std::move(*host);
+  const GivenState none;
   Command at_rest = host_->initialize(initial_observation(*scenario_));
   if (Diagnostics missing = inputs_not_given(*host_, *model_, map_, sources_, survey_); !missing.empty())
     return missing;
@@ -191,6 +228,7 @@ Result<void> LogReplayer::host_controller() {
     auto comparable = check_commands(*host_, *model_, *map_.commands, *found, report_.remarks);
     if (!comparable) return comparable;
   }
+  if (auto done = state_tolerances(); !done) return done;
   auto recorder = Recorder::create(trace_, *scenario_, provenance_of_log());
   if (!recorder) return recorder.errors();
   recorder_ = std::move(*recorder);
@@ -198,19 +236,78 @@ Result<void> LogReplayer::host_controller() {
   if (auto done = recorder_->attach("map.yaml", "application/yaml", map_.text); !done) return done;
   recorder_->declare(host_.get());
   host_->start();
+  if (auto fits = check_state(none.asked()); !fits) return fits;
   commands_.emplace(*host_, HostedCommands::Written::at_once);
-  sink_.emplace(*recorder_, options_, map_, *scenario_, *observations_, report_);
+  sink_.emplace(*recorder_, options_, span_.compared_from, map_, *scenario_, *observations_, report_);
   run_.emplace(map_.time_step, *observations_, *commands_, *sink_, 0, ticks_);
   run_->command = std::move(at_rest);
   run_->report_progress(options_.progress, ticks_);
   return sink_->record_events(host_->take_events());
 }
 
-Result<Scenario> LogReplayer::make_scenario(const BodyObservation& seen) {
+/// States the tolerances of the commands, by their ranges in the log, in the scenario of the recording.
+Result<void> LogReplayer::state_tolerances() {
+  if (!map_.commands) return {};
+  auto stated = make_scenario(first_seen_, observations_->commands()->tolerances(*host_));
+  if (!stated) return stated.errors();
+  scenario_->tolerances = std::move(stated->tolerances);  // the host keeps a reference to the scenario
+  scenario_->text = std::move(stated->text);
+  return {};
+}
+
+/// Fails unless the map's state has each number that the controller takes. `asked`: their names.
+Result<void> LogReplayer::check_state(const std::set<std::string>& asked) {
+  if (!map_.state || host_->failure()) return {};
+  const std::string& label = host_->controllers()[0].label;
+  if (asked.empty())
+    return at(map_.state->place, error(fmt::format("controller '{}' takes no state back", label),
+                                       "expected calls of rehearse_state(), of rehearse_state.h, in its start(); or "
+                                       "take 'state' out of the map"));
+  for (const std::string& name : asked)
+    if (std::ranges::find(map_.state->names, std::optional(name)) == map_.state->names.end())
+      return at(map_.state->place,
+                error(fmt::format("controller '{}' takes '{}' back, which 'state' doesn't have", label, name),
+                      "expected it in names, at the place of its number"));
+  for (const std::optional<std::string>& name : map_.state->names)
+    if (name && !asked.contains(*name))
+      report_.remarks.push_back(
+          at(map_.state->place, warning(fmt::format("controller '{}' doesn't take '{}' back", label, *name),
+                                        "~ stands for a number that isn't used")));
+  return {};
+}
+
+/// Where the controller's state isn't known, starts another one with the state in the log.
+Result<void> LogReplayer::take_state() {
+  if (!map_.state || !options_.memory || sink_->knows_state()) return {};
+  auto state = observations_->state_before(run_->tick());
+  return state ? start_again(*std::move(state)) : Result<void>();
+}
+
+/// The new controller begins with the posture of the last tick. Its commands aren't recorded for a replay.
+Result<void> LogReplayer::start_again(std::map<std::string, double> state) {
+  host_->stop(run_->tick());
+  if (host_->failure()) return {};
+  commands_.reset();
+  host_.reset();
+  auto host = ControllerHost::create(*scenario_, options_);
+  if (!host) return host.errors();
+  host_ = std::move(*host);
+  const GivenState given(std::move(state));
+  Observation begin = initial_observation(*scenario_);
+  for (std::size_t id = 0; id < begin.bodies[0].joints.size(); ++id)
+    begin.bodies[0].joints[id].q = observations_->seen().bodies[0].joints[id].q;
+  host_->initialize(begin);
+  host_->start();
+  commands_.emplace(*host_, HostedCommands::Written::at_once);  // at its old place, to which the run points
+  sink_->know_state();
+  return {};
+}
+
+Result<Scenario> LogReplayer::make_scenario(const BodyObservation& seen, std::vector<ToleranceRule> tolerances) {
   const fs::path model_file = fs::path(model_->source_file).filename();
   const std::string text =
       log_scenario_text({map_, *model_, model_file.string(), fs::path(log_.name()).filename().string(),
-                         options_.controller, ticks_, seen});
+                         options_.controller, ticks_, seen, std::move(tolerances)});
   const Scenario::ModelSource model = [this](const std::string&, const UrdfOptions&) -> Result<Model> {
     return *model_;
   };
@@ -290,7 +387,8 @@ Result<void> LogReplayer::finish() {
 
 /// Counts the log's commands after the last tick, whose inputs the log lacks.
 void LogReplayer::count_without_inputs() {
-  if (!map_.commands || options_.until || options_.from > 0.0 || report_.failure) return;
+  const LogSpan& span = span_;
+  if (!map_.commands || span.end || span.most_ticks || span.compared_from > report_.start || report_.failure) return;
   const auto source = std::ranges::find_if(sources_, [](const MappedSource& mapped) { return mapped.commands; });
   const std::int64_t last = survey_.sources[static_cast<std::size_t>(source - sources_.begin())].last;
   const double after = seconds_of(last - log_ticks_->time(recorder_->size().ticks)) / map_.time_step;

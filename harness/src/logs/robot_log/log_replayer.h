@@ -8,8 +8,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -54,15 +56,21 @@ class LogReplayer {
   const std::vector<MappedSource>& sources() const { return sources_; }
 
  private:
+  void convert_span();
   Result<void> find_span();
   std::int64_t first_tick_with(std::int64_t message) const;
+  std::int64_t ticks_before(std::int64_t end, double all) const;
   Result<void> check_interval() const;
   Result<void> make_ticks(std::int64_t start, std::int64_t end);
   bool on_message(const mcap::Message& message);
   Result<void> run_ticks_before(std::int64_t time);
   Result<void> begin();
   Result<void> host_controller();
-  Result<Scenario> make_scenario(const BodyObservation& seen);
+  Result<void> check_state(const std::set<std::string>& asked);
+  Result<void> take_state();
+  Result<void> start_again(std::map<std::string, double> state);
+  Result<Scenario> make_scenario(const BodyObservation& seen, std::vector<ToleranceRule> tolerances = {});
+  Result<void> state_tolerances();
   mcap::StringMap provenance_of_log() const;
   void report_topics();
   void warn_of(const LogUnreadable& found, const LogSource& source);
@@ -79,6 +87,7 @@ class LogReplayer {
   std::shared_ptr<const Model> model_;
   const std::filesystem::path& trace_;
   const LogReplayOptions& options_;
+  LogSpan span_;  // of the options, on the clock of the ticks
   std::vector<MappedSource> sources_;
   std::shared_ptr<LogTimes> times_;
   bool keeps_survey_ = false;
@@ -87,6 +96,7 @@ class LogReplayer {
   std::optional<LogTicks> log_ticks_;
   std::int64_t ticks_ = 0;  // number of ticks to run
   std::optional<LogObservations> observations_;
+  BodyObservation first_seen_;  // root and joints at the first tick; NaN for joints without a source
   std::optional<Scenario> scenario_;
   std::unique_ptr<ControllerHost> host_;
   std::unique_ptr<Recorder> recorder_;

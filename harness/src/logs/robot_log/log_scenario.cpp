@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <vector>
 
 namespace rehearse {
 namespace {
@@ -106,7 +107,9 @@ std::string log_scenario_text(const LogScenarioParts& parts) {
   if (parts.map.joystick)
     yaml << YAML::Key << "joystick" << YAML::Value << YAML::Flow << YAML::BeginSeq << YAML::EndSeq;
   emit_cameras(yaml, parts);
-  if (!parts.map.tolerances.empty()) emit_tolerances(yaml, parts.map.tolerances);
+  std::vector<ToleranceRule> rules = parts.map.tolerances;
+  rules.insert(rules.end(), parts.tolerances.begin(), parts.tolerances.end());
+  if (!rules.empty()) emit_tolerances(yaml, rules);
   yaml << YAML::EndMap;
   return std::string(yaml.c_str()) + "\n";
 }

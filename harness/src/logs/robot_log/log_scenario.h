@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "logs/map/log_map.h"
 
@@ -21,6 +22,8 @@ struct LogScenarioParts {
   std::string library;     // of the controller, as the user named it
   std::int64_t ticks = 0;
   const BodyObservation& seen;  // at the first tick; NaN for joints without a source
+  /// Of the controllers' commands, after those of the map.
+  std::vector<ToleranceRule> tolerances = {};
 };
 
 /// The text of the scenario: one body in the posture of the first tick in the log, with one controller.

@@ -47,7 +47,7 @@ void LogSink::note_joystick(const TickData& now) {
 
 void LogSink::compare(const TickData& now) {
   if (!judge_)
-    judge_ = log_.commands()->make_judge(*now.host, scenario_,
+    judge_ = log_.commands()->make_judge(*now.host, scenario_.time_step,
                                          [this](Divergence&& found) { differences_.push_back(std::move(found)); });
   waiting_.push_back(compare_tick(now));
   judge_->end_tick(now.tick);
@@ -58,11 +58,13 @@ LogSink::Judged LogSink::compare_tick(const TickData& now) {
   LogCommands& log = *log_.commands();
   if (options_.commands && now.tick == 0) options_.commands->begin(log_.ticks().time(0));
   const CommandedJoints* logged = log.of_tick(now.tick);
-  Judged tick{now.tick, is_irregular(now.tick, logged != nullptr), misses_input(now.tick)};
+  Judged tick{now.tick, is_irregular(now.tick, logged != nullptr), misses_input(now.tick), false};
+  tick.is_told = std::exchange(is_told_, false);
+  knows_state_ &= !tick.misses_input;
   tick.may_be_of_another = std::exchange(lacked_command_, lacks_command(logged != nullptr)) || log_.doubts_commands();
   if (!log.covers(now.tick)) return tick;
   const bool has_command = logged && log_.ticks().has_message(now.tick);
-  if (time_of(now.tick, map_.time_step) < options_.from) {
+  if (log_.ticks().time(now.tick) < compared_from_) {
     if (has_command) LogCommands::pass_over(now.tick, *logged, *now.host, *judge_);
     return tick;
   }
@@ -105,6 +107,7 @@ void LogSink::count_if_certain(const Judged& tick) {
   const auto beyond = std::ranges::find_if(tick.differences, &Divergence::is_beyond);
   const bool agrees = beyond == tick.differences.end();
   const bool says_nothing = tick.may_be_of_another && !agrees;
+  if (tick.is_told) certainty_->know(tick.tick);
   const bool is_known =
       certainty_->take(tick.tick, tick.misses_input, agrees || says_nothing, tick.moves && !says_nothing);
   const bool is_certain = is_known && !says_nothing;
@@ -113,10 +116,10 @@ void LogSink::count_if_certain(const Judged& tick) {
   if (!is_certain && certain.first_uncertain) rest_.add(log_time(tick.tick), tick.off);
   if (!is_certain || tick.compared == 0) return;
   ++certain.compared;
+  certain.values += tick.compared;
   certain.different += agrees ? 0 : 1;
-  if (agrees || certain.beyond) return;
-  certain.beyond = *beyond;
-  certain.beyond_at = log_time(tick.tick);
+  if (!agrees && !certain.beyond) certain.beyond_at = log_time(tick.tick);
+  for (const Divergence& found : tick.differences) certain.add(found);
 }
 
 void LogSink::judge(Judged tick) {

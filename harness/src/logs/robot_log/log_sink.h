@@ -21,16 +21,19 @@ namespace rehearse {
 
 class LogSink final : public RecordingSink {
  public:
-  LogSink(Recorder& recorder, const LogReplayOptions& options, const LogMap& map, const Scenario& scenario,
-          LogObservations& log, LogReplayReport& report)
+  /// `compared_from`: commands before this time of the ticks aren't compared [ns].
+  LogSink(Recorder& recorder, const LogReplayOptions& options, std::int64_t compared_from, const LogMap& map,
+          const Scenario& scenario, LogObservations& log, LogReplayReport& report)
       : RecordingSink(recorder, &report.remarks),
         options_(options),
+        compared_from_(compared_from),
         map_(map),
         scenario_(scenario),
         log_(log),
         report_(report) {
     if (!options.memory) return;
     certainty_.emplace(*options.memory, map.begins_with_controller);
+    knows_state_ = map.begins_with_controller;
     report.certain.emplace().memory = *options.memory;
   }
 
@@ -40,6 +43,10 @@ class LogSink final : public RecordingSink {
     if (done && now.alive && log_.commands()) compare(now);
     return done;
   }
+  /// True if no tick whose state is known, from some one on up to the last, had a missing or late input.
+  bool knows_state() const { return knows_state_; }
+  /// The controller has the robot's state in the next tick.
+  void know_state() { knows_state_ = is_told_ = true; }
   /// After the last tick.
   void finish();
 
@@ -49,6 +56,7 @@ class LogSink final : public RecordingSink {
     std::int64_t tick = 0;
     bool is_irregular = false;       // its command may depend on a message that is late or missing
     bool misses_input = false;       // so may its inputs
+    bool is_told = false;            // the state with which it begins is in the log
     bool moves = false;              // its commands aren't those of the tick before
     bool may_be_of_another = false;  // its command may be another tick's
     std::int64_t compared = 0;       // numbers
@@ -70,6 +78,7 @@ class LogSink final : public RecordingSink {
   double log_time(std::int64_t tick) const;
 
   const LogReplayOptions& options_;
+  const std::int64_t compared_from_;
   const LogMap& map_;
   const Scenario& scenario_;
   LogObservations& log_;
@@ -82,6 +91,7 @@ class LogSink final : public RecordingSink {
   CommandTiming timing_;
   std::optional<LogCertainty> certainty_;
   RestOfLog rest_;
+  bool knows_state_ = false, is_told_ = false;  // before the next tick
   std::vector<double> last_commands_;
   bool lacked_command_ = false;         // the tick before, for which a message is missing or late
   std::unique_ptr<RowJudge> judge_;     // none before the first tick

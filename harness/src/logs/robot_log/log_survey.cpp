@@ -146,9 +146,9 @@ LogSurvey survey(mcap::Reader& log, const LogMap& map, const Model& model, const
   const bool has_relative = std::any_of(map.tolerances.begin(), map.tolerances.end(), is_relative);
   const auto look = [&](const mcap::Message& message) {
     const auto time = times.of(message);
-    if (time && map.tick && message.channel->topic == map.tick->topic) add_tick(*time, found);
+    if (time && map.tick && map.tick->is_on(message.channel->topic)) add_tick(*time, found);
     for (std::size_t i = 0; i < sources.size(); ++i) {
-      if (sources[i].source->topic != message.channel->topic) continue;
+      if (!sources[i].source->is_on(message.channel->topic)) continue;
       SourceSurvey& source = found.sources[i];
       Surveyed& state = surveyed[i];
       ++source.messages;
@@ -161,8 +161,12 @@ LogSurvey survey(mcap::Reader& log, const LogMap& map, const Model& model, const
       }
       if (source.first && *time < source.last) continue;  // an earlier time than before: it isn't used
       if (source.first) source.intervals.add(*time - source.last);
-      if (!source.first) source.first = source.complete = *time;
+      if (!source.first) {
+        source.first = source.complete = *time;
+        source.first_delay = static_cast<std::int64_t>(message.log_time) - *time;
+      }
       source.last = *time;
+      source.last_logged = message.log_time;
       if (sources[i].commands) add_latencies(*time, sources, found);
       const std::int64_t late = static_cast<std::int64_t>(message.log_time) - *time;
       found.latest = std::exchange(any_time, true) ? std::max(found.latest, late) : late;

@@ -36,6 +36,8 @@ struct SourceSurvey {
   std::optional<std::int64_t> first;     // [ns]
   std::optional<std::int64_t> complete;  // for joints: the time when each had a message [ns]; else first
   std::int64_t last = 0;                 // [ns]
+  std::uint64_t last_logged = 0;         // log time of the last message [ns]
+  std::int64_t first_delay = 0;          // from the time of the first message to its log time [ns]
   std::map<int, GivenJoint> joints;      // by id; also those of commands
   std::map<std::string, int> names;      // joint ids by the log's names; -1: the model has no such joint
   std::set<std::string> repeated;        // names that a message has twice

@@ -8,18 +8,12 @@
 #include "model/clock.h"
 
 namespace rehearse {
-namespace {
 
-constexpr int bin_bits = 13;                    // of a duration's number that tell its bin
-constexpr int bins_per_octave = 1 << bin_bits;  // half of them are used, except below 8192 ns
-
-int bin_of(std::int64_t duration) {
+int DurationCounts::bin_of(std::int64_t duration) const {
   const auto number = static_cast<std::uint64_t>(duration);
-  const int shift = std::max(0, static_cast<int>(std::bit_width(number)) - bin_bits);
-  return shift * bins_per_octave + static_cast<int>(number >> shift);
+  const int shift = std::max(0, static_cast<int>(std::bit_width(number)) - bits_);
+  return (shift << bits_) + static_cast<int>(number >> shift);  // from the first shift on, half of them are used
 }
-
-}  // namespace
 
 void DurationCounts::add(std::int64_t duration) {
   Bin& bin = bins_[bin_of(duration)];

@@ -9,10 +9,13 @@
 
 namespace rehearse {
 
-/// Counts durations in bins that are at most 1/4096 wide, so that a median has four exact digits. Needs the same memory
-/// for any number of them: some hundred kB.
+/// Counts durations in bins, so that it needs the same memory for any number of them.
 class DurationCounts {
  public:
+  /// Bins are narrower than 2^(1 - bits) of a duration. With 17 bits a median has five exact digits, and one counter
+  /// needs some MB for durations of all lengths.
+  explicit DurationCounts(int bits = 17) : bits_(bits) {}
+
   void add(std::int64_t duration);  // [ns], at least 0
   /// The mean of the median's bin [ns]; 0: there are no durations.
   std::int64_t median() const { return quantile(0.5); }
@@ -26,6 +29,9 @@ class DurationCounts {
     std::int64_t count = 0;
     double sum = 0.0;  // [ns]
   };
+  int bin_of(std::int64_t duration) const;
+
+  int bits_;                 // of a duration's number that tell its bin
   std::map<int, Bin> bins_;  // by number
   std::int64_t all_ = 0;
 };

@@ -22,7 +22,7 @@ void OrderWatch::add(const mcap::Message& message, std::optional<std::int64_t> s
     is_odd |= stamp_ && *stamp <= *stamp_;
     if (delay_) {
       const std::int64_t change = std::abs(delay - *delay_);
-      is_odd |= change > std::max(step_ / 5, times_usual * changes_.median());
+      is_odd |= change > step_ / 5 && change > times_usual * changes_.median();
       late = std::max<std::int64_t>(0, delay - *delay_);
       changes_.add(change);
     }

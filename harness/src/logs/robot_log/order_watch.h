@@ -30,7 +30,7 @@ class OrderWatch {
   const std::int64_t step_;  // [ns]
   std::optional<mcap::Location> place_;
   std::optional<std::int64_t> stamp_, delay_;  // of the message before [ns]
-  DurationCounts changes_;                     // of the delay
+  DurationCounts changes_{8};                  // of the delay
   std::deque<Span> spans_;
 };
 

@@ -1,5 +1,8 @@
 // Holds each joint at 0.5 rad, with one kind of memory: none, a filtered derivative, or an integral. Its option is a
-// factor of its commands.
+// factor of its commands. It records its state as variables, and takes it back.
+#include <rehearse_state.h>
+#include <rehearse_variable.h>
+
 #include <cnoid/SimpleController>
 
 #include <string>
@@ -18,7 +21,16 @@ class Servo : public cnoid::SimpleController {
       joint->setActuationMode(cnoid::Link::JointEffort);
       io->enableOutput(joint);
       io->enableInput(joint, cnoid::Link::JointDisplacement | cnoid::Link::JointVelocity);
-      axes_.push_back({joint});
+      axes_.push_back({joint, joint->jointName() + "/last", joint->jointName() + "/state"});
+    }
+    return true;
+  }
+
+  bool start() override {
+    for (Axis& axis : axes_) {
+      if (!TAKES_STATE) break;
+      if (rehearse_state(axis.name_of_last.c_str(), &axis.last)) is_first_ = false;
+      rehearse_state(axis.name_of_state.c_str(), &axis.state);
     }
     return true;
   }
@@ -38,6 +50,8 @@ class Servo : public cnoid::SimpleController {
         u += axis.state;
       }
       axis.joint->u() = scale_ * u;
+      rehearse_variable(axis.name_of_last.c_str(), axis.last);
+      rehearse_variable(axis.name_of_state.c_str(), axis.state);
     }
     is_first_ = false;
     return true;
@@ -46,6 +60,7 @@ class Servo : public cnoid::SimpleController {
  private:
   struct Axis {
     cnoid::Link* joint;
+    std::string name_of_last, name_of_state;
     double last = 0.0, state = 0.0;
   };
   std::vector<Axis> axes_;
