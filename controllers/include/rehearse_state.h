@@ -7,9 +7,9 @@
  *
  * To be called by a controller in start(), or at the end of initialize(), on the thread that called it, once for each
  * number on which its next commands depend, other than its inputs. The robot's controller publishes these numbers after
- * a call of control(), with their values at that time: they are those with which the next call begins. A controller
- * that leaves one of them out continues with another state than the robot's, and its commands differ. `name`: UTF-8,
- * not empty. `value`: not null; any unit.
+ * a call of control(), with their values at that time: they are those with which the next call begins. A replay tries
+ * whether these numbers are the whole state, and else doesn't use the log's. `name`: UTF-8, not empty. `value`: not
+ * null, valid as long as the controller; any unit.
  *
  * C99 or C++. */
 #ifndef REHEARSE_STATE_H

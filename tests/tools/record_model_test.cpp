@@ -44,14 +44,15 @@ TEST_F(RecordModel, TellsHowLongControlTookAndWarnsBeyondADeadline) {
                                           "--duration", "0.02",    "-o",     "a.mcap"};
   const auto with = [&](std::vector<std::string> all, const std::vector<std::string>& more) {
     all.insert(all.end(), more.begin(), more.end());
-    return done(all);
+    return rehearse(all);
   };
   const Outcome quick = with(words, {"--deadline", "100000"});
   EXPECT_THAT(quick.out, ContainsRegex("control\\(\\) of [A-Za-z/]+: median [0-9.e+]+ µs, 99.9 % within [0-9.e+]+ µs, "
                                        "longest [0-9.e+]+ µs at tick [0-9]+: [0-9.e+-]+ % of the period"));
   EXPECT_THAT(quick.err, Not(HasSubstr("deadline")));
   EXPECT_THAT(with(words, {"--deadline", "1e-6"}).err, HasSubstr("longer than the deadline of 0.001 µs"));
-  const Outcome replayed = done({"replay", "a.mcap", "--deadline", "1e-6"});
+  const Outcome replayed = rehearse({"replay", "a.mcap", "--deadline", "1e-6"});
+  EXPECT_EQ(replayed.status, 0) << "a remark alone";
   EXPECT_THAT(replayed.out, HasSubstr("control() of "));
   EXPECT_THAT(replayed.err, HasSubstr("longer than the deadline of 0.001 µs"));
   EXPECT_THAT(done({"replay", "a.mcap", "--json"}).out, HasSubstr("\"control_times\": ["));

@@ -15,13 +15,14 @@ using ::testing::HasSubstr;
 
 class Record : public Command {};
 
-TEST_F(Record, SaysInFourLinesWhatWasRecordedAndThatItIsAsExpected) {
+TEST_F(Record, SaysInFiveLinesWhatWasRecordedAndThatItIsAsExpected) {
   const Outcome outcome = done({"record", sr1_scenario.string(), "--duration", "0.1", "-o", "sr1.mcap"});
   EXPECT_THAT(outcome.out,
               HasSubstr("recorded sr1_minimum: SR1 under SR1Minimum\n100 ticks, 0.1 s of simulation, in "));
   EXPECT_THAT(outcome.out, ContainsRegex("times real time, [0-9]+ ticks/s\n21 channels, 12 pictures, .* in sr1.mcap\n"
+                                         "control\\(\\) of SR1/SR1Minimum: median .* % of the period\n"
                                          "all 2 expectations hold\n$"));
-  EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 4);
+  EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 5);
 }
 
 TEST_F(Record, TellsWhatIsNotAsExpectedAndIsDoneAllTheSame) {

@@ -17,6 +17,8 @@ namespace rehearse {
 namespace {
 
 using namespace kinds;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// The exit code of `rehearse replay`.
 char verdict_of(const Result<LogReplayReport>& report) {
@@ -69,6 +71,7 @@ class KindsOfLogs : public ::testing::Test {
     return replay_log(log, folder_ / "run.mcap", options);
   }
 
+  const fs::path& folder() const { return folder_.path(); }
   /// The last log.
   fs::path log() const { return fs::exists(folder_ / "log.mcap") ? folder_ / "log.mcap" : folder_ / "log"; }
 
@@ -123,6 +126,24 @@ TEST_P(Kinds, ShowAChangedController) {
     const bool is_other = change == Change::late && GetParam().late;
     EXPECT_EQ(found, is_other ? GetParam().late : GetParam().changed) << name_of(change) << "\n" << details;
   }
+}
+
+/// A controller that takes back a part of its state continues with another state than the robot's.
+TEST_F(KindsOfLogs, DoNotAccuseAControllerThatTakesAPartOfItsStateBack) {
+  const auto kind = std::ranges::find(all(), std::string_view("begins_in_mid_run_with_state"), &Kind::name);
+  ASSERT_NE(kind, all().end());
+  Chance chance(17);
+  Plan plan(chance);
+  kind->plan(plan);
+  Log log = run(plan, "ServoWith_integral", Change::none);
+  kind->spoil(log);
+  const fs::path file = write(log, folder());
+  const auto whole = replay_by(file, "ServoWith_integral", kind->map);
+  EXPECT_EQ(verdict_of(whole), '0') << details_of(whole);
+  EXPECT_THAT(to_string(whole->remarks), Not(HasSubstr("keeps more state")));
+  const auto part = replay_by(file, "ServoWithPartOfState", kind->map);
+  EXPECT_EQ(verdict_of(part), '4') << details_of(part);
+  EXPECT_THAT(to_string(part->remarks), HasSubstr("the controller keeps more state than it takes"));
 }
 
 /// After a gap an integral is off for ever: the report has the beginning, the size, and that it stays so.

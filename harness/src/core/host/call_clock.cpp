@@ -6,6 +6,14 @@
 #include <utility>
 
 namespace rehearse {
+namespace {
+
+std::chrono::nanoseconds now() { return std::chrono::steady_clock::now().time_since_epoch(); }
+
+}  // namespace
+
+void CallClock::begin() { begin_ = now(); }
+void CallClock::end(std::int64_t tick) { add(tick, now() - begin_); }
 
 std::size_t CallClock::bin_of(std::uint64_t nanoseconds) {
   const int octave = std::bit_width(nanoseconds >> bits);

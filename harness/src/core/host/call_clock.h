@@ -12,6 +12,9 @@ namespace rehearse {
 
 class CallClock {
  public:
+  /// A call begins, and ends.
+  void begin();
+  void end(std::int64_t tick);
   void add(std::int64_t tick, std::chrono::nanoseconds time);
   /// `controller`: "SR1/Walk"; `period`: the time step [s].
   ControlTimes times(std::string controller, double period) const;
@@ -24,6 +27,7 @@ class CallClock {
   static double upper_end(std::size_t bin);  // [s]
   double quantile(double share) const;       // [s]
 
+  std::chrono::nanoseconds begin_{0};  // of the present call, on the clock of the machine
   std::array<std::int64_t, bins> calls_in_{};
   std::int64_t calls_ = 0;
   std::uint64_t longest_ = 0;  // [ns]

@@ -14,7 +14,7 @@ GivenState::~GivenState() { given_state = nullptr; }
 
 bool GivenState::take(const char* name, double* value) {
   if (!name || !*name || !value) return false;
-  asked_.insert(name);
+  asked_[name] = value;
   const auto found = numbers_.find(name);
   if (found == numbers_.end()) return false;
   *value = found->second;

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <map>
-#include <set>
 #include <string>
 
 namespace rehearse {
@@ -20,12 +19,12 @@ class GivenState {
 
   /// False: there is no number of that name.
   bool take(const char* name, double* value);
-  /// The names that controllers asked for.
-  const std::set<std::string>& asked() const { return asked_; }
+  /// The numbers that controllers asked for, by name, where they keep them.
+  const std::map<std::string, double*>& asked() const { return asked_; }
 
  private:
   std::map<std::string, double> numbers_;
-  std::set<std::string> asked_;
+  std::map<std::string, double*> asked_;
 };
 
 }  // namespace rehearse

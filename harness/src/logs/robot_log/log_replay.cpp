@@ -73,7 +73,15 @@ class Trials {
   void find_certain_ticks() {
     LogReplayOptions whole = options_;
     whole.memory = memory();
-    auto judged = replay(map_, whole, true);
+    LogMap map = map_;
+    if (map.state && !is_whole_state()) {
+      report_.remarks.push_back(
+          at(map.state->place, warning("the controller keeps more state than it takes: started with it in mid-run, it "
+                                       "commands something else; the log's state isn't used",
+                                       "call rehearse_state() for each number on which its next commands depend")));
+      map.state.reset();
+    }
+    auto judged = replay(map, whole, !map_.state || map.state);
     if (judged) report_.certain = std::move(judged->certain);
   }
 
@@ -136,6 +144,20 @@ class Trials {
         return memory_of(commands_from(0, until), started_later, map_.time_step);
     }
     return std::nullopt;
+  }
+
+  /// True if a controller that is started in mid-run with the numbers that another one would publish commands the same.
+  bool is_whole_state() {
+    constexpr std::int64_t most_ticks = 2000, fewest_ticks = 40;
+    const std::int64_t until = std::min(report_.ticks, most_ticks);
+    if (until < fewest_ticks) return true;  // too few to judge
+    CommandRecord continued;
+    LogReplayOptions part = options_;
+    part.commands = &continued;
+    part.span.most_ticks = until;
+    part.restart_at = until / 2;
+    static_cast<void>(replay(map_, part, true));
+    return memory_of(commands_from(0, until), continued, map_.time_step) == 0;
   }
 
   CommandRecord commands_from(std::int64_t tick, std::int64_t until) {

@@ -51,6 +51,7 @@ struct LogReplayOptions : HostOptions {
   CommandRecord* commands = nullptr;  // takes the commands that are compared; null: not recorded
   /// The controller's memory. With it certain ticks are counted; a controller without a limit of memory has none in it.
   std::optional<std::optional<std::int64_t>> memory;
+  std::optional<std::int64_t> restart_at;   // in that tick another controller continues with the state of the first one
   std::optional<std::int64_t> most_beyond;  // the replay ends after more ticks beyond a tolerance
   /// Called about every hundredth of the log with the number of ticks done and of all; null: not.
   std::function<void(std::int64_t done, std::int64_t all)> progress;

@@ -236,7 +236,8 @@ Result<void> LogReplayer::host_controller() {
   if (auto done = recorder_->attach("map.yaml", "application/yaml", map_.text); !done) return done;
   recorder_->declare(host_.get());
   host_->start();
-  if (auto fits = check_state(none.asked()); !fits) return fits;
+  state_places_ = none.asked();
+  if (auto fits = check_state(); !fits) return fits;
   commands_.emplace(*host_, HostedCommands::Written::at_once);
   sink_.emplace(*recorder_, options_, span_.compared_from, map_, *scenario_, *observations_, report_);
   run_.emplace(map_.time_step, *observations_, *commands_, *sink_, 0, ticks_);
@@ -255,29 +256,35 @@ Result<void> LogReplayer::state_tolerances() {
   return {};
 }
 
-/// Fails unless the map's state has each number that the controller takes. `asked`: their names.
-Result<void> LogReplayer::check_state(const std::set<std::string>& asked) {
+/// Fails unless the map's state has each number that the controller takes.
+Result<void> LogReplayer::check_state() {
   if (!map_.state || host_->failure()) return {};
   const std::string& label = host_->controllers()[0].label;
-  if (asked.empty())
+  if (state_places_.empty())
     return at(map_.state->place, error(fmt::format("controller '{}' takes no state back", label),
                                        "expected calls of rehearse_state(), of rehearse_state.h, in its start(); or "
                                        "take 'state' out of the map"));
-  for (const std::string& name : asked)
+  for (const auto& [name, place] : state_places_)
     if (std::ranges::find(map_.state->names, std::optional(name)) == map_.state->names.end())
       return at(map_.state->place,
                 error(fmt::format("controller '{}' takes '{}' back, which 'state' doesn't have", label, name),
                       "expected it in names, at the place of its number"));
   for (const std::optional<std::string>& name : map_.state->names)
-    if (name && !asked.contains(*name))
+    if (name && !state_places_.contains(*name))
       report_.remarks.push_back(
           at(map_.state->place, warning(fmt::format("controller '{}' doesn't take '{}' back", label, *name),
                                         "~ stands for a number that isn't used")));
   return {};
 }
 
-/// Where the controller's state isn't known, starts another one with the state in the log.
+/// Where the controller's state isn't known, starts another one with the state in the log. At the tick of a trial the
+/// other one gets the present state of the first.
 Result<void> LogReplayer::take_state() {
+  if (options_.restart_at == run_->tick()) {
+    std::map<std::string, double> state;
+    for (const auto& [name, place] : state_places_) state.emplace(name, *place);
+    return start_again(std::move(state));
+  }
   if (!map_.state || !options_.memory || sink_->knows_state()) return {};
   auto state = observations_->state_before(run_->tick());
   return state ? start_again(*std::move(state)) : Result<void>();
@@ -298,6 +305,7 @@ Result<void> LogReplayer::start_again(std::map<std::string, double> state) {
     begin.bodies[0].joints[id].q = observations_->seen().bodies[0].joints[id].q;
   host_->initialize(begin);
   host_->start();
+  state_places_ = given.asked();
   commands_.emplace(*host_, HostedCommands::Written::at_once);  // at its old place, to which the run points
   sink_->know_state();
   return {};

@@ -11,7 +11,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -66,7 +65,7 @@ class LogReplayer {
   Result<void> run_ticks_before(std::int64_t time);
   Result<void> begin();
   Result<void> host_controller();
-  Result<void> check_state(const std::set<std::string>& asked);
+  Result<void> check_state();
   Result<void> take_state();
   Result<void> start_again(std::map<std::string, double> state);
   Result<Scenario> make_scenario(const BodyObservation& seen, std::vector<ToleranceRule> tolerances = {});
@@ -87,7 +86,8 @@ class LogReplayer {
   std::shared_ptr<const Model> model_;
   const std::filesystem::path& trace_;
   const LogReplayOptions& options_;
-  LogSpan span_;  // of the options, on the clock of the ticks
+  LogSpan span_;                                 // of the options, on the clock of the ticks
+  std::map<std::string, double*> state_places_;  // of the numbers that the controller takes back
   std::vector<MappedSource> sources_;
   std::shared_ptr<LogTimes> times_;
   bool keeps_survey_ = false;

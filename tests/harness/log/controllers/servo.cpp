@@ -28,9 +28,8 @@ class Servo : public cnoid::SimpleController {
 
   bool start() override {
     for (Axis& axis : axes_) {
-      if (!TAKES_STATE) break;
-      if (rehearse_state(axis.name_of_last.c_str(), &axis.last)) is_first_ = false;
-      rehearse_state(axis.name_of_state.c_str(), &axis.state);
+      if (TAKEN_NUMBERS > 0 && rehearse_state(axis.name_of_last.c_str(), &axis.last)) is_first_ = false;
+      if (TAKEN_NUMBERS > 1) rehearse_state(axis.name_of_state.c_str(), &axis.state);
     }
     return true;
   }
