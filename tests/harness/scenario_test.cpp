@@ -23,6 +23,12 @@ Scenario load_fixture(const std::string& name) {
   return result ? *std::move(result) : Scenario{};
 }
 
+TEST(Scenario, TakesTheMemoryOfItsText) {
+  const Scenario scenario = load_fixture("sr1_minimum.yaml");
+  EXPECT_EQ(scenario.text.size(), std::filesystem::file_size(fixtures / "scenarios/sr1_minimum.yaml"));
+  EXPECT_LE(scenario.text.capacity(), 2 * scenario.text.size() + 64);
+}
+
 TEST(Scenario, LoadsSr1StandingOnTheFloor) {
   const Scenario scenario = load_fixture("sr1_minimum.yaml");
   EXPECT_EQ(scenario.golden, "SR1.StandsUnderItsMinimumController");

@@ -29,6 +29,11 @@ class Ci : public Command {
   }
 };
 
+/// The text without wall times.
+std::string without_seconds(const std::string& text) {
+  return std::regex_replace(text, std::regex("; [0-9.]+ s\n"), "; s\n");
+}
+
 TEST_F(Ci, JunitHasACaseForEachScenarioWithTheVerdictForAMessage) {
   EXPECT_EQ(rehearse({"check", "--junit", "check.xml"}).status, 1);
   tinyxml2::XMLDocument xml;
@@ -70,17 +75,68 @@ TEST_F(Ci, AGoldenThatCantBeUsedTakesNoVerdictFromOtherScenarios) {
   EXPECT_EQ(rehearse({"check", "scenarios/falls.yaml"}).err.find("wasn't judged"), std::string::npos);
 }
 
+TEST_F(Ci, AScenarioThatCannotBeReadTakesNoVerdictFromOtherScenarios) {
+  write("scenarios/broken.yaml", read_file(folder() / "scenarios/falls.yaml") + "mass: 1\n");
+  write("scenarios/heap.yaml", "rehearse: 1\nduration: 0.05\nbodies: [{name: B, sphere: {radius: 0.1}, mass: 1}]\n");
+  for (const char* jobs : {"-j1", "-j2"}) {
+    const Outcome outcome = rehearse({"check", jobs, "--json"});
+    EXPECT_EQ(outcome.status, 2) << jobs;
+    EXPECT_THAT(outcome.err,
+                AllOf(StartsWith("scenarios/broken.yaml:"), HasSubstr("1 of 3 scenarios wasn't judged: broken\n")))
+        << jobs;
+    const nlohmann::json scenarios = outcome.json()["scenarios"];
+    ASSERT_EQ(scenarios.size(), 3U) << jobs << ": heap.yaml expects nothing";
+    EXPECT_THAT(scenarios[0]["verdict"].get<std::string>(), StartsWith("not judged: ")) << jobs;
+    EXPECT_EQ(scenarios[1]["within"], true) << jobs;
+    EXPECT_EQ(scenarios[2]["within"], false) << jobs;
+  }
+}
+
+TEST_F(Ci, AControllerThatFailsSideBySideLeavesTheOthersAsTheyAre) {
+  const std::string swing = read_file(pendulum(MISBEHAVING, "throw 3")) + "expect:\n  - {no_event: \"*never*\"}\n";
+  fs::remove(folder() / "pendulum.yaml");
+  for (const char* name : {"a", "b", "y", "z"}) write(std::string("scenarios/") + name + ".yaml", swing);
+  const Outcome one = rehearse({"check", "-j1"}), several = rehearse({"check", "-j2"});
+  EXPECT_EQ(one.status, 3);
+  EXPECT_EQ(several.status, 3);
+  EXPECT_EQ(without_seconds(several.out), without_seconds(one.out));
+  EXPECT_EQ(several.err, one.err);
+}
+
+TEST_F(Ci, ASignalEndsAllThatIsCheckedSideBySide) {
+  for (const char* name : {"a", "b", "c"})
+    write(std::string("scenarios/") + name + ".yaml",
+          "rehearse: 1\nduration: 5000\nbodies: [{name: B, sphere: {radius: 0.1}, mass: 1, position: [0, 0, 9]}]\n"
+          "expect:\n  - {channel: B/B/position/z, below: 10}\n");
+  for (const char* jobs : {"-j1", "-j2"}) {
+    const Outcome outcome = rehearse({"check", jobs}, "timeout --preserve-status -s INT 1");
+    EXPECT_EQ(outcome.status, 130) << jobs;
+    EXPECT_EQ(outcome.out, "") << jobs;
+    EXPECT_EQ(outcome.err, "error: interrupted by SIGINT: a was not judged\n") << jobs;
+  }
+}
+
+TEST_F(Ci, ManyScenariosTakeTheMemoryOfAFew) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the sanitizer keeps memory of its own";
+#endif
+  const std::string falls = read_file(folder() / "scenarios/falls.yaml");
+  fs::remove(folder() / "scenarios/stays.yaml");
+  const auto memory = [&](int count, const char* jobs) {
+    for (int i = 0; i < count; ++i) write("scenarios/" + std::to_string(i) + ".yaml", falls);
+    return memory_of({"check", jobs});
+  };
+  const long one = memory(3, "-j1"), two = memory(3, "-j2");
+  EXPECT_LT(memory(40, "-j1"), one + 10'000);  // [kB]; a mebibyte of each scenario would be 37,000 more
+  EXPECT_LT(memory(40, "-j2"), two + 10'000);
+}
+
 TEST_F(Ci, JunitOfACrashIsAnError) {
   write("scenarios/crashes.yaml",
         read_file(pendulum(MISBEHAVING, "crash 3")) + "expect:\n  - {no_event: \"*never*\"}\n");
   fs::remove(folder() / "pendulum.yaml");
   EXPECT_EQ(rehearse({"check", "--junit", "check.xml"}).status, 3);
   EXPECT_THAT(read_file(folder() / "check.xml"), HasSubstr("<error message="));
-}
-
-/// The text without wall times.
-std::string without_seconds(const std::string& text) {
-  return std::regex_replace(text, std::regex("; [0-9.]+ s\n"), "; s\n");
 }
 
 TEST_F(Ci, ScenariosSideBySideGiveTheOutputOfOneAfterTheOther) {

@@ -2,7 +2,11 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <spawn.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -83,6 +87,26 @@ class Command : public ::testing::Test {
     EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
     EXPECT_EQ(outcome.err, "");
     return outcome;
+  }
+
+  /// The largest memory of the command and its processes [kB]. A shell starts it, because the number that the system
+  /// reports of a process includes the memory of the one that started it, and this test is larger than the command.
+  long memory_of(const std::vector<std::string>& arguments) const {
+    std::vector<std::string> words{"sh", "-c", "cd \"$0\"; \"$@\" > /dev/null &", folder_.string(), command.string()};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::vector<char*> pointers;
+    for (std::string& word : words) pointers.push_back(word.data());
+    pointers.push_back(nullptr);
+    EXPECT_EQ(prctl(PR_SET_CHILD_SUBREAPER, 1), 0);  // the command becomes a child of this process
+    pid_t started = 0;
+    EXPECT_EQ(posix_spawnp(&started, "sh", nullptr, nullptr, pointers.data(), environ), 0);
+    int status = 0;
+    EXPECT_EQ(waitpid(started, &status, 0), started);
+    rusage used{};
+    EXPECT_GT(wait4(-1, &status, 0, &used), 0);
+    EXPECT_EQ(status, 0);
+    EXPECT_EQ(prctl(PR_SET_CHILD_SUBREAPER, 0), 0);
+    return used.ru_maxrss;
   }
 
   fs::path write(const std::string& name, const std::string& text) const {

@@ -304,5 +304,23 @@ TEST_F(GoldenVerbs, ListSaysHowOldAGoldenIs) {
   EXPECT_TRUE(entry["notes"].empty());
 }
 
+TEST_F(GoldenVerbs, ReviewOfManyIsShortAndNamesTheCommandThatShowsAll) {
+  for (int i = 0; i < 6; ++i) {
+    const std::string number = std::to_string(i);
+    scene(0.5, "box" + number, "Box.N" + number);
+    EXPECT_EQ(rehearse({"check", "fixtures/scenarios/box" + number + ".yaml"}, "REHEARSE_GOLDEN=new").status, 0);
+    scene(0.6, "box" + number, "Box.N" + number);
+  }
+  EXPECT_EQ(rehearse({"check"}).status, 1);
+  const Outcome many = rehearse({"golden", "review"});
+  EXPECT_EQ(many.status, 1);
+  EXPECT_LT(many.out.size(), 6 * 300 + 300);
+  EXPECT_THAT(many.out, ContainsRegex("3/6  Box.N2\n.*\nall of it: rehearse golden review Box.N2\n"));
+  EXPECT_THAT(many.out, HasSubstr("accept it: rehearse golden accept NAME\n"));
+  const Outcome one = rehearse({"golden", "review", "Box.N2"});
+  EXPECT_THAT(one.out, HasSubstr("golden golden/Box.N2.mcap, run "));
+  EXPECT_GT(one.out.size(), 600U);
+}
+
 }  // namespace
 }  // namespace rehearse::test

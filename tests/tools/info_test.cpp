@@ -5,10 +5,6 @@
 
 #include <gmock/gmock.h>
 #include <rehearse/mcap.h>
-#include <spawn.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 namespace rehearse::test {
@@ -23,24 +19,6 @@ class InfoOfAnyFile : public Command {
  protected:
   static mcap::Bytes bytes_of(std::string_view text) {
     return {reinterpret_cast<const std::byte*>(text.data()), text.size()};
-  }
-
-  /// The largest memory of the command [kB]. A shell starts it, because the number that the system reports of a process
-  /// includes the memory of the one that started it, and this test is larger than the command.
-  long memory_of(const std::vector<std::string>& arguments) const {
-    std::string program = command.string(), file = (folder() / arguments.at(1)).string();
-    std::string verb = arguments.at(0), shell = "sh", option = "-c", script = "\"$0\" \"$@\" > /dev/null &";
-    char* words[] = {shell.data(), option.data(), script.data(), program.data(), verb.data(), file.data(), nullptr};
-    EXPECT_EQ(prctl(PR_SET_CHILD_SUBREAPER, 1), 0);  // the command becomes a child of this process
-    pid_t started = 0;
-    EXPECT_EQ(posix_spawnp(&started, "sh", nullptr, nullptr, words, environ), 0);
-    int status = 0;
-    EXPECT_EQ(waitpid(started, &status, 0), started);
-    rusage used{};
-    EXPECT_GT(wait4(-1, &status, 0, &used), 0);
-    EXPECT_EQ(status, 0);
-    EXPECT_EQ(prctl(PR_SET_CHILD_SUBREAPER, 0), 0);
-    return used.ru_maxrss;
   }
 
   /// Two channels, three messages a second apart.

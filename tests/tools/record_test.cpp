@@ -12,6 +12,7 @@ namespace {
 
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 class Record : public Command {};
 
@@ -170,6 +171,16 @@ TEST_F(Record, TellsEveryMistakeOfAScenario) {
 TEST_F(Record, DrawsNoProgressBarWhenPiped) {
   const Outcome outcome = done({"record", sr1_scenario.string(), "-o", "a.mcap"});
   EXPECT_EQ(outcome.out.find('\x1b'), std::string::npos);
+}
+
+TEST_F(Command, RecordNamesEightBodiesAtMost) {
+  std::string text = "rehearse: 1\nduration: 0.01\nbodies:\n";
+  for (int i = 0; i < 11; ++i)
+    text += "  - {name: B" + std::to_string(i) + ", sphere: {radius: 0.1}, mass: 1, position: [" + std::to_string(i) +
+            ", 0, 1]}\n";
+  write("many.yaml", text);
+  EXPECT_THAT(done({"record", "many.yaml"}).out,
+              StartsWith("recorded many: B0, B1, B2, B3, B4, B5, B6, B7 and 3 more\n"));
 }
 
 }  // namespace

@@ -26,8 +26,6 @@
 #include "core/host/source_age.h"
 #include "core/host/virtualised.h"
 #include "core/scenario/project.h"
-#include "core/scenario/trace_scenario.h"
-#include "core/trace/run_facts.h"
 #include "debugger.h"
 #include "golden_verbs.h"
 #include "options.h"
@@ -63,44 +61,24 @@ struct CheckSettings {
 
 bool can_be_checked(const Scenario& scenario) { return !scenario.golden.empty() || !scenario.expectations.empty(); }
 
-/// All scenarios of the project that name a golden or have expectations, by path.
-Result<std::vector<Scenario>> all_of_project() {
+/// The files of the project's scenarios that may name a golden or have expectations, by path.
+Result<std::vector<std::string>> files_of_project() {
   const auto project = find_project("./");
   if (!project)
     return error("this folder is of no project: no folder above it has a folder 'golden' or a CMakeLists.txt",
                  "name a scenario, or go to a project's folder");
-  std::vector<Scenario> scenarios;
+  std::vector<std::string> files;
   std::error_code ignored;
-  for (const fs::path& file : scenario_files(*project)) {
-    Result<Scenario> scenario = Scenario::load(fs::proximate(file, ignored));
-    if (!scenario) return scenario.errors();
-    if (can_be_checked(*scenario)) scenarios.push_back(*std::move(scenario));
-  }
-  if (scenarios.empty())
-    return error(
-        fmt::format("no scenario below scenarios or fixtures/scenarios of {} names a golden or expects something",
-                    project->string()),
-        "name a scenario");
-  return scenarios;
+  for (const fs::path& file : scenario_files(*project))
+    if (may_be_checked(file)) files.push_back(fs::proximate(file, ignored).string());
+  return files;
 }
 
-/// The replay of a log has no scenario file: the scenario is read from its recording.
-Result<Scenario> scenario_of_a_log(const std::string& file) {
-  const auto trace = mcap::Reader::open(file);
-  if (!trace) return trace.errors();
-  if (RunFacts::of(**trace).is_of_log) return scenario_of(**trace);
-  return error_in(file, "it isn't a recording of a robot's log", "check the scenario, with --golden and this trace");
-}
-
-Result<std::vector<Scenario>> load(const CheckSettings& settings) {
-  if (settings.scenarios.empty()) return all_of_project();
-  std::vector<Scenario> scenarios;
-  for (const std::string& file : settings.scenarios) {
-    Result<Scenario> scenario = file.ends_with(".mcap") ? scenario_of_a_log(file) : Scenario::load(file);
-    if (!scenario) return scenario.errors();
-    scenarios.push_back(*std::move(scenario));
-  }
-  return scenarios;
+Diagnostic nothing_to_check() {
+  return error(
+      fmt::format("no scenario below scenarios or fixtures/scenarios of {} names a golden or expects something",
+                  find_project("./").value_or(".").string()),
+      "name a scenario");
 }
 
 /// The trace that the user named: --golden, or the log's recording from which the scenario was read; empty: none.
@@ -110,25 +88,44 @@ fs::path named_golden(const CheckSettings& settings, const Scenario& scenario) {
   return within.extension() == ".mcap" ? within : fs::path();
 }
 
+fs::path normal_path(const fs::path& file) {
+  std::error_code ignored;
+  return fs::absolute(file, ignored).lexically_normal();
+}
+
+/// A golden that several scenarios name.
+struct Conflict {
+  std::string golden;
+  std::string owners;
+};
+
+/// The conflicts of a repository, by scenario file.
+std::map<fs::path, Conflict> find_conflicts(const fs::path& goldens) {
+  std::map<fs::path, Conflict> conflicts;
+  for (const auto& [golden, owners] : find_golden_owners(goldens, {goldens / ".."}))
+    if (owners.scenarios.size() > 1)
+      for (const std::string& file : owners.scenarios) conflicts[normal_path(file)] = {golden, owners.conflict()};
+  return conflicts;
+}
+
 /// An error if a different scenario names the same golden, anywhere in the golden's repository: each check would
 /// compare with the other scenario's run. A repository is searched once for all scenarios.
-Result<void> check_owners(const CheckSettings& settings, const std::vector<Scenario>& scenarios) {
-  std::map<fs::path, std::map<std::string, GoldenOwners>> searched;  // by folder of goldens
-  std::error_code ignored;
-  for (const Scenario& scenario : scenarios) {
-    if (scenario.golden.empty() || !named_golden(settings, scenario).empty()) continue;
-    const auto folder = find_golden_folder(scenario.file);
+Result<void> check_owners(const CheckSettings& settings, const std::vector<std::string>& files) {
+  std::map<fs::path, std::map<fs::path, Conflict>> searched;  // by repository
+  for (const std::string& file : files) {
+    if (!settings.golden.empty() || file.ends_with(".mcap")) continue;
+    const auto folder = find_golden_folder(file);
     if (!folder) continue;  // check_golden reports it
-    const fs::path repository = fs::absolute(*folder / "..", ignored).lexically_normal();
-    const fs::path inside = fs::absolute(scenario.file, ignored).lexically_normal().lexically_relative(repository);
+    const fs::path repository = normal_path(*folder / ".."), path = normal_path(file);
+    const fs::path inside = path.lexically_relative(repository);
     if (inside.empty() || *inside.begin() == "..") continue;  // the goldens are outside: REHEARSE_GOLDEN_DIR
-    const auto [owners, is_new] = searched.try_emplace(repository);
-    if (is_new) owners->second = find_golden_owners(*folder, {*folder / ".."});
-    const auto known = owners->second.find(scenario.golden);
-    if (known == owners->second.end() || known->second.scenarios.size() < 2) continue;
+    const auto [conflicts, is_new] = searched.try_emplace(repository);
+    if (is_new) conflicts->second = find_conflicts(*folder);
+    const auto found = conflicts->second.find(path);
+    if (found == conflicts->second.end()) continue;
     return error_in(
-        scenario.file,
-        fmt::format("the golden '{}' isn't this scenario's alone: {}", scenario.golden, known->second.conflict()),
+        file,
+        fmt::format("the golden '{}' isn't this scenario's alone: {}", found->second.golden, found->second.owners),
         "give each a golden of its own");
   }
   return {};
@@ -144,20 +141,15 @@ fs::path golden_of(const CheckSettings& settings, const Scenario& scenario) {
 }
 
 /// A golden whose controllers had simulated time and seeded random numbers is checked with them, which requires a
-/// separate process.
-Result<void> virtualise_like_goldens(const CheckSettings& settings, const std::vector<Scenario>& scenarios) {
-  for (const Scenario& scenario : scenarios) {
-    const fs::path golden = golden_of(settings, scenario);
-    if (golden.empty()) continue;
-    const auto trace = mcap::Reader::open(golden);
-    if (!trace || !virtualised_seed(**trace)) continue;
-    if (scenarios.size() > 1)
-      return error(
-          fmt::format("the golden of {} was recorded with simulated time and seeded random numbers", scenario.name),
-          "check it by itself");
-    return virtualise_process_like(golden);
-  }
-  return {};
+/// separate process. `several`: this process checks others, too.
+Result<void> virtualise_like_golden(const CheckSettings& settings, const Scenario& scenario, bool several) {
+  const fs::path golden = golden_of(settings, scenario);
+  if (golden.empty()) return {};
+  const auto trace = mcap::Reader::open(golden);
+  if (!trace || !virtualised_seed(**trace)) return {};
+  if (!several) return virtualise_process_like(golden);
+  return error_in(scenario.file, "its golden was recorded with simulated time and seeded random numbers",
+                  "check it by itself");
 }
 
 /// An interrupted run gets no verdict.
@@ -263,39 +255,84 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
   return checked;
 }
 
-/// Checks one scenario and prints the result. `several`: a scenario that can't be judged doesn't end the others.
-Result<CheckOutcome> check_one(const CheckSettings& settings, const Scenario& scenario, bool several) {
+/// Checks one scenario and prints the result.
+Result<CheckOutcome> check_one(const CheckSettings& settings, const Scenario& scenario) {
   tell_warnings(scenario);
-  auto checked = check_beside_others(settings, scenario);
-  if (!checked) {
-    if (!several || interruption() != 0) return checked.errors();
-    std::fputs(to_string(checked.errors()).c_str(), stderr);
-    return outcome_without_verdict(scenario, checked.errors());
-  }
+  const auto checked = check_beside_others(settings, scenario);
+  if (!checked) return checked.errors();
   if (!settings.json) tell_files(*checked);
-  return outcome_of(scenario, *std::move(checked));
+  return outcome_of(scenario, *checked, settings.json);
+}
+
+/// Reads one of several scenarios and checks it. One that can't be judged doesn't end the others. None: the project's
+/// file has nothing to check. `tells`: prints notes on old libraries.
+Result<std::optional<CheckOutcome>> check_file(const CheckSettings& settings, const std::string& file, bool tells) {
+  const auto scenario = read_scenario(file);
+  if (!scenario) {
+    std::fputs(to_string(scenario.errors()).c_str(), stderr);
+    return std::optional(outcome_without_verdict(fs::path(file).stem().string(), file, true, scenario.errors()));
+  }
+  if (settings.scenarios.empty() && !can_be_checked(*scenario)) return std::optional<CheckOutcome>();
+  const std::vector<std::string> notes = notes_on_old_libraries(*scenario, settings.check.run);
+  if (tells) tell_old_libraries(notes);
+  const auto ready = virtualise_like_golden(settings, *scenario, true);
+  auto outcome = ready ? check_one(settings, *scenario) : Result<CheckOutcome>(ready.errors());
+  if (outcome) return std::optional(*std::move(outcome));
+  if (interruption() != 0) return outcome.errors();
+  std::fputs(to_string(outcome.errors()).c_str(), stderr);
+  auto unjudged = outcome_without_verdict(scenario->name, file, !scenario->golden.empty(), outcome.errors());
+  unjudged.notes = notes;
+  return std::optional(std::move(unjudged));
+}
+
+/// Checks each scenario in one of several processes, and adds the outcomes to `all`, in order.
+Exit check_side_by_side(const CheckSettings& settings, const std::vector<std::string>& files, std::size_t jobs,
+                        std::vector<CheckOutcome>& all) {
+  std::size_t done = 0;
+  const auto make = [&](std::size_t i) -> Result<MadePart> {
+    const auto outcome = check_file(settings, files[i], false);
+    if (!outcome) return outcome.errors();
+    if (!*outcome) return MadePart{};
+    return MadePart{form_of(**outcome), (*outcome)->exit == Exit::controller_failed};
+  };
+  const auto take = [&](const std::string& form) {
+    ++done;
+    if (form.empty()) return;
+    all.push_back(outcome_in(form));
+    tell_old_libraries(all.back().notes);
+  };
+  const Exit ended = work_side_by_side(files.size(), jobs, make, take);
+  if (ended == Exit::done || interruption() != 0 || done == files.size()) return ended;
+  // a controller ended its process, which could pass no notes on
+  if (const auto scenario = read_scenario(files[done]))
+    tell_old_libraries(notes_on_old_libraries(*scenario, settings.check.run));
+  return ended;
 }
 
 /// Checks the scenarios and adds their outcomes to `all`, in order.
-Exit check_all(const CheckSettings& settings, const std::vector<Scenario>& scenarios, std::vector<CheckOutcome>& all) {
+Exit check_several(const CheckSettings& settings, const std::vector<std::string>& files,
+                   std::vector<CheckOutcome>& all) {
   const std::size_t jobs = settings.jobs > 0 ? static_cast<std::size_t>(settings.jobs) : processors();
-  const bool several = scenarios.size() > 1;
-  if (jobs > 1 && several)
-    return work_side_by_side(
-        scenarios.size(), jobs,
-        [&](std::size_t i) -> Result<std::string> {
-          const auto outcome = check_one(settings, scenarios[i], several);
-          if (!outcome) return outcome.errors();
-          return form_of(*outcome, settings.json);
-        },
-        [&](const std::string& form) { all.push_back(outcome_in(form)); });
+  if (jobs > 1) return check_side_by_side(settings, files, jobs, all);
   supervise_process();
   end_runs_on_signals();
-  for (const Scenario& scenario : scenarios) {
-    auto outcome = check_one(settings, scenario, several);
+  for (const std::string& file : files) {
+    auto outcome = check_file(settings, file, true);
     if (!outcome) return refuse(outcome.errors());
-    all.push_back(*std::move(outcome));
+    if (*outcome) all.push_back(**std::move(outcome));
   }
+  return Exit::done;
+}
+
+/// Checks the only scenario, and adds its outcome to `all`.
+Exit check_alone(const CheckSettings& settings, const Scenario& scenario, std::vector<CheckOutcome>& all) {
+  if (const auto ready = virtualise_like_golden(settings, scenario, false); !ready) return refuse(ready.errors());
+  tell_old_libraries(notes_on_old_libraries(scenario, settings.check.run));
+  supervise_process();
+  end_runs_on_signals();
+  auto outcome = check_one(settings, scenario);
+  if (!outcome) return refuse(outcome.errors());
+  all.push_back(*std::move(outcome));
   return Exit::done;
 }
 
@@ -312,10 +349,9 @@ void tell_unjudged(const std::vector<CheckOutcome>& all) {
 
 /// Compares only the closed loop unless the user named levels: otherwise the level in which gdb stops would be
 /// undefined.
-Exit run_in_gdb(const CheckSettings& settings, const std::vector<Scenario>& scenarios, const CLI::App& options) {
-  if (scenarios.size() != 1) return refuse(error("--gdb stops in one scenario", "name that scenario"));
-  if (const auto able = check_debugger(settings.debugger, scenarios[0]); !able) return refuse(able.errors());
-  if (const auto there = check_tick(settings.tick, scenarios[0].ticks(), scenarios[0].time_step); !there)
+Exit run_in_gdb(const CheckSettings& settings, const Scenario& scenario, const CLI::App& options) {
+  if (const auto able = check_debugger(settings.debugger, scenario); !able) return refuse(able.errors());
+  if (const auto there = check_tick(settings.tick, scenario.ticks(), scenario.time_step); !there)
     return refuse(there.errors());
   std::vector<std::string> words = words_without_debugger("check", options);
   if (!settings.has_levels) {
@@ -345,20 +381,30 @@ Exit check_strictly() {
 }
 
 Exit run_check(const CheckSettings& settings, const CLI::App& options) {
-  const auto scenarios = load(settings);
-  if (!scenarios) return refuse(scenarios.errors());
-  if (settings.debugger.is_wanted()) return run_in_gdb(settings, *scenarios, options);
-  if (!settings.golden.empty() && scenarios->size() != 1)
-    return refuse(error("--golden compares one scenario", "name that scenario"));
-  if (const auto alone = check_owners(settings, *scenarios); !alone) return refuse(alone.errors());
-  if (const auto ready = virtualise_like_goldens(settings, *scenarios); !ready) return refuse(ready.errors());
-  for (const Scenario& scenario : *scenarios) tell_old_libraries(notes_on_old_libraries(scenario, settings.check.run));
+  const auto files = settings.scenarios.empty() ? files_of_project() : settings.scenarios;
+  if (!files) return refuse(files.errors());
+  if (files->empty()) return refuse(nothing_to_check());
+  const bool alone = files->size() == 1;
+  if (settings.debugger.is_wanted() && !alone)
+    return refuse(error("--gdb stops in one scenario", "name that scenario"));
+  if (!settings.golden.empty() && !alone) return refuse(error("--golden compares one scenario", "name that scenario"));
+  std::optional<Scenario> only;
+  if (alone) {
+    auto scenario = read_scenario(files->front());
+    if (!scenario) return refuse(scenario.errors());
+    if (settings.scenarios.empty() && !can_be_checked(*scenario)) return refuse(nothing_to_check());
+    if (settings.debugger.is_wanted()) return run_in_gdb(settings, *scenario, options);
+    only = *std::move(scenario);
+  }
+  if (const auto own = check_owners(settings, *files); !own) return refuse(own.errors());
   std::vector<CheckOutcome> all;
-  if (const Exit ended = check_all(settings, *scenarios, all); ended != Exit::done || interruption() != 0) return ended;
+  const Exit ended = only ? check_alone(settings, *only, all) : check_several(settings, *files, all);
+  if (ended != Exit::done || interruption() != 0) return ended;
+  if (all.empty()) return refuse(nothing_to_check());
   Exit worst = Exit::done;
   for (const CheckOutcome& outcome : all) worst = std::max(worst, outcome.exit);
-  if (settings.json) print(all.size() == 1 ? json_of(all[0]) : json_of_checks(all));
-  if (!settings.no_report) keep_index(*scenarios, all, !settings.json);
+  if (settings.json) print(all.size() == 1 ? all[0].json : json_of_checks(all));
+  if (!settings.no_report) keep_index(all, !settings.json);
   tell_unjudged(all);
   if (!settings.junit.empty())
     if (const auto written = write_junit(settings.junit, all); !written) return refuse(written.errors());
@@ -416,9 +462,8 @@ std::function<Exit()> declare_check(CLI::App& options) {
   options.add_flag("--strict", settings->strict,
                    "fail also (status 1) if the project has a golden that no scenario names and no test that ran here, "
                    "or one that can't be used");
-  add_integer(options, "-j,--jobs",
-              "scenarios to check at a time, each in a process of its own (one for each processor)", 1, 1024,
-              [=](std::int64_t jobs) { settings->jobs = jobs; });
+  add_integer(options, "-j,--jobs", "scenarios to check at a time, in as many processes (one for each processor)", 1,
+              1024, [=](std::int64_t jobs) { settings->jobs = jobs; });
   options.add_flag("--no-report", settings->no_report,
                    "write no report for a browser (HTML) beside the trace of a run that differs");
   options.add_option("--junit", settings->junit, "write the verdicts as JUnit's XML, for continuous integration")

@@ -15,7 +15,9 @@
 #include "core/check/compared.h"
 #include "core/compare/divergence_text.h"
 #include "core/golden/run_folder.h"
+#include "core/scenario/trace_scenario.h"
 #include "core/simulation/recorded_view.h"
+#include "core/trace/run_facts.h"
 #include "model/write_hint.h"
 #include "scenario_text.h"
 #include "viewing/report/report_index.h"
@@ -25,6 +27,8 @@ namespace rehearse::tool {
 namespace {
 
 namespace fs = std::filesystem;
+
+std::string kind_of(bool has_golden) { return has_golden ? "golden" : "expectations"; }
 
 Json json_of_check(const Checked& checked) {
   Json object = json_of(checked.report);
@@ -38,10 +42,7 @@ Json json_of_check(const Checked& checked) {
 }
 
 /// The verdict, the differences of the closed loop and what to do, in lines.
-std::string details_of(const CheckOutcome& outcome) {
-  const auto* checked = std::get_if<Checked>(&outcome.findings);
-  if (!checked) return std::get<TextsOfFindings>(outcome.findings).details;
-  const CheckReport& report = checked->report;
+std::string details_of(const CheckReport& report) {
   const std::string bits = bits_sentence(report);
   return report.verdict + '\n' + (bits.empty() ? "" : "  " + bits + '\n') +
          (report.comparison ? table(*report.comparison) : "") + report.message;
@@ -53,17 +54,19 @@ State state_of(const CheckOutcome& outcome) {
   return outcome.exit == Exit::done ? State::passed : outcome.exit == Exit::differs ? State::differs : State::failed;
 }
 
-TestResult result_of(const Scenario& scenario, const CheckOutcome& outcome) {
+TestResult result_of(const CheckOutcome& outcome) {
   TestResult result;
-  result.test = scenario.name;
+  result.test = outcome.scenario;
   result.kind = outcome.kind;
   result.state = state_of<TestResult::State>(outcome);
   result.verdict = outcome.verdict;
   result.report = outcome.report;
   if (result.report.empty()) return result;
   if (outcome.tick) result.tick = *outcome.tick;
+  const auto scenario = read_scenario(outcome.file);
+  if (!scenario) return result;
   if (const auto trace = Trace::load(fs::path(result.report).replace_extension(".mcap")))
-    result.picture = thumbnail_of(scenario, *trace, result.tick.value_or(0));
+    result.picture = thumbnail_of(*scenario, *trace, result.tick.value_or(0));
   return result;
 }
 
@@ -98,7 +101,7 @@ CiCase ci_case(const CheckOutcome& outcome) {
   one.seconds = outcome.seconds;
   one.state = state_of<CiCase::State>(outcome);
   one.line = outcome.line;
-  one.details = details_of(outcome);
+  one.details = outcome.details;
   one.report = outcome.report;
   return one;
 }
@@ -164,6 +167,14 @@ std::string figures_of(const CheckReport& report) {
 
 }  // namespace
 
+Result<Scenario> read_scenario(const std::string& file) {
+  if (!file.ends_with(".mcap")) return Scenario::load(file);
+  const auto trace = mcap::Reader::open(file);
+  if (!trace) return trace.errors();
+  if (RunFacts::of(**trace).is_of_log) return scenario_of(**trace);
+  return error_in(file, "it isn't a recording of a robot's log", "check the scenario, with --golden and this trace");
+}
+
 Exit exit_of(const CheckReport& report) {
   if (report.failed()) return Exit::controller_failed;
   if (!compared_anything(report)) return Exit::bad_input;
@@ -204,11 +215,11 @@ void tell_files(const Checked& checked) {
   if (report.run) tell_remarks(*report.run);
 }
 
-CheckOutcome outcome_of(const Scenario& scenario, Checked checked) {
+CheckOutcome outcome_of(const Scenario& scenario, const Checked& checked, bool json) {
   const CheckReport& report = checked.report;
   CheckOutcome outcome{.scenario = checked.scenario,
                        .file = checked.file,
-                       .kind = scenario.golden.empty() ? "expectations" : "golden",
+                       .kind = kind_of(!scenario.golden.empty()),
                        .exit = exit_of(report),
                        .verdict = report.verdict,
                        .equal = compared_anything(report) && report.equal(),
@@ -217,38 +228,33 @@ CheckOutcome outcome_of(const Scenario& scenario, Checked checked) {
                        .controller = report.controller,
                        .plant = report.plant,
                        .closed = report.closed,
-                       .seconds = checked.seconds};
+                       .seconds = checked.seconds,
+                       .notes = checked.notes,
+                       .details = details_of(report)};
+  if (json) outcome.json = json_of_check(checked);
   if (const ExpectationResult* violation = first_violation(report.expectations))
     outcome.line = violation->expectation.place.line;
   if (checked.page) {
     outcome.report = checked.page->file.string();
     outcome.tick = checked.page->summary.first_tick;
   }
-  outcome.findings = std::move(checked);
   return outcome;
 }
 
-CheckOutcome outcome_without_verdict(const Scenario& scenario, const Diagnostics& errors) {
-  CheckOutcome outcome{.scenario = scenario.name,
-                       .file = scenario.file,
-                       .kind = scenario.golden.empty() ? "expectations" : "golden",
+CheckOutcome outcome_without_verdict(const std::string& scenario, const std::string& file, bool has_golden,
+                                     const Diagnostics& errors) {
+  CheckOutcome outcome{.scenario = scenario,
+                       .file = file,
+                       .kind = kind_of(has_golden),
                        .exit = Exit::bad_input,
-                       .verdict = "not judged: " + errors.at(0).message};
-  outcome.findings = TextsOfFindings{.details = to_string(errors),
-                                     .json = Json{{"scenario", outcome.scenario},
-                                                  {"file", outcome.file},
-                                                  {"verdict", outcome.verdict},
-                                                  {"equal", false},
-                                                  {"within", false}}};
+                       .verdict = "not judged: " + errors.at(0).message,
+                       .details = to_string(errors)};
+  outcome.json = {
+      {"scenario", scenario}, {"file", file}, {"verdict", outcome.verdict}, {"equal", false}, {"within", false}};
   return outcome;
 }
 
-Json json_of(const CheckOutcome& outcome) {
-  const auto* checked = std::get_if<Checked>(&outcome.findings);
-  return checked ? json_of_check(*checked) : std::get<TextsOfFindings>(outcome.findings).json;
-}
-
-std::string form_of(const CheckOutcome& outcome, bool json) {
+std::string form_of(const CheckOutcome& outcome) {
   const Json form{{"scenario", outcome.scenario},
                   {"file", outcome.file},
                   {"kind", outcome.kind},
@@ -260,12 +266,13 @@ std::string form_of(const CheckOutcome& outcome, bool json) {
                   {"controller", outcome.controller},
                   {"plant", outcome.plant},
                   {"closed", outcome.closed},
-                  {"details", details_of(outcome)},
                   {"report", outcome.report},
                   {"tick", outcome.tick ? Json(*outcome.tick) : Json()},
                   {"line", outcome.line},
                   {"seconds", outcome.seconds},
-                  {"json", json ? json_of(outcome) : Json()}};
+                  {"notes", outcome.notes},
+                  {"details", outcome.details},
+                  {"json", outcome.json}};
   return form.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -288,7 +295,9 @@ CheckOutcome outcome_in(const std::string& text) {
   if (!form.at("tick").is_null()) outcome.tick = form.at("tick").get<std::int64_t>();
   take("line", outcome.line);
   take("seconds", outcome.seconds);
-  outcome.findings = TextsOfFindings{form.at("details"), form.at("json")};
+  take("notes", outcome.notes);
+  take("details", outcome.details);
+  outcome.json = form.at("json");
   return outcome;
 }
 
@@ -298,7 +307,7 @@ Json json_of_checks(const std::vector<CheckOutcome>& all) {
     return std::ranges::all_of(all, [&](const CheckOutcome& outcome) { return outcome.*member; });
   };
   Json scenarios = Json::array();
-  for (const CheckOutcome& outcome : all) scenarios.push_back(json_of(outcome));
+  for (const CheckOutcome& outcome : all) scenarios.push_back(outcome.json);
   return {{"verdict", bad == all.end() ? fmt::format("{} as they should be", count_text(std::ssize(all), "scenario"))
                                        : bad->scenario + ": " + bad->verdict},
           {"equal", all_are(&CheckOutcome::equal)},
@@ -312,13 +321,13 @@ Json json_of_checks(const std::vector<CheckOutcome>& all) {
           {"scenarios", scenarios}};
 }
 
-void keep_index(const std::vector<Scenario>& scenarios, const std::vector<CheckOutcome>& all, bool tells) {
+void keep_index(const std::vector<CheckOutcome>& all, bool tells) {
   if constexpr (has_viewing) {
     std::error_code ignored;
     const bool all_passed = std::ranges::all_of(all, &CheckOutcome::within);
     if (all_passed && !fs::exists(pending_folder() / "index.html", ignored)) return;
     const FolderLock alone(pending_folder());
-    for (std::size_t i = 0; i < all.size(); ++i) keep_result(pending_folder(), result_of(scenarios[i], all[i]));
+    for (const CheckOutcome& outcome : all) keep_result(pending_folder(), result_of(outcome));
     const auto index = refresh_index(pending_folder());
     if (!index || all_passed || !tells) return;
     fmt::print("all reports: {}\n", is_ci() ? index->string() : report_link(*index));

@@ -10,13 +10,15 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "command.h"
 #include "output.h"
 
 namespace rehearse::tool {
+
+/// The scenario of a file, or of the recording of a robot's log, from which it is read.
+Result<Scenario> read_scenario(const std::string& file);
 
 /// The result of one scenario.
 struct Checked {
@@ -36,12 +38,6 @@ void tell_verdict(const Checked& checked, bool verbose);
 /// Prints the notes, the files that wait for a decision, and the address of the report.
 void tell_files(const Checked& checked);
 
-/// The findings of a check in another process, as the texts that the writers here put into theirs.
-struct TextsOfFindings {
-  std::string details;  // lines
-  Json json = nullptr;  // the object for the user; null: it wasn't wanted
-};
-
 /// What remains of a check when it is over.
 struct CheckOutcome {
   std::string scenario;  // name
@@ -55,24 +51,26 @@ struct CheckOutcome {
   std::optional<std::int64_t> tick = std::nullopt;  // where the report begins
   int line = 1;                                     // of the first violated expectation, else 1
   double seconds = 0.0;                             // wall time [s]
-  std::variant<Checked, TextsOfFindings> findings = TextsOfFindings();
+  std::vector<std::string> notes = {};              // on libraries that are out of date
+  std::string details = {};                         // the verdict, the differences and what to do, in lines
+  Json json = nullptr;                              // the object for the user; null: it wasn't wanted
 };
 
-CheckOutcome outcome_of(const Scenario& scenario, Checked checked);
-/// Of a scenario that couldn't be judged, as its golden can't be used: status 2, and the errors as its verdict.
-CheckOutcome outcome_without_verdict(const Scenario& scenario, const Diagnostics& errors);
-/// The form in which a process passes an outcome to another, and back. `json`: with the object for the user.
-std::string form_of(const CheckOutcome& outcome, bool json);
+/// `json`: with the object for the user.
+CheckOutcome outcome_of(const Scenario& scenario, const Checked& checked, bool json);
+/// Of a scenario that can't be read, or whose golden can't be used: status 2, and the errors as its verdict.
+CheckOutcome outcome_without_verdict(const std::string& scenario, const std::string& file, bool has_golden,
+                                     const Diagnostics& errors);
+/// The form in which a process passes an outcome to another, and back.
+std::string form_of(const CheckOutcome& outcome);
 CheckOutcome outcome_in(const std::string& form);
 
-/// The object for the user.
-Json json_of(const CheckOutcome& outcome);
 /// One object for several scenarios: the same members as for one, and each scenario in `scenarios`.
 Json json_of_checks(const std::vector<CheckOutcome>& all);
 
 /// Lists the results beside the reports, and prints the address of the list. Without a failure an existing list is
 /// renewed, and no new one is made.
-void keep_index(const std::vector<Scenario>& scenarios, const std::vector<CheckOutcome>& all, bool tells);
+void keep_index(const std::vector<CheckOutcome>& all, bool tells);
 
 /// Writes JUnit's XML, in the form of Jenkins' published schema: a test case for each scenario, whose failure has the
 /// verdict as its message. Fails if the file can't be written.

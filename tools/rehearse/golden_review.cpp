@@ -16,6 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t plots_shown = 2, plots_in_detail = 8;
+constexpr std::size_t most_in_full = 4;  // runs that are shown with tables and plots where nobody decides
 
 struct GoldenReviewSettings {
   std::vector<std::string> names;
@@ -104,6 +105,12 @@ void show_details(const GoldenStore& store, const Waiting& waiting) {
              store.pending_file(waiting.name).string());
 }
 
+/// Three short lines, for one of many runs.
+void show_briefly(const GoldenStore& store, const Waiting& waiting, std::size_t place, std::size_t all) {
+  fmt::print("{}/{}  {}\n{}\n", place, all, waiting.name, headline(verdict_of(store, waiting)));
+  fmt::print("all of it: rehearse golden review {}\n", waiting.name);
+}
+
 /// Executes a decision and prints the result. Returns false if the run remains pending.
 bool decide(GoldenStore& store, const std::string& name, char key) {
   if (key == 'a') {
@@ -174,10 +181,15 @@ Exit review(const GoldenReviewSettings& settings) {
   }
   if (names.empty()) fmt::print("nothing waits\n");
   const bool asks = somebody_is_there() && check_may_decide().ok();
+  const bool are_many = !asks && settings.names.empty() && names.size() > most_in_full;
   std::size_t left = names.size();
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Waiting run = waiting_run(*store, names[i]);
     if (i > 0) fmt::print("\n");
+    if (are_many) {
+      show_briefly(*store, run, i + 1, names.size());
+      continue;
+    }
     show(*store, run, i + 1, names.size());
     if (!asks) {
       tell_commands(run.name);
@@ -187,6 +199,7 @@ Exit review(const GoldenReviewSettings& settings) {
     if (next == Next::quit) break;
     left -= next == Next::decided ? 1 : 0;
   }
+  if (are_many) tell_commands("NAME");
   if (asks && left > 0) fmt::print("{} on\n", left == 1 ? "1 run waits" : fmt::format("{} runs wait", left));
   return left == 0 ? Exit::done : Exit::differs;
 }

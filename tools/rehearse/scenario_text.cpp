@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <string>
+#include <vector>
 
+#include "model/names.h"
 #include "output.h"
 
 namespace rehearse::tool {
@@ -40,14 +43,15 @@ void tell_violations(const std::vector<ExpectationResult>& results) {
 }
 
 std::string cast_of(const Scenario& scenario) {
-  std::string cast;
+  constexpr std::size_t most = 8;
+  std::vector<std::string> cast;
   for (const ScenarioBody& body : scenario.bodies) {
     const std::string controllers = controllers_of(body);
     const bool scenery = body.fixed && body.model->joints.empty() && controllers.empty();
     if (scenery) continue;
-    cast += (cast.empty() ? "" : ", ") + body.name + (controllers.empty() ? "" : " under " + controllers);
+    cast.push_back(body.name + (controllers.empty() ? "" : " under " + controllers));
   }
-  return cast.empty() ? "nothing that moves" : cast;
+  return cast.empty() ? "nothing that moves" : listed(cast, most);
 }
 
 }  // namespace rehearse::tool

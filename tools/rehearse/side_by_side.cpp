@@ -1,144 +1,113 @@
 #include "side_by_side.h"
 
-#include <sys/prctl.h>
-#include <sys/wait.h>
-#include <unistd.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <memory>
-#include <optional>
-#include <stdexcept>
+#include <exception>
+#include <map>
 #include <thread>
-#include <vector>
+#include <utility>
 
 #include "core/guard/interruption.h"
-#include "core/guard/supervise.h"
+#include "core/guard/worker_pool.h"
 #include "output.h"
+#include "progress.h"
 
 namespace rehearse::tool {
 namespace {
 
-struct CloseScratchFile {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-using ScratchFile = std::unique_ptr<std::FILE, CloseScratchFile>;
+using Work = std::function<Result<MadePart>(std::size_t)>;
 
-/// A nameless temporary file.
-ScratchFile scratch_file() {
-  ScratchFile file(std::tmpfile());
-  if (!file) throw std::runtime_error("a temporary file can't be made");
-  return file;
+constexpr char spoils = '!', keeps = ' ';  // the first character of a worker's answer
+
+/// Makes a part in a worker. A part that fails ends the worker.
+std::string make(std::size_t number, const Work& work) {
+  auto status = static_cast<int>(Exit::bad_input);
+  try {
+    const auto made = work(number);
+    if (made && interruption() == 0) return (made->spoils_process ? spoils : keeps) + made->text;
+    if (!made) refuse(made.errors());
+  } catch (const Interrupted&) {
+    // the status says it
+  } catch (const std::exception& problem) {
+    refuse(error(fmt::format("internal error: {}", problem.what())));
+  }
+  if (interruption() != 0) status = 128 + interruption();
+  std::exit(status);
 }
 
-std::string text_of_file(std::FILE* file) {
-  std::rewind(file);
-  std::string text;
-  char block[1 << 14];
-  while (const std::size_t size = std::fread(block, 1, sizeof block, file)) text.append(block, size);
-  return text;
+void print_output(const WorkerPool::Answer& answer) {
+  std::fputs(answer.out.c_str(), stdout);
+  std::fflush(stdout);
+  std::fputs(answer.errors.c_str(), stderr);
 }
 
-struct ForkedPart {
-  pid_t process = 0;
-  ScratchFile out = scratch_file(), errors = scratch_file(), result = scratch_file();
-  std::optional<int> ended;  // the status that waitpid() reported
-};
-
-[[noreturn]] void be_part(const ForkedPart& part, std::size_t number,
-                          const std::function<Result<std::string>(std::size_t)>& work) {
-  dup2(fileno(part.out.get()), STDOUT_FILENO);
-  dup2(fileno(part.errors.get()), STDERR_FILENO);
-  supervise_process();
-  end_runs_on_signals();
-  auto made = work(number);
-  int status = EXIT_SUCCESS;
-  if (made)
-    std::fwrite(made->data(), 1, made->size(), part.result.get());
-  else
-    status = static_cast<int>(refuse(made.errors()));
-  std::fflush(nullptr);
-  std::exit(interruption() == 0 ? status : 128 + interruption());
-}
-
-ForkedPart begin_part(std::size_t number, const std::function<Result<std::string>(std::size_t)>& work) {
-  ForkedPart part;
-  const pid_t here = getpid();
-  part.process = fork();
-  if (part.process < 0) throw std::runtime_error("a process can't be started");
-  if (part.process > 0) return part;
-  prctl(PR_SET_PDEATHSIG, SIGTERM);
-  if (getppid() != here) _exit(EXIT_FAILURE);
-  be_part(part, number, work);
-}
-
-int status_of_part(int ended) { return WIFEXITED(ended) ? WEXITSTATUS(ended) : 128 + WTERMSIG(ended); }
-
-/// Waits until one of the processes ends, and passes signals of this process on to them.
-void wait_for_part(std::vector<ForkedPart>& parts) {
-  int told = 0;
+/// Waits for an answer, and passes a signal of this process on, once.
+WorkerPool::Answer next_answer(WorkerPool& pool, int& told) {
   for (;;) {
-    for (ForkedPart& part : parts) {
-      int status = 0;
-      if (part.process == 0 || part.ended || waitpid(part.process, &status, WNOHANG) != part.process) continue;
-      part.ended = status;
-      return;
-    }
-    if (interruption() != 0 && told == 0) {
-      told = interruption();
-      for (const ForkedPart& part : parts)
-        if (part.process > 0 && !part.ended) kill(part.process, told);
-    }
-    usleep(1000);
+    if (interruption() != 0 && told == 0) pool.tell(told = interruption());
+    if (auto answer = pool.wait()) return *std::move(answer);
   }
 }
 
-void stop_parts(std::vector<ForkedPart>& parts) {
-  for (ForkedPart& part : parts) {
-    if (part.process == 0 || part.ended) continue;
-    kill(part.process, SIGTERM);
-    int status = 0;
-    waitpid(part.process, &status, 0);
+/// Ends the worker that made the part. If it doesn't end well, the part has failed.
+void end_worker_of(WorkerPool::Answer& part, WorkerPool& pool) {
+  const WorkerPool::Answer end = pool.renew(part.worker);
+  part.out += end.out;
+  part.errors += end.errors;
+  part.status = end.status;
+  if (end.status != EXIT_SUCCESS) part.text.reset();
+}
+
+/// Ends the workers. A library may fail when it is unloaded, at the end of its process.
+Exit end_of(WorkerPool& pool, std::size_t jobs) {
+  auto worst = static_cast<int>(Exit::done);
+  for (std::size_t i = 0; i < jobs; ++i) {
+    const WorkerPool::Answer answer = pool.renew(i);
+    print_output(answer);
+    worst = std::max(worst, answer.status);
   }
+  return static_cast<Exit>(worst);
 }
 
 }  // namespace
 
 std::size_t processors() { return std::max(1U, std::thread::hardware_concurrency()); }
 
-Exit work_side_by_side(std::size_t count, std::size_t jobs, const std::function<Result<std::string>(std::size_t)>& work,
+Exit work_side_by_side(std::size_t count, std::size_t jobs, const Work& work,
                        const std::function<void(const std::string&)>& take) {
-  std::fflush(nullptr);
   keep_terminal();
-  signal(SIGCHLD, SIG_DFL);
   end_runs_on_signals();
-  std::vector<ForkedPart> parts;
-  std::size_t running = 0;
+  WorkerPool pool({.kind = WorkerPool::Kind::supervised, .size = std::min(jobs, count)},
+                  [&](std::int64_t number, const auto&) { return make(static_cast<std::size_t>(number), work); });
+  std::map<std::size_t, WorkerPool::Answer> finished;  // that wait for parts before them
+  std::size_t given = 0;
+  int told = 0;
   for (std::size_t next = 0; next < count;) {
-    while (parts.size() < count && running < jobs && interruption() == 0) {
-      parts.push_back(begin_part(parts.size(), work));
-      ++running;
+    while (given < count && pool.has_room() && interruption() == 0) {
+      if (const auto started = pool.give(static_cast<std::int64_t>(given)); !started) return refuse(started.errors());
+      ++given;
     }
-    if (next == parts.size()) return Exit::done;  // a signal came before it began
-    if (!parts[next].ended) {
-      wait_for_part(parts);
-      --running;
+    const auto first = finished.find(next);
+    if (first == finished.end()) {
+      if (next == given) return Exit::done;  // a signal came before it began
+      WorkerPool::Answer answer = next_answer(pool, told);
+      if (answer.text && answer.text->front() == spoils) end_worker_of(answer, pool);
+      finished.emplace(static_cast<std::size_t>(answer.job), std::move(answer));
       continue;
     }
-    ForkedPart& part = parts[next++];
-    std::fputs(text_of_file(part.out.get()).c_str(), stdout);
-    std::fflush(stdout);
-    std::fputs(text_of_file(part.errors.get()).c_str(), stderr);
-    const std::string result = text_of_file(part.result.get());
-    if (const int status = status_of_part(*part.ended); status != EXIT_SUCCESS) {
-      stop_parts(parts);
-      return static_cast<Exit>(status);
-    }
-    take(result);
+    const WorkerPool::Answer answer = std::move(first->second);
+    finished.erase(first);
+    ++next;
+    if (answer.text) take(answer.text->substr(1));
+    print_output(answer);
+    if (!answer.text) return static_cast<Exit>(answer.status);
   }
-  return Exit::done;
+  return end_of(pool, std::min(jobs, count));
 }
 
 }  // namespace rehearse::tool

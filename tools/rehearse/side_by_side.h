@@ -14,11 +14,17 @@ namespace rehearse::tool {
 /// The number of processors that this process may use.
 std::size_t processors();
 
-/// Calls `work` for 0 to `count` - 1, each in a process of its own, at most `jobs` at a time. The process is a
-/// supervised fork of this one. Its output to stdout and stderr appears here when all parts before it are finished.
-/// Then `take` gets the result of `work`. The first part that fails ends all: its errors are printed, and its exit
-/// status is returned. A signal ends all parts. Must be called before this process has threads.
-Exit work_side_by_side(std::size_t count, std::size_t jobs, const std::function<Result<std::string>(std::size_t)>& work,
+/// The result of one part.
+struct MadePart {
+  std::string text;
+  bool spoils_process = false;  // interrupted code may have left anything in its memory
+};
+
+/// Calls `work` for 0 to `count` - 1 in at most `jobs` supervised forks of this process. A fork works on one part after
+/// the other, until one spoils it. The output of a part to stdout and stderr appears here when all parts before it are
+/// finished. `take` gets its result just before. The first part that fails ends all: its errors are printed, and its
+/// exit status is returned. A signal ends all parts. Must be called before this process has threads.
+Exit work_side_by_side(std::size_t count, std::size_t jobs, const std::function<Result<MadePart>(std::size_t)>& work,
                        const std::function<void(const std::string&)>& take);
 
 }  // namespace rehearse::tool

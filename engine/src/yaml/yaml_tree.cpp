@@ -6,6 +6,7 @@
 #include <yaml-cpp/parser.h>
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <map>
 #include <optional>
@@ -147,13 +148,14 @@ Result<std::string> read_yaml_file(const std::filesystem::path& path, const std:
   if (std::filesystem::is_directory(path, ignored))
     return failed("it is a directory", "expected " + what + ", a YAML file");
   std::ifstream stream(path, std::ios::binary);
-  std::string text(max_file_size + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (stream.bad() || !stream.eof()) {
-    if (stream.good()) return failed("it is larger than 1 MiB", what + " is a short YAML file");
-    return failed("it can't be read", "look at its permissions");
+  std::string text;
+  std::array<char, 1 << 14> block;
+  while (stream.good() && text.size() <= max_file_size) {
+    stream.read(block.data(), block.size());
+    text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
   }
-  text.resize(static_cast<std::size_t>(stream.gcount()));
+  if (stream.bad() || !(stream.eof() || stream.good())) return failed("it can't be read", "look at its permissions");
+  if (text.size() > max_file_size) return failed("it is larger than 1 MiB", what + " is a short YAML file");
   return text;
 }
 

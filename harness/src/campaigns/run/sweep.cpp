@@ -17,7 +17,7 @@
 #include "case_run.h"
 #include "core/golden/run_folder.h"
 #include "core/guard/interruption.h"
-#include "worker_pool.h"
+#include "core/guard/worker_pool.h"
 
 namespace rehearse {
 namespace {
@@ -46,8 +46,8 @@ CaseResult lost_case(std::int64_t number, const WorkerPool::Answer& answer, cons
   return ended_case(number, CaseVerdict::crashed, fmt::format("the process of the case ended {}", answer.end));
 }
 
-WorkerPool::Limits limits_of(const CampaignOptions& options) {
-  return {options.case_limit, options.host.memory_limit * 1e6};
+WorkerPool::Setup workers(const CampaignOptions& options, std::size_t size, const fs::path& folder) {
+  return {WorkerPool::Kind::bare, size, {options.case_limit, options.host.memory_limit * 1e6}, folder};
 }
 
 Result<CaseRun> timed_case(const fs::path& file, const std::string& text, const CampaignOptions& options,
@@ -153,7 +153,7 @@ Result<void> Work::take(const WorkerPool::Answer& answer, Phase phase) {
     return {};
   }
   if (answer.text && answer.text->starts_with(hindrance)) {
-    pool_.renew(answer.folder);  // an earlier case may have changed the limits of its process
+    pool_.renew(answer.worker);  // an earlier case may have changed the limits of its process
     if (!lost_.insert(answer.job).second) return hindered(campaign_, answer.job, answer.text->substr(hindrance.size()));
     queue_.push_front(answer.job);
     return {};
@@ -170,7 +170,7 @@ Result<void> Work::take(const WorkerPool::Answer& answer, Phase phase) {
   // interrupted code may have left anything in the memory
   const bool is_sound = result.passed() || result.verdict == CaseVerdict::violated ||
                         result.verdict == CaseVerdict::differs || result.verdict == CaseVerdict::exploded;
-  if (!is_sound) pool_.renew(answer.folder);
+  if (!is_sound) pool_.renew(answer.worker);
   return {};
 }
 
@@ -210,7 +210,7 @@ Result<CaseRun> run_alone(const Campaign& campaign, const std::string& text, con
                           const fs::path& trace, const Simulation& simulation) {
   const auto scratch = RunFolder::make(campaign.folder() / "running");
   if (!scratch) return scratch.errors();
-  WorkerPool pool(1, limits_of(campaign.options()), scratch->path(), [&](std::int64_t, const fs::path& folder) {
+  WorkerPool pool(workers(campaign.options(), 1, scratch->path()), [&](std::int64_t, const fs::path& folder) {
     const auto run = timed_case(file, text, campaign.options(), folder / trace_name, simulation);
     if (!run) return hindrance + run.errors().front().message;
     const Json answer{
@@ -329,7 +329,7 @@ Result<void> run_cases(Campaign& campaign, const SweepOptions& options, const Si
   if (!scratch) return scratch.errors();
   std::error_code ignored;
   fs::create_directories(trace_folder(own_folder), ignored);
-  WorkerPool pool(std::max<std::size_t>(options.jobs, 1), limits_of(campaign.options()), scratch->path(),
+  WorkerPool pool(workers(campaign.options(), std::max<std::size_t>(options.jobs, 1), scratch->path()),
                   [&](std::int64_t number, const fs::path& folder) {
                     const auto text = campaign.text_of(number);
                     if (!text) return line_of(ended_case(number, CaseVerdict::invalid, text.errors().front().message));

@@ -1,6 +1,9 @@
 #include "core/scenario/project.h"
 
 #include <algorithm>
+#include <string>
+
+#include "yaml/yaml_tree.h"
 
 namespace rehearse {
 
@@ -27,6 +30,11 @@ std::vector<fs::path> scenario_files(const fs::path& project) {
   }
   std::sort(files.begin(), files.end());
   return files;
+}
+
+bool may_be_checked(const fs::path& file) {
+  const auto text = read_yaml_file(file, "a scenario");
+  return !text || text->find("golden") != std::string::npos || text->find("expect") != std::string::npos;
 }
 
 std::vector<fs::path> build_folders(const fs::path& project) {

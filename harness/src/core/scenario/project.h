@@ -19,6 +19,10 @@ std::optional<std::filesystem::path> find_project(const std::filesystem::path& i
 /// All files that may be scenarios of a project, by path.
 std::vector<std::filesystem::path> scenario_files(const std::filesystem::path& project);
 
+/// False if the text of the file has neither the word of `golden:` nor that of `expect:`. A file that can't be read may
+/// be a scenario with a mistake.
+bool may_be_checked(const std::filesystem::path& file);
+
 /// The folders of a project's builds, by name.
 std::vector<std::filesystem::path> build_folders(const std::filesystem::path& project);
 
