@@ -28,9 +28,8 @@ class Saver final : public StateVisitor {
   using StateVisitor::visit;
   void begin_part(const std::string&, const std::string&, StatePart) override {}
   void visit(void* data, std::size_t size) override {
-    const std::size_t at = bytes_.size();
-    bytes_.resize(at + size);
-    if (size > 0) std::memcpy(bytes_.data() + at, data, size);
+    const auto* first = static_cast<const std::byte*>(data);
+    bytes_.insert(bytes_.end(), first, first + size);
   }
 
  private:
