@@ -179,11 +179,7 @@ class Trials {
   std::optional<SurveyedLog> surveyed_;  // by the first replay with the map's messages
 };
 
-}  // namespace
-
-namespace {
-
-/// What all parts of a replay share.
+/// Shared by all parts of a replay.
 struct ReplayedLog {
   mcap::Reader& reader;
   const std::vector<LogTopic>& topics;
