@@ -11,11 +11,16 @@ using ::testing::Not;
 
 class WorldRemarks : public RunTest {
  protected:
-  WorldRemarks() {
-    std::string urdf = rig_urdf;
-    urdf.replace(urdf.find("lower=\"-100\" upper=\"100\""), 26, "lower=\"-0.1\" upper=\"0.3\"");
-    write("rig.urdf", urdf);
+  WorldRemarks() { limit("lower=\"-100\" upper=\"100\"", "lower=\"-0.1\" upper=\"0.3\""); }
+
+  /// Replaces a limit of joint RAIL.
+  void limit(const std::string& present, const std::string& other) {
+    urdf_.replace(urdf_.find(present), present.size(), other);
+    write("rig.urdf", urdf_);
   }
+
+ private:
+  std::string urdf_ = rig_urdf;
 };
 
 TEST_F(WorldRemarks, AJointThatGoesBeyondItsLimitsIsAWarning) {
@@ -90,9 +95,7 @@ TEST_F(WorldRemarks, AJointThatMissesItsDrivesVelocityIsAWarning) {
 }
 
 TEST_F(WorldRemarks, AVelocityBeyondTheJointsLimitIsAWarning) {
-  std::string urdf = rig_urdf;
-  urdf.replace(urdf.find("velocity=\"1000\""), 15, "velocity=\"2\"");
-  write("rig.urdf", urdf);
+  limit("velocity=\"1000\"", "velocity=\"2\"");
   record_run(rig_with("drive velocity 1.9 RAIL"));
   EXPECT_TRUE(summary_.remarks.empty());
   record_run(rig_with("drive velocity -3 RAIL"));
@@ -113,9 +116,7 @@ TEST_F(WorldRemarks, AVelocityTowardsAStopIsAnEventThere) {
 }
 
 TEST_F(WorldRemarks, ADriveAtItsEffortLimitIsAnEvent) {
-  std::string urdf = rig_urdf;
-  urdf.replace(urdf.find("effort=\"1000\""), 13, "effort=\"5\"");
-  write("rig.urdf", urdf);
+  limit("effort=\"1000\"", "effort=\"5\"");
   const std::string limited = "world: joint 'RAIL' of 'Rig' was driven with its largest effort, 5 N";
   EXPECT_THAT(said(record_run(rig_with("drive displacement 0.2 RAIL"))), Contains(limited));
   EXPECT_THAT(said(record_run(rig_with("drive displacement 0.25 RAIL"))), Not(Contains(limited)));

@@ -13,7 +13,7 @@
 namespace rehearse {
 
 WorldRemarks::WorldRemarks(const Scenario& scenario) : scenario_(scenario) {
-  for (const ScenarioBody& body : scenario.bodies) excesses_.emplace_back(body.model->joints.size());
+  for (const ScenarioBody& body : scenario.bodies) joints_.emplace_back(body.model->joints.size());
 }
 
 void WorldRemarks::add_idle_camera(const std::string& controller, int body, int device) {
@@ -111,64 +111,64 @@ void WorldRemarks::check_missed(std::int64_t tick, const Residual& residual, std
       events);
 }
 
-/// Commands that the joint can't follow. The effort is that of the step before the tick.
 void WorldRemarks::check_drives(std::int64_t tick, const Observation& seen, const Command& command,
                                 std::vector<msg::Event>& events) {
-  constexpr double slack = 1e-4, nearly = 1.0 - 1e-6;  // [rad] or [m]; of the effort limit
   for (std::size_t i = 0; i < scenario_.bodies.size(); ++i) {
     const ScenarioBody& body = scenario_.bodies[i];
     if (body.kinematic) continue;
-    for (std::size_t id = 0; id < excesses_[i].size(); ++id) {
-      const JointCommand& wanted = command.bodies[i].joints[id];
-      if (!(wanted.drive & (drive_displacement | drive_velocity))) continue;
-      const Joint& joint = body.model->links[static_cast<std::size_t>(body.model->joints[id])].joint;
-      const JointReading& now = seen.bodies[i].joints[id];
-      const bool slides = is_linear(joint.type);
-      Excess& known = excesses_[i][id];
-      const auto report = [&](bool& reported, Severity severity, const std::string& text) {
-        if (std::exchange(reported, true)) return;
-        add(tick, severity, fmt::format("joint '{}' of '{}' {}", joint.name, body.name, text), events);
-      };
-      if (!(wanted.drive & drive_displacement)) {
-        const char* const unit = slides ? "m/s" : "rad/s";
-        if (std::abs(wanted.dq) > joint.velocity)
-          report(
-              known.too_fast, Severity::warning,
-              fmt::format(
-                  "is driven at {:.4g} {}, beyond its velocity limit of {:.4g} {}, which a velocity drive doesn't obey",
-                  wanted.dq, unit, joint.velocity, unit));
-        const bool outward =
-            (now.q >= joint.upper - slack && wanted.dq > 0.0) || (now.q <= joint.lower + slack && wanted.dq < 0.0);
-        if (body.joint_limits.value_or(true) && joint.type != JointType::track && outward)
-          report(known.blocked, Severity::note,
-                 fmt::format("is at its limit, {:.4g} {}, and its velocity drive is commanded beyond it", now.q,
-                             slides ? "m" : "rad"));
-      }
-      if (tick > 0 && std::isfinite(joint.effort) && std::abs(now.u) >= nearly * joint.effort)
-        report(known.weak, Severity::note,
-               fmt::format("was driven with its largest effort, {:.4g} {}", joint.effort, slides ? "N" : "N·m"));
-    }
+    for (std::size_t id = 0; id < joints_[i].size(); ++id)
+      check_drive(tick, body, body.model->links[static_cast<std::size_t>(body.model->joints[id])].joint,
+                  seen.bodies[i].joints[id], command.bodies[i].joints[id], joints_[i][id], events);
   }
+}
+
+/// The effort is that of the step before the tick.
+void WorldRemarks::check_drive(std::int64_t tick, const ScenarioBody& body, const Joint& joint, const JointReading& now,
+                               const JointCommand& wanted, JointRemarks& known, std::vector<msg::Event>& events) {
+  constexpr double slack = 1e-4, nearly = 1.0 - 1e-6;  // [rad] or [m]; of the effort limit
+  const bool slides = is_linear(joint.type);
+  const auto report = [&](bool& reported, Severity severity, const std::string& text) {
+    if (std::exchange(reported, true)) return;
+    add(tick, severity, fmt::format("joint '{}' of '{}' {}", joint.name, body.name, text), events);
+  };
+  if (!(wanted.drive & (drive_displacement | drive_velocity))) return;
+  if (tick > 0 && std::isfinite(joint.effort) && std::abs(now.u) >= nearly * joint.effort)
+    report(known.at_full_effort, Severity::note,
+           fmt::format("was driven with its largest effort, {:.4g} {}", joint.effort, slides ? "N" : "N·m"));
+  if (wanted.drive & drive_displacement) return;
+  const char* const unit = slides ? "m/s" : "rad/s";
+  if (std::abs(wanted.dq) > joint.velocity)
+    report(known.too_fast, Severity::warning,
+           fmt::format(
+               "is driven at {:.4g} {}, beyond its velocity limit of {:.4g} {}, which a velocity drive doesn't obey",
+               wanted.dq, unit, joint.velocity, unit));
+  const bool has_stops = body.joint_limits.value_or(true) && joint.type != JointType::track;
+  const bool at_upper = now.q >= joint.upper - slack && wanted.dq > 0.0;
+  const bool at_lower = now.q <= joint.lower + slack && wanted.dq < 0.0;
+  if (has_stops && (at_upper || at_lower))
+    report(known.blocked, Severity::note,
+           fmt::format("is at its limit, {:.4g} {}, and its velocity drive is commanded beyond it",
+                       at_upper ? joint.upper : joint.lower, slides ? "m" : "rad"));
 }
 
 /// An excess is reported when it no longer grows, so that the event states how far the joint went, or when it is large.
 void WorldRemarks::check_limits(std::int64_t tick, const Observation& seen, std::vector<msg::Event>& events) {
   for (std::size_t i = 0; i < scenario_.bodies.size(); ++i) {
     const ScenarioBody& body = scenario_.bodies[i];
-    for (std::size_t id = 0; id < excesses_[i].size(); ++id) {
+    for (std::size_t id = 0; id < joints_[i].size(); ++id) {
       const Joint& joint = body.model->links[static_cast<std::size_t>(body.model->joints[id])].joint;
       if (joint.type == JointType::track) continue;
       const bool slides = joint.type == JointType::prismatic;
       const double least = slides ? 0.005 : 0.05;  // [m], [rad]; a stop gives way for some steps
       const double q = seen.bodies[i].joints[id].q;
       const double excess = std::abs(q - std::clamp(q, joint.lower, joint.upper));
-      Excess& known = excesses_[i][id];
-      const double last = std::exchange(known.last, excess);
+      JointRemarks& known = joints_[i][id];
+      const double last = std::exchange(known.last_excess, excess);
       const double far = std::max(excess, last);
       const bool grows = tick > 0 && excess >= last;
-      if (far < std::max((grows ? 10.0 : 1.0) * least, 2.0 * known.reported)) continue;
-      const Severity severity = known.reported == 0.0 ? Severity::warning : Severity::note;
-      known.reported = far;
+      if (far < std::max((grows ? 10.0 : 1.0) * least, 2.0 * known.excess)) continue;
+      const Severity severity = known.excess == 0.0 ? Severity::warning : Severity::note;
+      known.excess = far;
       add(tick, severity,
           fmt::format("joint '{}' of '{}' {} {:.3g} {} beyond its limits, {:.4g} to {:.4g}", joint.name, body.name,
                       tick == 0 ? "begins" : "went", far, slides ? "m" : "rad", joint.lower, joint.upper),
@@ -182,9 +182,9 @@ void WorldRemarks::check_speeds(std::int64_t tick, const Observation& seen, std:
   constexpr double most = 1e4, further = 10.0;  // [rad/s] or [m/s]; factor between two reports
   for (std::size_t i = 0; i < scenario_.bodies.size(); ++i) {
     const ScenarioBody& body = scenario_.bodies[i];
-    for (std::size_t id = 0; id < excesses_[i].size(); ++id) {
+    for (std::size_t id = 0; id < joints_[i].size(); ++id) {
       const double speed = std::abs(seen.bodies[i].joints[id].dq);
-      Excess& known = excesses_[i][id];
+      JointRemarks& known = joints_[i][id];
       if (speed < std::max(most, further * known.speed)) continue;
       const Joint& joint = body.model->links[static_cast<std::size_t>(body.model->joints[id])].joint;
       add(tick, std::exchange(known.speed, speed) == 0.0 ? Severity::warning : Severity::note,

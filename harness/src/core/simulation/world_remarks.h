@@ -29,13 +29,14 @@ class WorldRemarks {
                std::vector<msg::Event>& events);
 
  private:
-  /// The excess of a joint beyond its limits, in the last step and as reported last [rad] or [m].
-  struct Excess {
-    double last = 0.0;
-    double reported = 0.0;
-    double speed = 0.0;  // as reported last [rad/s] or [m/s]
-    // of its drive; true: reported
-    bool too_fast = false, blocked = false, weak = false;
+  /// The remarks on a joint so far.
+  struct JointRemarks {
+    double last_excess = 0.0;  // beyond its limits, in the last step [rad] or [m]
+    double excess = 0.0;       // as reported last [rad] or [m]
+    double speed = 0.0;        // as reported last [rad/s] or [m/s]
+    bool too_fast = false;     // its drive was commanded beyond the velocity limit
+    bool blocked = false;      // its drive was commanded beyond a stop
+    bool at_full_effort = false;
   };
   void add(std::int64_t tick, Severity severity, std::string text, std::vector<msg::Event>& events) const;
   void check_solver(std::int64_t tick, const World& world, std::vector<msg::Event>& events);
@@ -46,17 +47,19 @@ class WorldRemarks {
   void check_limits(std::int64_t tick, const Observation& seen, std::vector<msg::Event>& events);
   void check_drives(std::int64_t tick, const Observation& seen, const Command& command,
                     std::vector<msg::Event>& events);
+  void check_drive(std::int64_t tick, const ScenarioBody& body, const Joint& joint, const JointReading& now,
+                   const JointCommand& wanted, JointRemarks& known, std::vector<msg::Event>& events);
 
   const Scenario& scenario_;
-  std::vector<std::string> idle_cameras_;      // not reported yet
-  bool solver_failed_ = false;                 // in any step
-  double residual_ = 0.0;                      // the largest that was reported
-  double missed_ = 0.0;                        // likewise [rad/s] or [m/s]
-  std::int64_t unconverged_steps_ = 0;         // so far
-  std::int64_t next_unconverged_report_ = 10;  // at that number
-  double unsolved_ = 0.0;                      // the last share that was reported
-  bool crowded_ = false;                       // any island had too many contacts
-  std::vector<std::vector<Excess>> excesses_;  // by body and joint id
+  std::vector<std::string> idle_cameras_;          // not reported yet
+  bool solver_failed_ = false;                     // in any step
+  double residual_ = 0.0;                          // the largest that was reported
+  double missed_ = 0.0;                            // likewise [rad/s] or [m/s]
+  std::int64_t unconverged_steps_ = 0;             // so far
+  std::int64_t next_unconverged_report_ = 10;      // at that number
+  double unsolved_ = 0.0;                          // the last share that was reported
+  bool crowded_ = false;                           // any island had too many contacts
+  std::vector<std::vector<JointRemarks>> joints_;  // by body and joint id
 };
 
 }  // namespace rehearse
