@@ -160,10 +160,11 @@ void tell_branch(const BranchSettings& settings, const BranchSummary& branch, do
   fmt::print("{}, {}, {}{} in {}\n", count_text(branch.run.ticks, "tick"), count_text(branch.run.channels, "channel"),
              count_text(branch.run.pictures, "picture"),
              branch.run.bytes > 0 ? ", " + file_size_text(branch.run.bytes) : "", settings.trace);
+  tell_control_times(branch.run.control_times);
 }
 
 /// Executes the branch and prints its report.
-Exit record_branch_of(BranchSettings settings) {
+Exit record_branch_of(BranchSettings settings, std::optional<double> deadline) {
   const auto from = BranchPoint::parse(settings.from);
   if (!from) return refuse(error("--from-checkpoint: " + from.errors()[0].message));
   if (settings.trace.empty()) settings.trace = from->trace.stem().string() + ".branch.mcap";
@@ -187,6 +188,7 @@ Exit record_branch_of(BranchSettings settings) {
   tell_branch(settings, *branch, stopwatch.seconds());
   std::fflush(stdout);  // before related output on stderr
   tell_remarks(branch->run);
+  tell_missed_deadlines(branch->run.control_times, deadline);
   return branch->run.failure || branch->run.controller_refused ? Exit::controller_failed : Exit::done;
 }
 
@@ -210,7 +212,7 @@ Exit run_branch(RecordSettings& settings) {
   settings.branch.quiet = settings.quiet;
   supervise_process();
   end_runs_on_signals();
-  return record_branch_of(settings.branch);
+  return record_branch_of(settings.branch, settings.deadline);
 }
 
 /// Checks options that are valid only together with others.

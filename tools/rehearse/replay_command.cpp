@@ -135,6 +135,7 @@ Exit run_log(const ReplaySettings& settings) {
   log.trace = settings.output;
   log.scenario = settings.scenario;
   log.json = settings.json;
+  log.deadline = settings.deadline;
   static_cast<HostOptions&>(log.replay) = settings.replay;
   log.replay.controller = settings.controller;
   log.replay.model = settings.model;

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "control_times.h"
 #include "core/host/controller_library.h"
 #include "core/host/source_age.h"
 #include "core/host/virtualised.h"
@@ -254,6 +255,7 @@ Json report_json(const LogReplayReport& report, const std::vector<std::string>& 
           {"failure", report.failure ? Json(report.failure->message) : Json(nullptr)},
           {"controller_refused", report.controller_refused},
           {"after_restarts", after_restarts},
+          {"control_times", json_of(report.control_times)},
           {"remarks", json_of_remarks(report.remarks, notes)}};
 }
 
@@ -338,6 +340,7 @@ void tell_part(const LogReplayReport& report) {
   tell_ticks(report);
   fmt::print("{}, {}, {} in {}\n", count_text(report.channels, "channel"), count_text(report.pictures, "picture"),
              file_size_text(report.bytes), report.trace.string());
+  tell_control_times(report.control_times);
   fmt::print("{}\n", verdict(report));
   if (!report.first) return;
   if (const Differences* named = report.named(); named && named->first)
@@ -355,6 +358,11 @@ void tell(const LogSettings& settings, const LogReplayReport& report, double sec
                part.duration);
     tell_part(part);
   }
+}
+
+void tell_warnings_of(const LogSettings& settings, const LogReplayReport& part) {
+  tell_remarks(part.remarks, part.failure);
+  tell_missed_deadlines(part.control_times, settings.deadline);
 }
 
 Exit exit_of(const LogReplayReport& report) {
@@ -409,8 +417,8 @@ Exit replay_log_of(LogSettings settings) {
   } else {
     tell(settings, *report, stopwatch.seconds());
     std::fflush(stdout);  // before related output on stderr
-    tell_remarks(report->remarks, report->failure);
-    for (const LogReplayReport& part : report->after_restarts) tell_remarks(part.remarks, part.failure);
+    tell_warnings_of(settings, *report);
+    for (const LogReplayReport& part : report->after_restarts) tell_warnings_of(settings, part);
   }
   return exit_of_all(*report);
 }

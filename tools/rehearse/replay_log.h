@@ -3,6 +3,7 @@
 
 #include "logs/robot_log/log_replay.h"
 
+#include <optional>
 #include <string>
 
 #include "command.h"
@@ -14,6 +15,7 @@ struct LogSettings {
   std::string trace;     // output file; empty: named like the log, in the working directory
   std::string scenario;  // of a run that begins as the log did, to write; empty: none
   bool json = false;
+  std::optional<double> deadline;  // of control() [s]
   LogReplayOptions replay;
 };
 

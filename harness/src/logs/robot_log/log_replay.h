@@ -197,6 +197,7 @@ struct LogReplayReport : Differences {
   double begins = 0.0;     // the same, from the log's first message on [s]
   std::string log_hash;    // of the log's bytes, 16 hexadecimal digits
   std::vector<LogTopicReport> topics;
+  std::vector<ControlTimes> control_times;  // of the controller
   bool has_commands = false;  // the map names topics with commands to compare
   std::int64_t ticks_compared = 0;
   std::int64_t ticks_different = 0;

@@ -379,6 +379,7 @@ Result<void> LogReplayer::finish() {
   sink_->finish();
   report_.failure = run_->interruption() ? run_->interruption() : host_->failure();
   report_.controller_refused = host_->any_refused();
+  report_.control_times = host_->control_times();
   if (auto done = sink_->record_events(host_->take_events()); !done) return done;
   report_topics();
   report_ticks();
