@@ -55,7 +55,8 @@ std::string outcome_of(const FactorResult& result) {
   return fmt::format("differs at tick {}, {} {}", result.first->tick, result.first->channel, result.first->element);
 }
 
-std::string ticks_of(const AuditedCall& call) {
+template <class Call>
+std::string ticks_of(const Call& call) {
   if (call.last_tick < 0) return "before the run";
   if (call.first_tick == call.last_tick) return fmt::format("tick {}", call.first_tick);
   return fmt::format("ticks {} to {}", std::max<std::int64_t>(0, call.first_tick), call.last_tick);
@@ -79,7 +80,32 @@ void tell_controller(const ControllerAudit& controller, bool named, bool verbose
     if (verbose || code.kind != "imported_source") fmt::print("  note: {}\n", code.sentence);
 }
 
+/// The costs of control() after tick 0, or, with `in_time`, those of all other calls.
+void tell_costs(const ControllerAudit& controller, bool in_time, bool verbose) {
+  std::vector<TableRow> rows{{in_time ? "in time" : "may take too long", "in", "when", "times"}};
+  for (const AuditedCost& cost : controller.costs) {
+    if (cost.breaks_realtime() == in_time) continue;
+    rows.push_back({fmt::format("{} by {}", cost.cost, cost.function), fmt::format("{}, {}()", cost.place, cost.phase),
+                    ticks_of(cost), std::to_string(cost.count)});
+    for (std::size_t i = 0; verbose && i < cost.callers.size(); ++i)
+      rows.push_back({"", "called by " + cost.callers[i], "", ""});
+  }
+  if (rows.size() > 1) print_table(rows);
+}
+
+void tell_realtime(const AuditSettings& settings, const AuditReport& report) {
+  fmt::print("{}\n", report.verdict);
+  for (const ControllerAudit& controller : report.controllers) {
+    if (report.controllers.size() > 1) fmt::print("{}\n", controller.controller);
+    tell_costs(controller, false, settings.verbose);
+    tell_costs(controller, true, settings.verbose);
+  }
+  std::fflush(stdout);  // before related output on stderr
+  tell_remarks(report.remarks, report.failure);
+}
+
 void tell(const AuditSettings& settings, const AuditReport& report) {
+  if (settings.audit.realtime) return tell_realtime(settings, report);
   fmt::print("{}\n", report.verdict);
   for (const ControllerAudit& controller : report.controllers)
     tell_controller(controller, report.controllers.size() > 1, settings.verbose);
@@ -142,6 +168,7 @@ Exit run_audit(AuditSettings& settings) {
   if (!settings.output.empty() && !settings.json)
     fmt::print("recorded in {}: replay and check give it the same time and random numbers\n", settings.output);
   if (report->failure || report->controller_refused) return Exit::controller_failed;
+  if (settings.audit.realtime) return report->realtime_safe.value_or(false) ? Exit::done : Exit::differs;
   return report->deterministic ? Exit::done : Exit::differs;
 }
 
@@ -157,13 +184,19 @@ std::function<Exit()> declare_audit(CLI::App& options) {
   add_integer(options, "--repeat", "replays under each change (1)", 1, 1000,
               [=](std::int64_t repeat) { settings->audit.repeat = static_cast<int>(repeat); });
   options.add_flag("--valgrind", settings->audit.valgrind, "one more replay under valgrind's memcheck; it is slow");
+  options
+      .add_flag("--realtime", settings->audit.realtime,
+                "instead: list allocations, locks, system calls and exceptions of control(), with their lines")
+      ->excludes(options.get_option("--valgrind"));
   options.add_flag("--virtualise", settings->audit.virtualise,
                    "give the controllers simulated time and seeded random numbers instead of the system's");
   options.add_option("-o,--output", settings->output, "with --virtualise: the trace to write")->type_name("TRACE");
   add_integer(options, "--seed", "of the random numbers that replace the system's (1)", 0,
               std::numeric_limits<std::uint32_t>::max(),
               [=](std::int64_t seed) { settings->audit.seed = static_cast<std::uint64_t>(seed); });
-  options.add_flag("-v,--verbose", settings->verbose, "also list functions that its library could call, and didn't");
+  options.add_flag(
+      "-v,--verbose", settings->verbose,
+      "also list functions that its library could call, and didn't; with --realtime the callers of each place");
   add_host_options(options, settings->audit);
   add_json_flag(options, settings->json);
   // options for child processes: in no group, so that --help doesn't list them
@@ -171,6 +204,7 @@ std::function<Exit()> declare_audit(CLI::App& options) {
   options.add_option("--passes", settings->replay.passes)->group("");
   options.add_option("--padding", settings->replay.padding)->group("");
   options.add_option("--stack-fill", settings->replay.stack_fill)->group("");
+  options.add_flag("--costs", settings->replay.costs)->group("");
   return [settings] { return run_audit(*settings); };
 }
 
@@ -179,6 +213,7 @@ std::function<Exit()> declare_audit(CLI::App& options) {
 const Verb audit_verb{"audit",
                       "  rehearse audit fixtures/scenarios/sr1_minimum.yaml\n"
                       "  rehearse audit walk.mcap --controller Walker=build/MyWalker.so --valgrind\n"
+                      "  rehearse audit walk.mcap --realtime\n"
                       "  rehearse audit walk.yaml --virtualise -o walk.mcap\n",
                       declare_audit};
 

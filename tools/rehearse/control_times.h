@@ -11,10 +11,10 @@
 
 namespace rehearse::tool {
 
-/// Declares --deadline; `deadline` becomes the number of seconds.
-void add_deadline_option(CLI::App& options, std::optional<double>& deadline);
+/// Declares --deadline and --realtime; `deadline` becomes the number of seconds.
+void add_timing_options(CLI::App& options, std::optional<double>& deadline, HostOptions& host);
 
-/// Prints a line for each controller.
+/// Prints a line for each controller, and its costs if they were counted.
 void tell_control_times(const std::vector<ControlTimes>& all);
 
 /// Warns on stderr of each controller whose longest call exceeds the deadline; does nothing without a deadline.

@@ -379,7 +379,7 @@ std::function<Exit()> declare_record(CLI::App& options) {
   options.add_flag("--no-frames", settings->no_frames, "record no pictures; the cameras run all the same");
   options.add_flag("--quiet", settings->quiet, "don't print what controllers write to os(); the trace has it");
   add_host_options(options, settings->record, &settings->alone);
-  add_deadline_option(options, settings->deadline);
+  add_timing_options(options, settings->deadline, settings->record);
   add_json_flag(options, settings->json);
   add_branch_options(options, settings->branch);
   add_debugger_options(options, settings->debugger);

@@ -230,7 +230,7 @@ std::function<Exit()> declare_replay(CLI::App& options) {
       ->type_name("SERIES=VALUE")
       ->allow_extra_args(false);
   add_host_options(options, settings->replay, &settings->controller);
-  add_deadline_option(options, settings->deadline);
+  add_timing_options(options, settings->deadline, settings->replay);
   add_integer(options, "--tick",
               "show this tick: inputs, commands, measurements, messages, changes, differences; with --gdb: stop there",
               0, std::numeric_limits<std::int64_t>::max() / 2, [=](std::int64_t tick) { settings->ticks.tick = tick; });

@@ -24,6 +24,7 @@ struct AuditOptions : HostOptions {
   std::optional<double> until;  // end of the replays [s]
   int repeat = 1;               // number of replays under each factor
   bool valgrind = false;        // one more replay under memcheck
+  bool realtime = false;        // only the costs of the calls are examined, in one replay
   /// The controllers get simulated time and seeded random numbers in all runs, instead of the system's.
   bool virtualise = false;
   std::uint64_t seed = 1;          // of the random numbers that replace the system's
@@ -91,6 +92,19 @@ struct AuditedCode {
   std::string sentence;    // for a person, complete
 };
 
+/// Calls of a controller from one place that take an unknown time (rehearse/messages.h: ControlCost).
+struct AuditedCost {
+  std::string cost;                              // "allocation", "release", "lock", "system call" or "exception"
+  std::string function;                          // of the C library: "malloc", of `operator new`, too
+  std::string phase;                             // "initialize", "control", ...
+  std::string place;                             // "Filter::update() (filter.cpp:31)"
+  std::vector<std::string> callers;              // of the place, in the same library, innermost first
+  std::int64_t first_tick = -1, last_tick = -1;  // -1: before the run
+  std::int64_t count = 0;
+  /// False for calls before the run and in tick 0, where a controller may take its time.
+  bool breaks_realtime() const { return phase == "control" && last_tick > 0; }
+};
+
 struct ControllerAudit {
   std::string controller;  // "SR1/SR1Minimum"
   std::filesystem::path library;
@@ -102,6 +116,7 @@ struct ControllerAudit {
   std::vector<FactorResult> factors;  // in the order of Factor
   std::vector<AuditedCall> calls;     // in order of their first occurrence
   std::vector<AuditedCode> code;
+  std::vector<AuditedCost> costs;  // with AuditOptions::realtime, in order of their first occurrence
   /// Calls whose answer was equal in all replays and may have reached a command: "fopen(gains.txt) called in
   /// Walker::begin() ...".
   std::vector<std::string> rests_on;
@@ -110,6 +125,7 @@ struct ControllerAudit {
 struct AuditReport {
   std::string verdict;  // one sentence, without a full stop
   bool deterministic = true;
+  std::optional<bool> realtime_safe;  // none: it wasn't examined, or the costs can't be counted here
   std::optional<Diagnostic> failure;  // a controller threw, crashed, hung or ended its process
   bool controller_refused = false;
   std::int64_t ticks = 0;     // number of ticks of a replay
@@ -140,6 +156,7 @@ struct AuditedReplay {
   int passes = 1;                 // number of runs in this process; libraries stay loaded between them
   std::uint32_t padding = 0;      // seed of the memory blocks that are allocated first and kept; 0: none
   std::optional<int> stack_fill;  // byte that fills the stack before each call
+  bool costs = false;             // log the costs of calls with their places
   std::optional<double> until;    // [s]
   HostOptions host;
 };

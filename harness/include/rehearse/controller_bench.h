@@ -14,6 +14,8 @@
 #pragma once
 
 #include <rehearse/io.h>
+#include <rehearse/messages.h>
+#include <rehearse/run_options.h>
 
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -108,7 +110,8 @@ class ControllerBench {
   void update_links();
 
   /// Copies inputs, calls control(), reads outputs, and advances the time by one step. Returns the result of control().
-  /// Throws std::runtime_error if the controller throws, crashes or hangs. Throws std::invalid_argument if a sensor has
+  /// Throws std::runtime_error if the controller throws, crashes or hangs; with REHEARSE_REALTIME=1 in the environment
+  /// also if a tick after the first one isn't real-time safe. Throws std::invalid_argument if a sensor has
   /// a wrong number of values, or if an axis is out of its range.
   bool tick();
 
@@ -118,6 +121,11 @@ class ControllerBench {
 
   /// The last value that the controller set for a variable (rehearse_variable.h). std::out_of_range if it never set it.
   double variable(std::string_view name) const;
+
+  /// The costs of the last tick's control(); all 0 if they can't be counted here (control().costs is none).
+  const msg::ControlCost& cost() const;
+  /// The times and costs of all calls of control(). Its EXPECT_REALTIME is in gtest.h.
+  ControlTimes control() const;
 
   /// Lines that the controller wrote to its stream, and remarks about it, since the beginning.
   const std::vector<std::string>& messages() const;

@@ -130,6 +130,8 @@ TestVerdict hold_expectations(const Trace& trace, const std::string& test);
 TestVerdict replay_golden(const std::string& name, const std::string& test);
 SweepResult sweep_for_test(const std::string& scenario, const SweepCases& cases, const std::string& test);
 TestVerdict judge_pass_rate(const SweepResult& result, double rate);
+TestVerdict judge_realtime(const Trace& trace);
+TestVerdict judge_realtime(const ControllerBench& bench);
 
 /// Suite.Test of the running test; the slashes of parameterised and typed tests become dashes.
 inline std::string current_test() {
@@ -174,6 +176,11 @@ inline ::testing::AssertionResult Holds(const char*, const Trace& trace) {
 
 inline ::testing::AssertionResult HasPassRate(const char*, const char*, const SweepResult& result, double rate) {
   return assertion_of(judge_pass_rate(result, rate));
+}
+
+template <class Run>
+::testing::AssertionResult IsRealtime(const char*, const Run& run) {
+  return assertion_of(judge_realtime(run));
 }
 
 inline ::testing::AssertionResult Replays(const char*, const std::string& name) {
@@ -225,6 +232,12 @@ inline SweepResult sweep(const std::string& scenario, const SweepCases& cases = 
 /// Passes if the expectations of the recording's scenario (`expect:`) are met. Needs no golden.
 #define EXPECT_HOLDS(trace) EXPECT_PRED_FORMAT1(::rehearse::internal::Holds, trace)
 #define ASSERT_HOLDS(trace) ASSERT_PRED_FORMAT1(::rehearse::internal::Holds, trace)
+
+/// Passes if control() neither allocates nor releases memory, takes no lock, calls no function of the C library that
+/// calls the system and throws nothing, in all ticks after the first. `run`: a ControllerBench, or a recording of a
+/// scenario with `realtime: counts`. With REHEARSE_REALTIME=1 in the environment each run of the program counts.
+#define EXPECT_REALTIME(run) EXPECT_PRED_FORMAT1(::rehearse::internal::IsRealtime, run)
+#define ASSERT_REALTIME(run) ASSERT_PRED_FORMAT1(::rehearse::internal::IsRealtime, run)
 
 /// Passes if the controllers give the same commands, bit for bit, for the inputs in golden/NAME.mcap, without physics.
 #define EXPECT_REPLAYS(name) EXPECT_PRED_FORMAT1(::rehearse::internal::Replays, name)

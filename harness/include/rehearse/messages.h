@@ -282,6 +282,20 @@ struct Tick {
   REHEARSE_FIELDS(stamp, tick, state_hash, input_hash, output_hash, controller_results)
 };
 
+/// The costs of a call of control(): the calls made by it, on its thread. Calls by Rehearse's own code don't count.
+struct ControlCost {
+  static constexpr std::string_view type_name = "rehearse_msgs/msg/ControlCost";
+  Time stamp;
+  std::uint64_t allocations = 0;      // malloc() and similar functions, and so operator new
+  std::uint64_t allocated_bytes = 0;  // as requested [B]
+  std::uint64_t releases = 0;         // free(), and so operator delete, of a block
+  std::uint64_t locks = 0;            // functions that take a lock or wait for another thread
+  std::uint64_t system_calls = 0;     // functions of the C library that call the system, or may do so
+  std::uint64_t exceptions = 0;       // exceptions thrown
+  std::uint64_t message_bytes = 0;    // written to os() [B]
+  REHEARSE_FIELDS(stamp, allocations, allocated_bytes, releases, locks, system_calls, exceptions, message_bytes)
+};
+
 /// The numbers of a device for which ROS has no message type.
 struct DeviceState {
   static constexpr std::string_view type_name = "rehearse_msgs/msg/DeviceState";

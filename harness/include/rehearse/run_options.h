@@ -6,6 +6,7 @@
 #pragma once
 
 #include <rehearse/diagnostic.h>
+#include <rehearse/messages.h>
 #include <rehearse/scenario.h>
 #include <rehearse/trace.h>
 
@@ -43,6 +44,8 @@ struct HostOptions {
   /// Limit of the memory of the process that calls the controllers [MB]; 0: four fifths of the memory that is
   /// available when the process starts. Without a supervisor it has no effect.
   double memory_limit = 0.0;
+  /// Count the costs of control() and record them; also true if the scenario says so.
+  bool counts_costs = false;
   /// Libraries and the contents of their static objects stay loaded after the run.
   bool keep_libraries = false;
   /// Called with each line that a controller writes to os(), after the call in which it does; null: never called.
@@ -75,8 +78,26 @@ enum class RunEnding {
   interrupted,
 };
 
-/// The wall times of a controller's calls of control(), by the clock of the machine: they differ from run to run, and no
-/// recording contains them. Each is at most 1.6 % too long, the longest is exact.
+/// The costs of a controller's calls of control() after tick 0, as sums (messages.h: ControlCost).
+struct ControlCosts {
+  struct Count {
+    std::string_view name;         // "allocations", as the field of msg::ControlCost
+    std::uint64_t total = 0;       // of all ticks but tick 0
+    std::int64_t ticks = 0;        // ticks that have at least one
+    std::int64_t first_tick = -1;  // -1: none has
+  };
+  std::vector<Count> counts;
+  /// Accesses for which the kernel had to map a page; they depend on the machine, and no recording contains them.
+  Count page_faults = {"page_faults"};
+
+  /// Adds the costs of a tick; ticks ascend.
+  void add(std::int64_t tick, const msg::ControlCost& cost, std::uint64_t page_faults);
+  /// True if no call after tick 0 allocates, releases, locks, calls the system or throws.
+  bool is_realtime_safe() const;
+};
+
+/// The wall times of a controller's calls of control(), by the clock of the machine: they differ from run to run, and
+/// no recording contains them. Each is at most 1.6 % too long, the longest is exact.
 struct ControlTimes {
   std::string controller;  // "SR1/Walk"
   double period = 0.0;     // the time step [s]
@@ -86,7 +107,14 @@ struct ControlTimes {
   double longest = 0.0;  // [s]
   std::int64_t longest_tick = 0;
   std::vector<std::pair<double, std::int64_t>> histogram = {};  // upper end of each bin [s] with its calls; ascending
+  std::optional<ControlCosts> costs = {};                       // none: they weren't counted
 };
+
+/// "control() of SR1/Walk is real-time safe in 10000 ticks: no allocation, ...", or the list of its costs.
+std::string realtime_sentence(const ControlTimes& control);
+
+/// The number so far, of the calling thread.
+std::uint64_t page_faults_of_thread();
 
 /// The result of a run.
 struct RunSummary {

@@ -1,5 +1,5 @@
-// Scenario: all settings that determine a run, as a YAML file states them. The page reference/scenario.md describes the file
-// format.
+// Scenario: all settings that determine a run, as a YAML file states them. The page reference/scenario.md describes the
+// file format.
 //
 // Loading checks the file itself and compares it with the models that it names. Every mistake is a Diagnostic with
 // file, line and column; all mistakes are reported together. A loaded scenario can be run; a run reports controllers
@@ -258,6 +258,7 @@ struct Scenario : WorldSettings {
   std::optional<std::vector<std::string>> cameras;
   bool record_frames = true;              // pictures are written into the trace
   std::vector<ToleranceRule> tolerances;  // in file order; the last that matches wins
+  bool counts_costs = false;              // `realtime: counts`: the costs of control() are recorded
   std::optional<double> horizon;  // values are compared with the golden's up to this time [s]; nullopt: not stated
   std::vector<Expectation> expectations;  // `expect:`, in file order
   std::vector<Variation> variations;      // `vary:`, in file order

@@ -18,9 +18,10 @@ enum class Stage {
   physics,     // the state of the simulated bodies
   sensors,     // the measurements of sensors
   renderer,    // pixels
+  costs,       // what control() costs: a finding of its own, after all others
 };
 
-/// "inputs", "controller", "physics", "sensors" or "renderer".
+/// "inputs", "controller", "physics", "sensors", "renderer" or "costs".
 std::string_view to_string(Stage stage);
 
 /// The type of the 64 bits of a cell.

@@ -4,6 +4,7 @@
 #include <cnoid/YAMLReader>
 #include <fstream>
 #include <iomanip>
+#include <memory>
 
 #include "behaviours.h"
 
@@ -115,6 +116,23 @@ class Busy : public cnoid::SimpleController {
   int busy_at_ = 0, tick_ = 0;
 };
 const Add<Busy> busy("busy");
+
+/// allocate TICK: control() allocates and releases a block of 1000 B from that tick on.
+class Allocator : public cnoid::SimpleController {
+ public:
+  explicit Allocator(const Words& words) : from_(std::stoi(words.at(0))) {}
+  bool initialize(cnoid::SimpleControllerIO*) override { return true; }
+  bool control() override {
+    if (tick_++ >= from_) block_.reset(new char[1000]);
+    block_.reset();
+    return true;
+  }
+
+ private:
+  int from_ = 0, tick_ = 0;
+  std::unique_ptr<char[]> block_;
+};
+const Add<Allocator> allocator("allocate");
 
 /// file PATH: commands the effort in the file; refuses if there is no file.
 class FileReader : public Pusher {

@@ -15,6 +15,7 @@ const group_names: Record<Group, string> = {
   input: 'Inputs of the controllers',
   output: 'Commands of the controllers',
   variable: 'Variables of the controllers',
+  cost: 'Costs of control()',
   other: 'Others',
 };
 

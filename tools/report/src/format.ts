@@ -87,7 +87,7 @@ export interface AxisEntry {
 
 export type ValueKind = 'floating' | 'signed_integer' | 'unsigned_integer' | 'boolean' | 'contact';
 
-export type Group = 'contact' | 'state' | 'sensor' | 'input' | 'output' | 'variable' | 'other';
+export type Group = 'contact' | 'state' | 'sensor' | 'input' | 'output' | 'variable' | 'cost' | 'other';
 
 export interface SeriesEntry {
   name: string;

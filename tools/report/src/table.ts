@@ -15,6 +15,7 @@ const choices: Record<string, (series: Series) => boolean> = {
   Inputs: ({ entry }) => entry.group === 'input',
   Commands: ({ entry }) => entry.group === 'output',
   Variables: ({ entry }) => entry.group === 'variable',
+  Costs: ({ entry }) => entry.group === 'cost',
   State: ({ entry }) => entry.group === 'state',
   Sensors: ({ entry }) => entry.group === 'sensor',
 };

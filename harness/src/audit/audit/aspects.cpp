@@ -102,6 +102,7 @@ Aspect aspect_of(const ObservedCall& call) {
       case Source::environment: return surroundings_of(call);
       case Source::locale: return {"the locale", Factor::locale};
       case Source::process: return {"the kernel", std::nullopt};
+      case Source::cost: break;  // only logged by an audit of costs
     }
     return {};
   };

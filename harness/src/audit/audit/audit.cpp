@@ -14,6 +14,7 @@
 #include "core/scenario/trace_scenario.h"
 #include "judgement.h"
 #include "model/clock.h"
+#include "realtime.h"
 #include "valgrind_report.h"
 
 namespace rehearse {
@@ -46,6 +47,8 @@ class Audit {
   Result<void> ask_places(const std::vector<ObservedCall>& seen, const std::vector<FactorResult>& factors,
                           std::vector<std::pair<CodePlace, bool>>& tried);
   Result<void> run_valgrind();
+  Result<void> run_realtime();
+  void take_first(const ReplayPass& pass);
   Result<void> judge();
   bool calls_can_hide() const;
   void sum_up();
@@ -202,7 +205,12 @@ Result<void> Audit::run_first() {
   if (!outcomes) return outcomes.errors();
   evidence_.plain = std::move((*outcomes)[0]);
   evidence_.still = std::move((*outcomes)[1]);
-  const ReplayPass& pass = evidence_.plain.passes[0];
+  take_first(evidence_.plain.passes[0]);
+  return {};
+}
+
+/// Takes the size, the failure and the remarks of a run from its first replay.
+void Audit::take_first(const ReplayPass& pass) {
   report_.ticks = pass.outputs.rows();
   report_.time = time_of(report_.ticks, evidence_.time_step);
   std::int64_t numbers = 0;
@@ -217,7 +225,6 @@ Result<void> Audit::run_first() {
   if (!report_.failure && pass.refused)
     report_.failure = error(refusal != pass.remarks.end() ? refusal->message : "a controller refused to take part");
   report_.remarks.insert(report_.remarks.end(), pass.remarks.begin(), pass.remarks.end());
-  return {};
 }
 
 /// True if controllers can make unlogged calls: system calls past the C library that can't be watched, or more kinds of
@@ -289,6 +296,30 @@ Result<void> Audit::run_valgrind() {
   if (!outcome.passes[0].undefined.empty())
     report_.memory_errors.push_back("a command was never set: " + outcome.passes[0].undefined);
   report_.replays += 1;
+  return {};
+}
+
+/// Replaces all other examinations.
+Result<void> Audit::run_realtime() {
+  tell("replaying", 1);
+  ReplaySettings settings = plain_replay(options_);
+  settings.name = "realtime";
+  settings.costs = true;
+  auto outcomes = processes_->run({settings});
+  if (!outcomes) return outcomes.errors();
+  const ReplayOutcome& outcome = (*outcomes)[0];
+  take_first(outcome.passes[0]);
+  report_.replays = 1;
+  for (ControllerAudit& controller : report_.controllers)
+    controller.costs = costs_in(outcome.log, controller.controller);
+  if (report_.failure) {
+    report_.verdict = "failed: " + report_.failure->message;
+  } else if (!outcome.passes[0].counted_costs) {
+    report_.verdict = "unknown: the costs of control() can't be counted here";
+  } else {
+    report_.realtime_safe = std::ranges::none_of(report_.controllers, breaks_realtime);
+    report_.verdict = realtime_verdict(report_, outcome.log.complete);
+  }
   return {};
 }
 
@@ -390,13 +421,19 @@ void Audit::sum_up() {
 
 Result<AuditReport> Audit::run() {
   if (auto ready = prepare(); !ready) return ready.errors();
-  if (!report_.failure)
+  if (!report_.failure && !options_.realtime)
     if (auto done = run_first(); !done) return done.errors();
   for (const AuditedLibrary& library : libraries_) {
     ControllerAudit& controller = report_.controllers.emplace_back();
     controller.controller = library.label;
     controller.library = library.file;
+    if (options_.realtime) continue;
     if (auto code = scan_library(library.file)) controller.code = *std::move(code);
+  }
+  if (options_.realtime) {
+    if (!report_.failure)
+      if (auto done = run_realtime(); !done) return done.errors();
+    return report_;
   }
   if (!report_.failure)
     if (auto done = run_experiments(); !done) return done.errors();

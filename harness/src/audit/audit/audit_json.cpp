@@ -34,6 +34,12 @@ AuditJson object_of(const AuditedCode& code) {
           {"sentence", code.sentence}};
 }
 
+AuditJson object_of(const AuditedCost& cost) {
+  return {{"cost", cost.cost},           {"function", cost.function}, {"phase", cost.phase},
+          {"place", cost.place},         {"callers", cost.callers},   {"first_tick", cost.first_tick},
+          {"last_tick", cost.last_tick}, {"count", cost.count},       {"breaks_realtime", cost.breaks_realtime()}};
+}
+
 AuditJson object_of(const ControllerAudit& controller);
 
 template <class T>
@@ -52,13 +58,16 @@ AuditJson object_of(const ControllerAudit& controller) {
           {"factors", json_array(controller.factors)},
           {"calls", json_array(controller.calls)},
           {"rests_on", controller.rests_on},
+          {"costs", json_array(controller.costs)},
           {"library", {{"file", controller.library.string()}, {"findings", json_array(controller.code)}}}};
 }
 
 }  // namespace
 
 std::string to_json(const AuditReport& report) {
-  AuditJson object{{"verdict", report.verdict}, {"deterministic", report.deterministic}};
+  AuditJson object{{"verdict", report.verdict},
+                   {"deterministic", report.deterministic},
+                   {"realtime_safe", report.realtime_safe ? AuditJson(*report.realtime_safe) : AuditJson(nullptr)}};
   auto shown = std::find_if(report.controllers.begin(), report.controllers.end(),
                             [](const ControllerAudit& controller) { return !controller.deterministic; });
   if (shown == report.controllers.end()) shown = report.controllers.begin();

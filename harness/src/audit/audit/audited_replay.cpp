@@ -81,6 +81,7 @@ Json pass(const AuditedReplay& work, OutputsWriter& outputs) {
   static_cast<HostOptions&>(options) = work.host;
   options.keep_libraries = work.passes > 1;
   options.watch = &watch;
+  options.counts_costs = work.costs;
   options.until = work.until;
   options.on_started = [&](const std::vector<OutputField>& fields) {
     outputs.begin(fields);
@@ -91,9 +92,9 @@ Json pass(const AuditedReplay& work, OutputsWriter& outputs) {
     outputs.add(tick, row);
   };
   const auto report = replay(work.trace, options);
-  Json result{{"problem", nullptr},   {"failure", nullptr},
-              {"refused", false},     {"differs_from_recording", nullptr},
-              {"undefined", nullptr}, {"remarks", Json::array()}};
+  Json result{
+      {"problem", nullptr},     {"failure", nullptr},   {"refused", false},        {"differs_from_recording", nullptr},
+      {"counted_costs", false}, {"undefined", nullptr}, {"remarks", Json::array()}};
   if (!report) {
     result["problem"] = report.errors()[0];
     return result;
@@ -101,6 +102,8 @@ Json pass(const AuditedReplay& work, OutputsWriter& outputs) {
   if (report->failure) result["failure"] = report->failure->message;
   if (!undefined.empty()) result["undefined"] = undefined;
   result["refused"] = report->controller_refused;
+  result["counted_costs"] =
+      std::ranges::any_of(report->control_times, [](const ControlTimes& times) { return times.costs.has_value(); });
   result["differs_from_recording"] = json_of_place(report->first);
   result["remarks"] = json_of_texts(report->remarks);
   return result;
@@ -110,6 +113,7 @@ Json pass(const AuditedReplay& work, OutputsWriter& outputs) {
 
 Result<void> make_audited_replay(const AuditedReplay& work) {
   end_process_at_library_crashes();
+  if (work.costs) log_costs();
   if (work.padding != 0) pad_memory(work.padding);
   const fs::path folder = fs::absolute(work.folder);  // a controller may change the working folder
   AuditedReplay here = work;

@@ -14,8 +14,8 @@ namespace fs = std::filesystem;
 using interposer::Log;
 using interposer::LogEntry;
 
-constexpr std::string_view source_names[] = {"clock",   "random",      "thread", "file",
-                                             "network", "environment", "locale", "process"};
+constexpr std::string_view source_names[] = {"clock",       "random", "thread",  "file", "network",
+                                             "environment", "locale", "process", "cost"};
 
 /// A text of the heap; none if the offset is outside of it.
 std::optional<std::string> text_at(const Log& log, interposer::TextOffset offset) {

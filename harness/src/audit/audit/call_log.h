@@ -17,11 +17,12 @@
 namespace rehearse {
 
 struct ObservedCall {
-  enum class Source { clock, random, thread, file, network, environment, locale, process };
+  enum class Source { clock, random, thread, file, network, environment, locale, process, cost };
 
   Source source = Source::clock;
   std::string function;          // "clock_gettime"
-  std::string argument;          // "CLOCK_MONOTONIC", "HOME", "gains.txt"; empty: no relevant argument
+  std::string argument;          // of `cost`: "allocation", ...; else "CLOCK_MONOTONIC", "HOME", "gains.txt"; empty: no
+                                 // relevant argument
   std::string controller;        // "SR1/SR1Minimum"
   std::string phase;             // "load", "configure", "control", ...; "its own thread": on a thread it created
   std::int64_t first_tick = -1;  // -1: before the run

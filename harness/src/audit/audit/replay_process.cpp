@@ -115,6 +115,7 @@ std::vector<std::string> ReplayProcesses::command_line(const ReplaySettings& set
                              folder_of(settings).string(), "--passes", std::to_string(settings.passes)});
   if (settings.padding != 0) words.insert(words.end(), {"--padding", std::to_string(settings.padding)});
   if (settings.fill != 0) words.insert(words.end(), {"--stack-fill", std::to_string(settings.fill ^ 0xff)});
+  if (settings.costs) words.push_back("--costs");
   if (options_.until) words.insert(words.end(), {"--until", fmt::format("{}", *options_.until)});
   const double limit = options_.call_limit * (settings.valgrind ? valgrind_slowness : 1.0);
   words.insert(words.end(), {"--call-limit", fmt::format("{}", std::min(limit, 86400.0))});
@@ -236,6 +237,7 @@ Result<ReplayPass> ReplayProcesses::read_pass(const Child& child, int number) co
     if (!report.at("problem").is_null()) return report.at("problem").get<Diagnostic>();
     if (!report.at("failure").is_null()) pass.failure = report.at("failure").get<std::string>();
     pass.refused = report.at("refused");
+    pass.counted_costs = report.at("counted_costs");
     pass.differs_from_recording = place_of_json(report.at("differs_from_recording"));
     if (!report.at("undefined").is_null()) pass.undefined = report.at("undefined");
     for (const Json& remark : report.at("remarks"))

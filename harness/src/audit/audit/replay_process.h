@@ -31,6 +31,7 @@ struct ReplaySettings {
   bool other_environment = false;  // replaces all variables that the audit doesn't need
   bool other_folder = false;       // works in a separate folder
   bool valgrind = false;
+  bool costs = false;  // AuditedReplay::costs
 };
 
 /// The result of one pass.
@@ -38,6 +39,7 @@ struct ReplayPass {
   Outputs outputs;
   std::optional<std::string> failure;  // a controller threw, crashed or hung; or the process ended in it
   bool refused = false;
+  bool counted_costs = false;
   std::optional<Divergence> differs_from_recording;  // the first command that differs from the recorded one
   std::string undefined;                             // under valgrind: the first number that was never set
   Diagnostics remarks;

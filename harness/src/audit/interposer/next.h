@@ -11,7 +11,7 @@ namespace rehearse::interposer {
 
 /// The source as which a call of each function is logged.
 namespace source_of {
-#define REHEARSE_SOURCE(name, source, guard) inline constexpr Source name = Source::source;
+#define REHEARSE_SOURCE(name, source, guard, cost) inline constexpr Source name = Source::source;
 REHEARSE_C_FUNCTIONS(REHEARSE_SOURCE)
 #undef REHEARSE_SOURCE
 }  // namespace source_of

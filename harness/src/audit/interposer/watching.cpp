@@ -249,6 +249,11 @@ extern "C" __attribute__((visibility("default"))) void rehearse_interposer_enter
   thread_state.in_call = true;
 }
 
+extern "C" __attribute__((visibility("default"))) void rehearse_interposer_note_cost(const char* cost,
+                                                                                     const char* function) {
+  if (watching()) note(Source::cost, function, cost, __builtin_return_address(0));
+}
+
 extern "C" __attribute__((visibility("default"))) void rehearse_interposer_leave() {
   thread_state.in_call = false;
   if (strcmp(current_phase, "control") == 0) return;  // libraries are mostly loaded before control()

@@ -9,7 +9,7 @@
 namespace rehearse::interposer {
 
 /// In the order of ObservedCall::Source.
-enum class Source : uint32_t { clock, random, thread, file, network, environment, locale, process, none };
+enum class Source : uint32_t { clock, random, thread, file, network, environment, locale, process, cost, none };
 
 /// The lead of a thread's simulated clocks over the simulation, caused by readings and sleeping.
 struct ClockLead {

@@ -298,8 +298,23 @@ std::string nothing_differs(const Suspects& with, const CheckReport& report) {
                      verdict(*report.plant_comparison));
 }
 
+/// The verdict if only the costs of control() differ, which come after all other differences; none: others do.
+std::optional<Blame> changed_costs(const CheckReport& report) {
+  if (!report.comparison || !report.comparison->first || report.comparison->first->stage != Stage::costs)
+    return std::nullopt;
+  if (report.controller == LevelState::differs || report.plant == LevelState::differs) return std::nullopt;
+  const Divergence& place = *report.comparison->first;
+  const ChannelName name = ChannelName::parse(place.channel);
+  return Blame{fmt::format("the costs of control() of {}/{} changed, its commands did not: {}; "
+                           "`rehearse audit --realtime` names the lines",
+                           name.body, name.owner,
+                           headline_of(place, worst_of_channel(*report.comparison, place), {.when = when_text(place)})),
+               place, report.comparison->first_bit};
+}
+
 /// The part of the loop that differs, if the scenario is the recorded one.
 Blame guilty_part(const Suspects& suspects, const CheckReport& report) {
+  if (auto costs = changed_costs(report)) return *std::move(costs);
   const CheckReport evidence = with_all_levels(suspects, report);
   const bool controller_differs = evidence.controller == LevelState::differs;
   const bool plant_differs = evidence.plant == LevelState::differs;

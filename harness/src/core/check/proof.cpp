@@ -114,6 +114,7 @@ std::string Proof::objection_to(const Scenario& scenario, const Trace& golden, c
                                 const Simulation& simulation) {
   if (std::string objection = objection_to_golden(golden); !objection.empty()) return objection;
   if (always_simulates(scenario)) return "the scenario asks for it";
+  if (scenario.counts_costs || options.run.counts_costs) return "the costs of control() are counted";
   if (std::string objection = objection_to_samples(scenario, golden); !objection.empty()) return objection;
   if (options.run.watch) return "the controllers are watched";
   const auto plant = simulation.describe_plant(scenario);

@@ -73,8 +73,9 @@ int rank_of(Stage stage) {
     case Stage::renderer: return 2;
     case Stage::inputs: return 3;
     case Stage::controller: return 4;
+    case Stage::costs: return 5;
   }
-  return 5;
+  return 6;
 }
 
 }  // namespace
@@ -84,6 +85,7 @@ bool CompareOptions::takes(Stage stage) const {
 }
 
 bool comes_before(const Divergence& a, const Divergence& b) {
+  if ((a.stage == Stage::costs) != (b.stage == Stage::costs)) return b.stage == Stage::costs;
   return a.tick != b.tick ? a.tick < b.tick : rank_of(a.stage) < rank_of(b.stage);
 }
 

@@ -231,6 +231,12 @@ class LoneChannels {
         lone_.erase(lone_.begin());
         continue;
       }
+      if (stage_of(channel.topic) == Stage::costs) {
+        remarks.push_back(
+            fmt::format("the {} has no costs: {} is not compared", missing_ ? "run" : "golden", channel.topic));
+        lone_.erase(lone_.begin());
+        continue;
+      }
       const Group group = group_of(channel.topic);
       ChannelComparison& result = add(channel.topic);
       result.channels = static_cast<int>(take(group.prefix));

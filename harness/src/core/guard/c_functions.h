@@ -4,225 +4,298 @@
 // name; source: the dependence as which an audit reports a call (interposer::Source), or none; guard:
 //   guarded: a call of a controller ends at most the call, or is undone (process_tripwires.cpp),
 //   derived: likewise, by the replacement of a guarded function,
-//   free:    a call has no effect on the process that Rehearse undoes.
+//   counted: a call is only counted (cost_counter.cpp),
+//   allocator: likewise, and the first call may come before other libraries are looked up,
+//   free:    the function isn't replaced;
+// cost: the count to which a call in control() is added (cost_counter.h), or none. Allocations state their size:
+//   allocate_N: it is argument N, allocate_product: the product of both, reallocate: argument 1, of a block that may
+//   exist already.
 #pragma once
 
 // clang-format off
 #define REHEARSE_C_FUNCTIONS(ROW) \
-  ROW(alarm, clock, guarded) \
-  ROW(clock, clock, free) \
-  ROW(clock_gettime, clock, free) \
-  ROW(clock_nanosleep, clock, free) \
-  ROW(ftime, clock, free) \
-  ROW(getrusage, clock, free) \
-  ROW(gettimeofday, clock, free) \
-  ROW(nanosleep, clock, free) \
-  ROW(poll, clock, free) \
-  ROW(pthread_cond_clockwait, clock, free) \
-  ROW(pthread_cond_timedwait, clock, free) \
-  ROW(pthread_mutex_clocklock, clock, free) \
-  ROW(pthread_mutex_timedlock, clock, free) \
-  ROW(select, clock, free) \
-  ROW(sem_clockwait, clock, free) \
-  ROW(sem_timedwait, clock, free) \
-  ROW(setitimer, clock, guarded) \
-  ROW(sleep, clock, free) \
-  ROW(time, clock, free) \
-  ROW(timer_create, clock, free) \
-  ROW(timerfd_create, clock, free) \
-  ROW(times, clock, free) \
-  ROW(timespec_get, clock, free) \
-  ROW(usleep, clock, free) \
-  ROW(arc4random, random, free) \
-  ROW(arc4random_buf, random, free) \
-  ROW(arc4random_uniform, random, free) \
-  ROW(drand48, random, free) \
-  ROW(getentropy, random, free) \
-  ROW(getrandom, random, free) \
-  ROW(initstate, random, free) \
-  ROW(lcong48, random, free) \
-  ROW(lrand48, random, free) \
-  ROW(mrand48, random, free) \
-  ROW(rand, random, free) \
-  ROW(random, random, free) \
-  ROW(seed48, random, free) \
-  ROW(srand, random, free) \
-  ROW(srand48, random, free) \
-  ROW(srandom, random, free) \
-  ROW(clone, thread, free) \
-  ROW(execv, thread, guarded) \
-  ROW(execve, thread, guarded) \
-  ROW(execvp, thread, guarded) \
-  ROW(fork, thread, guarded) \
-  ROW(popen, thread, free) \
-  ROW(posix_spawn, thread, free) \
-  ROW(posix_spawnp, thread, free) \
-  ROW(pthread_create, thread, guarded) \
-  ROW(system, thread, free) \
-  ROW(vfork, thread, derived) \
-  ROW(access, file, free) \
-  ROW(chmod, file, free) \
-  ROW(closedir, file, free) \
-  ROW(creat, file, free) \
-  ROW(creat64, file, free) \
-  ROW(faccessat, file, free) \
-  ROW(fchmodat, file, free) \
-  ROW(fdopendir, file, free) \
-  ROW(fopen, file, guarded) \
-  ROW(fopen64, file, guarded) \
-  ROW(freopen, file, free) \
-  ROW(freopen64, file, free) \
-  ROW(fstatat, file, free) \
-  ROW(fstatat64, file, free) \
-  ROW(fts64_open, file, free) \
-  ROW(fts_open, file, free) \
-  ROW(ftw, file, free) \
-  ROW(ftw64, file, free) \
-  ROW(getdents64, file, free) \
-  ROW(glob, file, free) \
-  ROW(glob64, file, free) \
-  ROW(lstat, file, free) \
-  ROW(lstat64, file, free) \
-  ROW(mkdir, file, free) \
-  ROW(mkdtemp, file, free) \
-  ROW(mkostemp, file, free) \
-  ROW(mkstemp, file, free) \
-  ROW(mkstemp64, file, free) \
-  ROW(mq_open, file, free) \
-  ROW(msgget, file, free) \
-  ROW(nftw, file, free) \
-  ROW(nftw64, file, free) \
-  ROW(open, file, guarded) \
-  ROW(open64, file, guarded) \
-  ROW(__open64_2, file, free) \
-  ROW(__open_2, file, free) \
-  ROW(openat, file, guarded) \
-  ROW(openat64, file, guarded) \
-  ROW(__openat64_2, file, free) \
-  ROW(__openat_2, file, free) \
-  ROW(opendir, file, free) \
-  ROW(readdir, file, free) \
-  ROW(readdir64, file, free) \
-  ROW(readdir64_r, file, free) \
-  ROW(readdir_r, file, free) \
-  ROW(readlink, file, free) \
-  ROW(readlinkat, file, free) \
-  ROW(realpath, file, free) \
-  ROW(remove, file, free) \
-  ROW(rename, file, free) \
-  ROW(rewinddir, file, free) \
-  ROW(rmdir, file, free) \
-  ROW(scandir, file, free) \
-  ROW(scandir64, file, free) \
-  ROW(scandirat, file, free) \
-  ROW(scandirat64, file, free) \
-  ROW(seekdir, file, free) \
-  ROW(semget, file, free) \
-  ROW(shm_open, file, free) \
-  ROW(shm_unlink, file, free) \
-  ROW(shmat, file, free) \
-  ROW(shmget, file, free) \
-  ROW(stat, file, free) \
-  ROW(stat64, file, free) \
-  ROW(statfs, file, free) \
-  ROW(statfs64, file, free) \
-  ROW(statvfs, file, free) \
-  ROW(statvfs64, file, free) \
-  ROW(statx, file, free) \
-  ROW(telldir, file, free) \
-  ROW(tmpfile, file, free) \
-  ROW(tmpfile64, file, free) \
-  ROW(truncate, file, free) \
-  ROW(unlink, file, free) \
-  ROW(unlinkat, file, free) \
-  ROW(utimensat, file, free) \
-  ROW(wordexp, file, free) \
-  ROW(bind, network, free) \
-  ROW(connect, network, free) \
-  ROW(getaddrinfo, network, free) \
-  ROW(gethostbyname, network, free) \
-  ROW(getifaddrs, network, free) \
-  ROW(socket, network, free) \
-  ROW(clearenv, environment, guarded) \
-  ROW(get_current_dir_name, environment, free) \
-  ROW(get_nprocs, environment, free) \
-  ROW(get_nprocs_conf, environment, free) \
-  ROW(getauxval, environment, free) \
-  ROW(getcpu, environment, free) \
-  ROW(getcwd, environment, free) \
-  ROW(getegid, environment, free) \
-  ROW(getenv, environment, free) \
-  ROW(geteuid, environment, free) \
-  ROW(getgid, environment, free) \
-  ROW(gethostid, environment, free) \
-  ROW(gethostname, environment, free) \
-  ROW(getloadavg, environment, free) \
-  ROW(getlogin, environment, free) \
-  ROW(getlogin_r, environment, free) \
-  ROW(getpid, environment, free) \
-  ROW(getppid, environment, free) \
-  ROW(getpriority, environment, free) \
-  ROW(getpwuid, environment, free) \
-  ROW(getpwuid_r, environment, free) \
-  ROW(getrlimit, environment, free) \
-  ROW(getrlimit64, environment, free) \
-  ROW(gettid, environment, free) \
-  ROW(getuid, environment, free) \
-  ROW(ioctl, environment, free) \
-  ROW(isatty, environment, free) \
-  ROW(localtime, environment, free) \
-  ROW(localtime_r, environment, free) \
-  ROW(mktime, environment, free) \
-  ROW(pthread_getaffinity_np, environment, free) \
-  ROW(pthread_setaffinity_np, environment, free) \
-  ROW(putenv, environment, guarded) \
-  ROW(sched_getaffinity, environment, free) \
-  ROW(sched_getcpu, environment, free) \
-  ROW(sched_setaffinity, environment, free) \
-  ROW(secure_getenv, environment, free) \
-  ROW(setenv, environment, guarded) \
-  ROW(sysconf, environment, free) \
-  ROW(sysinfo, environment, free) \
-  ROW(ttyname, environment, free) \
-  ROW(ttyname_r, environment, free) \
-  ROW(tzset, environment, free) \
-  ROW(uname, environment, free) \
-  ROW(unsetenv, environment, guarded) \
-  ROW(localeconv, locale, free) \
-  ROW(newlocale, locale, free) \
-  ROW(__newlocale, locale, free) \
-  ROW(setlocale, locale, guarded) \
-  ROW(uselocale, locale, guarded) \
-  ROW(_Exit, process, guarded) \
-  ROW(abort, process, guarded) \
-  ROW(chdir, process, guarded) \
-  ROW(close, process, guarded) \
-  ROW(close_range, process, guarded) \
-  ROW(closefrom, process, guarded) \
-  ROW(dlopen, process, free) \
-  ROW(exit, process, guarded) \
-  ROW(_exit, process, guarded) \
-  ROW(fchdir, process, guarded) \
-  ROW(kill, process, free) \
-  ROW(pthread_sigmask, process, guarded) \
-  ROW(quick_exit, process, guarded) \
-  ROW(raise, process, free) \
-  ROW(sigaction, process, guarded) \
-  ROW(signal, process, guarded) \
-  ROW(sigprocmask, process, guarded) \
-  ROW(syscall, process, guarded) \
-  ROW(umask, process, guarded) \
-  ROW(__assert_fail, none, derived) \
-  ROW(dup2, none, guarded) \
-  ROW(dup3, none, guarded) \
-  ROW(execl, none, derived) \
-  ROW(execle, none, derived) \
-  ROW(execlp, none, derived) \
-  ROW(execvpe, none, guarded) \
-  ROW(fclose, none, guarded) \
-  ROW(fexecve, none, guarded) \
-  ROW(prlimit, none, guarded) \
-  ROW(prlimit64, none, guarded) \
-  ROW(setrlimit, none, guarded) \
-  ROW(setrlimit64, none, guarded)
+  ROW(alarm, clock, guarded, system) \
+  ROW(clock, clock, counted, system) \
+  ROW(clock_gettime, clock, free, none) \
+  ROW(clock_nanosleep, clock, counted, system) \
+  ROW(ftime, clock, free, none) \
+  ROW(getrusage, clock, counted, system) \
+  ROW(gettimeofday, clock, free, none) \
+  ROW(nanosleep, clock, counted, system) \
+  ROW(poll, clock, counted, system) \
+  ROW(pthread_cond_clockwait, clock, counted, lock) \
+  ROW(pthread_cond_timedwait, clock, counted, lock) \
+  ROW(pthread_mutex_clocklock, clock, counted, lock) \
+  ROW(pthread_mutex_timedlock, clock, counted, lock) \
+  ROW(select, clock, counted, system) \
+  ROW(sem_clockwait, clock, counted, lock) \
+  ROW(sem_timedwait, clock, counted, lock) \
+  ROW(setitimer, clock, guarded, system) \
+  ROW(sleep, clock, counted, system) \
+  ROW(time, clock, free, none) \
+  ROW(timer_create, clock, counted, system) \
+  ROW(timerfd_create, clock, counted, system) \
+  ROW(times, clock, counted, system) \
+  ROW(timespec_get, clock, free, none) \
+  ROW(usleep, clock, counted, system) \
+  ROW(arc4random, random, counted, system) \
+  ROW(arc4random_buf, random, counted, system) \
+  ROW(arc4random_uniform, random, counted, system) \
+  ROW(drand48, random, free, none) \
+  ROW(getentropy, random, counted, system) \
+  ROW(getrandom, random, counted, system) \
+  ROW(initstate, random, free, none) \
+  ROW(lcong48, random, free, none) \
+  ROW(lrand48, random, free, none) \
+  ROW(mrand48, random, free, none) \
+  ROW(rand, random, free, none) \
+  ROW(random, random, free, none) \
+  ROW(seed48, random, free, none) \
+  ROW(srand, random, free, none) \
+  ROW(srand48, random, free, none) \
+  ROW(srandom, random, free, none) \
+  ROW(clone, thread, counted, system) \
+  ROW(execv, thread, guarded, system) \
+  ROW(execve, thread, guarded, system) \
+  ROW(execvp, thread, guarded, system) \
+  ROW(fork, thread, guarded, system) \
+  ROW(popen, thread, counted, system) \
+  ROW(posix_spawn, thread, counted, system) \
+  ROW(posix_spawnp, thread, counted, system) \
+  ROW(pthread_create, thread, guarded, system) \
+  ROW(system, thread, counted, system) \
+  ROW(vfork, thread, derived, none) \
+  ROW(access, file, counted, system) \
+  ROW(chmod, file, counted, system) \
+  ROW(closedir, file, counted, system) \
+  ROW(creat, file, counted, system) \
+  ROW(creat64, file, counted, system) \
+  ROW(faccessat, file, counted, system) \
+  ROW(fchmodat, file, counted, system) \
+  ROW(fdopendir, file, counted, system) \
+  ROW(fopen, file, guarded, system) \
+  ROW(fopen64, file, guarded, system) \
+  ROW(freopen, file, counted, system) \
+  ROW(freopen64, file, counted, system) \
+  ROW(fstatat, file, counted, system) \
+  ROW(fstatat64, file, counted, system) \
+  ROW(fts64_open, file, counted, system) \
+  ROW(fts_open, file, counted, system) \
+  ROW(ftw, file, counted, system) \
+  ROW(ftw64, file, counted, system) \
+  ROW(getdents64, file, counted, system) \
+  ROW(glob, file, counted, system) \
+  ROW(glob64, file, counted, system) \
+  ROW(lstat, file, counted, system) \
+  ROW(lstat64, file, counted, system) \
+  ROW(mkdir, file, counted, system) \
+  ROW(mkdtemp, file, counted, system) \
+  ROW(mkostemp, file, counted, system) \
+  ROW(mkstemp, file, counted, system) \
+  ROW(mkstemp64, file, counted, system) \
+  ROW(mq_open, file, counted, system) \
+  ROW(msgget, file, counted, system) \
+  ROW(nftw, file, counted, system) \
+  ROW(nftw64, file, counted, system) \
+  ROW(open, file, guarded, system) \
+  ROW(open64, file, guarded, system) \
+  ROW(__open64_2, file, counted, system) \
+  ROW(__open_2, file, counted, system) \
+  ROW(openat, file, guarded, system) \
+  ROW(openat64, file, guarded, system) \
+  ROW(__openat64_2, file, counted, system) \
+  ROW(__openat_2, file, counted, system) \
+  ROW(opendir, file, counted, system) \
+  ROW(readdir, file, counted, system) \
+  ROW(readdir64, file, counted, system) \
+  ROW(readdir64_r, file, counted, system) \
+  ROW(readdir_r, file, counted, system) \
+  ROW(readlink, file, counted, system) \
+  ROW(readlinkat, file, counted, system) \
+  ROW(realpath, file, counted, system) \
+  ROW(remove, file, counted, system) \
+  ROW(rename, file, counted, system) \
+  ROW(rewinddir, file, counted, system) \
+  ROW(rmdir, file, counted, system) \
+  ROW(scandir, file, counted, system) \
+  ROW(scandir64, file, counted, system) \
+  ROW(scandirat, file, counted, system) \
+  ROW(scandirat64, file, counted, system) \
+  ROW(seekdir, file, counted, system) \
+  ROW(semget, file, counted, system) \
+  ROW(shm_open, file, counted, system) \
+  ROW(shm_unlink, file, counted, system) \
+  ROW(shmat, file, counted, system) \
+  ROW(shmget, file, counted, system) \
+  ROW(stat, file, counted, system) \
+  ROW(stat64, file, counted, system) \
+  ROW(statfs, file, counted, system) \
+  ROW(statfs64, file, counted, system) \
+  ROW(statvfs, file, counted, system) \
+  ROW(statvfs64, file, counted, system) \
+  ROW(statx, file, counted, system) \
+  ROW(telldir, file, counted, system) \
+  ROW(tmpfile, file, counted, system) \
+  ROW(tmpfile64, file, counted, system) \
+  ROW(truncate, file, counted, system) \
+  ROW(unlink, file, counted, system) \
+  ROW(unlinkat, file, counted, system) \
+  ROW(utimensat, file, counted, system) \
+  ROW(wordexp, file, counted, system) \
+  ROW(bind, network, counted, system) \
+  ROW(connect, network, counted, system) \
+  ROW(getaddrinfo, network, counted, system) \
+  ROW(gethostbyname, network, counted, system) \
+  ROW(getifaddrs, network, counted, system) \
+  ROW(socket, network, counted, system) \
+  ROW(clearenv, environment, guarded, system) \
+  ROW(get_current_dir_name, environment, counted, system) \
+  ROW(get_nprocs, environment, counted, system) \
+  ROW(get_nprocs_conf, environment, counted, system) \
+  ROW(getauxval, environment, free, none) \
+  ROW(getcpu, environment, free, none) \
+  ROW(getcwd, environment, counted, system) \
+  ROW(getegid, environment, counted, system) \
+  ROW(getenv, environment, counted, system) \
+  ROW(geteuid, environment, counted, system) \
+  ROW(getgid, environment, counted, system) \
+  ROW(gethostid, environment, counted, system) \
+  ROW(gethostname, environment, counted, system) \
+  ROW(getloadavg, environment, counted, system) \
+  ROW(getlogin, environment, counted, system) \
+  ROW(getlogin_r, environment, counted, system) \
+  ROW(getpid, environment, counted, system) \
+  ROW(getppid, environment, counted, system) \
+  ROW(getpriority, environment, counted, system) \
+  ROW(getpwuid, environment, counted, system) \
+  ROW(getpwuid_r, environment, counted, system) \
+  ROW(getrlimit, environment, counted, system) \
+  ROW(getrlimit64, environment, counted, system) \
+  ROW(gettid, environment, counted, system) \
+  ROW(getuid, environment, counted, system) \
+  ROW(ioctl, environment, counted, system) \
+  ROW(isatty, environment, counted, system) \
+  ROW(localtime, environment, counted, system) \
+  ROW(localtime_r, environment, counted, system) \
+  ROW(mktime, environment, counted, system) \
+  ROW(pthread_getaffinity_np, environment, counted, system) \
+  ROW(pthread_setaffinity_np, environment, counted, system) \
+  ROW(putenv, environment, guarded, system) \
+  ROW(sched_getaffinity, environment, counted, system) \
+  ROW(sched_getcpu, environment, free, none) \
+  ROW(sched_setaffinity, environment, counted, system) \
+  ROW(secure_getenv, environment, counted, system) \
+  ROW(setenv, environment, guarded, system) \
+  ROW(sysconf, environment, counted, system) \
+  ROW(sysinfo, environment, counted, system) \
+  ROW(ttyname, environment, counted, system) \
+  ROW(ttyname_r, environment, counted, system) \
+  ROW(tzset, environment, counted, system) \
+  ROW(uname, environment, counted, system) \
+  ROW(unsetenv, environment, guarded, system) \
+  ROW(localeconv, locale, free, none) \
+  ROW(newlocale, locale, counted, system) \
+  ROW(__newlocale, locale, counted, system) \
+  ROW(setlocale, locale, guarded, system) \
+  ROW(uselocale, locale, guarded, none) \
+  ROW(_Exit, process, guarded, none) \
+  ROW(abort, process, guarded, none) \
+  ROW(chdir, process, guarded, system) \
+  ROW(close, process, guarded, system) \
+  ROW(close_range, process, guarded, system) \
+  ROW(closefrom, process, guarded, system) \
+  ROW(dlopen, process, counted, system) \
+  ROW(exit, process, guarded, none) \
+  ROW(_exit, process, guarded, none) \
+  ROW(fchdir, process, guarded, system) \
+  ROW(kill, process, counted, system) \
+  ROW(pthread_sigmask, process, guarded, system) \
+  ROW(quick_exit, process, guarded, none) \
+  ROW(raise, process, free, none) \
+  ROW(sigaction, process, guarded, system) \
+  ROW(signal, process, guarded, system) \
+  ROW(sigprocmask, process, guarded, system) \
+  ROW(syscall, process, guarded, system) \
+  ROW(umask, process, guarded, system) \
+  ROW(__assert_fail, none, derived, none) \
+  ROW(dup2, none, guarded, system) \
+  ROW(dup3, none, guarded, system) \
+  ROW(execl, none, derived, none) \
+  ROW(execle, none, derived, none) \
+  ROW(execlp, none, derived, none) \
+  ROW(execvpe, none, guarded, system) \
+  ROW(fclose, none, guarded, system) \
+  ROW(fexecve, none, guarded, system) \
+  ROW(prlimit, none, guarded, system) \
+  ROW(prlimit64, none, guarded, system) \
+  ROW(setrlimit, none, guarded, system) \
+  ROW(setrlimit64, none, guarded, system) \
+  ROW(malloc, none, allocator, allocate_0) \
+  ROW(calloc, none, allocator, allocate_product) \
+  ROW(realloc, none, allocator, reallocate) \
+  ROW(free, none, allocator, release) \
+  ROW(memalign, none, allocator, allocate_1) \
+  ROW(aligned_alloc, none, counted, allocate_1) \
+  ROW(posix_memalign, none, counted, allocate_2) \
+  ROW(valloc, none, counted, allocate_0) \
+  ROW(__cxa_throw, none, counted, exception) \
+  ROW(__cxa_rethrow, none, counted, exception) \
+  ROW(pthread_join, none, counted, lock) \
+  ROW(pthread_mutex_lock, none, counted, lock) \
+  ROW(pthread_mutex_trylock, none, counted, lock) \
+  ROW(pthread_rwlock_rdlock, none, counted, lock) \
+  ROW(pthread_rwlock_wrlock, none, counted, lock) \
+  ROW(pthread_spin_lock, none, counted, lock) \
+  ROW(sem_wait, none, counted, lock) \
+  ROW(accept, none, counted, system) \
+  ROW(epoll_wait, none, counted, system) \
+  ROW(fdatasync, none, counted, system) \
+  ROW(fflush, none, counted, system) \
+  ROW(fgetc, none, counted, system) \
+  ROW(fgets, none, counted, system) \
+  ROW(fprintf, none, counted, system) \
+  ROW(__fprintf_chk, none, counted, system) \
+  ROW(fputc, none, counted, system) \
+  ROW(fputs, none, counted, system) \
+  ROW(fread, none, counted, system) \
+  ROW(fsync, none, counted, system) \
+  ROW(fwrite, none, counted, system) \
+  ROW(getc, none, counted, system) \
+  ROW(getline, none, counted, system) \
+  ROW(lseek, none, counted, system) \
+  ROW(lseek64, none, counted, system) \
+  ROW(madvise, none, counted, system) \
+  ROW(mmap, none, counted, system) \
+  ROW(mmap64, none, counted, system) \
+  ROW(mprotect, none, counted, system) \
+  ROW(munmap, none, counted, system) \
+  ROW(pause, none, counted, system) \
+  ROW(perror, none, counted, system) \
+  ROW(ppoll, none, counted, system) \
+  ROW(pread, none, counted, system) \
+  ROW(pread64, none, counted, system) \
+  ROW(printf, none, counted, system) \
+  ROW(__printf_chk, none, counted, system) \
+  ROW(pselect, none, counted, system) \
+  ROW(putc, none, counted, system) \
+  ROW(putchar, none, counted, system) \
+  ROW(puts, none, counted, system) \
+  ROW(pwrite, none, counted, system) \
+  ROW(pwrite64, none, counted, system) \
+  ROW(read, none, counted, system) \
+  ROW(readv, none, counted, system) \
+  ROW(recv, none, counted, system) \
+  ROW(recvfrom, none, counted, system) \
+  ROW(recvmsg, none, counted, system) \
+  ROW(sched_yield, none, counted, system) \
+  ROW(send, none, counted, system) \
+  ROW(sendmsg, none, counted, system) \
+  ROW(sendto, none, counted, system) \
+  ROW(syslog, none, counted, system) \
+  ROW(vfprintf, none, counted, system) \
+  ROW(__vfprintf_chk, none, counted, system) \
+  ROW(vprintf, none, counted, system) \
+  ROW(__vprintf_chk, none, counted, system) \
+  ROW(write, none, counted, system) \
+  ROW(writev, none, counted, system)
 // clang-format on

@@ -6,16 +6,12 @@
 
 namespace rehearse {
 
-namespace {
-
 /// In a program that loads the C library before this one, no function comes next: the C library's own is used.
 void* next_function(const char* name) {
   if (void* next = dlsym(RTLD_NEXT, name)) return next;
   static void* const c_library = dlopen(LIBC_SO, RTLD_LAZY | RTLD_NOLOAD);
   return dlsym(c_library ? c_library : RTLD_DEFAULT, name);
 }
-
-}  // namespace
 
 const NextFunctions& next_functions() {
   static const NextFunctions all{

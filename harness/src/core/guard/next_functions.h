@@ -15,6 +15,7 @@
 
 #include "c_functions.h"
 #include "c_library.h"
+#include "counted_function.h"
 
 namespace rehearse {
 
@@ -24,14 +25,30 @@ namespace rehearse {
 struct NextFunctions {
 #define REHEARSE_NEXT_guarded(function) decltype(&(::function)) function##_;
 #define REHEARSE_NEXT_derived(function)
+#define REHEARSE_NEXT_counted(function)
+#define REHEARSE_NEXT_allocator(function)
 #define REHEARSE_NEXT_free(function)
-#define REHEARSE_MEMBER(function, source, guard) REHEARSE_NEXT_##guard(function)
+#define REHEARSE_MEMBER(function, source, guard, cost) REHEARSE_NEXT_##guard(function)
   REHEARSE_C_FUNCTIONS(REHEARSE_MEMBER)
 #undef REHEARSE_NEXT_guarded
 };
 
 const NextFunctions& next_functions();
 
-#define REHEARSE_NEXT(function) ::rehearse::next_functions().function##_
+/// The function of this name that comes next in the search of the dynamic linker; null: there is none.
+void* next_function(const char* name);
 
 }  // namespace rehearse
+
+#define REHEARSE_DECLARE_guarded(function) \
+  extern "C" __attribute__((visibility("hidden"))) rehearse::CountedFunction rehearse_counted_##function;
+#define REHEARSE_DECLARE_derived(function)
+#define REHEARSE_DECLARE_counted(function)
+#define REHEARSE_DECLARE_allocator(function)
+#define REHEARSE_DECLARE_free(function)
+#define REHEARSE_DECLARE(function, source, guard, cost) REHEARSE_DECLARE_##guard(function)
+REHEARSE_C_FUNCTIONS(REHEARSE_DECLARE)
+
+/// The next function, for a call: it is counted.
+#define REHEARSE_NEXT(function) \
+  (::rehearse::count_guarded(rehearse_counted_##function), ::rehearse::next_functions().function##_)

@@ -31,6 +31,7 @@
 #include <utility>
 #include <vector>
 
+#include "cost_counter.h"
 #include "guarded_call.h"
 #include "next_functions.h"
 #include "opened_files.h"
@@ -38,6 +39,7 @@
 
 namespace {
 
+using rehearse::HostCode;
 using rehearse::ProcessGuard;
 using rehearse::ThreadCount;
 
@@ -50,21 +52,27 @@ using rehearse::ThreadCount;
 #endif
 
 void look() {
+  const HostCode own;
   if (rehearse::in_guarded_call()) ProcessGuard::instance().before_change();
 }
 
 bool keeps(int descriptor) {
+  const HostCode own;
   return (rehearse::in_guarded_call() || rehearse::own_threads) && ProcessGuard::instance().keeps(descriptor);
 }
 
 /// `process`: the process whose limit will be changed; 0: this one.
 bool keeps_limits(pid_t process = 0) {
+  const HostCode own;
   if (!rehearse::in_controllers_code() || (process != 0 && process != getpid())) return false;
   ProcessGuard::instance().note_limit();
   return true;
 }
 
-bool keeps_signal(int number) { return rehearse::in_guarded_call() && ProcessGuard::instance().keeps_signal(number); }
+bool keeps_signal(int number) {
+  const HostCode own;
+  return rehearse::in_guarded_call() && ProcessGuard::instance().keeps_signal(number);
+}
 
 /// Returns if the process may end, or become a different program. `status`: of the exit; none for exec.
 void end_only_the_call(const char* function, std::optional<int> status) {
@@ -101,6 +109,7 @@ mode_t mode_in(int flags, va_list arguments) {
 
 /// In the parent: notes the fork. In the child: makes it end when the thread that forked it ends.
 pid_t note_fork(pid_t parent, pid_t child) {
+  const HostCode own;
   if (child > 0 && rehearse::in_controllers_code()) ProcessGuard::instance().note_fork();
   if (child == 0 && rehearse::is_forked_by_guest()) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -385,6 +394,8 @@ int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*
                    void* argument) noexcept {
   const ThreadCount count = ProcessGuard::instance().threads_here();
   if (!count) return REHEARSE_NEXT(pthread_create)(thread, attributes, routine, argument);
+  rehearse::count_guarded(rehearse_counted_pthread_create);
+  const HostCode own;
   auto start = std::make_unique<StartingThread>(StartingThread{routine, argument, count});
   ++*count;
   const int failed = REHEARSE_NEXT(pthread_create)(thread, attributes, run_counted, start.get());

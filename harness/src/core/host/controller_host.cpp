@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "controller_watch.h"
+#include "core/guard/cost_counter.h"
 #include "core/guard/opened_files.h"
 #include "core/guard/supervisor.h"
 #include "core/mcap/hashing.h"
@@ -113,7 +114,14 @@ bool ControllerHost::call(HostedController& hosted, const char* function, const 
     const Watched watched(options_.watch, {hosted.label, hosted.library->file(), function, tick_, now});
     // a variable that is set after the last tick can't be recorded
     const ControllerVariables::Open variables(stopped_ ? nullptr : &hosted.variables);
-    return guarded_call(code, options_.call_limit);
+    hosted.tick.cost = {};
+    const auto counted = [&] {
+      const CountedCall counting(counts_costs_ ? &hosted.tick.cost : nullptr);
+      code();
+    };
+    const CallOutcome ended = guarded_call(std::ref(counted), options_.call_limit);
+    CountedCall::stop();
+    return ended;
   }();
   take_opened_files(hosted);
   tell_trespasses(hosted, function, outcome);
@@ -170,6 +178,7 @@ std::vector<ControlTimes> ControllerHost::control_times() const {
   std::vector<ControlTimes> times;
   for (const HostedController& hosted : controllers_) {
     ControlTimes of_controller = hosted.clock.times(hosted.label, scenario_->time_step);
+    if (counts_costs_) of_controller.costs = hosted.costs;
     if (of_controller.calls > 0) times.push_back(std::move(of_controller));
   }
   return times;
@@ -223,9 +232,11 @@ bool ControllerHost::control() {
       stop_for_debugger();
       hosted.tick.result = hosted.controller->control();
     };
+    const std::uint64_t faults = counts_costs_ ? page_faults_of_thread() : 0;
     hosted.clock.begin();
     alive = alive && call(hosted, "control", control, HowOften::in_ticks);
     hosted.clock.end(tick_);
+    if (counts_costs_) hosted.costs.add(tick_, hosted.tick.cost, page_faults_of_thread() - faults);
     hosted.tick.has_output = alive;
     if (!alive) break;
   }
@@ -324,8 +335,8 @@ void ControllerHost::apply(HostedController& hosted, Command& command) {
       case Quantity::dq: body.joints[field.joint].dq = *value; break;
       case Quantity::u: body.joints[field.joint].u = *value; break;
       case Quantity::pose:
-        body.given[field.link].place = LinkPlace{{value[0], value[1], value[2]},
-                                                 {value[6], value[3], value[4], value[5]}};
+        body.given[field.link].place =
+            LinkPlace{{value[0], value[1], value[2]}, {value[6], value[3], value[4], value[5]}};
         break;
       case Quantity::twist:
         body.given[field.link].twist = LinkTwist{{value[0], value[1], value[2]}, {value[3], value[4], value[5]}};

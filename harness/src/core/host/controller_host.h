@@ -57,6 +57,7 @@ struct HostedController {
   ControllerVariables variables;             // set in the current tick
   std::deque<std::string> last_lines;        // the last lines that it wrote
   CallClock clock;                           // of control()
+  ControlCosts costs;                        // if the run counts them
 
   /// Its inputs and outputs in the current tick.
   struct Tick {
@@ -65,6 +66,7 @@ struct HostedController {
     bool result = false;                       // the result of control()
     bool delayed = true;                       // the commands of this tick act one tick late
     std::vector<DeviceOutput> device_outputs;  // of its body; for a child those of its parent
+    msg::ControlCost cost;                     // of the last call, control(), if the run counts costs
   } tick;
   /// True if the commands of this tick don't act at the time that the recording's channels state. Commands to devices
   /// act after the step in either mode.
@@ -113,6 +115,7 @@ class ControllerHost {
   const std::vector<HostedController>& controllers() const { return controllers_; }
   /// Of the controllers that were called in a tick.
   std::vector<ControlTimes> control_times() const;
+  bool counts_costs() const { return counts_costs_; }
   /// Files that the controllers have opened to read, as "BODY/NAME: file" and their content.
   std::map<std::string, std::string> files_read() const;
   /// The contents of the files that a recording contains, by the names of the attachments (opened_files.h).
@@ -175,6 +178,7 @@ class ControllerHost {
   const void* thread_failed_of_ = nullptr;  // thread count of the library whose thread failed
   bool refused_ = false;
   bool other_options_ = false;
+  bool counts_costs_ = false;
   bool stopped_ = false;
   long run_ = 0;             // number of the run in this process, for debuggers
   bool controlled_ = false;  // at least one tick was made

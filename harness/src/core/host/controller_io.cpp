@@ -287,9 +287,9 @@ void ControllerIo::output() {
 std::vector<std::string> ControllerIo::take_messages() {
   std::vector<std::string> lines;
   if (messages_.tellp() <= 0) return lines;
-  std::istringstream text(messages_.str());
+  std::istringstream text(message_buffer_.str());
   for (std::string line; std::getline(text, line);) lines.push_back(line);
-  messages_.str({});
+  message_buffer_.str({});
   return lines;
 }
 

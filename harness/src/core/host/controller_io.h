@@ -14,10 +14,29 @@
 #include <utility>
 #include <vector>
 
+#include "core/guard/cost_counter.h"
 #include "io_body.h"
 #include "io_layout.h"
 
 namespace rehearse {
+
+/// The buffer behind os(): its own allocations are the host's.
+class MessageBuffer final : public std::stringbuf {
+ public:
+  MessageBuffer() : std::stringbuf(std::ios_base::out) {}
+
+ protected:
+  int_type overflow(int_type letter) override {
+    if (!traits_type::eq_int_type(letter, traits_type::eof())) count_message_bytes(1);
+    const HostCode own;
+    return std::stringbuf::overflow(letter);
+  }
+  std::streamsize xsputn(const char* text, std::streamsize size) override {
+    count_message_bytes(static_cast<std::uint64_t>(size));
+    const HostCode own;
+    return std::stringbuf::xsputn(text, size);
+  }
+};
 
 class ControllerIo final : public cnoid::SimulationSimpleControllerIO {
  public:
@@ -111,7 +130,8 @@ class ControllerIo final : public cnoid::SimulationSimpleControllerIO {
   bool enabled_too_late_ = false;
   cnoid::Body* body_ = nullptr;
   IoBody* io_body_ = nullptr;
-  mutable std::ostringstream messages_;
+  MessageBuffer message_buffer_;
+  mutable std::ostream messages_{&message_buffer_};
   std::vector<int> input_flags_;    // by link index
   std::vector<bool> output_on_;     // by link index
   std::vector<int> output_modes_;   // by link index

@@ -7,6 +7,7 @@
 #include "cnoid_body.h"
 #include "controller_host.h"
 #include "controller_watch.h"
+#include "core/guard/cost_counter.h"
 #include "core/guard/supervisor.h"
 #include "core/scenario/trace_scenario.h"
 #include "debug_hook.h"
@@ -49,6 +50,14 @@ Result<std::unique_ptr<ControllerHost>> ControllerHost::create(const Scenario& s
   host->scenario_ = &scenario;
   host->options_ = options;
   note_memory_limit(options.memory_limit * 1e6);
+  host->counts_costs_ = options.counts_costs || scenario.counts_costs;
+  if (host->counts_costs_ && !can_count_costs()) {
+    host->counts_costs_ = false;
+    host->event(
+        Severity::warning, "process",
+        "the costs of control() can't be counted here: another allocator is loaded before Rehearse's libraries, "
+        "or the processor isn't an x86-64; they aren't recorded");
+  }
   Diagnostics findings;
   for (std::size_t b = 0; b < scenario.bodies.size(); ++b) {
     const ScenarioBody& body = scenario.bodies[b];

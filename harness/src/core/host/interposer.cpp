@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "core/guard/cost_counter.h"
 #include "core/guard/own_library.h"
 
 namespace rehearse {
@@ -19,12 +20,14 @@ constexpr const char* settings_variable = "REHEARSE_INTERPOSER";
 
 using Enter = void (*)(const char* controller, const char* library, const char* function, long long tick, double time);
 using Call = void (*)();
+using NoteCost = void (*)(const char* cost, const char* function);
 
 /// The functions of the interposer for its host; null if this process runs without it.
 struct Interposer {
   Call begin = reinterpret_cast<Call>(dlsym(RTLD_DEFAULT, "rehearse_interposer_begin"));
   Enter enter = reinterpret_cast<Enter>(dlsym(RTLD_DEFAULT, "rehearse_interposer_enter"));
   Call leave = reinterpret_cast<Call>(dlsym(RTLD_DEFAULT, "rehearse_interposer_leave"));
+  NoteCost note_cost = reinterpret_cast<NoteCost>(dlsym(RTLD_DEFAULT, "rehearse_interposer_note_cost"));
 };
 
 const Interposer& interposer() {
@@ -110,6 +113,11 @@ Result<std::map<std::string, std::optional<std::string>>> interposer_environment
   // Without this AddressSanitizer demands to be loaded first.
   changes["ASAN_OPTIONS"] = with_own("ASAN_OPTIONS", "verify_asan_link_order=0", ':');
   return changes;
+}
+
+void log_costs() {
+  if (interposer().note_cost)
+    observe_costs([](Cost cost, const char* function) { interposer().note_cost(to_string(cost).data(), function); });
 }
 
 bool is_interposed() { return interposer().enter != nullptr; }

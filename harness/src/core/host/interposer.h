@@ -79,6 +79,9 @@ Result<std::map<std::string, std::optional<std::string>>> interposer_environment
 /// True if this process runs under the interposer.
 bool is_interposed();
 
+/// Logs each counted call of a controller (cost_counter.h) with its place, in a process under the interposer.
+void log_costs();
+
 /// Fills the stack below its caller, so that a local variable without an initial value has this value instead of a
 /// random one.
 class StackFill {

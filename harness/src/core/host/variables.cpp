@@ -7,6 +7,7 @@
 #include <cstring>
 #include <utility>
 
+#include "core/guard/cost_counter.h"
 #include "model/text.h"
 
 namespace rehearse {
@@ -83,6 +84,7 @@ std::vector<std::string> ControllerVariables::take_findings() { return std::exch
 extern "C" __attribute__((visibility("default"))) void rehearse_record_variable(const char* name, double value);
 
 void rehearse_record_variable(const char* name, double value) {
+  const rehearse::HostCode own;
   if (rehearse::open_variables)
     rehearse::open_variables->set(name, value);
   else

@@ -227,6 +227,7 @@ std::string_view to_string(Stage stage) {
     case Stage::physics: return "physics";
     case Stage::sensors: return "sensors";
     case Stage::renderer: return "renderer";
+    case Stage::costs: return "costs";
   }
   return "";
 }

@@ -44,6 +44,7 @@ struct ControllerChannels {
   std::vector<std::uint16_t> devices;         // channels by device index; 0: none
   std::uint16_t delay = 0;                    // 0: none yet
   std::vector<std::uint16_t> variables = {};  // channels of its variables; 0: none yet
+  std::uint16_t cost = 0;                     // 0: none yet
 };
 
 struct BodyChannels {
@@ -124,6 +125,7 @@ struct Recorder::Impl : TraceOutput {
   Result<void> close_tick(std::int64_t tick, const TickHashes& hashes);
   Result<void> write_delay(std::int64_t tick, const HostedController& hosted, ControllerChannels& channels);
   Result<void> write_variables(std::int64_t tick, const HostedController& hosted, std::vector<std::uint16_t>& channels);
+  Result<void> write_cost(std::int64_t tick, const HostedController& hosted, std::uint16_t& channel);
 };
 
 Recorder::Recorder(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -373,6 +375,8 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
       if (auto done = impl.write(channel, tick, state); !done) return done;
     }
     if (auto done = impl.write_variables(tick, hosted, channels.variables); !done) return done;
+    if (host->counts_costs() && hosted.tick.has_output)
+      if (auto done = impl.write_cost(tick, hosted, channels.cost); !done) return done;
   }
   if (host) ++impl.size.ticks;
   return impl.close_tick(tick, hashes);
@@ -434,6 +438,15 @@ Result<void> Recorder::Impl::write_variables(std::int64_t tick, const HostedCont
     if (auto done = write(channels[i], tick, msg::Float64{variables[i].value}); !done) return done;
   }
   return {};
+}
+
+/// Writes the costs of the call in this tick. The channel is added with the first message.
+Result<void> Recorder::Impl::write_cost(std::int64_t tick, const HostedController& hosted, std::uint16_t& cost) {
+  if (!cost)
+    cost = channel<msg::ControlCost>(ChannelName::of_controller(hosted.label, ChannelSide::none, ChannelKind::cost));
+  msg::ControlCost message = hosted.tick.cost;
+  message.stamp = stamp(tick);
+  return write(cost, tick, message);
 }
 
 void Recorder::measure_joints(int body) { impl_->measured_bodies.insert(body); }

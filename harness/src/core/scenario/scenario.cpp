@@ -190,13 +190,12 @@ bool check_version(Findings& findings, const YamlNode& root) {
 void read_scenario(Findings& findings, const YamlNode& root, const Scenario::ModelSource& models,
                    const Scenario::FileSource& files, Scenario& scenario) {
   if (!check_version(findings, root)) return;
-  const Keys keys(findings, root, "the scenario",
-                  {"rehearse", "name",           "golden",   "duration",  "ends_when_done",
-                   "planar",   "time_step",      "seed",     "gravity",   "options",
-                   "solver",   "lever_arms",     "bodies",   "materials", "pairs",
-                   "joints",   "welds",          "pushes",   "joystick",  "noise",
-                   "look",     "magnetic_field", "cameras",  "record",    "tolerances",
-                   "horizon",  "expect",         "simulate", "vary"});
+  const Keys keys(
+      findings, root, "the scenario",
+      {"rehearse",   "name",    "golden",   "duration",   "ends_when_done", "planar",         "time_step", "seed",
+       "gravity",    "options", "solver",   "lever_arms", "bodies",         "materials",      "pairs",     "joints",
+       "welds",      "pushes",  "joystick", "noise",      "look",           "magnetic_field", "cameras",   "record",
+       "tolerances", "horizon", "expect",   "simulate",   "vary",           "realtime"});
   read_names(findings, keys, scenario);
   read_clock(findings, keys, scenario);
   if (const YamlNode* node = keys.find("golden")) read_golden(findings, *node, scenario);
@@ -223,6 +222,7 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   if (const YamlNode* node = keys.find("tolerances")) read_tolerances(findings, *node, scenario);
   if (const YamlNode* node = keys.find("horizon")) read_horizon(findings, *node, scenario);
   if (const YamlNode* node = keys.find("expect")) read_expectations(findings, *node, scenario);
+  keys.word("realtime", "counts (the costs of control() are recorded)", {{"counts", true}}, scenario.counts_costs);
   bool always = false;  // only a check uses it: always_simulates()
   keys.word("simulate", "always, or unproved (only runs that a check can't prove)",
             {{"always", true}, {"unproved", false}}, always);

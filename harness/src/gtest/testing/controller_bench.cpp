@@ -9,10 +9,12 @@
 #include <optional>
 #include <stdexcept>
 
+#include "core/guard/cost_counter.h"
 #include "core/host/controller_host.h"
 #include "core/run/hosted_commands.h"
 #include "core/run/run.h"
 #include "model/clock.h"
+#include "realtime_assertions.h"
 
 namespace rehearse {
 namespace {
@@ -72,6 +74,14 @@ ControllerBench::ControllerBench(const std::string& library, const std::string& 
 ControllerBench::~ControllerBench() = default;
 double ControllerBench::time() const { return time_of(ticks(), impl_->scenario.time_step); }
 std::int64_t ControllerBench::ticks() const { return impl_->run->tick(); }
+const msg::ControlCost& ControllerBench::cost() const { return impl_->host->controllers()[0].tick.cost; }
+
+ControlTimes ControllerBench::control() const {
+  std::vector<ControlTimes> times = impl_->host->control_times();
+  return times.empty() ? ControlTimes{impl_->host->controllers()[0].label, impl_->scenario.time_step}
+                       : std::move(times[0]);
+}
+
 const std::vector<std::string>& ControllerBench::messages() const { return impl_->messages; }
 
 void ControllerBench::Impl::set_up(const std::string& library, const std::string& model_file,
@@ -107,7 +117,9 @@ void ControllerBench::Impl::set_up(const std::string& library, const std::string
   }
   devices.resize(model().devices.size());
   delivered.resize(model().devices.size());
-  host = value_or_throw(ControllerHost::create(scenario, {}));
+  HostOptions counting;
+  counting.counts_costs = can_count_costs();
+  host = value_or_throw(ControllerHost::create(scenario, counting));
   host->initialize(seen);
   host->start();
   check();
@@ -210,6 +222,9 @@ bool ControllerBench::tick() {
   value_or_throw(impl_->run->step());
   if (impl_->run->interruption()) throw std::runtime_error(impl_->run->interruption()->message);
   impl_->check();  // the controller may have failed in an earlier tick
+  if (internal::wants_realtime())
+    if (const auto verdict = internal::judge_realtime(*this); !verdict.passed)
+      throw std::runtime_error(verdict.message);
   return impl_->host->controllers()[0].tick.result;
 }
 

@@ -13,6 +13,7 @@
 #include "core/golden/run_folder.h"
 #include "core/host/source_age.h"
 #include "core/scenario/trace_scenario.h"
+#include "realtime_assertions.h"
 #include "test_recordings.h"
 #include "test_reports.h"
 
@@ -86,6 +87,10 @@ Trace record_for_test(const std::string& scenario_file, const std::string& test)
     fail_to_run(test, fmt::format("{}\nthe trace up to there: {}", to_string(*run->failure),
                                   (traces_folder() / file.filename()).string()));
   if (run->controller_refused) fail_to_run(test, to_string(run->remarks));
+  if (wants_realtime())
+    if (const TestVerdict verdict = judge_realtime(run->control_times); !verdict.passed)
+      fail_to_run(test, fmt::format("{}the lines: rehearse audit --realtime {}", verdict.message,
+                                    (traces_folder() / file.filename()).string()));
   drop_test_result(test, "run");
   auto trace = Trace::load(file);
   if (!trace) throw std::runtime_error(to_string(trace.errors()));

@@ -9,6 +9,7 @@
 #include "core/check/check_run.h"
 #include "core/check/proof.h"
 #include "core/trace/run_facts.h"
+#include "realtime_assertions.h"
 
 namespace rehearse::internal {
 namespace {
@@ -99,6 +100,9 @@ Result<RunSummary> make_recording(const Scenario& scenario, const std::string& t
   if (!mode) return mode.errors();
   Recorded& recorded = recordings()[file.string()];
   recorded = {scenario.file, {}, std::nullopt};
+  RecordOptions counting;
+  counting.counts_costs = wants_realtime();
+  if (counting.counts_costs) return record(scenario, file, counting);
   if (!proving->on || *mode != GoldenMode::check || !store.has(test)) return record(scenario, file);
   recorded.golden = store.trace_file(test);
   const auto golden = Trace::outline(recorded.golden);

@@ -82,6 +82,7 @@ std::string_view series_group(const TraceChannel& channel) {
     case Stage::physics: return "state";
     case Stage::sensors: return "sensor";
     case Stage::renderer: return "other";
+    case Stage::costs: return "cost";
   }
   return "other";
 }

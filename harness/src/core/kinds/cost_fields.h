@@ -1,0 +1,28 @@
+// The counts of msg::ControlCost, a row each: series, units, and whether a count of more than 0 breaks real time.
+#pragma once
+
+#include <rehearse/messages.h>
+
+#include <cstdint>
+#include <string_view>
+
+namespace rehearse {
+
+struct CostField {
+  std::string_view name;
+  std::string_view unit;
+  std::uint64_t msg::ControlCost::*count;
+  std::string_view one = {}, many = {};  // "allocation", "allocations"; empty: the count is no fault
+};
+
+inline constexpr CostField cost_fields[] = {
+    {"allocations", "", &msg::ControlCost::allocations, "allocation", "allocations"},
+    {"allocated_bytes", "B", &msg::ControlCost::allocated_bytes},
+    {"releases", "", &msg::ControlCost::releases, "release of memory", "releases of memory"},
+    {"locks", "", &msg::ControlCost::locks, "lock", "locks"},
+    {"system_calls", "", &msg::ControlCost::system_calls, "system call", "system calls"},
+    {"exceptions", "", &msg::ControlCost::exceptions, "exception", "exceptions"},
+    {"message_bytes", "B", &msg::ControlCost::message_bytes},
+};
+
+}  // namespace rehearse
