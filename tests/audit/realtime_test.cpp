@@ -172,7 +172,8 @@ TEST_F(GoldenCosts, AreUnknownWhereOnlyOneHasThem) {
 
 TEST_F(GoldenCosts, AreBoundedByExpectations) {
   const std::string text = read_file(scenario("costs", "branch"));
-  write("zoo.yaml", "realtime: counts\nexpect:\n  - {channel: '*/Zoo/cost/allocations', below: 1, since: 0.001}\n" + text);
+  write("zoo.yaml",
+        "realtime: counts\nexpect:\n  - {channel: '*/Zoo/cost/allocations', below: 1, since: 0.001}\n" + text);
   const Outcome outcome = rehearse({"record", "zoo.yaml"});
   EXPECT_THAT(outcome.out + outcome.err, HasSubstr("cost/allocations"));
   EXPECT_THAT(outcome.out + outcome.err, HasSubstr("0.15"));

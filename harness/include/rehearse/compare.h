@@ -189,6 +189,8 @@ struct Comparison {
   std::vector<std::string> other_inputs;
   /// Sentences about messages of logs that can't be decoded, and are compared by their bytes; also among the remarks.
   std::vector<std::string> undecoded;
+  /// Channels that only one run has, which is no difference: sentences, also among the remarks.
+  std::vector<std::string> not_compared;
   std::vector<std::string> changed_files;  // attachments whose content differs from the golden's
   bool same_arithmetic = true;             // versions and pins that influence bits are equal to the golden's
   /// All sources that the traces state are equal: scenario, models, controllers, the same programs byte for byte. Then

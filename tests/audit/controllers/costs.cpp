@@ -1,5 +1,5 @@
-// Ways to be late in control(), and ways that look alike and aren't. With LEAN no fault begins. The option string names one; faults act in a
-// function of their name, from the tick on that the table in realtime_test.cpp states.
+// Ways to be late in control(), and ways that look alike and aren't. With LEAN no fault begins. The option string names
+// one; faults act in a function of their name, from the tick on that the table in realtime_test.cpp states.
 #include "zoo.h"
 
 #include <rehearse_variable.h>

@@ -204,6 +204,8 @@ Result<void> Check::check_closed() {
                                 [&judge](const Trace& piece) { judge.take(piece); });
   if (!compared) return compared.errors();
   report.comparison = std::move(compared->comparison);
+  report.remarks.insert(report.remarks.end(), report.comparison->not_compared.begin(),
+                        report.comparison->not_compared.end());
   const Trace& fresh = compared->actual;
   report.closed = state_of(*report.comparison);
   const bool compares_samples = RunFacts::of(golden).state_rate.has_value();

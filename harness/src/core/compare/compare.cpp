@@ -287,7 +287,9 @@ RunComparer::RunComparer(const RunSurvey& golden, const RunSurvey& actual, const
   comparison_.other_inputs = find_other_inputs(traces_);
   if (!comparison_.other_inputs.empty()) comparison_.remarks.push_back(other_inputs_sentence(comparison_.other_inputs));
   find_undecoded(taken);
-  compare_lone_channels(traces_, taken, add, comparison_.remarks);
+  compare_lone_channels(traces_, taken, add, comparison_.not_compared);
+  comparison_.remarks.insert(comparison_.remarks.end(), comparison_.not_compared.begin(),
+                             comparison_.not_compared.end());
   for (const TraceChannel& channel : traces_.golden.channels()) {
     const TraceChannel* other = counterpart(traces_.golden, channel, traces_.actual);
     if (!taken(channel) || !other) continue;
