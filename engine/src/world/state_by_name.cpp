@@ -38,7 +38,8 @@ void StateTaker::visit(void* data, std::size_t size) {
 /// A part of a different size has a different meaning: the body has become kinematic, or the joint a track.
 void StateTaker::end_part() {
   const auto& [body, owner, part] = name_;
-  const bool matters = part != StatePart::wrench && part != StatePart::contact;
+  const bool matters =
+      part != StatePart::wrench && part != StatePart::contact && part != StatePart::drive_train;
   if (!matters || at_ == (current_ ? current_->size() : 0)) return;
   std::string what = "body '" + body + "'";
   if (body.empty())
