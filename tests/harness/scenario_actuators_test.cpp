@@ -29,7 +29,8 @@ std::vector<std::optional<Actuator>> actuators(const std::string& rules) {
 
 TEST(ScenarioActuators, AreNoneWithoutTheKey) {
   write_file("leg.urdf", leg_robot);
-  EXPECT_TRUE(loaded("rehearse: 1\nduration: 1\nbodies:\n  - {name: Leg, model: leg.urdf}\n").bodies[0].actuators.empty());
+  EXPECT_TRUE(
+      loaded("rehearse: 1\nduration: 1\nbodies:\n  - {name: Leg, model: leg.urdf}\n").bodies[0].actuators.empty());
 }
 
 TEST(ScenarioActuators, BelongToTheJointsOfTheirPattern) {
@@ -82,10 +83,11 @@ TEST(ScenarioActuators, WarnOfAGearWithoutRotor) {
 }
 
 TEST(ScenarioActuators, AreVariedWithAndWithoutUnits) {
-  const Scenario scenario = loaded(leg_with("      - {joint: \"*\", delay: 6 ms, armature: 0.01, bandwidth: 40}\n",
-                                        "vary:\n"
-                                        "  late: {path: \"bodies.Leg.actuators[0].delay\", uniform: [0, 12]}\n"
-                                        "  band: {path: \"bodies.Leg.actuators[0].bandwidth\", uniform: [5, 50]}\n"));
+  const Scenario scenario =
+      loaded(leg_with("      - {joint: \"*\", delay: 6 ms, armature: 0.01, bandwidth: 40}\n",
+                      "vary:\n"
+                      "  late: {path: \"bodies.Leg.actuators[0].delay\", uniform: [0, 12]}\n"
+                      "  band: {path: \"bodies.Leg.actuators[0].bandwidth\", uniform: [5, 50]}\n"));
   const auto text = scenario.varied_text({"12", "7.5"});
   ASSERT_TRUE(text.ok());
   EXPECT_NE(text->find("delay: 12 ms,"), std::string::npos) << *text;

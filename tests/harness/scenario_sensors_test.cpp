@@ -27,8 +27,10 @@ const std::string head_robot = R"(<robot name="Head">
 
 Scenario head_with(const std::string& sensors) {
   write_file("head.urdf", head_robot);
-  return loaded("rehearse: 1\nduration: 1\nbodies:\n  - {name: Plain, model: head.urdf}\n  - name: Head\n"
-                "    model: head.urdf\n    sensors:\n" + sensors);
+  return loaded(
+      "rehearse: 1\nduration: 1\nbodies:\n  - {name: Plain, model: head.urdf}\n  - name: Head\n"
+      "    model: head.urdf\n    sensors:\n" +
+      sensors);
 }
 
 const Device& device(const Scenario& scenario, const std::string& name) {
@@ -73,9 +75,11 @@ TEST(ScenarioSensors, AreOfEachType) {
 
 TEST(ScenarioSensors, AreThoseThatTheModelsFileWouldState) {
   const Scenario scenario = head_with(
-      "      - {name: Eye2, type: camera, link: HEAD, pose: {position: [0.1, 0, 0], rotation: [0, 0.2, 0]}, rate: 20 Hz,\n"
+      "      - {name: Eye2, type: camera, link: HEAD, pose: {position: [0.1, 0, 0], rotation: [0, 0.2, 0]}, rate: 20 "
+      "Hz,\n"
       "         width: 64, height: 48, horizontal_fov: 1.2, near: 0.05, far: 30}\n"
-      "      - {name: Laser2, type: range, link: HEAD, pose: {position: [0, 0, 0.1], rotation: [0, 0, 0.3]}, rate: 15,\n"
+      "      - {name: Laser2, type: range, link: HEAD, pose: {position: [0, 0, 0.1], rotation: [0, 0, 0.3]}, rate: "
+      "15,\n"
       "         yaw: {from: -1, to: 1, samples: 9}, min: 0.2, max: 8}\n");
   EXPECT_TRUE(device(scenario, "Eye2").pose.isApprox(device(scenario, "Eye").pose, 1e-12));
   EXPECT_TRUE(device(scenario, "Laser2").pose.isApprox(device(scenario, "Laser").pose, 1e-12));

@@ -15,8 +15,8 @@ class GearPlay {
   /// `actuator` must outlive this. `inertia` of the rotor, as it acts at the joint [kg·m²] or [kg].
   GearPlay(const Actuator& actuator, double inertia) : actuator_(actuator), inertia_(inertia) {}
 
-  /// `effort`: of the motor [N·m] or [N]; nullopt: it moves the rotor at `velocity`, whatever that needs. The joint is at
-  /// `q` with the velocity `dq`.
+  /// `effort`: of the motor [N·m] or [N]; nullopt: it moves the rotor at `velocity`, whatever that needs. The joint is
+  /// at `q` with the velocity `dq`.
   void prepare(std::optional<double> effort, double velocity, double q, double dq, double time_step);
   /// The effort of the gear on the joint is offset() - gain() * v, with the joint's velocity v at the step's end.
   double gain() const { return gain_; }
@@ -38,8 +38,8 @@ class GearPlay {
   double angle_ = 0.0, rate_ = 0.0, effort_ = 0.0;
   // scratch within a step
   double gain_ = 0.0, offset_ = 0.0;
-  double free_rate_ = 0.0;        // at the step's end, if the teeth don't touch
-  double rate_by_effort_ = 0.0;   // by which the gear's effort slows the rotor; 0: its motion is given
+  double free_rate_ = 0.0;       // at the step's end, if the teeth don't touch
+  double rate_by_effort_ = 0.0;  // by which the gear's effort slows the rotor; 0: its motion is given
 };
 
 }  // namespace rehearse

@@ -553,8 +553,10 @@ void OdeBody::visit_state(StateVisitor& visitor) {
   visit_joints(StatePart::acceleration, &OdeJoint::visit_acceleration);
   for (std::size_t id = 0; id < stages_.size(); ++id) {
     if (!stages_[id]) continue;
-    visitor.begin_part(name(), model().links[model().joints[id]].joint.name, StatePart::drive_train);
+    const std::string& joint = model().links[model().joints[id]].joint.name;
+    visitor.begin_part(name(), joint, StatePart::gear);
     joints_[slots_[id].index].visit_play(visitor);
+    visitor.begin_part(name(), joint, StatePart::commands);
     stages_[id]->visit_state(visitor);
   }
   for (std::size_t device = 0; device < wrenches_.size(); ++device) {

@@ -32,11 +32,7 @@ double share_of_end(double x) {
 
 OdeJoint::OdeJoint(dWorldID world, const Joint& joint, dBodyID child, dBodyID parent, const Eigen::Isometry3d& frame,
                    KeptLimits kept, const Actuator* actuator)
-    : joint_(joint),
-      actuator_(actuator),
-      child_(child),
-      kept_(kept),
-      revolute_(joint.type != JointType::prismatic) {
+    : joint_(joint), actuator_(actuator), child_(child), kept_(kept), revolute_(joint.type != JointType::prismatic) {
   const Vector3d anchor = frame.translation();
   const Vector3d axis = frame.linear() * joint.axis;
   if (revolute_) {
@@ -126,8 +122,7 @@ double OdeJoint::dry_friction() const {
     const double velocity = rate() / actuator_->stribeck;
     friction += (*actuator_->stiction - friction) * decay(velocity * velocity);
   }
-  if (actuator_->efficiency < 1.0)
-    friction += friction_share(*actuator_) * std::abs(play_ ? play_->effort() : effort_);
+  if (actuator_->efficiency < 1.0) friction += friction_share(*actuator_) * std::abs(play_ ? play_->effort() : effort_);
   return friction;
 }
 
@@ -305,8 +300,7 @@ void OdeJoint::drive(const JointCommand& command, double time_step) {
   } else {
     set_stops(true);
     const bool at_stop = stops_active_ && (displacement() <= joint_.lower || displacement() >= joint_.upper);
-    if (drive & drive_effort)
-      effort_ = kept_.effort ? std::clamp(command.u, -joint_.effort, joint_.effort) : command.u;
+    if (drive & drive_effort) effort_ = kept_.effort ? std::clamp(command.u, -joint_.effort, joint_.effort) : command.u;
     set_motor(0.0, at_stop ? 0.0 : dry_friction());  // see drive_at()
     applied_ = actuator_ && actuator_->efficiency < 1.0 ? mean_share(*actuator_) * effort_ : effort_;
   }

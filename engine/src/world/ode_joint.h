@@ -27,8 +27,8 @@ struct KeptLimits {
 
 class OdeJoint {
  public:
-  /// `joint` and `actuator` must outlive this; `actuator` null: the joint has none. `parent` may be null: the world. `frame`: the child link's pose at displacement 0,
-  /// which is the bodies' current pose.
+  /// `joint` and `actuator` must outlive this; `actuator` null: the joint has none. `parent` may be null: the world.
+  /// `frame`: the child link's pose at displacement 0, which is the bodies' current pose.
   OdeJoint(dWorldID world, const Joint& joint, dBodyID child, dBodyID parent, const Eigen::Isometry3d& frame,
            KeptLimits kept, const Actuator* actuator = nullptr);
   OdeJoint(OdeJoint&&) = default;

@@ -20,17 +20,18 @@ namespace rehearse {
 
 /// The parts of the state that an owner (world, link, joint or device) can have.
 enum class StatePart {
-  clock,         // of the world: ticks and random numbers
-  motion,        // of a rigid group, by its first link, or of a kinematic link
-  displacement,  // of a joint
-  effort,        // of a joint
-  acceleration,  // of a joint
-  drive_train,   // of a joint with an actuator: its commands under way, its rotor within a gap
-  belt,          // of a track
-  wrench,        // measured by a force sensor in the last step; the next step doesn't depend on it
-  acting_device, // of a rotor or holder: its command
-  connection,    // of a joint between bodies, or of a holder
-  contact,       // measured by a contact sensor in the last step; the next step doesn't depend on it
+  clock,          // of the world: ticks and random numbers
+  motion,         // of a rigid group, by its first link, or of a kinematic link
+  displacement,   // of a joint
+  effort,         // of a joint
+  acceleration,   // of a joint
+  gear,           // of a joint with backlash: its rotor within the gap
+  commands,       // of a joint with an actuator: those under way
+  belt,           // of a track
+  wrench,         // measured by a force sensor in the last step; the next step doesn't depend on it
+  acting_device,  // of a rotor or holder: its command
+  connection,     // of a joint between bodies, or of a holder
+  contact,        // measured by a contact sensor in the last step; the next step doesn't depend on it
 };
 
 /// Reads or writes pieces of state.
@@ -220,7 +221,7 @@ class SimulatedBody {
   std::vector<bool> watched_;  // by link index; empty: no link is watched
   bool feels_something_ = false;
   std::vector<Touch> touches_;
-  std::vector<ContactSum> contact_sums_;  // by device index; state of the contact sensors
+  std::vector<ContactSum> contact_sums_;      // by device index; state of the contact sensors
   std::vector<ActingDevice> acting_devices_;  // by device index; empty: the body has neither rotors nor holders
 };
 

@@ -1,5 +1,5 @@
-// Scenario: all settings that determine a run, as a YAML file states them. The page reference/scenario.md describes the file
-// format.
+// Scenario: all settings that determine a run, as a YAML file states them. The page reference/scenario.md describes the
+// file format.
 //
 // Loading checks the file itself and compares it with the models that it names. Every mistake is a Diagnostic with
 // file, line and column; all mistakes are reported together. A loaded scenario can be run; a run reports controllers

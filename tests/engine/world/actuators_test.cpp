@@ -19,8 +19,7 @@ class Actuators : public EachSolver {
 
   std::unique_ptr<World> wheel(const std::function<void(Actuator&)>& describe, double start = 0.0) const {
     RobotBuilder robot(JointType::fixed);
-    robot.add("WHEEL", 0, JointType::continuous, Vector3d::UnitY(),
-              inertial(1.0, Vector3d::Constant(wheel_inertia)));
+    robot.add("WHEEL", 0, JointType::continuous, Vector3d::UnitY(), inertial(1.0, Vector3d::Constant(wheel_inertia)));
     WorldBody body = body_of(robot.build());
     body.joints[0] = start;
     describe(body.actuators.emplace_back(Actuator{}).value());
@@ -138,8 +137,8 @@ TEST_P(Actuators, TheTorqueSpeedLineMeetsTheLoad) {
 TEST_P(Actuators, TheMotorHasFourQuadrants) {
   const struct {
     double velocity, wanted, effort;
-  } cases[] = {{15.0, 100.0, 17.5},  {15.0, -100.0, -40.0}, {-15.0, 100.0, 40.0}, {-15.0, -100.0, -17.5},
-               {15.0, 10.0, 10.0},   {36.0, 100.0, -7.0},   {-36.0, -100.0, 7.0}, {0.0, 100.0, 35.0}};
+  } cases[] = {{15.0, 100.0, 17.5}, {15.0, -100.0, -40.0}, {-15.0, 100.0, 40.0}, {-15.0, -100.0, -17.5},
+               {15.0, 10.0, 10.0},  {36.0, 100.0, -7.0},   {-36.0, -100.0, 7.0}, {0.0, 100.0, 35.0}};
   for (const auto& quadrant : cases) {
     SCOPED_TRACE(quadrant.velocity);
     const auto world = wheel([](Actuator& actuator) {
@@ -350,6 +349,24 @@ TEST_P(Actuators, AStateHasTheCommandsUnderWay) {
   ASSERT_TRUE(other->restore(state));
   drive(*other, 100, 200);
   EXPECT_EQ(other->state_hash(), world->state_hash());
+}
+
+TEST_P(Actuators, AWorldWithOtherActuatorsTakesTheState) {
+  const auto world = wheel([](Actuator& actuator) { actuator.delay = 0.006; });
+  run(*world, 50, effort(1.0));
+  for (const double delay : {0.002, 0.006, 0.01}) {
+    SCOPED_TRACE(delay);
+    const auto other = wheel([&](Actuator& actuator) {
+      actuator.delay = delay;
+      actuator.backlash = 0.01;
+      actuator.armature = 0.1;
+    });
+    const auto taken = other->take_state(*world);
+    ASSERT_TRUE(taken.ok()) << to_string(taken.errors());
+    EXPECT_EQ(joint_of(*other).dq, joint_of(*world).dq);
+    run(*other, 1, effort(1.0));
+    EXPECT_EQ(actuator_of(*other).wanted, delay <= 0.006 ? 1.0 : 0.0);
+  }
 }
 
 TEST_P(Actuators, AnActuatorWithoutPropertiesChangesNoMotion) {

@@ -15,7 +15,8 @@ class ActuatorsInTheLoop : public RunTest {
  protected:
   static std::string with_actuators(const std::string& rules, const std::string& options,
                                     const std::string& duration = "0.05") {
-    return rig(behaviour("C", options, ", delay: false"), "cameras: none\n", duration) + "    actuators: [" + rules + "]\n";
+    return rig(behaviour("C", options, ", delay: false"), "cameras: none\n", duration) + "    actuators: [" + rules +
+           "]\n";
   }
 };
 
@@ -35,8 +36,8 @@ TEST_F(ActuatorsInTheLoop, ABodyWithoutActuatorsHasNoChannelOfThem) {
 }
 
 TEST_F(ActuatorsInTheLoop, AnActuatorThatLimitsIsARemark) {
-  const Trace trace = record_run(
-      with_actuators("{joint: \"*\", stall_effort: 2, no_load_velocity: 4}", "drive effort 3 SHOULDER"));
+  const Trace trace =
+      record_run(with_actuators("{joint: \"*\", stall_effort: 2, no_load_velocity: 4}", "drive effort 3 SHOULDER"));
   ASSERT_EQ(summary_.remarks.size(), 1u);
   EXPECT_THAT(summary_.remarks[0].message,
               HasSubstr("the actuator of joint 'SHOULDER' of 'Rig' limited 3 N·m to 2, at 0.004 rad/s"));

@@ -258,9 +258,8 @@ void Recorder::Impl::declare_body(const ScenarioBody& body) {
     channels.actuator_message.name.push_back(model.links[model.joints[id]].joint.name);
   }
   if (!channels.actuated.empty())
-    channels.actuators =
-        channel<msg::JointState>(ChannelName::of_body(body.name, ChannelKind::actuators),
-                                 joint_metadata(ChannelKind::actuators, model, channels.actuated));
+    channels.actuators = channel<msg::JointState>(ChannelName::of_body(body.name, ChannelKind::actuators),
+                                                  joint_metadata(ChannelKind::actuators, model, channels.actuated));
   channels.pose_message.header.frame_id = "world";
   channels.twist_message.header.frame_id = "world";
   for (int link = 0; link < static_cast<int>(model.links.size()); ++link) {

@@ -142,8 +142,12 @@ std::optional<double> ActuatorReader::read_value(const YamlNode& node, const Act
 }
 
 void ActuatorReader::read_rule(const YamlNode& node) {
-  const Keys keys(findings_, node, "an actuator",
-                  {"joint", "gear", "delay", "jitter", "quantum", "position_gain", "velocity_gain", "period", "bandwidth", "effort", "velocity", "stall_effort", "no_load_velocity", "armature", "damping", "coulomb", "stiction", "stribeck", "efficiency", "backlash", "contact_stiffness", "contact_damping"});
+  const Keys keys(
+      findings_, node, "an actuator",
+      {"joint",          "gear",      "delay",    "jitter",   "quantum",      "position_gain",    "velocity_gain",
+       "period",         "bandwidth", "effort",   "velocity", "stall_effort", "no_load_velocity", "armature",
+       "damping",        "coulomb",   "stiction", "stribeck", "efficiency",   "backlash",         "contact_stiffness",
+       "contact_damping"});
   if (!keys.is_map()) return;
   const YamlNode* pattern = keys.require("joint", "a joint, or a pattern such as *_knee");
   if (!pattern) return;
@@ -160,7 +164,8 @@ void ActuatorReader::read_rule(const YamlNode& node) {
       const YamlNode* value = keys.find(key.name);
       if (!value) continue;
       // a mistake is reported once for all joints of the same units
-      const bool is_told = first && is_linear(first->joint->type) == is_linear(driven->joint->type) && !first->places[i];
+      const bool is_told =
+          first && is_linear(first->joint->type) == is_linear(driven->joint->type) && !first->places[i];
       const auto number = is_told ? std::nullopt : read_value(*value, key, *driven->joint);
       driven->places[i] = number ? value : nullptr;
       if (number) set(**driven->actuator, key, *number);
@@ -192,11 +197,11 @@ void ActuatorReader::check_limits(const Driven& driven) {
   const YamlNode* stall = driven.place("stall_effort");
   const YamlNode* no_load = driven.place("no_load_velocity");
   if ((stall == nullptr) != (no_load == nullptr))
-    findings_.error(stall ? *stall : *no_load,
-                    fmt::format("{} has a '{}' without a '{}'", driven.joint->name,
-                                stall ? "stall_effort" : "no_load_velocity",
-                                stall ? "no_load_velocity" : "stall_effort"),
-                    "the line from the one to the other needs both");
+    findings_.error(
+        stall ? *stall : *no_load,
+        fmt::format("{} has a '{}' without a '{}'", driven.joint->name, stall ? "stall_effort" : "no_load_velocity",
+                    stall ? "no_load_velocity" : "stall_effort"),
+        "the line from the one to the other needs both");
   const Actuator& actuator = **driven.actuator;
   if (actuator.jitter > actuator.delay)
     findings_.error(*driven.place("jitter"),

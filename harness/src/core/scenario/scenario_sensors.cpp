@@ -123,7 +123,8 @@ void SensorReader::read(const YamlNode& node) {
   if (!keys.is_map()) return;
   Device device;
   read_name(keys, device);
-  if (!type_node) keys.require("type", "imu, gyro, accelerometer, magnetometer, force, contact, camera, depth or range");
+  if (!type_node)
+    keys.require("type", "imu, gyro, accelerometer, magnetometer, force, contact, camera, depth or range");
   const bool has_link = read_link(keys, device);
   if (const YamlNode* pose = keys.find("pose")) read_pose(*pose, device);
   if (!type) return;
@@ -177,8 +178,8 @@ void SensorReader::read_camera(const Keys& keys, Device& device) {
   keys.integer("height", 1, max_image_side, camera.height);
   double horizontal = 1.047;  // [rad], SDF's default
   if (const YamlNode* node = keys.find("horizontal_fov"))
-    horizontal = read_quantity(findings_, *node, "horizontal_fov", angle_units, {0.0, 3.1, "[rad]", true})
-                     .value_or(horizontal);
+    horizontal =
+        read_quantity(findings_, *node, "horizontal_fov", angle_units, {0.0, 3.1, "[rad]", true}).value_or(horizontal);
   else
     keys.set_default("horizontal_fov", {fmt::format("{}", horizontal)});
   camera.field_of_view = field_of_view_of(horizontal, camera);
@@ -226,8 +227,7 @@ void SensorReader::read_range(const Keys& keys, Device& device) {
   keys.number("max", any_distance, laser.max_distance);
   const double beams = static_cast<double>(laser.yaw.samples) * laser.pitch.samples;
   if (beams > most_beams)
-    findings_.error(*keys.find("name"),
-                    fmt::format("'{}' has {} beams", device.name, beams),
+    findings_.error(*keys.find("name"), fmt::format("'{}' has {} beams", device.name, beams),
                     fmt::format("expected at most {}", most_beams));
   if (laser.min_distance < laser.max_distance) return;
   const YamlNode* node = keys.find("min");
@@ -254,7 +254,8 @@ void SensorReader::read_contact(const Keys& keys, Device& device) {
 void SensorReader::check_force(const Keys& keys, Device& device) {
   const Link& link = model_.links[static_cast<std::size_t>(device.link)];
   if (link.joint.type != JointType::free && link.parent >= 0) return;
-  findings_.error(*keys.find("link"), fmt::format("link '{}' has no joint that a force sensor could measure", link.name),
+  findings_.error(*keys.find("link"),
+                  fmt::format("link '{}' has no joint that a force sensor could measure", link.name),
                   "expected a link behind a joint, a fixed one too");
 }
 

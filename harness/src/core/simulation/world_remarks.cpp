@@ -132,8 +132,8 @@ void WorldRemarks::check_drives(std::int64_t tick, const Observation& seen, cons
     const ScenarioBody& body = scenario_.bodies[i];
     if (body.kinematic) continue;
     for (std::size_t id = 0; id < joints_[i].size(); ++id)
-      check_drive(tick, body, joint_of(i, id),
-                  seen.bodies[i].joints[id], command.bodies[i].joints[id], joints_[i][id], events);
+      check_drive(tick, body, joint_of(i, id), seen.bodies[i].joints[id], command.bodies[i].joints[id], joints_[i][id],
+                  events);
   }
 }
 
