@@ -166,7 +166,7 @@ std::string overview() {
   for (const VerbSummary& verb : verbs) {
     if (!verb.is_built) continue;
     if (verb.group != group) text += fmt::format("\n{}:\n", group = verb.group);
-    text += fmt::format("  {:<10}{}\n", verb.name, verb.summary);
+    text += fmt::format("  {:<8} {}\n", verb.name, verb.summary);
   }
   const auto paragraph = [&](std::string_view sentences) { text += "\n" + wrapped(sentences, 100, 0) + "\n"; };
   paragraph(
