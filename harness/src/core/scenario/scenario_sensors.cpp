@@ -1,4 +1,4 @@
-#include <rehearse/urdf.h>
+#include <rehearse/body.h>
 
 #include "model/names.h"
 #include "scenario_parts.h"
