@@ -33,7 +33,7 @@ function covers(what, names, text, place) {
 
 const reference = (names) => names.map((name) => `tools/site/pages/reference/${name}.md`);
 const forms = {
-  scenario: reference(['scenario', 'bodies', 'inputs', 'noise', 'tolerances', 'expectations', 'variations']),
+  scenario: reference(['scenario', 'bodies', 'inputs', 'actuators', 'noise', 'tolerances', 'expectations', 'variations']),
   map: reference(['map', 'log_ticks']),
 };
 for (const [form, files] of Object.entries(forms))

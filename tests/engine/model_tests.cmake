@@ -11,6 +11,8 @@ rehearse_add_test(model_tests LABEL unit SHARDS 4
           model/urdf_sensor_dialects_test.cpp model/urdf_surfaces_test.cpp model/urdf_test.cpp
   LIBRARIES Rehearse::model tinyxml2::tinyxml2 PNG::PNG JPEG::JPEG)
 
+rehearse_add_test(mjcf_tests LABEL unit SHARDS 1 SOURCES mjcf/mjcf_test.cpp LIBRARIES Rehearse::model)
+
 rehearse_add_test(body_tests LABEL unit SHARDS 1
   SOURCES model/body_broken_test.cpp model/body_test.cpp model/mesh_nodes_test.cpp model/vrml_body_test.cpp model/vrml_test.cpp
   LIBRARIES Rehearse::model)

@@ -15,6 +15,7 @@ rehearse_add_test(session_tests LABEL sim SHARDS 6
   SOURCES
     session/acting_devices_test.cpp
     session/actuation_test.cpp
+    session/actuators_test.cpp
     session/body_loading_test.cpp
     session/branch_test.cpp
     session/contacts_test.cpp

@@ -148,6 +148,42 @@ TEST_F(Inspect, LeavesMissingMeshesOutIfItMay) {
               ContainsRegex(":5: warning: the mesh 'meshes/absent.stl' can't be used: it isn't there; its shape is "));
 }
 
+TEST_F(Inspect, TellsWhichSensorsAScenarioAdds) {
+  std::ofstream(folder() / "late.yaml") << "rehearse: 1\nduration: 1\nbodies:\n  - name: Robot\n    model: " +
+                                               sr1_model + "\n    sensors: [{name: Back, type: imu, link: CHEST}]\n";
+  const std::string text = done({"inspect", "--scenario", "late.yaml"}).out;
+  EXPECT_THAT(text,
+              StartsWith("body Robot, of " + sr1_model + "\nSR1: 30 links, 29 joints (29 revolute), 8 devices, "));
+  EXPECT_THAT(text, ContainsRegex("\n  -   Back +Imu +CHEST +scenario\n"));
+  EXPECT_THAT(text, ContainsRegex("\n  1   RightAnkleForceSensor  ForceSensor +RLEG_ANKLE_R +model\n"));
+  const nlohmann::json bodies = done({"inspect", "--scenario", "late.yaml", "--json"}).json()["bodies"];
+  ASSERT_EQ(bodies.size(), 1u);
+  EXPECT_EQ(bodies[0]["body"], "Robot");
+  EXPECT_EQ(bodies[0]["model"]["devices"].size(), 8u);
+  EXPECT_EQ(rehearse({"inspect"}).status, 2);
+  EXPECT_EQ(rehearse({"inspect", sr1_model, "--scenario", "late.yaml"}).status, 2);
+  EXPECT_THAT(rehearse({"inspect", "--scenario", (fixtures / "broken/scenario_sensor_unknown_link.yaml").string()}).err,
+              HasSubstr("Arm has no link 'rods'"));
+}
+
+class Actuators : public Command {};
+
+TEST_F(Actuators, OfAMuJoCoModelAreThoseOfAScenario) {
+  std::ofstream(folder() / "leg.xml") << R"(<mujoco><default><joint damping="0.5"/></default>
+    <worldbody><body><joint name="hinge" armature="0.01"/></body></worldbody>
+    <actuator><position joint="hinge" kp="40" kv="2" forcerange="-9 9"/></actuator></mujoco>)";
+  const std::string block = done({"actuators", "leg.xml"}).out;
+  EXPECT_EQ(block,
+            "actuators:\n  - {joint: hinge, effort: 9, armature: 0.01, damping: 0.5, position_gain: 40, velocity_gain: "
+            "2}\n");
+  std::string indented = "    " + block;
+  indented.replace(indented.find("\n  -"), 1, "\n    ");
+  std::ofstream(folder() / "leg.yaml") << "rehearse: 1\nduration: 0.01\nbodies:\n  - name: Leg\n    model: " +
+                                              (fixtures / "models/pendulum.urdf").string() + "\n" + indented;
+  done({"inspect", "--scenario", "leg.yaml"});
+  EXPECT_EQ(rehearse({"actuators", sr1_model}).status, 2);
+}
+
 TEST_F(Inspect, TellsAPersonEveryErrorOfABrokenModel) {
   const Outcome outcome = rehearse({"inspect", (fixtures / "broken/urdf_axis_zero.urdf").string()});
   EXPECT_EQ(outcome.status, 2);

@@ -65,6 +65,8 @@ constexpr VerbSummary verbs[] = {
     {"map", files, "write a first map from a robot's log to the inputs of a controller", Program::rehearse,
      Rounding::is_none, has_logs, "logs"},
     {"inspect", models, "load a robot model and report its contents and findings", Program::rehearse},
+    {"actuators", models, "print the drives of a MuJoCo model as the actuators of a scenario", Program::rehearse,
+     Rounding::is_none},
     {"render", models, "draw a picture of a scenario or a model", Program::simulate},
     {"import", models, "write the scenario that a project of Choreonoid (.cnoid) runs", Program::rehearse,
      Rounding::is_none, has_choreonoid, "choreonoid"},
@@ -164,7 +166,7 @@ std::string overview() {
   for (const VerbSummary& verb : verbs) {
     if (!verb.is_built) continue;
     if (verb.group != group) text += fmt::format("\n{}:\n", group = verb.group);
-    text += fmt::format("  {:<9}{}\n", verb.name, verb.summary);
+    text += fmt::format("  {:<8} {}\n", verb.name, verb.summary);
   }
   const auto paragraph = [&](std::string_view sentences) { text += "\n" + wrapped(sentences, 100, 0) + "\n"; };
   paragraph(

@@ -1,6 +1,7 @@
 // rehearse inspect: loads a robot model and prints its contents and findings.
 #include <fmt/format.h>
 #include <rehearse/body.h>
+#include <rehearse/scenario.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,6 +20,7 @@ namespace {
 
 struct InspectSettings {
   std::string model;
+  std::string scenario;  // in place of a model: those of its bodies
   bool json = false;
   UrdfOptions urdf;
 };
@@ -136,6 +138,9 @@ std::string mesh_text(const std::vector<MeshUse>& meshes, const char* kind, int 
   return fmt::format("{} with {}", count_text(shapes, kind), count_text(triangles_of(meshes, number), "triangle"));
 }
 
+/// A sensor of a scenario has no line in the model's file.
+const char* stated_in(const Device& device) { return device.line > 0 ? "model" : "scenario"; }
+
 Json model_json(const Model& model) {
   const std::vector<MeshUse> meshes = mesh_uses(model);
   Json joints = Json::array();
@@ -146,7 +151,8 @@ Json model_json(const Model& model) {
                        {"type", type_name(device)},
                        {"link", model.links[device.link].name},
                        {"id", device.id},
-                       {"line", device.line}});
+                       {"line", device.line},
+                       {"stated_in", stated_in(device)}});
   return {{"name", model.name},   {"links", links_json(model)},       {"joints", joints},
           {"devices", devices},   {"meshes", meshes_json(meshes)},    {"triangles", triangles_json(meshes)},
           {"mass", model.mass()}, {"findings", json_of(model.report)}};
@@ -193,7 +199,7 @@ std::string rotor_text(const Joint& joint) {
   return fmt::format("{:.4g} kg·m², gear {:.4g}: {}", joint.rotor_inertia, joint.gear_ratio, whole);
 }
 
-void tell(const Model& model) {
+void tell(const Model& model, bool of_scenario = false) {
   const Joint& root = model.links[0].joint;
   fmt::print("{}: {}, {}{}, {}, {:.6g} kg, {}\n\n", model.name, count_text(model.links.size(), "link"),
              count_text(model.links.size() - 1, "joint"), joint_counts(model),
@@ -216,8 +222,11 @@ void tell(const Model& model) {
   }
   if (!model.devices.empty()) {
     std::vector<TableRow> rows{{"id", "device", "type", "link"}};
-    for (const Device& device : model.devices)
+    if (of_scenario) rows[0].push_back("stated in");
+    for (const Device& device : model.devices) {
       rows.push_back({id_text(device.id), device.name, std::string(type_name(device)), model.links[device.link].name});
+      if (of_scenario) rows.back().push_back(stated_in(device));
+    }
     print_table(rows);
     fmt::print("\n");
   }
@@ -227,7 +236,28 @@ void tell(const Model& model) {
   fmt::print("{}{}", model.report.empty() ? "nothing was repaired, ignored or doubted\n" : "", to_string(model.report));
 }
 
+/// The models of the bodies that have one in a file.
+Exit inspect_scenario(const InspectSettings& settings) {
+  const Result<Scenario> scenario = Scenario::load(settings.scenario);
+  if (settings.json) {
+    Json bodies = Json::array();
+    if (scenario)
+      for (const ScenarioBody& body : scenario->bodies)
+        if (!body.model_file.empty()) bodies.push_back({{"body", body.name}, {"model", model_json(*body.model)}});
+    print({{"bodies", bodies}, {"findings", json_of(scenario ? scenario->warnings : scenario.errors())}});
+    return scenario ? Exit::done : Exit::bad_input;
+  }
+  if (!scenario) return refuse(scenario.errors());
+  for (const ScenarioBody& body : scenario->bodies) {
+    if (body.model_file.empty()) continue;
+    fmt::print("body {}, of {}\n", body.name, body.model_file);
+    tell(*body.model, true);
+  }
+  return Exit::done;
+}
+
 Exit run_inspect(const InspectSettings& settings) {
+  if (!settings.scenario.empty()) return inspect_scenario(settings);
   const Result<Model> model = load_model(settings.model, settings.urdf);
   if (settings.json) {
     print(model ? model_json(*model) : json_without_model(model.errors()));
@@ -240,12 +270,20 @@ Exit run_inspect(const InspectSettings& settings) {
 
 std::function<Exit()> declare_inspect(CLI::App& options) {
   const auto settings = std::make_shared<InspectSettings>();
-  options.add_option("MODEL", settings->model, "a URDF, or a body of Choreonoid: .body, .yaml or .wrl")
-      ->required()
-      ->type_name("");
+  CLI::Option* model =
+      options.add_option("MODEL", settings->model, "a URDF, or a body of Choreonoid: .body, .yaml or .wrl")
+          ->type_name("");
+  options
+      .add_option("--scenario", settings->scenario,
+                  "in place of MODEL: the models of a scenario's bodies, with the sensors that it adds")
+      ->type_name("SCENARIO")
+      ->excludes(model);
   options.add_flag("--strict", settings->urdf.strict, "each repair is an error");
   add_model_options(options, settings->urdf);
   add_json_flag(options, settings->json);
+  options.callback([settings] {
+    if (settings->model.empty() && settings->scenario.empty()) throw CLI::RequiredError("MODEL");
+  });
   return [settings] { return run_inspect(*settings); };
 }
 
@@ -255,6 +293,7 @@ const Verb inspect_verb{"inspect",
                         "  rehearse inspect fixtures/models/sr1.urdf\n"
                         "  rehearse inspect robot.urdf --strict --json\n"
                         "  rehearse inspect SR1.body\n"
+                        "  rehearse inspect --scenario fixtures/scenarios/rover.yaml\n"
                         "  rehearse inspect arm.urdf --package arm_description=../arm_description\n",
                         declare_inspect};
 

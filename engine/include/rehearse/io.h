@@ -144,11 +144,20 @@ struct LinkPair {
   friend bool operator<(const LinkPair& left, const LinkPair& right) { return left.all() < right.all(); }
 };
 
+/// What the actuator of a joint did in the last step. Controllers don't read it.
+struct ActuatorReading {
+  double q = 0.0;       // displacement of the rotor, as it acts at the joint [rad] or [m]
+  double dq = 0.0;      // [rad/s] or [m/s]
+  double wanted = 0.0;  // effort of the motor before its limits [N·m] or [N]
+  double effort = 0.0;  // after them
+};
+
 struct BodyObservation {
   std::vector<JointReading> joints;                   // by joint id
   std::vector<LinkReading> links;                     // by link index
   std::vector<DeviceReading> devices;                 // by device index
   std::vector<std::vector<ContactReading>> contacts;  // by link index; empty if no link is watched (World::watch)
+  std::vector<ActuatorReading> actuators = {};        // by joint id; empty: the body has none
 };
 
 /// The state at the beginning of a tick.

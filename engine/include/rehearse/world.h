@@ -13,6 +13,7 @@
 // depends, is determined by the scenario alone.
 #pragma once
 
+#include <rehearse/actuator.h>
 #include <rehearse/diagnostic.h>
 #include <rehearse/io.h>
 #include <rehearse/model.h>
@@ -21,6 +22,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -44,6 +46,8 @@ struct WorldBody {
   std::vector<double> joint_velocities = {};                   // by joint id [rad/s] or [m/s]; empty: zero
   std::vector<std::string> materials = {};  // by link index, for pairs; empty names and an empty list: none
   bool planar = false;  // a root link that isn't fixed stays in the plane of x and z in which it begins
+  /// By joint id; nullopt: the joint is ideal. An empty list: all are. Tracks and joints that follow others have none.
+  std::vector<std::optional<Actuator>> actuators = {};
 };
 
 /// A joint, by the link that it moves; `body` -1: none.

@@ -166,7 +166,7 @@ void KinematicBody::visit_state(StateVisitor& visitor) {
       visitor.visit(*numbers);
   }
   visit_contact_sensors(visitor);
-  visit_actuators(visitor);
+  visit_acting_devices(visitor);
 }
 
 }  // namespace rehearse

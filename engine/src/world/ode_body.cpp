@@ -2,9 +2,9 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "free_rotation.h"
-#include "joint_inertia.h"
 #include "ode_math.h"
 
 namespace rehearse {
@@ -106,9 +106,19 @@ void OdeBody::create_joints(dWorldID world, const std::vector<Isometry3d>& zero_
     slots_.push_back({false, static_cast<int>(joints_.size())});
     const RigidGroup& child = group_of(index);
     joints_.emplace_back(world, link.joint, child.body, group_of(link.parent).body, zero_posture[index],
-                         KeptLimits{description().joint_limits && !link.joint.mimic, description().effort_limits});
+                         KeptLimits{description().joint_limits && !link.joint.mimic, description().effort_limits},
+                         actuator_of(link.joint.id));
     has_resistance_ |= joints_.back().resists();
   }
+  stages_.resize(description().actuators.size());
+  for (std::size_t id = 0; id < stages_.size(); ++id)
+    if (const Actuator* actuator = actuator_of(static_cast<int>(id)))
+      stages_[id].emplace(*actuator, description().joints[id], time_step_);
+}
+
+const Actuator* OdeBody::actuator_of(int id) const {
+  const std::vector<std::optional<Actuator>>& all = description().actuators;
+  return all.empty() || !all[id] ? nullptr : &*all[id];
 }
 
 void OdeBody::create_force_sensors(const RigidGroups& groups) {
@@ -211,9 +221,10 @@ void OdeBody::drive(const BodyCommand& command) {
   for (const auto& [link, motion] : command.given) give_motion(link, motion);
   turn_freely();
   apply_rotors();
+  if (!stages_.empty()) act(command);
   if (has_resistance_) resist_motions();
   for (std::size_t id = 0; id < slots_.size(); ++id) {
-    const JointCommand& wanted = command.joints[id];
+    const JointCommand& wanted = stages_.empty() ? command.joints[id] : acting_[id];
     if (slots_[id].is_track) {
       tracks_[slots_[id].index].speed = wanted.drive & drive_velocity ? wanted.dq : 0.0;
       continue;
@@ -223,6 +234,17 @@ void OdeBody::drive(const BodyCommand& command) {
       joint.follow(joints_[slots_[mimic->leader].index], time_step_);
     else
       joint.drive(wanted, time_step_);
+  }
+}
+
+/// Passes the commands through the actuators.
+void OdeBody::act(const BodyCommand& command) {
+  acting_ = command.joints;
+  for (std::size_t id = 0; id < stages_.size(); ++id) {
+    if (!stages_[id]) continue;
+    OdeJoint& joint = joints_[slots_[id].index];
+    acting_[id] = stages_[id]->act(command.joints[id], joint.displacement(), joint.rate());
+    joint.turn_rotor(acting_[id], time_step_);
   }
 }
 
@@ -262,6 +284,23 @@ void OdeBody::turn_freely() {
 }
 
 void OdeBody::resist_motions() {
+  std::optional<JointInertias> inertias;  // only dampers need them
+  for (std::size_t id = 0; id < slots_.size(); ++id) {
+    if (slots_[id].is_track) continue;
+    OdeJoint& joint = joints_[slots_[id].index];
+    if (!joint.resists()) continue;
+    double inertia = 1.0;  // without a damper it has no effect
+    if (joint.damps()) {
+      if (!inertias) inertias.emplace(rigid_parts());
+      const int part = links_[model().joints[id]].group;
+      const Vector3d axis = joint.world_axis();
+      inertia = joint.revolute() ? inertias->about(part, axis, joint.anchor()) : inertias->along(part, axis);
+    }
+    joint.resist(inertia, time_step_);
+  }
+}
+
+std::vector<RigidPart> OdeBody::rigid_parts() const {
   std::vector<RigidPart> parts(groups_.size());
   for (std::size_t i = 0; i < groups_.size(); ++i) {
     parts[i].parent = groups_[i].parent;
@@ -273,16 +312,7 @@ void OdeBody::resist_motions() {
     parts[i].center = vector(dBodyGetPosition(body));
     parts[i].inertia = axes * groups_[i].inertia * axes.transpose();
   }
-  const JointInertias inertias(parts);
-  for (std::size_t id = 0; id < slots_.size(); ++id) {
-    if (slots_[id].is_track) continue;
-    OdeJoint& joint = joints_[slots_[id].index];
-    if (!joint.resists()) continue;
-    const int part = links_[model().joints[id]].group;
-    const Vector3d axis = joint.world_axis();
-    joint.resist(joint.revolute() ? inertias.about(part, axis, joint.anchor()) : inertias.along(part, axis),
-                 time_step_);
-  }
+  return parts;
 }
 
 Mount OdeBody::mount(int link) const {
@@ -435,8 +465,28 @@ void OdeBody::observe(BodyObservation& observation, const WorldSettings& setting
     else
       observation.joints[id] = joints_[slots_[id].index].reading();
   }
+  if (!stages_.empty()) observe_actuators(observation);
   for (std::size_t i = 0; i < links_.size(); ++i) observation.links[i] = reading_of(static_cast<int>(i));
   observe_devices(observation, settings, stepped);
+}
+
+/// A drive without a loop exerts what its motion needs.
+void OdeBody::observe_actuators(BodyObservation& observation) const {
+  observation.actuators.resize(stages_.size());
+  for (std::size_t id = 0; id < stages_.size(); ++id) {
+    const JointReading& joint = observation.joints[id];
+    ActuatorReading& reading = observation.actuators[id];
+    reading = {joint.q, joint.dq, joint.u, joint.u};
+    if (!stages_[id]) continue;
+    if (stages_[id]->drives_effort()) {
+      reading.wanted = stages_[id]->wanted();
+      reading.effort = stages_[id]->effort();
+    }
+    const GearPlay* play = joints_[slots_[id].index].play();
+    if (!play || !play->begun()) continue;
+    reading.q = play->displacement();
+    reading.dq = play->rate();
+  }
 }
 
 std::vector<double> OdeBody::force_reading(std::size_t device) const {
@@ -501,6 +551,14 @@ void OdeBody::visit_state(StateVisitor& visitor) {
   visit_joints(StatePart::displacement, &OdeJoint::visit_turns);
   visit_joints(StatePart::effort, &OdeJoint::visit_effort);
   visit_joints(StatePart::acceleration, &OdeJoint::visit_acceleration);
+  for (std::size_t id = 0; id < stages_.size(); ++id) {
+    if (!stages_[id]) continue;
+    const std::string& joint = model().links[model().joints[id]].joint.name;
+    visitor.begin_part(name(), joint, StatePart::gear);
+    joints_[slots_[id].index].visit_play(visitor);
+    visitor.begin_part(name(), joint, StatePart::commands);
+    stages_[id]->visit_state(visitor);
+  }
   for (std::size_t device = 0; device < wrenches_.size(); ++device) {
     visitor.begin_part(name(), model().devices[device].name, StatePart::wrench);
     visitor.visit(wrenches_[device].data(), 6 * sizeof(double));
@@ -510,7 +568,7 @@ void OdeBody::visit_state(StateVisitor& visitor) {
     visitor.visit(track.speed);
   }
   visit_contact_sensors(visitor);
-  visit_actuators(visitor);
+  visit_acting_devices(visitor);
 }
 
 void OdeBody::nudge(std::uint64_t bits) {

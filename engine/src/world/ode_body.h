@@ -6,8 +6,10 @@
 #include <optional>
 #include <vector>
 
+#include "actuator_stage.h"
 #include "cut.h"
 #include "initial_motion.h"
+#include "joint_inertia.h"
 #include "model/rigid_groups.h"
 #include "ode_joint.h"
 #include "plane_constraint.h"
@@ -82,6 +84,11 @@ class OdeBody final : public SimulatedBody {
   void hold_up_weightless();
   bool has_weight(int group) const;
   void resist_motions();
+  std::vector<RigidPart> rigid_parts() const;
+  /// Null: the joint of that id is ideal.
+  const Actuator* actuator_of(int id) const;
+  void act(const BodyCommand& command);
+  void observe_actuators(BodyObservation& observation) const;
   void turn_freely();
   void give_motion(int link, const GivenMotion& motion);
   static void place_shape(dGeomID geom, const RigidGroup& group, const Eigen::Isometry3d& in_group);
@@ -111,6 +118,8 @@ class OdeBody final : public SimulatedBody {
   std::vector<OdeJoint> joints_;                       // movable ones, by joint id
   double moving_mass_ = 0.0;                           // of all groups that aren't fixed to the world [kg]
   bool has_resistance_ = false;                        // of any joint: damping or rotor inertia
+  std::vector<std::optional<ActuatorStage>> stages_;   // by joint id; empty: the body has no actuators
+  std::vector<JointCommand> acting_;                   // scratch within a step: the commands behind the actuators
   std::vector<Track> tracks_;                          // by joint id
   std::optional<PlaneConstraint> plane_;               // of the root
   bool measures_forces_ = false;                       // of any joint

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "decay.h"
 #include "ode_math.h"
 
 namespace rehearse {
@@ -14,17 +15,10 @@ using std::numbers::pi;
 
 namespace {
 
-/// exp(-x) for x >= 0, without the functions of libm, whose last bits depend on the processor.
-double decay(double x) {
-  constexpr int halvings = 10, terms = 10;
-  constexpr double longest = 700.0;
-  if (x > longest) return 0.0;
-  const double part = -x / (1 << halvings);
-  double sum = 1.0;
-  for (int term = terms; term > 0; --term) sum = 1.0 + part / term * sum;
-  for (int i = 0; i < halvings; ++i) sum *= sum;
-  return sum;
-}
+/// The effort of a gear's losses as dry friction beside a mean effort, both as shares of the motor's effort u: together
+/// they are e u while the motor drives, and u / e while the load drives it. e: the efficiency.
+double mean_share(const Actuator& actuator) { return 0.5 * (actuator.efficiency + 1.0 / actuator.efficiency); }
+double friction_share(const Actuator& actuator) { return 0.5 * (1.0 / actuator.efficiency - actuator.efficiency); }
 
 /// The share of the velocity at the step's end in the velocity that a damper feels, so that a single joint's velocity
 /// falls by exp(-x) in the step. x: damping times time step over inertia. 1/2 for small x, 1 for large x.
@@ -37,8 +31,8 @@ double share_of_end(double x) {
 }  // namespace
 
 OdeJoint::OdeJoint(dWorldID world, const Joint& joint, dBodyID child, dBodyID parent, const Eigen::Isometry3d& frame,
-                   KeptLimits kept)
-    : joint_(joint), child_(child), kept_(kept), revolute_(joint.type != JointType::prismatic) {
+                   KeptLimits kept, const Actuator* actuator)
+    : joint_(joint), actuator_(actuator), child_(child), kept_(kept), revolute_(joint.type != JointType::prismatic) {
   const Vector3d anchor = frame.translation();
   const Vector3d axis = frame.linear() * joint.axis;
   if (revolute_) {
@@ -52,6 +46,7 @@ OdeJoint::OdeJoint(dWorldID world, const Joint& joint, dBodyID child, dBodyID pa
     dJointSetSliderAxis(ode_, axis.x(), axis.y(), axis.z());
   }
   guide_.emplace(revolute_ ? JointGuide::Type::revolute : JointGuide::Type::prismatic, child, parent, anchor, axis);
+  if (actuator && actuator->backlash > 0.0) play_.emplace(*actuator, joint.armature);
   if (resists()) create_resistance(world, parent, axis);
 }
 
@@ -83,14 +78,52 @@ void OdeJoint::set_resistance(int parameter, double value) {
 // The damper's effort is -d (s v1 + (1 - s) v0), with the velocities v0 before and v1 after the step and the share s of
 // share_of_end(). The rotor's is -J (v1 - v0) / dt. The spring's is -k (q0 - r + dt (v1 - v0) / 4), by which a spring
 // and a mass keep their energy for every stiffness: the step has determinant 1 and a trace of at most 2. The sum is c
-// (v - v1), which is ODE's motor with the velocity v and CFM 1 / c.
+// (v - v1), which is ODE's motor with the velocity v and CFM 1 / c. A gear with backlash adds its own c and v while its
+// teeth touch.
 void OdeJoint::resist(double inertia, double time_step) {
-  const double rotor = joint_.armature / time_step + 0.25 * time_step * joint_.spring_stiffness;
+  const double armature = play_ ? 0.0 : joint_.armature;
+  const double rotor = armature / time_step + 0.25 * time_step * joint_.spring_stiffness;
   spring_effort_ = -joint_.spring_stiffness * (displacement() - joint_.spring_reference);
-  const double share = share_of_end(joint_.damping * time_step / (inertia + joint_.armature));
+  const double share = share_of_end(joint_.damping * time_step / (inertia + armature));
   resistance_gain_ = share * joint_.damping + rotor;
-  resistance_velocity_ = ((rotor - (1.0 - share) * joint_.damping) * rate() + spring_effort_) / resistance_gain_;
+  double at_rest = (rotor - (1.0 - share) * joint_.damping) * rate() + spring_effort_;
+  if (play_) {
+    const double gear = actuator_->efficiency < 1.0 ? mean_share(*actuator_) : 1.0;
+    resistance_gain_ += gear * play_->gain();
+    at_rest += gear * play_->offset();
+    if (resistance_gain_ == 0.0) return;  // nothing touches
+  }
+  resistance_velocity_ = at_rest / resistance_gain_;
   set_resistance(dParamCFM, 1.0 / resistance_gain_);
+}
+
+void OdeJoint::turn_rotor(const JointCommand& command, double time_step) {
+  if (!play_) return;
+  const bool to_place = command.drive & drive_displacement;
+  if (!to_place && !(command.drive & drive_velocity))
+    return play_->prepare(command.drive & drive_effort ? command.u : 0.0, 0.0, displacement(), rate(), time_step);
+  const double now = play_->begun() ? play_->displacement() : displacement();
+  const double velocity =
+      to_place ? std::clamp((command.q - now) / time_step, -joint_.velocity, joint_.velocity) : command.dq;
+  play_->prepare(std::nullopt, velocity, displacement(), rate(), time_step);
+}
+
+/// The largest effort of a drive without a loop of its own.
+double OdeJoint::drive_limit() const {
+  if (!actuator_ || !actuator_->stall_effort) return joint_.effort;
+  return std::clamp(effort_range(*actuator_, std::abs(rate())).upper, 0.0, joint_.effort);
+}
+
+/// The largest dry friction in the coming step.
+double OdeJoint::dry_friction() const {
+  if (!actuator_) return joint_.friction;
+  double friction = joint_.friction;
+  if (actuator_->stiction) {
+    const double velocity = rate() / actuator_->stribeck;
+    friction += (*actuator_->stiction - friction) * decay(velocity * velocity);
+  }
+  if (actuator_->efficiency < 1.0) friction += friction_share(*actuator_) * std::abs(play_ ? play_->effort() : effort_);
+  return friction;
 }
 
 /// Two motors of different velocities work against each other, and the quick solver balances them slowly. So the
@@ -105,6 +138,7 @@ void OdeJoint::apply_resistance() {
   set_resistance(dParamFMax, overcome ? 0.0 : dInfinity);
   if (resistance_feedback_) *resistance_feedback_ = {};  // ODE doesn't write that of a motor that is off
   if (overcome) return;
+  if (resistance_gain_ == 0.0) return set_resistance(dParamFMax, 0.0);
   const double effort = motor_on_ ? resistance_gain_ * (resistance_velocity_ - motor_velocity_) : 0.0;
   const bool drive_is_stronger = motor_on_ && std::abs(effort) < motor_limit_;
   set_resistance(dParamVel, drive_is_stronger ? motor_velocity_ : resistance_velocity_);
@@ -240,7 +274,8 @@ void OdeJoint::drive_to(double displacement, double rate, double time_step) {
 /// beyond a stop, drive and stop together take it back, with whatever effort that needs.
 void OdeJoint::drive_at(double velocity, double time_step) {
   set_stops(false);
-  if (!kept_.displacement) return set_motor(velocity, joint_.effort);
+  const double limit = drive_limit();
+  if (!kept_.displacement) return set_motor(velocity, limit);
   constexpr double slack = 1e-4, back = 1.0;  // [rad] or [m], [rad/s] or [m/s]
   const double now = displacement();
   const double over = beyond(now);
@@ -248,7 +283,7 @@ void OdeJoint::drive_at(double velocity, double time_step) {
     return set_motor(-std::copysign(std::min(std::abs(over) / time_step, back), over), unlimited);
   set_motor(std::clamp(velocity, std::min((joint_.lower - now) / time_step, 0.0),
                        std::max((joint_.upper - now) / time_step, 0.0)),
-            joint_.effort);
+            limit);
 }
 
 void OdeJoint::drive(const JointCommand& command, double time_step) {
@@ -256,20 +291,20 @@ void OdeJoint::drive(const JointCommand& command, double time_step) {
                   "commands are finite when they reach the world");
   applied_ = 0.0;
   previous_effort_ = std::exchange(effort_, 0.0);
+  const auto drive = play_ ? std::uint8_t{drive_none} : command.drive;
   // displacement before velocity before effort, as in Choreonoid's MuJoCo item
-  if (command.drive & drive_displacement) {
+  if (drive & drive_displacement) {
     drive_to(command.q, 0.0, time_step);
-  } else if (command.drive & drive_velocity) {
+  } else if (drive & drive_velocity) {
     drive_at(command.dq, time_step);
   } else {
     set_stops(true);
     const bool at_stop = stops_active_ && (displacement() <= joint_.lower || displacement() >= joint_.upper);
-    set_motor(0.0, at_stop ? 0.0 : joint_.friction);  // see drive_at()
-    if (command.drive & drive_effort)
-      effort_ = kept_.effort ? std::clamp(command.u, -joint_.effort, joint_.effort) : command.u;
-    applied_ = effort_;
+    if (drive & drive_effort) effort_ = kept_.effort ? std::clamp(command.u, -joint_.effort, joint_.effort) : command.u;
+    set_motor(0.0, at_stop ? 0.0 : dry_friction());  // see drive_at()
+    applied_ = actuator_ && actuator_->efficiency < 1.0 ? mean_share(*actuator_) * effort_ : effort_;
   }
-  motor_drives_ = (command.drive & (drive_displacement | drive_velocity)) != 0;
+  motor_drives_ = (drive & (drive_displacement | drive_velocity)) != 0;
   apply_effort(time_step);
 }
 
@@ -301,6 +336,10 @@ void OdeJoint::apply_effort(double time_step) {
 
 void OdeJoint::after_step(double time_step) {
   acceleration_ = (rate() - previous_rate_) / time_step;
+  if (play_) {
+    play_->finish(rate(), time_step);
+    effort_ = play_->effort();
+  }
   if (motor_drives_) effort_ = motor_effort();
   if (motor_drives_ && motor_limit_ > joint_.effort)  // the rest is that of the stop
     effort_ = std::clamp(effort_, -joint_.effort, joint_.effort);

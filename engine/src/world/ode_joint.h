@@ -4,6 +4,7 @@
 #pragma once
 
 #include <ode/ode.h>
+#include <rehearse/actuator.h>
 #include <rehearse/io.h>
 #include <rehearse/model.h>
 
@@ -11,6 +12,7 @@
 #include <memory>
 #include <optional>
 
+#include "gear_play.h"
 #include "joint_guide.h"
 #include "simulated_body.h"
 #include "solver/island.h"
@@ -25,10 +27,10 @@ struct KeptLimits {
 
 class OdeJoint {
  public:
-  /// `joint` must outlive this. `parent` may be null: the world. `frame`: the child link's pose at displacement 0,
-  /// which is the bodies' current pose.
+  /// `joint` and `actuator` must outlive this; `actuator` null: the joint has none. `parent` may be null: the world.
+  /// `frame`: the child link's pose at displacement 0, which is the bodies' current pose.
   OdeJoint(dWorldID world, const Joint& joint, dBodyID child, dBodyID parent, const Eigen::Isometry3d& frame,
-           KeptLimits kept);
+           KeptLimits kept, const Actuator* actuator = nullptr);
   OdeJoint(OdeJoint&&) = default;
 
   const Joint& joint() const { return joint_; }
@@ -46,11 +48,19 @@ class OdeJoint {
   /// that is at its effort limit [rad/s] or [m/s].
   double missed_velocity() const;
   /// True if resist() has to be called.
-  bool resists() const { return joint_.damping > 0.0 || joint_.armature > 0.0 || joint_.spring_stiffness > 0.0; }
+  bool resists() const {
+    return joint_.damping > 0.0 || joint_.armature > 0.0 || joint_.spring_stiffness > 0.0 || play_;
+  }
+  /// True if resist() needs the inertia.
+  bool damps() const { return joint_.damping > 0.0; }
+  /// Of a gear with backlash: moves the rotor by the command in the coming step. Must be called before resist().
+  void turn_rotor(const JointCommand& command, double time_step);
+  /// Null: the gear has no backlash.
+  const GearPlay* play() const { return play_ ? &*play_ : nullptr; }
   /// Sets damping, rotor inertia and spring for the coming step. `inertia`: about the joint's axis without the rotor
   /// [kg·m²], or along it [kg].
   void resist(double inertia, double time_step);
-  /// Sets motor and force for the coming step.
+  /// Sets motor and force for the coming step. A gear with backlash exerts the effort of its rotor instead.
   void drive(const JointCommand& command, double time_step);
   /// Sets motor and force for a joint that follows `leader`: it is driven to the displacement to which the leader's
   /// motion takes it in the step.
@@ -85,6 +95,9 @@ class OdeJoint {
   void visit_turns(StateVisitor& visitor);
   void visit_effort(StateVisitor& visitor) { visitor.visit(effort_); }
   void visit_acceleration(StateVisitor& visitor) { visitor.visit(acceleration_); }
+  void visit_play(StateVisitor& visitor) {
+    if (play_) play_->visit_state(visitor);
+  }
 
  private:
   void create_resistance(dWorldID world, dBodyID parent, const Eigen::Vector3d& axis);
@@ -101,8 +114,11 @@ class OdeJoint {
   void apply_effort(double time_step);
   void apply_resistance();
   double motor_effort() const;
+  double drive_limit() const;
+  double dry_friction() const;
 
   const Joint& joint_;
+  const Actuator* actuator_;
   dBodyID child_;
   KeptLimits kept_;
   bool revolute_;
@@ -110,6 +126,7 @@ class OdeJoint {
   dJointID resistance_ = nullptr;  // a motor of ODE for damping and rotor inertia; null: there are none
   std::unique_ptr<dJointFeedback> feedback_, resistance_feedback_;
   std::optional<JointGuide> guide_;  // always set
+  std::optional<GearPlay> play_;     // nullopt: no backlash; its rotor is then part of the joint
   // state
   int turns_ = 0;              // whole turns on top of ODE's angle, which lies in [-pi, pi]
   double wrapped_ = 0.0;       // ODE's angle after the last step [rad]

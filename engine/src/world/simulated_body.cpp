@@ -69,8 +69,24 @@ Eigen::Vector3d Belt::along(const Eigen::Vector3d& normal) const {
   return direction.normalized();
 }
 
+namespace {
+
+/// The body whose joints have the limits, rotors and friction of their actuators.
+WorldBody as_built(WorldBody body) {
+  if (body.actuators.empty()) return body;
+  Model model = *body.model;
+  for (std::size_t id = 0; id < model.joints.size(); ++id) {
+    Joint& joint = model.links[model.joints[id]].joint;
+    if (body.actuators[id]) joint = joint_with(*body.actuators[id], joint);
+  }
+  body.model = std::make_shared<const Model>(std::move(model));
+  return body;
+}
+
+}  // namespace
+
 SimulatedBody::SimulatedBody(WorldBody description)
-    : description_(std::move(description)), mass_(description_.model->mass()) {
+    : description_(as_built(std::move(description))), mass_(description_.model->mass()) {
   for (const GroupedLink& link : group_links(*description_.model).links) groups_.push_back(link.group);
   feels_.assign(model().links.size(), false);
   contact_sums_.resize(model().devices.size());
@@ -79,7 +95,7 @@ SimulatedBody::SimulatedBody(WorldBody description)
   const auto acts = [](const Device& device) {
     return std::holds_alternative<Rotor>(device.kind) || std::holds_alternative<Holder>(device.kind);
   };
-  if (std::any_of(model().devices.begin(), model().devices.end(), acts)) actuators_.resize(model().devices.size());
+  if (std::any_of(model().devices.begin(), model().devices.end(), acts)) acting_devices_.resize(model().devices.size());
 }
 
 SimulatedBody::~SimulatedBody() {
@@ -104,17 +120,17 @@ void SimulatedBody::feel(int link) {
 
 void SimulatedBody::command(int device, const std::vector<double>& values) {
   const DeviceKind& kind = model().devices.at(device).kind;
-  if (std::holds_alternative<Holder>(kind) && !values.empty()) actuators_[device].on = values[0];
+  if (std::holds_alternative<Holder>(kind) && !values.empty()) acting_devices_[device].on = values[0];
   constexpr std::size_t rotor_values = 13;  // on, position, direction, thrust and its range, torque and its range
   if (!std::holds_alternative<Rotor>(kind) || values.size() < rotor_values) return;
   const Eigen::Map<const Eigen::Vector3d> position(&values[1]), direction(&values[4]);
-  actuators_[device] = {values[0], position, direction, values[7], values[10]};
+  acting_devices_[device] = {values[0], position, direction, values[7], values[10]};
 }
 
 void SimulatedBody::apply_rotors() {
-  for (std::size_t i = 0; i < actuators_.size(); ++i) {
+  for (std::size_t i = 0; i < acting_devices_.size(); ++i) {
     const Device& device = model().devices[i];
-    const Actuator& rotor = actuators_[i];
+    const ActingDevice& rotor = acting_devices_[i];
     if (!std::holds_alternative<Rotor>(device.kind) || rotor.on == 0.0) continue;
     const Eigen::Vector3d place = link_point(device.link, rotor.position);
     const Eigen::Vector3d direction = link_point(device.link, rotor.position + rotor.direction) - place;
@@ -123,17 +139,17 @@ void SimulatedBody::apply_rotors() {
   }
 }
 
-void SimulatedBody::visit_actuators(StateVisitor& visitor) {
-  for (std::size_t i = 0; i < actuators_.size(); ++i) {
+void SimulatedBody::visit_acting_devices(StateVisitor& visitor) {
+  for (std::size_t i = 0; i < acting_devices_.size(); ++i) {
     const Device& device = model().devices[i];
     if (!std::holds_alternative<Rotor>(device.kind) && !std::holds_alternative<Holder>(device.kind)) continue;
-    visitor.begin_part(name(), device.name, StatePart::actuator);
-    Actuator& actuator = actuators_[i];
-    visitor.visit(actuator.on);
-    visitor.visit(actuator.position);
-    visitor.visit(actuator.direction);
-    visitor.visit(actuator.thrust);
-    visitor.visit(actuator.torque);
+    visitor.begin_part(name(), device.name, StatePart::acting_device);
+    ActingDevice& setting = acting_devices_[i];
+    visitor.visit(setting.on);
+    visitor.visit(setting.position);
+    visitor.visit(setting.direction);
+    visitor.visit(setting.thrust);
+    visitor.visit(setting.torque);
   }
 }
 

@@ -20,16 +20,18 @@ namespace rehearse {
 
 /// The parts of the state that an owner (world, link, joint or device) can have.
 enum class StatePart {
-  clock,         // of the world: ticks and random numbers
-  motion,        // of a rigid group, by its first link, or of a kinematic link
-  displacement,  // of a joint
-  effort,        // of a joint
-  acceleration,  // of a joint
-  belt,          // of a track
-  wrench,        // measured by a force sensor in the last step; the next step doesn't depend on it
-  actuator,      // of a rotor or holder: its command
-  connection,    // of a joint between bodies, or of a holder
-  contact,       // measured by a contact sensor in the last step; the next step doesn't depend on it
+  clock,          // of the world: ticks and random numbers
+  motion,         // of a rigid group, by its first link, or of a kinematic link
+  displacement,   // of a joint
+  effort,         // of a joint
+  acceleration,   // of a joint
+  gear,           // of a joint with backlash: its rotor within the gap
+  commands,       // of a joint with an actuator: those under way
+  belt,           // of a track
+  wrench,         // measured by a force sensor in the last step; the next step doesn't depend on it
+  acting_device,  // of a rotor or holder: its command
+  connection,     // of a joint between bodies, or of a holder
+  contact,        // measured by a contact sensor in the last step; the next step doesn't depend on it
 };
 
 /// Reads or writes pieces of state.
@@ -155,7 +157,7 @@ class SimulatedBody {
   /// Commands a rotor or a holder; `values` is its whole state as cnoid's writeState() gives it.
   void command(int device, const std::vector<double>& values);
   /// True if that holder is turned on.
-  bool is_on(int device) const { return !actuators_.empty() && actuators_[device].on != 0.0; }
+  bool is_on(int device) const { return !acting_devices_.empty() && acting_devices_[device].on != 0.0; }
   /// True if contacts of the link are needed (it is watched, or a sensor measures them): pass them to take_touches().
   bool feels(int link) const { return feels_[link]; }
   /// True if contacts of any link are needed.
@@ -168,7 +170,7 @@ class SimulatedBody {
   bool move_together(int link, int other) const { return groups_[link] == groups_[other]; }
 
  protected:
-  const Model& model() const { return *description_.model; }
+  const Model& model() const { return *description_.model; }  // its joints as their actuators make them
   const std::string& name() const { return description_.name; }
   struct AddedGeom {
     dGeomID geom;
@@ -185,7 +187,7 @@ class SimulatedBody {
   /// Visits the state of contact sensors; the last part of visit_state().
   void visit_contact_sensors(StateVisitor& visitor);
   /// Passes the state of rotors and holders to the visitor.
-  void visit_actuators(StateVisitor& visitor);
+  void visit_acting_devices(StateVisitor& visitor);
   /// Adds the forces of the rotors for the coming step.
   void apply_rotors();
 
@@ -200,7 +202,7 @@ class SimulatedBody {
     Eigen::Vector3d force = Eigen::Vector3d::Zero();  // on the link [N]
   };
   /// The command to a rotor or holder. Position and direction are in the link frame.
-  struct Actuator {
+  struct ActingDevice {
     double on = 0.0;                                      // 1: it is on
     Eigen::Vector3d position = Eigen::Vector3d::Zero();   // [m]
     Eigen::Vector3d direction = Eigen::Vector3d::Zero();  // unit length
@@ -219,8 +221,8 @@ class SimulatedBody {
   std::vector<bool> watched_;  // by link index; empty: no link is watched
   bool feels_something_ = false;
   std::vector<Touch> touches_;
-  std::vector<ContactSum> contact_sums_;  // by device index; state of the contact sensors
-  std::vector<Actuator> actuators_;       // by device index; empty: the body has neither rotors nor holders
+  std::vector<ContactSum> contact_sums_;      // by device index; state of the contact sensors
+  std::vector<ActingDevice> acting_devices_;  // by device index; empty: the body has neither rotors nor holders
 };
 
 /// Checks everything on which ODE would abort. The messages begin with "body 'SR1': ".

@@ -35,10 +35,12 @@ void StateTaker::visit(void* data, std::size_t size) {
   at_ += size;
 }
 
-/// A part of a different size has a different meaning: the body has become kinematic, or the joint a track.
+/// A part of a different size has a different meaning: the body has become kinematic, or the joint a track. The state
+/// of an actuator may be missing: a world with other actuators begins with theirs at rest.
 void StateTaker::end_part() {
   const auto& [body, owner, part] = name_;
-  const bool matters = part != StatePart::wrench && part != StatePart::contact;
+  const bool matters =
+      part != StatePart::wrench && part != StatePart::contact && part != StatePart::gear && part != StatePart::commands;
   if (!matters || at_ == (current_ ? current_->size() : 0)) return;
   std::string what = "body '" + body + "'";
   if (body.empty())

@@ -6,6 +6,7 @@
 // whose library can't be loaded.
 #pragma once
 
+#include <rehearse/actuator.h>
 #include <rehearse/io.h>
 #include <rehearse/model.h>
 
@@ -151,6 +152,8 @@ struct ScenarioBody {
   std::vector<double> joint_velocities;                        // initial, by joint id [rad/s] or [m/s]
   std::vector<std::string> materials;  // by link index, empty names: none; an empty list: no link has one
   std::vector<ScenarioController> controllers;
+  /// By joint id, without the keys of their random numbers; nullopt: the joint is ideal. An empty list: all are.
+  std::vector<std::optional<Actuator>> actuators;
   BodyNoise noise;  // of its sensors and joints
   Place place;      // of its name
 };

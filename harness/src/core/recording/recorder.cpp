@@ -56,7 +56,10 @@ struct BodyChannels {
 
   std::uint16_t joints = 0, measured_joints = 0;  // 0: none
   std::vector<FreeLink> free_links;
+  std::uint16_t actuators = 0;  // 0: none
+  std::vector<int> actuated;    // ids of the joints with an actuator
   msg::JointState joint_message;
+  msg::JointState actuator_message;
   msg::PoseStamped pose_message;
   msg::TwistStamped twist_message;
   std::vector<DeviceRecorder> devices;
@@ -117,6 +120,8 @@ struct Recorder::Impl : TraceOutput {
   void declare_controllers(const ControllerHost& host);
   Result<void> write_joints(std::int64_t tick, BodyChannels& channels, std::uint16_t channel,
                             const std::vector<JointReading>& joints);
+  Result<void> write_actuators(std::int64_t tick, BodyChannels& channels,
+                               const std::vector<ActuatorReading>& actuators);
   Result<void> write_body(std::int64_t tick, std::size_t index, const BodyObservation& seen,
                           const std::vector<JointReading>& read);
   Result<void> write_transforms(std::int64_t tick, const Observation& seen);
@@ -249,6 +254,14 @@ void Recorder::Impl::declare_body(const ScenarioBody& body) {
       channels.measured_joints =
           channel<msg::JointState>(ChannelName::of_body(body.name, ChannelKind::measured_joints), units);
   }
+  for (std::size_t id = 0; id < body.actuators.size(); ++id) {
+    if (!body.actuators[id]) continue;
+    channels.actuated.push_back(static_cast<int>(id));
+    channels.actuator_message.name.push_back(model.links[model.joints[id]].joint.name);
+  }
+  if (!channels.actuated.empty())
+    channels.actuators = channel<msg::JointState>(ChannelName::of_body(body.name, ChannelKind::actuators),
+                                                  joint_metadata(ChannelKind::actuators, model, channels.actuated));
   channels.pose_message.header.frame_id = "world";
   channels.twist_message.header.frame_id = "world";
   for (int link = 0; link < static_cast<int>(model.links.size()); ++link) {
@@ -287,6 +300,22 @@ Result<void> Recorder::Impl::write_joints(std::int64_t tick, BodyChannels& chann
   return write(channel, tick, message);
 }
 
+Result<void> Recorder::Impl::write_actuators(std::int64_t tick, BodyChannels& channels,
+                                             const std::vector<ActuatorReading>& actuators) {
+  msg::JointState& message = channels.actuator_message;
+  message.header.stamp = stamp(tick);
+  message.position.clear();
+  message.velocity.clear();
+  message.effort.clear();
+  for (const int id : channels.actuated) {
+    const ActuatorReading& reading = actuators[static_cast<std::size_t>(id)];
+    message.position.push_back(reading.q);
+    message.velocity.push_back(reading.dq);
+    message.effort.push_back(reading.effort);
+  }
+  return write(channels.actuators, tick, message);
+}
+
 Result<void> Recorder::Impl::write_body(std::int64_t tick, std::size_t index, const BodyObservation& seen,
                                         const std::vector<JointReading>& read) {
   BodyChannels& channels = bodies[index];
@@ -294,6 +323,8 @@ Result<void> Recorder::Impl::write_body(std::int64_t tick, std::size_t index, co
     if (auto done = write_joints(tick, channels, channels.joints, seen.joints); !done) return done;
   if (channels.measured_joints)
     if (auto done = write_joints(tick, channels, channels.measured_joints, read); !done) return done;
+  if (channels.actuators)
+    if (auto done = write_actuators(tick, channels, seen.actuators); !done) return done;
   for (const BodyChannels::FreeLink& free : channels.free_links) {
     const LinkReading& link = seen.links[free.link];
     channels.pose_message.header.stamp = channels.twist_message.header.stamp = stamp(tick);

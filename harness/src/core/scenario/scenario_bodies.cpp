@@ -94,7 +94,9 @@ void BodyReader::read(const YamlNode& node) {
                    "velocity",
                    "controllers",
                    "joint_velocities",
-                   "links"});
+                   "links",
+                   "actuators",
+                   "sensors"});
   if (!keys.is_map()) return;
   ScenarioBody body;
   body.place = {scenario_.file, node.line, node.column};
@@ -123,6 +125,7 @@ void BodyReader::read(const YamlNode& node) {
   const YamlNode* links = keys.find("links");
   if (body.model && links) read_links(findings_, *links, scenario_.solver, body);
   if (body.model) state_links(findings_, links ? *links : keys.absent_map("links"), scenario_.solver, *body.model);
+  if (const YamlNode* sensors = keys.find("sensors"); sensors && body.model) read_sensors(findings_, *sensors, body);
   keys.vector3("position", any_position, body.position);
   if (const YamlNode* rotation = keys.find("rotation"))
     body.rotation = read_rotation(findings_, *rotation, "rotation").value_or(body.rotation);
@@ -131,6 +134,7 @@ void BodyReader::read(const YamlNode& node) {
     check_contact(keys, body);
     read_joints(findings_, node, keys.find("joints"), body);
     read_velocities(keys, body);
+    if (const YamlNode* actuators = keys.find("actuators")) read_actuators(findings_, *actuators, body);
   }
   if (const YamlNode* controllers = keys.find("controllers"))
     read_controllers(findings_, *controllers, body, scenario_.file);

@@ -25,6 +25,13 @@ void read_joints(Findings& findings, const YamlNode& body_node, const YamlNode* 
 /// Initial velocities of joints, a map by name. body.model must not be null.
 void read_joint_velocities(Findings& findings, const YamlNode& node, ScenarioBody& body);
 
+/// The `actuators` list: rules by joints, of which the last that matches applies, key by key. body.model must not be
+/// null.
+void read_actuators(Findings& findings, const YamlNode& node, ScenarioBody& body);
+
+/// The `sensors` list: devices in addition to those of the model, which is replaced. body.model must not be null.
+void read_sensors(Findings& findings, const YamlNode& node, ScenarioBody& body);
+
 /// The `links` map: masses and surfaces that replace those of the model. body.model must not be null.
 void read_links(Findings& findings, const YamlNode& node, const SolverSettings& solver, ScenarioBody& body);
 

@@ -183,6 +183,28 @@ std::optional<double> read_angle(Findings& findings, const YamlNode& node, std::
   return std::nullopt;
 }
 
+std::optional<double> factor_of_unit(std::string_view unit) {
+  for (const std::span<const Unit> units : {std::span<const Unit>(time_units), std::span<const Unit>(rate_units),
+                                            std::span<const Unit>(angle_units), std::span<const Unit>(length_units)})
+    for (const Unit& each : units)
+      if (each.name == unit) return each.factor;
+  return std::nullopt;
+}
+
+std::optional<double> read_quantity(Findings& findings, const YamlNode& node, std::string_view label,
+                                    std::span<const Unit> units, const Range& range) {
+  std::string_view unit;
+  if (const auto number = number_with_unit(node, unit)) {
+    const auto known = std::find_if(units.begin(), units.end(), [&](const Unit& each) { return each.name == unit; });
+    const double value = known == units.end() ? *number : *number * known->factor;
+    if ((known != units.end() || unit.empty()) && range.contains(value)) return value;
+  }
+  std::string with;
+  for (const Unit& each : units) with += fmt::format("{}{}", with.empty() ? ", or with its unit: " : ", ", each.name);
+  expected(findings, node, label, "a number " + range.text() + with);
+  return std::nullopt;
+}
+
 std::optional<Measure> read_measure(Findings& findings, const YamlNode& node, std::string_view label) {
   constexpr double largest = 1e12;
   const auto quantity = number_or_angle(node);

@@ -368,7 +368,8 @@ bool VariationReader::take_number(const YamlNode& path, Variation& variation) {
   const bool of_values = variation.distribution == Distribution::choice || variation.distribution == Distribution::grid;
   if (of_values && (!is_number || !all_numbers())) return true;
   if (variation.distribution == Distribution::from_file && !is_number) return true;
-  if (!is_number || (!unit.empty() && unit != " deg" && unit != " rad" && unit != "deg" && unit != "rad")) {
+  const std::string_view name = unit.starts_with(' ') ? unit.substr(1) : unit;
+  if (!is_number || (!name.empty() && !factor_of_unit(name))) {
     findings_.error(path, fmt::format("'{}' is '{}', not a number", variation.path, shortened(variation.nominal)),
                     "words and files vary by choice, grid or file");
     return false;

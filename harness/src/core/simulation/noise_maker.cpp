@@ -9,50 +9,23 @@
 #include <limits>
 
 #include "core/mcap/hashing.h"
+#include "model/chance.h"
 
 namespace rehearse {
 namespace {
 
-/// SplitMix64's output function: G. L. Steele, D. Lea, C. H. Flood, Fast Splittable Pseudorandom Number Generators,
-/// OOPSLA 2014.
-std::uint64_t mix(std::uint64_t z) {
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-  return z ^ (z >> 31);
+// The random numbers of one reading: each place in it has a different one.
+
+double normal(const Chance& chance, std::uint64_t place) { return normal_quantile(chance.uniform(place)); }
+
+/// True for a given share of all places.
+bool loses(const Chance& chance, std::uint64_t place, double share) {
+  constexpr std::uint64_t other_numbers = 1ull << 62;  // different from the numbers for values
+  return share > 0.0 && chance.uniform(other_numbers + place) < share;
 }
-
-constexpr std::uint64_t golden_gamma = 0x9E3779B97F4A7C15u;
-
-std::uint64_t key_of(std::string_view kind, const std::string& body, const std::string& name, std::uint32_t seed) {
-  const std::string text = std::string(kind) + ":" + body + "/" + name;
-  return hash_bytes(text.data(), text.size(), seed);
-}
-
-/// The random numbers of one reading: each place in it has a different one.
-class Chance {
- public:
-  Chance(std::uint64_t key, std::int64_t tick)
-      : base_(mix(key + golden_gamma * static_cast<std::uint64_t>(tick + 1))) {}
-
-  /// Between 0 and 1, both excluded.
-  double uniform(std::uint64_t place) const {
-    constexpr double spacing = 1.0 / static_cast<double>(1ull << 53);
-    return (static_cast<double>(mix(base_ + golden_gamma * (place + 1)) >> 11) + 0.5) * spacing;
-  }
-  double normal(std::uint64_t place) const { return normal_quantile(uniform(place)); }
-
-  /// True for a given share of all places.
-  bool loses(std::uint64_t place, double share) const {
-    constexpr std::uint64_t other_numbers = 1ull << 62;  // different from the numbers for values
-    return share > 0.0 && uniform(other_numbers + place) < share;
-  }
-
- private:
-  std::uint64_t base_;
-};
 
 double disturbed(double truth, const Noise& noise, int axis, const Chance& chance, std::uint64_t place) {
-  const double random = noise.stddev > 0.0 ? noise.stddev * chance.normal(place) : 0.0;
+  const double random = noise.stddev > 0.0 ? noise.stddev * normal(chance, place) : 0.0;
   return truth + noise.bias[axis] + random;
 }
 
@@ -72,7 +45,7 @@ void disturb_distances(const Noise& noise, double dropout, const Chance& chance,
   for (std::size_t i = 0; i < distances.size(); ++i) {
     const std::uint64_t place = first_place + i;
     if (!std::isfinite(distances[i])) continue;
-    distances[i] = chance.loses(place, dropout)
+    distances[i] = loses(chance, place, dropout)
                        ? std::numeric_limits<float>::infinity()
                        : static_cast<float>(std::max(0.0, disturbed(distances[i], noise, 0, chance, place)));
   }
@@ -114,6 +87,11 @@ bool drops_readings(const Device& device) {
 
 }  // namespace
 
+std::uint64_t key_of(std::string_view kind, const std::string& body, const std::string& name, std::uint32_t seed) {
+  const std::string text = std::string(kind) + ":" + body + "/" + name;
+  return hash_bytes(text.data(), text.size(), seed);
+}
+
 NoiseMaker::NoiseMaker(const Scenario& scenario) {
   for (std::size_t body = 0; body < scenario.bodies.size(); ++body) {
     const ScenarioBody& of = scenario.bodies[body];
@@ -140,7 +118,7 @@ void NoiseMaker::disturb_devices(std::int64_t tick, Observation& observation) {
   for (NoisyDevice& noisy : devices_) {
     DeviceReading& reading = observation.bodies[noisy.body].devices[noisy.device];
     const Chance chance(noisy.key, tick);
-    const bool is_lost = drops_readings(*noisy.description) && chance.loses(0, noisy.noise->dropout);
+    const bool is_lost = drops_readings(*noisy.description) && loses(chance, 0, noisy.noise->dropout);
     if (value_count(*noisy.description) > 0) {
       if (!reading.fresh) continue;
       const bool has_count = std::holds_alternative<ContactSensor>(noisy.description->kind);

@@ -6,9 +6,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace rehearse {
+
+/// The key of the random numbers of a body's sensor, joint or actuator (`kind`) of that name.
+std::uint64_t key_of(std::string_view kind, const std::string& body, const std::string& name, std::uint32_t seed);
 
 class NoiseMaker {
  public:

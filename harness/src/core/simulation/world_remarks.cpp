@@ -14,6 +14,20 @@ namespace rehearse {
 
 WorldRemarks::WorldRemarks(const Scenario& scenario) : scenario_(scenario) {
   for (const ScenarioBody& body : scenario.bodies) joints_.emplace_back(body.model->joints.size());
+  limited_.resize(scenario.bodies.size());
+  for (const ScenarioBody& body : scenario.bodies) {
+    std::vector<Joint>& joints = built_.emplace_back();
+    for (std::size_t id = 0; id < body.actuators.size(); ++id) {
+      const Joint& joint = body.model->links[static_cast<std::size_t>(body.model->joints[id])].joint;
+      joints.push_back(body.actuators[id] ? joint_with(*body.actuators[id], joint) : joint);
+    }
+  }
+}
+
+const Joint& WorldRemarks::joint_of(std::size_t body, std::size_t id) const {
+  if (!built_[body].empty()) return built_[body][id];
+  const Model& model = *scenario_.bodies[body].model;
+  return model.links[static_cast<std::size_t>(model.joints[id])].joint;
 }
 
 void WorldRemarks::add_idle_camera(const std::string& controller, int body, int device) {
@@ -29,6 +43,7 @@ void WorldRemarks::observe(std::int64_t tick, const World& world, const Observat
   check_limits(tick, seen, events);
   check_speeds(tick, seen, events);
   check_drives(tick, seen, command, events);
+  check_actuators(tick, seen, events);
   if (tick == 0) return;
   check_solver(tick, world, events);
   check_unsolved(tick, world.unsolved(), events);
@@ -117,8 +132,29 @@ void WorldRemarks::check_drives(std::int64_t tick, const Observation& seen, cons
     const ScenarioBody& body = scenario_.bodies[i];
     if (body.kinematic) continue;
     for (std::size_t id = 0; id < joints_[i].size(); ++id)
-      check_drive(tick, body, body.model->links[static_cast<std::size_t>(body.model->joints[id])].joint,
-                  seen.bodies[i].joints[id], command.bodies[i].joints[id], joints_[i][id], events);
+      check_drive(tick, body, joint_of(i, id), seen.bodies[i].joints[id], command.bodies[i].joints[id], joints_[i][id],
+                  events);
+  }
+}
+
+/// The first of a body is a warning, and so a remark of the run; those of other joints are notes.
+void WorldRemarks::check_actuators(std::int64_t tick, const Observation& seen, std::vector<msg::Event>& events) {
+  constexpr double nearly = 1.0 - 1e-9;  // of the wanted effort
+  for (std::size_t i = 0; i < scenario_.bodies.size(); ++i) {
+    const ScenarioBody& body = scenario_.bodies[i];
+    for (std::size_t id = 0; id < seen.bodies[i].actuators.size(); ++id) {
+      const ActuatorReading& now = seen.bodies[i].actuators[id];
+      const bool is_limited = now.wanted > 0.0 ? now.effort < nearly * now.wanted : now.effort > nearly * now.wanted;
+      if (!is_limited || std::exchange(joints_[i][id].limited, true)) continue;
+      const Joint& joint = body.model->links[static_cast<std::size_t>(body.model->joints[id])].joint;
+      const bool slides = is_linear(joint.type), is_first = !limited_[i];
+      limited_[i] = true;
+      add(tick, is_first ? Severity::warning : Severity::note,
+          fmt::format("the actuator of joint '{}' of '{}' limited {:.4g} {} to {:.4g}, at {:.3g} {}", joint.name,
+                      body.name, now.wanted, slides ? "N" : "N·m", now.effort, seen.bodies[i].joints[id].dq,
+                      slides ? "m/s" : "rad/s"),
+          events);
+    }
   }
 }
 

@@ -24,7 +24,7 @@ class WorldRemarks {
   /// fast, and links that connected or separated. For all but the last kind the first event is a warning, and so a
   /// remark of the run. The next event is a note that follows when it is twice as bad.
   /// `command`: in force. Drives that are commanded beyond a limit of their joints, or reach their effort limit, are
-  /// reported once per joint.
+  /// reported once per joint, as are actuators that limit an effort.
   void observe(std::int64_t tick, const World& world, const Observation& seen, const Command& command,
                std::vector<msg::Event>& events);
 
@@ -37,7 +37,10 @@ class WorldRemarks {
     bool too_fast = false;     // its drive was commanded beyond the velocity limit
     bool blocked = false;      // its drive was commanded beyond a stop
     bool at_full_effort = false;
+    bool limited = false;  // its actuator gave less than the effort that was commanded
   };
+  /// The joint with the limits of its actuator.
+  const Joint& joint_of(std::size_t body, std::size_t id) const;
   void add(std::int64_t tick, Severity severity, std::string text, std::vector<msg::Event>& events) const;
   void check_solver(std::int64_t tick, const World& world, std::vector<msg::Event>& events);
   void check_unsolved(std::int64_t tick, const Unsolved& unsolved, std::vector<msg::Event>& events);
@@ -47,6 +50,7 @@ class WorldRemarks {
   void check_limits(std::int64_t tick, const Observation& seen, std::vector<msg::Event>& events);
   void check_drives(std::int64_t tick, const Observation& seen, const Command& command,
                     std::vector<msg::Event>& events);
+  void check_actuators(std::int64_t tick, const Observation& seen, std::vector<msg::Event>& events);
   void check_drive(std::int64_t tick, const ScenarioBody& body, const Joint& joint, const JointReading& now,
                    const JointCommand& wanted, JointRemarks& known, std::vector<msg::Event>& events);
 
@@ -58,6 +62,8 @@ class WorldRemarks {
   std::int64_t unconverged_steps_ = 0;             // so far
   std::int64_t next_unconverged_report_ = 10;      // at that number
   double unsolved_ = 0.0;                          // the last share that was reported
+  std::vector<std::vector<Joint>> built_;          // by body and joint id; empty: the body has no actuators
+  std::vector<bool> limited_;                      // by body: the actuator of any joint
   bool crowded_ = false;                           // any island had too many contacts
   std::vector<std::vector<JointRemarks>> joints_;  // by body and joint id
 };

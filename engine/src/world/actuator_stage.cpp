@@ -1,0 +1,148 @@
+#include "actuator_stage.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "decay.h"
+#include "model/chance.h"
+
+namespace rehearse {
+namespace {
+
+constexpr std::uint8_t motion_drives = drive_displacement | drive_velocity;
+constexpr double rounding = 1e-9;  // [steps]: 6 ms are 6 steps of 1 ms, whatever their quotient rounds to
+
+/// Steps in a time; a number that rounding separates from a whole one is that one.
+double steps_in(double time, double time_step) {
+  const double steps = time / time_step, whole = std::round(steps);
+  return std::abs(steps - whole) < rounding * std::max(1.0, whole) ? whole : steps;
+}
+
+/// The time step over the time constant.
+double pace_of(double bandwidth, double time_step) { return 2.0 * std::numbers::pi * bandwidth * time_step; }
+
+/// (1 - exp(-x)) / x.
+double mean_decay(double x) {
+  constexpr double small = 1e-4;  // below it the next term of the series is less than 1e-12
+  return x < small ? 1.0 - x / 2.0 + x * x / 6.0 : (1.0 - decay(x)) / x;
+}
+
+}  // namespace
+
+ActuatorStage::ActuatorStage(const Actuator& actuator, double start, double time_step)
+    : actuator_(actuator),
+      time_step_(time_step),
+      lag_(decay(pace_of(actuator.bandwidth, time_step))),
+      mean_lag_(mean_decay(pace_of(actuator.bandwidth, time_step))) {
+  const double longest = std::ceil(steps_in(actuator.delay + actuator.jitter, time_step));
+  written_.assign(static_cast<std::size_t>(longest) + 1, {drive_none, start, 0.0, 0.0});
+}
+
+JointCommand ActuatorStage::act(const JointCommand& written, double q, double dq) {
+  const auto index = static_cast<std::size_t>(steps_) % written_.size();
+  if (steps_ == 0)
+    for (JointCommand& at_rest : written_) at_rest.drive = written.drive;
+  written_[index] = rounded(written);
+  JointCommand acting = in_force();
+  if (actuator_.has_loop() && (acting.drive & motion_drives)) {
+    acting.u = loop_effort(acting, q, dq);
+    acting.drive = drive_effort;
+  }
+  ++steps_;
+  drives_effort_ = wanted_ = effort_ = 0.0;
+  if (acting.drive & motion_drives) return acting;
+  drives_effort_ = 1.0;
+  wanted_ = lagged(acting.drive & drive_effort ? acting.u : 0.0);
+  const EffortRange range = effort_range(actuator_, dq);
+  acting.u = effort_ = std::clamp(wanted_, range.lower, range.upper);
+  acting.drive |= drive_effort;
+  return acting;
+}
+
+/// Rounds the quantities that the command contains.
+JointCommand ActuatorStage::rounded(JointCommand command) const {
+  if (actuator_.quantum <= 0.0) return command;
+  const auto round = [this](double& number) {
+    const double multiple = std::round(number / actuator_.quantum) * actuator_.quantum;
+    if (std::isfinite(multiple)) number = multiple;
+  };
+  if (command.drive & drive_displacement) round(command.q);
+  if (command.drive & drive_velocity) round(command.dq);
+  if (command.drive & drive_effort) round(command.u);
+  return command;
+}
+
+/// Of the command that was written in that step [steps].
+double ActuatorStage::delay_of(std::int64_t step) const {
+  if (actuator_.jitter <= 0.0) return steps_in(actuator_.delay, time_step_);
+  const double random = 2.0 * Chance(actuator_.key, step).uniform(0) - 1.0;
+  return std::max(0.0, (actuator_.delay + actuator_.jitter * random) / time_step_);
+}
+
+/// The mean of the commands in force in the coming step, with the drive of the newest. A command is in force from its
+/// arrival until a newer one arrives.
+JointCommand ActuatorStage::in_force() {
+  if (written_.size() == 1) return written_.front();
+  JointCommand mean{drive_none, 0.0, 0.0, 0.0};
+  double until = 1.0;  // of the step
+  bool is_newest = true;
+  const auto size = static_cast<std::int64_t>(written_.size());
+  for (std::int64_t age = 0; age < size && until > 0.0; ++age) {
+    const std::int64_t step = steps_ - age;
+    const bool is_oldest = age + 1 == size;
+    const double arrival = delay_of(step) - static_cast<double>(age);
+    if (arrival >= until && !is_oldest) continue;
+    const double from = is_oldest ? 0.0 : std::max(arrival, 0.0);
+    const JointCommand& command = written_[static_cast<std::size_t>((step % size + size) % size)];
+    const double share = until - from;
+    if (share == 1.0) return command;
+    if (std::exchange(is_newest, false)) mean.drive = command.drive;
+    mean.q += share * command.q;
+    mean.dq += share * command.dq;
+    mean.u += share * command.u;
+    until = from;
+  }
+  return mean;
+}
+
+double ActuatorStage::loop_effort(const JointCommand& wanted, double q, double dq) {
+  const auto period_of = [this](std::int64_t step) {
+    return std::floor(static_cast<double>(step) * time_step_ / actuator_.period + rounding);
+  };
+  const bool is_due = steps_ == 0 || actuator_.period <= time_step_ || period_of(steps_) != period_of(steps_ - 1);
+  if (!is_due) return held_;
+  const double limit = actuator_.velocity.value_or(std::numeric_limits<double>::infinity());
+  const double rate = wanted.drive & drive_velocity ? std::clamp(wanted.dq, -limit, limit) : 0.0;
+  held_ = actuator_.velocity_gain.value_or(0.0) * (rate - dq);
+  if (wanted.drive & drive_displacement) held_ += actuator_.position_gain.value_or(0.0) * (wanted.q - q);
+  if (wanted.drive & drive_effort) held_ += wanted.u;
+  return held_;
+}
+
+/// The mean effort of the coming step.
+double ActuatorStage::lagged(double effort) {
+  if (actuator_.bandwidth <= 0.0) return effort;
+  const double difference = lagged_ - effort;
+  lagged_ = effort + lag_ * difference;
+  return effort + mean_lag_ * difference;
+}
+
+void ActuatorStage::visit_state(StateVisitor& visitor) {
+  visitor.visit(&steps_, sizeof steps_);
+  for (double* number : {&held_, &lagged_, &drives_effort_, &wanted_, &effort_}) visitor.visit(*number);
+  const auto size = static_cast<std::int64_t>(written_.size());
+  for (std::int64_t age = 1; age <= size; ++age) {  // from the newest on: a longer delay takes what a shorter one has
+    JointCommand& command = written_[static_cast<std::size_t>(((steps_ - age) % size + size) % size)];
+    double drive = command.drive;
+    visitor.visit(drive);
+    command.drive = static_cast<std::uint8_t>(drive);
+    visitor.visit(command.q);
+    visitor.visit(command.dq);
+    visitor.visit(command.u);
+  }
+}
+
+}  // namespace rehearse

@@ -1,0 +1,52 @@
+// ActuatorStage: the explicit parts of an actuator, between the command of a joint and the world: quantum, delay, the
+// drive's own loop, bandwidth and limits of the effort. Private to the world library.
+#pragma once
+
+#include <rehearse/actuator.h>
+#include <rehearse/io.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "simulated_body.h"
+
+namespace rehearse {
+
+class ActuatorStage {
+ public:
+  /// `actuator` must outlive this. `start`: initial displacement of the joint [rad] or [m]. `time_step` [s].
+  ActuatorStage(const Actuator& actuator, double start, double time_step);
+
+  /// The command that acts in the coming step: the joint is at `q` with the velocity `dq`. Must be called once a step.
+  JointCommand act(const JointCommand& written, double q, double dq);
+
+  /// Whether the last step's command was an effort, that of the drive's own loop included.
+  bool drives_effort() const { return drives_effort_ != 0.0; }
+  /// That effort before its limits, and after them [N·m] or [N].
+  double wanted() const { return wanted_; }
+  double effort() const { return effort_; }
+
+  void visit_state(StateVisitor& visitor);
+
+ private:
+  JointCommand rounded(JointCommand command) const;
+  double delay_of(std::int64_t step) const;
+  JointCommand in_force();
+  double loop_effort(const JointCommand& wanted, double q, double dq);
+  double lagged(double effort);
+
+  const Actuator& actuator_;
+  const double time_step_;
+  const double lag_, mean_lag_;  // shares of the effort before the step at its end, and in its mean
+  // state
+  std::int64_t steps_ = 0;             // made so far
+  std::vector<JointCommand> written_;  // by step modulo its size
+  double held_ = 0.0;                  // effort of the drive's own loop
+  double lagged_ = 0.0;                // effort behind the bandwidth, at the step's beginning
+  double drives_effort_ = 0.0;         // 1: true
+  double wanted_ = 0.0;
+  double effort_ = 0.0;
+};
+
+}  // namespace rehearse

@@ -1,0 +1,274 @@
+#include <rehearse/body.h>
+
+#include "model/names.h"
+#include "scenario_parts.h"
+#include "scenario_values.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace rehearse {
+namespace {
+
+constexpr double a_turn = 6.3, straight_up = 1.6;  // [rad], a little more than 2 pi and pi / 2, for rounded numbers
+constexpr Range any_rate{0.0, 1e6, "[Hz]", true};
+constexpr Range any_distance{0.0, 1e6, "[m]"};
+constexpr int most_beams = 1'000'000;  // of one sensor
+
+/// A sensor of a scenario looks along x with z up, a device along -z with y up.
+Eigen::Matrix3d looking_along_x() {
+  return (Eigen::Matrix3d() << 0, 0, -1,  //
+          -1, 0, 0,                       //
+          0, 1, 0)
+      .finished();
+}
+
+/// Camera::field_of_view of the horizontal angle.
+double field_of_view_of(double horizontal, const Camera& camera) {
+  if (camera.width < camera.height) return horizontal;
+  return 2.0 * std::atan(std::tan(horizontal / 2.0) * camera.height / camera.width);
+}
+
+Keys sensor_keys(Findings& findings, const YamlNode& node) {
+  return Keys(findings, node, "a sensor", {"name", "type", "link", "pose"});
+}
+
+Keys contact_keys(Findings& findings, const YamlNode& node) {
+  return Keys(findings, node, "a contact sensor", {"name", "type", "link", "pose", "collision"});
+}
+
+Keys camera_keys(Findings& findings, const YamlNode& node) {
+  return Keys(findings, node, "a camera",
+              {"name", "type", "link", "pose", "rate", "width", "height", "horizontal_fov", "near", "far", "shadows",
+               "antialiasing"});
+}
+
+Keys range_keys(Findings& findings, const YamlNode& node) {
+  return Keys(findings, node, "a range sensor", {"name", "type", "link", "pose", "rate", "yaw", "pitch", "min", "max"});
+}
+
+class SensorReader {
+ public:
+  SensorReader(Findings& findings, ScenarioBody& body) : findings_(findings), body_(body), model_(*body.model) {}
+
+  void read(const YamlNode& node);
+  Model take() { return std::move(model_); }
+
+ private:
+  using Read = void (SensorReader::*)(const Keys&, Device&);
+  using KeysOf = Keys (*)(Findings& findings, const YamlNode& node);
+  /// A type of sensors, with its keys, and the reader of those that not all sensors have.
+  struct Type {
+    std::string_view name;
+    DeviceKind kind;
+    KeysOf keys;
+    Read read = nullptr;
+  };
+  static const std::vector<Type>& types();
+
+  const Type* find_type(const YamlNode& node);
+  void read_name(const Keys& keys, Device& device);
+  bool read_link(const Keys& keys, Device& device);
+  void read_pose(const YamlNode& node, Device& device);
+  void read_rate(const Keys& keys, double& rate);
+  void read_camera(const Keys& keys, Device& device);
+  void read_range(const Keys& keys, Device& device);
+  std::optional<Sweep> read_sweep(const YamlNode& node, std::string_view label, double most_angle);
+  void read_contact(const Keys& keys, Device& device);
+  void check_force(const Keys& keys, Device& device);
+
+  Findings& findings_;
+  ScenarioBody& body_;
+  Model model_;
+};
+
+const std::vector<SensorReader::Type>& SensorReader::types() {
+  static const std::vector<Type> all{{"imu", Imu{}, sensor_keys},
+                                     {"gyro", Gyro{}, sensor_keys},
+                                     {"accelerometer", Accelerometer{}, sensor_keys},
+                                     {"magnetometer", Magnetometer{}, sensor_keys},
+                                     {"force", ForceSensor{}, sensor_keys, &SensorReader::check_force},
+                                     {"contact", ContactSensor{}, contact_keys, &SensorReader::read_contact},
+                                     {"camera", Camera{}, camera_keys, &SensorReader::read_camera},
+                                     {"depth", Camera{.depth = true}, camera_keys, &SensorReader::read_camera},
+                                     {"range", RangeSensor{}, range_keys, &SensorReader::read_range}};
+  return all;
+}
+
+const SensorReader::Type* SensorReader::find_type(const YamlNode& node) {
+  std::vector<std::string> names;
+  for (const Type& type : types()) {
+    if (node.kind == YamlNode::Kind::scalar && node.text == type.name) return &type;
+    names.emplace_back(type.name);
+  }
+  findings_.error(node, fmt::format("there is no type '{}' of sensors", shortened(node.text)),
+                  name_hint(node.text, names, "types"));
+  return nullptr;
+}
+
+void SensorReader::read(const YamlNode& node) {
+  const YamlNode* type_node = node.kind == YamlNode::Kind::map ? find_key(node, "type") : nullptr;
+  const Type* type = type_node ? find_type(*type_node) : nullptr;
+  if (type_node && !type) return;
+  const Keys keys = type ? type->keys(findings_, node) : sensor_keys(findings_, node);
+  if (!keys.is_map()) return;
+  Device device;
+  read_name(keys, device);
+  if (!type_node)
+    keys.require("type", "imu, gyro, accelerometer, magnetometer, force, contact, camera, depth or range");
+  const bool has_link = read_link(keys, device);
+  if (const YamlNode* pose = keys.find("pose")) read_pose(*pose, device);
+  if (!type) return;
+  device.kind = type->kind;
+  if (type->read && has_link) (this->*type->read)(keys, device);
+  if (has_link) model_.devices.push_back(std::move(device));
+}
+
+void SensorReader::read_name(const Keys& keys, Device& device) {
+  const YamlNode* node = keys.require("name", "a name, unique among the devices of the body");
+  const auto name = node ? rehearse::read_name(findings_, *node, "name") : std::nullopt;
+  if (!name) return;
+  device.name = *name;
+  const int same = model_.find_device(*name);
+  if (same < 0) return;
+  const bool is_of_file = static_cast<std::size_t>(same) < body_.model->devices.size();
+  findings_.error(*node, fmt::format("a second device of {} is named '{}'", body_.name, *name),
+                  is_of_file ? "the first is in the model's file" : "the first is a sensor above");
+}
+
+bool SensorReader::read_link(const Keys& keys, Device& device) {
+  const YamlNode* node = keys.require("link", "the link on which it is");
+  const auto name = node ? read_text(findings_, *node, "link", "the name of a link") : std::nullopt;
+  const auto link = name ? find_link(findings_, *node, *name, body_) : std::nullopt;
+  device.link = link.value_or(0);
+  return link.has_value();
+}
+
+void SensorReader::read_pose(const YamlNode& node, Device& device) {
+  const Keys keys(findings_, node, "a pose", {"position", "rotation"});
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  keys.vector3("position", any_position, position);
+  device.pose.translation() = position;
+  if (const YamlNode* rotation = keys.find("rotation"))
+    if (const auto turn = read_rotation(findings_, *rotation, "rotation"))
+      device.pose.linear() = turn->toRotationMatrix();
+}
+
+void SensorReader::read_rate(const Keys& keys, double& rate) {
+  if (const YamlNode* node = keys.find("rate"))
+    rate = read_quantity(findings_, *node, "rate", rate_units, any_rate).value_or(rate);
+  else
+    keys.set_default("rate", {fmt::format("{}", rate)});
+}
+
+void SensorReader::read_camera(const Keys& keys, Device& device) {
+  auto& camera = std::get<Camera>(device.kind);
+  device.pose.linear() = device.pose.linear() * looking_along_x();
+  read_rate(keys, camera.frame_rate);
+  keys.integer("width", 1, max_image_side, camera.width);
+  keys.integer("height", 1, max_image_side, camera.height);
+  double horizontal = 1.047;  // [rad], SDF's default
+  if (const YamlNode* node = keys.find("horizontal_fov"))
+    horizontal =
+        read_quantity(findings_, *node, "horizontal_fov", angle_units, {0.0, 3.1, "[rad]", true}).value_or(horizontal);
+  else
+    keys.set_default("horizontal_fov", {fmt::format("{}", horizontal)});
+  camera.field_of_view = field_of_view_of(horizontal, camera);
+  keys.number("near", {0.0, 1e6, "[m]", true}, camera.near_clip);
+  keys.number("far", {0.0, 1e6, "[m]", true}, camera.far_clip);
+  keys.flag("shadows", camera.shadows);
+  keys.flag("antialiasing", camera.antialiasing);
+  if (camera.near_clip < camera.far_clip) return;
+  const YamlNode* node = keys.find("near");
+  findings_.error(node ? *node : *keys.find("far"),
+                  fmt::format("near is {}, not below far, which is {}", camera.near_clip, camera.far_clip),
+                  "expected near below far");
+}
+
+std::optional<Sweep> SensorReader::read_sweep(const YamlNode& node, std::string_view label, double most_angle) {
+  const Keys keys(findings_, node, "a sweep", {"from", "to", "samples"});
+  Sweep sweep;
+  const Range angles{-most_angle, most_angle, "[rad]"};
+  const auto read = [&](std::string_view key, double& angle) {
+    const YamlNode* value = keys.require(key, "an angle, as -90 deg");
+    const auto number = value ? read_quantity(findings_, *value, key, angle_units, angles) : std::nullopt;
+    angle = number.value_or(0.0);
+    return number.has_value();
+  };
+  const bool is_read = read("from", sweep.lower) && read("to", sweep.upper);
+  keys.integer("samples", 1, most_beams, sweep.samples);
+  if (!is_read) return std::nullopt;
+  if (sweep.lower > sweep.upper || (sweep.samples > 1 && sweep.lower == sweep.upper)) {
+    findings_.error(node, fmt::format("{} goes from {} to {} rad", label, sweep.lower, sweep.upper),
+                    "expected from below to, or one sample");
+    return std::nullopt;
+  }
+  if (sweep.samples == 1) sweep.lower = sweep.upper = 0.5 * (sweep.lower + sweep.upper);
+  return sweep;
+}
+
+void SensorReader::read_range(const Keys& keys, Device& device) {
+  auto& laser = std::get<RangeSensor>(device.kind);
+  device.pose.linear() = device.pose.linear() * looking_along_x();
+  read_rate(keys, laser.scan_rate);
+  if (const YamlNode* yaw = keys.find("yaw")) laser.yaw = read_sweep(*yaw, "yaw", a_turn).value_or(laser.yaw);
+  if (const YamlNode* pitch = keys.find("pitch"))
+    laser.pitch = read_sweep(*pitch, "pitch", straight_up).value_or(laser.pitch);
+  keys.number("min", any_distance, laser.min_distance);
+  keys.number("max", any_distance, laser.max_distance);
+  const double beams = static_cast<double>(laser.yaw.samples) * laser.pitch.samples;
+  if (beams > most_beams)
+    findings_.error(*keys.find("name"), fmt::format("'{}' has {} beams", device.name, beams),
+                    fmt::format("expected at most {}", most_beams));
+  if (laser.min_distance < laser.max_distance) return;
+  const YamlNode* node = keys.find("min");
+  findings_.error(node ? *node : *keys.find("max"),
+                  fmt::format("min is {}, not below max, which is {}", laser.min_distance, laser.max_distance),
+                  "expected min below max");
+}
+
+void SensorReader::read_contact(const Keys& keys, Device& device) {
+  const YamlNode* node = keys.find("collision");
+  const auto name = node ? read_text(findings_, *node, "collision", "the name of a shape of its link") : std::nullopt;
+  if (!name) return;
+  const Link& link = model_.links[static_cast<std::size_t>(device.link)];
+  std::vector<std::string> names;
+  for (const Shape& shape : link.collisions) names.push_back(shape.name);
+  const auto found = std::find(names.begin(), names.end(), *name);
+  if (found == names.end())
+    return findings_.error(*node, fmt::format("link '{}' has no collision '{}'", link.name, shortened(*name)),
+                           name_hint(*name, names, "collisions"));
+  std::get<ContactSensor>(device.kind).collision = static_cast<int>(found - names.begin());
+}
+
+/// A force sensor measures the wrench of its link's joint.
+void SensorReader::check_force(const Keys& keys, Device& device) {
+  const Link& link = model_.links[static_cast<std::size_t>(device.link)];
+  if (link.joint.type != JointType::free && link.parent >= 0) return;
+  findings_.error(*keys.find("link"),
+                  fmt::format("link '{}' has no joint that a force sensor could measure", link.name),
+                  "expected a link behind a joint, a fixed one too");
+}
+
+}  // namespace
+
+void read_sensors(Findings& findings, const YamlNode& node, ScenarioBody& body) {
+  SensorReader reader(findings, body);
+  for (const YamlNodePtr& sensor : read_list(findings, node, "sensors", "a list of {name: N, type: T, link: L, ...}"))
+    reader.read(*sensor);
+  Model model = reader.take();  // other bodies keep the model of the file
+  std::stable_sort(model.devices.begin(), model.devices.end(),
+                   [](const Device& a, const Device& b) { return a.link < b.link; });
+  body.model = std::make_shared<const Model>(std::move(model));
+}
+
+}  // namespace rehearse
