@@ -46,11 +46,11 @@ struct ViolatingSample {
 
 /// The place at which a run was closest to the violation of an expectation, or farthest beyond the bound.
 struct ClosestPlace {
-  double margin = 0.0;   // distance from the violation, in `unit`; below 0: violated
-  double value = 0.0;    // what is compared
-  double bound = 0.0;    // with this
-  std::string unit;      // as recordings have it: "rad"; empty: unknown
-  std::string text;      // "6.8 of 8 deg"
+  double margin = 0.0;  // distance from the violation, in `unit`; below 0: violated
+  double value = 0.0;   // what is compared
+  double bound = 0.0;   // with this
+  std::string unit;     // as recordings have it: "rad"; empty: unknown
+  std::string text;     // "6.8 of 8 deg"
   std::int64_t tick = 0;
   double time = 0.0;            // [s]
   std::optional<double> share;  // the margin over the bound's magnitude; none: the bound is 0
@@ -62,9 +62,9 @@ struct ExpectationResult {
   std::string text;     // "SR1/WAIST/position/z above 0.6 m from 2 s on"
   std::string formula;  // the same in the language of expressions: "always SR1/WAIST/position/z > 0.6"
   bool holds = false;
-  bool undecided = false;                // the run's end cuts a window, and the ticks before don't decide; then not `holds`
-  std::string sentence;                  // "expected TEXT: 0.41 m at tick 3120 (3.12 s)"; empty if it holds
-  std::string series;                    // the series of the first violating sample; empty: no series, or an event
+  bool undecided = false;  // the run's end cuts a window, and the ticks before don't decide; then not `holds`
+  std::string sentence;    // "expected TEXT: 0.41 m at tick 3120 (3.12 s)"; empty if it holds
+  std::string series;      // the series of the first violating sample; empty: no series, or an event
   std::optional<ViolatingSample> first;  // none if no single sample violates it
   /// Worst sample of the same series; with `sometime` the sample nearest to the bounds.
   std::optional<ViolatingSample> worst;

@@ -1,5 +1,5 @@
-// Scenario: all settings that determine a run, as a YAML file states them. The page reference/scenario.md describes the file
-// format.
+// Scenario: all settings that determine a run, as a YAML file states them. The page reference/scenario.md describes the
+// file format.
 //
 // Loading checks the file itself and compares it with the models that it names. Every mistake is a Diagnostic with
 // file, line and column; all mistakes are reported together. A loaded scenario can be run; a run reports controllers
@@ -187,8 +187,8 @@ struct ToleranceRule {
 struct Expectation {
   enum class Subject { series, event, no_event, expression };
   enum class Quantifier { always, eventually, never };
-  /// The distance from a violation that is demanded, in the unit of what is compared (angles in [rad]), or as a share of
-  /// the bound.
+  /// The distance from a violation that is demanded, in the unit of what is compared (angles in [rad]), or as a share
+  /// of the bound.
   struct Margin {
     double least = 0.0;
     bool is_share = false;
@@ -220,11 +220,11 @@ struct Expectation {
 
   // Of an expression; the page concepts/expectations.md states what they mean.
   Quantifier quantifier = Quantifier::always;
-  std::string expression;            // a condition
-  std::string after, except;         // conditions; empty: none
-  std::optional<double> delay;       // `within` [s]
-  std::optional<double> lasting;     // `for` [s]
-  std::vector<std::string> names;    // patterns of the series that it names
+  std::string expression;               // a condition
+  std::string after, except;            // conditions; empty: none
+  std::optional<double> delay;          // `within` [s]
+  std::optional<double> lasting;        // `for` [s]
+  std::vector<std::string> names;       // patterns of the series that it names
   std::map<std::string, Limit> limits;  // "JOINT LIMIT": the limits that it names
 
   Place place;  // of its pattern or expression

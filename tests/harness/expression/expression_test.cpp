@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "made_up_source.h"
 #include "core/expression/expression.h"
+#include "made_up_source.h"
 
 namespace rehearse {
 namespace {

@@ -1,5 +1,5 @@
-// A thousand random formulas on random runs: the judge's truth and margin are those of an evaluator from the definitions
-// of signal temporal logic, which shares no code with it and looks at all pairs of ticks.
+// A thousand random formulas on random runs: the judge's truth and margin are those of an evaluator from the
+// definitions of signal temporal logic, which shares no code with it and looks at all pairs of ticks.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -61,7 +61,8 @@ Values combine(const Values& a, const Values& b, Value (*function)(const Value&,
 }
 Values guard(const Values& of) {
   return map(of, [](const Value& v) {
-    return Value{v.worst_truth, v.best_truth, v.worst_truth ? infinite : -infinite, v.best_truth ? infinite : -infinite};
+    return Value{v.worst_truth, v.best_truth, v.worst_truth ? infinite : -infinite,
+                 v.best_truth ? infinite : -infinite};
   });
 }
 Values all_in_window(const SampledRun& run, const Values& of, std::uint64_t window) {
@@ -134,8 +135,8 @@ class Generator {
     const double bound = 0.5 * number(-5, 5);
     const int form = number(0, 4);
     const char* symbol = std::array{"<", "<=", ">", ">=", "==", "!="}[static_cast<std::size_t>(number(0, 5))];
-    const std::string left = std::array<std::string, 5>{"a", "a", "abs(a)", "max(a, b)", "prev(a)"}[
-        static_cast<std::size_t>(form)];
+    const std::string left =
+        std::array<std::string, 5>{"a", "a", "abs(a)", "max(a, b)", "prev(a)"}[static_cast<std::size_t>(form)];
     const std::string right = form == 1 ? "b" : fmt::format("{}", bound);
     Condition made{fmt::format("{} {} {}", left, symbol, right), {}};
     for (std::size_t i = 0; i < run.size(); ++i) {
@@ -179,10 +180,12 @@ class Generator {
 };
 
 /// The whole formula, from the definitions on the page concepts/expectations.md.
-Value whole(const SampledRun& run, const FormulaText& f, const Values& condition, const Values& after, const Values& except) {
+Value whole(const SampledRun& run, const FormulaText& f, const Values& condition, const Values& after,
+            const Values& except) {
   Values core = condition;
   const std::uint64_t last = run.source.times.back();
-  const std::uint64_t lasting = testing::in_ns(f.lasting.value_or(0.0)), within = testing::in_ns(f.within.value_or(0.0));
+  const std::uint64_t lasting = testing::in_ns(f.lasting.value_or(0.0)),
+                      within = testing::in_ns(f.within.value_or(0.0));
   const bool is_never = f.quantifier == Quantifier::never, is_some = f.quantifier == Quantifier::eventually;
   if (f.lasting && except.empty()) core = all_in_window(run, core, lasting);
   if (is_never) core = map(core, negation);
@@ -242,10 +245,10 @@ TEST(RandomFormulas, HaveTheTruthAndMarginOfTheDefinitions) {
 
     const Value expected = whole(run, f, condition.values, after.values, except.values);
     const FormulaResult result = testing::judged(f, run.source);
-    const std::string told = fmt::format("seed {}: {} '{}' after '{}' except '{}' within {} for {} from {} until {}", seed,
-                                         static_cast<int>(f.quantifier), f.condition, f.after, f.except,
-                                         f.within.value_or(-1), f.lasting.value_or(-1), f.from.value_or(-1),
-                                         f.until.value_or(-1));
+    const std::string told =
+        fmt::format("seed {}: {} '{}' after '{}' except '{}' within {} for {} from {} until {}", seed,
+                    static_cast<int>(f.quantifier), f.condition, f.after, f.except, f.within.value_or(-1),
+                    f.lasting.value_or(-1), f.from.value_or(-1), f.until.value_or(-1));
     const bool any_tick = std::ranges::any_of(run.source.times, [&](std::uint64_t time) {
       return time >= testing::in_ns(f.from.value_or(0.0)) && (!f.until || time <= testing::in_ns(*f.until));
     });

@@ -38,10 +38,10 @@ SampledSource ten_ticks() {
 struct Row {
   FormulaText formula;
   State state;
-  double margin;            // NaN: none
-  double at = -1.0;         // time of the margin [s]; -1: any
-  bool is_nan = false;      // violated because of NaN
-  double first = -1.0;      // the first violation [s]; -1: any
+  double margin;        // NaN: none
+  double at = -1.0;     // time of the margin [s]; -1: any
+  bool is_nan = false;  // violated because of NaN
+  double first = -1.0;  // the first violation [s]; -1: any
 };
 
 std::ostream& operator<<(std::ostream& stream, const Row& row) {
@@ -120,17 +120,16 @@ INSTANTIATE_TEST_SUITE_P(
 
 INSTANTIATE_TEST_SUITE_P(
     Conditions, FormulaTable,
-    ::testing::Values(Row{of(always, "a < 6 && a > -2"), holds, 1, 0.4}, Row{of(always, "a < 9 && a > -1"), holds, 1, 0.9},
-                      Row{of(always, "a < 3 || a > 1"), holds, 1},
-                      Row{of(always, "a < 2 || a > 3"), violated, 0, 0.1, false, 0.1},
-                      Row{of(always, "!(a > 6)"), holds, 1, 0.4}, Row{of(always, "!(a >= 5)"), violated, 0, 0.4},
-                      Row{of(always, "contact(FOOT)"), violated, none, -1, false, 0.0},
-                      Row{of(always, "contact(FOOT) || a < 6"), holds, 1, 0.4},
-                      Row{of(always, "contact(FOOT) && a < 6"), violated, none, -1, false, 0.0},
-                      Row{of(always, "true"), holds, none}, Row{of(eventually, "false"), violated, none},
-                      Row{of(always, "!contact(FOOT) || a > 2"), holds, 1, 0.2},
-                      Row{of(always, "(a > 2) == (a > 2)"), holds, none}, Row{of(always, "prev(a) < 6 || tick == 0"), holds, 0},
-                      Row{of(always, "changed(a)"), violated, none, -1, false, 0.0}));
+    ::testing::Values(
+        Row{of(always, "a < 6 && a > -2"), holds, 1, 0.4}, Row{of(always, "a < 9 && a > -1"), holds, 1, 0.9},
+        Row{of(always, "a < 3 || a > 1"), holds, 1}, Row{of(always, "a < 2 || a > 3"), violated, 0, 0.1, false, 0.1},
+        Row{of(always, "!(a > 6)"), holds, 1, 0.4}, Row{of(always, "!(a >= 5)"), violated, 0, 0.4},
+        Row{of(always, "contact(FOOT)"), violated, none, -1, false, 0.0},
+        Row{of(always, "contact(FOOT) || a < 6"), holds, 1, 0.4},
+        Row{of(always, "contact(FOOT) && a < 6"), violated, none, -1, false, 0.0}, Row{of(always, "true"), holds, none},
+        Row{of(eventually, "false"), violated, none}, Row{of(always, "!contact(FOOT) || a > 2"), holds, 1, 0.2},
+        Row{of(always, "(a > 2) == (a > 2)"), holds, none}, Row{of(always, "prev(a) < 6 || tick == 0"), holds, 0},
+        Row{of(always, "changed(a)"), violated, none, -1, false, 0.0}));
 
 INSTANTIATE_TEST_SUITE_P(
     Quantifiers, FormulaTable,
@@ -138,21 +137,20 @@ INSTANTIATE_TEST_SUITE_P(
                       Row{of(eventually, "a > 5"), violated, 0, 0.4, false, 0.4},
                       Row{of(eventually, "a > 7"), violated, -2, 0.4}, Row{of(never, "a > 6"), holds, 1, 0.4},
                       Row{of(never, "a > 4"), violated, -1, 0.4, false, 0.4}, Row{of(never, "a == 9"), holds, 4, 0.4},
-                      Row{of(eventually, "contact(FOOT)"), holds, none}, Row{of(never, "contact(FOOT)"), violated, none},
-                      Row{of(never, "a > 3 && b > 6"), holds, 1}));
+                      Row{of(eventually, "contact(FOOT)"), holds, none},
+                      Row{of(never, "contact(FOOT)"), violated, none}, Row{of(never, "a > 3 && b > 6"), holds, 1}));
 
-INSTANTIATE_TEST_SUITE_P(
-    Spans, FormulaTable,
-    ::testing::Values(Row{spanned(of(always, "a < 5"), 0.5, {}), holds, 1, 0.5},
-                      Row{spanned(of(always, "a < 5"), {}, 0.3), holds, 1, 0.3},
-                      Row{spanned(of(always, "a < 5"), {}, 0.4), violated, 0, 0.4},
-                      Row{spanned(of(always, "a < 5"), 0.4, 0.4), violated, 0, 0.4},
-                      Row{spanned(of(eventually, "a > 4"), 0.5, {}), violated, 0, 0.5},
-                      Row{spanned(of(always, "a < 6"), {}, 2.0), undecided, none},
-                      Row{spanned(of(always, "a < 5"), {}, 2.0), violated, 0, 0.4},
-                      Row{spanned(of(eventually, "a > 4"), {}, 2.0), holds, 1, 0.4},
-                      Row{spanned(of(eventually, "a > 7"), {}, 2.0), undecided, none},
-                      Row{spanned(of(always, "a < 6"), {}, 0.9), holds, 1, 0.4}));
+INSTANTIATE_TEST_SUITE_P(Spans, FormulaTable,
+                         ::testing::Values(Row{spanned(of(always, "a < 5"), 0.5, {}), holds, 1, 0.5},
+                                           Row{spanned(of(always, "a < 5"), {}, 0.3), holds, 1, 0.3},
+                                           Row{spanned(of(always, "a < 5"), {}, 0.4), violated, 0, 0.4},
+                                           Row{spanned(of(always, "a < 5"), 0.4, 0.4), violated, 0, 0.4},
+                                           Row{spanned(of(eventually, "a > 4"), 0.5, {}), violated, 0, 0.5},
+                                           Row{spanned(of(always, "a < 6"), {}, 2.0), undecided, none},
+                                           Row{spanned(of(always, "a < 5"), {}, 2.0), violated, 0, 0.4},
+                                           Row{spanned(of(eventually, "a > 4"), {}, 2.0), holds, 1, 0.4},
+                                           Row{spanned(of(eventually, "a > 7"), {}, 2.0), undecided, none},
+                                           Row{spanned(of(always, "a < 6"), {}, 0.9), holds, 1, 0.4}));
 
 INSTANTIATE_TEST_SUITE_P(
     Windows, FormulaTable,
@@ -161,12 +159,12 @@ INSTANTIATE_TEST_SUITE_P(
         Row{lasting(of(eventually, "a > 2"), 0.4), holds, 1}, Row{lasting(of(eventually, "a > 2"), 0.5), violated, 0},
         Row{lasting(of(never, "a > 2"), 0.5), holds, 0}, Row{lasting(of(never, "a > 2"), 0.4), violated, -1},
         Row{of(never, "a > 2 for 0.5 s"), holds, 0}, Row{of(never, "a > 2 for 400 ms"), violated, -1},
-        Row{of(always, "!(a > 2 for 0.5 s)"), holds, 0},
-        Row{of(eventually, "(a > 2 && b > 1) for 0.1 s"), holds, 2},
+        Row{of(always, "!(a > 2 for 0.5 s)"), holds, 0}, Row{of(eventually, "(a > 2 && b > 1) for 0.1 s"), holds, 2},
         // in the last tick a < 1, and the run ends: it may last
         Row{of(never, "a < 1 for 0.2 s"), undecided, none}, Row{of(eventually, "a < 1 for 0.2 s"), undecided, none},
         Row{of(eventually, "a < 2 for 0.1 s"), holds, 1, 0.8}, Row{of(never, "a < -1 for 0.2 s"), holds, 1, 0.9},
-        Row{of(always, "a < 6 for 0.2 s"), undecided, none}, Row{of(always, "a < 5 for 0.2 s"), violated, 0, 0.4, false, 0.2},
+        Row{of(always, "a < 6 for 0.2 s"), undecided, none},
+        Row{of(always, "a < 5 for 0.2 s"), violated, 0, 0.4, false, 0.2},
         Row{of(always, "a < 6 for 0 s"), holds, 1, 0.4},
         Row{spanned(of(always, "a < 6 for 0.2 s"), {}, 0.7), holds, 1, 0.4},
         // c > 0 in every second tick
@@ -175,53 +173,55 @@ INSTANTIATE_TEST_SUITE_P(
         Row{spanned(within(of(always, "c < 0"), 0.1), {}, 0.8), holds, 1},
         Row{within(of(always, "a > 3"), 0.3), violated, 0, 0.6, false, 0.6}));
 
-INSTANTIATE_TEST_SUITE_P(
-    After, FormulaTable,
-    ::testing::Values(
-        // the foot comes down in ticks 2 and 6
-        Row{after(of(always, "a > 3"), "contact(FOOT)", 0.1), violated, 0, 0.6, false, 0.6},
-        Row{spanned(after(of(always, "a > 3"), "contact(FOOT)", 0.1), {}, 0.5), holds, 1, 0.3},
-        Row{after(of(always, "a < 4"), "contact(FOOT)", 0.0), holds, 1},
-        Row{after(of(always, "b > 1"), "a >= 3", 0.1), holds, 4, 0.3},
-        Row{after(of(always, "a > 9"), "a > 8", 0.1), holds, none}, Row{after(of(always, "a > 9"), "false"), holds, none},
-        Row{after(of(always, "a > -1"), "contact(FOOT)"), holds, 1, 0.9},
-        Row{after(of(always, "a < 5"), "a > 4"), violated, 0, 0.4, false, 0.4},
-        Row{after(of(always, "a < 5"), "b < 0 || tick == 5"), holds, 1, 0.5},
-        Row{after(of(always, "a > 2"), "contact(FOOT)", {}, 0.1), violated, 0, 0.7, false, 0.6},
-        Row{after(of(always, "a > 1"), "contact(FOOT)", {}, 0.1), holds, 1, 0.7},
-        Row{after(of(always, "b > 1"), "contact(FOOT)", 0.1, 0.1), violated, -1, -1, false, 0.6},
-        Row{after(of(always, "a > -1"), "a < 1", {}, 0.1), undecided, none},
-        Row{after(of(always, "a > 1"), "a < 1", 0.1), undecided, none},
-        Row{after(of(eventually, "a > 4"), "contact(FOOT)"), violated, -1, 0.6, false, 0.6},
-        Row{after(of(eventually, "a < 1"), "contact(FOOT)"), holds, 1, 0.9},
-        Row{after(of(eventually, "a > 4"), "tick == 0"), holds, 1, 0.4},
-        Row{after(of(eventually, "a > 4"), "contact(FOOT)", 0.2), violated, -1, 0.6, false, 0.6},
-        Row{after(of(never, "b > 1"), "a > 4"), violated, -4, 0.4, false, 0.4},
-        Row{after(of(never, "b > 1"), "tick == 5"), holds, 1, 0.5},
-        Row{after(of(never, "a > 4"), "contact(FOOT)", 0.1), holds, 0, 0.3},
-        Row{after(of(never, "a > 4"), "contact(FOOT)", 0.2), violated, -1, 0.4, false, 0.2},
-        Row{after(of(always, "a < 9"), "true"), holds, 4, 0.4}));
+INSTANTIATE_TEST_SUITE_P(After, FormulaTable,
+                         ::testing::Values(
+                             // the foot comes down in ticks 2 and 6
+                             Row{after(of(always, "a > 3"), "contact(FOOT)", 0.1), violated, 0, 0.6, false, 0.6},
+                             Row{spanned(after(of(always, "a > 3"), "contact(FOOT)", 0.1), {}, 0.5), holds, 1, 0.3},
+                             Row{after(of(always, "a < 4"), "contact(FOOT)", 0.0), holds, 1},
+                             Row{after(of(always, "b > 1"), "a >= 3", 0.1), holds, 4, 0.3},
+                             Row{after(of(always, "a > 9"), "a > 8", 0.1), holds, none},
+                             Row{after(of(always, "a > 9"), "false"), holds, none},
+                             Row{after(of(always, "a > -1"), "contact(FOOT)"), holds, 1, 0.9},
+                             Row{after(of(always, "a < 5"), "a > 4"), violated, 0, 0.4, false, 0.4},
+                             Row{after(of(always, "a < 5"), "b < 0 || tick == 5"), holds, 1, 0.5},
+                             Row{after(of(always, "a > 2"), "contact(FOOT)", {}, 0.1), violated, 0, 0.7, false, 0.6},
+                             Row{after(of(always, "a > 1"), "contact(FOOT)", {}, 0.1), holds, 1, 0.7},
+                             Row{after(of(always, "b > 1"), "contact(FOOT)", 0.1, 0.1), violated, -1, -1, false, 0.6},
+                             Row{after(of(always, "a > -1"), "a < 1", {}, 0.1), undecided, none},
+                             Row{after(of(always, "a > 1"), "a < 1", 0.1), undecided, none},
+                             Row{after(of(eventually, "a > 4"), "contact(FOOT)"), violated, -1, 0.6, false, 0.6},
+                             Row{after(of(eventually, "a < 1"), "contact(FOOT)"), holds, 1, 0.9},
+                             Row{after(of(eventually, "a > 4"), "tick == 0"), holds, 1, 0.4},
+                             Row{after(of(eventually, "a > 4"), "contact(FOOT)", 0.2), violated, -1, 0.6, false, 0.6},
+                             Row{after(of(never, "b > 1"), "a > 4"), violated, -4, 0.4, false, 0.4},
+                             Row{after(of(never, "b > 1"), "tick == 5"), holds, 1, 0.5},
+                             Row{after(of(never, "a > 4"), "contact(FOOT)", 0.1), holds, 0, 0.3},
+                             Row{after(of(never, "a > 4"), "contact(FOOT)", 0.2), violated, -1, 0.4, false, 0.2},
+                             Row{after(of(always, "a < 9"), "true"), holds, 4, 0.4}));
 
-INSTANTIATE_TEST_SUITE_P(
-    Except, FormulaTable,
-    ::testing::Values(
-        // a > 3 in ticks 3 to 5, after b has jumped in tick 3
-        Row{except(of(always, "a < 4"), "step(b)", 0.2), holds, 1}, Row{except(of(always, "a < 4"), "step(b)", 0.1), holds, 1},
-        Row{except(of(always, "a < 4"), "b > 1"), violated, 0, 0.5, false, 0.5},
-        Row{except(of(always, "a < 4"), "b > 1", 0.1), holds, 1}, Row{except(of(never, "a > 3"), "b > 1", 0.1), holds, 0},
-        Row{except(of(eventually, "a > 4"), "b > 1"), violated, 0, 0.5},
-        Row{except(of(eventually, "a >= 4"), "b > 1"), holds, 0, 0.5},
-        Row{except(of(always, "a < 0"), "true"), holds, none}, Row{except(of(always, "a < 6"), "false"), holds, 1, 0.4}));
+INSTANTIATE_TEST_SUITE_P(Except, FormulaTable,
+                         ::testing::Values(
+                             // a > 3 in ticks 3 to 5, after b has jumped in tick 3
+                             Row{except(of(always, "a < 4"), "step(b)", 0.2), holds, 1},
+                             Row{except(of(always, "a < 4"), "step(b)", 0.1), holds, 1},
+                             Row{except(of(always, "a < 4"), "b > 1"), violated, 0, 0.5, false, 0.5},
+                             Row{except(of(always, "a < 4"), "b > 1", 0.1), holds, 1},
+                             Row{except(of(never, "a > 3"), "b > 1", 0.1), holds, 0},
+                             Row{except(of(eventually, "a > 4"), "b > 1"), violated, 0, 0.5},
+                             Row{except(of(eventually, "a >= 4"), "b > 1"), holds, 0, 0.5},
+                             Row{except(of(always, "a < 0"), "true"), holds, none},
+                             Row{except(of(always, "a < 6"), "false"), holds, 1, 0.4}));
 
 INSTANTIATE_TEST_SUITE_P(
     NotANumber, FormulaTable,
-    ::testing::Values(Row{of(always, "n < 2"), violated, none, -1, true, 0.3},
-                      Row{of(never, "n > 2"), violated, none, -1, true, 0.3}, Row{of(always, "n < 1"), violated, 0, 0.0, false, 0.0},
-                      Row{of(eventually, "n > 0"), holds, 1, 0.0}, Row{of(eventually, "n > 2"), violated, none, -1, true, 0.3},
-                      Row{of(always, "nan(n) || n < 2"), holds, 1, 0.0}, Row{of(always, "n != 2"), violated, none, -1, true, 0.3},
-                      Row{of(always, "n < 2 || a > 3"), holds, 1}, Row{except(of(always, "n < 2"), "tick == 3"), holds, 1},
-                      Row{of(eventually, "n > 2 for 0.1 s"), violated, -1},
-                      Row{spanned(of(always, "prev(n) < 2"), {}, 0.0), violated, none, -1, true, 0.0}));
+    ::testing::Values(
+        Row{of(always, "n < 2"), violated, none, -1, true, 0.3}, Row{of(never, "n > 2"), violated, none, -1, true, 0.3},
+        Row{of(always, "n < 1"), violated, 0, 0.0, false, 0.0}, Row{of(eventually, "n > 0"), holds, 1, 0.0},
+        Row{of(eventually, "n > 2"), violated, none, -1, true, 0.3}, Row{of(always, "nan(n) || n < 2"), holds, 1, 0.0},
+        Row{of(always, "n != 2"), violated, none, -1, true, 0.3}, Row{of(always, "n < 2 || a > 3"), holds, 1},
+        Row{except(of(always, "n < 2"), "tick == 3"), holds, 1}, Row{of(eventually, "n > 2 for 0.1 s"), violated, -1},
+        Row{spanned(of(always, "prev(n) < 2"), {}, 0.0), violated, none, -1, true, 0.0}));
 
 TEST(Formula, WithoutATickInItsSpanIsNotJudged) {
   SampledSource source = ten_ticks();

@@ -62,7 +62,7 @@ inline Formula formula_of(const FormulaText& text, ExpressionSource& source) {
   const auto time = [](const std::optional<double>& seconds) {
     return seconds ? std::optional(in_ns(*seconds)) : std::nullopt;
   };
-  Formula formula{text.quantifier, *Expression::parse(text.condition, source), {}, {}, time(text.within),
+  Formula formula{text.quantifier,   *Expression::parse(text.condition, source), {}, {}, time(text.within),
                   time(text.lasting)};
   if (!text.after.empty()) formula.after = *Expression::parse(text.after, source);
   if (!text.except.empty()) formula.except = *Expression::parse(text.except, source);

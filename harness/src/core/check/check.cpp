@@ -200,17 +200,16 @@ Result<void> Check::check_closed() {
   CompareOptions what;
   what.until = report.horizon;
   ExpectationJudge judge(scenario.expectations);
-  auto compared = compare_files(golden.file(), actual, scenario.tolerances, what,
-                                [&judge](const Trace& piece) {
-                                  if (!judge.needs_order()) judge.take(piece);
-                                });
+  auto compared = compare_files(golden.file(), actual, scenario.tolerances, what, [&judge](const Trace& piece) {
+    if (!judge.needs_order()) judge.take(piece);
+  });
   if (!compared) return compared.errors();
   report.comparison = std::move(compared->comparison);
   const Trace& fresh = compared->actual;
   report.closed = state_of(*report.comparison);
   const bool compares_samples = RunFacts::of(golden).state_rate.has_value();
-  auto judged = compares_samples || judge.needs_order() ? judge_expectations(scenario.expectations, actual)
-                                                        : judge.finish(fresh);
+  auto judged =
+      compares_samples || judge.needs_order() ? judge_expectations(scenario.expectations, actual) : judge.finish(fresh);
   if (!judged) return judged.errors();
   report.expectations = *std::move(judged);
   if (report.closed == LevelState::differs || first_violation(report.expectations))

@@ -115,8 +115,8 @@ Result<JudgedRecording> judge_recording(const std::vector<Expectation>& expectat
 const ExpectationResult* first_violation(const std::vector<ExpectationResult>& results) {
   // only the end of a run shows that something never came
   const auto known_at = [](const ExpectationResult& result) {
-    const bool is_of_some = result.expectation.sometime ||
-                            result.expectation.quantifier == Expectation::Quantifier::eventually;
+    const bool is_of_some =
+        result.expectation.sometime || result.expectation.quantifier == Expectation::Quantifier::eventually;
     const bool at_once = result.first && !is_of_some;
     return at_once ? result.first->time : std::numeric_limits<double>::infinity();
   };

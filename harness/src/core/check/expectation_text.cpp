@@ -110,8 +110,7 @@ std::string missing_margin(const ExpectationResult& result) {
 std::string closest_text(const ExpectationResult& result) {
   if (!result.closest) return {};
   const ClosestPlace& closest = *result.closest;
-  std::string text =
-      fmt::format("closest: {} at tick {} ({})", closest.text, closest.tick, time_text(closest.time));
+  std::string text = fmt::format("closest: {} at tick {} ({})", closest.text, closest.tick, time_text(closest.time));
   if (closest.share) text += fmt::format(", margin {:.3g} %", *closest.share * 100.0);
   return text;
 }

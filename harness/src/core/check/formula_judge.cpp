@@ -137,8 +137,8 @@ bool FormulaRun::any_mistake() const {
 }
 
 std::string FormulaRun::sample_text(const Case& of, const TickJudgement& at, const TickClock& clock) const {
-  const std::string place = fmt::format("at tick {} ({})", clock.tick_at(at.time),
-                                        time_text(seconds_of(static_cast<std::int64_t>(at.time))));
+  const std::string place =
+      fmt::format("at tick {} ({})", clock.tick_at(at.time), time_text(seconds_of(static_cast<std::int64_t>(at.time))));
   if (at.judgement.comparison == Judgement::nothing) return "not so " + place;
   const std::string values = of.formula->condition.comparison_text(at.judgement);
   if (at.judgement.time == at.time) return fmt::format("{} {}", values, place);
@@ -183,8 +183,8 @@ ExpectationResult FormulaRun::result(std::size_t index, const TickClock& clock, 
   result.formula = formula_of(result.expectation);
   if (of.mistake) {
     result.problem = of.mistake;
-    result.sentence =
-        fmt::format("expected {}: {}", result.text, of.mistake->message.substr(0, of.mistake->message.find('\n')));
+    result.sentence = fmt::format("expected {}: {} ({})", result.text,
+                                  of.mistake->message.substr(0, of.mistake->message.find('\n')), of.mistake->hint);
     return result;
   }
   const FormulaResult& found = of.result;

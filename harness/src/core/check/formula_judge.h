@@ -15,8 +15,8 @@
 
 namespace rehearse {
 
-/// The formula of an expectation that is an expression, with the names of a source. Fails with a diagnostic at its place
-/// in the scenario, if the source lacks a name, or units differ.
+/// The formula of an expectation that is an expression, with the names of a source. Fails with a diagnostic at its
+/// place in the scenario, if the source lacks a name, or units differ.
 Result<Formula> parse_formula(const Expectation& expectation, ExpressionSource& source);
 
 /// The mistake that the names and units of a recording show in an expectation; none if there is none, or if it is no
@@ -37,7 +37,8 @@ class FormulaRun {
   void take(const Trace& piece);
   /// After the last piece. `names`: a trace with all series of the run.
   void finish(const Trace& names);
-  /// After finish(): true if the names that the first piece lacks make a difference, so that the run must be judged again.
+  /// After finish(): true if the names that the first piece lacks make a difference, so that the run must be judged
+  /// again.
   bool lacked_names() const { return lacked_names_; }
   /// After finish(): true if an expression can't be judged.
   bool any_mistake() const;

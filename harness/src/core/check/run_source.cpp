@@ -91,10 +91,9 @@ void RunSource::take_ticks(const Trace& piece) {
   const bool has_numbers = static_cast<std::size_t>(column) < channel->columns.size();
   for (std::size_t row = 0; row < channel->messages(); ++row) {
     const auto count = passed_ + static_cast<std::int64_t>(waiting_ticks_.size());
-    const std::int64_t number =
-        has_numbers && row < channel->rows()
-            ? static_cast<std::int64_t>(channel->bits(row, static_cast<std::size_t>(column)))
-            : count;
+    const std::int64_t number = has_numbers && row < channel->rows()
+                                    ? static_cast<std::int64_t>(channel->bits(row, static_cast<std::size_t>(column)))
+                                    : count;
     const bool is_known = !waiting_ticks_.empty() && waiting_ticks_.back().time == channel->times[row];
     if (!is_known && (!last_time_ || channel->times[row] > *last_time_))
       waiting_ticks_.push_back({channel->times[row], number});
@@ -170,8 +169,7 @@ bool RunSource::touching(const std::vector<std::size_t>& links, const std::vecto
 }
 
 bool RunSource::said(std::string_view pattern, std::int64_t tick) {
-  return std::ranges::any_of(slot(tick).events,
-                             [&](const msg::Event& event) { return matches(pattern, event.text); });
+  return std::ranges::any_of(slot(tick).events, [&](const msg::Event& event) { return matches(pattern, event.text); });
 }
 
 bool RunSource::happened(std::string_view pattern, std::int64_t tick) {
@@ -182,8 +180,8 @@ bool RunSource::happened(std::string_view pattern, std::int64_t tick) {
 
 double RunSource::value_at(std::size_t series, double time, std::int64_t tick) {
   if (slot(tick).seconds + 1e-9 < time) return no_value;
-  const auto held = std::ranges::find_if(
-      held_, [&](const HeldValue& known) { return known.series == series && known.time == time; });
+  const auto held =
+      std::ranges::find_if(held_, [&](const HeldValue& known) { return known.series == series && known.time == time; });
   return held == held_.end() ? no_value : held->value;
 }
 

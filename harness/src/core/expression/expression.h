@@ -53,8 +53,8 @@ class ExpressionSource {
   virtual bool has_replay() const { return true; }
   /// The unit of a series as recordings have it: "N·m"; empty: unknown.
   virtual std::string unit_of_series(std::size_t) { return {}; }
-  /// The series "q", "dq" or "u" of a joint, given by BODY/JOINT or an unambiguous ending of it: of the joint itself, or
-  /// of the command of the body's controller. The error lists the ambiguous ones.
+  /// The series "q", "dq" or "u" of a joint, given by BODY/JOINT or an unambiguous ending of it: of the joint itself,
+  /// or of the command of the body's controller. The error lists the ambiguous ones.
   virtual Result<std::size_t> find_joint_series(std::string_view joint, std::string_view quantity, bool of_command);
   /// A limit of a joint: "effort", "velocity", "upper" or "lower".
   virtual Result<JointLimit> find_limit(std::string_view joint, std::string_view limit);
@@ -147,7 +147,7 @@ class Expression {
     double number = 0.0;
     std::size_t series = 0;
     CommandSide side = CommandSide::recorded;
-    std::size_t left = 0, right = 0;  // indices of nodes; always smaller than this node's index
+    std::size_t left = 0, right = 0;         // indices of nodes; always smaller than this node's index
     std::vector<std::size_t> links, others;  // of roll, pitch and yaw: the series x, y, z, w of the orientation
     std::string pattern;
     std::size_t begin = 0, end = 0;  // in the text [bytes]

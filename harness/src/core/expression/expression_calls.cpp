@@ -11,7 +11,8 @@ namespace rehearse {
 namespace {
 
 constexpr std::string_view functions =
-    "abs, min, max, sqrt, sin, cos, nan, prev, delta, changed, step, at, q, dq, u, q_target, dq_target, u_target, limit, "
+    "abs, min, max, sqrt, sin, cos, nan, prev, delta, changed, step, at, q, dq, u, q_target, dq_target, u_target, "
+    "limit, "
     "recorded, replayed, contact, message, event";
 
 }  // namespace
@@ -80,8 +81,8 @@ ExpressionParser::Made ExpressionParser::shift_call(const ExpressionToken& word,
 ExpressionParser::Made ExpressionParser::step_call(const ExpressionToken& word) {
   const Deeper deeper(shifts_, 2);
   if (shifts_ > Expression::most_shifts)
-    return fail(word.begin, fmt::format("step, prev, delta and changed can reach at most {} ticks back",
-                                        Expression::most_shifts));
+    return fail(word.begin,
+                fmt::format("step, prev, delta and changed can reach at most {} ticks back", Expression::most_shifts));
   const Made of = any_of();
   if (!of || !demand(*of, Type::number, word.text)) return std::nullopt;
   Made size = of;

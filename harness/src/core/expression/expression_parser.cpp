@@ -154,8 +154,7 @@ ExpressionParser::Made ExpressionParser::comparison() {
 
 /// A time that is at least 0 [s].
 std::optional<double> ExpressionParser::duration(std::string_view where) {
-  const bool is_time =
-      token_.kind == ExpressionToken::Kind::number && (token_.unit == "s" || token_.unit.empty());
+  const bool is_time = token_.kind == ExpressionToken::Kind::number && (token_.unit == "s" || token_.unit.empty());
   if (!is_time) {
     fail(token_.begin, fmt::format("expected a time {}", where), "as 0.2 s or 20 ms");
     return std::nullopt;

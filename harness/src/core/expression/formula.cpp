@@ -40,8 +40,8 @@ FormulaJudge::FormulaJudge(const Formula& formula) : formula_(formula) {
     rises_ = std::move(rises);
     return;
   }
-  const bool is_of_rises = formula.within || (formula.lasting && !formula.except &&
-                                              formula.quantifier == Quantifier::always);
+  const bool is_of_rises =
+      formula.within || (formula.lasting && !formula.except && formula.quantifier == Quantifier::always);
   SignalPtr when = is_of_rises ? std::move(rises) : once_of(std::move(rises));
   whole_ = disjunction_of(negation_of(std::move(when)), std::move(body));
 }

@@ -234,13 +234,9 @@ SignalPtr guard_of(SignalPtr of) { return std::make_unique<Guard>(std::move(of))
 SignalPtr rise_of(SignalPtr of, bool& happened) { return std::make_unique<Rise>(std::move(of), happened); }
 SignalPtr once_of(SignalPtr of) { return std::make_unique<Once>(std::move(of)); }
 
-SignalPtr conjunction_of(SignalPtr a, SignalPtr b) {
-  return std::make_unique<Pair>(std::move(a), std::move(b), true);
-}
+SignalPtr conjunction_of(SignalPtr a, SignalPtr b) { return std::make_unique<Pair>(std::move(a), std::move(b), true); }
 
-SignalPtr disjunction_of(SignalPtr a, SignalPtr b) {
-  return std::make_unique<Pair>(std::move(a), std::move(b), false);
-}
+SignalPtr disjunction_of(SignalPtr a, SignalPtr b) { return std::make_unique<Pair>(std::move(a), std::move(b), false); }
 
 SignalPtr lasting_of(SignalPtr of, std::uint64_t duration) {
   return std::make_unique<FutureWindow>(std::move(of), duration, true);

@@ -1,5 +1,6 @@
 // Signal: the judgements of a condition at the ticks of a run, computed in one pass. A condition that depends on later
-// ticks is judged when they have come; a signal stores judgements for the length of its window, not of the run. Internal.
+// ticks is judged when they have come; a signal stores judgements for the length of its window, not of the run.
+// Internal.
 #pragma once
 
 #include <cstdint>

@@ -78,9 +78,8 @@ Diagnostic in_expression(const Diagnostic& mistake, const std::string& expressio
   found.file = place.file;
   found.line = place.line;
   found.column = place.column + std::max(mistake.column, 1) - 1 + (in_quotes ? 1 : 0);
-  if (!found.hint.empty()) found.message += fmt::format(" ({})", found.hint);
-  found.hint.clear();
-  found.message += "\n" + caret_lines(expression, mistake.column);
+  if (found.hint.empty()) found.hint = "rehearse doc expressions describes the language";
+  found.message += "\n" + caret_lines(expression, mistake.column);  // the hint follows the caret
   return found;
 }
 

@@ -1,5 +1,5 @@
-// DeclaredSource: parses the expressions of a scenario before there is a recording. Names of joints, links and limits are
-// those of its models; any name is taken for that of a series. Internal.
+// DeclaredSource: parses the expressions of a scenario before there is a recording. Names of joints, links and limits
+// are those of its models; any name is taken for that of a series. Internal.
 #pragma once
 
 #include <rehearse/scenario.h>

@@ -35,9 +35,10 @@ class ExpectationReader {
 };
 
 void ExpectationReader::read_entry(const YamlNode& node) {
-  const Keys keys(findings_, node, "an expectation",
-                  {"channel", "event", "no_event", "above", "below", "near", "within", "abs", "since", "from", "until",
-                   "at", "sometime", "always", "eventually", "never", "after", "except", "for", "margin"});
+  const Keys keys(
+      findings_, node, "an expectation",
+      {"channel", "event", "no_event", "above",  "below",      "near",  "within", "abs",    "since", "from",
+       "until",   "at",    "sometime", "always", "eventually", "never", "after",  "except", "for",   "margin"});
   if (!keys.is_map()) return;
   Expectation expectation;
   expectation.place = {scenario_.file, node.line, node.column};
@@ -66,7 +67,8 @@ bool ExpectationReader::read_subject(const Keys& keys, const YamlNode& node, Exp
     const YamlNode* subject = keys.find(subjects[i]);
     if (subject == nullptr) continue;
     if (found != nullptr) {
-      findings_.error(node, "an expectation has two subjects", "expected one of channel, event, no_event, always, eventually and never");
+      findings_.error(node, "an expectation has two subjects",
+                      "expected one of channel, event, no_event, always, eventually and never");
       return false;
     }
     found = subject;
@@ -99,8 +101,8 @@ bool ExpectationReader::read_subject(const Keys& keys, const YamlNode& node, Exp
 
 void ExpectationReader::refuse_of_events(const Keys& keys) const {
   for (const NamedEntry& entry : keys.entries()) {
-    for (const std::string_view key : {"above", "below", "near", "within", "abs", "since", "at", "sometime", "after",
-                                       "except", "for", "margin"})
+    for (const std::string_view key :
+         {"above", "below", "near", "within", "abs", "since", "at", "sometime", "after", "except", "for", "margin"})
       if (entry.name == key)
         findings_.error(*entry.key, fmt::format("'{}' is given for an event", key),
                         "an event has no values; from and until limit its time");

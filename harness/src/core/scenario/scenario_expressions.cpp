@@ -86,7 +86,7 @@ void ExpressionReader::declare(const Scenario& scenario) {
     YamlNode place;
     place.line = told.line;
     place.column = told.column;
-    findings_.error(place, told.message);
+    findings_.error(place, told.message, told.hint);
   }
 }
 

@@ -175,7 +175,7 @@ Result<std::size_t> SteppedTrace::find_series(std::string_view name) {
 }
 
 Result<std::size_t> SteppedTrace::find_joint_series(std::string_view joint, std::string_view quantity,
-                                                   bool of_command) {
+                                                    bool of_command) {
   RecordedTicks& recorded = impl_->recorded_;
   const auto found = find_joint_name(joint, quantity, of_command, recorded.names());
   if (!found) return found.errors();
