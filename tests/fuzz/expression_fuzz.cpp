@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "../harness/stepping/made_up_source.h"
+#include "../harness/expression/made_up_source.h"
 
 using namespace rehearse;
 

@@ -2,6 +2,7 @@ find_package(nlohmann_json 3.10 REQUIRED)
 
 rehearse_add_test(judging_test LABEL unit SHARDS 3
   SOURCES
+    expectation_formula_test.cpp
     compare_test.cpp
     compare_events_test.cpp
     compare_fields_test.cpp

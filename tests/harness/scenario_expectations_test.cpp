@@ -52,6 +52,28 @@ TEST(ScenarioExpectations, BoundADistanceAtOneMoment) {
   EXPECT_EQ(expectation("{channel: a/x, above: 1, at: 3.5}").at, 3.5);
 }
 
+TEST(ScenarioExpectations, MayBeExpressionsOverTime) {
+  const Expectation responds = expectation(
+      "{always: \"Box/Box/z > 1\", within: 0.5 s, after: \"contact(Box)\", from: 1 s, until: 2000 ms, margin: 10 %}");
+  EXPECT_EQ(responds.subject, Subject::expression);
+  EXPECT_EQ(responds.quantifier, Expectation::Quantifier::always);
+  EXPECT_EQ(responds.expression, "Box/Box/z > 1");
+  EXPECT_EQ(responds.after, "contact(Box)");
+  EXPECT_EQ(responds.delay, 0.5);
+  EXPECT_EQ(responds.from, 1.0);
+  EXPECT_EQ(responds.until, 2.0);
+  ASSERT_TRUE(responds.margin);
+  EXPECT_TRUE(responds.margin->is_share);
+  EXPECT_DOUBLE_EQ(responds.margin->least, 0.1);
+  EXPECT_THAT(responds.names, ::testing::Contains("*/Box/Box/position/z"));
+  EXPECT_EQ(responds.place.column, 14);
+  const Expectation settles = expectation("{never: time > 9, except: \"step(Box/Box/z)\", for: 0.3 s, margin: 2 deg}");
+  EXPECT_EQ(settles.quantifier, Expectation::Quantifier::never);
+  EXPECT_EQ(settles.lasting, 0.3);
+  EXPECT_TRUE(settles.margin->angle && !settles.margin->is_share);
+  EXPECT_EQ(expectation("{eventually: \"time > 1\"}").quantifier, Expectation::Quantifier::eventually);
+}
+
 TEST(ScenarioExpectations, TakeAnglesWithTheirUnit) {
   const Expectation bent = expectation("{channel: Arm/KNEE/q, above: -90 deg, below: 0.5 rad}");
   EXPECT_NEAR(*bent.above, -std::numbers::pi / 2.0, 1e-15);

@@ -204,6 +204,7 @@ void tell_verdict(const Checked& checked, bool verbose) {
 
 void tell_files(const Checked& checked) {
   const CheckReport& report = checked.report;
+  fmt::print("{}", closest_lines(report.expectations));
   for (const std::string& remark : report.remarks) fmt::print("  note: {}\n", remark);
   if (!report.message.empty()) fmt::print("{}\n", report.message);
   if (checked.page && is_ci()) fmt::print("report: {}\n", checked.page->file.string());

@@ -14,6 +14,7 @@
 
 #include "command.h"
 #include "control_times.h"
+#include "core/check/check_json.h"
 #include "core/guard/interruption.h"
 #include "core/guard/supervise.h"
 #include "core/host/interposer.h"
@@ -99,8 +100,7 @@ Json json_of_run(const RecordSettings& settings, const Scenario& scenario, const
                  const RunSummary& summary, const std::vector<ExpectationResult>& judged,
                  const std::optional<Reproduction>& verified) {
   Json expectations = Json::array();
-  for (const ExpectationResult& result : judged)
-    expectations.push_back({{"text", result.text}, {"line", result.expectation.place.line}, {"holds", result.holds}});
+  for (const ExpectationResult& result : judged) expectations.push_back(json_of(result));
   return {{"scenario", scenario.name},
           {"trace", trace},
           {"ticks", summary.ticks},
@@ -285,6 +285,7 @@ Exit record_scenario(RecordSettings& settings, const Scenario& scenario, const s
   if (!settings.json) {
     tell_recording(scenario, trace, *summary, seconds);
     if (!judged->empty() && !first_violation(*judged)) fmt::print("{}\n", verdict(*judged));
+    fmt::print("{}", closest_lines(*judged));
   }
   Exit exit = failed ? Exit::controller_failed : Exit::done;
   std::optional<Reproduction> verified;

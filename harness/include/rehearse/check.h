@@ -44,20 +44,43 @@ struct ViolatingSample {
   std::optional<double> value;
 };
 
+/// The place at which a run was closest to the violation of an expectation, or farthest beyond the bound.
+struct ClosestPlace {
+  double margin = 0.0;  // distance from the violation, in `unit`; below 0: violated
+  double value = 0.0;   // what is compared
+  double bound = 0.0;   // with this
+  std::string unit;     // as recordings have it: "rad"; empty: unknown
+  std::string text;     // "6.8 of 8 deg"
+  std::int64_t tick = 0;
+  double time = 0.0;            // [s]
+  std::optional<double> share;  // the margin over the bound's magnitude; none: the bound is 0
+};
+
 /// The result of one expectation.
 struct ExpectationResult {
   Expectation expectation;
-  std::string text;  // "SR1/WAIST/position/z above 0.6 m from 2 s on"
+  std::string text;     // "SR1/WAIST/position/z above 0.6 m from 2 s on"
+  std::string formula;  // the same in the language of expressions: "always SR1/WAIST/position/z > 0.6"
   bool holds = false;
-  std::string sentence;                  // "expected TEXT: 0.41 m at tick 3120 (3.12 s)"; empty if it holds
-  std::string series;                    // the series of the first violating sample; empty: no series, or an event
+  bool undecided = false;  // the run's end cuts a window, and the ticks before don't decide; then not `holds`
+  std::string sentence;    // "expected TEXT: 0.41 m at tick 3120 (3.12 s)"; empty if it holds
+  std::string series;      // the series of the first violating sample; empty: no series, or an event
   std::optional<ViolatingSample> first;  // none if no single sample violates it
   /// Worst sample of the same series; with `sometime` the sample nearest to the bounds.
   std::optional<ViolatingSample> worst;
-  /// Distance from a violation: of the worst sample of all series from the nearest bound, in their unit; with
-  /// `sometime` of the best sample. Below 0: violated. None: an event, or no sample.
+  /// Distance from a violation, the robustness of signal temporal logic: of the worst sample of all series from the
+  /// nearest bound, in their unit; with `sometime` of the best sample. Below 0: violated; 0: either. None: nothing was
+  /// compared, or it is undecided.
   std::optional<double> margin;
+  std::optional<ClosestPlace> closest;  // of that margin
+  /// A mistake in the expression that only a recording shows: a name that it lacks, or units that differ.
+  std::optional<Diagnostic> problem;
 };
+
+/// "closest: 6.8 of 8 deg at tick 1607 (3.214 s), 15 % of the bound left"; empty without a margin.
+std::string closest_text(const ExpectationResult& result);
+/// A line for each expectation that has a margin: the line above and its text, indented by two blanks.
+std::string closest_lines(const std::vector<ExpectationResult>& results);
 
 /// One result for each expectation, in their order.
 std::vector<ExpectationResult> judge_expectations(const std::vector<Expectation>& expectations, const Trace& run);

@@ -188,7 +188,21 @@ struct ToleranceRule {
 /// with `at`, at one time. For events: a matching event happens in the span, or no matching event does. check.h judges
 /// a run by it.
 struct Expectation {
-  enum class Subject { series, event, no_event };
+  enum class Subject { series, event, no_event, expression };
+  enum class Quantifier { always, eventually, never };
+  /// The distance from a violation that is demanded, in the unit of what is compared (angles in [rad]), or as a share
+  /// of the bound.
+  struct Margin {
+    double least = 0.0;
+    bool is_share = false;
+    bool angle = false;  // it was given as an angle
+    std::string text;    // as written: "10 %"
+  };
+  /// A limit of a joint's model.
+  struct Limit {
+    double value = 0.0;
+    std::string unit;
+  };
 
   Subject subject = Subject::series;
   std::string pattern;           // a glob over series names, or over an event's "SEVERITY SOURCE: TEXT"
@@ -205,7 +219,18 @@ struct Expectation {
   std::optional<double> until;   // end of the span, included [s]; nullopt: the end of the run
   std::optional<double> at;      // instead of the span: the latest sample up to that time [s]
   bool at_end = false;           // instead of the span: the last sample
-  Place place;                   // of its pattern
+  std::optional<Margin> margin;  // demanded of a run
+
+  // Of an expression; the page concepts/expectations.md states what they mean.
+  Quantifier quantifier = Quantifier::always;
+  std::string expression;               // a condition
+  std::string after, except;            // conditions; empty: none
+  std::optional<double> delay;          // `within` [s]
+  std::optional<double> lasting;        // `for` [s]
+  std::vector<std::string> names;       // patterns of the series that it names
+  std::map<std::string, Limit> limits;  // "JOINT LIMIT": the limits that it names
+
+  Place place;  // of its pattern or expression
 };
 
 /// The distribution of a varied value.

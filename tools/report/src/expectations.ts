@@ -74,7 +74,7 @@ export class Expectations {
         {
           type: 'button',
           class: `expectation ${entry.holds ? 'holds' : 'violated'}`,
-          title: entry.sentence || entry.text,
+          title: [entry.sentence || entry.text, entry.closest].filter(Boolean).join('\n'),
           onclick: () => go_to_expectation(store, entry),
         },
         element('span', { class: 'mark' }, entry.holds ? 'holds' : 'violated'),

@@ -67,7 +67,8 @@ export interface ExpectationEntry {
   holds: boolean;
   sentence: string;
   line: number;
-  subject: 'series' | 'event' | 'no_event';
+  closest?: string;
+  subject: 'series' | 'event' | 'no_event' | 'expression';
   pattern: string;
   series: string | null;
   low: number | null;

@@ -53,6 +53,7 @@ class Parameters final : public ExpressionSource {
     return error(fmt::format("no parameter before it is named '{}'", name), name_hint(name, names_, "parameters"));
   }
   bool is_replayed(std::size_t) const override { return false; }
+  bool has_replay() const override { return false; }
   Result<std::vector<std::size_t>> find_links(std::string_view) override {
     return error("a linked value has no contacts");
   }

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "viewing/stepping/expression.h"
+#include "core/expression/expression.h"
 
 namespace rehearse {
 

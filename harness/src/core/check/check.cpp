@@ -45,8 +45,8 @@ Result<Trace> load_commands(const fs::path& golden) {
     const ChannelName name = ChannelName::parse(channel.topic);
     return name.kind == ChannelKind::events || name.side == ChannelSide::output || name.side == ChannelSide::acted;
   };
-  return load_wanted_in_pieces(
-      golden, wanted, [](const Trace&) {}, Trace::usual_piece_size);
+  return load_pieces(
+      golden, wanted, [](const Trace&) {}, Trace::usual_piece_size, PieceOrder::of_file);
 }
 
 /// One check under way.
@@ -200,8 +200,9 @@ Result<void> Check::check_closed() {
   CompareOptions what;
   what.until = report.horizon;
   ExpectationJudge judge(scenario.expectations);
-  auto compared = compare_files(golden.file(), actual, scenario.tolerances, what,
-                                [&judge](const Trace& piece) { judge.take(piece); });
+  auto compared = compare_files(golden.file(), actual, scenario.tolerances, what, [&judge](const Trace& piece) {
+    if (!judge.needs_order()) judge.take(piece);
+  });
   if (!compared) return compared.errors();
   report.comparison = std::move(compared->comparison);
   report.remarks.insert(report.remarks.end(), report.comparison->not_compared.begin(),
@@ -209,7 +210,8 @@ Result<void> Check::check_closed() {
   const Trace& fresh = compared->actual;
   report.closed = state_of(*report.comparison);
   const bool compares_samples = RunFacts::of(golden).state_rate.has_value();
-  auto judged = compares_samples ? judge_expectations(scenario.expectations, actual) : judge.finish(fresh);
+  auto judged =
+      compares_samples || judge.needs_order() ? judge_expectations(scenario.expectations, actual) : judge.finish(fresh);
   if (!judged) return judged.errors();
   report.expectations = *std::move(judged);
   if (report.closed == LevelState::differs || first_violation(report.expectations))

@@ -10,9 +10,29 @@ nlohmann::ordered_json or_null(const std::optional<Comparison>& comparison) {
   return comparison ? json_of(*comparison) : nlohmann::ordered_json();
 }
 
+nlohmann::ordered_json json_of(const ClosestPlace& closest) {
+  return {{"margin", number_json(closest.margin)},
+          {"value", number_json(closest.value)},
+          {"bound", number_json(closest.bound)},
+          {"unit", closest.unit},
+          {"share", closest.share ? number_json(*closest.share) : nlohmann::ordered_json()},
+          {"tick", closest.tick},
+          {"time", closest.time},
+          {"text", closest.text}};
+}
+
+}  // namespace
+
 nlohmann::ordered_json json_of(const ExpectationResult& result) {
-  nlohmann::ordered_json object{
-      {"text", result.text}, {"line", result.expectation.place.line}, {"holds", result.holds}, {"first", nullptr}};
+  nlohmann::ordered_json object{{"text", result.text},
+                                {"formula", result.formula},
+                                {"line", result.expectation.place.line},
+                                {"holds", result.holds},
+                                {"undecided", result.undecided},
+                                {"margin", result.margin ? number_json(*result.margin) : nlohmann::ordered_json()},
+                                {"closest", nullptr},
+                                {"first", nullptr}};
+  if (result.closest) object["closest"] = json_of(*result.closest);
   if (result.first)
     object["first"] = {{"series", result.series},
                        {"tick", result.first->tick},
@@ -20,8 +40,6 @@ nlohmann::ordered_json json_of(const ExpectationResult& result) {
                        {"value", result.first->value ? number_json(*result.first->value) : nlohmann::ordered_json()}};
   return object;
 }
-
-}  // namespace
 
 nlohmann::ordered_json json_of(const CheckReport& report) {
   nlohmann::ordered_json object{

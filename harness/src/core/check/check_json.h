@@ -9,5 +9,7 @@ namespace rehearse {
 
 /// An object as to_json(CheckReport).
 nlohmann::ordered_json json_of(const CheckReport& report);
+/// The result of an expectation, with its margin.
+nlohmann::ordered_json json_of(const ExpectationResult& result);
 
 }  // namespace rehearse

@@ -4,8 +4,11 @@
 #include <rehearse/scenario.h>
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <map>
+#include <optional>
+#include <utility>
 
 #include "core/kinds/channel_name.h"
 #include "core/mcap/hashing.h"
@@ -21,27 +24,49 @@ std::vector<ExpectationResult> judge_expectations(const std::vector<Expectation>
   return judge.finish(run);
 }
 
+namespace {
+
+/// Judges a file by its wanted channels; null: by all.
+Result<std::vector<ExpectationResult>> judge_file(const std::vector<Expectation>& expectations,
+                                                  const std::filesystem::path& recording, std::size_t piece_size,
+                                                  const std::function<bool(const mcap::Channel&)>& wanted,
+                                                  bool& found_all) {
+  std::optional<Trace> names;
+  for (;;) {
+    ExpectationJudge judge(expectations, names ? &*names : nullptr);
+    const auto take = [&judge](const Trace& piece) { judge.take(piece); };
+    auto last = load_pieces(recording, wanted, take, piece_size,
+                            judge.needs_order() ? PieceOrder::of_time : PieceOrder::of_file);
+    if (!last) return last.errors();
+    std::vector<ExpectationResult> results = judge.finish(*last);
+    found_all = judge.found_all() && !judge.any_mistake();
+    if (!judge.lacked_names() || names) return results;
+    names = *std::move(last);
+  }
+}
+
+bool may_concern(const mcap::Channel& channel, const Expectation& expectation) {
+  if (expectation.subject == Expectation::Subject::series) return may_match(channel.topic, expectation.pattern);
+  if (expectation.subject != Expectation::Subject::expression) return false;
+  return channel.topic == run_topics::contact_changes ||
+         std::ranges::any_of(expectation.names,
+                             [&](const std::string& name) { return may_match(channel.topic, name); });
+}
+
+}  // namespace
+
 Result<std::vector<ExpectationResult>> judge_expectations(const std::vector<Expectation>& expectations,
                                                           const std::filesystem::path& recording,
                                                           std::size_t piece_size) {
   if (expectations.empty()) return std::vector<ExpectationResult>();
   const auto is_judged = [&expectations](const mcap::Channel& channel) {
     return channel.topic == run_topics::tick || channel.topic == run_topics::events ||
-           std::ranges::any_of(expectations, [&](const Expectation& expectation) {
-             return expectation.subject == Expectation::Subject::series &&
-                    may_match(channel.topic, expectation.pattern);
-           });
+           std::ranges::any_of(expectations, [&](const Expectation& e) { return may_concern(channel, e); });
   };
-  ExpectationJudge judge(expectations);
-  const auto some = load_wanted_in_pieces(
-      recording, is_judged, [&judge](const Trace& piece) { judge.take(piece); }, piece_size);
-  if (!some) return some.errors();
-  if (judge.found_all()) return judge.finish(*some);
-  ExpectationJudge by_all(expectations);
-  const auto all = Trace::load_in_pieces(
-      recording, [&by_all](const Trace& piece) { by_all.take(piece); }, piece_size);
-  if (!all) return all.errors();
-  return by_all.finish(*all);
+  bool found_all = true;
+  auto some = judge_file(expectations, recording, piece_size, is_judged, found_all);
+  if (!some || found_all) return some;
+  return judge_file(expectations, recording, piece_size, nullptr, found_all);
 }
 
 namespace {
@@ -75,18 +100,24 @@ Result<JudgedRecording> judge_recording(const std::vector<Expectation>& expectat
                                         const std::filesystem::path& recording) {
   ExpectationJudge judge(expectations);
   ContentHash content;
+  const bool judges = !judge.needs_order();
   const auto last = Trace::load_in_pieces(recording, [&](const Trace& piece) {
-    judge.take(piece);
+    if (judges) judge.take(piece);
     content.take(piece);
   });
   if (!last) return last.errors();
-  return JudgedRecording{judge.finish(*last), content.value()};
+  if (judges) return JudgedRecording{judge.finish(*last), content.value()};
+  auto judged = judge_expectations(expectations, recording);
+  if (!judged) return judged.errors();
+  return JudgedRecording{*std::move(judged), content.value()};
 }
 
 const ExpectationResult* first_violation(const std::vector<ExpectationResult>& results) {
   // only the end of a run shows that something never came
   const auto known_at = [](const ExpectationResult& result) {
-    const bool at_once = result.first && !result.expectation.sometime;
+    const bool is_of_some =
+        result.expectation.sometime || result.expectation.quantifier == Expectation::Quantifier::eventually;
+    const bool at_once = result.first && !is_of_some;
     return at_once ? result.first->time : std::numeric_limits<double>::infinity();
   };
   const ExpectationResult* first = nullptr;
@@ -115,7 +146,8 @@ Divergence divergence_of(const ExpectationResult& violation, const Trace& run) {
     divergence.element = channel.columns[place->column].element;
     divergence.unit = unit_of(channel.metadata, divergence.element);
     divergence.stage = stage_of(divergence.channel, divergence.element);
-  } else if (violation.expectation.subject != Expectation::Subject::series) {
+  } else if (violation.expectation.subject == Expectation::Subject::event ||
+             violation.expectation.subject == Expectation::Subject::no_event) {
     divergence.channel = run_topics::events;
     divergence.stage = stage_of(divergence.channel);
   }

@@ -5,21 +5,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "core/kinds/channel_name.h"
 #include "core/mcap/glob.h"
 #include "core/trace/run_facts.h"
+#include "expectation_text.h"
 #include "model/clock.h"
 
 namespace rehearse {
 namespace {
 
 std::uint64_t to_ns(double seconds) { return static_cast<std::uint64_t>(std::llround(seconds * 1e9)); }
-
-/// A trace has nanoseconds; a double of them may have more digits.
-std::string time_text(double seconds) { return fmt::format("{:.12g} s", seconds); }
 
 /// The judged span of time, both ends included [ns].
 struct Span {
@@ -34,40 +31,6 @@ Span span_of(const Expectation& expectation) {
   return span;
 }
 
-/// A number as the expectation states numbers, with its unit.
-std::string number_text(double value, const std::string& unit, const Expectation& expectation) {
-  if (expectation.degrees && unit == "rad") return fmt::format("{:.6g} deg", value * 180.0 / std::numbers::pi);
-  return fmt::format("{:.6g}{}{}", value, unit.empty() ? "" : " ", unit);
-}
-
-std::string bounds_text(const Expectation& e, const std::string& unit) {
-  if (e.near) return fmt::format("within {} of {}", number_text(*e.within, unit, e), number_text(*e.near, unit, e));
-  std::string text;
-  if (e.above) text = "above " + number_text(*e.above, unit, e);
-  if (e.below) text += (text.empty() ? "below " : " and below ") + number_text(*e.below, unit, e);
-  return text;
-}
-
-std::string span_text(const Expectation& e) {
-  if (e.at_end) return " at the end";
-  if (e.at) return fmt::format(" at {} s", *e.at);
-  std::string text = e.sometime ? " at some time" : "";
-  const bool is_told = e.since && e.from == e.since;  // as the beginning of the change
-  if (e.from && e.until && !is_told) return text + fmt::format(" from {} s until {} s", *e.from, *e.until);
-  if (e.until) return text + fmt::format(" until {} s", *e.until);
-  if (e.from && !is_told) return text + fmt::format(" from {} s on", *e.from);
-  return text;
-}
-
-std::string text_of(const Expectation& e, const std::string& unit) {
-  if (e.subject == Expectation::Subject::event) return fmt::format("an event \"{}\"{}", e.pattern, span_text(e));
-  if (e.subject == Expectation::Subject::no_event) return fmt::format("no event \"{}\"{}", e.pattern, span_text(e));
-  std::string quantity = e.pattern;
-  if (e.since) quantity = fmt::format("the change of {} since {} s", quantity, *e.since);
-  if (e.absolute) quantity = "the magnitude of " + quantity;
-  return fmt::format("{} {}{}", quantity, bounds_text(e, unit), span_text(e));
-}
-
 std::string sample_text(const ViolatingSample& sample, const std::string& unit, const Expectation& expectation) {
   return fmt::format("{} at tick {} ({})", number_text(*sample.value, unit, expectation), sample.tick,
                      time_text(sample.time));
@@ -76,20 +39,6 @@ std::string sample_text(const ViolatingSample& sample, const std::string& unit, 
 std::string event_text(const msg::Event& event) {
   return fmt::format("{} {}: {}", event.severity, event.source, event.text);
 }
-
-/// The distance of a value from the bounds, outside of them; not above 0 if the value is right. Infinity for NaN.
-double excess_of(const Expectation& e, double value) {
-  constexpr double infinite = std::numeric_limits<double>::infinity();
-  if (std::isnan(value)) return infinite;
-  if (e.near) return std::abs(value - *e.near) - *e.within;
-  double excess = -infinite;
-  if (e.above) excess = std::max(excess, *e.above - value);
-  if (e.below) excess = std::max(excess, value - *e.below);
-  return excess;
-}
-
-/// The bounds themselves are right with near and within, and wrong with above and below.
-bool is_right(const Expectation& e, double excess) { return e.near ? excess <= 0.0 : excess < 0.0; }
 
 }  // namespace
 
@@ -101,6 +50,9 @@ bool SeriesJudge::is_asked_for(std::uint64_t time) const {
   return time >= span.from && time <= span.until;
 }
 
+SeriesJudge::SeriesJudge(const Expectation& expectation, const std::string& series)
+    : expectation_(&expectation), condition_(*Expression::parse(condition_of(expectation, series), source_)) {}
+
 void SeriesJudge::take(const TraceChannel& channel, std::size_t column) {
   const Expectation& e = *expectation_;
   for (std::size_t row = 0; row < channel.rows(); ++row) {
@@ -111,29 +63,36 @@ void SeriesJudge::take(const TraceChannel& channel, std::size_t column) {
       baseline_time_ = time;
     }
     if (!is_asked_for(time)) continue;
-    const double change = number - baseline_.value_or(0.0);
+    source_.sample = number;
+    source_.baseline = baseline_.value_or(0.0);
+    // NaN violates each bound
+    Judgement judgement = condition_.judged(source_, 0).worst;
+    judgement.time = time;
+    const double change = number - source_.baseline;
     const ViolatingSample sample{0, seconds_of(time), e.absolute ? std::abs(change) : change};
     if (!e.at && !e.at_end) {
-      take_sample(sample);
+      take_sample(sample, judgement);
     } else if (!latest_ || time >= latest_time_) {
       latest_ = sample;
+      latest_judgement_ = judgement;
       latest_time_ = time;
     }
   }
 }
 
-void SeriesJudge::take_sample(const ViolatingSample& sample) {
+void SeriesJudge::take_sample(const ViolatingSample& sample, const Judgement& judgement) {
   any_ = true;
-  const double excess = excess_of(*expectation_, *sample.value);
-  margin = expectation_->sometime ? std::max(margin.value_or(-excess), -excess)
-                                  : std::min(margin.value_or(-excess), -excess);
-  if (is_right(*expectation_, excess)) {
+  if (!decisive)
+    decisive = judgement;
+  else
+    decisive = expectation_->sometime ? greater(*decisive, judgement) : lesser(*decisive, judgement);
+  if (judgement.truth) {
     any_right_ = true;
     return;
   }
   if (!first) first = sample;
-  if (!worst || excess > worst_excess_) worst = sample, worst_excess_ = excess;
-  if (!nearest_ || excess < nearest_excess_) nearest_ = sample, nearest_excess_ = excess;
+  if (!worst || judgement.margin < worst_margin_) worst = sample, worst_margin_ = judgement.margin;
+  if (!nearest_ || judgement.margin > nearest_margin_) nearest_ = sample, nearest_margin_ = judgement.margin;
 }
 
 bool SeriesJudge::finish() {
@@ -148,8 +107,8 @@ bool SeriesJudge::finish() {
     return false;
   }
   if (moment) {
-    margin = -excess_of(*expectation_, *latest_->value);
-    if (is_right(*expectation_, -*margin)) return true;
+    decisive = latest_judgement_;
+    if (decisive->truth) return true;
     first = worst = latest_;
     return false;
   }
@@ -166,10 +125,11 @@ void SeriesJudge::set_ticks(const TickClock& clock) {
 void ExpectationJudge::take(const Trace& piece) {
   clock_.take(piece);
   take_times(piece);
+  formulas_.take(piece);
   for (std::size_t i = 0; i < expectations_.size(); ++i) {
     if (expectations_[i].subject == Expectation::Subject::series)
       take_series(expectations_[i], piece, cases_[i]);
-    else
+    else if (expectations_[i].subject != Expectation::Subject::expression)
       take_events(expectations_[i], piece, cases_[i]);
   }
 }
@@ -191,7 +151,7 @@ void ExpectationJudge::take_series(const Expectation& e, const Trace& piece, Cas
     auto known = to.series.find(name);
     if (known == to.series.end())
       known = to.series
-                  .emplace(name, JudgedSeries{SeriesJudge(e),
+                  .emplace(name, JudgedSeries{SeriesJudge(e, name),
                                               unit_of(channel.metadata, channel.columns[place.column].element)})
                   .first;
     if (!e.angle || known->second.unit == "rad") known->second.judge.take(channel, place.column);
@@ -223,10 +183,16 @@ void ExpectationJudge::set_end(const Trace& last) {
 std::vector<ExpectationResult> ExpectationJudge::finish(const Trace& last) {
   clock_.put_in_order();
   set_end(last);
+  formulas_.finish(last);
   std::vector<ExpectationResult> results(expectations_.size());
   for (std::size_t i = 0; i < expectations_.size(); ++i) {
+    if (expectations_[i].subject == Expectation::Subject::expression) {
+      results[i] = formulas_.result(i, clock_, ended_early_);
+      continue;
+    }
     results[i].expectation = expectations_[i];
     results[i].text = text_of(expectations_[i], "");
+    results[i].formula = formula_of(expectations_[i]);
     if (expectations_[i].subject == Expectation::Subject::series)
       judge_series(cases_[i], last, results[i]);
     else
@@ -275,6 +241,8 @@ void ExpectationJudge::take(const SeriesJudge& judge, const std::string& name, c
 void ExpectationJudge::judge_series(Case& found, const Trace& last, ExpectationResult& result) const {
   const Expectation& e = result.expectation;
   Tally tally;
+  std::optional<Judgement> decisive;
+  std::string unit_of_decisive;
   for (auto& [name, series] : found.series) {
     if (++tally.found == 1) tally.unit = series.unit;
     if (series.unit != tally.unit) tally.unit.clear();
@@ -285,13 +253,17 @@ void ExpectationJudge::judge_series(Case& found, const Trace& last, ExpectationR
     const bool holds = (!e.angle || is_angle) && series.judge.finish();
     series.judge.set_ticks(clock_);
     if (!holds) take(series.judge, name, series.unit, result, tally);
-    if (series.judge.margin)
-      result.margin = std::min(result.margin.value_or(*series.judge.margin), *series.judge.margin);
+    const std::optional<Judgement>& of_series = series.judge.decisive;
+    if (!of_series || (decisive && &lesser(*decisive, *of_series) != &*of_series)) continue;
+    decisive = of_series;
+    unit_of_decisive = series.unit;
   }
+  if (decisive) set_closest(*decisive, unit_of_decisive, e.degrees, clock_, result);
   result.text = text_of(e, e.angle ? "rad" : tally.unit);
   const std::string what = violation_of(result, tally, last);
-  result.holds = what.empty();
-  if (!result.holds) result.sentence = fmt::format("expected {}: {}", result.text, what);
+  const std::string missing = what.empty() ? missing_margin(result) : what;
+  result.holds = missing.empty();
+  if (!result.holds) result.sentence = fmt::format("expected {}: {}", result.text, missing);
 }
 
 /// The violation in words; empty if the expectation holds.

@@ -13,13 +13,34 @@
 #include <vector>
 
 #include "core/compare/tick_clock.h"
+#include "core/expression/expression.h"
+#include "formula_judge.h"
 
 namespace rehearse {
 
-/// Judges one series of a run by one expectation. The run comes in pieces.
+/// The sample of a series, for the condition that its bounds are.
+class SampleSource final : public ExpressionSource {
+ public:
+  double sample = 0.0, baseline = 0.0;
+
+  Result<std::size_t> find_series(std::string_view) override { return std::size_t{0}; }
+  bool is_replayed(std::size_t) const override { return false; }
+  Result<std::vector<std::size_t>> find_links(std::string_view) override { return std::vector<std::size_t>(); }
+  std::int64_t first_tick() const override { return 0; }
+  double time_at(std::int64_t) const override { return 0.0; }
+  double value(std::size_t, std::int64_t, CommandSide) override { return sample; }
+  double value_at(std::size_t, double, std::int64_t) override { return baseline; }
+  bool touching(const std::vector<std::size_t>&, const std::vector<std::size_t>&, std::int64_t) override {
+    return false;
+  }
+  bool differs_at(std::int64_t) override { return false; }
+  bool said(std::string_view, std::int64_t) override { return false; }
+};
+
+/// Judges one series of a run by one expectation, at each of its samples. The run comes in pieces.
 class SeriesJudge {
  public:
-  explicit SeriesJudge(const Expectation& expectation) : expectation_(&expectation) {}
+  SeriesJudge(const Expectation& expectation, const std::string& series);
 
   void take(const TraceChannel& channel, std::size_t column);
   /// False if the expectation doesn't hold. Then `first` is set, or `problem` if there is no violating sample.
@@ -28,36 +49,48 @@ class SeriesJudge {
   void set_ticks(const TickClock& clock);
 
   std::optional<ViolatingSample> first, worst;
-  std::optional<double> margin;
+  std::optional<Judgement> decisive;  // of the worst sample; with `sometime` of the best one
   std::string problem;
 
  private:
   bool is_asked_for(std::uint64_t time) const;
-  void take_sample(const ViolatingSample& sample);
+  void take_sample(const ViolatingSample& sample, const Judgement& judgement);
 
   const Expectation* expectation_;
+  SampleSource source_;
+  Expression condition_;
   std::optional<double> baseline_;
   std::uint64_t baseline_time_ = 0;
   std::optional<ViolatingSample> latest_;  // for a moment: the latest sample at it or before
+  Judgement latest_judgement_;
   std::uint64_t latest_time_ = 0;
   bool any_ = false, any_right_ = false;
   std::optional<ViolatingSample> nearest_;  // sample out of the bounds that is nearest to them
-  double worst_excess_ = 0.0, nearest_excess_ = 0.0;
+  double worst_margin_ = 0.0, nearest_margin_ = 0.0;
 };
 
 /// Judges one run, piece by piece, by all expectations.
 class ExpectationJudge {
  public:
-  /// The expectations must outlive this.
-  explicit ExpectationJudge(const std::vector<Expectation>& expectations) : expectations_(expectations) {
+  /// The expectations must outlive this. `names`: a trace with all series of the run, for expressions; null: names that
+  /// the first piece lacks are noticed at the end.
+  explicit ExpectationJudge(const std::vector<Expectation>& expectations, const Trace* names = nullptr)
+      : expectations_(expectations), formulas_(expectations, names) {
     cases_.resize(expectations.size());
   }
+
+  /// True if the pieces must be in the order of time, because there are expressions.
+  bool needs_order() const { return !formulas_.empty(); }
 
   void take(const Trace& piece);
   /// False if the run has no ticks, or no series for an expectation: then the results depend on all of its channels.
   bool found_all() const;
   /// `last`: the last piece, which also contains the data of the whole run.
   std::vector<ExpectationResult> finish(const Trace& last);
+  /// After finish(): true if the first piece lacked names of expressions, so that the results are wrong.
+  bool lacked_names() const { return formulas_.lacked_names(); }
+  /// After finish(): true if an expression names a series that the pieces lack.
+  bool any_mistake() const { return formulas_.any_mistake(); }
 
  private:
   struct JudgedSeries {
@@ -89,6 +122,7 @@ class ExpectationJudge {
                    ExpectationResult& result, Tally& tally);
 
   const std::vector<Expectation>& expectations_;
+  FormulaRun formulas_;
   std::vector<Case> cases_;  // by index in expectations_
   TickClock clock_;
   std::uint64_t earliest_ = std::numeric_limits<std::uint64_t>::max(), latest_ = 0;  // of all messages [ns]

@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include "core/compare/series_rules.h"
 #include "core/kinds/channel_name.h"
+#include "core/mcap/glob.h"
+#include "formula_judge.h"
 
 namespace rehearse {
 namespace {
@@ -105,6 +108,28 @@ Diagnostic unknown(const Place& place, const std::string& name, std::span<const 
                          nearest.empty() ? "" : "the nearest are " + nearest));
 }
 
+/// True if a run may have a series that an expression names, and that no trace has.
+bool may_have_missing_names(const Expectation& e, std::span<const Trace* const> traces, const Possible& is_possible) {
+  const auto is_there = [&](const std::string& pattern) {
+    return std::ranges::any_of(traces, [&](const Trace* trace) {
+      return std::ranges::any_of(trace->series(), [&](const auto& series) { return matches(pattern, series.first); });
+    });
+  };
+  return std::ranges::any_of(e.names, [&](const std::string& pattern) {
+    return !is_pattern(pattern) && !is_there(pattern) && !is_there("*/" + pattern) && is_possible(pattern);
+  });
+}
+
+/// A mistake of an expression that each trace shows; none if a trace shows none.
+std::optional<Diagnostic> mistake_in_all(const Expectation& e, std::span<const Trace* const> traces) {
+  std::optional<Diagnostic> mistake;
+  for (const Trace* trace : traces) {
+    mistake = mistake_in(e, *trace);
+    if (!mistake) break;
+  }
+  return mistake;
+}
+
 }  // namespace
 
 Diagnostics unknown_series(const Scenario& scenario, std::span<const Trace* const> traces) {
@@ -117,6 +142,9 @@ Diagnostics unknown_series(const Scenario& scenario, std::span<const Trace* cons
     if (e.subject == Expectation::Subject::series && !is_pattern(e.pattern) && !has_series(traces, e.pattern) &&
         !is_possible(e.pattern))
       errors.push_back(unknown(e.place, e.pattern, traces));
+  for (const Expectation& e : scenario.expectations)
+    if (auto mistake = mistake_in_all(e, traces); mistake && !may_have_missing_names(e, traces, is_possible))
+      errors.push_back(*std::move(mistake));
   return errors;
 }
 
@@ -125,7 +153,8 @@ namespace {
 /// True if an expectation may have found no series.
 bool misses_a_series(const std::vector<ExpectationResult>& results) {
   return std::ranges::any_of(results, [](const ExpectationResult& result) {
-    return result.expectation.subject == Expectation::Subject::series && !result.holds && result.series.empty();
+    return result.problem ||
+           (result.expectation.subject == Expectation::Subject::series && !result.holds && result.series.empty());
   });
 }
 

@@ -13,7 +13,12 @@ namespace {
 
 bool needs_all_ticks(const Scenario& scenario, const TraceColumn& column) {
   return std::ranges::any_of(scenario.expectations,
-                             [&](const Expectation& e) { return matches(e.pattern, column.series); }) ||
+                             [&](const Expectation& e) {
+                               const auto names_it = [&](const std::string& name) {
+                                 return matches(name, column.series);
+                               };
+                               return matches(e.pattern, column.series) || std::ranges::any_of(e.names, names_it);
+                             }) ||
          std::ranges::any_of(scenario.tolerances, [&](const ToleranceRule& rule) {
            return (rule.lead || rule.lag) && matches(rule.channel, column.series);
          });

@@ -9,7 +9,8 @@
 namespace rehearse {
 namespace {
 
-constexpr std::array subjects{"channel", "event", "no_event"};
+constexpr std::array subjects{"channel", "event", "no_event", "always", "eventually", "never"};
+constexpr std::size_t first_quantifier = 3;
 
 class ExpectationReader {
  public:
@@ -20,6 +21,7 @@ class ExpectationReader {
  private:
   bool read_subject(const Keys& keys, const YamlNode& node, Expectation& expectation) const;
   void refuse_of_events(const Keys& keys) const;
+  void refuse_of_series(const Keys& keys) const;
   void read_bounds(const Keys& keys, const YamlNode& node, Expectation& expectation) const;
   void check_bounds(const Keys& keys, const Expectation& expectation) const;
   void read_bound(const Keys& keys, std::string_view key, std::optional<double>& bound, Expectation& expectation) const;
@@ -33,9 +35,10 @@ class ExpectationReader {
 };
 
 void ExpectationReader::read_entry(const YamlNode& node) {
-  const Keys keys(findings_, node, "an expectation",
-                  {"channel", "event", "no_event", "above", "below", "near", "within", "abs", "since", "from", "until",
-                   "at", "sometime"});
+  const Keys keys(
+      findings_, node, "an expectation",
+      {"channel", "event", "no_event", "above",  "below",      "near",  "within", "abs",    "since", "from",
+       "until",   "at",    "sometime", "always", "eventually", "never", "after",  "except", "for",   "margin"});
   if (!keys.is_map()) return;
   Expectation expectation;
   expectation.place = {scenario_.file, node.line, node.column};
@@ -45,6 +48,10 @@ void ExpectationReader::read_entry(const YamlNode& node) {
     keys.flag("sometime", expectation.sometime);
     read_bounds(keys, node, expectation);
     read_moment(keys, expectation);
+    refuse_of_series(keys);
+    read_margin(findings_, keys, expectation);
+  } else if (expectation.subject == Expectation::Subject::expression) {
+    read_expressions(findings_, keys, scenario_, expectation);
   } else {
     refuse_of_events(keys);
   }
@@ -60,12 +67,21 @@ bool ExpectationReader::read_subject(const Keys& keys, const YamlNode& node, Exp
     const YamlNode* subject = keys.find(subjects[i]);
     if (subject == nullptr) continue;
     if (found != nullptr) {
-      findings_.error(node, "an expectation has two subjects", "expected one of channel, event and no_event");
+      findings_.error(node, "an expectation has two subjects",
+                      "expected one of channel, event, no_event, always, eventually and never");
       return false;
     }
     found = subject;
-    expectation.subject = static_cast<Expectation::Subject>(i);
     expectation.place = {scenario_.file, subject->line, subject->column};
+    if (i >= first_quantifier) {
+      expectation.subject = Expectation::Subject::expression;
+      expectation.quantifier = static_cast<Expectation::Quantifier>(i - first_quantifier);
+      const auto text = read_text(findings_, *subject, subjects[i], "a condition as \"SR1/KNEE/u < 100\"");
+      if (!text) return false;
+      expectation.expression = *text;
+      continue;
+    }
+    expectation.subject = static_cast<Expectation::Subject>(i);
     const auto pattern = read_text(findings_, *subject, subjects[i], "a pattern, in which * stands for any text");
     if (!pattern) return false;
     expectation.pattern = *pattern;
@@ -75,18 +91,29 @@ bool ExpectationReader::read_subject(const Keys& keys, const YamlNode& node, Exp
           findings_, *subject, subjects[i],
           is_series ? "a pattern such as SR1/*/q, without a slash at its beginning" : "a pattern such as \"error *\"");
   }
-  if (found == nullptr && keys.require("channel", "the name of a series; or event or no_event: a pattern") == nullptr)
+  if (found == nullptr &&
+      keys.require("channel",
+                   "the name of a series; or event or no_event: a pattern; or always, eventually or never: a "
+                   "condition") == nullptr)
     return false;
   return true;
 }
 
 void ExpectationReader::refuse_of_events(const Keys& keys) const {
   for (const NamedEntry& entry : keys.entries()) {
-    for (const std::string_view key : {"above", "below", "near", "within", "abs", "since", "at", "sometime"})
+    for (const std::string_view key :
+         {"above", "below", "near", "within", "abs", "since", "at", "sometime", "after", "except", "for", "margin"})
       if (entry.name == key)
         findings_.error(*entry.key, fmt::format("'{}' is given for an event", key),
                         "an event has no values; from and until limit its time");
   }
+}
+
+void ExpectationReader::refuse_of_series(const Keys& keys) const {
+  for (const std::string_view key : {"after", "except", "for"})
+    if (const YamlNode* node = keys.find(key))
+      findings_.error(*node, fmt::format("'{}' is given for a channel", key),
+                      "it belongs to always, eventually or never");
 }
 
 void ExpectationReader::read_bound(const Keys& keys, std::string_view key, std::optional<double>& bound,
@@ -135,7 +162,7 @@ void ExpectationReader::check_bounds(const Keys& keys, const Expectation& expect
 }
 
 std::optional<double> ExpectationReader::read_time(const YamlNode& node, std::string_view key) const {
-  const auto time = read_number(findings_, node, key, {0.0, Scenario::max_duration, "[s]"});
+  const auto time = read_seconds(findings_, node, key, {0.0, Scenario::max_duration, "[s]"});
   if (!time || scenario_.duration <= 0.0 || *time <= scenario_.duration) return time;
   findings_.error(node, fmt::format("{} is {}, after the end of the run", key, *time),
                   fmt::format("expected a time up to the duration, {} s", scenario_.duration));

@@ -70,6 +70,9 @@ void read_tolerances(Findings& findings, const YamlNode& node, Scenario& scenari
 
 /// The `expect` list. After the duration.
 void read_expectations(Findings& findings, const YamlNode& node, Scenario& scenario);
+/// The expressions of an expectation whose condition is set, and what belongs to them.
+void read_expressions(Findings& findings, const Keys& keys, const Scenario& scenario, Expectation& expectation);
+void read_margin(Findings& findings, const Keys& keys, Expectation& expectation);
 
 /// The `vary` map. `root`: the whole scenario, which states the nominal values.
 void read_variations(Findings& findings, const YamlNode& node, const YamlNode& root, Scenario& scenario);

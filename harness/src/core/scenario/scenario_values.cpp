@@ -132,6 +132,17 @@ std::optional<double> read_number(Findings& findings, const YamlNode& node, std:
   return std::nullopt;
 }
 
+std::optional<double> read_seconds(Findings& findings, const YamlNode& node, std::string_view label,
+                                   const Range& range) {
+  std::string_view unit;
+  const auto number = number_with_unit(node, unit);
+  if (!number || (unit != "s" && unit != "ms")) return read_number(findings, node, label, range);
+  const double seconds = unit == "ms" ? *number * 1e-3 : *number;
+  if (range.contains(seconds)) return seconds;
+  expected(findings, node, label, "a number " + range.text());
+  return std::nullopt;
+}
+
 std::optional<std::int64_t> read_integer(Findings& findings, const YamlNode& node, std::string_view label,
                                          std::int64_t low, std::int64_t high) {
   if (node.kind == YamlNode::Kind::scalar && !node.quoted) {

@@ -92,6 +92,9 @@ struct Measure {
   bool angle = false;    // it has a unit of an angle
   bool degrees = false;  // this unit is deg
 };
+/// A time as 0.5, 0.5 s or 20 ms [s].
+std::optional<double> read_seconds(Findings& findings, const YamlNode& node, std::string_view label,
+                                   const Range& range);
 std::optional<Measure> read_measure(Findings& findings, const YamlNode& node, std::string_view label);
 /// A list of `least` to `most` numbers.
 std::optional<std::vector<double>> read_numbers(Findings& findings, const YamlNode& node, std::string_view label,

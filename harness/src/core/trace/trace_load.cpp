@@ -91,6 +91,8 @@ class TraceLoader {
 
   /// Messages that can't be decoded are no damage, unless the file has ticks.
   void keep_undecoded() { trace_.keeps_undecoded_ = true; }
+  /// Messages are read in the order of time.
+  void sort_by_time() { sorts_ = true; }
   /// `wanted`: the channels whose messages are read; null: all.
   Result<Trace> load(const std::function<bool(const mcap::Channel&)>& wanted = {});
   Result<Trace> outline();
@@ -118,6 +120,7 @@ class TraceLoader {
   std::vector<msg::Event> earlier_events_;  // events of earlier pieces
   std::vector<msg::ContactChange> earlier_changes_;
   bool has_ticks_ = false;
+  bool sorts_ = false;
   std::size_t held_ = 0;  // approximate size of the tables [bytes]
   std::map<std::uint16_t, std::unique_ptr<Source>> sources_;
   std::vector<Source*> by_id_ = std::vector<Source*>(0x10000, nullptr);
@@ -196,7 +199,11 @@ Result<Trace> TraceLoader::load(const std::function<bool(const mcap::Channel&)>&
     return tolerant_ || problems_.empty();
   };
   const bool reads = !wanted || !chosen.empty();
-  const auto pass = reads ? trace_.reader_->for_each_message(take, chosen) : Result<void>();
+  const auto read_all = [&] {
+    return sorts_ ? trace_.reader_->for_each_message_in_order(take, chosen)
+                  : trace_.reader_->for_each_message(take, chosen);
+  };
+  const auto pass = reads ? read_all() : Result<void>();
   if (!pass) problems_.insert(problems_.begin(), pass.errors().begin(), pass.errors().end());
   if (!problems_.empty() && !tolerant_) return problems_;
   trace_.damage_ = std::move(problems_);
@@ -419,10 +426,11 @@ Result<Trace> Trace::load_in_pieces(const std::filesystem::path& file, const OnP
   return TraceLoader(file, Damage::refuse, on_piece, piece_size).load();
 }
 
-Result<Trace> load_wanted_in_pieces(const std::filesystem::path& file,
-                                    const std::function<bool(const mcap::Channel&)>& wanted,
-                                    const Trace::OnPiece& on_piece, std::size_t piece_size) {
-  return TraceLoader(file, Trace::Damage::refuse, on_piece, piece_size).load(wanted);
+Result<Trace> load_pieces(const std::filesystem::path& file, const std::function<bool(const mcap::Channel&)>& wanted,
+                          const Trace::OnPiece& on_piece, std::size_t piece_size, PieceOrder order) {
+  TraceLoader loader(file, Trace::Damage::refuse, on_piece, piece_size);
+  if (order == PieceOrder::of_time) loader.sort_by_time();
+  return loader.load(wanted);
 }
 
 Trace overlap(const Trace& whole, const Trace& part) { return TraceLoader::overlap(whole, part); }

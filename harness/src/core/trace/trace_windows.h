@@ -77,10 +77,15 @@ Result<Trace> load_samples(const std::filesystem::path& file, const StateRate& r
 Result<Trace> load_for_comparison(const std::filesystem::path& file, const StateRate* rate,
                                   const Trace::OnPiece& on_piece, std::size_t piece_size);
 
-/// As Trace::load_in_pieces(); only messages of the wanted channels are read, and the other tables have no columns.
-Result<Trace> load_wanted_in_pieces(const std::filesystem::path& file,
-                                    const std::function<bool(const mcap::Channel&)>& wanted,
-                                    const Trace::OnPiece& on_piece, std::size_t piece_size);
+enum class PieceOrder {
+  of_file,
+  of_time,  // no message of a piece is later than one of the next piece, also if chunks overlap in time
+};
+
+/// As Trace::load_in_pieces(); only messages of the wanted channels are read (null: of all), and the other tables have
+/// no columns.
+Result<Trace> load_pieces(const std::filesystem::path& file, const std::function<bool(const mcap::Channel&)>& wanted,
+                          const Trace::OnPiece& on_piece, std::size_t piece_size, PieceOrder order);
 
 /// The messages of `whole` at whose time `part` has messages of the same topic. Both contain their messages.
 Trace overlap(const Trace& whole, const Trace& part);

@@ -194,6 +194,7 @@ TestVerdict judge(const Trace& trace, const std::string& test, const MatchOption
   compared.tolerances = scenario->tolerances;
   compared.horizon = scenario->horizon;
   const auto expectations = judge_expectations(scenario->expectations, trace);
+  fmt::print("{}", closest_lines(expectations));
   SettleOptions settling;
   settling.compare.until = scenario->horizon;
   settling.exact = options.exact && options.near.empty();
@@ -250,7 +251,9 @@ TestVerdict hold_expectations(const Trace& trace, const std::string& test) {
   if (std::string names = unknown_names(*scenario, trace, {}); !names.empty()) return {false, std::move(names)};
   const auto results = judge_expectations(scenario->expectations, trace);
   const std::string violations = violation_lines(results);
-  TestVerdict verdict{violations.empty(), violations.empty() ? "" : violations.substr(1)};
+  const std::string closest = closest_lines(results);
+  fmt::print("{}", closest);
+  TestVerdict verdict{violations.empty(), violations.empty() ? "" : violations.substr(1) + "\n" + closest};
   ComparedTest compared;
   compared.scenario = scenario_file_of(trace);
   const std::string told = keep_test_report(trace, test, "expectations", verdict, compared);

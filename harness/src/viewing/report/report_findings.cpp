@@ -28,7 +28,7 @@ ReportJson series_at(const Divergence& divergence, const Trace& golden, const Tr
 using Bound = std::optional<double>;
 
 std::string_view name_of(Expectation::Subject subject) {
-  constexpr std::array names{"series", "event", "no_event"};
+  constexpr std::array names{"series", "event", "no_event", "expression"};
   return names[static_cast<std::size_t>(subject)];
 }
 
@@ -129,6 +129,7 @@ ReportJson expectations_json(const std::vector<ExpectationResult>& results, doub
     list.push_back({{"text", result.text},
                     {"holds", result.holds},
                     {"sentence", result.sentence},
+                    {"closest", closest_text(result)},
                     {"line", expectation.place.line},
                     {"subject", name_of(expectation.subject)},
                     {"pattern", expectation.pattern},

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 
+#include "core/expression/joint_series.h"
+#include "core/expression/name_search.h"
 #include "core/kinds/channel_name.h"
 #include "core/mcap/glob.h"
 #include "core/mcap/whole_input.h"
+#include "core/scenario/joint_limit.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
-#include "name_search.h"
 #include "stepped_trace_impl.h"
 #include "viewing/export/picture_file.h"
 
@@ -172,6 +174,23 @@ Result<std::size_t> SteppedTrace::find_series(std::string_view name) {
   return series_id(recorded.series().find(recorded.names()[*found])->second);
 }
 
+Result<std::size_t> SteppedTrace::find_joint_series(std::string_view joint, std::string_view quantity,
+                                                    bool of_command) {
+  RecordedTicks& recorded = impl_->recorded_;
+  const auto found = find_joint_name(joint, quantity, of_command, recorded.names());
+  if (!found) return found.errors();
+  return series_id(recorded.series().find(recorded.names()[*found])->second);
+}
+
+Result<JointLimit> SteppedTrace::find_limit(std::string_view joint, std::string_view limit) {
+  return joint_limit(impl_->scenario_, joint, limit);
+}
+
+double SteppedTrace::value_at(std::size_t series, double time, std::int64_t tick) {
+  const std::int64_t then = tick_at(time);
+  return then <= tick ? value(series, then, CommandSide::recorded) : std::nan("");
+}
+
 Result<std::vector<std::size_t>> SteppedTrace::find_all_series(std::string_view pattern) {
   std::vector<std::size_t> all;
   if (pattern.find('*') == std::string_view::npos) {
@@ -233,6 +252,13 @@ bool SteppedTrace::said(std::string_view pattern, std::int64_t tick) {
   const auto all = messages(tick);
   return std::any_of(all.begin(), all.end(),
                      [&](const ViewMessage& message) { return matches(pattern, message.text); });
+}
+
+bool SteppedTrace::happened(std::string_view pattern, std::int64_t tick) {
+  const auto all = messages(tick);
+  return std::any_of(all.begin(), all.end(), [&](const ViewMessage& message) {
+    return matches(pattern, fmt::format("{} {}: {}", message.severity, message.source, message.text));
+  });
 }
 
 std::vector<std::string> SteppedTrace::picture_topics() const {

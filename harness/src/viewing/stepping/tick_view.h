@@ -21,7 +21,7 @@
 #include <string_view>
 #include <vector>
 
-#include "expression.h"
+#include "core/expression/expression.h"
 
 namespace rehearse {
 
@@ -110,7 +110,7 @@ class SteppedTrace : public ExpressionSource {
   /// Remarks for the user: damage, controllers that aren't the recorded ones, the end of the replay.
   const Diagnostics& remarks() const;
   std::int64_t first_tick() const override;
-  std::int64_t last_tick() const;
+  std::int64_t last_tick() const override;
   /// The last tick to which the controllers were replayed; none: they weren't.
   std::optional<std::int64_t> last_replayed() const;
   /// True if the controllers differ from the recording in some tick.
@@ -156,6 +156,11 @@ class SteppedTrace : public ExpressionSource {
                 std::int64_t tick) override;
   bool differs_at(std::int64_t tick) override;
   bool said(std::string_view pattern, std::int64_t tick) override;
+  bool happened(std::string_view pattern, std::int64_t tick) override;
+  std::string unit_of_series(std::size_t series) override { return series_unit(series); }
+  Result<std::size_t> find_joint_series(std::string_view joint, std::string_view quantity, bool of_command) override;
+  Result<JointLimit> find_limit(std::string_view joint, std::string_view limit) override;
+  double value_at(std::size_t series, double time, std::int64_t tick) override;
 
  private:
   class Impl;

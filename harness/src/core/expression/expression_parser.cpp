@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 
+#include "unit.h"
+
 namespace rehearse {
 namespace {
 
@@ -12,21 +14,6 @@ std::string_view word_for(Expression::Type type) {
   constexpr std::array words{"true or false", "a number"};
   return words[static_cast<std::size_t>(type)];
 }
-
-constexpr std::string_view functions =
-    "abs, min, max, sqrt, sin, cos, nan, prev, delta, changed, recorded, replayed, contact, message";
-
-/// Counts the nesting depth of calls during its lifetime.
-class Deeper {
- public:
-  explicit Deeper(int& depth) : depth_(depth) { ++depth_; }
-  ~Deeper() { --depth_; }
-  Deeper(const Deeper&) = delete;
-  Deeper& operator=(const Deeper&) = delete;
-
- private:
-  int& depth_;
-};
 
 }  // namespace
 
@@ -88,6 +75,37 @@ bool ExpressionParser::demand(std::size_t node, Type type, std::string_view who)
   return false;
 }
 
+bool ExpressionParser::have_common_unit(std::size_t left, std::size_t right, std::string_view who) {
+  const Node &a = expression_.nodes_[left], &b = expression_.nodes_[right];
+  if (common_unit(a.unit, b.unit)) return true;
+  fail(b.begin, fmt::format("{} takes numbers of one unit, and these are in {} and {}", who, a.unit, b.unit));
+  return false;
+}
+
+bool ExpressionParser::demand_instant(std::size_t node, std::string_view who) {
+  if (!expression_.nodes_[node].is_temporal) return true;
+  fail(expression_.nodes_[node].begin, fmt::format("{} takes a value of one tick, and this has a 'for'", who),
+       "conditions with 'for' are combined by &&, || and !");
+  return false;
+}
+
+ExpressionParser::Made ExpressionParser::finished(std::size_t made) {
+  Node& node = expression_.nodes_[made];
+  const Node &left = expression_.nodes_[node.left], &right = expression_.nodes_[node.right];
+  node.varies = left.varies || right.varies;
+  node.is_temporal = node.op == Op::lasting || left.is_temporal || right.is_temporal;
+  node.is_in_degrees = left.is_in_degrees || right.is_in_degrees;
+  switch (node.op) {
+    case Op::multiply: node.unit = unit_of_product(left.unit, right.unit); break;
+    case Op::divide: node.unit = unit_of_quotient(left.unit, right.unit); break;
+    case Op::square_root:
+    case Op::sine:
+    case Op::cosine: break;
+    default: node.unit = common_unit(left.unit, right.unit).value_or("");
+  }
+  return made;
+}
+
 std::size_t ExpressionParser::add(Op op, Type type, std::size_t begin, std::size_t end, std::size_t left,
                                   std::size_t right) {
   Node node;
@@ -113,12 +131,40 @@ ExpressionParser::Made ExpressionParser::chain(Rule operand, std::initializer_li
     if (!demand(*left, type, here->symbol) || !advance()) return std::nullopt;
     const Made right = (this->*operand)();
     if (!right || !demand(*right, type, here->symbol)) return std::nullopt;
-    left = add(here->op, type, expression_.nodes_[*left].begin, last_end_, *left, *right);
+    const bool is_sum = here->op == Op::add || here->op == Op::subtract;
+    if (is_sum && !have_common_unit(*left, *right, here->symbol)) return std::nullopt;
+    left = finished(add(here->op, type, expression_.nodes_[*left].begin, last_end_, *left, *right));
   }
   return left;
 }
 
 ExpressionParser::Made ExpressionParser::comparison() {
+  Made made = single_comparison();
+  while (made && token_.kind == ExpressionToken::Kind::name && token_.text == "for") {
+    if (!demand(*made, Type::boolean, "for") || !advance()) return std::nullopt;
+    const std::optional<double> time = duration("after 'for'");
+    if (!time) return std::nullopt;
+    const std::size_t lasting =
+        add(Op::lasting, Type::boolean, expression_.nodes_[*made].begin, last_end_, *made, *made);
+    expression_.nodes_[lasting].number = *time;
+    made = finished(lasting);
+  }
+  return made;
+}
+
+/// A time that is at least 0 [s].
+std::optional<double> ExpressionParser::duration(std::string_view where) {
+  const bool is_time = token_.kind == ExpressionToken::Kind::number && (token_.unit == "s" || token_.unit.empty());
+  if (!is_time) {
+    fail(token_.begin, fmt::format("expected a time {}", where), "as 0.2 s or 20 ms");
+    return std::nullopt;
+  }
+  const double time = token_.number;
+  if (!advance()) return std::nullopt;
+  return time;
+}
+
+ExpressionParser::Made ExpressionParser::single_comparison() {
   static constexpr Operator operators[] = {{"<", Op::less},           {"<=", Op::less_equal}, {">", Op::greater},
                                            {">=", Op::greater_equal}, {"==", Op::equal},      {"!=", Op::unequal}};
   const Made left = sum();
@@ -131,7 +177,9 @@ ExpressionParser::Made ExpressionParser::comparison() {
   if (!right || !demand(*right, expression_.nodes_[*left].type, here->symbol)) return std::nullopt;
   if (operator_here(operators))
     return fail(token_.begin, "comparisons can't be chained", "write a < b && b < c, or put one in parentheses");
-  return add(here->op, Type::boolean, expression_.nodes_[*left].begin, last_end_, *left, *right);
+  if (!demand_instant(*left, here->symbol) || !demand_instant(*right, here->symbol)) return std::nullopt;
+  if (!have_common_unit(*left, *right, here->symbol)) return std::nullopt;
+  return finished(add(here->op, Type::boolean, expression_.nodes_[*left].begin, last_end_, *left, *right));
 }
 
 ExpressionParser::Made ExpressionParser::unary() {
@@ -144,7 +192,8 @@ ExpressionParser::Made ExpressionParser::unary() {
     if (!advance()) return std::nullopt;
     const Made of = unary();
     if (!of || !demand(*of, negates ? Type::number : Type::boolean, negates ? "-" : "!")) return std::nullopt;
-    return add(negates ? Op::negate : Op::logical_not, negates ? Type::number : Type::boolean, begin, last_end_, *of);
+    return finished(add(negates ? Op::negate : Op::logical_not, negates ? Type::number : Type::boolean, begin,
+                        last_end_, *of, *of));
   }
   return primary();
 }
@@ -155,7 +204,10 @@ ExpressionParser::Made ExpressionParser::primary() {
     case ExpressionToken::Kind::number: {
       if (!advance()) return std::nullopt;
       const std::size_t made = add(Op::number, Type::number, word.begin, word.end);
-      expression_.nodes_[made].number = word.number;
+      Node& node = expression_.nodes_[made];
+      node.number = word.number;
+      node.unit = word.unit;
+      node.is_in_degrees = word.degrees;
       return made;
     }
     case ExpressionToken::Kind::quoted:
@@ -177,138 +229,65 @@ ExpressionParser::Made ExpressionParser::primary() {
 }
 
 ExpressionParser::Made ExpressionParser::name(const ExpressionToken& word) {
-  if (word.text == "tick") return add(Op::tick, Type::number, word.begin, word.end);
-  if (word.text == "time") return add(Op::time, Type::number, word.begin, word.end);
-  if (word.text == "differs") return add(Op::differs, Type::boolean, word.begin, word.end);
-  if (word.text == "true" || word.text == "false") {
-    const std::size_t made = add(Op::number, Type::boolean, word.begin, word.end);
-    expression_.nodes_[made].number = word.text == "true" ? 1.0 : 0.0;
-    return made;
-  }
-  return series(word);
+  const bool is_truth = word.text == "true" || word.text == "false";
+  const bool is_number = word.text == "tick" || word.text == "time";
+  if (!is_truth && !is_number && word.text != "differs") return series(word);
+  if (word.text == "differs" && !source_.has_replay())
+    return fail(word.begin, "nothing is replayed here that could differ", "differs is for replay and step");
+  const Op op = is_truth ? Op::number : word.text == "tick" ? Op::tick : word.text == "time" ? Op::time : Op::differs;
+  const std::size_t made = add(op, is_number ? Type::number : Type::boolean, word.begin, word.end);
+  Node& node = expression_.nodes_[made];
+  node.varies = !is_truth;
+  if (is_truth) node.number = word.text == "true" ? 1.0 : 0.0;
+  if (op == Op::time) node.unit = "s";
+  return made;
 }
 
 ExpressionParser::Made ExpressionParser::series(const ExpressionToken& word) {
   const auto found = source_.find_series(word.text);
   if (!found) {
+    const Made derived = derived_series(word);
+    if (derived || failed_) return derived;
     const Diagnostic& why = found.errors().front();
     const bool divides =
         word.kind == ExpressionToken::Kind::name && why.hint.empty() && word.text.find('/') != std::string::npos;
     return fail(word.begin, why.message, divides ? "if it is a division, put blanks around the /" : why.hint);
   }
   const std::size_t made = add(Op::series, Type::number, word.begin, word.end);
-  expression_.nodes_[made].series = *found;
+  Node& node = expression_.nodes_[made];
+  node.series = *found;
+  node.unit = comparable_unit(source_.unit_of_series(*found));
+  node.varies = true;
   return made;
 }
 
-ExpressionParser::Made ExpressionParser::call(const ExpressionToken& word) {
-  struct Arithmetic {
-    std::string_view name;
-    Op op;
-    std::size_t arguments;
-  };
-  static constexpr std::array<Arithmetic, 7> arithmetic{{{"abs", Op::absolute, 1},
-                                                         {"min", Op::least, 2},
-                                                         {"max", Op::most, 2},
-                                                         {"sqrt", Op::square_root, 1},
-                                                         {"sin", Op::sine, 1},
-                                                         {"cos", Op::cosine, 1},
-                                                         {"nan", Op::is_nan, 1}}};
-  if (!advance()) return std::nullopt;  // skips the parenthesis
-  for (const Arithmetic& function : arithmetic)
-    if (word.text == function.name) return arithmetic_call(word, function.op, function.arguments);
-  if (word.text == "prev") return shift_call(word, Op::previous);
-  if (word.text == "delta") return shift_call(word, Op::delta);
-  if (word.text == "changed") return shift_call(word, Op::changed);
-  if (word.text == "recorded") return side_call(word, CommandSide::recorded);
-  if (word.text == "replayed") return side_call(word, CommandSide::replayed);
-  if (word.text == "contact") return contact_call(word);
-  if (word.text == "message") return message_call(word);
-  return fail(word.begin, fmt::format("there is no function '{}'", word.text), fmt::format("known: {}", functions));
-}
-
-ExpressionParser::Made ExpressionParser::arithmetic_call(const ExpressionToken& word, Op op, std::size_t arguments) {
-  std::array<std::size_t, 2> of{};
-  for (std::size_t i = 0; i < arguments; ++i) {
-    if (i > 0 && !expect(",", fmt::format("in {}: it takes two numbers", word.text))) return std::nullopt;
-    const Made argument = any_of();
-    if (!argument || !demand(*argument, Type::number, word.text)) return std::nullopt;
-    of[i] = *argument;
+ExpressionParser::Made ExpressionParser::derived_series(const ExpressionToken& word) {
+  const std::size_t slash = word.text.rfind('/');
+  if (slash == std::string::npos) return std::nullopt;
+  const std::string link = word.text.substr(0, slash), last = word.text.substr(slash + 1);
+  if (last == "x" || last == "y" || last == "z") {
+    const auto position = source_.find_series(link + "/position/" + last);
+    if (!position) return std::nullopt;
+    const std::size_t made = add(Op::series, Type::number, word.begin, word.end);
+    Node& node = expression_.nodes_[made];
+    node.series = *position;
+    node.unit = comparable_unit(source_.unit_of_series(*position));
+    node.varies = true;
+    return made;
   }
-  if (!expect(")", fmt::format("after the arguments of {}", word.text))) return std::nullopt;
-  return add(op, op == Op::is_nan ? Type::boolean : Type::number, word.begin, last_end_, of[0], of[1]);
-}
-
-ExpressionParser::Made ExpressionParser::shift_call(const ExpressionToken& word, Op op) {
-  const Deeper deeper(shifts_);
-  if (shifts_ > Expression::most_shifts)
-    return fail(word.begin,
-                fmt::format("prev, delta and changed can be at most {} in each other", Expression::most_shifts));
-  const Made of = any_of();
-  if (!of) return std::nullopt;
-  if (op == Op::delta && !demand(*of, Type::number, word.text)) return std::nullopt;
-  if (!expect(")", fmt::format("after the arguments of {}", word.text))) return std::nullopt;
-  const Type type = op == Op::changed ? Type::boolean : expression_.nodes_[*of].type;
-  return add(op, type, word.begin, last_end_, *of);
-}
-
-ExpressionParser::Made ExpressionParser::side_call(const ExpressionToken& word, CommandSide side) {
-  const ExpressionToken name = token_;
-  if (name.kind != ExpressionToken::Kind::name && name.kind != ExpressionToken::Kind::quoted)
-    return fail(name.begin, fmt::format("{} takes the name of a command", word.text));
-  if (!advance()) return std::nullopt;
-  const Made made = series(name);
-  if (!made) return std::nullopt;
-  Node& node = expression_.nodes_[*made];
-  if (!source_.is_replayed(node.series))
-    return fail(name.begin, "there is only one value of this: it is no command of a controller that was replayed",
-                "recorded and replayed are for series like SR1/SR1Minimum/output/KNEE/u");
-  node.side = side;
-  if (!expect(")", fmt::format("after the arguments of {}", word.text))) return std::nullopt;
-  expression_.nodes_[*made].begin = word.begin;
-  expression_.nodes_[*made].end = last_end_;
-  return made;
-}
-
-std::optional<std::vector<std::size_t>> ExpressionParser::links() {
-  const ExpressionToken name = token_;
-  if (name.kind != ExpressionToken::Kind::name && name.kind != ExpressionToken::Kind::quoted) {
-    fail(name.begin, "contact takes the names of one or two links");
-    return std::nullopt;
+  if (last != "roll" && last != "pitch" && last != "yaw") return std::nullopt;
+  std::vector<std::size_t> parts;
+  for (const char* part : {"x", "y", "z", "w"}) {
+    const auto found = source_.find_series(link + "/orientation/" + part);
+    if (!found) return std::nullopt;
+    parts.push_back(*found);
   }
-  auto found = source_.find_links(name.text);
-  if (!found) {
-    fail(name.begin, found.errors().front().message, found.errors().front().hint);
-    return std::nullopt;
-  }
-  if (!advance()) return std::nullopt;
-  return std::move(*found);
-}
-
-ExpressionParser::Made ExpressionParser::contact_call(const ExpressionToken& word) {
-  auto first = links();
-  if (!first) return std::nullopt;
-  std::vector<std::size_t> second;
-  if (is_symbol(",")) {
-    if (!advance()) return std::nullopt;
-    auto others = links();
-    if (!others) return std::nullopt;
-    second = std::move(*others);
-  }
-  if (!expect(")", "after the links of contact")) return std::nullopt;
-  const std::size_t made = add(Op::contact, Type::boolean, word.begin, last_end_);
-  expression_.nodes_[made].links = std::move(*first);
-  expression_.nodes_[made].others = std::move(second);
-  return made;
-}
-
-ExpressionParser::Made ExpressionParser::message_call(const ExpressionToken& word) {
-  const ExpressionToken pattern = token_;
-  if (pattern.kind != ExpressionToken::Kind::quoted)
-    return fail(pattern.begin, "message takes a text in quotes", "message(\"*slip*\")");
-  if (!advance() || !expect(")", "after the text of message")) return std::nullopt;
-  const std::size_t made = add(Op::message, Type::boolean, word.begin, last_end_);
-  expression_.nodes_[made].pattern = pattern.text;
+  const Op op = last == "roll" ? Op::roll : last == "pitch" ? Op::pitch : Op::yaw;
+  const std::size_t made = add(op, Type::number, word.begin, word.end);
+  Node& node = expression_.nodes_[made];
+  node.links = std::move(parts);
+  node.unit = "rad";
+  node.varies = true;
   return made;
 }
 

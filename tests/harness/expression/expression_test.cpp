@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/expression/expression.h"
 #include "made_up_source.h"
-#include "viewing/stepping/expression.h"
 
 namespace rehearse {
 namespace {
@@ -112,6 +112,60 @@ TEST_F(ExpressionOf, NothingIsBeforeTheFirstTick) {
   EXPECT_FALSE(holds("prev(true)", 0));
 }
 
+TEST_F(ExpressionOf, NumbersHaveUnits) {
+  EXPECT_TRUE(holds("force == 0.65 kN"));
+  EXPECT_TRUE(holds("force == 650 N && force < 651"));
+  EXPECT_TRUE(holds("time == 7 ms && time < 1 s"));
+  EXPECT_DOUBLE_EQ(number("90 deg/s"), std::numbers::pi / 2);
+  EXPECT_DOUBLE_EQ(number("90 deg/2"), std::numbers::pi / 4) << "a division";
+  EXPECT_EQ(number("3 m + 5 mm"), 3.005);
+  EXPECT_TRUE(holds("force / force < 2 && 2 * force < 1.5 kN && sqrt(force) < 26"));
+  EXPECT_TRUE(holds("force < 0.7 * limit(KNEE, effort)"));
+  EXPECT_FALSE(Expression::parse("force < 2 N·m", source));
+}
+
+TEST_F(ExpressionOf, JointsHaveSeriesAndLimits) {
+  EXPECT_EQ(number("q(KNEE)"), 7.0);
+  EXPECT_EQ(number("u(Robot/KNEE)"), 70.0);
+  EXPECT_EQ(number("u_target(KNEE)"), 5.0);
+  EXPECT_EQ(number("limit(KNEE, effort)"), 1000.0);
+}
+
+TEST_F(ExpressionOf, LinksHavePositionsAndAngles) {
+  EXPECT_EQ(number("HEAD/z"), 1.5);
+  EXPECT_NEAR(number("HEAD/roll"), 0.0, 1e-12);
+  EXPECT_NEAR(number("Robot/HEAD/pitch"), 0.5, 1e-12);
+  EXPECT_NEAR(number("HEAD/yaw"), 0.0, 1e-12);
+  EXPECT_TRUE(holds("HEAD/pitch < 29 deg && HEAD/pitch > 28 deg"));
+}
+
+TEST_F(ExpressionOf, AStepIsAJump) {
+  EXPECT_TRUE(holds("step(replayed(output/KNEE/u))", 3));
+  EXPECT_FALSE(holds("step(replayed(output/KNEE/u))", 4));
+  EXPECT_FALSE(holds("step(q)", 7)) << "it grows evenly";
+  EXPECT_TRUE(holds("step(Robot/KNEE/u, 9)", 7));
+  EXPECT_FALSE(holds("step(Robot/KNEE/u, 11)", 7));
+  EXPECT_FALSE(holds("step(q)", 0)) << "nothing is before it";
+}
+
+TEST_F(ExpressionOf, ASeriesIsTakenAtATime) {
+  EXPECT_EQ(number("q - at(q, 5 ms)"), 2.0);
+  EXPECT_TRUE(std::isnan(number("at(q, 9 ms)", 7))) << "that is later";
+}
+
+TEST_F(ExpressionOf, AConditionLastsForATime) {
+  EXPECT_TRUE(holds("q < 10 for 2 ms", 7));
+  EXPECT_FALSE(holds("q < 10 for 3 ms", 7));
+  EXPECT_TRUE(holds("!(q < 10 for 3 ms) && q < 8", 7));
+  EXPECT_TRUE(holds("(q > 1 && q < 10) for 1 ms for 1 ms", 7));
+  EXPECT_FALSE(holds("q > 1 for 2 ms", MadeUpSource::last)) << "the end is not after it";
+}
+
+TEST_F(ExpressionOf, AQuoteInAnotherIsDoubled) {
+  EXPECT_FALSE(holds("message('it''s')", 20));
+  EXPECT_TRUE(holds("event(\"note Robot: st*\")", 20));
+}
+
 TEST_F(ExpressionOf, CommandsAsRecordedAndAsReplayed) {
   EXPECT_EQ(number("recorded(output/KNEE/u)"), 5.0);
   EXPECT_EQ(number("replayed(output/KNEE/u)"), 6.0);
@@ -176,12 +230,27 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"abs(1, 2)", 6, "expected ')' after the arguments of abs"},
         Mistake{"median(1)", 1, "there is no function 'median'"}, Mistake{"delta(true)", 7, "delta takes a number"},
         Mistake{"prev(prev(prev(prev(prev(q)))))", 21, "at most 4 in each other"},
+        Mistake{"step(prev(step(prev(q))))", 11, "at most 4 ticks back"},
+        Mistake{"q(KNEEE) > 1", 3, "there is no joint 'KNEEE' with q (known joints: Robot/KNEE)"},
+        Mistake{"q(1) > 1", 3, "q takes the name of a joint"},
+        Mistake{"limit(KNEE, effortt)", 13, "there is no limit 'effortt' (expected effort, velocity"},
+        Mistake{"limit(NECK, effort)", 7, "there is no joint 'NECK' with a limit"},
+        Mistake{"limit(KNEE)", 11, "expected ',' in limit"},
+        Mistake{"force > 1 m", 9, "> takes numbers of one unit, and these are in N and m"},
+        Mistake{"force + time", 9, "+ takes numbers of one unit, and these are in N and s"},
+        Mistake{"max(force, 2 deg)", 12, "max takes numbers of one unit, and these are in N and rad"},
+        Mistake{"q > 1 for 2 m", 11, "expected a time after 'for'"},
+        Mistake{"q > 1 for", 10, "expected a time after 'for'"}, Mistake{"q for 1 s", 1, "for takes true or false"},
+        Mistake{"prev(q > 1 for 1 s)", 6, "prev takes a value of one tick"},
+        Mistake{"(q > 1 for 1 s) == true", 2, "== takes a value of one tick"},
+        Mistake{"at(q)", 5, "expected ',' in at"}, Mistake{"at(1, 1 s)", 4, "at takes the name of a series"},
+        Mistake{"event(step)", 7, "event takes a text in quotes"},
         Mistake{"replayed(q)", 10, "there is only one value of this"},
         Mistake{"recorded(1)", 10, "takes the name of a command"},
         Mistake{"contact(FOOOT)", 9, "there is no link 'FOOOT' (did you mean 'FOOT'?)"},
         Mistake{"contact()", 9, "contact takes the names of one or two links"},
         Mistake{"message(step)", 9, "message takes a text in quotes"},
-        Mistake{"'KNEE/q > 1", 1, "this quote isn't closed"}, Mistake{"3 + 5m", 6, "'m' is no unit"},
+        Mistake{"'KNEE/q > 1", 1, "this quote isn't closed"}, Mistake{"3 + 5mx", 6, "'mx' is no unit"},
         Mistake{"1e999", 1, "beyond the range of a double"}, Mistake{"'ö' + q", 1, "there is no series"},
         Mistake{"1 + \x01", 5, "the byte 0x01 has no meaning here"}));
 

@@ -12,8 +12,10 @@ namespace rehearse {
 struct ExpressionToken {
   enum class Kind { end, number, name, quoted, symbol };
   Kind kind = Kind::end;
-  std::string text;                // a name without its quotes; a symbol: "&&"
-  double number = 0.0;             // angles in degrees are converted to radians
+  std::string text = {};           // a name without its quotes; a symbol: "&&"
+  double number = 0.0;             // in `unit`
+  std::string unit = {};           // of a number, as recordings have it: "rad"; empty: none was written
+  bool degrees = false;            // of a number: it was written in degrees
   std::size_t begin = 0, end = 0;  // in the expression [bytes]
 };
 

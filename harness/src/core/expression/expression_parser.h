@@ -1,7 +1,9 @@
-// Parses tokens into an Expression, by recursive descent; it also checks types. Internal.
+// Parses tokens into an Expression, by recursive descent; it also checks types and units. Internal. Calls of functions
+// are parsed in expression_calls.cpp.
 #pragma once
 
 #include <initializer_list>
+#include <optional>
 #include <span>
 
 #include "expression.h"
@@ -17,6 +19,7 @@ enum class Expression::Op : std::uint8_t {
   series,
   contact,
   message,
+  event,
   negate,
   logical_not,
   add,
@@ -41,6 +44,25 @@ enum class Expression::Op : std::uint8_t {
   previous,
   delta,
   changed,
+  step,
+  value_at,
+  roll,
+  pitch,
+  yaw,
+  lasting,
+};
+
+/// Counts the nesting depth of parts during its lifetime.
+class Deeper {
+ public:
+  explicit Deeper(int& depth, int by = 1) : depth_(depth), by_(by) { depth_ += by_; }
+  ~Deeper() { depth_ -= by_; }
+  Deeper(const Deeper&) = delete;
+  Deeper& operator=(const Deeper&) = delete;
+
+ private:
+  int& depth_;
+  const int by_;
 };
 
 class ExpressionParser {
@@ -68,6 +90,13 @@ class ExpressionParser {
   bool is_symbol(std::string_view symbol) const;
   bool expect(std::string_view symbol, std::string_view where);
   bool demand(std::size_t node, Type type, std::string_view who);
+  /// False if the numbers have different units.
+  bool have_common_unit(std::size_t left, std::size_t right, std::string_view who);
+  /// Reports a `for` in an operand.
+  bool demand_instant(std::size_t node, std::string_view who);
+  std::optional<double> duration(std::string_view where);
+  /// Sets unit and variation of an operation from those of its operands.
+  Made finished(std::size_t node);
   std::size_t add(Op op, Type type, std::size_t begin, std::size_t end, std::size_t left = 0, std::size_t right = 0);
 
   /// The operator at the current token; null: none of these is there.
@@ -76,7 +105,9 @@ class ExpressionParser {
   Made chain(Rule operand, std::initializer_list<Operator> operators, Type type);
   Made any_of() { return chain(&ExpressionParser::all_of, {{"||", Op::logical_or}}, Type::boolean); }
   Made all_of() { return chain(&ExpressionParser::comparison, {{"&&", Op::logical_and}}, Type::boolean); }
+  /// A comparison, or a condition, and how long it must last.
   Made comparison();
+  Made single_comparison();
   Made sum() { return chain(&ExpressionParser::product, {{"+", Op::add}, {"-", Op::subtract}}, Type::number); }
   Made product() { return chain(&ExpressionParser::unary, {{"*", Op::multiply}, {"/", Op::divide}}, Type::number); }
   Made unary();
@@ -87,7 +118,16 @@ class ExpressionParser {
   Made shift_call(const ExpressionToken& word, Op op);
   Made side_call(const ExpressionToken& word, CommandSide side);
   Made contact_call(const ExpressionToken& word);
-  Made message_call(const ExpressionToken& word);
+  Made message_call(const ExpressionToken& word, Op op);
+  Made joint_call(const ExpressionToken& word);
+  Made limit_call(const ExpressionToken& word);
+  Made step_call(const ExpressionToken& word);
+  Made value_at_call(const ExpressionToken& word);
+  /// The name as a token, which is passed; null: `says` was reported.
+  std::optional<ExpressionToken> name_argument(std::string says);
+  /// X of LINK/x for LINK/position/x, and an angle of LINK/roll, pitch or yaw; null: the name isn't of such a form, or
+  /// there is no such link.
+  Made derived_series(const ExpressionToken& word);
   Made series(const ExpressionToken& word);
   std::optional<std::vector<std::size_t>> links();
 

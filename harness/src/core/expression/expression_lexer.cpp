@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
-#include <numbers>
+#include <utility>
 
 #include "expression.h"
+#include "unit.h"
 
 namespace rehearse {
 namespace {
@@ -39,7 +39,12 @@ Diagnostic expression_error(std::string_view text, std::size_t at, std::string m
 }
 
 ExpressionToken ExpressionLexer::token(ExpressionToken::Kind kind, std::size_t begin) const {
-  return {kind, std::string(text_.substr(begin, at_ - begin)), 0.0, begin, at_};
+  ExpressionToken made;
+  made.kind = kind;
+  made.text = text_.substr(begin, at_ - begin);
+  made.begin = begin;
+  made.end = at_;
+  return made;
 }
 
 Result<ExpressionToken> ExpressionLexer::next() {
@@ -59,32 +64,41 @@ Result<ExpressionToken> ExpressionLexer::number() {
   const auto read = std::from_chars(text_.data() + at_, text_.data() + text_.size(), value);
   at_ = static_cast<std::size_t>(read.ptr - text_.data());
   if (read.ec != std::errc()) return expression_error(text_, begin, "this number is beyond the range of a double");
-  std::size_t unit = at_;
-  while (unit < text_.size() && is_blank(text_[unit])) ++unit;
-  std::size_t end = unit;
-  while (end < text_.size() && (begins_name(text_[end]) || is_digit(text_[end]))) ++end;
-  const std::string_view word = text_.substr(unit, end - unit);
-  if (word == "deg") {
-    value *= std::numbers::pi / 180.0;
-    at_ = end;
-  } else if (word == "rad") {
-    at_ = end;
-  } else if (!word.empty() && unit == at_) {
-    return expression_error(text_, unit, fmt::format("'{}' is no unit", word),
-                            "deg and rad may follow a number; a name that begins with a digit is written in quotes");
+  std::size_t after = at_;
+  while (after < text_.size() && is_blank(text_[after])) ++after;
+  const WrittenUnit* unit = leading_unit(text_.substr(after));
+  if (unit) {
+    at_ = after + unit->text.size();
+  } else if (after == at_ && after < text_.size() && begins_name(text_[after])) {
+    std::size_t end = after;
+    while (end < text_.size() && (begins_name(text_[end]) || is_digit(text_[end]))) ++end;
+    return expression_error(text_, after, fmt::format("'{}' is no unit", text_.substr(after, end - after)),
+                            fmt::format("a number may have one of {}; a name that begins with a digit is written in "
+                                        "quotes",
+                                        known_units()));
   }
   ExpressionToken made = token(ExpressionToken::Kind::number, begin);
-  made.number = value;
+  made.number = unit ? value * unit->scale : value;
+  made.unit = unit ? unit->unit : "";
+  made.degrees = unit && unit->text.starts_with("deg");
   return made;
 }
 
+/// A quote within is doubled.
 Result<ExpressionToken> ExpressionLexer::quoted(char quote) {
   const std::size_t begin = at_;
-  const std::size_t end = text_.find(quote, begin + 1);
-  if (end == std::string_view::npos) return expression_error(text_, begin, "this quote isn't closed");
-  at_ = end + 1;
+  std::string text;
+  for (std::size_t from = begin + 1;;) {
+    const std::size_t end = text_.find(quote, from);
+    if (end == std::string_view::npos) return expression_error(text_, begin, "this quote isn't closed");
+    text += text_.substr(from, end - from);
+    at_ = end + 1;
+    if (at_ == text_.size() || text_[at_] != quote) break;
+    text += quote;
+    from = at_ + 1;
+  }
   ExpressionToken made = token(ExpressionToken::Kind::quoted, begin);
-  made.text = text_.substr(begin + 1, end - begin - 1);
+  made.text = std::move(text);
   return made;
 }
 
@@ -114,13 +128,17 @@ Result<ExpressionToken> ExpressionLexer::symbol() {
                           hint);
 }
 
-std::string with_caret(const Diagnostic& diagnostic, std::string_view text) {
+std::string caret_lines(std::string_view text, int column) {
   std::string shown;
   for (const char c : text) shown += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? ' ' : c;
+  const std::size_t before = column > 0 ? static_cast<std::size_t>(column) - 1 : 0;
+  return fmt::format("  {}\n  {}^", shown, std::string(before, ' '));
+}
+
+std::string with_caret(const Diagnostic& diagnostic, std::string_view text) {
   Diagnostic without_place = diagnostic;
   without_place.line = without_place.column = 0;
-  const std::size_t before = diagnostic.column > 0 ? static_cast<std::size_t>(diagnostic.column) - 1 : 0;
-  return fmt::format("{}\n  {}\n  {}^\n", to_string(without_place), shown, std::string(before, ' '));
+  return fmt::format("{}\n{}\n", to_string(without_place), caret_lines(text, diagnostic.column));
 }
 
 }  // namespace rehearse
