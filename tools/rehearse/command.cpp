@@ -37,13 +37,12 @@ constexpr VerbSummary verbs[] = {
     {"golden", every_day, "list the goldens; review, accept or reject the runs that wait to be one; measure noise",
      Program::simulate},
     {"record", every_day, "run a scenario in closed loop and record the whole run", Program::simulate},
-    {"replay", every_day, "feed a recording's inputs to its controllers, without physics, and compare their commands",
+    {"replay", every_day, "feed a recording's inputs to its controllers, without physics, and compare commands",
      Program::rehearse},
     {"step", every_day, "go through a recording tick by tick, backwards as well, and look at all of it",
      Program::rehearse, Rounding::matters, has_viewing, "viewing"},
-    {"report", every_day,
-     "one HTML file to look at a run in a browser: robot, plots, pictures, and its golden beside it", Program::rehearse,
-     Rounding::is_none, has_viewing, "viewing"},
+    {"report", every_day, "one HTML file of a run for a browser: robot, plots, pictures, and its golden beside it",
+     Program::rehearse, Rounding::is_none, has_viewing, "viewing"},
     {"doc", every_day, "show a page of the manual", Program::rehearse, Rounding::is_none},
     {"sweep", campaigns_and_audits,
      "run many variations of a scenario, report which fail and why, and shrink a failing one", Program::simulate,
@@ -166,7 +165,7 @@ std::string overview() {
   for (const VerbSummary& verb : verbs) {
     if (!verb.is_built) continue;
     if (verb.group != group) text += fmt::format("\n{}:\n", group = verb.group);
-    text += fmt::format("  {:<8} {}\n", verb.name, verb.summary);
+    text += fmt::format("  {:<11}{}\n", verb.name, verb.summary);
   }
   const auto paragraph = [&](std::string_view sentences) { text += "\n" + wrapped(sentences, 100, 0) + "\n"; };
   paragraph(
