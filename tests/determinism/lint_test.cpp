@@ -77,6 +77,8 @@ const Exception allowed[] = {
      "other addresses, on purpose, from the number of the replay"},
     {"harness/src/audit/audit/experiments.cpp", "environment", "which locale is another one"},
     {"harness/src/core/host/interposer.cpp", "environment", "what is loaded into an audited process"},
+    {"harness/src/gtest/testing/realtime_assertions.cpp", "environment",
+     "whether a test program's runs must be real-time safe; no run depends on it"},
     {"harness/src/audit/audit/judgement.cpp", "unstable sort", "factors, of which there is one each"},
     {"harness/src/audit/audit/replay_process.cpp", "clock", "when an audited process counts as hung"},
     {"harness/src/core/host/virtualised.cpp", "environment",

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <string_view>
 
 namespace rehearse::test {
 namespace {
@@ -55,12 +56,14 @@ struct Deed {
 };
 class Guests : public Command, public ::testing::WithParamInterface<Deed> {
  protected:
+  /// Some machines give a process no more than 250 MB a second.
+  static double limit() { return std::string_view(GetParam().name) == "all_memory" ? 10.0 : call_limit; }
   Outcome record() {
     const auto begin = std::chrono::steady_clock::now();
     const fs::path scenario = pendulum(GUEST, std::string(GetParam().name) + " " + (folder() / "t.mcap").string());
-    Outcome outcome = rehearse({"record", scenario.string(), "-o", "t.mcap", "--call-limit", std::to_string(call_limit),
-                                "--memory-limit", "500"},
-                               "ASAN_OPTIONS=detect_leaks=0");
+    Outcome outcome = rehearse(
+        {"record", scenario.string(), "-o", "t.mcap", "--call-limit", std::to_string(limit()), "--memory-limit", "500"},
+        "ASAN_OPTIONS=detect_leaks=0");
     seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return outcome;
   }
@@ -136,7 +139,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_P(Guests, EndTheRunSoonWithItsRecordingWhole) {
   const Outcome outcome = record();
-  EXPECT_LT(seconds_, call_limit + 1.0 + 2.0) << "two seconds are for a busy machine";
+  EXPECT_LT(seconds_, limit() + 1.0 + 2.0) << "two seconds are for a busy machine";
   switch (GetParam().end) {
     case End::harmless: return expect_harmless(outcome);
     case End::either:

@@ -183,12 +183,14 @@ Exit exit_of(const CheckReport& report) {
 
 void tell_verdict(const Checked& checked, bool verbose) {
   const CheckReport& report = checked.report;
-  const std::string sentence = fmt::format("{}: {}", checked.scenario, report.verdict);
+  const std::string closest = report.within() ? closest_of(report.expectations) : "";
+  const std::string sentence =
+      fmt::format("{}: {}{}{}", checked.scenario, report.verdict, closest.empty() ? "" : "; ", closest);
   const std::string shown = terminal_width() > 0 ? wrapped(sentence, terminal_width(), 0) : sentence;
   fmt::print("{}\n", colored(shown, report.within() ? TextColor::green : TextColor::red));
   if (const std::string bits = bits_sentence(report); !bits.empty()) fmt::print("  {}\n", bits);
   fmt::print("  {}; {:.1f} s\n", levels_text(report), checked.seconds);
-  if (verbose) fmt::print("{}", figures_of(report));
+  if (verbose) fmt::print("{}{}", closest_lines(report.expectations), figures_of(report));
   // beside a difference, only a change may explain it
   if (!report.not_proved.empty() &&
       (report.within() || report.not_proved.ends_with(" changed since its golden was simulated")))
@@ -204,7 +206,6 @@ void tell_verdict(const Checked& checked, bool verbose) {
 
 void tell_files(const Checked& checked) {
   const CheckReport& report = checked.report;
-  fmt::print("{}", closest_lines(report.expectations));
   for (const std::string& remark : report.remarks) fmt::print("  note: {}\n", remark);
   if (!report.message.empty()) fmt::print("{}\n", report.message);
   if (checked.page && is_ci()) fmt::print("report: {}\n", checked.page->file.string());

@@ -284,8 +284,9 @@ Exit record_scenario(RecordSettings& settings, const Scenario& scenario, const s
   if (!judged) return refuse(judged.errors());
   if (!settings.json) {
     tell_recording(scenario, trace, *summary, seconds);
-    if (!judged->empty() && !first_violation(*judged)) fmt::print("{}\n", verdict(*judged));
-    fmt::print("{}", closest_lines(*judged));
+    const std::string closest = closest_of(*judged);
+    if (!judged->empty() && !first_violation(*judged))
+      fmt::print("{}{}{}\n", verdict(*judged), closest.empty() ? "" : "; ", closest);
   }
   Exit exit = failed ? Exit::controller_failed : Exit::done;
   std::optional<Reproduction> verified;

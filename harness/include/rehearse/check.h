@@ -79,6 +79,9 @@ struct ExpectationResult {
 
 /// "closest: 6.8 of 8 deg at tick 1607 (3.214 s), 15 % of the bound left"; empty without a margin.
 std::string closest_text(const ExpectationResult& result);
+/// The same of the expectation with the smallest share of its bound left, with its text if there are others: "closest:
+/// 6.8 of 8 deg ...: always abs(SR1/WAIST/pitch) < 8 deg". Empty if one is violated, or none has a margin.
+std::string closest_of(const std::vector<ExpectationResult>& results);
 /// A line for each expectation that has a margin: the line above and its text, indented by two blanks.
 std::string closest_lines(const std::vector<ExpectationResult>& results);
 

@@ -14,8 +14,6 @@
 #pragma once
 
 #include <rehearse/io.h>
-#include <rehearse/messages.h>
-#include <rehearse/run_options.h>
 
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -122,10 +120,13 @@ class ControllerBench {
   /// The last value that the controller set for a variable (rehearse_variable.h). std::out_of_range if it never set it.
   double variable(std::string_view name) const;
 
-  /// The costs of the last tick's control(); all 0 if they can't be counted here (control().costs is none).
-  const msg::ControlCost& cost() const;
-  /// The times and costs of all calls of control(). Its EXPECT_REALTIME is in gtest.h.
-  ControlTimes control() const;
+  /// What the last tick's control() cost: "allocations", "allocated_bytes", "releases", "locks", "system_calls",
+  /// "exceptions" or "message_bytes". Throws std::out_of_range for another name, std::runtime_error if costs can't be
+  /// counted here.
+  std::uint64_t cost(std::string_view name) const;
+  /// Why control() isn't real-time safe after the first tick, with the counts; empty: it is. EXPECT_REALTIME (gtest.h)
+  /// tests it.
+  std::string realtime_problem() const;
 
   /// Lines that the controller wrote to its stream, and remarks about it, since the beginning.
   const std::vector<std::string>& messages() const;

@@ -25,13 +25,13 @@ nlohmann::ordered_json json_of(const ClosestPlace& closest) {
 
 nlohmann::ordered_json json_of(const ExpectationResult& result) {
   nlohmann::ordered_json object{{"text", result.text},
-                                {"formula", result.formula},
                                 {"line", result.expectation.place.line},
                                 {"holds", result.holds},
+                                {"first", nullptr},
                                 {"undecided", result.undecided},
+                                {"formula", result.formula},
                                 {"margin", result.margin ? number_json(*result.margin) : nlohmann::ordered_json()},
-                                {"closest", nullptr},
-                                {"first", nullptr}};
+                                {"closest", nullptr}};
   if (result.closest) object["closest"] = json_of(*result.closest);
   if (result.first)
     object["first"] = {{"series", result.series},

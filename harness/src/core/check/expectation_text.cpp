@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <limits>
 #include <numbers>
 
 namespace rehearse {
@@ -113,6 +115,16 @@ std::string closest_text(const ExpectationResult& result) {
   std::string text = fmt::format("closest: {} at tick {} ({})", closest.text, closest.tick, time_text(closest.time));
   if (closest.share) text += fmt::format(", margin {:.3g} %", *closest.share * 100.0);
   return text;
+}
+
+std::string closest_of(const std::vector<ExpectationResult>& results) {
+  const auto left = [](const ExpectationResult& result) {
+    const double none = std::numeric_limits<double>::infinity();
+    return result.closest ? result.closest->share.value_or(none) : none;
+  };
+  const auto closest = std::ranges::min_element(results, {}, left);
+  if (first_violation(results) || closest == results.end() || !closest->closest) return {};
+  return results.size() == 1 ? closest_text(*closest) : fmt::format("{}: {}", closest_text(*closest), closest->text);
 }
 
 std::string closest_lines(const std::vector<ExpectationResult>& results) {

@@ -79,7 +79,7 @@ void set_closest(const Judgement& judgement, const std::string& unit, bool degre
   closest.unit = unit;
   closest.text = quantities_text(judgement.value, judgement.bound, unit, degrees);
   closest.tick = clock.tick_at(judgement.time);
-  closest.time = seconds_of(static_cast<std::int64_t>(judgement.time));
+  closest.time = static_cast<double>(judgement.time) / 1e9;
   if (judgement.bound != 0.0) closest.share = judgement.margin / std::abs(judgement.bound);
 }
 

@@ -9,7 +9,9 @@ namespace rehearse {
 /// In a program that loads the C library before this one, no function comes next: the C library's own is used.
 void* next_function(const char* name) {
   if (void* next = dlsym(RTLD_NEXT, name)) return next;
-  static void* const c_library = dlopen(LIBC_SO, RTLD_LAZY | RTLD_NOLOAD);
+  // dlopen() by its name would be this library's replacement, whose next function isn't known yet.
+  static const auto open = reinterpret_cast<decltype(&dlopen)>(dlsym(RTLD_DEFAULT, "dlopen"));
+  static void* const c_library = open(LIBC_SO, RTLD_LAZY | RTLD_NOLOAD);
   return dlsym(c_library ? c_library : RTLD_DEFAULT, name);
 }
 

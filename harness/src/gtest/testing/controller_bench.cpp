@@ -11,6 +11,7 @@
 
 #include "core/guard/cost_counter.h"
 #include "core/host/controller_host.h"
+#include "core/kinds/cost_fields.h"
 #include "core/run/hosted_commands.h"
 #include "core/run/run.h"
 #include "model/clock.h"
@@ -74,14 +75,6 @@ ControllerBench::ControllerBench(const std::string& library, const std::string& 
 ControllerBench::~ControllerBench() = default;
 double ControllerBench::time() const { return time_of(ticks(), impl_->scenario.time_step); }
 std::int64_t ControllerBench::ticks() const { return impl_->run->tick(); }
-const msg::ControlCost& ControllerBench::cost() const { return impl_->host->controllers()[0].tick.cost; }
-
-ControlTimes ControllerBench::control() const {
-  std::vector<ControlTimes> times = impl_->host->control_times();
-  return times.empty() ? ControlTimes{impl_->host->controllers()[0].label, impl_->scenario.time_step}
-                       : std::move(times[0]);
-}
-
 const std::vector<std::string>& ControllerBench::messages() const { return impl_->messages; }
 
 void ControllerBench::Impl::set_up(const std::string& library, const std::string& model_file,
@@ -289,6 +282,21 @@ void ControllerBench::update_links() {
     bench.links[i].position = poses[i].translation();
     bench.links[i].rotation = Eigen::Quaterniond(poses[i].linear()).normalized();
   }
+}
+
+std::uint64_t ControllerBench::cost(std::string_view name) const {
+  if (!impl_->host->counts_costs()) throw std::runtime_error("the costs of control() can't be counted here");
+  std::vector<std::string_view> names;
+  for (const CostField& field : cost_fields) {
+    if (field.name == name) return impl_->host->controllers()[0].tick.cost.*field.count;
+    names.push_back(field.name);
+  }
+  unknown("tick", "cost", name, names);
+}
+
+std::string ControllerBench::realtime_problem() const {
+  const auto verdict = internal::judge_realtime(impl_->host->control_times());
+  return verdict.passed ? std::string() : verdict.message;
 }
 
 }  // namespace rehearse

@@ -194,7 +194,7 @@ TestVerdict judge(const Trace& trace, const std::string& test, const MatchOption
   compared.tolerances = scenario->tolerances;
   compared.horizon = scenario->horizon;
   const auto expectations = judge_expectations(scenario->expectations, trace);
-  fmt::print("{}", closest_lines(expectations));
+  if (const std::string closest = closest_of(expectations); !closest.empty()) fmt::print("{}\n", closest);
   SettleOptions settling;
   settling.compare.until = scenario->horizon;
   settling.exact = options.exact && options.near.empty();
@@ -252,7 +252,7 @@ TestVerdict hold_expectations(const Trace& trace, const std::string& test) {
   const auto results = judge_expectations(scenario->expectations, trace);
   const std::string violations = violation_lines(results);
   const std::string closest = closest_lines(results);
-  fmt::print("{}", closest);
+  if (const std::string one = closest_of(results); !one.empty()) fmt::print("{}\n", one);
   TestVerdict verdict{violations.empty(), violations.empty() ? "" : violations.substr(1) + "\n" + closest};
   ComparedTest compared;
   compared.scenario = scenario_file_of(trace);

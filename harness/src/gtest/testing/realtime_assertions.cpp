@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 #include <string_view>
+#include <utility>
 
 #include "core/kinds/channel_name.h"
 #include "core/kinds/cost_fields.h"
@@ -65,6 +66,9 @@ TestVerdict judge_realtime(const Trace& trace) {
   return verdict;
 }
 
-TestVerdict judge_realtime(const ControllerBench& bench) { return judge_realtime(std::vector{bench.control()}); }
+TestVerdict judge_realtime(const ControllerBench& bench) {
+  std::string problem = bench.realtime_problem();
+  return {problem.empty(), std::move(problem)};
+}
 
 }  // namespace rehearse::internal
