@@ -1,6 +1,6 @@
 """Runs on, within one call of a controller, to the lines that change one of its commands."""
 
-from typing import Any, Dict, List, NamedTuple
+from typing import Any, Dict, List, NamedTuple, Optional
 
 import gdb
 
@@ -19,6 +19,37 @@ class _Write(gdb.Breakpoint):
     def stop(self) -> bool:
         self.last = stack.frames(has_written=True)
         return self.stops
+
+
+class _Trial(gdb.Breakpoint):
+    """A watchpoint that stores that it was met."""
+
+    def __init__(self) -> None:
+        super().__init__("*(long*)&rehearse_watch_trial", gdb.BP_WATCHPOINT, gdb.WP_WRITE, internal=True)
+        self.silent = True
+        self.met = False
+
+    def stop(self) -> bool:
+        self.met = True
+        return False
+
+
+_reported: Optional[bool] = None
+
+
+def _are_reported() -> bool:
+    """False on a virtual machine that accepts watchpoints of the processor and never reports them."""
+    global _reported
+    if _reported is not None:
+        return _reported
+    trial = _Trial()
+    try:
+        gdb.execute("call (void)rehearse_try_watch()", to_string=True)
+    except gdb.error:
+        trial.met = True  # a version of Rehearse without the function: nothing is known
+    _reported = trial.met
+    trial.delete()
+    return _reported
 
 
 class _Run(NamedTuple):
@@ -44,6 +75,7 @@ def _run_on(now: place.Place, element: str, stops: bool) -> _Run:
 
 def to_next(now: place.Place, element: str) -> None:
     """Stops behind the instruction that changes the command next, or at the end of the call."""
+    reported = _are_reported()
     try:
         run = _run_on(now, element, stops=True)
     except gdb.error as problem:
@@ -52,7 +84,10 @@ def to_next(now: place.Place, element: str) -> None:
         gdb.write("{} is written in {function}, {file}:{line}\n".format(element, **run.frames[0]))
         gdb.execute("frame")
     elif run.returned:
-        gdb.write(f"{element} doesn't change in the rest of this call\n")
+        if reported:
+            gdb.write(f"{element} doesn't change in the rest of this call\n")
+        else:
+            gdb.write(f"unknown whether {element} changes in the rest of this call: this machine reports no watchpoints\n")
 
 
 def last(now: place.Place, element: str) -> List[Dict[str, Any]]:

@@ -37,6 +37,10 @@ extern rehearse::DebugPlace rehearse_now;
 extern volatile long rehearse_stop_run;
 extern volatile long rehearse_stop_tick;
 
+/// Changes rehearse_watch_trial, by which a debugger finds out whether the machine's watchpoints work.
+void rehearse_try_watch();
+extern volatile long rehearse_watch_trial;
+
 /// Does nothing: a place for breakpoints.
 void rehearse_at_tick(long tick, const char* controller, cnoid::SimpleController* object);
 
