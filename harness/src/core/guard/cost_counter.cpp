@@ -6,8 +6,6 @@
 #include <dlfcn.h>
 #include <stdlib.h>
 
-#include <array>
-
 #include "counted_function.h"
 #include "next_functions.h"
 
@@ -37,8 +35,9 @@ namespace {
 
 CostObserver observer = nullptr;
 
-/// The registers of the first arguments, as the replacement stored them.
-using Arguments = std::array<std::uint64_t, 3>;
+/// The registers of the first arguments, as the replacement stored them. No std::array: its functions may be those of a
+/// file that is compiled with AddressSanitizer.
+using Arguments = std::uint64_t[3];
 
 void add(const CountedFunction& function, const Arguments& arguments, msg::ControlCost& costs) {
   const auto allocate = [&](std::uint64_t bytes) {
