@@ -63,11 +63,22 @@ run(${prefix}/bin/rehearse record ${project}/scenarios/swing.yaml -o ${project}/
 run(${prefix}/bin/rehearse replay ${project}/swing.mcap
     --controller Swing=${project}/build/lib/rehearse/controllers/Swing.so)
 
-run(${prefix}/bin/rehearse new ${new_project})
-run(${CMAKE_COMMAND} -S ${new_project} -B ${new_project}/build -G ${GENERATOR}
-    -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_BUILD_TYPE=${CONFIG})
-run(${CMAKE_COMMAND} --build ${new_project}/build)
-run(${CMAKE_COMMAND} -E env --unset=CI REHEARSE_GOLDEN=new ${CMAKE_CTEST_COMMAND} --test-dir ${new_project}/build
-    --output-on-failure)
-run(${CMAKE_COMMAND} -E env CI=true --unset=REHEARSE_GOLDEN ${CMAKE_CTEST_COMMAND} --test-dir ${new_project}/build
-    --output-on-failure)
+# A new project goes from its golden to a passing test in each language.
+set(languages c++ c)
+find_program(cargo cargo)
+if(cargo)
+  list(APPEND languages rust)
+else()
+  message(STATUS "skipped: a new project in Rust; cargo isn't installed")
+endif()
+foreach(language ${languages})
+  file(REMOVE_RECURSE ${new_project})
+  run(${prefix}/bin/rehearse new --language ${language} ${new_project})
+  run(${CMAKE_COMMAND} -S ${new_project} -B ${new_project}/build -G ${GENERATOR}
+      -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_BUILD_TYPE=${CONFIG})
+  run(${CMAKE_COMMAND} --build ${new_project}/build)
+  run(${CMAKE_COMMAND} -E env --unset=CI REHEARSE_GOLDEN=new ${CMAKE_CTEST_COMMAND} --test-dir ${new_project}/build
+      --output-on-failure)
+  run(${CMAKE_COMMAND} -E env CI=true --unset=REHEARSE_GOLDEN ${CMAKE_CTEST_COMMAND} --test-dir ${new_project}/build
+      --output-on-failure)
+endforeach()

@@ -35,7 +35,8 @@ TEST_F(Library, ThatIsNoLibraryIsRefused) {
 
 TEST_F(Library, ThatIsNoControllerIsRefused) {
   EXPECT_THAT(refusal(NOT_A_CONTROLLER),
-              HasSubstr("is not a controller: it defines no createSimpleController (end its source with "));
+              HasSubstr("is not a controller: it defines neither createSimpleController nor "
+                        "rehearse_controller (end its source with "));
 }
 
 TEST_F(Library, OfAnotherMemoryLayoutIsRefused) {

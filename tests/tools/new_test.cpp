@@ -30,6 +30,23 @@ TEST_F(New, WritesAProjectOfThatNameAndSaysHowToBuildIt) {
     EXPECT_GT(fs::file_size(project / file), 10u) << file;
 }
 
+TEST_F(New, WritesTheControllerInTheLanguageThatIsAskedFor) {
+  ASSERT_EQ(run(command, {"new", "--language", "c", "in_c"}).status, 0);
+  EXPECT_THAT(read_file(folder() / "in_c/CMakeLists.txt"),
+              AllOf(HasSubstr("project(in_c C CXX)"), HasSubstr("rehearse_add_simple_controller(Hold hold.c)")));
+  EXPECT_TRUE(fs::exists(folder() / "in_c/hold.c"));
+  EXPECT_FALSE(fs::exists(folder() / "in_c/hold.cpp"));
+  ASSERT_EQ(run(command, {"new", "--language", "rust", "in_rust", "--origin", origin}).status, 0);
+  EXPECT_THAT(read_file(folder() / "in_rust/CMakeLists.txt"),
+              HasSubstr("rehearse_add_rust_controller(Hold Cargo.toml)"));
+  EXPECT_THAT(read_file(folder() / "in_rust/README.md"), HasSubstr("| `src/lib.rs` | the controller"));
+  EXPECT_THAT(read_file(folder() / "in_rust/.github/workflows/test.yml"), HasSubstr(" cargo cmake g++ make "));
+  EXPECT_TRUE(fs::exists(folder() / "in_rust/src/rehearse.rs"));
+  const Outcome refused = run(command, {"new", "--language", "ada", "in_ada"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("ada"), HasSubstr("c++")));
+}
+
 TEST_F(New, ItsWorkflowNeedsNoVariableOfTheRepository) {
   ASSERT_EQ(run(command, {"new", ".", "--origin", origin}).status, 0);
   const std::string workflow = read_file(folder() / ".github/workflows/test.yml");

@@ -30,6 +30,31 @@ function(choreonoid_add_simple_controller name)
   rehearse_add_simple_controller(${name} ${ARGN})
 endfunction()
 
+# rehearse_add_rust_controller(NAME MANIFEST): the library of a crate of the type cdylib, as NAME.so in the same folder.
+#
+# cargo builds it, in its profile release and without a network. MANIFEST is the crate's Cargo.toml.
+function(rehearse_add_rust_controller name manifest)
+  find_program(REHEARSE_CARGO cargo)
+  if(NOT REHEARSE_CARGO)
+    message(FATAL_ERROR "rehearse_add_rust_controller(${name}): cargo isn't installed; on Debian: apt install cargo")
+  endif()
+  get_filename_component(manifest ${manifest} ABSOLUTE)
+  file(STRINGS ${manifest} names REGEX "^name *= *\"[^\"]+\"")
+  if(NOT names)
+    message(FATAL_ERROR "rehearse_add_rust_controller(${name}): ${manifest} has no line: name = \"...\"")
+  endif()
+  list(GET names -1 crate)  # that of [lib], if there is one
+  string(REGEX REPLACE "^name *= *\"([^\"]+)\".*" "\\1" crate "${crate}")
+  string(REPLACE - _ crate ${crate})
+  set(target_folder ${CMAKE_BINARY_DIR}/cargo/${name})
+  add_custom_target(${name} ALL
+    COMMAND ${REHEARSE_CARGO} build --release --offline --quiet --manifest-path ${manifest} --target-dir ${target_folder}
+    COMMAND ${CMAKE_COMMAND} -E make_directory ${CMAKE_BINARY_DIR}/lib/rehearse/controllers
+    COMMAND ${CMAKE_COMMAND} -E copy_if_different ${target_folder}/release/lib${crate}.so
+      ${CMAKE_BINARY_DIR}/lib/rehearse/controllers/${name}.so
+    VERBATIM)
+endfunction()
+
 # rehearse_add_controller_test(NAME SOURCES files... [CONTROLLERS targets...] [FIXTURES folder] [GOLDEN folder]
 #                              [LABEL label] [TIMEOUT seconds]): a test program written with <rehearse/gtest.h>.
 #

@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "command.h"
 #include "model/write_hint.h"
@@ -20,8 +21,24 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view workflow_file = ".github/workflows/test.yml";
 
+/// The languages of controllers, and the lines for them in the project's CMakeLists.txt and README.md.
+struct Language {
+  std::string_view name;
+  std::string_view folder;      // of its files in tools/new_project
+  std::string_view of_project;  // for project() in CMake
+  std::string_view controller;  // adds the controller
+  std::string_view source;      // its file
+  std::string_view packages;    // of Debian, besides g++, for its workflow
+};
+constexpr Language languages[] = {
+    {"c++", "cpp", "CXX", "rehearse_add_simple_controller(Hold hold.cpp)", "hold.cpp", ""},
+    {"c", "c", "C CXX", "rehearse_add_simple_controller(Hold hold.c)", "hold.c", ""},
+    {"rust", "rust", "CXX", "rehearse_add_rust_controller(Hold Cargo.toml)  # built by cargo", "src/lib.rs", "cargo "},
+};
+
 struct NewSettings {
   std::string folder;
+  std::string language = std::string(languages[0].name);
   std::string origin;          // the repository of Rehearse; empty: that of this build
   bool workflow_only = false;  // of a project that exists
 };
@@ -29,6 +46,7 @@ struct NewSettings {
 /// The texts that replace those between @ in the files.
 struct Replacements {
   std::string project, origin, commit;
+  const Language& language;
 };
 
 /// The folder's name, with '_' instead of characters that a CMake project's name can't contain.
@@ -51,6 +69,10 @@ std::string filled_in(std::string_view text, const Replacements& replacements) {
   replace(filled, "@PROJECT@", replacements.project);
   replace(filled, "@ORIGIN@", replacements.origin);
   replace(filled, "@COMMIT@", replacements.commit);
+  replace(filled, "@LANGUAGES@", std::string(replacements.language.of_project));
+  replace(filled, "@CONTROLLER@", std::string(replacements.language.controller));
+  replace(filled, "@SOURCE@", std::string(replacements.language.source));
+  replace(filled, "@PACKAGES@", std::string(replacements.language.packages));
   return filled;
 }
 
@@ -69,7 +91,8 @@ Replacements replacements_of(const NewSettings& settings) {
   const bool is_own = settings.origin.empty() || settings.origin == built.repository;
   const bool has_commit = is_own && !built.commit.empty();
   return {project_name(settings.folder), is_own ? std::string(built.repository) : settings.origin,
-          has_commit ? std::string(built.commit) : "HEAD"};
+          has_commit ? std::string(built.commit) : "HEAD",
+          *std::ranges::find(languages, settings.language, &Language::name)};
 }
 
 Result<void> prepare(const fs::path& folder) {
@@ -129,6 +152,7 @@ Exit run_new(const NewSettings& settings) {
   const bool has_workflow = !replacements.origin.empty();
   for (const ProjectFile& file : new_project_files()) {
     if (file.path == workflow_file && !has_workflow) continue;
+    if (!file.language.empty() && file.language != replacements.language.folder) continue;
     if (const auto written = write(folder / file.path, filled_in(file.text, replacements)); !written)
       return refuse(written.errors());
   }
@@ -155,6 +179,12 @@ std::function<Exit()> declare_new(CLI::App& options) {
   options.add_option("DIR", settings->folder, "the folder to write, new or empty; it names the project")
       ->required()
       ->type_name("");
+  std::vector<std::string> names;
+  for (const Language& language : languages) names.emplace_back(language.name);
+  options
+      .add_option("--language", settings->language, "of the controller: " + fmt::format("{}", fmt::join(names, ", ")))
+      ->check(CLI::IsMember(names))
+      ->type_name("NAME");
   options
       .add_option("--origin", settings->origin,
                   "the repository of Rehearse, from which the workflow for GitHub Actions gets its packages or its "
@@ -168,7 +198,8 @@ std::function<Exit()> declare_new(CLI::App& options) {
 }  // namespace
 
 const Verb new_verb{"new",
-                    "  rehearse new my_walker\n  rehearse new --workflow --origin https://github.com/OWNER/NAME .\n",
+                    "  rehearse new my_walker\n  rehearse new --language rust my_arm\n  rehearse new --workflow "
+                    "--origin https://github.com/OWNER/NAME .\n",
                     declare_new};
 
 }  // namespace rehearse::tool

@@ -7,8 +7,9 @@
 namespace rehearse::tool {
 
 struct ProjectFile {
-  std::string_view path;  // relative to the project
-  std::string_view text;  // @PROJECT@ is replaced by the project's name, and so are @ORIGIN@ and @COMMIT@
+  std::string_view language;  // of the projects that have this file; empty: of all
+  std::string_view path;      // relative to the project
+  std::string_view text;      // names between @, as @PROJECT@, are replaced
 };
 
 std::span<const ProjectFile> new_project_files();

@@ -6,6 +6,7 @@
 #include <gnu/lib-names.h>
 #include <link.h>
 #include <pthread.h>
+#include <rehearse/c_controller.h>
 #include <rehearse/diagnostic.h>
 #include <setjmp.h>
 #include <signal.h>
@@ -308,6 +309,10 @@ void restore_limits_in_call() {
 void run_catching(const std::function<void()>& code, CallOutcome& outcome) {
   try {
     code();
+  } catch (const ReportedFailure& failure) {
+    restore_limits_in_call();
+    outcome.end = CallEnd::threw;
+    outcome.what = failure.what();
   } catch (const std::exception& exception) {
     restore_limits_in_call();
     outcome.end = CallEnd::threw;

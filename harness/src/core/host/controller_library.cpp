@@ -5,6 +5,7 @@
 #include <cxxabi.h>
 #include <dlfcn.h>
 #include <fmt/format.h>
+#include <rehearse/c_controller.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -29,6 +30,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* factory_name = "createSimpleController";
 constexpr const char* abi_name = "rehearseCnoidAbi";
+constexpr const char* c_functions_name = "rehearse_controller";
 
 std::vector<fs::path> stated_folders() {
   std::vector<fs::path> folders;
@@ -184,9 +186,16 @@ Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::pat
     return error(name + " can't be loaded: " + readable(problem));
   }
   library->factory_ = reinterpret_cast<Factory>(dlsym(library->handle_, factory_name));
-  if (!library->factory_)
-    return error(name + " is not a controller: it defines no " + factory_name,
-                 "end its source with CNOID_IMPLEMENT_SIMPLE_CONTROLLER_FACTORY(YourClass)");
+  library->c_functions_ = static_cast<const rehearse_controller_functions*>(dlsym(library->handle_, c_functions_name));
+  if (!library->factory_ && !library->c_functions_)
+    return error(name + " is not a controller: it defines neither " + factory_name + " nor " + c_functions_name,
+                 "end its source with CNOID_IMPLEMENT_SIMPLE_CONTROLLER_FACTORY(YourClass); in C, see "
+                 "<rehearse/controller.h>");
+  if (!library->factory_) {
+    if (const std::string unusable = problem_of(*library->c_functions_); !unusable.empty())
+      return error(name + " can't be used: " + unusable, "see <rehearse/controller.h> of this version");
+    return library;
+  }
   const auto abi = reinterpret_cast<int (*)()>(dlsym(library->handle_, abi_name));
   if (!abi || abi() != REHEARSE_CNOID_ABI)
     return error(name +
@@ -195,6 +204,10 @@ Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::pat
                      ", whose classes have another memory layout",
                  "compile it again with the headers of this version");
   return library;
+}
+
+cnoid::SimpleController* ControllerLibrary::create() const {
+  return factory_ ? factory_() : make_c_controller(*c_functions_);
 }
 
 void ControllerLibrary::keep_loaded() {

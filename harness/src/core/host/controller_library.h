@@ -13,6 +13,7 @@
 namespace cnoid {
 class SimpleController;
 }
+struct rehearse_controller_functions;
 
 namespace rehearse {
 
@@ -33,7 +34,7 @@ class ControllerLibrary {
   ControllerLibrary& operator=(const ControllerLibrary&) = delete;
 
   /// Creates a new controller. Runs the library's code: must be called in a guarded call.
-  cnoid::SimpleController* create() const { return factory_(); }
+  cnoid::SimpleController* create() const;
 
   const std::filesystem::path& file() const { return file_; }
   /// content_hash_of() the library's file.
@@ -52,7 +53,8 @@ class ControllerLibrary {
   std::string content_hash_;
   double call_limit_ = 0.0;  // [s]
   void* handle_ = nullptr;
-  Factory factory_ = nullptr;
+  Factory factory_ = nullptr;  // null: it is a controller in C
+  const rehearse_controller_functions* c_functions_ = nullptr;
   bool keep_loaded_ = false;
   std::vector<std::string> remarks_;
   ThreadCount threads_ = std::make_shared<std::atomic<int>>(0);
