@@ -5,6 +5,7 @@
 
 #include <map>
 #include <regex>
+#include <sstream>
 
 #include "../tools/command.h"
 
@@ -61,7 +62,7 @@ TEST_F(Languages, GiveTheSameBits) {
   const auto bits = [](const std::vector<double>& values) {
     return std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double));
   };
-  std::vector<fs::path> others{STOOP_C};
+  std::vector<fs::path> others{STOOP_C, STOOP_C_1};
   if (*STOOP_RUST) others.emplace_back(STOOP_RUST);
   for (const fs::path& other : others) {
     const auto values = recorded(other);
@@ -100,6 +101,25 @@ TEST_F(Languages, TheManualHasEachFunctionOfTheHeader) {
   for (std::sregex_iterator found(header.begin(), header.end(), declared), end; found != end; ++found, ++count)
     EXPECT_THAT(manual, HasSubstr("`" + (*found)[1].str()));
   EXPECT_EQ(count, 31u);
+}
+
+/// The declarations of a C header, without comments, spaces and lines of the preprocessor.
+std::vector<std::string> declarations_in(const fs::path& file) {
+  std::string text = read_file(file);
+  text = std::regex_replace(text, std::regex("/\\*[^*]*\\*+([^/*][^*]*\\*+)*/"), "");
+  text = std::regex_replace(text, std::regex("#[^\n]*\n"), "\n");
+  text = std::regex_replace(text, std::regex("\\s+"), "");
+  std::vector<std::string> found;
+  std::istringstream all(text);
+  for (std::string one; std::getline(all, one, ';');) found.push_back(one);
+  return found;
+}
+
+TEST_F(Languages, TheHeaderStillHasAllThatVersion1Has) {
+  const auto now = declarations_in(fs::path(SOURCE_DIR) / "controllers/include/rehearse/controller.h");
+  const auto frozen = declarations_in(fs::path(SOURCE_DIR) / "tests/languages/version_1/rehearse/controller.h");
+  EXPECT_GT(frozen.size(), 40u);
+  EXPECT_THAT(now, ::testing::IsSupersetOf(frozen));
 }
 
 TEST_F(Languages, OfAnUnknownVersionIsRefused) {
