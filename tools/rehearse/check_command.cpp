@@ -1,6 +1,5 @@
 // rehearse check: runs scenarios and compares them with their goldens.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <rehearse/check.h>
 #include <rehearse/session.h>
 
@@ -244,7 +243,10 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
   checked.file = scenario.file;
   checked.report = *std::move(report);
   checked.notes = notes_on_old_libraries(scenario, settings.check.run);
-  if (!compared_anything(checked.report)) checked.report.verdict = "nothing was compared: " + checked.report.verdict;
+  if (!compared_anything(checked.report)) {
+    checked.report.verdict = "nothing was compared: " + checked.report.verdict;
+    checked.report.codes.insert(checked.report.codes.begin(), VerdictCode::undecided_nothing_compared);
+  }
   checked.seconds = stopwatch.seconds();
   if (!settings.json) tell_verdict(checked, settings.verbose);
   add_page(settings, scenario, waiting->folder() / (name + ".mcap"), checked);
@@ -334,17 +336,6 @@ Exit check_alone(const CheckSettings& settings, const Scenario& scenario, std::v
   if (!outcome) return refuse(outcome.errors());
   all.push_back(*std::move(outcome));
   return Exit::done;
-}
-
-/// Lists the scenarios that couldn't be judged, after the verdicts of the others.
-void tell_unjudged(const std::vector<CheckOutcome>& all) {
-  std::vector<std::string> names;
-  for (const CheckOutcome& outcome : all)
-    if (outcome.exit == Exit::bad_input) names.push_back(outcome.scenario);
-  if (names.empty() || all.size() < 2) return;
-  std::fflush(stdout);
-  fmt::print(stderr, "{} of {} scenarios {} judged: {}\n", names.size(), all.size(),
-             names.size() == 1 ? "wasn't" : "weren't", fmt::join(names, ", "));
 }
 
 /// Compares only the closed loop unless the user named levels: otherwise the level in which gdb stops would be
