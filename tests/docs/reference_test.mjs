@@ -73,7 +73,11 @@ const jsonOf = (...words) => {
   return JSON.parse(outcome.stdout);
 };
 const spring = join(source, 'fixtures/scenarios/spring.yaml');
+const point = { text: 'q < 1', margin: 0.5, value: 0.5, bound: 1, unit: 'rad', share: 0.5, tick: 3 };
+const line = { history: 1, commit: 'a', changed: false, date: '', scenario: 's', code: 'same', proved: false, margins: [point], first: null };
+writeFileSync(join(scratch, 'history.jsonl'), JSON.stringify(line) + '\n');
 const objects = [
+  ['history', 'history.jsonl'],
   ['record', spring, '-o', 'spring.mcap'],
   ['replay', golden],
   ['replay', golden, '--tick', '10'],
