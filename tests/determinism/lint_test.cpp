@@ -120,6 +120,7 @@ const Exception allowed[] = {
     {"harness/src/viewing/report/report.cpp", "thread", "waits for gdb while the report of a finished run is written"},
     {"harness/src/viewing/report/report_page.cpp", "environment", "where the page of reports lies"},
     {"harness/src/gtest/testing/test_folders.cpp", "environment", "where a test's files lie"},
+    {"harness/src/gtest/testing/test_history.cpp", "environment", "where the history of finished runs lies"},
     {"harness/src/gtest/testing/test_reports.cpp", "environment", "what is done with a finished run"},
     {"harness/src/core/mcap/output.h", "thread", "compresses and writes; what it writes depends on the data alone"},
     {"harness/src/core/compare/compare.cpp", "thread",

@@ -2,10 +2,10 @@
 // text in the pages of the reference. It also adds one of each, which must be found to have none.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
-import { existsSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
-import { environmentVariables, exitStatuses, messageTypes, parserKeys, verbs } from '../../tools/site/facts.mjs';
+import { environmentVariables, exitStatuses, messageTypes, parserKeys, verbs, verdictCodes } from '../../tools/site/facts.mjs';
 import { publicHeaders } from '../../tools/site/reference.mjs';
 import { sectionOf } from '../../tools/site/markdown.mjs';
 
@@ -47,6 +47,11 @@ const statuses = exitStatuses(source).map(({ status }) => status);
 for (const status of statuses)
   assert(new RegExp(`^\\| ${status}[ ,|]`, 'm').test(read('tools/site/pages/reference/exit.md')), `exit status ${status} has no text`);
 
+const verdicts = 'tools/site/pages/reference/verdicts.md';
+const rows = verdictCodes(source).map(({ code, meaning }) => `| \`${code}\` | ${meaning} |`);
+assert(rows.length > 20, 'no codes of verdicts were found: the sources have changed');
+assert.deepEqual(read(verdicts).match(/^\| `.*$/gm), rows, `the table of ${verdicts} isn't that of verdict_code.cpp`);
+
 // Types that are only parts of others are described by their fields.
 const types = messageTypes(source);
 const parts = new Set(types.flatMap(({ fields }) => fields.map(({ type }) => type.replace(/\[\d*\]$/, ''))));
@@ -68,7 +73,11 @@ const jsonOf = (...words) => {
   return JSON.parse(outcome.stdout);
 };
 const spring = join(source, 'fixtures/scenarios/spring.yaml');
+const point = { text: 'q < 1', margin: 0.5, value: 0.5, bound: 1, unit: 'rad', share: 0.5, tick: 3 };
+const line = { history: 1, commit: 'a', changed: false, date: '', scenario: 's', code: 'same', proved: false, margins: [point], first: null };
+writeFileSync(join(scratch, 'history.jsonl'), JSON.stringify(line) + '\n');
 const objects = [
+  ['history', 'history.jsonl'],
   ['record', spring, '-o', 'spring.mcap'],
   ['replay', golden],
   ['replay', golden, '--tick', '10'],

@@ -150,6 +150,83 @@ TEST(Statistics, WilsonsIntervalIsAsPublished) {
   EXPECT_EQ(wilson_interval(0, 0).high, 1.0);
 }
 
+/// For 99 % z is 2.5758293: Wilson's formula by hand for 45 of 50.
+TEST(Statistics, WilsonsIntervalHasTheWantedConfidence) {
+  const Interval interval = wilson_interval(45, 50, 0.99);
+  EXPECT_NEAR(interval.low, (0.9 + 0.0663490 - 2.5758293 * std::sqrt(0.0018 + 0.00066349)) / 1.1326980, 1e-5);
+  EXPECT_NEAR(interval.high, (0.9 + 0.0663490 + 2.5758293 * std::sqrt(0.0018 + 0.00066349)) / 1.1326980, 1e-5);
+}
+
+TEST(PassRate, HasThreeAnswers) {
+  const ClaimedRate claim{0.9, 0.95};
+  EXPECT_EQ(answer_of(claim, {0.91, 0.99}), ClaimAnswer::passes);
+  EXPECT_EQ(answer_of(claim, {0.9, 0.99}), ClaimAnswer::passes);
+  EXPECT_EQ(answer_of(claim, {0.89, 0.91}), ClaimAnswer::undecided);
+  EXPECT_EQ(answer_of(claim, {0.8, 0.9}), ClaimAnswer::undecided);
+  EXPECT_EQ(answer_of(claim, {0.8, 0.89}), ClaimAnswer::fails);
+}
+
+/// By hand: n = z^2 p (1 - p) / (share - p)^2, with z^2 = 3.8415.
+TEST(PassRate, IsDecidedByTheFewestCases) {
+  const ClaimedRate claim{0.95, 0.95};
+  EXPECT_EQ(deciding_cases(claim, 1.0), 73);     // 72.99
+  EXPECT_EQ(deciding_cases(claim, 0.975), 292);  // 291.95
+  EXPECT_EQ(deciding_cases(claim, 0.925), 292);
+  EXPECT_EQ(deciding_cases(claim, 0.95), std::nullopt);
+  EXPECT_EQ(deciding_cases(claim, std::nan("")), std::nullopt);
+}
+
+/// The number and Wilson's interval agree, for shares that occur with the number.
+TEST(PassRate, IsDecidedWhereWilsonsIntervalLeavesTheBound) {
+  for (const double bound : {0.5, 0.9, 0.99}) {
+    for (const double confidence : {0.8, 0.95, 0.999}) {
+      const ClaimedRate claim{bound, confidence};
+      const std::int64_t least = *deciding_cases(claim, 1.0);
+      EXPECT_EQ(answer_of(claim, wilson_interval(least, least, confidence)), ClaimAnswer::passes);
+      EXPECT_EQ(answer_of(claim, wilson_interval(least - 1, least - 1, confidence)), ClaimAnswer::undecided);
+      const std::int64_t none = *deciding_cases(claim, 0.0);
+      EXPECT_EQ(answer_of(claim, wilson_interval(0, none, confidence)), ClaimAnswer::fails) << bound;
+      if (none > 1) {
+        EXPECT_EQ(answer_of(claim, wilson_interval(0, none - 1, confidence)), ClaimAnswer::undecided) << bound;
+      }
+    }
+  }
+}
+
+TEST(PassRate, OfAPlanSaysWhatItNeeds) {
+  EXPECT_EQ(plan_sentence({0.95, 0.95}, 73),
+            "that at least 95 % pass, with 95 % confidence, needs 73 cases if all pass, and 292 if 97.5 % pass");
+  EXPECT_THAT(plan_sentence({0.95, 0.95}, 72), ::testing::EndsWith("; this plan has 72, which can't show it"));
+}
+
+TEST(PassRate, AsksForMoreCasesIfItIsUndecided) {
+  CampaignSummary summary;
+  summary.claim = ClaimedRate{0.95, 0.95};
+  summary.cases = 200;
+  summary.verdicts = {194, 6};
+  EXPECT_EQ(summary.answer(), ClaimAnswer::undecided);
+  EXPECT_EQ(summary.more_cases(), 257);  // 3.8415 0.0475 / 0.02^2 = 456.2
+  EXPECT_EQ(claim_sentence(summary),
+            "it is undecided whether at least 95 % pass, with 95 % confidence: 257 more cases "
+            "would decide it if the rate stays");
+  summary.verdicts = {190, 10};
+  EXPECT_THAT(claim_sentence(summary), HasSubstr("no number of cases decides it if the rate stays"));
+  summary.verdicts = {200, 0};
+  EXPECT_EQ(claim_sentence(summary), "at least 95 % pass, with 95 % confidence");
+  EXPECT_EQ(summary.more_cases(), std::nullopt);
+  summary.verdicts = {150, 50};
+  EXPECT_EQ(claim_sentence(summary), "it is false that at least 95 % pass, with 95 % confidence");
+}
+
+TEST(PassRate, IsThatOfAllCasesWithoutAClaim) {
+  CampaignSummary summary;
+  summary.cases = 2;
+  summary.verdicts = {2};
+  EXPECT_EQ(summary.answer(), ClaimAnswer::passes);
+  summary.verdicts = {1, 1};
+  EXPECT_EQ(summary.answer(), ClaimAnswer::fails);
+}
+
 TEST(Statistics, McNemarsTestIsThatOfTheBinomialDistribution) {
   EXPECT_NEAR(mcnemar_exact(8, 2), 2.0 * (1 + 10 + 45) / 1024, 1e-12);
   EXPECT_NEAR(mcnemar_exact(0, 5), 0.0625, 1e-12);

@@ -14,6 +14,7 @@ rehearse_add_test(judging_test LABEL unit SHARDS 3
     event_sequences_test.cpp
     expectation_test.cpp
     unknown_series_test.cpp
+    verdict_code_test.cpp
     golden_acceptance_test.cpp
     golden_damage_test.cpp
     golden_list_test.cpp

@@ -373,6 +373,14 @@ const Broken all_broken[] = {
     {"sensor_camera_clip", 7, 50, "near is 2, not below far, which is 1.*expected"},
     {"sensor_range_backwards", 7, 48, "yaw goes from 1.5.* to -1.5.* rad.*from below to"},
     {"sensor_unknown_collision", 7, 56, "link 'rod' has no collision 'tip'"},
+    {"pass_rate_without_bound", 5, 12, "a pass rate has no 'at_least'.*a share between 0 and 1"},
+    {"pass_rate_in_percent", 5, 23, "at_least is 95.*above 0 and below 1"},
+    {"pass_rate_certain", 5, 41, "confidence is 1 .*at least 0.5 and below 1"},
+    {"pass_rate_number", 5, 12, "a pass rate is 0.95.*expected a map"},
+    {"sometimes_list", 5, 12, "sometimes is a list.*a map from names to conditions"},
+    {"sometimes_map", 6, 10, "a condition of sometimes is a map.*a condition as"},
+    {"sometimes_cut", 6, 32, "the expression ends where a value is expected"},
+    {"sometimes_twice", 7, 3, "'falls' is given twice.*already in line 6"},
 };
 // clang-format on
 

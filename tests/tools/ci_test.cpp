@@ -53,6 +53,7 @@ TEST_F(Ci, JunitHasACaseForEachScenarioWithTheVerdictForAMessage) {
   const auto* failure = stays->FirstChildElement("failure");
   ASSERT_NE(failure, nullptr);
   EXPECT_THAT(failure->Attribute("message"), HasSubstr("expected Box/Box/position/z above 0.999 m at the end"));
+  EXPECT_STREQ(failure->Attribute("type"), "expectations.violated");
   EXPECT_THAT(failure->GetText(), StartsWith("scenarios/stays.yaml:9\n"));
 }
 
@@ -87,6 +88,9 @@ TEST_F(Ci, AScenarioThatCannotBeReadTakesNoVerdictFromOtherScenarios) {
     const nlohmann::json scenarios = outcome.json()["scenarios"];
     ASSERT_EQ(scenarios.size(), 3U) << jobs << ": heap.yaml expects nothing";
     EXPECT_THAT(scenarios[0]["verdict"].get<std::string>(), StartsWith("not judged: ")) << jobs;
+    EXPECT_EQ(scenarios[0]["code"], "undecided.bad_input") << jobs;
+    EXPECT_EQ(scenarios[1]["code"], "expectations.hold") << jobs;
+    EXPECT_EQ(scenarios[2]["codes"], nlohmann::json({"expectations.violated"})) << jobs;
     EXPECT_EQ(scenarios[1]["within"], true) << jobs;
     EXPECT_EQ(scenarios[2]["within"], false) << jobs;
   }

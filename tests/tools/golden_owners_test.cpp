@@ -1,6 +1,8 @@
 // rehearse golden prune with test programs: a golden belongs to its test, however the test's name was made.
 #include <gmock/gmock.h>
 
+#include <sstream>
+
 #include "command.h"
 
 namespace rehearse::test {
@@ -41,6 +43,32 @@ TEST_F(GoldenOwners, ListKnowsTheTestsThatRan) {
   EXPECT_THAT(goldens[0]["owners"][0].get<std::string>(), HasSubstr("All-Fall.Ends-0 of "));
   EXPECT_EQ(goldens[2]["name"], "Old.Falls");
   EXPECT_TRUE(goldens[2]["orphan"]);
+}
+
+/// REHEARSE_HISTORY: a line for each comparison, with the code that a check of all levels would have.
+TEST_F(GoldenOwners, TestsAppendToAHistory) {
+  const auto tested = [this](const std::string& date) {
+    return run(OWNING_TESTS, {"--gtest_filter=Macro.Falls"},
+               "REHEARSE_HISTORY=history.jsonl REHEARSE_HISTORY_COMMIT=v1 REHEARSE_HISTORY_DATE=" + date +
+                   " REHEARSE_PENDING=rehearse-pending " + folders());
+  };
+  EXPECT_EQ(tested("2026-11-27").status, 0);
+  std::string text = read_file(folder() / "fall.yaml");
+  write("fall.yaml", text.replace(text.find("0, 0, 0.5"), 9, "0, 0, 0.6"));
+  EXPECT_EQ(tested("2026-11-28").status, 1);
+  std::istringstream stream(read_file(folder() / "history.jsonl"));
+  std::vector<nlohmann::json> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(nlohmann::json::parse(line));
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_EQ(lines[0]["scenario"], "Macro.Falls");
+  EXPECT_EQ(lines[0]["code"], "same");
+  EXPECT_EQ(lines[0]["commit"], "v1");
+  EXPECT_EQ(lines[0]["date"], "2026-11-27");
+  EXPECT_EQ(lines[1]["code"], "scenario.changed");
+  EXPECT_EQ(lines[1]["first"]["tick"], 0);
+  const Outcome refused = tested("now");
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.out, HasSubstr("the date of a history is 'now'"));
 }
 
 TEST_F(GoldenOwners, ATestOfTheSameNameInAnotherProgramIsRefused) {

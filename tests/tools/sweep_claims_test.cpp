@@ -9,6 +9,67 @@
 namespace rehearse::test {
 namespace {
 
+/// Of 200 boxes, whose heights are spread over 0.25 to 0.6 m, about 85 % stay above 0.3 m.
+TEST_F(Sweep, AnswersAClaimOnThePassRateInThreeWays) {
+  const auto answer = [this](const std::string& rate, int status) {
+    const std::string name = "claims-" + rate;
+    box("pass_rate: {at_least: " + rate + "}\n", name + ".yaml");
+    const Outcome outcome = rehearse({"sweep", name + ".yaml", "--cases", "200", "-o", name, "--json"});
+    EXPECT_EQ(outcome.status, status) << outcome.out << outcome.err;
+    return outcome.json();
+  };
+  const auto passes = answer("0.75", 0), fails = answer("0.95", 1), undecided = answer("0.86", 4);
+  EXPECT_EQ(passes["claim"]["answer"], "passes");
+  EXPECT_EQ(passes["claim"]["confidence"], 0.95);
+  EXPECT_EQ(passes["claim"]["more_cases"], nullptr);
+  EXPECT_GE(passes["interval"][0], 0.75);
+  EXPECT_EQ(fails["claim"]["answer"], "fails");
+  EXPECT_LT(fails["interval"][1], 0.95);
+  EXPECT_EQ(undecided["claim"]["answer"], "undecided");
+  EXPECT_GT(undecided["claim"]["more_cases"], 0);
+  EXPECT_THAT(undecided["verdict"].get<std::string>(),
+              HasSubstr("; it is undecided whether at least 86 % pass, with 95 % confidence: "));
+  EXPECT_EQ(rehearse({"sweep", "report", "claims-0.86"}).status, 4);
+  EXPECT_EQ(rehearse({"sweep", "status", "claims-0.86"}).status, 0);
+  EXPECT_THAT(read_file(folder() / "claims-0.75/report.html"), HasSubstr("; at least 75 % pass, with 95 % confidence"));
+}
+
+TEST_F(Sweep, PlansSayHowManyCasesAClaimNeeds) {
+  box("pass_rate: {at_least: 0.95, confidence: 0.95}\n");
+  EXPECT_THAT(
+      rehearse({"sweep", "box.yaml", "--cases", "40", "-o", "plan", "--plan"}).out,
+      HasSubstr("plan: 40 cases\nthat at least 95 % pass, with 95 % confidence, needs 73 cases if all pass, and 292 "
+                "if 97.5 % pass; this plan has 40, which can't show it\n"));
+}
+
+TEST_F(Sweep, FailsIfNoCaseReachedAStateThatSomeMust) {
+  box("pass_rate: {at_least: 0.1}\n"
+      "sometimes:\n  low start: \"Box/Box/position/z < 0.35 m\"\n  flies away: \"Box/Box/position/z > 5 m\"\n");
+  const Outcome outcome = rehearse({"sweep", "box.yaml", "--cases", "20", "-o", "run", "--json"});
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_THAT(outcome.json()["verdict"].get<std::string>(),
+              ::testing::StartsWith("never tried: no case reached flies away; "));
+  EXPECT_EQ(outcome.json()["reached"]["flies away"], 0);
+  EXPECT_GT(outcome.json()["reached"]["low start"], 0);
+  EXPECT_LT(outcome.json()["reached"]["low start"], 20);
+  // they aren't expectations: no case fails by them, and a check knows nothing of them
+  EXPECT_EQ(outcome.json()["verdicts"]["violated"].get<int>() + outcome.json()["verdicts"]["passed"].get<int>(), 20);
+  const auto checked = rehearse({"check", "box.yaml", "--json"}).json();
+  EXPECT_EQ(checked["expectations"].size(), 1u);
+}
+
+TEST_F(Sweep, IsContentIfEachStateWasReached) {
+  box("pass_rate: {at_least: 0.1}\nsometimes: {low start: \"Box/Box/position/z < 0.35 m\"}\n");
+  EXPECT_EQ(rehearse({"sweep", "box.yaml", "--cases", "20", "-o", "run"}).status, 0);
+}
+
+TEST_F(Sweep, RefusesAStateOfASeriesThatNoRunHas) {
+  box("sometimes: {low: \"Box/Box/position/w < 0.35 m\"}\n");
+  const Outcome outcome = rehearse({"sweep", "box.yaml", "--cases", "2", "-o", "run"});
+  EXPECT_EQ(outcome.status, bad_input) << outcome.out;
+  EXPECT_THAT(outcome.err, HasSubstr("Box/Box/position/w"));
+}
+
 TEST_F(Sweep, StopsOnAFullDiskAndGoesOn) {
   box();
   rehearse({"sweep", "box.yaml", "--cases", "300", "-o", "whole"});

@@ -5,7 +5,9 @@
 #include <rehearse/session.h>
 #include <unistd.h>
 
+#include <map>
 #include <regex>
+#include <string_view>
 
 #include "mutilate.h"
 #include "standing_robot.h"
@@ -118,6 +120,38 @@ std::vector<Fault> faults() {
   };
 }
 
+/// The first code of the verdict on each fault; of all others it is that of a controller.
+std::string_view code_of(const Fault& fault) {
+  static const std::map<std::string_view, std::string_view> codes{
+      {"uninitialised memory", "controller.unsteady"},
+      {"a limit that a controller reads", "model.changed"},
+      {"the no-delay mode by the scenario", "scenario.changed"},
+      {"a controller under another name", "scenario.changed"},
+      {"a smaller time step", "scenario.time_step_changed"},
+      {"a larger time step", "scenario.time_step_changed"},
+      {"a shorter duration", "scenario.duration_changed"},
+      {"a longer duration", "scenario.duration_changed"},
+      {"another box in the world", "scenario.changed"},
+      {"a floor without friction", "scenario.changed"},
+      {"gravity off by 0.1 %", "scenario.changed"},
+      {"another method of the solver", "scenario.changed"},
+      {"a robot placed 1 mm higher", "scenario.changed"},
+      {"a joint placed 0.1 deg aside", "scenario.changed"},
+      {"a push that nobody gave before", "scenario.changed"},
+      {"a link's mass off by 1 g", "model.changed"},
+      {"a centre of mass off by 1 mm", "model.changed"},
+      {"a sensor's frame turned by 0.1 deg", "model.changed"},
+      {"the seed of a sensor's noise", "noise.changed"},
+      {"one light off", "model.changed"},
+      {"a picture shifted by one pixel", "model.changed"},
+      {"a frame dropped", "renderer.changed"},
+      {"a tick missing", "physics.changed"},
+      {"an input delivered late", "controller.inputs_changed"},
+  };
+  const auto found = codes.find(fault.name);
+  return found == codes.end() ? "controller.changed" : found->second;
+}
+
 /// The results for each fault, for the table.
 std::vector<std::string>& rows() {
   static std::vector<std::string> all;
@@ -162,6 +196,7 @@ void Faults::compare_with_proof(const CheckReport& simulated, CheckOptions optio
   EXPECT_EQ(without_proof(report->plant), simulated.plant) << report->not_proved;
   EXPECT_EQ(without_proof(report->closed), simulated.closed) << report->not_proved;
   EXPECT_EQ(report->verdict, simulated.verdict);
+  EXPECT_EQ(report->codes, simulated.codes);
   EXPECT_EQ(report->horizon, simulated.horizon);
   EXPECT_FALSE(report->proved);
   ASSERT_TRUE(report->first);
@@ -256,6 +291,10 @@ TEST_P(Faults, AreFoundAndBlamedOnThePartThatHasThem) {
     EXPECT_THAT(report->verdict, ::testing::AnyOf(HasSubstr(fault.sentence), HasSubstr("doesn't repeat itself")));
   else
     EXPECT_THAT(report->verdict, HasSubstr(fault.sentence));
+  ASSERT_FALSE(report->codes.empty());
+  if (!chance) {
+    EXPECT_EQ(to_string(report->codes[0]), code_of(fault)) << report->verdict;
+  }
   ASSERT_TRUE(report->first);
   EXPECT_EQ(report->first->stage, fault.stage) << report->verdict;
   if (!chance) {

@@ -1,6 +1,5 @@
 // rehearse check: runs scenarios and compares them with their goldens.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <rehearse/check.h>
 #include <rehearse/session.h>
 
@@ -16,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "check_history.h"
 #include "check_outcome.h"
 #include "command.h"
 #include "core/check/compared.h"
@@ -55,6 +55,8 @@ struct CheckSettings {
   bool strict = false;      // goldens without an owner fail, too
   bool verbose = false;     // the first differences are also printed in full
   std::int64_t jobs = 0;    // scenarios at a time; 0: as many as there are processors
+  HistoryOptions history;
+  std::optional<HistoryStamp> stamp;  // of the lines of the history; none: no history is kept
   DebuggerOptions debugger;
   std::int64_t tick = 0;  // where gdb stops
 };
@@ -244,7 +246,10 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
   checked.file = scenario.file;
   checked.report = *std::move(report);
   checked.notes = notes_on_old_libraries(scenario, settings.check.run);
-  if (!compared_anything(checked.report)) checked.report.verdict = "nothing was compared: " + checked.report.verdict;
+  if (!compared_anything(checked.report)) {
+    checked.report.verdict = "nothing was compared: " + checked.report.verdict;
+    checked.report.codes.insert(checked.report.codes.begin(), VerdictCode::undecided_nothing_compared);
+  }
   checked.seconds = stopwatch.seconds();
   if (!settings.json) tell_verdict(checked, settings.verbose);
   add_page(settings, scenario, waiting->folder() / (name + ".mcap"), checked);
@@ -261,7 +266,9 @@ Result<CheckOutcome> check_one(const CheckSettings& settings, const Scenario& sc
   const auto checked = check_beside_others(settings, scenario);
   if (!checked) return checked.errors();
   if (!settings.json) tell_files(*checked);
-  return outcome_of(scenario, *checked, settings.json);
+  CheckOutcome outcome = outcome_of(scenario, *checked, settings.json);
+  outcome.history = history_line(settings.stamp, scenario.name, checked->report);
+  return outcome;
 }
 
 /// Reads one of several scenarios and checks it. One that can't be judged doesn't end the others. None: the project's
@@ -270,7 +277,10 @@ Result<std::optional<CheckOutcome>> check_file(const CheckSettings& settings, co
   const auto scenario = read_scenario(file);
   if (!scenario) {
     std::fputs(to_string(scenario.errors()).c_str(), stderr);
-    return std::optional(outcome_without_verdict(fs::path(file).stem().string(), file, true, scenario.errors()));
+    const std::string name = fs::path(file).stem().string();
+    auto unread = outcome_without_verdict(name, file, true, scenario.errors());
+    unread.history = history_line(settings.stamp, name);
+    return std::optional(std::move(unread));
   }
   if (settings.scenarios.empty() && !can_be_checked(*scenario)) return std::optional<CheckOutcome>();
   const std::vector<std::string> notes = notes_on_old_libraries(*scenario, settings.check.run);
@@ -282,6 +292,7 @@ Result<std::optional<CheckOutcome>> check_file(const CheckSettings& settings, co
   std::fputs(to_string(outcome.errors()).c_str(), stderr);
   auto unjudged = outcome_without_verdict(scenario->name, file, !scenario->golden.empty(), outcome.errors());
   unjudged.notes = notes;
+  unjudged.history = history_line(settings.stamp, scenario->name);
   return std::optional(std::move(unjudged));
 }
 
@@ -336,17 +347,6 @@ Exit check_alone(const CheckSettings& settings, const Scenario& scenario, std::v
   return Exit::done;
 }
 
-/// Lists the scenarios that couldn't be judged, after the verdicts of the others.
-void tell_unjudged(const std::vector<CheckOutcome>& all) {
-  std::vector<std::string> names;
-  for (const CheckOutcome& outcome : all)
-    if (outcome.exit == Exit::bad_input) names.push_back(outcome.scenario);
-  if (names.empty() || all.size() < 2) return;
-  std::fflush(stdout);
-  fmt::print(stderr, "{} of {} scenarios {} judged: {}\n", names.size(), all.size(),
-             names.size() == 1 ? "wasn't" : "weren't", fmt::join(names, ", "));
-}
-
 /// Compares only the closed loop unless the user named levels: otherwise the level in which gdb stops would be
 /// undefined.
 Exit run_in_gdb(const CheckSettings& settings, const Scenario& scenario, const CLI::App& options) {
@@ -380,7 +380,7 @@ Exit check_strictly() {
   return found.empty() ? Exit::done : Exit::differs;
 }
 
-Exit run_check(const CheckSettings& settings, const CLI::App& options) {
+Exit run_check(CheckSettings& settings, const CLI::App& options) {
   const auto files = settings.scenarios.empty() ? files_of_project() : settings.scenarios;
   if (!files) return refuse(files.errors());
   if (files->empty()) return refuse(nothing_to_check());
@@ -397,6 +397,11 @@ Exit run_check(const CheckSettings& settings, const CLI::App& options) {
     only = *std::move(scenario);
   }
   if (const auto own = check_owners(settings, *files); !own) return refuse(own.errors());
+  if (!settings.history.file.empty()) {
+    auto stamp = stamp_of(settings.history);
+    if (!stamp) return refuse(stamp.errors());
+    settings.stamp = *std::move(stamp);
+  }
   std::vector<CheckOutcome> all;
   const Exit ended = only ? check_alone(settings, *only, all) : check_several(settings, *files, all);
   if (ended != Exit::done || interruption() != 0) return ended;
@@ -406,6 +411,8 @@ Exit run_check(const CheckSettings& settings, const CLI::App& options) {
   if (settings.json) print(all.size() == 1 ? all[0].json : json_of_checks(all));
   if (!settings.no_report) keep_index(all, !settings.json);
   tell_unjudged(all);
+  if (settings.stamp)
+    if (const auto appended = append_outcomes(settings.history, all); !appended) return refuse(appended.errors());
   if (!settings.junit.empty())
     if (const auto written = write_junit(settings.junit, all); !written) return refuse(written.errors());
   if (settings.github && !settings.json)
@@ -471,6 +478,7 @@ std::function<Exit()> declare_check(CLI::App& options) {
   options.add_flag("--github", settings->github,
                    "print workflow commands of GitHub Actions, and write the job's summary; by itself under "
                    "GITHUB_ACTIONS=true");
+  add_history_options(options, settings->history);
   add_host_options(options, settings->check.run);
   add_json_flag(options, settings->json);
   add_debugger_options(options, settings->debugger);

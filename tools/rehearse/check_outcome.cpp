@@ -1,6 +1,7 @@
 #include "check_outcome.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -88,6 +89,7 @@ struct CiCase {
   int line = 1;      // of the first violated expectation, else 1
   State state = State::passed;
   std::string verdict;   // one sentence
+  std::string code;      // of the verdict
   std::string details;   // lines
   std::string report;    // an HTML file; empty: there is none
   double seconds = 0.0;  // wall time [s]
@@ -98,6 +100,7 @@ CiCase ci_case(const CheckOutcome& outcome) {
   one.name = outcome.scenario;
   one.file = outcome.file;
   one.verdict = headline(outcome.verdict);
+  one.code = outcome.code;
   one.seconds = outcome.seconds;
   one.state = state_of<CiCase::State>(outcome);
   one.line = outcome.line;
@@ -224,6 +227,7 @@ CheckOutcome outcome_of(const Scenario& scenario, const Checked& checked, bool j
                        .kind = kind_of(!scenario.golden.empty()),
                        .exit = exit_of(report),
                        .verdict = report.verdict,
+                       .code = report.codes.empty() ? "" : std::string(to_string(report.codes[0])),
                        .equal = compared_anything(report) && report.equal(),
                        .within = compared_anything(report) && report.within(),
                        .proved = report.proved,
@@ -250,31 +254,25 @@ CheckOutcome outcome_without_verdict(const std::string& scenario, const std::str
                        .kind = kind_of(has_golden),
                        .exit = Exit::bad_input,
                        .verdict = "not judged: " + errors.at(0).message,
+                       .code = std::string(to_string(VerdictCode::undecided_bad_input)),
                        .details = to_string(errors)};
   outcome.json = {
-      {"scenario", scenario}, {"file", file}, {"verdict", outcome.verdict}, {"equal", false}, {"within", false}};
+      {"scenario", scenario}, {"file", file},    {"verdict", outcome.verdict},          {"code", outcome.code},
+      {"equal", false},       {"within", false}, {"codes", Json::array({outcome.code})}};
   return outcome;
 }
 
 std::string form_of(const CheckOutcome& outcome) {
-  const Json form{{"scenario", outcome.scenario},
-                  {"file", outcome.file},
-                  {"kind", outcome.kind},
-                  {"exit", outcome.exit},
-                  {"verdict", outcome.verdict},
-                  {"equal", outcome.equal},
-                  {"within", outcome.within},
-                  {"proved", outcome.proved},
-                  {"controller", outcome.controller},
-                  {"plant", outcome.plant},
-                  {"closed", outcome.closed},
-                  {"report", outcome.report},
-                  {"tick", outcome.tick ? Json(*outcome.tick) : Json()},
-                  {"line", outcome.line},
-                  {"seconds", outcome.seconds},
-                  {"notes", outcome.notes},
-                  {"details", outcome.details},
-                  {"json", outcome.json}};
+  const Json form{{"scenario", outcome.scenario}, {"file", outcome.file},
+                  {"kind", outcome.kind},         {"exit", outcome.exit},
+                  {"verdict", outcome.verdict},   {"code", outcome.code},
+                  {"equal", outcome.equal},       {"within", outcome.within},
+                  {"proved", outcome.proved},     {"controller", outcome.controller},
+                  {"plant", outcome.plant},       {"closed", outcome.closed},
+                  {"report", outcome.report},     {"tick", outcome.tick ? Json(*outcome.tick) : Json()},
+                  {"line", outcome.line},         {"seconds", outcome.seconds},
+                  {"notes", outcome.notes},       {"details", outcome.details},
+                  {"history", outcome.history},   {"json", outcome.json}};
   return form.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -287,6 +285,7 @@ CheckOutcome outcome_in(const std::string& text) {
   take("kind", outcome.kind);
   take("exit", outcome.exit);
   take("verdict", outcome.verdict);
+  take("code", outcome.code);
   take("equal", outcome.equal);
   take("within", outcome.within);
   take("proved", outcome.proved);
@@ -299,6 +298,7 @@ CheckOutcome outcome_in(const std::string& text) {
   take("seconds", outcome.seconds);
   take("notes", outcome.notes);
   take("details", outcome.details);
+  take("history", outcome.history);
   outcome.json = form.at("json");
   return outcome;
 }
@@ -312,6 +312,7 @@ Json json_of_checks(const std::vector<CheckOutcome>& all) {
   for (const CheckOutcome& outcome : all) scenarios.push_back(outcome.json);
   return {{"verdict", bad == all.end() ? fmt::format("{} as they should be", count_text(std::ssize(all), "scenario"))
                                        : bad->scenario + ": " + bad->verdict},
+          {"code", bad == all.end() ? Json() : Json(bad->code)},
           {"equal", all_are(&CheckOutcome::equal)},
           {"within", bad == all.end()},
           {"proved", all_are(&CheckOutcome::proved)},
@@ -321,6 +322,16 @@ Json json_of_checks(const std::vector<CheckOutcome>& all) {
             {"closed", together(all, &CheckOutcome::closed)}}},
           {"first", bad == all.end() ? Json() : scenarios[static_cast<std::size_t>(bad - all.begin())]["first"]},
           {"scenarios", scenarios}};
+}
+
+void tell_unjudged(const std::vector<CheckOutcome>& all) {
+  std::vector<std::string> names;
+  for (const CheckOutcome& outcome : all)
+    if (outcome.exit == Exit::bad_input) names.push_back(outcome.scenario);
+  if (names.empty() || all.size() < 2) return;
+  std::fflush(stdout);
+  fmt::print(stderr, "{} of {} scenarios {} judged: {}\n", names.size(), all.size(),
+             names.size() == 1 ? "wasn't" : "weren't", fmt::join(names, ", "));
 }
 
 void keep_index(const std::vector<CheckOutcome>& all, bool tells) {
@@ -361,7 +372,7 @@ Result<void> write_junit(const fs::path& file, const std::vector<CheckOutcome>& 
     if (one.state != CiCase::State::passed) {
       xml.OpenElement(one.state == CiCase::State::differs ? "failure" : "error");
       xml.PushAttribute("message", one.verdict.c_str());
-      xml.PushAttribute("type", word_of(one.state));
+      xml.PushAttribute("type", one.code.c_str());
       xml.PushText(fmt::format("{}:{}\n{}", one.file, one.line, one.details).c_str());
       xml.CloseElement();
     }

@@ -45,6 +45,7 @@ struct CheckOutcome {
   std::string kind;  // "golden" or "expectations"
   Exit exit = Exit::done;
   std::string verdict;  // one sentence
+  std::string code;     // of the verdict: "controller.changed"
   bool equal = false, within = false, proved = false;
   LevelState controller = LevelState::not_compared, plant = LevelState::not_compared, closed = LevelState::not_compared;
   std::string report = {};                          // an HTML file; empty: there is none
@@ -53,6 +54,7 @@ struct CheckOutcome {
   double seconds = 0.0;                             // wall time [s]
   std::vector<std::string> notes = {};              // on libraries that are out of date
   std::string details = {};                         // the verdict, the differences and what to do, in lines
+  std::string history = {};                         // the line for a history; empty: none is kept
   Json json = nullptr;                              // the object for the user; null: it wasn't wanted
 };
 
@@ -67,6 +69,9 @@ CheckOutcome outcome_in(const std::string& form);
 
 /// One object for several scenarios: the same members as for one, and each scenario in `scenarios`.
 Json json_of_checks(const std::vector<CheckOutcome>& all);
+
+/// Lists the scenarios that couldn't be judged on stderr, after the verdicts of the others.
+void tell_unjudged(const std::vector<CheckOutcome>& all);
 
 /// Lists the results beside the reports, and prints the address of the list. Without a failure an existing list is
 /// renewed, and no new one is made.

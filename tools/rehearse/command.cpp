@@ -43,6 +43,8 @@ constexpr VerbSummary verbs[] = {
      Program::rehearse, Rounding::matters, has_viewing, "viewing"},
     {"report", every_day, "one HTML file of a run for a browser: robot, plots, pictures, and its golden beside it",
      Program::rehearse, Rounding::is_none, has_viewing, "viewing"},
+    {"history", every_day, "how near to their bounds checks came, commit by commit: what drifts, jumps or is flaky",
+     Program::rehearse, Rounding::matters, has_viewing, "viewing"},
     {"doc", every_day, "show a page of the manual", Program::rehearse, Rounding::is_none},
     {"sweep", campaigns_and_audits,
      "run many variations of a scenario, report which fail and why, and shrink a failing one", Program::simulate,

@@ -47,7 +47,13 @@ Result<Slice> slice_of(const std::string& text) {
 }
 
 Exit exit_of(const CampaignSummary& summary) {
-  return summary.failed() == 0 && summary.unrepeated.empty() ? Exit::done : Exit::differs;
+  if (!summary.unrepeated.empty() || !summary.never_tried().empty()) return Exit::differs;
+  switch (summary.answer()) {
+    case ClaimAnswer::passes: return Exit::done;
+    case ClaimAnswer::fails: return Exit::differs;
+    case ClaimAnswer::undecided: break;
+  }
+  return Exit::odd;
 }
 
 void tell_verdicts(const CampaignSummary& summary) {
@@ -171,6 +177,8 @@ Exit run_new(SweepSettings& settings) {
   if (settings.in_slurm) return submit(*campaign, settings);
   if (!settings.plan) return work_and_finish(*campaign, settings);
   fmt::print("{}: {}\n", campaign->folder().string(), count_text(campaign->options().cases, "case"));
+  if (const auto claim = summary_of(*campaign); claim && claim->claim)
+    fmt::print("{}\n", plan_sentence(*claim->claim, campaign->options().cases));
   return Exit::done;
 }
 

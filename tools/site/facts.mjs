@@ -60,6 +60,12 @@ export function exitStatuses(source) {
   return [...text.matchAll(/(\w+) = (\d+)/g)].map(([, name, status]) => ({ name, status }));
 }
 
+/** The codes of verdicts: [{code, meaning}]. */
+export function verdictCodes(source) {
+  const text = readFileSync(join(source, 'harness/src/core/check/verdict_code.cpp'), 'utf8');
+  return [...text.matchAll(/\{\w+, "([^"]+)", "([^"]+)"\}/g)].map(([, code, meaning]) => ({ code, meaning }));
+}
+
 const kindsFolder = 'harness/src/core/kinds';
 
 /** The names of the kinds of channels, in the order of their list. */

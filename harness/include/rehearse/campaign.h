@@ -52,6 +52,7 @@ struct CaseResult {
   std::string hash;                  // of all messages of the run; empty: there was no run to its end
   std::int64_t ticks = 0;            // simulated
   std::vector<std::optional<double>> margins;  // by expectation, as ExpectationResult::margin
+  std::vector<bool> reached = {};              // by condition of `sometimes`
   std::int64_t errors =
       0;  // of controllers: kinds of numbers that aren't finite, and error lines; the verdict may pass
   std::string first_error;  // the first of them; empty: none

@@ -8,6 +8,8 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace rehearse {
@@ -18,14 +20,41 @@ struct Interval {
   double low = 0.0, high = 1.0;
 };
 
-/// The interval of a share with 95 % confidence: E. B. Wilson, Probable Inference, the Law of Succession, and
-/// Statistical Inference, Journal of the American Statistical Association 22 (1927), pp. 209-212. L. D. Brown, T. T.
-/// Cai, A. DasGupta, Interval Estimation for a Binomial Proportion, Statistical Science 16 (2001) recommend it.
-Interval wilson_interval(std::int64_t passed, std::int64_t all);
+/// The two-sided interval of a share, by default with 95 % confidence: E. B. Wilson, Probable Inference, the Law of
+/// Succession, and Statistical Inference, Journal of the American Statistical Association 22 (1927), pp. 209-212. L. D.
+/// Brown, T. T. Cai, A. DasGupta, Interval Estimation for a Binomial Proportion, Statistical Science 16 (2001)
+/// recommend it.
+Interval wilson_interval(std::int64_t passed, std::int64_t all, double confidence = 0.95);
 
-/// The interval with 95 % confidence of the share that passes, if the work ended with a failure (--until-failures): the
-/// exact one of inverse sampling, from the binomial distribution. `failed`: at least 1, of `all` cases.
-Interval inverse_interval(std::int64_t failed, std::int64_t all);
+/// The two-sided interval of the share that passes, by default with 95 % confidence, if the work ended with a failure
+/// (--until-failures): the exact one of inverse sampling, from the binomial distribution. `failed`: at least 1, of
+/// `all` cases.
+Interval inverse_interval(std::int64_t failed, std::int64_t all, double confidence = 0.95);
+
+/// The claim that a share of all possible cases passes (`pass_rate`).
+struct ClaimedRate {
+  double at_least = 1.0;     // above 0 and below 1
+  double confidence = 0.95;  // of the two-sided interval that decides
+};
+
+enum class ClaimAnswer {
+  passes,     // the interval is at or above the bound
+  fails,      // the interval is below the bound
+  undecided,  // the interval contains the bound
+};
+
+/// "passes", "fails" or "undecided".
+std::string_view to_string(ClaimAnswer answer);
+
+ClaimAnswer answer_of(const ClaimedRate& claim, const Interval& interval);
+
+/// The least number of cases whose Wilson interval decides the claim, in either direction, if this share of them
+/// passes. None: no number does, because the share is the bound itself, or too close to it for 10^12 cases.
+std::optional<std::int64_t> deciding_cases(const ClaimedRate& claim, double share);
+
+/// A sentence, without a full stop, on the cases that a claim needs, for a plan of `cases`: "at least 95 % pass, with
+/// 95 % confidence: this needs 73 cases if all pass, 381 if 97.5 % pass".
+std::string plan_sentence(const ClaimedRate& claim, std::int64_t cases);
 
 /// The quantile of sorted values, in proportion between the two values around it. The median of an even number of
 /// values (share 0.5) is the mean of the two in the middle. NaN if there are none.
@@ -51,12 +80,15 @@ double cramers_v(const std::vector<std::vector<std::int64_t>>& counts);
 struct CampaignSummary {
   std::int64_t cases = 0;  // of the plan
   std::array<std::int64_t, case_verdict_count> verdicts{};
-  std::int64_t missing = 0;              // cases without a result
-  std::int64_t repeated = 0;             // cases that ran twice
-  std::vector<std::int64_t> unrepeated;  // cases whose second run differed; at most 100 of them
-  std::int64_t with_errors = 0;          // cases whose controllers wrote numbers that aren't finite, or error lines
-  std::int64_t passed_with_errors = 0;   // those of them that pass
-  std::int64_t until_failures = 0;       // the work ended with this failure; 0: it didn't end with a failure
+  std::int64_t missing = 0;               // cases without a result
+  std::int64_t repeated = 0;              // cases that ran twice
+  std::vector<std::int64_t> unrepeated;   // cases whose second run differed; at most 100 of them
+  std::int64_t with_errors = 0;           // cases whose controllers wrote numbers that aren't finite, or error lines
+  std::int64_t passed_with_errors = 0;    // those of them that pass
+  std::optional<ClaimedRate> claim = {};  // of the scenario; none: every case must pass
+  /// The number of cases that reached each condition of `sometimes`, by its name.
+  std::vector<std::pair<std::string, std::int64_t>> reached = {};
+  std::int64_t until_failures = 0;  // the work ended with this failure; 0: it didn't end with a failure
 
   std::int64_t passed() const { return verdicts[0]; }
   std::int64_t judged() const { return cases - missing; }
@@ -64,7 +96,13 @@ struct CampaignSummary {
   /// The share of all cases that pass, estimated. If the work ended with failure K, 1 - (K - 1) / (cases - 1): J. B. S.
   /// Haldane, On a method of estimating frequencies, Biometrika 33 (1945). NaN: no estimate, as with K = 1.
   double share() const;
-  Interval interval() const;
+  Interval interval() const;   // with the confidence of the claim, else 95 %
+  ClaimAnswer answer() const;  // to the claim; without one it fails with the first case
+  /// The number of cases that would decide the claim, beyond those with a result, if their share that passes stays.
+  /// None: it is decided, or no number does.
+  std::optional<std::int64_t> more_cases() const;
+  /// The conditions of `sometimes` that no case reached, if all cases have a result.
+  std::vector<std::string> never_tried() const;
 };
 
 Result<CampaignSummary> summary_of(const Campaign& campaign);
@@ -72,12 +110,15 @@ Result<CampaignSummary> summary_of(const Campaign& campaign);
 /// A sentence, without a full stop: "981 of 1000 cases pass: 98.1 % (97.1 % to 98.8 %)".
 std::string verdict(const CampaignSummary& summary);
 
+/// "at least 95 % pass, with 95 % confidence", or that this is false, or undecided; of a summary with a claim.
+std::string claim_sentence(const CampaignSummary& summary);
+
 /// A sentence, without a full stop, on cases with errors of controllers; empty: there are none.
 std::string error_sentence(const CampaignSummary& summary);
 
-/// A JSON object: verdict, cases, verdicts (counts by name), missing, share and interval of those that pass (null: no
-/// estimate), until_failures (null: the work didn't end with a failure), repeated, unrepeated, with_errors,
-/// passed_with_errors.
+/// A JSON object: claim (null, or at_least, confidence, answer, more_cases), reached (cases by condition), verdict,
+/// cases, verdicts (counts by name), missing, share and interval of those that pass (null: no estimate), until_failures
+/// (null: the work didn't end with a failure), repeated, unrepeated, with_errors, passed_with_errors.
 std::string to_json(const CampaignSummary& summary);
 
 /// What else than the results differs between two campaigns with the same plan, a phrase each, as "the model arm.urdf":

@@ -18,6 +18,7 @@
 #include <rehearse/run_options.h>
 #include <rehearse/scenario.h>
 #include <rehearse/trace.h>
+#include <rehearse/verdict_code.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -171,6 +172,7 @@ struct CheckReport {
   LevelState plant = LevelState::not_compared;
   LevelState closed = LevelState::not_compared;
   std::string verdict;                    // one sentence, without a full stop; names the faulty part
+  std::vector<VerdictCode> codes;         // of the parts of the verdict, in its order; the first one is the check's
   std::string message;                    // for a person: the run's trace file, the next step; may be empty
   std::optional<Divergence> first;        // on the level that is most specific; none if all are equal
   std::optional<Divergence> first_bit;    // in any bit, of the same part; none: not known, or not apart from `first`
@@ -226,10 +228,11 @@ Result<CheckReport> check_scenario(const Scenario& scenario, const std::filesyst
 Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, GoldenMode mode,
                                  const CheckOptions& options, const Simulation& simulation);
 
-/// A JSON object with verdict, equal, within, not_reproduced, proved, simulated_from (null or a tick), not_proved (null
-/// or a sentence), levels (controller, plant, closed), first (as in compare.h) and comparisons (plant, closed: null, or
-/// as to_json(Comparison)). Further members: horizon (null or [s]), expectations and remarks. Each expectation has its
-/// text, line, whether it holds, and first: null, or series, tick, time and value.
+/// A JSON object with verdict, code (of its first part), codes, equal, within, not_reproduced, proved, simulated_from
+/// (null or a tick), not_proved (null or a sentence), levels (controller, plant, closed), first (as in compare.h) and
+/// comparisons (plant, closed: null, or as to_json(Comparison)). Further members: horizon (null or [s]), expectations
+/// and remarks. Each expectation has its text, line, whether it holds, and first: null, or series, tick, time and
+/// value.
 std::string to_json(const CheckReport& report);
 
 // Reproduction: whether a recording repeats itself here and now, bit for bit. Goldens and tolerances play no part.

@@ -46,7 +46,7 @@ std::string_view to_string(CaseVerdict verdict) { return verdict_names[static_ca
 
 bool CaseResult::repeats(const CaseResult& other) const {
   return verdict == other.verdict && sentence == other.sentence && tick == other.tick && hash == other.hash &&
-         ticks == other.ticks && margins == other.margins;
+         ticks == other.ticks && margins == other.margins && reached == other.reached;
 }
 
 Json json_of_result(const CaseResult& result) {
@@ -66,6 +66,7 @@ Json json_of_result(const CaseResult& result) {
     object["errors"] = result.errors;
     object["first_error"] = result.first_error;
   }
+  if (!result.reached.empty()) object["reached"] = result.reached;
   if (result.again) object["again"] = true;
   return object;
 }
@@ -84,6 +85,7 @@ std::optional<CaseResult> result_of_json(const Json& object) {
     result.ticks = object.at("ticks").get<std::int64_t>();
     for (const Json& margin : object.at("margins"))
       result.margins.push_back(margin.is_null() ? std::nullopt : std::optional(margin.get<double>()));
+    if (object.contains("reached")) result.reached = object.at("reached").get<std::vector<bool>>();
     result.seconds = object.at("seconds").get<double>();
     result.errors = object.value("errors", std::int64_t{0});
     result.first_error = object.value("first_error", "");

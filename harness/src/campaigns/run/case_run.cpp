@@ -15,6 +15,7 @@
 #include "campaigns/plan/result_lines.h"
 #include "core/check/unknown_series.h"
 #include "core/mcap/hashing.h"
+#include "core/scenario/campaign_claims.h"
 #include "core/trace/run_facts.h"
 
 namespace rehearse {
@@ -65,6 +66,20 @@ Result<void> compare_with_golden(const Scenario& scenario, const CampaignOptions
 
 void add_error(std::string text, CaseResult& result) {
   if (result.errors++ == 0) result.first_error = std::move(text);
+}
+
+/// The scenario whose expectations are followed by the conditions of `sometimes`.
+Scenario with_conditions(const Scenario& scenario) {
+  Scenario judged = scenario;
+  for (const SometimesClaim& claim : claims_of(scenario).sometimes) judged.expectations.push_back(claim.condition);
+  return judged;
+}
+
+/// Takes the results of the conditions from those of the expectations.
+void take_conditions(std::size_t expectations, JudgedRecording& judged, CaseResult& result) {
+  for (std::size_t i = expectations; i < judged.expectations.size(); ++i)
+    result.reached.push_back(judged.expectations[i].holds);
+  judged.expectations.resize(expectations);
 }
 
 /// Remarks on controllers that are errors, as numbers that aren't finite; without the failure itself.
@@ -144,16 +159,18 @@ Result<CaseRun> run_case(const std::filesystem::path& file, const std::string& t
     result.reason = without_numbers(result.sentence);
     result.tick = run->ticks;
   }
-  const auto judged = judge_recording(scenario->expectations, trace);
+  const Scenario conditional = with_conditions(*scenario);
+  auto judged = judge_recording(conditional.expectations, trace);
   if (!judged && !run->trace_changed) return judged.errors();  // its own process has just written it
   if (!judged) return invalid(judged.errors());
   CheckReport report;
   report.run = *run;
   report.expectations = judged->expectations;
-  if (const auto known = refuse_unknown_series(*scenario, report, {trace}); !known) {
+  if (const auto known = refuse_unknown_series(conditional, report, {trace}); !known) {
     const Diagnostic& problem = known.errors().front();
     return invalid({error(fmt::format("{} ({})", problem.message, problem.hint))});
   }
+  take_conditions(scenario->expectations.size(), *judged, result);
   result.hash = hash_text(judged->content);
   for (const ExpectationResult& expectation : judged->expectations) made.expectations.push_back(expectation.text);
   take_violation(*judged, result);

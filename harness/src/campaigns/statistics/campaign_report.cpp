@@ -1,5 +1,6 @@
 // The results of a campaign: its summary, and the files of its report.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
@@ -17,6 +18,7 @@
 #include "case_table.h"
 #include "core/golden/golden_files.h"
 #include "core/mcap/hashing.h"
+#include "core/scenario/campaign_claims.h"
 #include "model/text.h"
 
 namespace rehearse {
@@ -236,11 +238,24 @@ Json cells_of(const Campaign& campaign, const CaseTable& table, std::size_t a, s
           {"examples", unvisited}};
 }
 
+Json json_of_claim(const CampaignSummary& summary) {
+  if (!summary.claim) return nullptr;
+  const auto more = summary.more_cases();
+  return {{"at_least", summary.claim->at_least},
+          {"confidence", summary.claim->confidence},
+          {"answer", std::string(to_string(summary.answer()))},
+          {"more_cases", more ? Json(*more) : Json(nullptr)}};
+}
+
 Json json_of_summary(const CampaignSummary& summary) {
   Json verdicts = Json::object();
   for (std::size_t i = 0; i < case_verdict_count; ++i)
     verdicts[std::string(to_string(static_cast<CaseVerdict>(i)))] = summary.verdicts[i];
+  Json reached = Json::object();
+  for (const auto& [name, count] : summary.reached) reached[name] = count;
   return {{"verdict", verdict(summary)},
+          {"claim", json_of_claim(summary)},
+          {"reached", reached},
           {"cases", summary.cases},
           {"verdicts", verdicts},
           {"missing", summary.missing},
@@ -287,6 +302,10 @@ CampaignSummary summary_of(const Campaign& campaign, const CaseTable& table) {
     else
       ++summary.missing;
   }
+  const CampaignClaims claims = claims_of(campaign.scenario());
+  if (claims.pass_rate) summary.claim = ClaimedRate{claims.pass_rate->at_least, claims.pass_rate->confidence};
+  for (std::size_t i = 0; i < claims.sometimes.size(); ++i)
+    summary.reached.emplace_back(claims.sometimes[i].name, i < table.reached.size() ? table.reached[i] : 0);
   summary.repeated = table.repeated;
   summary.unrepeated = table.unrepeated;
   for (const auto& [number, text] : table.first_errors) {
@@ -388,6 +407,9 @@ Result<CaseTable> CaseTable::of(const Campaign& campaign) {
       table.reason_examples[place->second] = result.sentence;
       lowest[place->second] = result.number;
     }
+    table.reached.resize(std::max(table.reached.size(), result.reached.size()));
+    for (std::size_t condition = 0; condition < result.reached.size(); ++condition)
+      table.reached[condition] += result.reached[condition] ? 1 : 0;
     for (std::size_t e = 0; e < std::min(table.margins.size(), result.margins.size()); ++e)
       table.margins[e][i] = result.margins[e].value_or(none);
   });
@@ -429,7 +451,10 @@ std::string verdict(const CampaignSummary& summary) {
                         summary.until_failures, 100.0 * summary.share(), range);
   else
     text += fmt::format(": {:.4g} % ({})", 100.0 * summary.share(), range);
+  if (summary.claim) text += "; " + claim_sentence(summary);
   if (summary.missing > 0) text += fmt::format("; {} have no result yet", summary.missing);
+  if (const auto names = summary.never_tried(); !names.empty())
+    text = fmt::format("never tried: no case reached {}; {}", fmt::join(names, ", "), text);
   return text;
 }
 

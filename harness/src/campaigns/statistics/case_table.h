@@ -34,6 +34,8 @@ struct CaseTable {
 
   std::map<std::int64_t, std::string> first_errors;  // by case with errors
 
+  std::vector<std::int64_t> reached;  // by condition of `sometimes`: the number of cases
+
   std::int64_t repeated = 0;
   std::vector<std::int64_t> unrepeated;
 };

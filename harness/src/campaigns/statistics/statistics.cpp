@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "core/scenario/normal_quantile.h"
+
 namespace rehearse {
 namespace {
 
@@ -48,9 +50,10 @@ double binomial_bound(std::int64_t most, std::int64_t n, double at_most) {
 
 }  // namespace
 
-Interval wilson_interval(std::int64_t passed, std::int64_t all) {
+Interval wilson_interval(std::int64_t passed, std::int64_t all, double confidence) {
   if (all == 0) return {};
-  constexpr double z = 1.959963984540054;  // the normal quantile of 0.975
+  constexpr double usual = 1.959963984540054;  // the normal quantile of 0.975
+  const double z = confidence == 0.95 ? usual : normal_quantile(0.5 + 0.5 * confidence);
   const double n = static_cast<double>(all), share = static_cast<double>(passed) / n;
   const double middle = share + z * z / (2.0 * n);
   const double reach = z * std::sqrt(share * (1.0 - share) / n + z * z / (4.0 * n * n));
@@ -58,9 +61,9 @@ Interval wilson_interval(std::int64_t passed, std::int64_t all) {
   return {passed == 0 ? 0.0 : (middle - reach) * scale, passed == all ? 1.0 : (middle + reach) * scale};
 }
 
-Interval inverse_interval(std::int64_t failed, std::int64_t all) {
+Interval inverse_interval(std::int64_t failed, std::int64_t all, double confidence) {
   REHEARSE_ASSERT(failed >= 1 && failed <= all, "the work ended with a failure");
-  constexpr double tail = 0.025;
+  const double tail = confidence == 0.95 ? 0.025 : 0.5 - 0.5 * confidence;
   // more cases were needed with a smaller probability of a failure, and fewer with a larger one
   const double least = binomial_bound(failed - 1, all, 1.0 - tail);
   const double most = failed == all ? 1.0 : binomial_bound(failed - 1, all - 1, tail);
@@ -86,7 +89,9 @@ double CampaignSummary::share() const {
 }
 
 Interval CampaignSummary::interval() const {
-  return until_failures > 0 ? inverse_interval(failed(), judged()) : wilson_interval(passed(), judged());
+  const double confidence = claim ? claim->confidence : 0.95;
+  return until_failures > 0 ? inverse_interval(failed(), judged(), confidence)
+                            : wilson_interval(passed(), judged(), confidence);
 }
 
 double rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {

@@ -6,7 +6,9 @@
 #include <rehearse/replay.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "check_run.h"
@@ -102,6 +104,7 @@ std::optional<Blame> unsteady_controller(const Suspects& with, const Divergence&
   const auto unrepeated = first_unrepeated_tick(with.golden.file(), with.host);
   if (unrepeated && *unrepeated)
     return Blame{
+        {VerdictCode::controller_unsteady},
         fmt::format("the controller depends on something besides its recorded inputs: {}two replays of the golden "
                     "differ from each other at tick {}; fed with the golden's inputs, it differs at {}; it depends on "
                     "uninitialised memory, the clock, earlier runs or chance; `rehearse audit` finds the "
@@ -111,6 +114,7 @@ std::optional<Blame> unsteady_controller(const Suspects& with, const Divergence&
         first};
   if (!repeats_in_the_loop(evidence)) return std::nullopt;
   return Blame{
+      {VerdictCode::controller_unsteady},
       fmt::format(
           "an earlier run left data behind, or the controller depends on something besides its recorded "
           "inputs: in the closed loop it gave the golden's commands, but fed with the golden's inputs later in the "
@@ -123,6 +127,7 @@ std::optional<Blame> unsteady_controller(const Suspects& with, const Divergence&
 Blame same_controller(const Divergence& first, const ReplayReport& replayed) {
   const std::string files = files_text(replayed);
   return {
+      {VerdictCode::controller_surroundings_changed},
       fmt::format(
           "something beside the controller's inputs has changed since the recording: the controller is the recorded "
           "one, and two replays agree with each other, but fed with the golden's inputs it differs at {}{}",
@@ -134,19 +139,26 @@ Blame same_controller(const Divergence& first, const ReplayReport& replayed) {
 
 Blame blame_controller(const Suspects& with, const CheckReport& evidence) {
   if (!evidence.replay)
-    return {"the controllers can't be fed with the golden's inputs: " + evidence.controller_problem, std::nullopt};
+    return {{VerdictCode::controller_not_fed},
+            "the controllers can't be fed with the golden's inputs: " + evidence.controller_problem,
+            std::nullopt};
   if (!evidence.replay->first)
-    return {"the controller changed: fed with the golden's inputs, " + evidence.replay->failure->message +
+    return {{VerdictCode::controller_changed},
+            "the controller changed: fed with the golden's inputs, " + evidence.replay->failure->message +
                 files_text(*evidence.replay),
             std::nullopt};
   const Divergence& first = evidence.replay->beyond ? *evidence.replay->beyond : *evidence.replay->first;
   if (first.stage == Stage::inputs)
-    return {"the golden differs from the run that was recorded: at " + to_string(first), first};
+    return {{VerdictCode::golden_altered},
+            "the golden differs from the run that was recorded: at " + to_string(first),
+            first};
   if (auto unsteady = unsteady_controller(with, first, evidence)) return *std::move(unsteady);
   if (evidence.replay->same_controllers) return same_controller(first, *evidence.replay);
-  return {"the controller changed: " + earlier_words(*evidence.replay, first) +
+  return {{VerdictCode::controller_changed},
+          "the controller changed: " + earlier_words(*evidence.replay, first) +
               headline(*evidence.replay, "", "fed with the golden's inputs, it ") + files_text(*evidence.replay),
-          first, evidence.replay->first};
+          first,
+          evidence.replay->first};
 }
 
 /// The first difference of the state before `place`, if it shows that the physics changed; null: there is none.
@@ -198,40 +210,66 @@ std::string changed_files(const Comparison& comparison) {
 
 /// The cause of a difference of the plant, for a verdict.
 struct Cause {
+  std::vector<VerdictCode> codes;
   std::string subject;  // of "changed"; empty: only the stage is known
   std::string reason;   // the rest of the sentence
 };
+
+VerdictCode code_of(Stage stage) {
+  switch (stage) {
+    case Stage::sensors: return VerdictCode::sensors_changed;
+    case Stage::renderer: return VerdictCode::renderer_changed;
+    case Stage::controller: return VerdictCode::controller_changed;
+    case Stage::inputs: return VerdictCode::controller_inputs_changed;
+    case Stage::costs: return VerdictCode::costs_changed;
+    case Stage::physics: break;
+  }
+  return VerdictCode::physics_changed;
+}
+
+std::vector<VerdictCode> codes_of_files(const Comparison& comparison) {
+  std::vector<VerdictCode> codes;
+  const auto changed = static_cast<std::size_t>(std::ranges::count(comparison.changed_files, "scenario.yaml"));
+  if (changed > 0) codes.push_back(VerdictCode::scenario_changed);
+  if (comparison.changed_files.size() > changed) codes.push_back(VerdictCode::model_changed);
+  return codes;
+}
 
 Cause cause_of(const Suspects& with, const Divergence& place, const Comparison& comparison) {
   const std::string files = changed_files(comparison);
   const auto recorded = recorded_scenario(with.golden);
   const std::string also_changed = files.empty() ? "" : fmt::format("; changed since it was recorded: {}", files);
-  if (!recorded) return {"", also_changed};
+  const std::vector<VerdictCode> stage{code_of(place.stage)};
+  if (!recorded) return {stage, "", also_changed};
   if (place.stage != Stage::physics && is_noise(with, place, *recorded)) {
     const auto stated = RunFacts::of(with.golden).seed;
     const std::string seed = stated ? std::to_string(*stated) : "?";
-    if (seed == std::to_string(with.scenario.seed)) return {"the noise", "; with the golden's noise, the world agrees"};
-    return {"the random stream of the noise",
+    if (seed == std::to_string(with.scenario.seed))
+      return {{VerdictCode::noise_changed}, "the noise", "; with the golden's noise, the world agrees"};
+    return {{VerdictCode::noise_changed},
+            "the random stream of the noise",
             fmt::format("; with the golden's seed {} instead of {}, the world agrees", seed, with.scenario.seed)};
   }
-  if (files.empty()) return {"", "; scenario and models are what they were: the simulation itself changed"};
+  if (files.empty()) return {stage, "", "; scenario and models are what they were: the simulation itself changed"};
   const bool has_meshes = std::any_of(recorded->bodies.begin(), recorded->bodies.end(), [](const ScenarioBody& body) {
     return std::any_of(body.model->links.begin(), body.model->links.end(), [](const Link& link) {
       return std::any_of(link.collisions.begin(), link.collisions.end(), is_mesh);
     });
   });
-  if (has_meshes) return {"", also_changed};
+  if (has_meshes) return {stage, "", also_changed};
   PlantOptions options;
   options.until = place.tick;
   const auto again = plant_again(with, *recorded, options);
-  if (!again) return {"", also_changed};
-  if (again->within) return {files, "; with the recorded version, the world agrees"};
-  return {"", fmt::format("; {} changed, too, but with the recorded version the world also differs", files)};
+  if (!again) return {stage, "", also_changed};
+  if (again->within) return {codes_of_files(comparison), files, "; with the recorded version, the world agrees"};
+  return {stage, "", fmt::format("; {} changed, too, but with the recorded version the world also differs", files)};
 }
 
 Blame blame_plant(const Suspects& with, const CheckReport& evidence) {
   if (!evidence.plant_comparison)
-    return {"the world can't be moved by the golden's commands: " + evidence.plant_problem, std::nullopt};
+    return {{VerdictCode::world_not_moved},
+            "the world can't be moved by the golden's commands: " + evidence.plant_problem,
+            std::nullopt};
   const Comparison& comparison = *evidence.plant_comparison;
   Divergence place = *comparison.first;
   const bool is_whole = evidence.plant_run.has_value();  // else the worst may follow
@@ -245,7 +283,8 @@ Blame blame_plant(const Suspects& with, const CheckReport& evidence) {
   }
   const bool innocent = evidence.controller == LevelState::equal && evidence.replay && evidence.replay->values > 0;
   const Cause cause = cause_of(with, place, comparison);
-  return {fmt::format("{} changed{}: under the golden's commands, {}{}{}",
+  return {cause.codes,
+          fmt::format("{} changed{}: under the golden's commands, {}{}{}",
                       cause.subject.empty() ? to_string(place.stage) : cause.subject,
                       innocent ? ", the controller did not" : "", news, since, cause.reason),
           place, since.empty() ? comparison.first_bit : std::nullopt};
@@ -256,30 +295,36 @@ Blame blame_loop(const Suspects& with, const CheckReport& evidence) {
   const Comparison& comparison = *evidence.comparison;
   const Divergence& first = *comparison.first;
   const bool both_known = evidence.controller == LevelState::equal && evidence.plant != LevelState::not_compared;
-  if (!both_known) return {verdict(comparison), first};
+  if (!both_known) return {{VerdictCode::run_changed}, verdict(comparison), first};
   const Divergence& bit = *comparison.first_bit;
   const bool follows_state = state_before(first, comparison, with.golden) != nullptr;
   if (bit.stage == Stage::inputs || (first.stage == Stage::inputs && !follows_state))
-    return {"the controller got other inputs than in the golden: the run " + verdict(comparison), first};
+    return {{VerdictCode::controller_inputs_changed},
+            "the controller got other inputs than in the golden: the run " + verdict(comparison),
+            first};
   if (evidence.plant == LevelState::within)
-    return {fmt::format("no part changed beyond its tolerance, but the loop amplifies small changes: the run {}",
+    return {{VerdictCode::loop_amplified},
+            fmt::format("no part changed beyond its tolerance, but the loop amplifies small changes: the run {}",
                         verdict(comparison)),
             first};
   Divergence place = first;  // the world follows its commands: if it differs, they differed
   place.stage = Stage::controller;
   if (!comparison.changed_files.empty())
-    return {fmt::format("the controller depends on a change in {}: with the golden's version, it repeats its recorded "
+    return {codes_of_files(comparison),
+            fmt::format("the controller depends on a change in {}: with the golden's version, it repeats its recorded "
                         "commands, with the present one it doesn't; the run {}",
                         changed_files(comparison), verdict(comparison)),
             place};
   const auto unrepeated = first_unrepeated_tick(with.actual, with.host);
   if (unrepeated && *unrepeated)
     return {
+        {VerdictCode::controller_unsteady},
         fmt::format("the controller depends on something besides its recorded inputs: two replays of this run differ "
                     "from each other at tick {}; the run {}; `rehearse audit` finds the cause",
                     **unrepeated, verdict(comparison)),
         place};
-  return {"the controller repeats the golden's commands and the world follows them, but the run " + verdict(comparison),
+  return {{VerdictCode::run_changed},
+          "the controller repeats the golden's commands and the world follows them, but the run " + verdict(comparison),
           first};
 }
 
@@ -305,11 +350,13 @@ std::optional<Blame> changed_costs(const CheckReport& report) {
   if (report.controller == LevelState::differs || report.plant == LevelState::differs) return std::nullopt;
   const Divergence& place = *report.comparison->first;
   const ChannelName name = ChannelName::parse(place.channel);
-  return Blame{fmt::format("the costs of control() of {}/{} changed, its commands did not: {}; "
+  return Blame{{VerdictCode::costs_changed},
+               fmt::format("the costs of control() of {}/{} changed, its commands did not: {}; "
                            "`rehearse audit --realtime` names the lines",
                            name.body, name.owner,
                            headline_of(place, worst_of_channel(*report.comparison, place), {.when = when_text(place)})),
-               place, report.comparison->first_bit};
+               place,
+               report.comparison->first_bit};
 }
 
 /// The part of the loop that differs, if the scenario is the recorded one.
@@ -320,9 +367,11 @@ Blame guilty_part(const Suspects& suspects, const CheckReport& report) {
   const bool plant_differs = evidence.plant == LevelState::differs;
   if (controller_differs && plant_differs) {
     const Blame controller = blame_controller(suspects, evidence), plant = blame_plant(suspects, evidence);
+    std::vector<VerdictCode> codes = controller.codes;
+    codes.insert(codes.end(), plant.codes.begin(), plant.codes.end());
     const bool plant_first = plant.place && (!controller.place || comes_before(*plant.place, *controller.place));
-    return {controller.sentence + "; besides, " + plant.sentence, plant_first ? plant.place : controller.place,
-            plant_first ? plant.bit : controller.bit};
+    return {std::move(codes), controller.sentence + "; besides, " + plant.sentence,
+            plant_first ? plant.place : controller.place, plant_first ? plant.bit : controller.bit};
   }
   if (controller_differs) return blame_controller(suspects, evidence);
   if (plant_differs) return blame_plant(suspects, evidence);
@@ -334,7 +383,9 @@ Blame guilty_part(const Suspects& suspects, const CheckReport& report) {
   std::optional<Divergence> bit;
   if (report.comparison) bit = report.comparison->first_bit;
   if (!bit && report.plant_comparison) bit = report.plant_comparison->first_bit;
-  return {nothing_differs(suspects, report), bit};
+  const std::array levels{report.controller, report.plant, report.closed};
+  const bool is_equal = std::ranges::count(levels, LevelState::within) == 0;
+  return {{is_equal ? VerdictCode::same : VerdictCode::within_tolerance}, nothing_differs(suspects, report), bit};
 }
 
 }  // namespace
@@ -347,11 +398,13 @@ Blame find_guilty(const Suspects& suspects, const CheckReport& report) {
   if (const std::string change = structure_change(std::string(recorded->text()), suspects.scenario.text);
       !change.empty()) {
     found.sentence = "the scenario changed: " + change;
+    found.codes = {VerdictCode::scenario_changed};
   } else {
     const auto earlier = recorded_scenario(suspects.golden);
     std::string of_model = earlier ? model_change(*earlier, suspects.scenario) : "";
     if (of_model.empty()) return found;
     found.sentence = std::move(of_model);
+    found.codes = {VerdictCode::model_changed};
   }
   found.bit.reset();
   found.is_of_structure = true;

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace rehearse {
 
@@ -21,6 +22,7 @@ struct Suspects {
 };
 
 struct Blame {
+  std::vector<VerdictCode> codes;                // of the parts of the sentence, in its order
   std::string sentence;                          // without a full stop
   std::optional<Divergence> place;               // the first difference beyond tolerance, if there is one
   std::optional<Divergence> bit = std::nullopt;  // the first difference in any bit; none: the sentence states it

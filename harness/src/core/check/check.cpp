@@ -6,6 +6,7 @@
 
 #include "blame.h"
 #include "check_run.h"
+#include "code_of.h"
 #include "core/compare/compare_structure.h"
 #include "core/compare/compared_files.h"
 #include "core/compare/scenario_changes.h"
@@ -124,7 +125,10 @@ Result<void> Check::check_proved(const Proof& proof) {
           ? "proved without simulating: the world is the one that made the golden, and the controllers repeat its "
             "commands"
           : "proved without simulating: the world is the one that made the golden";
-  if (!report.expectations.empty()) report.verdict += "; " + verdict(report.expectations);
+  report.codes = {VerdictCode::same};
+  if (report.expectations.empty()) return {};
+  report.verdict += "; " + verdict(report.expectations);
+  report.codes.push_back(code_of(report.expectations));
   return {};
 }
 
@@ -227,6 +231,7 @@ Result<void> Check::check_closed() {
 /// Reports a changed time step. No tick is compared, but the run may become the next golden, so its expectations are
 /// judged.
 Result<void> Check::tell_time_step(const Divergence& change) {
+  report.codes = {VerdictCode::time_step_changed};
   report.verdict =
       fmt::format("the scenario's time step changed: it is {} s, and the golden's {} s; nothing was compared",
                   change.actual, change.expected);
@@ -249,6 +254,7 @@ void Check::tell_duration(const Divergence& change, const Trace& fresh) {
       fmt::format("the scenario's duration changed: it is {} s, and the golden's {} s", change.actual, change.expected);
   const bool is_alone = !any_level_differs(report) && !report.not_reproduced;
   report.verdict = is_alone ? sentence + "; " + report.verdict : report.verdict + "; besides, " + sentence;
+  report.codes.insert(is_alone ? report.codes.begin() : report.codes.end(), VerdictCode::duration_changed);
   if (!is_alone) return;
   report.first = change;
   report.other_duration = true;
@@ -278,6 +284,7 @@ Result<void> Check::test_reproduction() {
     return {};
   }
   report.not_reproduced = true;
+  report.codes = {VerdictCode::golden_not_certified};
   return {};
 }
 
@@ -289,7 +296,9 @@ void Check::judge_by_expectations(const Trace& fresh) {
   const bool is_alone = violation && !any_level_differs(report) && !report.not_reproduced && !report.other_duration;
   const bool failed = report.run && report.run->ending();
   // a run that a controller ended violates expectations because of that
-  report.verdict = violation && !failed ? judged + "; " + report.verdict : report.verdict + "; " + judged;
+  const bool leads = violation && !failed;
+  report.verdict = leads ? judged + "; " + report.verdict : report.verdict + "; " + judged;
+  report.codes.insert(leads ? report.codes.begin() : report.codes.end(), code_of(report.expectations));
   if (is_alone) report.first = divergence_of(*violation, fresh);
   report.message += violation_lines(report.expectations);
 }
@@ -306,14 +315,17 @@ void Check::blame() {
                                    plant_trace().concat(".again")},
                                   report);
   report.verdict = found.sentence;
+  report.codes = found.codes;
   report.first = found.place;
   report.first_bit = found.bit;
   const std::vector<std::string> other_inputs = report.replay       ? report.replay->other_inputs
                                                 : report.comparison ? report.comparison->other_inputs
                                                                     : std::vector<std::string>();
-  if (!other_inputs.empty() && !found.is_of_structure)
+  if (!other_inputs.empty() && !found.is_of_structure) {
+    report.codes.push_back(VerdictCode::controller_inputs_changed);
     report.verdict = any_level_differs(report) ? report.verdict + "; " + other_inputs_sentence(other_inputs)
                                                : other_inputs_sentence(other_inputs) + "; " + report.verdict;
+  }
   if (report.first || !report.comparison) return;
   report.first = report.comparison->first;  // a part that couldn't be compared alone has no place
   if (report.first && !report.controller_problem.empty()) report.first->stage = Stage::controller;
@@ -433,6 +445,7 @@ Result<CheckReport> sampled(Check check) {
   if (!again) return again;
   if (again->equal()) return std::move(check.report);
   again->verdict = "the proof was wrong: it found no change since the golden, but simulated: " + again->verdict;
+  again->codes.insert(again->codes.begin(), VerdictCode::proof_wrong);
   again->proof_was_wrong = true;
   return again;
 }
@@ -467,6 +480,7 @@ Result<CheckReport> check_scenario(const Scenario& plain, const fs::path& golden
   check.report.not_proved = proof.objection();
   check.world_is_known = proof.holds();
   if (auto done = check.simulate(); !done) return done.errors();
+  if (check.report.failed()) check.report.codes.insert(check.report.codes.begin(), code_of_failure(check.report));
   if (auto known = refuse_unknown_series(scenario, check.report, {golden, actual}); !known) {
     remove_run_of(actual);
     return known.errors();

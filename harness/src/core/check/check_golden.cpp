@@ -3,6 +3,7 @@
 #include <rehearse/compare.h>
 
 #include "check_run.h"
+#include "code_of.h"
 #include "core/mcap/hashing.h"
 #include "core/recording/provenance.h"
 #include "core/trace/run_facts.h"
@@ -31,6 +32,7 @@ Result<CheckReport> check_by_expectations(const Scenario& scenario, const fs::pa
     return known.errors();
   }
   report.verdict = verdict(report.expectations);
+  report.codes = {code_of(report.expectations)};
   if (const ExpectationResult* violation = first_violation(report.expectations)) {
     const auto fresh = Trace::load_in_pieces(actual, [](const Trace&) {});
     if (!fresh) return fresh.errors();
@@ -49,6 +51,7 @@ Result<bool> certify_candidate(const Scenario& scenario, const fs::path& actual,
   if (!found) return found.errors();
   if (found->reproduced()) return true;
   report.not_reproduced = true;
+  report.codes = {VerdictCode::golden_not_certified};
   report.verdict = fmt::format("this run becomes no golden: {}", found->verdict);
   report.first = found->first;
   report.message = fmt::format("this run: {}", actual.string());
@@ -69,6 +72,7 @@ Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, G
   if (!report) return report;
   if (const Diagnostic* ending = report->run->ending()) {
     report->closed = LevelState::no_golden;
+    report->codes = {code_of_failure(*report), VerdictCode::golden_missing};
     report->verdict = ending->message;
     report->message = fmt::format("this run: {}{}", actual.string(), debugging_advice(*report->run, actual));
     return report;
@@ -77,6 +81,7 @@ Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, G
   const std::string judged = report->verdict.empty() ? "" : "; " + report->verdict;
   if (mode == GoldenMode::check || violated) {
     report->closed = LevelState::no_golden;
+    report->codes.insert(report->codes.begin(), VerdictCode::golden_missing);
     report->verdict = fmt::format("there is no golden {}{}", store.trace_file(scenario.golden).string(), judged);
     if (!violated)
       report->message = fmt::format("this run: {}\n{}", actual.string(), acceptance_advice(scenario.golden));
@@ -87,6 +92,7 @@ Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, G
   if (!*certified) return report;
   if (auto accepted = store.accept_pending(scenario.golden); !accepted) return accepted.errors();
   report->golden_written = true;
+  report->codes.insert(report->codes.begin(), VerdictCode::golden_written);
   report->verdict = fmt::format("wrote the new golden {}{}", store.trace_file(scenario.golden).string(), judged);
   return report;
 }
@@ -96,6 +102,7 @@ Result<CheckReport> check_without_golden(const Scenario& scenario, const fs::pat
                                          const Simulation& simulation) {
   auto report = check_by_expectations(scenario, actual, options, simulation);
   std::error_code ignored;
+  if (report && report->failed()) report->codes.insert(report->codes.begin(), code_of_failure(*report));
   if (report && report->within()) fs::remove(actual, ignored);
   return report;
 }

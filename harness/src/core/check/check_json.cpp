@@ -44,6 +44,8 @@ nlohmann::ordered_json json_of(const ExpectationResult& result) {
 nlohmann::ordered_json json_of(const CheckReport& report) {
   nlohmann::ordered_json object{
       {"verdict", report.verdict},
+      {"code", report.codes.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(to_string(report.codes[0]))},
+      {"codes", nlohmann::ordered_json::array()},
       {"equal", report.equal()},
       {"within", report.within()},
       {"not_reproduced", report.not_reproduced},
@@ -59,6 +61,7 @@ nlohmann::ordered_json json_of(const CheckReport& report) {
       {"horizon", nullptr},
       {"expectations", nlohmann::ordered_json::array()},
       {"remarks", report.remarks}};
+  for (const VerdictCode code : report.codes) object["codes"].push_back(to_string(code));
   if (report.simulated_from) object["simulated_from"] = *report.simulated_from;
   if (!report.not_proved.empty()) object["not_proved"] = report.not_proved;
   if (report.horizon) object["horizon"] = *report.horizon;

@@ -10,7 +10,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <vector>
 
+#include "core/check/code_of.h"
 #include "core/check/compared.h"
 #include "core/check/noise_floor.h"
 #include "core/check/unknown_series.h"
@@ -18,6 +20,7 @@
 #include "core/mcap/glob.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
+#include "test_history.h"
 #include "test_recordings.h"
 #include "test_reports.h"
 
@@ -177,6 +180,22 @@ TestVerdict check_levels(const Trace& trace, const std::string& test, const Scen
   return {false, text_of(*report, store.trace_file(test), test)};
 }
 
+/// The code of a run that was compared with its golden as a whole.
+VerdictCode code_of(const GoldenResult& settled) {
+  if (settled.written) return VerdictCode::golden_written;
+  if (!settled.comparison) return settled.passed ? VerdictCode::same : VerdictCode::golden_missing;
+  if (!settled.comparison->within) return VerdictCode::run_changed;
+  return settled.comparison->equal ? VerdictCode::same : VerdictCode::within_tolerance;
+}
+
+/// The codes of a comparison and of its expectations.
+std::vector<VerdictCode> codes_of(const GoldenResult& settled, const std::vector<ExpectationResult>& expectations) {
+  std::vector<VerdictCode> codes{code_of(settled)};
+  if (!expectations.empty())
+    codes.insert(first_violation(expectations) ? codes.begin() : codes.end(), rehearse::code_of(expectations));
+  return codes;
+}
+
 /// The verdict on a recording, and the findings on the way to it, for its report.
 TestVerdict judge(const Trace& trace, const std::string& test, const MatchOptions& options, GoldenStore& store,
                   ComparedTest& compared) {
@@ -207,6 +226,10 @@ TestVerdict judge(const Trace& trace, const std::string& test, const MatchOption
   const bool is_compared = wants(options, Level::closed) || *mode != GoldenMode::check || !store.has(test);
   GoldenResult result = is_compared ? store.settle(test, trace, scenario->tolerances, *mode, settling)
                                     : GoldenResult{true, "", std::nullopt, false};
+  compared.in_brief.codes = codes_of(result, expectations);
+  compared.in_brief.expectations = expectations;
+  compared.in_brief.proved = is_proved(trace);
+  if (result.comparison) compared.in_brief.first = result.comparison->first;
   if (result.written) {
     fmt::print("{}\n", result.message);
     return {result.passed, std::move(result.message)};
@@ -233,6 +256,11 @@ TestVerdict match_golden(const Trace& trace, const std::string& test, const Matc
   ComparedTest compared;
   TestVerdict verdict = judge(trace, test, options, store, compared);
   if (compared.golden.empty()) return verdict;  // nothing was compared, because the options were wrong
+  if (compared.checked) {
+    compared.in_brief.codes = compared.checked->codes;
+    compared.in_brief.first = compared.checked->first;
+  }
+  keep_in_history(test, compared.in_brief, verdict);
   if (!verdict.passed && fs::exists(store.pending_file(test)))
     if (auto kept = store.keep_pending_verdict(test, verdict.message.substr(0, verdict.message.find('\n'))); !kept)
       verdict.message += "\n" + to_string(kept.errors());
@@ -256,6 +284,12 @@ TestVerdict hold_expectations(const Trace& trace, const std::string& test) {
   TestVerdict verdict{violations.empty(), violations.empty() ? "" : violations.substr(1) + "\n" + closest};
   ComparedTest compared;
   compared.scenario = scenario_file_of(trace);
+  compared.in_brief.codes = {rehearse::code_of(results)};
+  compared.in_brief.expectations = results;
+  compared.in_brief.proved = is_proved(trace);
+  if (const ExpectationResult* violation = first_violation(results))
+    compared.in_brief.first = divergence_of(*violation, trace);
+  keep_in_history(test + ".expectations", compared.in_brief, verdict);
   const std::string told = keep_test_report(trace, test, "expectations", verdict, compared);
   if (!verdict.passed) verdict.message += told;
   return verdict;

@@ -25,6 +25,7 @@ struct ComparedTest {
   std::vector<ToleranceRule> tolerances;
   std::optional<double> horizon;       // [s]
   std::optional<CheckReport> checked;  // the check on all levels; none: only the recording was compared
+  CheckReport in_brief;                // what a history keeps of it, if it wasn't checked
   bool differs_in_bits_alone = false;  // the failure is a difference within tolerance
 };
 

@@ -1,0 +1,95 @@
+// The claim on the share of cases that pass, and its three answers.
+#include <fmt/format.h>
+#include <rehearse/campaign_report.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/scenario/normal_quantile.h"
+#include "model/text.h"
+
+namespace rehearse {
+namespace {
+
+/// True if the Wilson interval of n cases, of which this share passes, doesn't contain the bound. The bound is outside
+/// if the share is farther from it than z deviations of a binomial share at the bound, which is how Wilson's interval
+/// is defined.
+bool decides(const ClaimedRate& claim, double share, double n) {
+  const double z = normal_quantile(0.5 + 0.5 * claim.confidence);
+  const double distance = share - claim.at_least;
+  return n * distance * distance >= z * z * claim.at_least * (1.0 - claim.at_least);
+}
+
+}  // namespace
+
+std::string_view to_string(ClaimAnswer answer) {
+  switch (answer) {
+    case ClaimAnswer::passes: return "passes";
+    case ClaimAnswer::fails: return "fails";
+    case ClaimAnswer::undecided: return "undecided";
+  }
+  return "";
+}
+
+ClaimAnswer answer_of(const ClaimedRate& claim, const Interval& interval) {
+  if (interval.low >= claim.at_least) return ClaimAnswer::passes;
+  return interval.high < claim.at_least ? ClaimAnswer::fails : ClaimAnswer::undecided;
+}
+
+std::optional<std::int64_t> deciding_cases(const ClaimedRate& claim, double share) {
+  constexpr std::int64_t most = 1'000'000'000'000;
+  if (std::isnan(share) || !decides(claim, share, static_cast<double>(most))) return std::nullopt;
+  std::int64_t low = 0, high = most;  // low doesn't decide
+  while (high - low > 1) {
+    const std::int64_t middle = low + (high - low) / 2;
+    (decides(claim, share, static_cast<double>(middle)) ? high : low) = middle;
+  }
+  return high;
+}
+
+std::string plan_sentence(const ClaimedRate& claim, std::int64_t cases) {
+  const double between = 0.5 * (1.0 + claim.at_least);
+  const std::int64_t least = *deciding_cases(claim, 1.0);
+  std::string text = fmt::format(
+      "that at least {:.6g} % pass, with {:.6g} % confidence, needs {} cases if all pass, and {} if {:.6g} % pass",
+      100.0 * claim.at_least, 100.0 * claim.confidence, least, deciding_cases(claim, between).value_or(0),
+      100.0 * between);
+  if (cases < least) text += fmt::format("; this plan has {}, which can't show it", cases);
+  return text;
+}
+
+ClaimAnswer CampaignSummary::answer() const {
+  if (!claim) return failed() == 0 ? ClaimAnswer::passes : ClaimAnswer::fails;
+  return answer_of(*claim, interval());
+}
+
+std::optional<std::int64_t> CampaignSummary::more_cases() const {
+  if (!claim || answer() != ClaimAnswer::undecided) return std::nullopt;
+  const auto all = deciding_cases(*claim, share());
+  if (!all) return std::nullopt;
+  return std::max<std::int64_t>(1, *all - judged());
+}
+
+std::string claim_sentence(const CampaignSummary& summary) {
+  REHEARSE_ASSERT(summary.claim, "the campaign has a claim");
+  const std::string what = fmt::format("at least {:.6g} % pass, with {:.6g} % confidence",
+                                       100.0 * summary.claim->at_least, 100.0 * summary.claim->confidence);
+  switch (summary.answer()) {
+    case ClaimAnswer::passes: return what;
+    case ClaimAnswer::fails: return "it is false that " + what;
+    case ClaimAnswer::undecided: break;
+  }
+  const auto more = summary.more_cases();
+  return fmt::format("it is undecided whether {}: {}", what,
+                     more ? count_text(*more, "more case") + " would decide it if the rate stays"
+                          : "no number of cases decides it if the rate stays");
+}
+
+std::vector<std::string> CampaignSummary::never_tried() const {
+  std::vector<std::string> names;
+  for (const auto& [name, count] : reached)
+    if (count == 0 && missing == 0) names.push_back(name);
+  return names;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,77 @@
+#include "campaign_claims.h"
+
+#include <rehearse/diagnostic.h>
+
+#include <utility>
+
+#include "declared_source.h"
+#include "scenario_values.h"
+
+namespace rehearse {
+namespace {
+
+std::optional<PassRateClaim> read_pass_rate(Findings& findings, const YamlNode& node) {
+  const Keys keys(findings, node, "a pass rate", {"at_least", "confidence"});
+  if (!keys.is_map()) return std::nullopt;
+  constexpr Range any_share{0.0, 1.0, "", true, true};
+  constexpr Range any_confidence{0.5, 1.0, "", false, true};
+  PassRateClaim claim;
+  if (keys.require("at_least", "a share between 0 and 1 of the cases, as 0.95") != nullptr)
+    keys.number("at_least", any_share, claim.at_least);
+  keys.number("confidence", any_confidence, claim.confidence);
+  return claim;
+}
+
+/// Reports mistakes in the condition that the scenario alone shows.
+void declare(Findings& findings, const YamlNode& node, const Scenario& scenario, Expectation& condition) {
+  for (const ExpressionMistake& mistake : declare_expressions(scenario, condition)) {
+    const Diagnostic told =
+        in_expression(mistake.diagnostic, condition.expression, {scenario.file, node.line, node.column}, node.quoted);
+    YamlNode place;
+    place.line = told.line;
+    place.column = told.column;
+    findings.error(place, told.message, told.hint);
+  }
+}
+
+std::vector<SometimesClaim> read_sometimes(Findings& findings, const YamlNode& node, const Scenario& scenario) {
+  std::vector<SometimesClaim> claims;
+  if (node.kind != YamlNode::Kind::map || node.keys.empty()) {
+    expected(findings, node, "sometimes", "a map from names to conditions, as it stumbled: \"abs(Arm/ROD/pitch) > 1\"");
+    return claims;
+  }
+  for (const NamedEntry& entry : read_entries(findings, node)) {
+    const YamlNode& value = *entry.value;
+    const auto text = read_text(findings, value, "a condition of sometimes", "a condition as \"SR1/KNEE/u < 100\"");
+    if (!text) continue;
+    SometimesClaim claim{entry.name, {}};
+    claim.condition.place = {scenario.file, value.line, value.column};
+    claim.condition.subject = Expectation::Subject::expression;
+    claim.condition.quantifier = Expectation::Quantifier::eventually;
+    claim.condition.expression = *text;
+    declare(findings, value, scenario, claim.condition);
+    claims.push_back(std::move(claim));
+  }
+  return claims;
+}
+
+}  // namespace
+
+CampaignClaims read_claims(Findings& findings, const YamlNode* pass_rate, const YamlNode* sometimes,
+                           const Scenario& scenario) {
+  CampaignClaims claims;
+  if (pass_rate) claims.pass_rate = read_pass_rate(findings, *pass_rate);
+  if (sometimes) claims.sometimes = read_sometimes(findings, *sometimes, scenario);
+  return claims;
+}
+
+CampaignClaims claims_of(const Scenario& scenario) {
+  const Result<YamlNodePtr> root = parse_yaml(scenario.text, scenario.file);
+  if (!root) return {};  // it was made by a program, not from a file
+  Findings findings(scenario.file);
+  CampaignClaims claims = read_claims(findings, find_key(**root, "pass_rate"), find_key(**root, "sometimes"), scenario);
+  REHEARSE_ASSERT(!findings.any_error(), "a scenario that was loaded has no mistake");
+  return claims;
+}
+
+}  // namespace rehearse
