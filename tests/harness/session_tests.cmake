@@ -39,6 +39,7 @@ rehearse_add_test(session_tests LABEL sim SHARDS 6
     session/reproduction_test.cpp
     session/run_test.cpp
     session/self_collision_test.cpp
+    session/sensor_errors_test.cpp
     session/source_age_test.cpp
     session/traps_test.cpp
     session/words_test.cpp
