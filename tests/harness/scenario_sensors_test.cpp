@@ -106,7 +106,7 @@ TEST(ScenarioSensors, AreNamedByNoiseAndCameras) {
       "      - {name: Low, type: gyro, link: BASE}\n      - {name: Cam, type: camera, link: BASE, rate: 10}\n"
       "noise: [{sensor: Head/Low, angular_velocity: {stddev: 0.5}}]\ncameras: [Head/Cam]\n"
       "vary: {rate: {path: \"bodies.Head.sensors[1].rate\", uniform: [1, 30]}}\n");
-  EXPECT_EQ(scenario.bodies[0].noise.devices.at(0).quantities.at(0).stddev, 0.5);
+  EXPECT_EQ(scenario.bodies[0].errors.devices.at(0).quantities.at(0).of("stddev").x(), 0.5);
   EXPECT_TRUE(scenario.runs_camera("Head", "Cam"));
   EXPECT_FALSE(scenario.runs_camera("Head", "Eye"));
 }

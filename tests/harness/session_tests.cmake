@@ -23,6 +23,7 @@ rehearse_add_test(session_tests LABEL sim SHARDS 6
     session/controller_watch_test.cpp
     session/failures_test.cpp
     session/golden_samples_test.cpp
+    session/hardware_test.cpp
     session/joystick_test.cpp
     session/lifecycle_test.cpp
     session/lights_test.cpp
@@ -39,6 +40,7 @@ rehearse_add_test(session_tests LABEL sim SHARDS 6
     session/reproduction_test.cpp
     session/run_test.cpp
     session/self_collision_test.cpp
+    session/sensor_errors_test.cpp
     session/source_age_test.cpp
     session/traps_test.cpp
     session/words_test.cpp
@@ -46,7 +48,9 @@ rehearse_add_test(session_tests LABEL sim SHARDS 6
   LIBRARIES Rehearse::simulation Rehearse::harness Rehearse::logs Rehearse::world Rehearse::cnoid)
 target_include_directories(session_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(session_tests PRIVATE
-  CXX_COMPILER="${CMAKE_CXX_COMPILER}" TEST_CONTROLLERS="${test_controllers}")
+  CXX_COMPILER="${CMAKE_CXX_COMPILER}" TEST_CONTROLLERS="${test_controllers}"
+  SAMPLE_CONTROLLERS="$<TARGET_FILE_DIR:TrotController>")
+add_dependencies(session_tests TrotController)
 
 add_test_controller(Behaviours
   controllers/behaviours.cpp controllers/contacts.cpp controllers/devices.cpp controllers/failures.cpp

@@ -13,11 +13,17 @@ const filesBelow = (folder, ending) =>
 /** The quantities that devices and joints measure, by name, which are keys of noise. */
 const measuredQuantities = (source) => [
   ...new Set(
-    ['engine/include/rehearse/model.h', 'harness/src/core/scenario/sensor_noise.cpp'].flatMap((file) =>
+    ['engine/include/rehearse/model.h', 'harness/src/core/scenario/sensor_errors.cpp'].flatMap((file) =>
       [...readFileSync(join(source, file), 'utf8').matchAll(/\{"(\w+)", "[^"]*", [13]\}/g)].map(([, name]) => name),
     ),
   ),
 ];
+
+/** The keys of the errors of a quantity, each from its file. */
+const errorKeys = (source) =>
+  filesBelow(join(source, 'harness/src/core/scenario'), /^error_\w+\.cpp$/).flatMap((file) =>
+    [...readFileSync(file, 'utf8').matchAll(/\.key = "(\w+)"/g)].map(([, key]) => key),
+  );
 
 /**
  * The keys that the parsers of scenarios and maps accept: [{form: 'scenario', 'map' or 'noise file', owner: 'a body', keys}]. A parser
@@ -27,7 +33,7 @@ export function parserKeys(source) {
   const tables = [];
   for (const file of filesBelow(join(source, 'harness/src'), /\.cpp$/)) {
     const text = readFileSync(file, 'utf8');
-    const found = [...text.matchAll(/\b(?:Keys(?: keys)?\(\w+, [^,;{]+|keys_of\(\s*\w+), "([^"]+)",\s*(with_quantities\()?\{([^{}]*)\}\)/g)];
+    const found = [...text.matchAll(/\b(?:Keys(?: keys)?\(\w+, [^,;{]+|keys_of\(\s*\w+), "([^"]+)",\s*(with_quantities\(|with_errors\(\w+, )?\{([^{}]*)\}\)/g)];
     const made = [...text.matchAll(/\b(?:Keys(?: keys)?\(\w+, [^,;{)]+|keys_of\(\s*\w+), /g)].length;
     if (made !== found.length)
       throw new Error(`${file}: ${made} parsers of keys are made, but the keys of only ${found.length} can be read`);
@@ -36,7 +42,9 @@ export function parserKeys(source) {
       tables.push({
         form,
         owner,
-        keys: [...list.matchAll(/"([^"]+)"/g)].map((match) => match[1]).concat(quantities ? measuredQuantities(source) : []),
+        keys: [...list.matchAll(/"([^"]+)"/g)].map((match) => match[1]).concat(
+          quantities === undefined ? [] : quantities.startsWith('with_errors') ? errorKeys(source) : measuredQuantities(source),
+        ),
       });
   }
   return tables;

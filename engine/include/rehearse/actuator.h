@@ -24,15 +24,31 @@
 // - Backlash: the rotor, with the inertia `armature`, turns freely within the gap. Beyond it, tooth and joint push with
 //   contact_stiffness and contact_damping. Both sides are solved together with the joint (implicit Euler), so that any
 //   stiffness is stable; an impact of teeth is nearly plastic.
+// - Faults change the result.
 #pragma once
 
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <vector>
 
 namespace rehearse {
 
 struct Joint;
+
+/// A fault of an actuator for a time: from <= t < until.
+struct ActuatorFault {
+  enum class Kind : std::uint8_t {
+    dead,      // it exerts nothing; the joint turns freely
+    weak,      // `share` of its effort is left
+    locked,    // the joint stays where it is, whatever acts on it
+    reversed,  // commands have the other sign
+  };
+  Kind kind = Kind::dead;
+  double share = 1.0;                                      // of `weak`, 0 to 1
+  double from = 0.0;                                       // [s]
+  double until = std::numeric_limits<double>::infinity();  // [s]
+};
 
 struct Actuator {
   double delay = 0.0;                      // [s]
@@ -56,6 +72,7 @@ struct Actuator {
   double contact_stiffness = 1e4;          // of the teeth [N·m/rad] or [N/m]
   double contact_damping = 0.0;            // [N·m·s/rad] or [N·s/m]
   std::uint64_t key = 0;                   // of its random numbers
+  std::vector<ActuatorFault> faults = {};  // they act behind all other parts
 
   bool has_loop() const { return position_gain || velocity_gain; }
   /// Torque-speed line and `effort`.

@@ -42,6 +42,11 @@ ActuatorStage::ActuatorStage(const Actuator& actuator, double start, double time
 }
 
 JointCommand ActuatorStage::act(const JointCommand& written, double q, double dq) {
+  const JointCommand acting = pass(written, q, dq);
+  return actuator_.faults.empty() ? acting : under_faults(acting, q);
+}
+
+JointCommand ActuatorStage::pass(const JointCommand& written, double q, double dq) {
   const auto index = static_cast<std::size_t>(steps_) % written_.size();
   if (steps_ == 0)
     for (JointCommand& at_rest : written_) at_rest.drive = written.drive;
@@ -60,6 +65,44 @@ JointCommand ActuatorStage::act(const JointCommand& written, double q, double dq
   acting.u = effort_ = std::clamp(wanted_, range.lower, range.upper);
   acting.drive |= drive_effort;
   return acting;
+}
+
+/// The command of a step that pass() has counted.
+JointCommand ActuatorStage::under_faults(JointCommand acting, double q) {
+  const double now = static_cast<double>(steps_ - 1) * time_step_;
+  bool is_locked = false;
+  drive_share_ = 1.0;
+  const auto exert = [&](double factor) {
+    acting.u *= factor;
+    wanted_ *= factor;
+    effort_ *= factor;
+  };
+  for (const ActuatorFault& fault : actuator_.faults) {
+    if (now < fault.from - rounding * time_step_ || now >= fault.until - rounding * time_step_) continue;
+    switch (fault.kind) {
+      case ActuatorFault::Kind::dead:
+        exert(0.0);
+        acting.drive = drive_effort;
+        break;
+      case ActuatorFault::Kind::weak:
+        exert(fault.share);
+        drive_share_ *= fault.share;
+        if (fault.share == 0.0) acting.drive = drive_effort;
+        break;
+      case ActuatorFault::Kind::locked: is_locked = true; break;
+      case ActuatorFault::Kind::reversed:
+        exert(-1.0);
+        acting.q = -acting.q;
+        acting.dq = -acting.dq;
+        break;
+    }
+  }
+  if (is_locked && locked_ == 0.0) locked_at_ = q;
+  locked_ = is_locked ? 1.0 : 0.0;
+  if (!is_locked) return acting;
+  drive_share_ = std::numeric_limits<double>::infinity();
+  drives_effort_ = wanted_ = effort_ = 0.0;
+  return {drive_displacement, locked_at_, 0.0, 0.0};
 }
 
 /// Rounds the quantities that the command contains.
@@ -133,6 +176,8 @@ double ActuatorStage::lagged(double effort) {
 void ActuatorStage::visit_state(StateVisitor& visitor) {
   visitor.visit(&steps_, sizeof steps_);
   for (double* number : {&held_, &lagged_, &drives_effort_, &wanted_, &effort_}) visitor.visit(*number);
+  if (!actuator_.faults.empty())
+    for (double* number : {&locked_, &locked_at_}) visitor.visit(*number);
   const auto size = static_cast<std::int64_t>(written_.size());
   for (std::int64_t age = 1; age <= size; ++age) {  // from the newest on: a longer delay takes what a shorter one has
     JointCommand& command = written_[static_cast<std::size_t>(((steps_ - age) % size + size) % size)];

@@ -21,6 +21,8 @@ class ActuatorStage {
   /// The command that acts in the coming step: the joint is at `q` with the velocity `dq`. Must be called once a step.
   JointCommand act(const JointCommand& written, double q, double dq);
 
+  /// The share of its effort limit that faults leave a drive without a loop in this step; infinity: no limit.
+  double drive_share() const { return drive_share_; }
   /// Whether the last step's command was an effort, that of the drive's own loop included.
   bool drives_effort() const { return drives_effort_ != 0.0; }
   /// That effort before its limits, and after them [N·m] or [N].
@@ -35,6 +37,8 @@ class ActuatorStage {
   JointCommand in_force();
   double loop_effort(const JointCommand& wanted, double q, double dq);
   double lagged(double effort);
+  JointCommand pass(const JointCommand& written, double q, double dq);
+  JointCommand under_faults(JointCommand acting, double q);
 
   const Actuator& actuator_;
   const double time_step_;
@@ -47,6 +51,9 @@ class ActuatorStage {
   double drives_effort_ = 0.0;         // 1: true
   double wanted_ = 0.0;
   double effort_ = 0.0;
+  double locked_ = 0.0;       // 1: a fault locks the joint
+  double locked_at_ = 0.0;    // its displacement then
+  double drive_share_ = 1.0;  // not part of the state: each step determines it
 };
 
 }  // namespace rehearse

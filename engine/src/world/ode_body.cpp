@@ -244,6 +244,7 @@ void OdeBody::act(const BodyCommand& command) {
     if (!stages_[id]) continue;
     OdeJoint& joint = joints_[slots_[id].index];
     acting_[id] = stages_[id]->act(command.joints[id], joint.displacement(), joint.rate());
+    joint.leave_share(stages_[id]->drive_share());
     joint.turn_rotor(acting_[id], time_step_);
   }
 }

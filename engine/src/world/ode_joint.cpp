@@ -110,8 +110,9 @@ void OdeJoint::turn_rotor(const JointCommand& command, double time_step) {
 
 /// The largest effort of a drive without a loop of its own.
 double OdeJoint::drive_limit() const {
-  if (!actuator_ || !actuator_->stall_effort) return joint_.effort;
-  return std::clamp(effort_range(*actuator_, std::abs(rate())).upper, 0.0, joint_.effort);
+  if (std::isinf(drive_share_)) return drive_share_;
+  if (!actuator_ || !actuator_->stall_effort) return drive_share_ * joint_.effort;
+  return drive_share_ * std::clamp(effort_range(*actuator_, std::abs(rate())).upper, 0.0, joint_.effort);
 }
 
 /// The largest dry friction in the coming step.

@@ -9,6 +9,7 @@
 #include <rehearse/actuator.h>
 #include <rehearse/io.h>
 #include <rehearse/model.h>
+#include <rehearse/sensor_errors.h>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -69,49 +70,6 @@ class JoystickScript {
 
 struct UrdfOptions;
 
-// Sensor noise: the difference between the true values and the readings of controllers, from a scenario's `noise:`.
-//
-// A reading is truth + bias + stddev * n, with n from the standard normal distribution, or it is missing (dropout). n
-// is a function of the scenario's seed, the sensor's name, the tick and the index of the number in the reading. It
-// depends on nothing else. So noise at one sensor changes no other sensor's noise, and a run that continues from a
-// checkpoint has the same noise.
-
-/// displacement, velocity and effort. Their unit is "rad or m" and so on.
-inline constexpr std::size_t joint_quantity_count = 3;
-extern const std::array<MeasuredQuantity, joint_quantity_count> joint_quantities;
-
-/// The noise of a quantity, in its unit.
-struct Noise {
-  double stddev = 0.0;
-  Eigen::Vector3d bias = Eigen::Vector3d::Zero();  // of a quantity without axes only x is used
-
-  bool changes_nothing() const { return stddev == 0.0 && bias.isZero(0.0); }
-};
-
-struct DeviceNoise {
-  std::vector<Noise> quantities;  // in the order of quantities_of(); empty: no noise
-  /// Share of the readings that are missing, 0 to 1. For a RangeSensor the share of beams without measurement, for a
-  /// RangeCamera the share of depths without measurement; for any other sensor the share of whole readings.
-  double dropout = 0.0;
-
-  bool changes_nothing() const;
-};
-
-struct JointNoise {
-  std::array<Noise, joint_quantity_count> quantities;
-
-  bool changes_nothing() const;
-};
-
-/// The noise of a body in a scenario. Empty lists: none.
-struct BodyNoise {
-  std::vector<DeviceNoise> devices;  // by device index
-  std::vector<JointNoise> joints;    // by joint id
-
-  /// Whether the readings of any joint differ from the truth.
-  bool disturbs_joints() const;
-};
-
 /// A place in the scenario file, for messages that arise only when the scenario runs.
 struct Place {
   std::string file;  // as the user named it
@@ -154,8 +112,8 @@ struct ScenarioBody {
   std::vector<ScenarioController> controllers;
   /// By joint id, without the keys of their random numbers; nullopt: the joint is ideal. An empty list: all are.
   std::vector<std::optional<Actuator>> actuators;
-  BodyNoise noise;  // of its sensors and joints
-  Place place;      // of its name
+  BodyErrors errors;  // of its sensors and joints
+  Place place;        // of its name
 };
 
 /// A force and torque on a link over a span of time: from <= t < until.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <tuple>
 
 #include "robots.h"
 
@@ -383,6 +384,31 @@ TEST_P(Actuators, AnActuatorWithoutPropertiesChangesNoMotion) {
     ASSERT_EQ(joint_of(*world).q, joint_of(*ideal).q);
     ASSERT_EQ(joint_of(*world).u, joint_of(*ideal).u);
   }
+}
+
+ActuatorFault fault_of(ActuatorFault::Kind kind, double share = 1.0) { return {kind, share, 0.01, 0.02}; }
+
+// On paper: v = h sum(u) / I.
+TEST_P(Actuators, AFaultChangesTheEffortWhileItLasts) {
+  using enum ActuatorFault::Kind;
+  for (const auto& [kind, share, factor] :
+       {std::tuple(dead, 1.0, 0.0), std::tuple(weak, 0.4, 0.4), std::tuple(reversed, 1.0, -1.0)}) {
+    const auto world =
+        wheel([&, of = kind, left = share](Actuator& actuator) { actuator.faults = {fault_of(of, left)}; });
+    run(*world, 30, effort(3.0));
+    EXPECT_NEAR(joint_of(*world).dq, 3.0 / wheel_inertia * tick * (20 + 10 * factor), 1e-12);
+  }
+}
+
+TEST_P(Actuators, ALockedJointStaysWhereItIs) {
+  const auto world = wheel([](Actuator& actuator) { actuator.faults = {fault_of(ActuatorFault::Kind::locked)}; });
+  run(*world, 10, effort(3.0));
+  const double locked_at = joint_of(*world).q;
+  run(*world, 9, effort(3.0));
+  EXPECT_NEAR(joint_of(*world).q, locked_at, 1e-9);
+  EXPECT_NEAR(joint_of(*world).dq, 0.0, 1e-9);
+  run(*world, 11, effort(3.0));
+  EXPECT_NEAR(joint_of(*world).dq, 3.0 / wheel_inertia * tick * 10, 1e-9);
 }
 
 }  // namespace

@@ -185,7 +185,7 @@ const Divergence* state_before(const Divergence& place, const Comparison& compar
 bool is_noise(const Suspects& with, const Divergence& place, const Scenario& recorded) {
   const auto noisy = [](const Scenario& scenario) {
     return std::any_of(scenario.bodies.begin(), scenario.bodies.end(), [](const ScenarioBody& body) {
-      return !body.noise.devices.empty() || !body.noise.joints.empty();
+      return !body.errors.devices.empty() || !body.errors.joints.empty();
     });
   };
   const bool same_bodies = recorded.bodies.size() == with.scenario.bodies.size();

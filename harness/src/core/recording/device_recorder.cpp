@@ -31,6 +31,23 @@ DeviceRecorder::DeviceRecorder(TraceOutput& output, const Scenario& scenario, co
   }
 }
 
+void DeviceRecorder::declare_truth(TraceOutput& output, const ScenarioBody& body) {
+  mcap::StringMap metadata;
+  for (const ChannelElement& element : value_elements(*device_)) {
+    std::string& elements = metadata["elements"];
+    elements += (elements.empty() ? "" : " ") + element.name;
+    if (!element.unit.empty()) metadata["unit:" + element.name] = element.unit;
+  }
+  truth_ = output.channel<msg::DeviceState>(ChannelName::of_owner(body.name, device_->name, ChannelKind::truth),
+                                            std::move(metadata));
+}
+
+Result<void> DeviceRecorder::write_truth(TraceOutput& output, std::int64_t tick,
+                                         const std::vector<double>& values) const {
+  if (!truth_) return {};
+  return output.write(truth_, tick, msg::DeviceState{{output.stamp(tick), frame_}, values});
+}
+
 Result<void> DeviceRecorder::write(TraceOutput& output, std::int64_t tick, const DeviceReading& reading) const {
   for (const Channel& channel : channels_) {
     const bool at_capture = channel.form->measurement->has_capture_time;

@@ -250,7 +250,7 @@ void Recorder::Impl::declare_body(const ScenarioBody& body) {
     add_limits(body, metadata);
     channels.joints =
         channel<msg::JointState>(ChannelName::of_body(body.name, ChannelKind::joints), std::move(metadata));
-    if (body.noise.disturbs_joints() || measured_bodies.count(static_cast<int>(bodies.size()) - 1) > 0)
+    if (body.errors.disturbs_joints() || measured_bodies.count(static_cast<int>(bodies.size()) - 1) > 0)
       channels.measured_joints =
           channel<msg::JointState>(ChannelName::of_body(body.name, ChannelKind::measured_joints), units);
   }
@@ -274,6 +274,9 @@ void Recorder::Impl::declare_body(const ScenarioBody& body) {
     free.twist = channel<msg::TwistStamped>(of_link(ChannelKind::twist));
   }
   for (const Device& device : model.devices) channels.devices.emplace_back(*this, scenario, body, device);
+  for (std::size_t i = 0; i < body.errors.devices.size(); ++i)
+    if (value_count(model.devices[i]) > 0 && body.errors.devices[i].records_truth())
+      channels.devices[i].declare_truth(*this, body);
 }
 
 Result<void> Recorder::record_state(std::int64_t tick, const Observation& seen, const Observation& read) {
@@ -283,6 +286,15 @@ Result<void> Recorder::record_state(std::int64_t tick, const Observation& seen, 
     if (auto done = impl_->write_joystick(tick, *seen.joystick); !done) return done;
   if (tick % impl_->transform_interval != 0) return {};
   return impl_->write_transforms(tick, seen);
+}
+
+Result<void> Recorder::record_truths(std::int64_t tick, const std::vector<TrueReading>& truths) {
+  for (const TrueReading& truth : truths) {
+    const BodyChannels& channels = impl_->bodies[static_cast<std::size_t>(truth.body)];
+    const DeviceRecorder& device = channels.devices[static_cast<std::size_t>(truth.device)];
+    if (auto done = device.write_truth(*impl_, tick, truth.values); !done) return done;
+  }
+  return {};
 }
 
 Result<void> Recorder::Impl::write_joints(std::int64_t tick, BodyChannels& channels, std::uint16_t channel,

@@ -22,6 +22,7 @@
 #include "core/host/controller_host.h"
 #include "core/trace/run_facts.h"
 #include "trace_output.h"
+#include "true_reading.h"
 
 namespace rehearse {
 
@@ -65,6 +66,8 @@ class Recorder {
   /// Records the state at the beginning of a tick; for cameras and range sensors the captures that arrived at this
   /// tick. `read`: the observation for controllers, which differs where joints have noise.
   Result<void> record_state(std::int64_t tick, const Observation& seen, const Observation& read);
+  /// Records the true values of sensors whose readings have errors.
+  Result<void> record_truths(std::int64_t tick, const std::vector<TrueReading>& truths);
   /// Records the changes of contacts since the last call. `touching`: the contacts after the last step, from
   /// World::touching().
   Result<void> record_contacts(std::int64_t tick, const std::vector<LinkPair>& touching);

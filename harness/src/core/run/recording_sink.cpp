@@ -8,6 +8,8 @@ Result<void> RecordingSink::begin_tick(const TickData& now) {
   if (!now.checkpoint.empty())
     if (auto done = recorder_.record_checkpoint(now.tick, now.checkpoint); !done) return done;
   if (auto done = recorder_.record_state(now.tick, *now.seen, *now.read); !done) return done;
+  if (now.truths)
+    if (auto done = recorder_.record_truths(now.tick, *now.truths); !done) return done;
   if (auto done = record_contacts(now); !done || !now.host) return done;
   input_hash_ = now.host->input_hash(*now.read);
   return recorder_.record_inputs(now.tick, *now.host, {now.state_hash, *input_hash_, 0});

@@ -27,6 +27,7 @@
 namespace rehearse {
 
 class ControllerHost;
+struct TrueReading;
 
 /// The data of one tick in the loop. Pointers are valid until the source advances.
 struct TickData {
@@ -38,10 +39,11 @@ struct TickData {
   const Observation* seen = nullptr;  // the observation to record
   /// The observation for the controllers: differs where joints have noise or are altered.
   const Observation* read = nullptr;
-  std::uint64_t state_hash = 0;                     // hash of the world's state; 0: there is no world
-  const std::vector<LinkPair>* touching = nullptr;  // link pairs in contact in the last step; null: unknown
-  std::vector<std::byte> checkpoint{};              // the world's state, in ticks that have a checkpoint; else empty
-  std::vector<msg::Event> events{};                 // events of the source
+  const std::vector<TrueReading>* truths = nullptr;  // of sensors with errors; null: unknown
+  std::uint64_t state_hash = 0;                      // hash of the world's state; 0: there is no world
+  const std::vector<LinkPair>* touching = nullptr;   // link pairs in contact in the last step; null: unknown
+  std::vector<std::byte> checkpoint{};               // the world's state, in ticks that have a checkpoint; else empty
+  std::vector<msg::Event> events{};                  // events of the source
 
   // set by the commander
   ControllerHost* host = nullptr;  // host of the called controllers; null: none were called

@@ -218,6 +218,7 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   if (const YamlNode* node = keys.find("pushes")) read_pushes(findings, *node, scenario);
   if (const YamlNode* node = keys.find("joystick")) read_joystick(findings, *node, scenario);
   if (const YamlNode* node = keys.find("noise")) read_noise(findings, *node, scenario);
+  if (const YamlNode* node = keys.find("bodies")) read_faults(findings, *node, scenario);
   if (const YamlNode* node = keys.find("look")) read_look(findings, *node, scenario.look);
   if (const YamlNode* node = keys.find("cameras")) read_cameras(findings, *node, scenario);
   if (const YamlNode* node = keys.find("tolerances")) read_tolerances(findings, *node, scenario);

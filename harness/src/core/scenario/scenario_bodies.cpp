@@ -96,7 +96,8 @@ void BodyReader::read(const YamlNode& node) {
                    "joint_velocities",
                    "links",
                    "actuators",
-                   "sensors"});
+                   "sensors",
+                   "faults"});
   if (!keys.is_map()) return;
   ScenarioBody body;
   body.place = {scenario_.file, node.line, node.column};

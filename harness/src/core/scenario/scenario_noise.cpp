@@ -5,12 +5,17 @@
 #include "model/names.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
+#include "sensor_error.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace rehearse {
 namespace {
@@ -36,15 +41,14 @@ std::vector<std::string_view> with_quantities(std::vector<std::string_view> keys
   return keys;
 }
 
-constexpr double largest = 1e6;  // of a bias or standard deviation, in any unit
-
-/// A device or a joint with noise.
+/// A device or a joint with errors.
 struct Target {
   std::string name;  // Body/Device or Body/Joint
   std::vector<MeasuredQuantity> quantities;
-  std::vector<Noise>* noise = nullptr;  // destination; null for a joint
-  double* dropout = nullptr;            // null for a joint
-  JointNoise* joint = nullptr;          // null for a device
+  ReadingErrors* errors = nullptr;  // destination
+  bool is_joint = false;
+  bool slides = false;        // of a joint
+  bool has_own_rate = false;  // a camera or range sensor
 };
 
 class NoiseReader {
@@ -53,12 +57,16 @@ class NoiseReader {
   void read_rule(const YamlNode& node);
 
  private:
-  using Given = std::vector<std::pair<std::string_view, Noise>>;  // by quantity
+  struct Given {
+    MeasuredQuantity quantity;
+    bool slides = false;
+    QuantityErrors errors;
+  };
 
   std::optional<std::vector<const Target*>> find_targets(const Keys& keys, const YamlNode& node) const;
-  Given read_quantities(const Keys& keys, const std::vector<const Target*>& targets) const;
-  Noise read_noise(const NamedEntry& entry, int axes) const;
-  static void give(const Target& target, const Given& given, double dropout);
+  std::vector<Given> read_quantities(const Keys& keys, const std::vector<const Target*>& targets) const;
+  ReadingErrors read_timing(const Keys& keys, const std::vector<const Target*>& targets) const;
+  void read_dropout(const Keys& keys, ReadingErrors& errors) const;
 
   Findings& findings_;
   std::vector<Target> sensors_;
@@ -68,22 +76,21 @@ class NoiseReader {
 NoiseReader::NoiseReader(Findings& findings, Scenario& scenario) : findings_(findings) {
   for (ScenarioBody& body : scenario.bodies) {
     if (body.model == nullptr) continue;
-    body.noise.devices.resize(body.model->devices.size());
-    body.noise.joints.resize(body.model->joints.size());
+    give_room(body);
     for (std::size_t i = 0; i < body.model->devices.size(); ++i) {
       const Device& device = body.model->devices[i];
-      DeviceNoise& noise = body.noise.devices[i];
       if (std::vector<MeasuredQuantity> quantities = quantities_of(device); !quantities.empty())
-        sensors_.push_back(
-            {body.name + "/" + device.name, std::move(quantities), &noise.quantities, &noise.dropout, nullptr});
+        sensors_.push_back({body.name + "/" + device.name, std::move(quantities), &body.errors.devices[i], false, false,
+                            value_count(device) == 0});
     }
     for (std::size_t id = 0; id < body.model->joints.size(); ++id) {
       const Joint& joint = body.model->links[static_cast<std::size_t>(body.model->joints[id])].joint;
       joints_.push_back({body.name + "/" + joint.name,
                          {joint_quantities.begin(), joint_quantities.end()},
-                         nullptr,
-                         nullptr,
-                         &body.noise.joints[id]});
+                         &body.errors.joints[id],
+                         true,
+                         is_linear(joint.type),
+                         false});
     }
   }
 }
@@ -114,81 +121,105 @@ std::optional<std::vector<const Target*>> NoiseReader::find_targets(const Keys& 
   return std::nullopt;
 }
 
-Noise NoiseReader::read_noise(const NamedEntry& entry, int axes) const {
-  Noise noise;
-  const Keys keys(findings_, *entry.value, "the noise of a quantity", {"stddev", "bias"});
-  if (!keys.is_map()) return noise;
-  keys.number("stddev", {0.0, largest}, noise.stddev);
-  if (const YamlNode* bias = keys.find("bias")) {
-    if (bias->kind == YamlNode::Kind::scalar || axes == 1) {
-      const auto all = read_number(findings_, *bias, "bias", {-largest, largest});
-      if (all) noise.bias.setConstant(*all);
-    } else {
-      keys.vector3("bias", {-largest, largest}, noise.bias);
-    }
-  }
-  if (keys.find("stddev") == nullptr && keys.find("bias") == nullptr)
-    findings_.error(*entry.value, fmt::format("the noise of {} has neither 'stddev' nor 'bias'", entry.name),
-                    "expected {stddev: S, bias: B}, one of them or both");
-  return noise;
-}
-
-/// Checks that each quantity is one that a target measures.
-NoiseReader::Given NoiseReader::read_quantities(const Keys& keys, const std::vector<const Target*>& targets) const {
-  Given given;
+/// Checks that each quantity is one that a target measures. Joints of both types are read once for each.
+std::vector<NoiseReader::Given> NoiseReader::read_quantities(const Keys& keys,
+                                                             const std::vector<const Target*>& targets) const {
+  std::vector<Given> given;
   for (const NamedEntry& entry : keys.entries()) {
     if (std::find(quantity_keys().begin(), quantity_keys().end(), entry.name) == quantity_keys().end()) continue;
     std::vector<std::string> known;
-    std::optional<MeasuredQuantity> found;
+    std::array<std::optional<MeasuredQuantity>, 2> found;  // by Target::slides
     for (const Target* target : targets) {
       for (const MeasuredQuantity& quantity : target->quantities) {
-        if (quantity.name == entry.name) found = quantity;
+        if (quantity.name == entry.name) found[target->slides ? 1 : 0] = quantity;
         if (std::find(known.begin(), known.end(), quantity.name) == known.end()) known.emplace_back(quantity.name);
       }
     }
-    if (found) {
-      given.emplace_back(found->name, read_noise(entry, found->axes));
-    } else {
+    if (!found[0] && !found[1])
       findings_.error(*entry.key,
                       targets.size() == 1 ? fmt::format("{} doesn't measure '{}'", targets[0]->name, entry.name)
                                           : fmt::format("none of them measures '{}'", entry.name),
                       name_hint(entry.name, known, "quantities"));
+    for (const bool slides : {false, true}) {
+      const auto& quantity = found[slides ? 1 : 0];
+      if (!quantity) continue;
+      const auto errors = read_quantity_errors(findings_, *entry.value, *quantity, slides);
+      if (!errors) break;
+      given.push_back({*quantity, slides, *errors});
     }
   }
   return given;
 }
 
-/// A later rule replaces an earlier one completely.
-void NoiseReader::give(const Target& target, const Given& given, double dropout) {
-  std::vector<Noise> noise(target.quantities.size());
-  for (std::size_t i = 0; i < noise.size(); ++i)
-    for (const auto& [name, figures] : given)
-      if (name == target.quantities[i].name) noise[i] = figures;
-  if (target.joint != nullptr) {
-    std::copy(noise.begin(), noise.end(), target.joint->quantities.begin());
-  } else {
-    *target.noise = std::move(noise);
-    *target.dropout = dropout;
-  }
+void NoiseReader::read_dropout(const Keys& keys, ReadingErrors& errors) const {
+  keys.number("dropout", {0.0, 1.0}, errors.dropout);
+  const YamlNode* burst = keys.find("burst");
+  if (!burst) return;
+  errors.burst = read_quantity(findings_, *burst, "burst", time_units, {0.0, 1e3, "[s]", true}).value_or(0.0);
+  if (!keys.find("dropout"))
+    findings_.error(*burst, "there is a burst without a dropout", "dropout is the share of readings in bursts");
 }
 
+/// The errors of whole readings.
+ReadingErrors NoiseReader::read_timing(const Keys& keys, const std::vector<const Target*>& targets) const {
+  ReadingErrors errors;
+  const auto read = [&](std::string_view key, std::span<const Unit> units, const Range& range, double& out) {
+    const YamlNode* value = keys.find(key);
+    if (value) out = read_quantity(findings_, *value, key, units, range).value_or(out);
+    return value;
+  };
+  read("latency", time_units, any_latency, errors.latency);
+  if (!keys.find("latency")) keys.set_default("latency", {"0"});
+  if (const YamlNode* jitter = read("jitter", time_units, any_latency, errors.jitter);
+      jitter && errors.jitter > errors.latency)
+    findings_.error(*jitter,
+                    fmt::format("the jitter is {} s, above the latency of {} s", errors.jitter, errors.latency),
+                    "each latency lies between latency - jitter and latency + jitter");
+  if (const YamlNode* rate = read("rate", rate_units, {0.0, 1e6, "[Hz]", true}, errors.rate))
+    for (const Target* target : targets)
+      if (target->has_own_rate) {
+        findings_.error(*rate, fmt::format("{} has a rate of its own", target->name),
+                        "the model's file or `sensors` states it");
+        break;
+      }
+  if (const YamlNode* phase = read("phase", time_units, any_time, errors.phase); phase && !keys.find("rate"))
+    findings_.error(*phase, "there is a phase without a rate", "phase is the time of the first sample");
+  if (const YamlNode* stuck = keys.find("stuck"))
+    if (const auto spell = read_stuck(findings_, *stuck)) errors.stuck.push_back(*spell);
+  read_dropout(keys, errors);
+  return errors;
+}
+
+/// A later rule replaces an earlier one completely.
 void NoiseReader::read_rule(const YamlNode& node) {
-  const Keys keys(findings_, node, "noise", with_quantities({"sensor", "joint", "dropout"}));
+  const Keys keys(
+      findings_, node, "noise",
+      with_quantities({"sensor", "joint", "dropout", "burst", "rate", "phase", "latency", "jitter", "stuck"}));
   if (!keys.is_map()) return;
   const auto targets = find_targets(keys, node);
   if (!targets) return;
-  const Given given = read_quantities(keys, *targets);
-  double dropout = 0.0;
-  keys.number("dropout", {0.0, 1.0}, dropout);
-  if (const YamlNode* place = keys.find("dropout"); place != nullptr && keys.find("joint") != nullptr)
-    findings_.error(*place, "joints have no dropout", "each tick has a reading of every joint");
+  const std::vector<Given> given = read_quantities(keys, *targets);
+  const ReadingErrors timing = read_timing(keys, *targets);
   if (keys.entries().size() == 1)
-    findings_.error(node, "noise has neither a quantity nor a dropout",
-                    "expected a quantity, as in range: {stddev: 0.01}, or dropout: 0.1");
-  for (const Target* target : *targets) give(*target, given, dropout);
+    findings_.error(node, "noise has neither a quantity nor an error of whole readings",
+                    "expected a quantity, as in range: {stddev: 0.01}, or one as dropout: 0.1 or latency: 5 ms");
+  for (const Target* target : *targets) {
+    ReadingErrors errors = timing;
+    errors.quantities.resize(target->quantities.size());
+    for (std::size_t i = 0; i < errors.quantities.size(); ++i)
+      for (const Given& each : given)
+        if (each.quantity.name == target->quantities[i].name && each.slides == target->slides)
+          errors.quantities[i] = each.errors;
+    *target->errors = std::move(errors);
+  }
 }
 
 }  // namespace
+
+void give_room(ScenarioBody& body) {
+  body.errors.devices.resize(body.model->devices.size());
+  body.errors.joints.resize(body.model->joints.size());
+}
 
 void read_noise(Findings& findings, const YamlNode& node, Scenario& scenario) {
   NoiseReader reader(findings, scenario);

@@ -9,6 +9,9 @@
 
 namespace rehearse {
 
+inline constexpr Range any_time{0.0, Scenario::max_duration, "[s]"};  // in a run
+inline constexpr Range any_latency{0.0, 1.0, "[s]"};
+
 /// The `bodies` list with its models, each requested once. A body with a mistake is added nevertheless, so that indices
 /// and names of references stay valid. Its model is null if the model is the mistake.
 void read_bodies(Findings& findings, const YamlNode& node, const Scenario::ModelSource& models,
@@ -61,6 +64,22 @@ void read_cameras(Findings& findings, const YamlNode& node, Scenario& scenario);
 
 /// The `noise` list. After the bodies.
 void read_noise(Findings& findings, const YamlNode& node, Scenario& scenario);
+/// The `faults` of the bodies, a list for each. After the noise. `bodies`: the list of bodies.
+void read_faults(Findings& findings, const YamlNode& bodies, Scenario& scenario);
+/// Makes room for the errors of each sensor and joint. body.model must not be null.
+void give_room(ScenarioBody& body);
+/// The map of a quantity's errors; nullopt: a mistake was reported. `slides`: the quantity is that of a joint that
+/// slides.
+std::optional<QuantityErrors> read_quantity_errors(Findings& findings, const YamlNode& node,
+                                                   const MeasuredQuantity& quantity, bool slides);
+/// The numbers of an error, as a number with a unit or as a list of the axes.
+std::optional<std::array<double, 3>> read_error_numbers(Findings& findings, const YamlNode& node, const ErrorForm& form,
+                                                        const MeasuredQuantity& quantity, bool slides);
+/// `stuck` as {from: T, until: T}, each with a default: the beginning of the run, and no end.
+std::optional<Spell> read_stuck(Findings& findings, const YamlNode& node);
+/// The keys `from` and `until` of a map with other keys.
+Spell read_spell_keys(Findings& findings, const Keys& keys);
+
 /// Warns of cameras and range sensors whose rate is higher than that of the steps. `bodies` is the list of a scenario
 /// without errors.
 void check_rates(Findings& findings, const YamlNode& bodies, const Scenario& scenario);

@@ -1,5 +1,7 @@
 #include "scenario_values.h"
 
+#include "sensor_error.h"
+
 #include "model/names.h"
 #include "model/text.h"
 
@@ -197,6 +199,9 @@ std::optional<double> read_angle(Findings& findings, const YamlNode& node, std::
 std::optional<double> factor_of_unit(std::string_view unit) {
   for (const std::span<const Unit> units : {std::span<const Unit>(time_units), std::span<const Unit>(rate_units),
                                             std::span<const Unit>(angle_units), std::span<const Unit>(length_units)})
+    for (const Unit& each : units)
+      if (each.name == unit) return each.factor;
+  for (const std::span<const Unit> units : all_error_units())
     for (const Unit& each : units)
       if (each.name == unit) return each.factor;
   return std::nullopt;

@@ -61,14 +61,14 @@ void Plant::sense() {
   if (scenario_.joystick) seen_.joystick = scenario_.joystick->at(time_of(tick, scenario_.time_step));
   if (vision_) vision_->look(tick, seen_);
   scanner_->look(tick, seen_);
-  noise_.disturb_devices(tick, seen_);
+  errors_.disturb_devices(tick, seen_);
   for (std::size_t body = 0; body < told_.size(); ++body)
     for (std::size_t device = 0; device < told_[body].size(); ++device)
       if (std::optional<DeviceReading> light = std::exchange(told_[body][device], std::nullopt))
         seen_.bodies[body].devices[device] = std::move(*light);
-  if (!noise_.has_joints()) return;
+  if (!errors_.has_joints()) return;
   read_ = seen_;
-  noise_.disturb_joints(tick, read_);
+  errors_.disturb_joints(tick, read_);
 }
 
 bool step_world(World& world, const Scenario& scenario, const Command& command) {
@@ -109,10 +109,11 @@ void Plant::obey(std::int64_t tick, Command& command) {
   }
 }
 
-void Plant::begin_at(std::int64_t tick) {
+void Plant::begin_at(std::int64_t tick, std::span<const std::byte> readings) {
   REHEARSE_ASSERT(world_->tick() == tick, "the world is at the beginning of that tick");
   if (vision_) vision_->begin_at(tick);
   scanner_->begin_at(tick);
+  errors_.restore(readings);
 }
 
 }  // namespace rehearse

@@ -6,6 +6,7 @@
 #include <rehearse/scenario.h>
 #include <rehearse/world.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -13,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "noise_maker.h"
 #include "renderer/vision.h"
+#include "sensor_errors.h"
 #include "world/scanner.h"
 
 namespace rehearse {
@@ -33,7 +34,9 @@ class Plant {
   /// True joint values, readings of devices.
   const Observation& seen() const { return seen_; }
   /// The observation for controllers, with readings of joints too.
-  const Observation& read() const { return noise_.has_joints() ? read_ : seen_; }
+  const Observation& read() const { return errors_.has_joints() ? read_ : seen_; }
+  /// The true values of sensors whose recording has them.
+  const std::vector<TrueReading>& truths() const { return errors_.truths(); }
 
   /// Makes one step under a command and the scenario's pushes. The command's wrenches are set to zero. False: the world
   /// exploded.
@@ -45,18 +48,21 @@ class Plant {
 
   /// The world has been set to the state at the beginning of this tick. Cameras and range sensors capture from there on
   /// as if they had never stopped, but earlier captures are lost.
-  void begin_at(std::int64_t tick);
+  /// `readings`: of save_readings() at this tick; else readings don't depend on earlier ticks.
+  void begin_at(std::int64_t tick, std::span<const std::byte> readings);
+  /// The part of the state that isn't the world's: SensorErrors::save().
+  std::vector<std::byte> save_readings() { return errors_.save(); }
 
  private:
-  Plant(const Scenario& scenario, const Scenario& noise_of) : scenario_(scenario), noise_(noise_of) {}
+  Plant(const Scenario& scenario, const Scenario& noise_of) : scenario_(scenario), errors_(noise_of) {}
 
   const Scenario& scenario_;
   std::unique_ptr<World> world_;
   std::unique_ptr<Vision> vision_;  // null: no camera runs
   std::unique_ptr<Scanner> scanner_;
-  NoiseMaker noise_;
+  SensorErrors errors_;
   Observation seen_;
-  Observation read_;                                             // used only if joints have noise
+  Observation read_;                                             // used only if joints have errors
   std::vector<std::vector<std::optional<DeviceReading>>> told_;  // by body and device: a light's new state
 };
 

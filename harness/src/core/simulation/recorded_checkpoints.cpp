@@ -17,6 +17,7 @@
 #include "core/trace/run_facts.h"
 #include "model/clock.h"
 #include "plant.h"
+#include "sensor_errors.h"
 
 namespace rehearse {
 
@@ -66,6 +67,7 @@ bool RecordedCheckpoints::has_its_own_scenario() const {
 Result<void> RecordedCheckpoints::make_recorded_world() {
   const auto recorded = recorded_scenario(recording_);
   if (!recorded) return recorded.errors();
+  readings_size_ = SensorErrors(*recorded).save().size();
   std::vector<WorldBody> bodies = world_bodies(*recorded);
   for (WorldBody& body : bodies) {  // a recording contains no meshes, and a state no shapes
     Model model = *body.model;
@@ -78,16 +80,23 @@ Result<void> RecordedCheckpoints::make_recorded_world() {
   return {};
 }
 
-Result<bool> RecordedCheckpoints::restore(std::int64_t tick, World& world) {
+Result<bool> RecordedCheckpoints::restore(std::int64_t tick, World& world, std::vector<std::byte>* readings) {
   if (!channel_) return false;
   const std::uint64_t time = nanoseconds_of(tick, scenario_.time_step);
   const auto found = std::lower_bound(channel_->times.begin(), channel_->times.end(), time);
   if (found == channel_->times.end() || *found != time) return false;
   const auto checkpoint = read(static_cast<std::size_t>(found - channel_->times.begin()));
   if (!checkpoint) return checkpoint.errors();
-  if (!std::exchange(prepared_, true) && !has_its_own_scenario())
-    if (auto made = make_recorded_world(); !made) return made.errors();
-  const auto state = std::as_bytes(std::span(checkpoint->data));
+  if (!std::exchange(prepared_, true)) {
+    if (has_its_own_scenario())
+      readings_size_ = SensorErrors(scenario_).save().size();
+    else if (auto made = make_recorded_world(); !made)
+      return made.errors();
+  }
+  const auto whole = std::as_bytes(std::span(checkpoint->data));
+  const auto state = whole.first(whole.size() - std::min(whole.size(), readings_size_));
+  const auto rest = whole.subspan(state.size());
+  if (readings && !recorded_world_) readings->assign(rest.begin(), rest.end());
   auto restored = recorded_world_ ? recorded_world_->restore(state) : world.restore(state);
   if (restored && recorded_world_) restored = world.take_state(*recorded_world_);
   if (!restored) {

@@ -26,8 +26,9 @@ class RecordedCheckpoints {
   Result<std::string> objection() const;
   /// Sets the world to the state at the beginning of that tick. False: there is no checkpoint there. If the recording's
   /// bodies or models differ from those of the scenario, parts are matched by their names. Fails with the names of
-  /// parts of the world that the state lacks.
-  Result<bool> restore(std::int64_t tick, World& world);
+  /// parts of the world that the state lacks. `readings`: gets the part of the state that is of Plant::save_readings(),
+  /// nothing if the recording's scenario isn't this one.
+  Result<bool> restore(std::int64_t tick, World& world, std::vector<std::byte>* readings = nullptr);
   /// The ticks with a checkpoint, ascending.
   std::vector<std::int64_t> ticks() const;
 
@@ -43,6 +44,7 @@ class RecordedCheckpoints {
   /// The world of these states, without shapes; null: it is the scenario's world.
   std::unique_ptr<World> recorded_world_;
   bool prepared_ = false;
+  std::size_t readings_size_ = 0;  // of the readings behind the world's state [bytes]
 };
 
 }  // namespace rehearse

@@ -1,5 +1,8 @@
 #include "world_source.h"
 
+#include <cstddef>
+#include <vector>
+
 namespace rehearse {
 
 Result<bool> WorldSource::observe(TickData& now) {
@@ -7,6 +10,7 @@ Result<bool> WorldSource::observe(TickData& now) {
   plant_.sense();
   now.seen = &plant_.seen();
   now.read = &plant_.read();
+  now.truths = &plant_.truths();
   now.state_hash = plant_.world().state_hash();
   now.touching = &plant_.world().touching();
   remarks_.observe(now.tick, plant_.world(), plant_.seen(), now.command, now.events);
@@ -15,6 +19,8 @@ Result<bool> WorldSource::observe(TickData& now) {
   if (checkpoint_interval_ == 0 || now.tick % checkpoint_interval_ != 0) return true;
   now.checkpoint = plant_.world().save();
   trial_.begin(now.tick / checkpoint_interval_, now.checkpoint);
+  const std::vector<std::byte> readings = plant_.save_readings();
+  now.checkpoint.insert(now.checkpoint.end(), readings.begin(), readings.end());
   return true;
 }
 
@@ -51,8 +57,9 @@ Result<bool> begin_at_checkpoint(std::int64_t tick, Plant& plant, RecordedCheckp
     plant.obey(past, command);
   }
   if (tick == 0) return true;
-  const auto restored = checkpoints.restore(tick, plant.world());
-  if (restored && *restored) plant.begin_at(tick);
+  std::vector<std::byte> readings;
+  const auto restored = checkpoints.restore(tick, plant.world(), &readings);
+  if (restored && *restored) plant.begin_at(tick, readings);
   return restored;
 }
 

@@ -1,0 +1,222 @@
+// The `faults` of a body: errors of its sensors and actuators for a time.
+#include <rehearse/scenario.h>
+
+#include "core/mcap/glob.h"
+#include "model/names.h"
+#include "scenario_parts.h"
+#include "scenario_values.h"
+#include "sensor_error.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace rehearse {
+namespace {
+
+constexpr std::string_view owners[] = {"sensor", "encoder", "actuator"};
+constexpr Range any_share{0.0, 1.0};
+
+/// A fault as it is read.
+struct ReadFault {
+  const Keys& keys;
+  const YamlNode& node;
+  Spell when;
+};
+
+class FaultReader {
+ public:
+  FaultReader(Findings& findings, ScenarioBody& body) : findings_(findings), body_(body) {}
+  void read(const YamlNode& node);
+
+ private:
+  using ToReading = void (FaultReader::*)(const ReadFault&, std::span<const std::size_t>, bool of_joint);
+  using ToActuator = void (FaultReader::*)(const ReadFault&, Actuator&);
+  /// A kind of faults: what it does to readings, or to an actuator.
+  struct Kind {
+    std::string_view name;
+    ToReading to_reading = nullptr;
+    ToActuator to_actuator = nullptr;
+  };
+  static std::span<const Kind> kinds();
+
+  std::optional<std::vector<std::size_t>> find_owners(const YamlNode& node, std::string_view owner) const;
+  const Kind* find_kind(const Keys& keys, std::string_view owner) const;
+  ReadingErrors& errors_of(std::size_t index, bool of_joint) {
+    return of_joint ? body_.errors.joints[index] : body_.errors.devices[index];
+  }
+  void add_stuck(const ReadFault& fault, std::span<const std::size_t> to, bool of_joint);
+  void add_lost(const ReadFault& fault, std::span<const std::size_t> to, bool of_joint);
+  void add_delayed(const ReadFault& fault, std::span<const std::size_t> to, bool of_joint);
+  void add_offset(const ReadFault& fault, std::span<const std::size_t> to, bool of_joint);
+  void add_offset_to(const ReadFault& fault, const YamlNode& by, const YamlNode& name, std::size_t index,
+                     bool of_joint);
+  template <ActuatorFault::Kind kind>
+  void add_plain(const ReadFault& fault, Actuator& actuator) {
+    actuator.faults.push_back({kind, 1.0, fault.when.from, fault.when.until});
+  }
+  void add_weak(const ReadFault& fault, Actuator& actuator);
+
+  Findings& findings_;
+  ScenarioBody& body_;
+};
+
+std::span<const FaultReader::Kind> FaultReader::kinds() {
+  using enum ActuatorFault::Kind;
+  static constexpr Kind all[] = {{"stuck", &FaultReader::add_stuck},
+                                 {"lost", &FaultReader::add_lost},
+                                 {"delayed", &FaultReader::add_delayed},
+                                 {"offset", &FaultReader::add_offset},
+                                 {"dead", nullptr, &FaultReader::add_plain<dead>},
+                                 {"weak", nullptr, &FaultReader::add_weak},
+                                 {"locked", nullptr, &FaultReader::add_plain<locked>},
+                                 {"reversed", nullptr, &FaultReader::add_plain<reversed>}};
+  return all;
+}
+
+/// The devices that measure, or the joints, whose names match; an error if there are none.
+std::optional<std::vector<std::size_t>> FaultReader::find_owners(const YamlNode& node, std::string_view owner) const {
+  const auto pattern = read_text(findings_, node, owner, "a name, or a pattern such as *_KNEE");
+  if (!pattern) return std::nullopt;
+  std::vector<std::size_t> found;
+  std::vector<std::string> names;
+  const auto take = [&](const std::string& name, std::size_t index) {
+    names.push_back(name);
+    if (matches(*pattern, name)) found.push_back(index);
+  };
+  const Model& model = *body_.model;
+  if (owner == "sensor") {
+    for (std::size_t i = 0; i < model.devices.size(); ++i)
+      if (!quantities_of(model.devices[i]).empty()) take(model.devices[i].name, i);
+  } else {
+    for (std::size_t id = 0; id < model.joints.size(); ++id) {
+      const Joint& joint = model.links[static_cast<std::size_t>(model.joints[id])].joint;
+      if (owner == "encoder" || (joint.type != JointType::track && !joint.mimic)) take(joint.name, id);
+    }
+  }
+  if (!found.empty()) return found;
+  findings_.error(node, fmt::format("{} has no {} '{}'", body_.name, owner, shortened(*pattern)),
+                  name_hint(*pattern, names, fmt::format("{}s", owner)));
+  return std::nullopt;
+}
+
+const FaultReader::Kind* FaultReader::find_kind(const Keys& keys, std::string_view owner) const {
+  const YamlNode* node = keys.require("fault", "the kind of the fault, as stuck or weak");
+  const auto name = node ? read_text(findings_, *node, "fault", "the kind of the fault") : std::nullopt;
+  if (!name) return nullptr;
+  std::vector<std::string> names;
+  for (const Kind& kind : kinds()) {
+    if ((owner == "actuator") != (kind.to_actuator != nullptr)) continue;
+    if (kind.name == *name) return &kind;
+    names.emplace_back(kind.name);
+  }
+  findings_.error(*node,
+                  fmt::format("'{}' is no fault of {} {}", shortened(*name), owner == "sensor" ? "a" : "an", owner),
+                  name_hint(*name, names, "faults"));
+  return nullptr;
+}
+
+void FaultReader::read(const YamlNode& node) {
+  const Keys keys(findings_, node, "a fault",
+                  {"sensor", "encoder", "actuator", "fault", "from", "until", "by", "quantity", "effort"});
+  if (!keys.is_map()) return;
+  const auto count = std::count_if(std::begin(owners), std::end(owners),
+                                   [&](std::string_view key) { return keys.find(key) != nullptr; });
+  if (count != 1)
+    return findings_.error(node, fmt::format("the fault names {} parts of the body", count),
+                           "expected one of sensor, encoder (of a joint) and actuator");
+  const std::string_view owner = *std::find_if(std::begin(owners), std::end(owners),
+                                               [&](std::string_view key) { return keys.find(key) != nullptr; });
+  const auto found = find_owners(*keys.find(owner), owner);
+  const Kind* kind = find_kind(keys, owner);
+  const ReadFault fault{keys, node, read_spell_keys(findings_, keys)};
+  if (!found || !kind) return;
+  if (kind->to_reading) return (this->*kind->to_reading)(fault, *found, owner == "encoder");
+  body_.actuators.resize(body_.model->joints.size());
+  for (const std::size_t id : *found) {
+    if (!body_.actuators[id]) body_.actuators[id].emplace();
+    (this->*kind->to_actuator)(fault, *body_.actuators[id]);
+  }
+}
+
+void FaultReader::add_stuck(const ReadFault& fault, std::span<const std::size_t> to, bool of_joint) {
+  for (const std::size_t index : to) errors_of(index, of_joint).stuck.push_back(fault.when);
+}
+
+void FaultReader::add_lost(const ReadFault& fault, std::span<const std::size_t> to, bool of_joint) {
+  for (const std::size_t index : to) errors_of(index, of_joint).lost.push_back(fault.when);
+}
+
+void FaultReader::add_delayed(const ReadFault& fault, std::span<const std::size_t> to, bool of_joint) {
+  const YamlNode* by = fault.keys.require("by", "the delay, as 20 ms");
+  const auto delay = by ? read_quantity(findings_, *by, "by", time_units, any_latency) : std::nullopt;
+  if (!delay) return;
+  for (const std::size_t index : to) errors_of(index, of_joint).delayed.push_back({*delay, fault.when});
+}
+
+void FaultReader::add_offset(const ReadFault& fault, std::span<const std::size_t> to, bool of_joint) {
+  const YamlNode* by = fault.keys.require("by", "the change of the readings, in the unit of the quantity");
+  const YamlNode* name = fault.keys.require("quantity", "the quantity, as angular_velocity");
+  if (!by || !name) return;
+  for (const std::size_t index : to) add_offset_to(fault, *by, *name, index, of_joint);
+}
+
+void FaultReader::add_offset_to(const ReadFault& fault, const YamlNode& by, const YamlNode& name, std::size_t index,
+                                bool of_joint) {
+  const Model& model = *body_.model;
+  const std::vector<MeasuredQuantity> quantities =
+      of_joint ? std::vector<MeasuredQuantity>(joint_quantities.begin(), joint_quantities.end())
+               : quantities_of(model.devices[index]);
+  const auto found = std::find_if(quantities.begin(), quantities.end(),
+                                  [&](const MeasuredQuantity& each) { return each.name == name.text; });
+  if (found == quantities.end()) {
+    std::vector<std::string> names;
+    for (const MeasuredQuantity& each : quantities) names.emplace_back(each.name);
+    return findings_.error(name, fmt::format("it doesn't measure '{}'", shortened(name.text)),
+                           name_hint(name.text, names, "quantities"));
+  }
+  const auto forms = error_forms();
+  const ErrorForm& offset =
+      **std::find_if(forms.begin(), forms.end(), [](const ErrorForm* form) { return form->key == "offset"; });
+  const bool slides = of_joint && is_linear(model.links[static_cast<std::size_t>(model.joints[index])].joint.type);
+  const auto numbers = read_error_numbers(findings_, by, offset, *found, slides);
+  if (!numbers) return;
+  ReadingErrors& errors = errors_of(index, of_joint);
+  errors.quantities.resize(quantities.size());
+  std::vector<GivenError>& given = errors.quantities[static_cast<std::size_t>(found - quantities.begin())].given;
+  const auto place_of = [&](const ErrorForm* form) { return std::find(forms.begin(), forms.end(), form); };
+  const auto after = std::find_if(given.begin(), given.end(),
+                                  [&](const GivenError& each) { return place_of(each.form) > place_of(&offset); });
+  given.insert(after, {&offset, *numbers, fault.when});
+}
+
+void FaultReader::add_weak(const ReadFault& fault, Actuator& actuator) {
+  const YamlNode* node = fault.keys.require("effort", "the share of its effort that is left, as 0.4");
+  const auto share = node ? read_number(findings_, *node, "effort", any_share) : std::nullopt;
+  if (share) actuator.faults.push_back({ActuatorFault::Kind::weak, *share, fault.when.from, fault.when.until});
+}
+
+}  // namespace
+
+void read_faults(Findings& findings, const YamlNode& bodies, Scenario& scenario) {
+  const std::vector<YamlNodePtr>& list = bodies.items;
+  if (list.size() != scenario.bodies.size()) return;  // it is no list of bodies, which is reported
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    ScenarioBody& body = scenario.bodies[i];
+    const YamlNode* faults = list[i]->kind == YamlNode::Kind::map ? find_key(*list[i], "faults") : nullptr;
+    if (!faults || !body.model) continue;
+    give_room(body);
+    FaultReader reader(findings, body);
+    for (const YamlNodePtr& fault :
+         read_list(findings, *faults, "faults", "a list of {sensor: NAME, fault: KIND, from: T, until: T}"))
+      reader.read(*fault);
+  }
+}
+
+}  // namespace rehearse
