@@ -113,7 +113,8 @@ TEST_F(Ci, ASignalEndsAllThatIsCheckedSideBySide) {
           "rehearse: 1\nduration: 5000\nbodies: [{name: B, sphere: {radius: 0.1}, mass: 1, position: [0, 0, 9]}]\n"
           "expect:\n  - {channel: B/B/position/z, below: 10}\n");
   for (const char* jobs : {"-j1", "-j2"}) {
-    const Outcome outcome = rehearse({"check", jobs}, "timeout --preserve-status -s INT 1");
+    const Outcome outcome =
+        rehearse({"check", jobs}, "timeout --preserve-status -s INT 3");  // after its start, also if it is slow
     EXPECT_EQ(outcome.status, 130) << jobs;
     EXPECT_EQ(outcome.out, "") << jobs;
     EXPECT_EQ(outcome.err, "error: interrupted by SIGINT: a was not judged\n") << jobs;
