@@ -96,6 +96,16 @@ TEST_F(Languages, EachFunctionOfTheHeaderAnswersAsItSays) {
   EXPECT_EQ(said, "hello from C\nstopped\n");
 }
 
+TEST_F(Languages, AnAuditSeesTheLastCallOfControl) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "calls are audited in builds without sanitizers";
+#endif
+  const Outcome outcome =
+      rehearse({"audit", "--realtime", with_controller("room.yaml", "Scout", NAPS, "Naps", "none", "0.05").string()});
+  EXPECT_THAT(outcome.out, HasSubstr("Scout/Naps isn't real-time safe: system call by usleep in control() (naps.c:15)"))
+      << outcome.err;
+}
+
 TEST_F(Languages, TheManualHasEachFunctionOfTheHeader) {
   const std::string header = read_file(fs::path(SOURCE_DIR) / "controllers/include/rehearse/controller.h");
   const std::string manual = read_file(fs::path(SOURCE_DIR) / "tools/site/pages/reference/controller_c.md");

@@ -22,6 +22,8 @@ function(rehearse_add_simple_controller name)
     LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/rehearse/controllers)
   # A fused multiply-add rounds once where two instructions round twice: commands would differ between CPUs.
   target_compile_options(${name} PRIVATE -ffp-contract=off)
+  # control() that ends in a call of another library keeps its frame, by which an audit attributes the call.
+  target_compile_options(${name} PRIVATE $<$<COMPILE_LANGUAGE:C>:-fno-optimize-sibling-calls>)
   target_link_libraries(${name} PRIVATE Rehearse::cnoid)
   rehearse_warn_of_other_flags(${name})
 endfunction()
