@@ -52,13 +52,14 @@ class Everything : public cnoid::SimpleController {
 };
 const Add<Everything> everything("all");
 
-/// drive MODE VALUE [JOINT]: calls only enableOutput with flags.
+/// drive MODE VALUE [JOINT or LINK]: calls only enableOutput with flags.
 class Driver : public cnoid::SimpleController {
  public:
   explicit Driver(const Words& words)
       : mode_(flag_of(words.at(0))), value_(std::stod(words.at(1))), joint_(words.size() > 2 ? words[2] : "SHOULDER") {}
   bool initialize(cnoid::SimpleControllerIO* io) override {
     link_ = io->body()->joint(joint_);
+    if (!link_) link_ = io->body()->link(joint_);
     io->enableOutput(link_, mode_);
     io->os() << "mode " << link_->actuationMode() << "\n";
     return true;

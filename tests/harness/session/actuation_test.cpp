@@ -38,9 +38,23 @@ constexpr const char* gripper_urdf = R"(<?xml version="1.0"?>
 </robot>
 )";
 
+/// A slab whose top is at z = 0, behind a fixed joint.
+constexpr const char* conveyor_urdf = R"(<?xml version="1.0"?>
+<robot name="Conveyor">
+  <link name="world"/>
+  <joint name="FRAME" type="fixed">
+    <parent link="world"/><child link="SLAB"/><origin xyz="0 0 -0.1"/>
+  </joint>
+  <link name="SLAB"><collision><geometry><box size="4 1 0.2"/></geometry></collision></link>
+</robot>
+)";
+
 class Actuation : public RunTest {
  protected:
-  Actuation() { write("gripper.urdf", gripper_urdf); }
+  Actuation() {
+    write("gripper.urdf", gripper_urdf);
+    write("conveyor.urdf", conveyor_urdf);
+  }
 
   /// 20 ticks of a body; `body` are its further lines, as "fixed: true, ".
   static std::string scenario(const std::string& body, const std::string& controllers) {
@@ -54,6 +68,13 @@ class Actuation : public RunTest {
   }
   static std::string kinematic_box(const std::string& options) {
     return scenario("box: {size: [1, 1, 1]}, dynamics: kinematic, position: [0, 0, 2]", behaviour("C", options));
+  }
+
+  /// A box of 1 kg lies on the conveyor, whose surface is commanded to run at 0.7 m/s.
+  static std::string conveyor(const std::string& more) {
+    return "rehearse: 1\nduration: 0.5\nbodies:\n  - {name: Rig, model: conveyor.urdf" + more + ", controllers: [" +
+           behaviour("C", "drive surface 0.7 SLAB") +
+           "]}\n  - {name: Box, box: {size: [0.1, 0.1, 0.1]}, mass: 1, position: [-1, 0, 0.05]}\n";
   }
 
   void expect_equal_replay() {
@@ -173,6 +194,28 @@ TEST_F(Actuation, ATrackTakesNothingElse) {
   for (const std::string mode : {"effort", "displacement"})
     EXPECT_THAT(said(record_run(gripper("drive " + mode + " 0.7 BELT"))),
                 Contains("Rig/C: track 'BELT' can be commanded by JointVelocity, and by nothing else"));
+}
+
+TEST_F(Actuation, AFixedLinkThatTheScenarioNamesABeltCarriesABox) {
+  const Trace trace = record_run(conveyor(", belts: [{link: SLAB, axis: [0, 1, 0]}]"));
+  EXPECT_THAT(said(trace), IsEmpty());
+  EXPECT_EQ(trace.last("Rig/FRAME/dq"), 0.7);
+  EXPECT_NEAR(trace.last("Box/Box/linear/x"), 0.7, 1e-6);
+  EXPECT_NEAR(trace.last("Box/Box/linear/y"), 0.0, 1e-9);
+  expect_equal_replay();
+}
+
+TEST_F(Actuation, ABeltRunsAboutItsAxis) {
+  const Trace trace = record_run(conveyor(", belts: [{link: SLAB, axis: [-2, 0, 0]}]"));
+  EXPECT_NEAR(trace.last("Box/Box/linear/x"), 0.0, 1e-9);
+  EXPECT_NEAR(trace.last("Box/Box/linear/y"), 0.7, 1e-6);
+}
+
+TEST_F(Actuation, WithoutThatLineTheRunSaysWhichLineIsMissing) {
+  const Trace trace = record_run(conveyor(""));
+  EXPECT_THAT(said(trace), Contains("Rig/C: link 'SLAB' has no joint to command; its surface runs if the scenario's "
+                                    "body has belts: [{link: SLAB, axis: [0, 1, 0]}]"));
+  EXPECT_NEAR(trace.last("Box/Box/linear/x"), 0.0, 1e-6);
 }
 
 TEST_F(Actuation, ModesThatDriveNothingAreNamed) {

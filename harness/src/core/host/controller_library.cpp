@@ -154,9 +154,11 @@ Result<fs::path> find_controller_library(const std::string& name, const fs::path
                is_path(name) ? "looked for " + looked : advice_on_missing(looked, directory));
 }
 
-Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::path& file, double call_limit) {
+Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::path& file, const std::string& label,
+                                                                   double call_limit) {
   std::shared_ptr<ControllerLibrary> library(new ControllerLibrary);
   library->file_ = file;
+  library->label_ = label;
   library->call_limit_ = call_limit;
   library->content_hash_ = content_hash_of(file);
   const fs::path absolute = fs::absolute(file);  // before the call, because the call may end at any instruction
@@ -217,7 +219,7 @@ void ControllerLibrary::keep_loaded() {
 ControllerLibrary::~ControllerLibrary() {
   if (!handle_ || keep_loaded_) return;
   // Its static objects are destroyed here. Changes that they make to the process are undone but not reported.
-  note_call_begin(file_.filename().c_str(), unloading, 0, 0.0, call_limit_);
+  note_call_begin(label_.c_str(), unloading, 0, 0.0, call_limit_);
   ProcessGuard::instance().begin(threads_, true);
   const CallOutcome outcome = guarded_call([&] { dlclose(handle_); }, call_limit_);
   ProcessGuard::instance().put_right();

@@ -26,9 +26,11 @@ Result<std::filesystem::path> find_controller_library(const std::string& name, c
 
 class ControllerLibrary {
  public:
-  /// Loads the file. Fails if it can't be loaded (the message has the C++ name of an undefined symbol) or is no
-  /// controller. `call_limit` limits the time of the code that runs while it loads [s].
-  static Result<std::shared_ptr<ControllerLibrary>> open(const std::filesystem::path& file, double call_limit);
+  /// Loads the file for the controller `label` ("BODY/NAME"). Fails if it can't be loaded (the message has the C++ name
+  /// of an undefined symbol) or is no controller. `call_limit` limits the time of the code that runs while it loads
+  /// [s].
+  static Result<std::shared_ptr<ControllerLibrary>> open(const std::filesystem::path& file, const std::string& label,
+                                                         double call_limit);
   ~ControllerLibrary();
   ControllerLibrary(const ControllerLibrary&) = delete;
   ControllerLibrary& operator=(const ControllerLibrary&) = delete;
@@ -50,6 +52,7 @@ class ControllerLibrary {
   ControllerLibrary() = default;
   using Factory = cnoid::SimpleController* (*)();
   std::filesystem::path file_;
+  std::string label_;  // of the controller, for the report of a process that ends while the library is unloaded
   std::string content_hash_;
   double call_limit_ = 0.0;  // [s]
   void* handle_ = nullptr;

@@ -121,7 +121,7 @@ Result<void> ControllerHost::add(const ScenarioController& specification, int bo
   auto loaded = [&] {
     note_call_begin(hosted.label.c_str(), loading, 0, 0.0, options_.call_limit);
     const Watched watched(options_.watch, {hosted.label, loaded_file, "load"});
-    return ControllerLibrary::open(loaded_file, options_.call_limit);
+    return ControllerLibrary::open(loaded_file, hosted.label, options_.call_limit);
   }();
   note_call_end();
   if (!loaded) return at(specification.place, loaded.errors()[0]);

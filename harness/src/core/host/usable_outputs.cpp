@@ -33,7 +33,8 @@ class Judge {
     if (joint.id < 0) {
       say("link '{}' has no joint to command{}", link_.name,
           wants(CnoidLink::DeprecatedJointSurfaceVelocity)
-              ? "; its surface runs as a belt if its joint in the model is a pseudo_continuous_track"
+              ? fmt::format("; its surface runs if the scenario's body has belts: [{{link: {}, axis: [0, 1, 0]}}]",
+                            link_.name)
               : "");
     } else if (joint.mimic) {
       const Model& model = *body_.model;

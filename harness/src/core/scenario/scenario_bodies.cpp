@@ -97,6 +97,7 @@ void BodyReader::read(const YamlNode& node) {
                    "links",
                    "actuators",
                    "sensors",
+                   "belts",
                    "faults"});
   if (!keys.is_map()) return;
   ScenarioBody body;
@@ -123,6 +124,7 @@ void BodyReader::read(const YamlNode& node) {
             body.contact);
   read_model(keys, body);
   if (body.model != nullptr) place_as_model(body);
+  if (const YamlNode* belts = keys.find("belts"); belts && body.model) read_belts(findings_, *belts, body);
   const YamlNode* links = keys.find("links");
   if (body.model && links) read_links(findings_, *links, scenario_.solver, body);
   if (body.model) state_links(findings_, links ? *links : keys.absent_map("links"), scenario_.solver, *body.model);

@@ -35,6 +35,10 @@ void read_actuators(Findings& findings, const YamlNode& node, ScenarioBody& body
 /// The `sensors` list: devices in addition to those of the model, which is replaced. body.model must not be null.
 void read_sensors(Findings& findings, const YamlNode& node, ScenarioBody& body);
 
+/// The `belts` list: fixed joints of links that become tracks of the model, which is replaced. Controllers know no joint
+/// id of them. body.model must not be null.
+void read_belts(Findings& findings, const YamlNode& node, ScenarioBody& body);
+
 /// The `links` map: masses and surfaces that replace those of the model. body.model must not be null.
 void read_links(Findings& findings, const YamlNode& node, const SolverSettings& solver, ScenarioBody& body);
 
