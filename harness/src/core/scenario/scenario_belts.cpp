@@ -38,7 +38,9 @@ void read_belt(Findings& findings, const YamlNode& node, const ScenarioBody& bod
   const Joint& joint = model.links[static_cast<std::size_t>(*link)].joint;
   if (joint.type == JointType::track)
     return findings.error(*link_node, fmt::format("link '{}' is a belt already", *name),
-                          joint.line > 0 ? "the model's file makes it one" : "it is in the list above");
+                          body.model->links[static_cast<std::size_t>(*link)].joint.type == JointType::track
+                              ? "the model's file makes it one"
+                              : "it is in the list above");
   if (*link == 0 || joint.type != JointType::fixed)
     return findings.error(*link_node,
                           fmt::format("link '{}' can't be a belt: {}", *name,
