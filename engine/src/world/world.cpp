@@ -22,18 +22,23 @@
 namespace rehearse {
 namespace {
 
+/// Writes over the bytes, which have the size of the state that they held before: the next state rarely has another.
 class Saver final : public StateVisitor {
  public:
   explicit Saver(std::vector<std::byte>& bytes) : bytes_(bytes) {}
   using StateVisitor::visit;
   void begin_part(const std::string&, const std::string&, StatePart) override {}
   void visit(void* data, std::size_t size) override {
-    const auto* first = static_cast<const std::byte*>(data);
-    bytes_.insert(bytes_.end(), first, first + size);
+    if (size > bytes_.size() - used_) bytes_.resize(2 * (used_ + size));
+    if (size > 0) std::memcpy(bytes_.data() + used_, data, size);
+    used_ += size;
   }
+  /// Removes the bytes behind the state.
+  void finish() { bytes_.resize(used_); }
 
  private:
   std::vector<std::byte>& bytes_;
+  std::size_t used_ = 0;
 };
 
 class Restorer final : public StateVisitor {
@@ -112,9 +117,9 @@ struct World::Impl {
   }
   void after_restore();
   void save_to(std::vector<std::byte>& bytes) {
-    bytes.clear();
     Saver saver(bytes);
     visit_state(saver);
+    saver.finish();
     friction.save(bytes);
   }
   bool has_links_of(const std::map<LinkPair, FrictionPatch>& patches) const;
