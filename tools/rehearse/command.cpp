@@ -17,6 +17,7 @@
 
 #include "core/guard/interruption.h"
 #include "debugger.h"
+#include "mesh/slow_mesh.h"
 #include "model/names.h"
 #include "output.h"
 #include "progress.h"
@@ -190,6 +191,7 @@ Exit run_own_verb(std::string_view program, int argc, char** argv) {
 
 Exit run_verb(const Verb& verb, int argc, char** argv) {
   std::signal(SIGPIPE, SIG_DFL);  // a program that ignores it starts this one with that setting
+  on_slow_mesh([](const std::string& sentence) { fmt::print(stderr, "{}\n", plain_text(sentence)); });
   const std::string name(verb.name);
   CLI::App options(std::string(find_verb(verb.name)->summary), "rehearse " + name);
   const auto formatter = std::make_shared<WrappedHelp>();

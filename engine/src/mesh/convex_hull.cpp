@@ -72,12 +72,16 @@ double rounding_of(const Points& points) {
 
 /// True if each edge has a triangle on both of its sides: the surface is closed.
 bool is_closed(const std::vector<Triangle>& triangles) {
-  std::map<Edge, int> edges;
-  for (const Triangle& t : triangles)
-    for (int i = 0; i < 3; ++i) ++edges[{t[i], t[(i + 1) % 3]}];
-  return triangles.size() >= 4 && std::all_of(edges.begin(), edges.end(), [&edges](const auto& edge) {
-           return edge.second == 1 && edges.count({edge.first.second, edge.first.first}) == 1;
-         });
+  std::vector<Edge> edges, reversed;
+  for (const Triangle& t : triangles) {
+    for (int i = 0; i < 3; ++i) {
+      edges.emplace_back(t[i], t[(i + 1) % 3]);
+      reversed.emplace_back(t[(i + 1) % 3], t[i]);
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  std::sort(reversed.begin(), reversed.end());
+  return triangles.size() >= 4 && edges == reversed && std::adjacent_find(edges.begin(), edges.end()) == edges.end();
 }
 
 /// Qhull's state; the destructor frees its memory. (Its C++ classes aren't C++20.)

@@ -5,11 +5,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
+#include <string>
 
+#include "slow_mesh.h"
 #include "triangle_soup.h"
 
 namespace rehearse {
@@ -239,19 +242,14 @@ std::vector<ConvexHull> parts_of(const TriangleSoup& solid, const std::string& o
 }
 
 /// Adds the convex parts of an object, and a note. False: it has no more than one.
-bool add_parts(const TriangleSoup& solid, const std::string& object, const Judgement& judgement, const HullStore& store,
-               ConvexHulls& result) {
-  auto hulls = store.find(solid);
-  if (!hulls) {
-    hulls = parts_of(solid, object, judgement);
-    store.keep(solid, *hulls);
-  }
-  if (hulls->size() < 2) return false;
+bool add_parts(const TriangleSoup& solid, const std::string& object, const Judgement& judgement, ConvexHulls& result) {
+  std::vector<ConvexHull> hulls = parts_of(solid, object, judgement);
+  if (hulls.size() < 2) return false;
   double filled = 0.0;
-  for (const ConvexHull& hull : *hulls) filled += volume(hull);
+  for (const ConvexHull& hull : hulls) filled += volume(hull);
   result.remarks.push_back(
-      note(excess_text(object, judgement) + ": " + parts_text(judgement, hulls->size(), filled), simpler));
-  std::move(hulls->begin(), hulls->end(), std::back_inserter(result.hulls));
+      note(excess_text(object, judgement) + ": " + parts_text(judgement, hulls.size(), filled), simpler));
+  std::move(hulls.begin(), hulls.end(), std::back_inserter(result.hulls));
   return true;
 }
 
@@ -276,19 +274,45 @@ Result<ConvexHulls> judged_hulls(const MeshData& mesh) {
   return hulls;
 }
 
-Result<ConvexHulls> convex_parts(const MeshData& mesh, const HullStore& store) {
+Result<ConvexHulls> convex_parts(const MeshData& mesh) {
   ConvexHulls result;
   for (const auto& [number, name] : objects_of(mesh)) {
     TriangleSoup solid = object_of(mesh, number);
     const Judgement judgement = judge(solid);
     const bool is_hull = judgement.hull <= 0.0 || (judgement.volume && *judgement.excess() <= tolerated_excess);
-    if (!is_hull && add_parts(solid, name, judgement, store, result)) continue;
+    if (!is_hull && add_parts(solid, name, judgement, result)) continue;
     auto hull = convex_hull(std::move(solid.vertices), name, result.remarks);
     if (!hull) return hull.errors();
     result.hulls.push_back(*std::move(hull));
   }
   if (result.hulls.empty()) return error("it has no triangles");
   return result;
+}
+
+namespace {
+
+constexpr std::size_t quick_triangles = 500;   // a hull of so many takes a millisecond
+constexpr std::size_t slow_triangles = 50000;  // a hull of so many takes a second
+
+void tell_of_slow(const MeshData& mesh, MeshContact contact, const HullStore& store) {
+  const std::size_t triangles = mesh.triangle_count();
+  if (triangles < slow_triangles) return;
+  const std::string name = mesh.file.empty() ? "a mesh" : std::filesystem::path(mesh.file).filename().string();
+  tell_slow_mesh(fmt::format("{} has {} triangles: its {} are computed{}", name, triangles,
+                             contact == MeshContact::parts ? "convex parts" : "convex hulls",
+                             store.is_kept() ? " and kept for later runs" : ""));
+}
+
+}  // namespace
+
+Result<ConvexHulls> contact_hulls(const MeshData& mesh, MeshContact contact, const HullStore& store) {
+  if (auto kept = store.find(mesh, contact)) return *std::move(kept);
+  tell_of_slow(mesh, contact, store);
+  Result<ConvexHulls> made = contact == MeshContact::parts ? convex_parts(mesh) : judged_hulls(mesh);
+  if (!made) return made;
+  const bool has_parts = made->hulls.size() > objects_of(mesh).size();
+  if (has_parts || mesh.triangle_count() > quick_triangles) store.keep(mesh, contact, *made);
+  return made;
 }
 
 }  // namespace rehearse

@@ -23,8 +23,12 @@ Result<ConvexHulls> judged_hulls(const MeshData& mesh);
 /// edges, and planes across the axes. It ends when all hulls together fill at most `tolerated_excess` more than the
 /// object, or no cut reduces their volume, or there are max_convex_parts. An object that isn't closed has no volume:
 /// each cut then has to empty a hundredth of its hull. Notes state the number of parts and their excess volume. The
-/// result's bits depend on the mesh alone; parts that `store` has are not computed again.
-Result<ConvexHulls> convex_parts(const MeshData& mesh, const HullStore& store = {});
+/// result's bits depend on the mesh alone.
+Result<ConvexHulls> convex_parts(const MeshData& mesh);
+
+/// convex_parts() if the contact is `parts`, else judged_hulls(). A result that `store` has isn't computed again; it
+/// keeps those of meshes for which that takes longer than reading a file.
+Result<ConvexHulls> contact_hulls(const MeshData& mesh, MeshContact contact, const HullStore& store);
 
 /// True if the hulls of all objects fill at most `excess` more than the objects, all of which are closed.
 bool is_convex(const MeshData& mesh, double excess);

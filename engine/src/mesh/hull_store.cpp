@@ -6,18 +6,21 @@
 #include <unistd.h>
 #include <xxhash.h>
 
-#include <bit>
+#include <array>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 #include <span>
+#include <sstream>
+#include <string>
+#include <vector>
 
 namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
-using Numbers = std::vector<double>;  // a file's content: counts, coordinates [m] and numbers of vertices
+using Numbers = std::vector<double>;  // hulls: counts, coordinates [m] and numbers of vertices
 
 fs::path caches_of_user() {
   const auto folder = [](const char* variable) {
@@ -51,35 +54,9 @@ Numbers numbers_of(const std::vector<ConvexHull>& hulls) {
   return numbers;
 }
 
-/// The numbers of a file whose hash is right; else none.
-Numbers read(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
-  Numbers numbers(bytes.size() / sizeof(double));
-  if (numbers.empty() || bytes.size() % sizeof(double) != 0) return {};
-  std::memcpy(numbers.data(), bytes.data(), bytes.size());
-  const auto hash = std::bit_cast<std::uint64_t>(numbers.back());
-  numbers.pop_back();
-  return hash == hash_of(std::span(numbers)) ? numbers : Numbers();
-}
-
-}  // namespace
-
-HullStore HullStore::of_user() {
-  const fs::path caches = caches_of_user();
-  return caches.empty() ? HullStore() : HullStore(caches / "convex-parts");
-}
-
-fs::path HullStore::file_of(const TriangleSoup& object) const {
-  std::uint64_t hash = hash_of(std::span(qh_version, std::strlen(qh_version)), convex_parts_version);
-  for (const Eigen::Vector3d& vertex : object.vertices) hash = hash_of(std::span(vertex.data(), 3), hash);
-  return folder_ / fmt::format("{:016x}", hash_of(std::span(object.triangles), hash));
-}
-
-std::optional<std::vector<ConvexHull>> HullStore::find(const TriangleSoup& object) const {
-  const Numbers numbers = folder_.empty() ? Numbers() : read(file_of(object));
-  if (numbers.empty()) return std::nullopt;
-  auto next = numbers.begin();  // the hash is that of the bytes that keep() wrote, so the counts are right
+/// Reverses numbers_of(). The hash of the file is right, so the counts are.
+std::vector<ConvexHull> hulls_of(const Numbers& numbers) {
+  auto next = numbers.begin();
   const auto count = [&next] { return static_cast<std::size_t>(*next++); };
   std::vector<ConvexHull> hulls(count());
   for (ConvexHull& hull : hulls) {
@@ -95,16 +72,91 @@ std::optional<std::vector<ConvexHull>> HullStore::find(const TriangleSoup& objec
   return hulls;
 }
 
-void HullStore::keep(const TriangleSoup& object, const std::vector<ConvexHull>& hulls) const {
+constexpr char between_fields = '\t';  // messages and hints of hulls are single lines without it
+
+/// A line for each remark.
+std::string text_of(const Diagnostics& remarks) {
+  std::string text;
+  for (const Diagnostic& remark : remarks)
+    text += fmt::format("{}{}{}{}{}\n", static_cast<int>(remark.severity), between_fields, remark.message,
+                        between_fields, remark.hint);
+  return text;
+}
+
+Diagnostics remarks_of(const std::string& text) {
+  Diagnostics remarks;
+  std::istringstream lines(text);
+  for (std::string severity, message, hint; std::getline(lines, severity, between_fields) &&
+                                            std::getline(lines, message, between_fields) &&
+                                            std::getline(lines, hint);) {
+    Diagnostic& remark = remarks.emplace_back(error(message, hint));
+    remark.severity = static_cast<Severity>(std::atoi(severity.c_str()));
+  }
+  return remarks;
+}
+
+/// The content of a file: the hash of all that follows, the count of numbers, the numbers, the remarks.
+struct Header {
+  std::uint64_t hash = 0;
+  std::uint64_t numbers = 0;
+};
+
+std::uint64_t hash_of_content(const Numbers& numbers, const std::string& remarks) {
+  return hash_of(std::span(remarks), hash_of(std::span(numbers)));
+}
+
+std::optional<ConvexHulls> read(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  Header header;
+  if (bytes.size() < sizeof header) return std::nullopt;
+  std::memcpy(&header, bytes.data(), sizeof header);
+  if (header.numbers > (bytes.size() - sizeof header) / sizeof(double)) return std::nullopt;
+  Numbers numbers(header.numbers);
+  std::memcpy(numbers.data(), bytes.data() + sizeof header, numbers.size() * sizeof(double));
+  const std::string remarks = bytes.substr(sizeof header + numbers.size() * sizeof(double));
+  if (numbers.empty() || header.hash != hash_of_content(numbers, remarks)) return std::nullopt;
+  return ConvexHulls{hulls_of(numbers), remarks_of(remarks)};
+}
+
+}  // namespace
+
+HullStore HullStore::of_user() {
+  const fs::path caches = caches_of_user();
+  return caches.empty() ? HullStore() : HullStore(caches / "hulls");
+}
+
+fs::path HullStore::file_of(const MeshData& mesh, MeshContact contact) const {
+  std::uint64_t hash = hash_of(std::span(qh_version, std::strlen(qh_version)), hulls_version);
+  const std::uint64_t in_parts = contact == MeshContact::parts ? 1 : 0;
+  hash = hash_of(std::span(&in_parts, 1), hash);
+  for (const MeshPart& part : mesh.parts) {
+    const std::array<std::uint64_t, 3> counts{static_cast<std::uint64_t>(part.object), part.vertices.size(),
+                                              part.triangles.size()};
+    hash = hash_of(std::span(counts), hash);
+    hash = hash_of(std::span(part.vertices), hash);
+    hash = hash_of(std::span(part.triangles), hash);
+  }
+  return folder_ / fmt::format("{:016x}", hash);
+}
+
+std::optional<ConvexHulls> HullStore::find(const MeshData& mesh, MeshContact contact) const {
+  return folder_.empty() ? std::nullopt : read(file_of(mesh, contact));
+}
+
+void HullStore::keep(const MeshData& mesh, MeshContact contact, const ConvexHulls& hulls) const {
   if (folder_.empty()) return;
   std::error_code failed;
   fs::create_directories(folder_, failed);
-  Numbers numbers = numbers_of(hulls);
-  numbers.push_back(std::bit_cast<double>(hash_of(std::span(numbers))));
-  const fs::path file = file_of(object), whole = fs::path(file).concat(fmt::format(".{}", getpid()));
+  const Numbers numbers = numbers_of(hulls.hulls);
+  const std::string remarks = text_of(hulls.remarks);
+  const Header header{hash_of_content(numbers, remarks), numbers.size()};
+  const fs::path file = file_of(mesh, contact), whole = fs::path(file).concat(fmt::format(".{}", getpid()));
   std::ofstream stream(whole, std::ios::binary);
+  stream.write(reinterpret_cast<const char*>(&header), sizeof header);
   stream.write(reinterpret_cast<const char*>(numbers.data()),
                static_cast<std::streamsize>(numbers.size() * sizeof(double)));
+  stream.write(remarks.data(), static_cast<std::streamsize>(remarks.size()));
   stream.close();
   if (stream) fs::rename(whole, file, failed);
   if (!stream || failed) fs::remove(whole, failed);

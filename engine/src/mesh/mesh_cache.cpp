@@ -40,10 +40,8 @@ class MeshCache {
     const std::lock_guard lock(mutex_);
     const auto found = find(file, scale, selection);
     if (!found) return found.errors();
-    const bool in_parts = contact == MeshContact::parts;
-    auto& hulls = in_parts ? (*found)->parts : (*found)->hulls;
-    const MeshData& data = (*found)->reading.data;
-    if (!hulls) hulls = in_parts ? convex_parts(data, HullStore::of_user()) : judged_hulls(data);
+    auto& hulls = contact == MeshContact::parts ? (*found)->parts : (*found)->hulls;
+    if (!hulls) hulls = contact_hulls((*found)->reading.data, contact, HullStore::of_user());
     if (!*hulls) return hulls->errors();
     return std::shared_ptr<const ConvexHulls>(*found, &**hulls);
   }

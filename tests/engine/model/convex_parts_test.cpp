@@ -202,11 +202,11 @@ TEST(ConvexParts, AreTheSameInEveryRun) {
   expect_same(parts_of(torus(0.5, 0.1, 48, 16)), parts_of(torus(0.5, 0.1, 48, 16)));
 }
 
-/// If the hash changes, convex_parts() has changed: then convex_parts_version has to, or stores of users keep old
+/// If the hash changes, convex_parts() has changed: then hulls_version has to, or stores of users keep old
 /// parts.
 TEST(ConvexParts, OfThisVersionHaveThisHash) {
   const ConvexHulls parts = parts_of(torus(0.5, 0.1, 48, 16));
-  std::uint64_t hash = convex_parts_version;
+  std::uint64_t hash = hulls_version;
   for (const ConvexHull& hull : parts.hulls) {
     for (const Vector3d& vertex : hull.vertices) hash = XXH3_64bits_withSeed(vertex.data(), sizeof vertex, hash);
     for (const std::vector<int>& face : hull.faces)
@@ -215,46 +215,99 @@ TEST(ConvexParts, OfThisVersionHaveThisHash) {
   EXPECT_EQ(hash, 0xf434506677de7223u) << std::hex << hash;
 }
 
+ConvexHulls kept_parts(const MeshData& mesh, const HullStore& store) {
+  auto parts = contact_hulls(mesh, MeshContact::parts, store);
+  EXPECT_TRUE(parts.ok()) << to_string(parts.errors());
+  return *std::move(parts);
+}
+
+void expect_same_remarks(const ConvexHulls& a, const ConvexHulls& b) {
+  EXPECT_EQ(to_string(a.remarks), to_string(b.remarks));
+  ASSERT_EQ(a.remarks.size(), b.remarks.size());
+  for (std::size_t i = 0; i < a.remarks.size(); ++i) EXPECT_EQ(a.remarks[i].severity, b.remarks[i].severity);
+}
+
+/// A ball of more than 500 triangles, whose hull is thinned.
+MeshData fine_ball() { return mesh_of({globe_part(0.3, 24, 16)}); }
+
 TEST(HullStore, GivesThePartsThatWereComputed) {
   const test::TemporaryFolder folder;
   const HullStore store(folder.path() / "parts");
-  const auto first = convex_parts(channel(), store);
+  const ConvexHulls first = kept_parts(channel(), store);
   ASSERT_EQ(files_in(folder.path() / "parts").size(), 1u);
-  const auto second = convex_parts(channel(), store);
-  expect_same(*first, parts_of(channel()));
-  expect_same(*second, *first);
+  const ConvexHulls second = kept_parts(channel(), store);
+  expect_same(first, parts_of(channel()));
+  expect_same(second, first);
+  ASSERT_FALSE(second.remarks.empty());
+  expect_same_remarks(second, first);
+}
+
+TEST(HullStore, KeepsHullsOfFineMeshesWithTheirRemarks) {
+  const test::TemporaryFolder folder;
+  const HullStore store(folder.path());
+  for (const MeshContact contact : {MeshContact::hull, MeshContact::parts}) {
+    const ConvexHulls first = *contact_hulls(fine_ball(), contact, store);
+    EXPECT_THAT(to_string(first.remarks), HasSubstr("contact takes 128 of them"));
+    const auto kept = store.find(fine_ball(), contact);
+    ASSERT_TRUE(kept);
+    expect_same(*kept, first);
+    expect_same_remarks(*kept, first);
+  }
+  EXPECT_EQ(files_in(folder.path()).size(), 2u);
+}
+
+TEST(HullStore, KeepsNoHullThatTakesAMoment) {
+  const test::TemporaryFolder folder;
+  for (const MeshContact contact : {MeshContact::hull, MeshContact::parts})
+    (void)contact_hulls(mesh_of({box_part({0.3, 0.2, 0.1})}), contact, HullStore(folder.path()));
+  EXPECT_EQ(files_in(folder.path()).size(), 0u);
 }
 
 TEST(HullStore, IsAskedBeforePartsAreComputed) {
   const test::TemporaryFolder folder;
   const HullStore store(folder.path());
-  store.keep(object_of(channel(), 0), parts_of(angle()).hulls);
-  EXPECT_EQ(convex_parts(channel(), store)->hulls.size(), 2u);
-  EXPECT_EQ(convex_parts(angle(), store)->hulls.size(), 2u);
-  EXPECT_EQ(convex_parts(torus(0.5, 0.1, 24, 12), store)->hulls.size(), parts_of(torus(0.5, 0.1, 24, 12)).hulls.size());
+  store.keep(channel(), MeshContact::parts, parts_of(angle()));
+  expect_same(kept_parts(channel(), store), parts_of(angle()));
+  expect_same(kept_parts(angle(), store), parts_of(angle()));
+  expect_same(kept_parts(torus(0.5, 0.1, 24, 12), store), parts_of(torus(0.5, 0.1, 24, 12)));
   EXPECT_EQ(files_in(folder.path()).size(), 3u);
+}
+
+TEST(HullStore, TellsMeshesApartByTheirTrianglesAndObjects) {
+  const test::TemporaryFolder folder;
+  const HullStore store(folder.path());
+  store.keep(channel(), MeshContact::parts, parts_of(channel()));
+  MeshData turned = channel(), of_two = channel();
+  std::swap(turned.parts[0].triangles[0][0], turned.parts[0].triangles[0][1]);
+  of_two.parts[0].object = 1;
+  EXPECT_TRUE(store.find(channel(), MeshContact::parts));
+  EXPECT_FALSE(store.find(channel(), MeshContact::hull));
+  EXPECT_FALSE(store.find(turned, MeshContact::parts));
+  EXPECT_FALSE(store.find(of_two, MeshContact::parts));
 }
 
 TEST(HullStore, OfDamagedFilesIsEmpty) {
   const test::TemporaryFolder folder;
   const HullStore store(folder.path());
-  const auto parts = convex_parts(channel(), store);
+  const ConvexHulls parts = kept_parts(channel(), store);
   const std::filesystem::path file = files_in(folder.path()).at(0);
   const std::string whole = test::read_file(file);
-  std::string changed = whole;
-  changed[9] ^= 1;
-  for (const std::string& bytes : {changed, whole.substr(0, 100), whole.substr(8), std::string(), whole + "01234567"}) {
+  std::string changed = whole, many = whole;
+  changed[25] ^= 1;
+  many[15] = '\x7f';  // the number of coordinates
+  for (const std::string& bytes :
+       {changed, many, whole.substr(0, 100), whole.substr(8), std::string(), whole + "01234567"}) {
     std::ofstream(file, std::ios::binary) << bytes;
-    EXPECT_FALSE(store.find(object_of(channel(), 0))) << bytes.size();
-    expect_same(*convex_parts(channel(), store), *parts);
-    EXPECT_TRUE(store.find(object_of(channel(), 0))) << "it is written anew";
+    EXPECT_FALSE(store.find(channel(), MeshContact::parts)) << bytes.size();
+    expect_same(kept_parts(channel(), store), parts);
+    EXPECT_TRUE(store.find(channel(), MeshContact::parts)) << "it is written anew";
   }
 }
 
 TEST(HullStore, ThatCannotBeWrittenIsDoneWithout) {
   const test::TemporaryFolder folder;
   const HullStore store(folder.write("a_file", "") / "parts");
-  expect_same(*convex_parts(channel(), store), parts_of(channel()));
+  expect_same(kept_parts(channel(), store), parts_of(channel()));
 }
 
 class PlaceOfHullStore : public ::testing::Test {
@@ -270,8 +323,8 @@ class PlaceOfHullStore : public ::testing::Test {
     ::setenv(name, value.c_str(), 1);
   }
   bool has_parts(const std::filesystem::path& folder) const {
-    (void)convex_parts(channel(), HullStore::of_user());
-    return std::filesystem::is_directory(folder / "convex-parts");
+    (void)contact_hulls(channel(), MeshContact::parts, HullStore::of_user());
+    return std::filesystem::is_directory(folder / "hulls");
   }
   const test::TemporaryFolder folder_;
 
