@@ -1,12 +1,14 @@
 // The `faults` of a body: errors of its sensors and actuators for a time.
 #include <rehearse/scenario.h>
 
+#include "body_faults.h"
 #include "core/mcap/glob.h"
 #include "model/names.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 #include "sensor_error.h"
 #include "stated_faults.h"
+#include "yaml/yaml_tree.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -214,6 +216,20 @@ void FaultReader::add_weak(const ReadFault& fault, Actuator& actuator) {
 }
 
 }  // namespace
+
+Result<void> add_faults(ScenarioBody& body, const std::vector<std::string>& entries) {
+  std::string text;
+  for (const std::string& entry : entries) text += "- " + entry + '\n';
+  if (text.empty()) return {};
+  const Result<YamlNodePtr> list = parse_yaml(text, "faults");
+  if (!list) return list.errors();
+  Findings findings("faults");
+  give_room(body);
+  FaultReader reader(findings, body);
+  for (const YamlNodePtr& fault : (*list)->items) reader.read(*fault);
+  if (findings.any_error()) return findings.errors();
+  return {};
+}
 
 bool fault_reads(std::string_view fault, std::string_view key) { return FaultReader::reads(fault, key); }
 
