@@ -5,6 +5,7 @@ rehearse_add_test(solver_tests LABEL sim SHARDS 1
 rehearse_add_test(world_tests LABEL sim SHARDS 8
   SOURCES
     world/actuators_test.cpp
+    world/backlash_cycle_test.cpp
     world/connections_test.cpp
     world/contacts_test.cpp
     world/create_test.cpp

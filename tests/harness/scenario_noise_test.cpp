@@ -65,6 +65,29 @@ TEST(ScenarioNoise, OfJointsIsByQuantity) {
   EXPECT_EQ(given.joints.at(0).quantities.at(2).of("bias").x(), 2.0);
 }
 
+// The five numbers have the names and units of Kalibr's imu.yaml: rad/s/sqrt(Hz), rad/s^2/sqrt(Hz), m/s^2/sqrt(Hz),
+// m/s^3/sqrt(Hz) and Hz. A random walk in x/s/sqrt(Hz) is one in x/sqrt(s).
+TEST(ScenarioNoise, HasTheFiveNumbersOfAnImu) {
+  const BodyErrors short_form = noise(
+      "  - {sensor: Head/Imu, imu: {gyroscope_noise_density: 0.01 deg/s/sqrt(Hz), gyroscope_random_walk: 0.002,\n"
+      "     accelerometer_noise_density: 100 ug/sqrt(Hz), accelerometer_random_walk: 0.004, update_rate: 400}}\n");
+  const BodyErrors long_form = noise(
+      "  - {sensor: Head/Imu, rate: 400 Hz, angular_velocity: {density: 0.01 deg/s/sqrt(Hz), bias_walk: 0.002},\n"
+      "     acceleration: {density: 100 ug/sqrt(Hz), bias_walk: 0.004}}\n");
+  const ReadingErrors &found = short_form.devices.at(1), &wanted = long_form.devices.at(1);
+  EXPECT_EQ(found.rate, 400.0);
+  EXPECT_EQ(found.rate, wanted.rate);
+  ASSERT_EQ(found.quantities.size(), wanted.quantities.size());
+  for (std::size_t i = 0; i < wanted.quantities.size(); ++i) {
+    ASSERT_EQ(found.quantities[i].given.size(), 2u);
+    for (std::size_t k = 0; k < 2; ++k) {
+      EXPECT_EQ(found.quantities[i].given[k].form, wanted.quantities[i].given[k].form)
+          << "in the order of their effect";
+      EXPECT_EQ(found.quantities[i].given[k].numbers, wanted.quantities[i].given[k].numbers);
+    }
+  }
+}
+
 TEST(ScenarioNoise, HasTheUnitsOfDataSheets) {
   const BodyErrors given = noise(
       "  - {sensor: Head/Imu, angular_velocity: {density: 0.01 deg/s/sqrt(Hz), bias_walk: 1 deg/s/sqrt(s), bias: 2 "

@@ -65,6 +65,21 @@ void tell_verdicts(const CampaignSummary& summary) {
   print_table(rows);
 }
 
+/// The matrix of faults by expectations. An expectation is a column with its number.
+void tell_faults(const CampaignSummary& summary) {
+  if (summary.faults.empty()) return;
+  const std::vector<FaultCell>& columns = summary.faults.front().cells;
+  std::vector<TableRow> rows{{"fault", "cases"}};
+  for (std::size_t i = 0; i < columns.size(); ++i) rows[0].push_back(fmt::format("({})", i + 1));
+  for (const FaultRow& fault : summary.faults) {
+    TableRow& row = rows.emplace_back(TableRow{plain_text(fault.fault), fmt::format("{}", fault.cases)});
+    for (const FaultCell& cell : fault.cells) row.push_back(plain_text(to_string(cell)));
+  }
+  print_table(rows);
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    fmt::print("({}) {}\n", i + 1, plain_text(columns[i].expectation));
+}
+
 void tell_errors(const CampaignSummary& summary) {
   if (const std::string sentence = error_sentence(summary); !sentence.empty()) fmt::print("{}\n", sentence);
 }
@@ -89,6 +104,7 @@ Exit finish(const Campaign& campaign, const SweepSettings& settings, const Campa
   } else {
     tell_verdicts(*summary);
     fmt::print("{}\n", verdict(*summary));
+    tell_faults(*summary);
     tell_errors(*summary);
     if (campaign.nominal().verdict != CaseVerdict::passed)
       fmt::print("the nominal scenario fails: {}\n", plain_text(campaign.nominal().sentence));

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "decay.h"
+#include "model/acting_faults.h"
 #include "model/chance.h"
 
 namespace rehearse {
@@ -68,38 +69,15 @@ JointCommand ActuatorStage::pass(const JointCommand& written, double q, double d
 }
 
 /// The command of a step that pass() has counted.
-JointCommand ActuatorStage::under_faults(JointCommand acting, double q) {
+JointCommand ActuatorStage::under_faults(const JointCommand& acting, double q) {
   const double now = static_cast<double>(steps_ - 1) * time_step_;
-  bool is_locked = false;
-  drive_share_ = 1.0;
-  const auto exert = [&](double factor) {
-    acting.u *= factor;
-    wanted_ *= factor;
-    effort_ *= factor;
-  };
-  for (const ActuatorFault& fault : actuator_.faults) {
-    if (now < fault.from - rounding * time_step_ || now >= fault.until - rounding * time_step_) continue;
-    switch (fault.kind) {
-      case ActuatorFault::Kind::dead:
-        exert(0.0);
-        acting.drive = drive_effort;
-        break;
-      case ActuatorFault::Kind::weak:
-        exert(fault.share);
-        drive_share_ *= fault.share;
-        if (fault.share == 0.0) acting.drive = drive_effort;
-        break;
-      case ActuatorFault::Kind::locked: is_locked = true; break;
-      case ActuatorFault::Kind::reversed:
-        exert(-1.0);
-        acting.q = -acting.q;
-        acting.dq = -acting.dq;
-        break;
-    }
-  }
-  if (is_locked && locked_ == 0.0) locked_at_ = q;
-  locked_ = is_locked ? 1.0 : 0.0;
-  if (!is_locked) return acting;
+  const FaultedCommand faulted = rehearse::under_faults(actuator_.faults, acting, now, time_step_);
+  wanted_ *= faulted.factor;
+  effort_ *= faulted.factor;
+  drive_share_ = faulted.drive_share;
+  if (faulted.is_locked && locked_ == 0.0) locked_at_ = q;
+  locked_ = faulted.is_locked ? 1.0 : 0.0;
+  if (!faulted.is_locked) return faulted.command;
   drive_share_ = std::numeric_limits<double>::infinity();
   drives_effort_ = wanted_ = effort_ = 0.0;
   return {drive_displacement, locked_at_, 0.0, 0.0};

@@ -38,7 +38,7 @@ class ActuatorStage {
   double loop_effort(const JointCommand& wanted, double q, double dq);
   double lagged(double effort);
   JointCommand pass(const JointCommand& written, double q, double dq);
-  JointCommand under_faults(JointCommand acting, double q);
+  JointCommand under_faults(const JointCommand& acting, double q);
 
   const Actuator& actuator_;
   const double time_step_;

@@ -76,6 +76,29 @@ double cramers_v(const std::vector<std::vector<std::int64_t>>& counts);
 
 // Reports.
 
+/// How an expectation did in the cases with one fault.
+struct FaultCell {
+  std::string expectation;             // as text
+  std::int64_t holds = 0;              // cases
+  std::int64_t violated = 0;           // cases
+  std::int64_t unjudged = 0;           // cases that ended before, or whose verdict is about something else
+  std::optional<double> least_margin;  // in the unit of the expectation; none: it has no margin
+  /// The ranges of the fault's varied numbers in the cases that violate it, as "effort 0.2 to 0.31"; empty: none vary.
+  std::vector<std::string> violated_with;
+
+  bool survives() const { return holds > 0 && violated == 0 && unjudged == 0; }
+};
+
+/// A fault of a campaign that varies `faults`: an entry of the list, with one choice of its words.
+struct FaultRow {
+  std::string fault;  // "actuator Dog/RL_KNEE weak"
+  std::int64_t cases = 0;
+  std::vector<FaultCell> cells;  // by expectation
+};
+
+/// "holds in 8", "violated in 2 of 8: effort 0.2 to 0.31", "not judged".
+std::string to_string(const FaultCell& cell);
+
 /// The results of a campaign, counted.
 struct CampaignSummary {
   std::int64_t cases = 0;  // of the plan
@@ -88,7 +111,8 @@ struct CampaignSummary {
   std::optional<ClaimedRate> claim = {};  // of the scenario; none: every case must pass
   /// The number of cases that reached each condition of `sometimes`, by its name.
   std::vector<std::pair<std::string, std::int64_t>> reached = {};
-  std::int64_t until_failures = 0;  // the work ended with this failure; 0: it didn't end with a failure
+  std::int64_t until_failures = 0;    // the work ended with this failure; 0: it didn't end with a failure
+  std::vector<FaultRow> faults = {};  // faults by expectations; empty: the scenario varies no fault
 
   std::int64_t passed() const { return verdicts[0]; }
   std::int64_t judged() const { return cases - missing; }
@@ -118,7 +142,8 @@ std::string error_sentence(const CampaignSummary& summary);
 
 /// A JSON object: claim (null, or at_least, confidence, answer, more_cases), reached (cases by condition), verdict,
 /// cases, verdicts (counts by name), missing, share and interval of those that pass (null: no estimate), until_failures
-/// (null: the work didn't end with a failure), repeated, unrepeated, with_errors, passed_with_errors.
+/// (null: the work didn't end with a failure), repeated, unrepeated, with_errors, passed_with_errors, faults (a list of
+/// fault, cases and expectations: expectation, survives, holds, violated, unjudged, least_margin, violated_with, text).
 std::string to_json(const CampaignSummary& summary);
 
 /// What else than the results differs between two campaigns with the same plan, a phrase each, as "the model arm.urdf":

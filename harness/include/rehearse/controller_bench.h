@@ -13,6 +13,7 @@
 // similar names.
 #pragma once
 
+#include <rehearse/faults.h>
 #include <rehearse/io.h>
 
 #include <Eigen/Geometry>
@@ -30,7 +31,9 @@ struct BenchJoint {
   double q = 0.0;    // input of the controller: displacement [rad] or [m]
   double dq = 0.0;   // [rad/s] or [m/s]
   double ddq = 0.0;  // [rad/s²] or [m/s²]
-  double u = 0.0;  // before a tick the effort of the last step, after a tick the commanded effort, if any [N·m] or [N]
+  /// Before a tick the effort of the last step, after a tick the commanded effort, if any, under the faults of the
+  /// options [N·m] or [N].
+  double u = 0.0;
   double q_target = 0.0;   // commanded [rad] or [m]
   double dq_target = 0.0;  // commanded [rad/s] or [m/s]
 };
@@ -78,6 +81,7 @@ struct BenchOptions {
   std::map<std::string, double> joints;  // displacement at the beginning, by name [rad] or [m]; 0 for all others
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  // of the root link at the beginning [m]
   bool joystick = true;                                // true: a joystick is connected, at rest until the test moves it
+  Faults faults;                                       // of sensors, encoders and actuators; none by default
 };
 
 /// A controller with a robot whose inputs a test sets and whose commands it reads, tick by tick, without physics.

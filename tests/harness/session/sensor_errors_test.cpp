@@ -169,6 +169,33 @@ TEST_F(ErrorsOfSensors, AQuantumHasTheVarianceOfRounding) {
   EXPECT_NEAR(sum / 100000 / (quantum * quantum / 12.0), 1.0, 0.005);
 }
 
+// Of a color v the variance is shot² v, and 1/12 by the rounding to whole numbers.
+TEST_F(ErrorsOfSensors, ShotNoiseGrowsWithTheRootOfTheColor) {
+  const Scenario scenario =
+      load(rig(behaviour("C", "all"), "cameras: all\n") + "noise:\n  - {sensor: Rig/Camera, color: {shot: 0.5}}\n");
+  SensorErrors stage(scenario);
+  const auto camera = static_cast<std::size_t>(scenario.bodies[0].model->find_device("Camera"));
+  for (const int color : {0, 16, 64, 144}) {
+    SCOPED_TRACE(color);
+    Observation seen = blank(scenario);
+    DeviceReading& reading = seen.bodies[0].devices[camera];
+    auto image = std::make_shared<Image>();
+    image->width = image->height = 200;
+    image->pixels.assign(std::size_t{3} * 200 * 200, static_cast<std::uint8_t>(color));
+    reading.image = image;
+    reading.fresh = true;
+    stage.disturb_devices(color, seen);
+    double sum = 0.0, squares = 0.0;
+    for (const std::uint8_t pixel : reading.image->pixels) {
+      sum += pixel - color;
+      squares += (pixel - color) * (pixel - color);
+    }
+    const auto count = static_cast<double>(reading.image->pixels.size());
+    EXPECT_NEAR(sum / count, 0.0, 0.1);
+    EXPECT_NEAR(squares / count, color == 0 ? 0.0 : 0.25 * color + 1.0 / 12.0, 0.03 * 0.25 * color);
+  }
+}
+
 TEST_F(ErrorsOfSensors, AnEncoderCountsFromItsIndex) {
   const double count = 2.0 * std::numbers::pi / 1000.0;
   const auto read = shoulder("displacement: {counts: 1000}", 50, [&](int i) { return (i - 20 + 0.5) * count / 3.0; });

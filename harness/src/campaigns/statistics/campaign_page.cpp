@@ -159,6 +159,23 @@ ReportTable margin_table(const Json& report) {
   return table;
 }
 
+ReportTable fault_table(const Json& report) {
+  ReportTable table{"Faults and expectations",
+                    "In how many cases with each fault an expectation holds, and with which values it is violated. "
+                    "Cases that end before their expectations are judged count as not judged.",
+                    {"fault", "cases"},
+                    {}};
+  const Json& faults = report["summary"]["faults"];
+  for (const Json& fault : faults) {
+    Row row{text_of(fault["fault"]), text_of(fault["cases"])};
+    for (const Json& cell : fault["expectations"]) row.push_back(text_of(cell["text"]));
+    table.rows.push_back(std::move(row));
+  }
+  if (faults.empty()) return table;
+  for (const Json& cell : faults[0]["expectations"]) table.heading.push_back(text_of(cell["expectation"]));
+  return table;
+}
+
 ReportTable cell_table(const Json& report) {
   ReportTable table{"Cells that no case visited",
                     "Pairs of parameters in four by four equal parts of their ranges.",
@@ -202,7 +219,7 @@ std::vector<ReportTable> tables_of(const Json& report) {
     tables.push_back(change_table(report["against"]));
     tables.push_back(difference_table(report["against"]));
   }
-  for (auto* make : {failure_table, error_table, parameter_table, word_table, margin_table, cell_table})
+  for (auto* make : {failure_table, fault_table, error_table, parameter_table, word_table, margin_table, cell_table})
     if (ReportTable table = make(report); !table.rows.empty()) tables.push_back(std::move(table));
   return tables;
 }

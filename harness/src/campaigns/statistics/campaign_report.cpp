@@ -19,6 +19,7 @@
 #include "core/golden/golden_files.h"
 #include "core/mcap/hashing.h"
 #include "core/scenario/campaign_claims.h"
+#include "fault_matrix.h"
 #include "model/text.h"
 
 namespace rehearse {
@@ -264,6 +265,7 @@ Json json_of_summary(const CampaignSummary& summary) {
           {"until_failures", summary.until_failures > 0 ? Json(summary.until_failures) : Json(nullptr)},
           {"with_errors", summary.with_errors},
           {"passed_with_errors", summary.passed_with_errors},
+          {"faults", json_of_faults(summary.faults)},
           {"repeated", summary.repeated},
           {"unrepeated", summary.unrepeated}};
 }
@@ -312,6 +314,7 @@ CampaignSummary summary_of(const Campaign& campaign, const CaseTable& table) {
     ++summary.with_errors;
     if (table.passed(static_cast<std::size_t>(number))) ++summary.passed_with_errors;
   }
+  summary.faults = fault_matrix(campaign, table);
   const std::int64_t failures = ending_failures(campaign.folder());
   if (summary.missing > 0 && summary.failed() == failures) summary.until_failures = failures;
   return summary;

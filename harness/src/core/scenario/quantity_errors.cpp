@@ -22,6 +22,7 @@ std::vector<std::string_view> with_errors(const MeasuredQuantity& quantity, std:
   for (const ErrorForm* form : error_forms()) {
     if (form->of == ErrorOf::with_axes && quantity.axes != 3) continue;
     if (form->of == ErrorOf::displacement && quantity.name != joint_quantities[0].name) continue;
+    if (form->of == ErrorOf::color && quantity.name != "color") continue;
     keys.push_back(form->key);
   }
   return keys;

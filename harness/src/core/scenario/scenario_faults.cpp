@@ -1,11 +1,14 @@
 // The `faults` of a body: errors of its sensors and actuators for a time.
 #include <rehearse/scenario.h>
 
+#include "body_faults.h"
 #include "core/mcap/glob.h"
 #include "model/names.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 #include "sensor_error.h"
+#include "stated_faults.h"
+#include "yaml/yaml_tree.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -20,7 +23,6 @@
 namespace rehearse {
 namespace {
 
-constexpr std::string_view owners[] = {"sensor", "encoder", "actuator"};
 constexpr Range any_share{0.0, 1.0};
 
 /// A fault as it is read.
@@ -34,6 +36,8 @@ class FaultReader {
  public:
   FaultReader(Findings& findings, ScenarioBody& body) : findings_(findings), body_(body) {}
   void read(const YamlNode& node);
+  /// Whether faults of this kind read the key.
+  static bool reads(std::string_view kind, std::string_view key);
 
  private:
   using ToReading = void (FaultReader::*)(const ReadFault&, std::span<const std::size_t>, bool of_joint);
@@ -43,9 +47,10 @@ class FaultReader {
     std::string_view name;
     ToReading to_reading = nullptr;
     ToActuator to_actuator = nullptr;
+    std::string_view keys = "";  // that it reads beside those of each fault
   };
-  static std::span<const Kind> kinds();
 
+  static std::span<const Kind> kinds();
   std::optional<std::vector<std::size_t>> find_owners(const YamlNode& node, std::string_view owner) const;
   const Kind* find_kind(const Keys& keys, std::string_view owner) const;
   ReadingErrors& errors_of(std::size_t index, bool of_joint) {
@@ -71,13 +76,21 @@ std::span<const FaultReader::Kind> FaultReader::kinds() {
   using enum ActuatorFault::Kind;
   static constexpr Kind all[] = {{"stuck", &FaultReader::add_stuck},
                                  {"lost", &FaultReader::add_lost},
-                                 {"delayed", &FaultReader::add_delayed},
-                                 {"offset", &FaultReader::add_offset},
+                                 {"delayed", &FaultReader::add_delayed, nullptr, "by"},
+                                 {"offset", &FaultReader::add_offset, nullptr, "by quantity"},
                                  {"dead", nullptr, &FaultReader::add_plain<dead>},
-                                 {"weak", nullptr, &FaultReader::add_weak},
+                                 {"weak", nullptr, &FaultReader::add_weak, "effort"},
                                  {"locked", nullptr, &FaultReader::add_plain<locked>},
                                  {"reversed", nullptr, &FaultReader::add_plain<reversed>}};
   return all;
+}
+
+bool FaultReader::reads(std::string_view kind, std::string_view key) {
+  constexpr std::string_view only_some[] = {"by", "quantity", "effort"};
+  if (std::find(std::begin(only_some), std::end(only_some), key) == std::end(only_some)) return true;
+  const auto all = kinds();
+  const auto found = std::find_if(all.begin(), all.end(), [&](const Kind& each) { return each.name == kind; });
+  return found == all.end() || found->keys.find(key) != std::string_view::npos;
 }
 
 /// The devices that measure, or the joints, whose names match; an error if there are none.
@@ -126,12 +139,12 @@ void FaultReader::read(const YamlNode& node) {
   const Keys keys(findings_, node, "a fault",
                   {"sensor", "encoder", "actuator", "fault", "from", "until", "by", "quantity", "effort"});
   if (!keys.is_map()) return;
-  const auto count = std::count_if(std::begin(owners), std::end(owners),
+  const auto count = std::count_if(std::begin(fault_owners), std::end(fault_owners),
                                    [&](std::string_view key) { return keys.find(key) != nullptr; });
   if (count != 1)
     return findings_.error(node, fmt::format("the fault names {} parts of the body", count),
                            "expected one of sensor, encoder (of a joint) and actuator");
-  const std::string_view owner = *std::find_if(std::begin(owners), std::end(owners),
+  const std::string_view owner = *std::find_if(std::begin(fault_owners), std::end(fault_owners),
                                                [&](std::string_view key) { return keys.find(key) != nullptr; });
   const auto found = find_owners(*keys.find(owner), owner);
   const Kind* kind = find_kind(keys, owner);
@@ -203,6 +216,22 @@ void FaultReader::add_weak(const ReadFault& fault, Actuator& actuator) {
 }
 
 }  // namespace
+
+Result<void> add_faults(ScenarioBody& body, const std::vector<std::string>& entries) {
+  std::string text;
+  for (const std::string& entry : entries) text += "- " + entry + '\n';
+  if (text.empty()) return {};
+  const Result<YamlNodePtr> list = parse_yaml(text, "faults");
+  if (!list) return list.errors();
+  Findings findings("faults");
+  give_room(body);
+  FaultReader reader(findings, body);
+  for (const YamlNodePtr& fault : (*list)->items) reader.read(*fault);
+  if (findings.any_error()) return findings.errors();
+  return {};
+}
+
+bool fault_reads(std::string_view fault, std::string_view key) { return FaultReader::reads(fault, key); }
 
 void read_faults(Findings& findings, const YamlNode& bodies, Scenario& scenario) {
   const std::vector<YamlNodePtr>& list = bodies.items;

@@ -41,6 +41,16 @@ std::vector<std::string_view> with_quantities(std::vector<std::string_view> keys
   return keys;
 }
 
+/// The numbers of an IMU's data sheet beside its rate, by the names of Kalibr's imu.yaml.
+struct SheetNumber {
+  std::string_view key, quantity;
+  const ErrorForm& form;
+};
+constexpr SheetNumber sheet_numbers[] = {{"gyroscope_random_walk", "angular_velocity", bias_walk_error},
+                                         {"gyroscope_noise_density", "angular_velocity", density_error},
+                                         {"accelerometer_random_walk", "acceleration", bias_walk_error},
+                                         {"accelerometer_noise_density", "acceleration", density_error}};
+
 /// A device or a joint with errors.
 struct Target {
   std::string name;  // Body/Device or Body/Joint
@@ -67,6 +77,8 @@ class NoiseReader {
   std::vector<Given> read_quantities(const Keys& keys, const std::vector<const Target*>& targets) const;
   ReadingErrors read_timing(const Keys& keys, const std::vector<const Target*>& targets) const;
   void read_dropout(const Keys& keys, ReadingErrors& errors) const;
+  void read_data_sheet(const Keys& keys, const std::vector<const Target*>& targets, std::vector<Given>& given,
+                       ReadingErrors& timing) const;
 
   Findings& findings_;
   std::vector<Target> sensors_;
@@ -190,16 +202,52 @@ ReadingErrors NoiseReader::read_timing(const Keys& keys, const std::vector<const
   return errors;
 }
 
+/// `imu`: the five numbers of a data sheet in the place of the quantities' errors and the rate.
+void NoiseReader::read_data_sheet(const Keys& keys, const std::vector<const Target*>& targets,
+                                  std::vector<Given>& given, ReadingErrors& timing) const {
+  const YamlNode* node = keys.find("imu");
+  if (!node) return;
+  for (const std::string_view key : {"angular_velocity", "acceleration", "rate"})
+    if (const YamlNode* other = keys.find(key))
+      return findings_.error(*other, fmt::format("imu and {} state the same errors", key),
+                             "expected the five numbers of imu, or the errors of the quantities");
+  const Keys sheet(findings_, *node, "the data sheet of an IMU",
+                   {"gyroscope_noise_density", "gyroscope_random_walk", "accelerometer_noise_density",
+                    "accelerometer_random_walk", "update_rate"});
+  if (!sheet.is_map()) return;
+  const auto measured = [](const Target& target, std::string_view name) {
+    return std::find_if(target.quantities.begin(), target.quantities.end(),
+                        [&](const MeasuredQuantity& each) { return each.name == name; });
+  };
+  const auto imu = std::find_if(targets.begin(), targets.end(), [&](const Target* target) {
+    return measured(*target, "angular_velocity") != target->quantities.end() &&
+           measured(*target, "acceleration") != target->quantities.end();
+  });
+  if (imu == targets.end())
+    return findings_.error(*node, fmt::format("{} is no IMU", targets[0]->name),
+                           "imu states errors of an angular velocity and an acceleration");
+  for (const SheetNumber& number : sheet_numbers) {
+    const YamlNode* value = sheet.require(number.key, "a number of the data sheet");
+    const MeasuredQuantity& quantity = *measured(**imu, number.quantity);
+    const auto read = value ? read_error_numbers(findings_, *value, number.form, quantity, false) : std::nullopt;
+    if (given.empty() || given.back().quantity.name != quantity.name) given.push_back({quantity, false, {}});
+    if (read && (*read)[0] != number.form.neutral) given.back().errors.given.push_back({&number.form, *read, {}});
+  }
+  if (const YamlNode* rate = sheet.require("update_rate", "a rate as 400 Hz"))
+    timing.rate = read_quantity(findings_, *rate, "update_rate", rate_units, {0.0, 1e6, "[Hz]", true}).value_or(0.0);
+}
+
 /// A later rule replaces an earlier one completely.
 void NoiseReader::read_rule(const YamlNode& node) {
   const Keys keys(
       findings_, node, "noise",
-      with_quantities({"sensor", "joint", "dropout", "burst", "rate", "phase", "latency", "jitter", "stuck"}));
+      with_quantities({"sensor", "joint", "imu", "dropout", "burst", "rate", "phase", "latency", "jitter", "stuck"}));
   if (!keys.is_map()) return;
   const auto targets = find_targets(keys, node);
   if (!targets) return;
-  const std::vector<Given> given = read_quantities(keys, *targets);
-  const ReadingErrors timing = read_timing(keys, *targets);
+  std::vector<Given> given = read_quantities(keys, *targets);
+  ReadingErrors timing = read_timing(keys, *targets);
+  read_data_sheet(keys, *targets, given, timing);
   if (keys.entries().size() == 1)
     findings_.error(node, "noise has neither a quantity nor an error of whole readings",
                     "expected a quantity, as in range: {stddev: 0.01}, or one as dropout: 0.1 or latency: 5 ms");

@@ -27,7 +27,7 @@ enum class ErrorUnit : std::uint8_t {
 };
 
 /// The quantities that may have an error.
-enum class ErrorOf : std::uint8_t { any, with_axes, displacement };
+enum class ErrorOf : std::uint8_t { any, with_axes, displacement, color };
 
 /// The sample that is disturbed.
 struct SensorSample {

@@ -14,6 +14,9 @@
 #include "core/kinds/cost_fields.h"
 #include "core/run/hosted_commands.h"
 #include "core/run/run.h"
+#include "core/scenario/body_faults.h"
+#include "core/simulation/sensor_errors.h"
+#include "model/acting_faults.h"
 #include "model/clock.h"
 #include "realtime_assertions.h"
 
@@ -44,8 +47,10 @@ template <class Names>
 struct ControllerBench::Impl final : ObservationSource, Sink {
   Scenario scenario;
   std::unique_ptr<ControllerHost> host;
-  Observation seen;
+  Observation seen, read;                               // without and with the faults of sensors
+  std::optional<SensorErrors> errors;                   // of sensors and encoders
   std::vector<BenchJoint> joints;                       // by joint id
+  std::vector<std::uint8_t> commanded;                  // by joint id: the quantities, as JointCommand::drive
   std::vector<BenchLink> links;                         // by link index
   std::vector<BenchDevice> devices;                     // by device index
   std::vector<std::shared_ptr<const Image>> delivered;  // by device index: the last delivered picture
@@ -64,6 +69,7 @@ struct ControllerBench::Impl final : ObservationSource, Sink {
   void observe_joystick();
   void require_joystick(std::string_view what) const;
   void read_outputs();
+  void apply_faults(double time);
   void check();
 };
 
@@ -100,6 +106,9 @@ void ControllerBench::Impl::set_up(const std::string& library, const std::string
   controller.options = options.options;
   controller.place.file = "ControllerBench";
   if (options.joystick) scenario.joystick.emplace();
+  if (const auto added = add_faults(body, options.faults.entries()); !added)
+    throw std::invalid_argument(to_string(added.errors()));
+  if (!body.errors.devices.empty() || !body.errors.joints.empty()) errors.emplace(scenario);
 
   seen = initial_observation(scenario);
   for (const JointReading& joint : seen.bodies[0].joints) joints.push_back({joint.q, 0.0, 0.0, 0.0, joint.q, 0.0});
@@ -147,6 +156,11 @@ Result<bool> ControllerBench::Impl::observe(TickData& now) {
   for (std::size_t i = 0; i < devices.size(); ++i) observe_device(i, now.tick);
   if (seen.joystick) observe_joystick();
   now.seen = now.read = &seen;
+  if (!errors) return true;
+  read = seen;
+  errors->disturb_devices(now.tick, read);
+  errors->disturb_joints(now.tick, read);
+  now.read = &read;
   return true;
 }
 
@@ -187,13 +201,23 @@ void ControllerBench::Impl::observe_device(std::size_t index, std::int64_t tick)
 }
 
 void ControllerBench::Impl::read_outputs() {
+  commanded.assign(joints.size(), drive_none);
   for (const HostedController& hosted : host->controllers()) {
     for (const IoField& field : hosted.io->outputs().fields) {
       const double* value = hosted.io->output_values().data() + field.offset;
       switch (field.quantity) {
-        case Quantity::q: joints[field.joint].q_target = *value; break;
-        case Quantity::dq: joints[field.joint].dq_target = *value; break;
-        case Quantity::u: joints[field.joint].u = *value; break;
+        case Quantity::q:
+          joints[field.joint].q_target = *value;
+          commanded[field.joint] |= drive_displacement;
+          break;
+        case Quantity::dq:
+          joints[field.joint].dq_target = *value;
+          commanded[field.joint] |= drive_velocity;
+          break;
+        case Quantity::u:
+          joints[field.joint].u = *value;
+          commanded[field.joint] |= drive_effort;
+          break;
         case Quantity::wrench:
           links[field.link].force = {value[0], value[1], value[2]};
           links[field.link].torque = {value[3], value[4], value[5]};
@@ -205,9 +229,25 @@ void ControllerBench::Impl::read_outputs() {
   }
 }
 
-Result<void> ControllerBench::Impl::emit(const TickData&) {
+/// Of the quantities that the controller commands. They are new in each tick.
+void ControllerBench::Impl::apply_faults(double time) {
+  const std::vector<std::optional<Actuator>>& actuators = scenario.bodies[0].actuators;
+  for (std::size_t id = 0; id < actuators.size(); ++id) {
+    if (!actuators[id]) continue;
+    BenchJoint& joint = joints[id];
+    const FaultedCommand faulted = under_faults(
+        actuators[id]->faults, {commanded[id], joint.q_target, joint.dq_target, joint.u}, time, scenario.time_step);
+    const auto acts = [&](Drive quantity) { return (faulted.command.drive & quantity) != 0; };
+    if (commanded[id] & drive_effort) joint.u = faulted.command.u;
+    if (commanded[id] & drive_displacement) joint.q_target = acts(drive_displacement) ? faulted.command.q : joint.q;
+    if (commanded[id] & drive_velocity) joint.dq_target = acts(drive_velocity) ? faulted.command.dq : joint.dq;
+  }
+}
+
+Result<void> ControllerBench::Impl::emit(const TickData& now) {
   check();
   read_outputs();
+  apply_faults(time_of(now.tick, scenario.time_step));
   return {};
 }
 
