@@ -147,6 +147,54 @@ TEST_F(Sweep, NamesWhatElseDiffersBetweenTwoCampaigns) {
                                       "case limit: 60 s, was 600 s"}));
 }
 
+/// Some of 200 boxes that stay above 0.3 m don't stay above 0.32 m; none does that only the other limit lets pass.
+TEST_F(Sweep, AnswersAClaimThatAChangeMadeNothingWorseInThreeWays) {
+  box();
+  std::string changed = read_file(folder() / "box.yaml");
+  changed.replace(changed.find("above: 0.3"), 10, "above: 0.32");
+  write("changed.yaml", changed);
+  rehearse({"sweep", "box.yaml", "--cases", "200", "-o", "before"});
+  rehearse({"sweep", "changed.yaml", "--cases", "200", "-o", "after"});
+  const auto judged = [this](const std::string& campaign, const std::string& margin, int status) {
+    const Outcome outcome =
+        rehearse({"sweep", "report", campaign, "--against", "before", "--margin", margin, "--json"});
+    EXPECT_EQ(outcome.status, status) << margin << ": " << outcome.out << outcome.err;
+    return outcome.json();
+  };
+  const auto passes = judged("after", "0.3", 0), fails = judged("after", "0.001", 1),
+             undecided = judged("after", "0.06", 4);
+  EXPECT_EQ(passes["non_inferiority"]["answer"], "passes");
+  EXPECT_EQ(passes["non_inferiority"]["margin"], 0.3);
+  EXPECT_EQ(passes["non_inferiority"]["confidence"], 0.95);
+  EXPECT_EQ(fails["non_inferiority"]["answer"], "fails");
+  EXPECT_EQ(undecided["non_inferiority"]["answer"], "undecided");
+  EXPECT_GT(undecided["non_inferiority"]["more_cases"], 0);
+  EXPECT_THAT(undecided["verdict"].get<std::string>(),
+              HasSubstr("; undecided whether it is inferior, with a margin of 6 % and 95 % confidence: "));
+  const auto against = nlohmann::json::parse(read_file(folder() / "after/report.json"))["against"];
+  EXPECT_EQ(against["interval"], undecided["non_inferiority"]["interval"]);
+  EXPECT_NEAR(against["difference"].get<double>(), -against["broken"].get<double>() / 200.0, 1e-12);
+  EXPECT_THAT(read_file(folder() / "after/report.md"), HasSubstr("| difference of the shares that pass | -"));
+
+  // without a margin the campaign is judged alone: cases fail
+  EXPECT_EQ(rehearse({"sweep", "report", "after", "--against", "before"}).status, 1);
+  EXPECT_EQ(rehearse({"sweep", "report", "after", "--json"}).json()["non_inferiority"], nullptr);
+  EXPECT_EQ(rehearse({"sweep", "report", "after", "--margin", "0.1"}).status, bad_input) << "against which?";
+}
+
+TEST_F(Sweep, RefusesAMarginOfWorkThatEndedWithAFailure) {
+  box();
+  rehearse({"sweep", "box.yaml", "--cases", "60", "-o", "before"});
+  rehearse({"sweep", "box.yaml", "--cases", "60", "--until-failures", "1", "-j", "1", "-o", "after"});
+  EXPECT_EQ(rehearse({"sweep", "report", "after", "--against", "before"}).status, 1);
+  const Outcome refused = rehearse({"sweep", "report", "after", "--against", "before", "--margin", "0.1"});
+  EXPECT_EQ(refused.status, bad_input);
+  EXPECT_THAT(refused.err, HasSubstr("the work ended with failure 1: its cases aren't a fair sample for a margin"));
+  EXPECT_THAT(refused.err, HasSubstr("rehearse sweep resume after"));
+  rehearse({"sweep", "resume", "after"});
+  EXPECT_EQ(rehearse({"sweep", "report", "after", "--against", "before", "--margin", "0.1"}).status, 0);
+}
+
 TEST_F(Sweep, SaysThatAControllerHasChangedSinceTheCampaign) {
   fs::copy_file(MISBEHAVING, folder() / "controller.so");
   std::string own = read_file(deeds("none, throw 5"));

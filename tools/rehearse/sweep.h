@@ -4,6 +4,7 @@
 #include <rehearse/shrink.h>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "campaigns/slurm/slurm.h"
@@ -20,8 +21,9 @@ struct SweepSettings {
   bool plan = false;      // no case is run
   bool in_slurm = false;  // cases are run by Slurm's tasks
   SlurmOptions slurm;
-  std::int64_t jobs = 0;  // 0: one for each processor
-  std::string against;    // another campaign; empty: none
+  std::int64_t jobs = 0;         // 0: one for each processor
+  std::string against;           // another campaign; empty: none
+  std::optional<double> margin;  // of --against: by which the share that passes may be smaller
   std::int64_t number = 0;
   std::string output;  // of case and shrink; empty: in the campaign's folder
   ShrinkOptions shrink;

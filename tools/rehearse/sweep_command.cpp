@@ -79,7 +79,7 @@ void tell_unrepeated(const CampaignSummary& summary) {
 
 /// Writes the report and prints the summary.
 Exit finish(const Campaign& campaign, const SweepSettings& settings, const Campaign* against) {
-  const auto summary = write_campaign_report(campaign, against);
+  const auto summary = write_campaign_report(campaign, against, settings.margin);
   if (!summary) return refuse(summary.errors());
   const fs::path page = campaign.folder() / "report.html";
   if (settings.json) {
@@ -328,9 +328,12 @@ std::function<Exit()> declare_sweep(CLI::App& options) {
   work.add_option("--slice", settings->slice, "the Ith of N slices")->required()->type_name("I/N");
   add_jobs(work, settings);
   declare("status", "count the results so far", run_status);
-  declare("report", "write report.html, report.md, report.json and results.csv", run_report)
-      .add_option("--against", settings->against, "a campaign with the same plan, before a change")
-      ->type_name("DIR");
+  CLI::App& report = declare("report", "write report.html, report.md, report.json and results.csv", run_report);
+  report.add_option("--against", settings->against, "a campaign with the same plan, before a change")->type_name("DIR");
+  constexpr double least_margin = 1e-6;
+  add_number(report, "--margin", "of --against: the share that passes must not be smaller by so much (no claim)",
+             least_margin, 1.0 - least_margin, [settings](double margin) { settings->margin = margin; });
+  report.get_option("--margin")->needs("--against");
   declare("case", "record a case again", run_case_again)
       .add_option("-o,--output", settings->output, "the trace to write (DIR/traces/case-K.mcap)")
       ->type_name("TRACE");

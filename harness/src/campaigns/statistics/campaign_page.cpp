@@ -178,14 +178,19 @@ ReportTable cell_table(const Json& report) {
 ReportTable change_table(const Json& change) {
   ReportTable table{"Before and after",
                     "The same cases in another campaign. p: the probability of flips as unequal as these, if both "
-                    "directions were as likely (McNemar's exact test).",
-                    {"", "cases", "first cases"},
+                    "directions were as likely (McNemar's exact test). The interval of the difference is Tango's.",
+                    {"", "cases", "first cases, or interval"},
                     {}};
   table.rows.push_back({"compared", text_of(change["compared"]), ""});
   table.rows.push_back({"with the same bits", text_of(change["same_bits"]), ""});
   table.rows.push_back({"passed before, fail now", text_of(change["broken"]), case_list(change["broken_cases"])});
   table.rows.push_back({"failed before, pass now", text_of(change["mended"]), case_list(change["mended_cases"])});
   table.rows.push_back({"p", text_of(change["p"]), ""});
+  if (change["difference"].is_null()) return table;
+  const Json& interval = change["interval"];
+  table.rows.push_back(
+      {"difference of the shares that pass", percent(change["difference"].get<double>()),
+       fmt::format("{} to {}", percent(interval[0].get<double>()), percent(interval[1].get<double>()))});
   return table;
 }
 
@@ -212,8 +217,9 @@ std::string subtitle_of(const Json& report) {
   std::string text = fmt::format("Scenario {}, seed {}, plan {}. ", text_of(report["scenario"]),
                                  text_of(report["seed"]), text_of(report["plan"]));
   text += fmt::format(
-      "The share that passes is within {} to {} with 95 % confidence ({}). ",
+      "The share that passes is within {} to {} with {} confidence ({}). ",
       percent(summary["interval"][0].get<double>()), percent(summary["interval"][1].get<double>()),
+      percent(summary["claim"].is_null() ? 0.95 : summary["claim"]["confidence"].get<double>()),
       summary["until_failures"].is_null() ? "Wilson's interval" : "of inverse sampling: the work ended with a failure");
   text += fmt::format("The nominal scenario: {}. ", text_of(report["nominal"]["verdict"]));
   return text + fmt::format("Cases that ran twice, in different processes: {}; {}.", text_of(summary["repeated"]),

@@ -88,10 +88,11 @@ double CampaignSummary::share() const {
   return failed() == 1 ? std::numeric_limits<double>::quiet_NaN() : 1.0 - before_last / (all - 1.0);
 }
 
+double CampaignSummary::confidence() const { return claim ? claim->confidence : 0.95; }
+
 Interval CampaignSummary::interval() const {
-  const double confidence = claim ? claim->confidence : 0.95;
-  return until_failures > 0 ? inverse_interval(failed(), judged(), confidence)
-                            : wilson_interval(passed(), judged(), confidence);
+  return until_failures > 0 ? inverse_interval(failed(), judged(), confidence())
+                            : wilson_interval(passed(), judged(), confidence());
 }
 
 double rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
