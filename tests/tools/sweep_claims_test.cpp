@@ -2,6 +2,7 @@
 #include "sweep_fixture.h"
 
 #include <fstream>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -40,6 +41,55 @@ TEST_F(Sweep, PlansSayHowManyCasesAClaimNeeds) {
       rehearse({"sweep", "box.yaml", "--cases", "40", "-o", "plan", "--plan"}).out,
       HasSubstr("plan: 40 cases\nthat at least 95 % pass, with 95 % confidence, needs 73 cases if all pass, and 292 "
                 "if 97.5 % pass; this plan has 40, which can't show it\n"));
+}
+
+/// The box violates from a height on that its nominal run shows: it falls as far from any.
+TEST_F(Sweep, EstimatesTheProbabilityOfAFailureFromSteeredCases) {
+  std::string text = read_file(box());
+  text.replace(text.find("above: 0.3"), 10, "above: 0.2495");
+  write("rare.yaml", text);
+  const double margin = rehearse({"check", "rare.yaml", "--json"}).json()["expectations"][0]["margin"];
+  const double fall = 0.5 - 0.2495 - margin, probability = (0.2495 + fall - 0.25) / (0.6 - 0.25);
+  ASSERT_GT(probability, 0.001);
+  ASSERT_LT(probability, 0.01);
+  const std::vector<std::string> words{"sweep", "rare.yaml", "--cases",    "40",  "--towards", "position/z above",
+                                       "-o",    "search",    "--estimate", "400", "--json"};
+  const Outcome found = rehearse(words);
+  EXPECT_EQ(found.status, 1) << found.err;
+  const auto estimated = found.json()["probability"];
+  EXPECT_LE(estimated["interval"][0], probability);
+  EXPECT_GE(estimated["interval"][1], probability);
+  EXPECT_NEAR(estimated["estimate"].get<double>() / probability, 1.0, 0.3);
+  EXPECT_EQ(estimated["cases"], 400);
+  EXPECT_GT(estimated["violations"], 20) << "an ordinary campaign would have two";
+  EXPECT_EQ(estimated["folder"], "search/estimate");
+  EXPECT_TRUE(exists("search/estimate/report.html"));
+  EXPECT_EQ(rehearse(words).out, found.out) << "it is continued";
+  EXPECT_THAT(rehearse({"sweep", "rare.yaml", "--cases", "40", "--estimate", "9", "-o", "new"}).err,
+              HasSubstr("--estimate requires --towards"));
+}
+
+TEST_F(Sweep, DrawsItsCasesByThePlanOfTheScenario) {
+  box("plan: sobol\n");
+  rehearse({"sweep", "box.yaml", "--cases", "8", "-o", "eight"});
+  rehearse({"sweep", "box.yaml", "--cases", "16", "-o", "sixteen"});
+  const std::string few = read_file(folder() / "eight/plan.csv"), many = read_file(folder() / "sixteen/plan.csv");
+  EXPECT_EQ(many.substr(0, few.size()), few) << "more cases begin with the same";
+  EXPECT_TRUE(exists("eight/report.html"));
+  std::set<int> eighths;  // of the heights
+  for (const auto& [height, verdict] : verdicts("eight"))
+    eighths.insert(static_cast<int>((std::stod(height) - 0.25) / 0.35 * 8.0));
+  EXPECT_EQ(eighths.size(), 8u);
+}
+
+TEST_F(Sweep, ReportsTheImportanceOfParameters) {
+  box();
+  rehearse({"sweep", "box.yaml", "--cases", "100", "-o", "run"});
+  const auto parameters = nlohmann::json::parse(read_file(folder() / "run/report.json"))["parameters"];
+  EXPECT_GT(parameters[0]["importance"]["margin"]["share"], 0.95) << "the height is all of it";
+  EXPECT_LT(parameters[1]["importance"]["margin"]["share"], 0.3) << "the mass has no say";
+  EXPECT_GT(parameters[0]["importance"]["passing"], 0.5);
+  EXPECT_THAT(read_file(folder() / "run/report.md"), HasSubstr("## Importance"));
 }
 
 TEST_F(Sweep, FailsIfNoCaseReachedAStateThatSomeMust) {

@@ -284,7 +284,9 @@ void add_search(CLI::App& options, const Settings& settings) {
       ->delimiter(',');
   add_integer(options, "--rounds", "of --towards: at most (6)", 1, 1000,
               [settings](std::int64_t rounds) { settings->search.rounds = static_cast<int>(rounds); });
-  for (const char* option : {"--over", "--rounds"}) options.get_option(option)->needs("--towards");
+  add_integer(options, "--estimate", "of --towards: cases that estimate the probability of a violation (none)", 1,
+              100'000'000, [settings](std::int64_t cases) { settings->search.estimate = cases; });
+  for (const char* option : {"--over", "--rounds", "--estimate"}) options.get_option(option)->needs("--towards");
 }
 
 void declare_new(CLI::App& options, const Settings& settings) {

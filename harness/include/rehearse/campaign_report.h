@@ -107,6 +107,16 @@ double rank_correlation(const std::vector<double>& a, const std::vector<double>&
 /// Methods of Statistics (1946), section 21.9. NaN if cases are in one row or in one column only.
 double cramers_v(const std::vector<std::vector<std::int64_t>>& counts);
 
+/// The share of the variance of the outputs that an input explains alone, 0 to 1: Sobol's first-order index, the
+/// variance of the mean output at each input, over the variance of the outputs. I. M. Sobol', Sensitivity estimates for
+/// nonlinear mathematical models, Mathematical Modelling and Computational Experiment 1 (1993). It is estimated from
+/// pairs, as by E. Plischke, E. Borgonovo, C. L. Smith, Global sensitivity measures from given data, European Journal
+/// of Operational Research 226 (2013): from the means within parts of the inputs, as many as the root of the number of
+/// pairs, or a part for each value if there are fewer. T. L. Kelley's correction, An Unbiased Correlation Ratio
+/// Measure, Proceedings of the National Academy of Sciences 21 (1935), removes its bias; below 0 it is 0. NaN if the
+/// outputs are all equal, or with fewer than two pairs for each part.
+double first_order_index(const std::vector<double>& inputs, const std::vector<double>& outputs);
+
 // Reports.
 
 /// The results of a campaign, counted.

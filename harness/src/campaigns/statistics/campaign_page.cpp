@@ -120,6 +120,25 @@ ReportTable parameter_table(const Json& report) {
   return table;
 }
 
+ReportTable importance_table(const Json& report) {
+  ReportTable table{
+      "Importance",
+      "The share of the variance of passing, and of a margin, that each parameter explains alone (Sobol's "
+      "first-order index). What is missing to 100 % comes from parameters together.",
+      {"parameter", "of passing", "of a margin"},
+      {}};
+  const auto share_of = [](const Json& share) { return share.is_null() ? "-" : percent(share.get<double>()); };
+  for (const Json& parameter : report["parameters"]) {
+    const Json& importance = parameter["importance"];
+    const Json& margin = importance["margin"];
+    if (importance["passing"].is_null() && margin.is_null()) continue;
+    table.rows.push_back(
+        {text_of(parameter["name"]), share_of(importance["passing"]),
+         margin.is_null() ? "-" : fmt::format("{}: {}", share_of(margin["share"]), text_of(margin["expectation"]))});
+  }
+  return table;
+}
+
 ReportTable word_table(const Json& report) {
   ReportTable table{"Words",
                     "The share of the cases with each word that passes, with its interval.",
@@ -207,7 +226,8 @@ std::vector<ReportTable> tables_of(const Json& report) {
     tables.push_back(change_table(report["against"]));
     tables.push_back(difference_table(report["against"]));
   }
-  for (auto* make : {failure_table, error_table, parameter_table, word_table, margin_table, cell_table})
+  for (auto* make :
+       {failure_table, error_table, parameter_table, importance_table, word_table, margin_table, cell_table})
     if (ReportTable table = make(report); !table.rows.empty()) tables.push_back(std::move(table));
   return tables;
 }

@@ -20,7 +20,9 @@
 #include "core/golden/golden_files.h"
 #include "core/mcap/hashing.h"
 #include "core/scenario/campaign_claims.h"
+#include "importance.h"
 #include "model/text.h"
+#include "report_json.h"
 
 namespace rehearse {
 namespace {
@@ -74,10 +76,6 @@ double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return quantile_of_sorted(values, 0.5);
 }
-
-Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-Json json_of_interval(const Interval& interval) { return Json::array({interval.low, interval.high}); }
 
 /// The kinds of failures, the most frequent first.
 Json failures_of(const CaseTable& table) {
@@ -181,6 +179,7 @@ Json json_of_parameter(const Campaign& campaign, const CaseTable& table, std::si
               {"nominal", variation.nominal},
               {"correlation_with_passing", nullptr},
               {"correlation_with_margin", nullptr},
+              {"importance", json_of_importance(campaign, table, index)},
               {"median_of_passed", nullptr},
               {"median_of_failed", nullptr}};
   if (!table.words[index].empty()) {

@@ -3,13 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "campaigns/plan/campaign_folder.h"
+#include "report_json.h"
 
 namespace rehearse {
 namespace {
@@ -39,10 +38,6 @@ Json first_of(std::vector<std::int64_t> cases) {
   return cases;
 }
 
-Json json_of(const Interval& interval) { return Json::array({interval.low, interval.high}); }
-
-Json json_of_difference(const PairedCases& pairs) { return pairs.all > 0 ? Json(pairs.difference()) : Json(nullptr); }
-
 }  // namespace
 
 PairedCases paired_cases(const CaseTable& now, const CaseTable& before) {
@@ -62,8 +57,8 @@ Json json_of_change(const CaseTable& now, const CaseTable& before, const Campaig
           {"broken", pairs.broken},
           {"mended", pairs.mended},
           {"p", mcnemar_exact(pairs.broken, pairs.mended)},
-          {"difference", json_of_difference(pairs)},
-          {"interval", json_of(paired_interval(pairs, summary.confidence()))},
+          {"difference", number_or_null(pairs.difference())},
+          {"interval", json_of_interval(paired_interval(pairs, summary.confidence()))},
           {"broken_cases", first_of(flips(before, now))},
           {"mended_cases", first_of(flips(now, before))}};
 }
@@ -74,8 +69,8 @@ Json json_of_non_inferiority(const CampaignSummary& summary) {
   const auto more = more_pairs(claim, *summary.pairs);
   return {{"margin", claim.margin},
           {"confidence", claim.confidence},
-          {"difference", json_of_difference(*summary.pairs)},
-          {"interval", json_of(paired_interval(*summary.pairs, claim.confidence))},
+          {"difference", number_or_null(summary.pairs->difference())},
+          {"interval", json_of_interval(paired_interval(*summary.pairs, claim.confidence))},
           {"answer", std::string(to_string(answer_of(claim, *summary.pairs)))},
           {"more_cases", more ? Json(*more) : Json(nullptr)}};
 }
