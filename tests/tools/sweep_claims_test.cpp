@@ -92,6 +92,31 @@ TEST_F(Sweep, ReportsTheImportanceOfParameters) {
   EXPECT_THAT(read_file(folder() / "run/report.md"), HasSubstr("## Importance"));
 }
 
+TEST_F(Sweep, ShowsTheCaseOfADotInItsPage) {
+  box();
+  rehearse({"sweep", "box.yaml", "--cases", "60", "-o", "run"});
+  const std::string page = read_file(folder() / "run/report.html");
+  const auto numbers = [&](const std::string& before) {
+    std::set<std::string> found;
+    for (std::size_t at = 0; (at = page.find(before, at)) != std::string::npos;) {
+      at += before.size();
+      found.insert(page.substr(at, page.find('"', at) - at));
+    }
+    return found;
+  };
+  EXPECT_EQ(numbers("href=\"#case-").size(), 60u);
+  EXPECT_EQ(numbers("href=\"#case-"), numbers("id=\"case-"));
+  const std::set<std::string> kept = numbers("href=\"traces/violated-");
+  EXPECT_EQ(kept.size(), 3u) << "three recordings are kept";
+  for (const std::string& name : kept) EXPECT_TRUE(exists("run/traces/violated-" + name)) << name;
+  const std::string first = kept.begin()->substr(0, kept.begin()->find('.'));
+  const std::size_t article = page.find("id=\"case-" + first + "\"");
+  const std::string text = page.substr(article, page.find("</article>", article) - article);
+  EXPECT_THAT(text, HasSubstr("<b>case " + first + ": violated</b>: Box/Box/position/z above 0.3 m"));
+  EXPECT_THAT(text, HasSubstr("height 0."));
+  EXPECT_THAT(text, HasSubstr("rehearse sweep case " + first + " run"));
+}
+
 TEST_F(Sweep, FailsIfNoCaseReachedAStateThatSomeMust) {
   box("pass_rate: {at_least: 0.1}\n"
       "sometimes:\n  low start: \"Box/Box/position/z < 0.35 m\"\n  flies away: \"Box/Box/position/z > 5 m\"\n");

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "case_articles.h"
 #include "viewing/report/html_text.h"
 
 namespace rehearse {
@@ -13,9 +14,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t parts = 4;           // of a range, in cells
-constexpr std::size_t bins = 20;           // of a histogram
-constexpr std::size_t most_points = 2000;  // of a scatter
+constexpr std::size_t parts = 4;  // of a range, in cells
+constexpr std::size_t bins = 20;  // of a histogram
 constexpr std::size_t most_pairs = 6;
 constexpr std::size_t most_labels = 8;           // words at an axis
 constexpr std::size_t most_words = 20;           // of a parameter, in the table
@@ -352,16 +352,9 @@ std::string axis_labels(const CaseTable& table, std::size_t parameter, bool acro
 std::string scatter(const CaseTable& table, std::size_t a, std::size_t b, const std::string& label) {
   const Extent x = extent_of(table.values[a]), y = extent_of(table.values[b]);
   std::string points;
-  for (const bool passed : {true, false}) {
-    std::vector<std::size_t> cases;
-    for (std::size_t i = 0; i < table.size(); ++i)
-      if (table.has(i) && table.passed(i) == passed) cases.push_back(i);
-    const std::size_t step = std::max<std::size_t>(1, cases.size() / most_points);
-    for (std::size_t i = 0; i < cases.size(); i += step)
-      points +=
-          fmt::format("<circle class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.5\"/>", passed ? "passed" : "failed",
-                      width * x.share(table.values[a][cases[i]]), height * (1.0 - y.share(table.values[b][cases[i]])));
-  }
+  for (const bool passed : {true, false})
+    for (const std::size_t i : drawn_cases(table, passed))
+      points += dot_of(table, i, width * x.share(table.values[a][i]), height * (1.0 - y.share(table.values[b][i])));
   return svg(label, points + axis_labels(table, a, true) + axis_labels(table, b, false));
 }
 
@@ -406,14 +399,17 @@ std::string pictures_of(const Campaign& campaign, const CaseTable& table, const 
         figure(histogram(table, table.margins[e], expectation),
                fmt::format("margin of {}: {} to {}", expectation, short_number(extent.low), short_number(extent.high)));
   }
-  text += "</div>\n<h2>Pairs of parameters</h2>\n<div class=\"pictures\">\n";
+  text +=
+      "</div>\n<h2>Pairs of parameters</h2>\n<p>A dot leads to its case, which is shown below.</p>\n"
+      "<div class=\"pictures\">\n";
   std::size_t drawn = 0;
   for (std::size_t b = 1; b < order.size(); ++b)
     for (std::size_t a = 0; a < b && drawn < most_pairs; ++a, ++drawn)
       text += figure(scatter(table, order[a], order[b], variations[order[a]].name + ", " + variations[order[b]].name),
                      fmt::format("across {}, {}; up {}, {}", variations[order[a]].name, ends_of(table, order[a]),
                                  variations[order[b]].name, ends_of(table, order[b])));
-  return text + "</div>\n";
+  text += "</div>\n";
+  return drawn > 0 ? text + case_articles(campaign, table) : text;
 }
 
 }  // namespace
@@ -462,6 +458,7 @@ std::string page_of(const Campaign& campaign, const CaseTable& table, const Json
       ".frame {{ fill: none; stroke: #8888 }} .word {{ font-size: 11px; fill: currentColor }}\n"
       "b.passed {{ color: light-dark(#1b7a37, #7ddc97) }} b.failed {{ color: light-dark(#b3261e, #ff8a80) }}\n"
       "svg .passed {{ fill: light-dark(#1b7a37, #7ddc97); fill-opacity: .45 }}\n"
+      ".case {{ display: none; overflow-wrap: anywhere }} .case:target {{ display: block }}\n"
       "svg .failed {{ fill: light-dark(#b3261e, #ff8a80); fill-opacity: .6 }}\n"
       "</style></head><body>\n<h1>{0}</h1>\n<p>{2}</p>\n",
       title, html_style, html_text(subtitle_of(report)));
