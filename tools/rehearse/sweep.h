@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "campaigns/slurm/slurm.h"
 #include "command.h"
@@ -25,7 +26,8 @@ struct SweepSettings {
   std::string against;           // another campaign; empty: none
   std::optional<double> margin;  // of --against: by which the share that passes may be smaller
   std::int64_t number = 0;
-  std::string output;  // of case and shrink; empty: in the campaign's folder
+  std::string output;                            // of case and shrink; empty: in the campaign's folder
+  std::optional<std::vector<KeptFailure>> kept;  // of the project, run before the cases; none: not run
   ShrinkOptions shrink;
   SearchOptions search;  // its expectation is empty: no search
 };

@@ -77,6 +77,38 @@ void tell_unrepeated(const CampaignSummary& summary) {
              summary.unrepeated.front());
 }
 
+std::int64_t passing(const std::vector<KeptFailure>& kept) {
+  return std::ranges::count_if(kept, [](const KeptFailure& failure) { return failure.result.passed(); });
+}
+
+bool all_pass(const std::optional<std::vector<KeptFailure>>& kept) {
+  return !kept || passing(*kept) == static_cast<std::int64_t>(kept->size());
+}
+
+Json json_of(const std::vector<KeptFailure>& kept) {
+  Json list = Json::array();
+  for (const auto& [file, result] : kept)
+    list.push_back(
+        {{"file", file.string()}, {"verdict", std::string(to_string(result.verdict))}, {"sentence", result.sentence}});
+  return list;
+}
+
+/// Runs the failures that the project keeps, and names those that fail again.
+Exit run_kept(const Campaign& campaign, SweepSettings& settings) {
+  auto kept = run_kept_failures(campaign, simulation());
+  if (!kept && interruption() != 0) return static_cast<Exit>(128 + interruption());
+  if (!kept) return refuse(kept.errors());
+  settings.kept = *std::move(kept);
+  if (!settings.kept->empty() && !settings.json)
+    fmt::print("kept failures: {} of {} pass\n", passing(*settings.kept), settings.kept->size());
+  std::fflush(stdout);
+  for (const auto& [file, result] : *settings.kept)
+    if (!result.passed())
+      fmt::print(stderr, "{}: error: this kept failure fails again: {}: {}\n", file.string(), to_string(result.verdict),
+                 plain_text(result.sentence));
+  return Exit::done;
+}
+
 /// Writes the report and prints the summary.
 Exit finish(const Campaign& campaign, const SweepSettings& settings, const Campaign* against) {
   const auto summary = write_campaign_report(campaign, against, settings.margin);
@@ -85,6 +117,7 @@ Exit finish(const Campaign& campaign, const SweepSettings& settings, const Campa
   if (settings.json) {
     Json object = Json::parse(to_json(*summary));
     object["report"] = page.string();
+    if (settings.kept) object["kept_failures"] = json_of(*settings.kept);
     print(object);
   } else {
     tell_verdicts(*summary);
@@ -100,7 +133,7 @@ Exit finish(const Campaign& campaign, const SweepSettings& settings, const Campa
   }
   std::fflush(stdout);
   tell_unrepeated(*summary);
-  return exit_of(*summary);
+  return all_pass(settings.kept) ? exit_of(*summary) : Exit::differs;
 }
 
 Exit work_on(Campaign& campaign, SweepSettings& settings) {
@@ -128,6 +161,7 @@ Exit submit(const Campaign& campaign, const SweepSettings& settings) {
 }
 
 Exit work_and_finish(Campaign& campaign, SweepSettings& settings) {
+  if (const Exit kept = run_kept(campaign, settings); kept != Exit::done) return kept;
   const Exit worked = work_on(campaign, settings);
   return worked == Exit::done ? finish(campaign, settings, nullptr) : worked;
 }
