@@ -1,3 +1,3 @@
 rehearse_add_test(campaign_test LABEL unit
-  SOURCES campaign_test.cpp campaign_run_test.cpp
+  SOURCES campaign_test.cpp campaign_run_test.cpp importance_test.cpp paired_cases_test.cpp plan_test.cpp
   LIBRARIES Rehearse::campaigns nlohmann_json::nlohmann_json)

@@ -404,6 +404,7 @@ const Broken all_broken[] = {
     {"pass_rate_in_percent", 5, 23, "at_least is 95.*above 0 and below 1"},
     {"pass_rate_certain", 5, 41, "confidence is 1 .*at least 0.5 and below 1"},
     {"pass_rate_number", 5, 12, "a pass rate is 0.95.*expected a map"},
+    {"plan_unknown", 5, 7, "plan is 'halton'.*expected random, sobol or latin_hypercube"},
     {"sometimes_list", 5, 12, "sometimes is a list.*a map from names to conditions"},
     {"sometimes_map", 6, 10, "a condition of sometimes is a map.*a condition as"},
     {"sometimes_cut", 6, 32, "the expression ends where a value is expected"},

@@ -5,6 +5,8 @@
 
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <vector>
 
 #include "support/temporary_folder.h"
 
@@ -18,7 +20,7 @@ class PassRate : public ::testing::Test {
   PassRate() { rehearse::set_test_folders({folder_.path().string(), "", (folder_ / "output").string(), ""}); }
 
   /// A box falls 20 ms from a height of 0.2 m to 1 m: it must be above that limit.
-  std::string box(double limit) const {
+  std::string box(double limit, const std::string& claims = "") const {
     std::ofstream(folder_ / "box.yaml") << R"(rehearse: 1
 duration: 0.02
 bodies:
@@ -28,7 +30,7 @@ expect:
                                         << limit << R"(}
 vary:
   height: {path: "bodies.Box.position[2]", uniform: [0.2, 1]}
-)";
+)" << claims;
     return "box.yaml";
   }
 
@@ -57,6 +59,45 @@ TEST_F(PassRate, FailsByItsUpperBoundAndNamesTheCases) {
   EXPECT_THAT(judged.message(), HasSubstr("rehearse sweep shrink "));
   EXPECT_THAT(judged.message(), HasSubstr("report.html"));
   EXPECT_NONFATAL_FAILURE(EXPECT_PASS_RATE(result, 0.99), "is below 99 %");
+}
+
+/// Of the heights about 94 % are above 0.25 m.
+TEST_F(PassRate, OfTheScenarioHasThreeAnswers) {
+  const auto swept = [this](const std::string& rate) {
+    return rehearse::sweep(box(0.25, "pass_rate: {at_least: " + rate + "}\n"), {60, 1});
+  };
+  EXPECT_SWEEP_PASSES(swept("0.7"));
+  const rehearse::SweepResult undecided = swept("0.92"), fails = swept("0.999");
+  EXPECT_TRUE(undecided.undecided);
+  EXPECT_FALSE(fails.undecided);
+  const auto of_undecided = rehearse::internal::HoldsItsClaims("", undecided);
+  EXPECT_FALSE(of_undecided);
+  EXPECT_THAT(of_undecided.message(), HasSubstr("it is undecided whether at least 92 % pass"));
+  EXPECT_THAT(of_undecided.message(), HasSubstr("would decide it if the rate stays"));
+  const auto of_failing = rehearse::internal::HoldsItsClaims("", fails);
+  EXPECT_FALSE(of_failing);
+  EXPECT_THAT(of_failing.message(), HasSubstr("it is false that at least 99.9 % pass"));
+  EXPECT_THAT(of_failing.message(), HasSubstr("rehearse sweep shrink "));
+  EXPECT_NONFATAL_FAILURE(EXPECT_SWEEP_PASSES(fails), "it is false that at least 99.9 % pass");
+}
+
+TEST_F(PassRate, OfAScenarioWithoutAClaimIsThatOfEveryCase) {
+  EXPECT_SWEEP_PASSES(rehearse::sweep(box(0.1), {20, 1}));
+  EXPECT_FALSE(rehearse::internal::HoldsItsClaims("", rehearse::sweep(box(0.6), {20, 1})));
+}
+
+TEST_F(PassRate, FailsIfAStateWasNeverTried) {
+  const std::string claims = "pass_rate: {at_least: 0.1}\nsometimes:\n  low: \"Box/Box/position/z < 0.5\"\n";
+  EXPECT_SWEEP_PASSES(rehearse::sweep(box(0.1, claims), {40, 1}));
+  const rehearse::SweepResult grounded =
+      rehearse::sweep(box(0.1, claims + "  flies away: \"Box/Box/position/z > 5\"\n"), {40, 1});
+  EXPECT_EQ(grounded.never_tried, std::vector<std::string>{"flies away"});
+  EXPECT_TRUE(grounded.passes);
+  for (const auto& judged :
+       {rehearse::internal::HoldsItsClaims("", grounded), rehearse::internal::HasPassRate("", "", grounded, 0.5)}) {
+    EXPECT_FALSE(judged);
+    EXPECT_THAT(judged.message(), HasSubstr("never tried: no case reached flies away"));
+  }
 }
 
 TEST_F(PassRate, IsTheSameAfterARunInThisProcess) {

@@ -2,6 +2,7 @@
 #include "sweep_fixture.h"
 
 #include <fstream>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -40,6 +41,80 @@ TEST_F(Sweep, PlansSayHowManyCasesAClaimNeeds) {
       rehearse({"sweep", "box.yaml", "--cases", "40", "-o", "plan", "--plan"}).out,
       HasSubstr("plan: 40 cases\nthat at least 95 % pass, with 95 % confidence, needs 73 cases if all pass, and 292 "
                 "if 97.5 % pass; this plan has 40, which can't show it\n"));
+}
+
+/// The box violates from a height on that its nominal run shows: it falls as far from any.
+TEST_F(Sweep, EstimatesTheProbabilityOfAFailureFromSteeredCases) {
+  std::string text = read_file(box());
+  text.replace(text.find("above: 0.3"), 10, "above: 0.2495");
+  write("rare.yaml", text);
+  const double margin = rehearse({"check", "rare.yaml", "--json"}).json()["expectations"][0]["margin"];
+  const double fall = 0.5 - 0.2495 - margin, probability = (0.2495 + fall - 0.25) / (0.6 - 0.25);
+  ASSERT_GT(probability, 0.001);
+  ASSERT_LT(probability, 0.01);
+  const std::vector<std::string> words{"sweep", "rare.yaml", "--cases",    "40",  "--towards", "position/z above",
+                                       "-o",    "search",    "--estimate", "400", "--json"};
+  const Outcome found = rehearse(words);
+  EXPECT_EQ(found.status, 1) << found.err;
+  const auto estimated = found.json()["probability"];
+  EXPECT_LE(estimated["interval"][0], probability);
+  EXPECT_GE(estimated["interval"][1], probability);
+  EXPECT_NEAR(estimated["estimate"].get<double>() / probability, 1.0, 0.3);
+  EXPECT_EQ(estimated["cases"], 400);
+  EXPECT_GT(estimated["violations"], 20) << "an ordinary campaign would have two";
+  EXPECT_EQ(estimated["folder"], "search/estimate");
+  EXPECT_TRUE(exists("search/estimate/report.html"));
+  EXPECT_EQ(rehearse(words).out, found.out) << "it is continued";
+  EXPECT_THAT(rehearse({"sweep", "rare.yaml", "--cases", "40", "--estimate", "9", "-o", "new"}).err,
+              HasSubstr("--estimate requires --towards"));
+}
+
+TEST_F(Sweep, DrawsItsCasesByThePlanOfTheScenario) {
+  box("plan: sobol\n");
+  rehearse({"sweep", "box.yaml", "--cases", "8", "-o", "eight"});
+  rehearse({"sweep", "box.yaml", "--cases", "16", "-o", "sixteen"});
+  const std::string few = read_file(folder() / "eight/plan.csv"), many = read_file(folder() / "sixteen/plan.csv");
+  EXPECT_EQ(many.substr(0, few.size()), few) << "more cases begin with the same";
+  EXPECT_TRUE(exists("eight/report.html"));
+  std::set<int> eighths;  // of the heights
+  for (const auto& [height, verdict] : verdicts("eight"))
+    eighths.insert(static_cast<int>((std::stod(height) - 0.25) / 0.35 * 8.0));
+  EXPECT_EQ(eighths.size(), 8u);
+}
+
+TEST_F(Sweep, ReportsTheImportanceOfParameters) {
+  box();
+  rehearse({"sweep", "box.yaml", "--cases", "100", "-o", "run"});
+  const auto parameters = nlohmann::json::parse(read_file(folder() / "run/report.json"))["parameters"];
+  EXPECT_GT(parameters[0]["importance"]["margin"]["share"], 0.95) << "the height is all of it";
+  EXPECT_LT(parameters[1]["importance"]["margin"]["share"], 0.3) << "the mass has no say";
+  EXPECT_GT(parameters[0]["importance"]["passing"], 0.5);
+  EXPECT_THAT(read_file(folder() / "run/report.md"), HasSubstr("## Importance"));
+}
+
+TEST_F(Sweep, ShowsTheCaseOfADotInItsPage) {
+  box();
+  rehearse({"sweep", "box.yaml", "--cases", "60", "-o", "run"});
+  const std::string page = read_file(folder() / "run/report.html");
+  const auto numbers = [&](const std::string& before) {
+    std::set<std::string> found;
+    for (std::size_t at = 0; (at = page.find(before, at)) != std::string::npos;) {
+      at += before.size();
+      found.insert(page.substr(at, page.find('"', at) - at));
+    }
+    return found;
+  };
+  EXPECT_EQ(numbers("href=\"#case-").size(), 60u);
+  EXPECT_EQ(numbers("href=\"#case-"), numbers("id=\"case-"));
+  const std::set<std::string> kept = numbers("href=\"traces/violated-");
+  EXPECT_EQ(kept.size(), 3u) << "three recordings are kept";
+  for (const std::string& name : kept) EXPECT_TRUE(exists("run/traces/violated-" + name)) << name;
+  const std::string first = kept.begin()->substr(0, kept.begin()->find('.'));
+  const std::size_t article = page.find("id=\"case-" + first + "\"");
+  const std::string text = page.substr(article, page.find("</article>", article) - article);
+  EXPECT_THAT(text, HasSubstr("<b>case " + first + ": violated</b>: Box/Box/position/z above 0.3 m"));
+  EXPECT_THAT(text, HasSubstr("height 0."));
+  EXPECT_THAT(text, HasSubstr("rehearse sweep case " + first + " run"));
 }
 
 TEST_F(Sweep, FailsIfNoCaseReachedAStateThatSomeMust) {
@@ -145,6 +220,54 @@ TEST_F(Sweep, NamesWhatElseDiffersBetweenTwoCampaigns) {
             (std::vector<std::string>{"in the scenario bodies", "in the scenario duration: 0.03, was 0.02",
                                       "in the scenario gravity: [0, 0, -1.6], was not stated",
                                       "case limit: 60 s, was 600 s"}));
+}
+
+/// Some of 200 boxes that stay above 0.3 m don't stay above 0.32 m; none does that only the other limit lets pass.
+TEST_F(Sweep, AnswersAClaimThatAChangeMadeNothingWorseInThreeWays) {
+  box();
+  std::string changed = read_file(folder() / "box.yaml");
+  changed.replace(changed.find("above: 0.3"), 10, "above: 0.32");
+  write("changed.yaml", changed);
+  rehearse({"sweep", "box.yaml", "--cases", "200", "-o", "before"});
+  rehearse({"sweep", "changed.yaml", "--cases", "200", "-o", "after"});
+  const auto judged = [this](const std::string& campaign, const std::string& margin, int status) {
+    const Outcome outcome =
+        rehearse({"sweep", "report", campaign, "--against", "before", "--margin", margin, "--json"});
+    EXPECT_EQ(outcome.status, status) << margin << ": " << outcome.out << outcome.err;
+    return outcome.json();
+  };
+  const auto passes = judged("after", "0.3", 0), fails = judged("after", "0.001", 1),
+             undecided = judged("after", "0.06", 4);
+  EXPECT_EQ(passes["non_inferiority"]["answer"], "passes");
+  EXPECT_EQ(passes["non_inferiority"]["margin"], 0.3);
+  EXPECT_EQ(passes["non_inferiority"]["confidence"], 0.95);
+  EXPECT_EQ(fails["non_inferiority"]["answer"], "fails");
+  EXPECT_EQ(undecided["non_inferiority"]["answer"], "undecided");
+  EXPECT_GT(undecided["non_inferiority"]["more_cases"], 0);
+  EXPECT_THAT(undecided["verdict"].get<std::string>(),
+              HasSubstr("; undecided whether it is inferior, with a margin of 6 % and 95 % confidence: "));
+  const auto against = nlohmann::json::parse(read_file(folder() / "after/report.json"))["against"];
+  EXPECT_EQ(against["interval"], undecided["non_inferiority"]["interval"]);
+  EXPECT_NEAR(against["difference"].get<double>(), -against["broken"].get<double>() / 200.0, 1e-12);
+  EXPECT_THAT(read_file(folder() / "after/report.md"), HasSubstr("| difference of the shares that pass | -"));
+
+  // without a margin the campaign is judged alone: cases fail
+  EXPECT_EQ(rehearse({"sweep", "report", "after", "--against", "before"}).status, 1);
+  EXPECT_EQ(rehearse({"sweep", "report", "after", "--json"}).json()["non_inferiority"], nullptr);
+  EXPECT_EQ(rehearse({"sweep", "report", "after", "--margin", "0.1"}).status, bad_input) << "against which?";
+}
+
+TEST_F(Sweep, RefusesAMarginOfWorkThatEndedWithAFailure) {
+  box();
+  rehearse({"sweep", "box.yaml", "--cases", "60", "-o", "before"});
+  rehearse({"sweep", "box.yaml", "--cases", "60", "--until-failures", "1", "-j", "1", "-o", "after"});
+  EXPECT_EQ(rehearse({"sweep", "report", "after", "--against", "before"}).status, 1);
+  const Outcome refused = rehearse({"sweep", "report", "after", "--against", "before", "--margin", "0.1"});
+  EXPECT_EQ(refused.status, bad_input);
+  EXPECT_THAT(refused.err, HasSubstr("the work ended with failure 1: its cases aren't a fair sample for a margin"));
+  EXPECT_THAT(refused.err, HasSubstr("rehearse sweep resume after"));
+  rehearse({"sweep", "resume", "after"});
+  EXPECT_EQ(rehearse({"sweep", "report", "after", "--against", "before", "--margin", "0.1"}).status, 0);
 }
 
 TEST_F(Sweep, SaysThatAControllerHasChangedSinceTheCampaign) {

@@ -63,7 +63,8 @@ struct CheckSettings {
 
 bool can_be_checked(const Scenario& scenario) { return !scenario.golden.empty() || !scenario.expectations.empty(); }
 
-/// The files of the project's scenarios that may name a golden or have expectations, by path.
+/// The files of the project that may name a golden or have expectations: the failures that it keeps, then its
+/// scenarios, each by path.
 Result<std::vector<std::string>> files_of_project() {
   const auto project = find_project("./");
   if (!project)
@@ -71,8 +72,9 @@ Result<std::vector<std::string>> files_of_project() {
                  "name a scenario, or go to a project's folder");
   std::vector<std::string> files;
   std::error_code ignored;
-  for (const fs::path& file : scenario_files(*project))
-    if (may_be_checked(file)) files.push_back(fs::proximate(file, ignored).string());
+  for (const auto& some : {failure_files(*project), scenario_files(*project)})
+    for (const fs::path& file : some)
+      if (may_be_checked(file)) files.push_back(fs::proximate(file, ignored).string());
   return files;
 }
 

@@ -92,14 +92,47 @@ void tell_unrepeated(const CampaignSummary& summary) {
              summary.unrepeated.front());
 }
 
+std::int64_t passing(const std::vector<KeptFailure>& kept) {
+  return std::ranges::count_if(kept, [](const KeptFailure& failure) { return failure.result.passed(); });
+}
+
+bool all_pass(const std::optional<std::vector<KeptFailure>>& kept) {
+  return !kept || passing(*kept) == static_cast<std::int64_t>(kept->size());
+}
+
+Json json_of(const std::vector<KeptFailure>& kept) {
+  Json list = Json::array();
+  for (const auto& [file, result] : kept)
+    list.push_back(
+        {{"file", file.string()}, {"verdict", std::string(to_string(result.verdict))}, {"sentence", result.sentence}});
+  return list;
+}
+
+/// Runs the failures that the project keeps, and names those that fail again.
+Exit run_kept(const Campaign& campaign, SweepSettings& settings) {
+  auto kept = run_kept_failures(campaign, simulation());
+  if (!kept && interruption() != 0) return static_cast<Exit>(128 + interruption());
+  if (!kept) return refuse(kept.errors());
+  settings.kept = *std::move(kept);
+  if (!settings.kept->empty() && !settings.json)
+    fmt::print("kept failures: {} of {} pass\n", passing(*settings.kept), settings.kept->size());
+  std::fflush(stdout);
+  for (const auto& [file, result] : *settings.kept)
+    if (!result.passed())
+      fmt::print(stderr, "{}: error: this kept failure fails again: {}: {}\n", file.string(), to_string(result.verdict),
+                 plain_text(result.sentence));
+  return Exit::done;
+}
+
 /// Writes the report and prints the summary.
 Exit finish(const Campaign& campaign, const SweepSettings& settings, const Campaign* against) {
-  const auto summary = write_campaign_report(campaign, against);
+  const auto summary = write_campaign_report(campaign, against, settings.margin);
   if (!summary) return refuse(summary.errors());
   const fs::path page = campaign.folder() / "report.html";
   if (settings.json) {
     Json object = Json::parse(to_json(*summary));
     object["report"] = page.string();
+    if (settings.kept) object["kept_failures"] = json_of(*settings.kept);
     print(object);
   } else {
     tell_verdicts(*summary);
@@ -116,7 +149,7 @@ Exit finish(const Campaign& campaign, const SweepSettings& settings, const Campa
   }
   std::fflush(stdout);
   tell_unrepeated(*summary);
-  return exit_of(*summary);
+  return all_pass(settings.kept) ? exit_of(*summary) : Exit::differs;
 }
 
 Exit work_on(Campaign& campaign, SweepSettings& settings) {
@@ -144,6 +177,7 @@ Exit submit(const Campaign& campaign, const SweepSettings& settings) {
 }
 
 Exit work_and_finish(Campaign& campaign, SweepSettings& settings) {
+  if (const Exit kept = run_kept(campaign, settings); kept != Exit::done) return kept;
   const Exit worked = work_on(campaign, settings);
   return worked == Exit::done ? finish(campaign, settings, nullptr) : worked;
 }
@@ -300,7 +334,9 @@ void add_search(CLI::App& options, const Settings& settings) {
       ->delimiter(',');
   add_integer(options, "--rounds", "of --towards: at most (6)", 1, 1000,
               [settings](std::int64_t rounds) { settings->search.rounds = static_cast<int>(rounds); });
-  for (const char* option : {"--over", "--rounds"}) options.get_option(option)->needs("--towards");
+  add_integer(options, "--estimate", "of --towards: cases that estimate the probability of a violation (none)", 1,
+              100'000'000, [settings](std::int64_t cases) { settings->search.estimate = cases; });
+  for (const char* option : {"--over", "--rounds", "--estimate"}) options.get_option(option)->needs("--towards");
 }
 
 void declare_new(CLI::App& options, const Settings& settings) {
@@ -344,9 +380,12 @@ std::function<Exit()> declare_sweep(CLI::App& options) {
   work.add_option("--slice", settings->slice, "the Ith of N slices")->required()->type_name("I/N");
   add_jobs(work, settings);
   declare("status", "count the results so far", run_status);
-  declare("report", "write report.html, report.md, report.json and results.csv", run_report)
-      .add_option("--against", settings->against, "a campaign with the same plan, before a change")
-      ->type_name("DIR");
+  CLI::App& report = declare("report", "write report.html, report.md, report.json and results.csv", run_report);
+  report.add_option("--against", settings->against, "a campaign with the same plan, before a change")->type_name("DIR");
+  constexpr double least_margin = 1e-6;
+  add_number(report, "--margin", "of --against: the share that passes must not be smaller by so much (no claim)",
+             least_margin, 1.0 - least_margin, [settings](double margin) { settings->margin = margin; });
+  report.get_option("--margin")->needs("--against");
   declare("case", "record a case again", run_case_again)
       .add_option("-o,--output", settings->output, "the trace to write (DIR/traces/case-K.mcap)")
       ->type_name("TRACE");

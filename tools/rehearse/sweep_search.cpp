@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include <limits>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "core/guard/interruption.h"
 #include "output.h"
@@ -13,8 +15,26 @@
 namespace rehearse::tool {
 namespace {
 
+Json json_of(const FailureProbability& probability) {
+  return {{"estimate", probability.estimate},
+          {"interval", {probability.interval.low, probability.interval.high}},
+          {"cases", probability.cases},
+          {"violations", probability.violations},
+          {"folder", probability.folder.string()}};
+}
+
+std::string sentence_on(const FailureProbability& probability) {
+  const std::string cases = fmt::format("{} of {} steered cases violate it", probability.violations, probability.cases);
+  if (probability.violations == 0)
+    return fmt::format("the probability of a violation is at most {:.3g}, with 95 % confidence: {}",
+                       probability.interval.high, cases);
+  return fmt::format("the probability of a violation is about {:.3g} ({:.3g} to {:.3g}, with 95 % confidence): {}",
+                     probability.estimate, probability.interval.low, probability.interval.high, cases);
+}
+
 /// Prints the rounds, and the way to the first failure.
-Exit tell(const std::vector<SearchRound>& rounds, bool json) {
+Exit tell(const SearchResult& result, bool json) {
+  const std::vector<SearchRound>& rounds = result.rounds;
   std::vector<TableRow> rows{{"round", "cases", "violations", "least margin"}};
   Json list = Json::array();
   const SearchRound* failing = nullptr;
@@ -30,7 +50,8 @@ Exit tell(const std::vector<SearchRound>& rounds, bool json) {
     if (!failing && round.first_failure) failing = &round;
   }
   if (json) {
-    print({{"rounds", std::move(list)}});
+    print({{"rounds", std::move(list)},
+           {"probability", result.probability ? json_of(*result.probability) : Json(nullptr)}});
   } else {
     print_table(rows);
     if (failing)
@@ -38,6 +59,7 @@ Exit tell(const std::vector<SearchRound>& rounds, bool json) {
                  failing->folder.string());
     else
       fmt::print("no case violates it\n");
+    if (result.probability) fmt::print("{}\n", sentence_on(*result.probability));
   }
   return failing ? Exit::differs : Exit::done;
 }

@@ -1,9 +1,10 @@
 // Campaign: many runs of a scenario with other values of its varied parameters (`vary:`), each judged.
 //
 // A campaign is a folder: campaign.json (scenario, seed, options), plan.csv (the table of cases) and result lines.
-// Everything but the result lines is immutable. A value is a function of the campaign's seed, the number of the case
-// and the name of the parameter. So a case is the same wherever it runs, and a new parameter changes no values of the
-// others.
+// Everything but the result lines is immutable. A value of a random plan is a function of the campaign's seed, the
+// number of the case and the name of the parameter. So a case is the same wherever it runs, and a new parameter changes
+// no values of the others. In other plans it depends on the place of the parameter, too (`plan: sobol`), or on the
+// number of cases (`plan: latin_hypercube`).
 //
 // Its cases are run by sweep.h, counted by campaign_report.h, and searched and shrunk by shrink.h.
 #pragma once
@@ -65,7 +66,7 @@ struct CaseResult {
 };
 
 /// The normal distribution that replaces the distribution of a parameter, within its bounds. For a parameter with
-/// log_uniform it is the distribution of the logarithm, from which a uniform one with the same deviation is made.
+/// log_uniform it is the distribution of the logarithm.
 struct SteeredParameter {
   std::string name;
   double mean = 0.0, stddev = 1.0;
@@ -78,6 +79,7 @@ struct CampaignOptions {
   int keep = 3;                           // number of traces kept of each kind of failure, of the lowest cases
   double case_limit = 600.0;              // wall time of a case; a longer case counts as hung [s]
   std::vector<SteeredParameter> steered;  // by a search; empty: all distributions are those of the scenario
+  double own_share = 0.0;                 // of the values of each steered parameter, which aren't steered
   HostOptions host;
 };
 

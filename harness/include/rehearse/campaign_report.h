@@ -56,6 +56,39 @@ std::optional<std::int64_t> deciding_cases(const ClaimedRate& claim, double shar
 /// 95 % confidence: this needs 73 cases if all pass, 381 if 97.5 % pass".
 std::string plan_sentence(const ClaimedRate& claim, std::int64_t cases);
 
+/// The cases that have a result in two campaigns with the same plan, before and after a change.
+struct PairedCases {
+  std::int64_t all = 0;
+  std::int64_t broken = 0;  // passed before, fail now
+  std::int64_t mended = 0;  // failed before, pass now
+
+  /// The share that passes now, less the share that passed before. NaN: there are no pairs.
+  double difference() const;
+};
+
+/// The two-sided interval of the difference of the shares that pass, -1 to 1, from the score test of paired
+/// proportions: T. Tango, Equivalence test and confidence interval for the difference in proportions for the
+/// paired-sample design, Statistics in Medicine 17 (1998), pp. 891-908.
+Interval paired_interval(const PairedCases& pairs, double confidence = 0.95);
+
+/// The claim that a change lowers the share that passes by less than a margin (--margin).
+struct NonInferiority {
+  double margin = 0.01;      // above 0 and below 1
+  double confidence = 0.95;  // of the two-sided interval that decides
+};
+
+/// Passes if the interval of the difference is above -margin, and fails if it is below.
+ClaimAnswer answer_of(const NonInferiority& claim, const PairedCases& pairs);
+
+/// The number of pairs that would decide the claim, beyond these, if the shares of flips stay. None: it is decided, or
+/// no number does.
+std::optional<std::int64_t> more_pairs(const NonInferiority& claim, const PairedCases& pairs);
+
+/// A phrase on the flips, the difference and its interval, and on the answer to a claim: "12 cases passed before and
+/// fail now, 3 failed before and pass now: the share that passes changes by -0.9 % (-1.7 % to -0.2 %); not inferior,
+/// with a margin of 2 % and 95 % confidence".
+std::string comparison_sentence(const PairedCases& pairs, const std::optional<NonInferiority>& claim);
+
 /// The quantile of sorted values, in proportion between the two values around it. The median of an even number of
 /// values (share 0.5) is the mean of the two in the middle. NaN if there are none.
 double quantile_of_sorted(const std::vector<double>& sorted, double share);
@@ -73,6 +106,16 @@ double rank_correlation(const std::vector<double>& a, const std::vector<double>&
 /// The association of two kinds of words, 0 to 1, from the number of cases by row and column: H. Cramér, Mathematical
 /// Methods of Statistics (1946), section 21.9. NaN if cases are in one row or in one column only.
 double cramers_v(const std::vector<std::vector<std::int64_t>>& counts);
+
+/// The share of the variance of the outputs that an input explains alone, 0 to 1: Sobol's first-order index, the
+/// variance of the mean output at each input, over the variance of the outputs. I. M. Sobol', Sensitivity estimates for
+/// nonlinear mathematical models, Mathematical Modelling and Computational Experiment 1 (1993). It is estimated from
+/// pairs, as by E. Plischke, E. Borgonovo, C. L. Smith, Global sensitivity measures from given data, European Journal
+/// of Operational Research 226 (2013): from the means within parts of the inputs, as many as the root of the number of
+/// pairs, or a part for each value if there are fewer. T. L. Kelley's correction, An Unbiased Correlation Ratio
+/// Measure, Proceedings of the National Academy of Sciences 21 (1935), removes its bias; below 0 it is 0. NaN if the
+/// outputs are all equal, or with fewer than two pairs for each part.
+double first_order_index(const std::vector<double>& inputs, const std::vector<double>& outputs);
 
 // Reports.
 
@@ -111,8 +154,10 @@ struct CampaignSummary {
   std::optional<ClaimedRate> claim = {};  // of the scenario; none: every case must pass
   /// The number of cases that reached each condition of `sometimes`, by its name.
   std::vector<std::pair<std::string, std::int64_t>> reached = {};
-  std::int64_t until_failures = 0;    // the work ended with this failure; 0: it didn't end with a failure
-  std::vector<FaultRow> faults = {};  // faults by expectations; empty: the scenario varies no fault
+  std::int64_t until_failures = 0;        // the work ended with this failure; 0: it didn't end with a failure
+  std::optional<PairedCases> pairs = {};  // with the campaign before a change; none: it isn't compared
+  std::optional<NonInferiority> non_inferiority = {};  // of the pairs; none: nothing is claimed of them
+  std::vector<FaultRow> faults = {};                   // faults by expectations; empty: the scenario varies no fault
 
   std::int64_t passed() const { return verdicts[0]; }
   std::int64_t judged() const { return cases - missing; }
@@ -120,8 +165,12 @@ struct CampaignSummary {
   /// The share of all cases that pass, estimated. If the work ended with failure K, 1 - (K - 1) / (cases - 1): J. B. S.
   /// Haldane, On a method of estimating frequencies, Biometrika 33 (1945). NaN: no estimate, as with K = 1.
   double share() const;
-  Interval interval() const;   // with the confidence of the claim, else 95 %
-  ClaimAnswer answer() const;  // to the claim; without one it fails with the first case
+  double confidence() const;        // of the claim, else 0.95
+  Interval interval() const;        // with this confidence
+  ClaimAnswer rate_answer() const;  // to the claim; without one it fails with the first case
+  /// To all claims: the worse answer. A campaign with a claim of non-inferiority and without one on the rate may have
+  /// cases that fail.
+  ClaimAnswer answer() const;
   /// The number of cases that would decide the claim, beyond those with a result, if their share that passes stays.
   /// None: it is decided, or no number does.
   std::optional<std::int64_t> more_cases() const;
@@ -140,7 +189,8 @@ std::string claim_sentence(const CampaignSummary& summary);
 /// A sentence, without a full stop, on cases with errors of controllers; empty: there are none.
 std::string error_sentence(const CampaignSummary& summary);
 
-/// A JSON object: claim (null, or at_least, confidence, answer, more_cases), reached (cases by condition), verdict,
+/// A JSON object: claim (null, or at_least, confidence, answer, more_cases), non_inferiority (null, or margin,
+/// confidence, difference, interval, answer, more_cases), reached (cases by condition), verdict,
 /// cases, verdicts (counts by name), missing, share and interval of those that pass (null: no estimate), until_failures
 /// (null: the work didn't end with a failure), repeated, unrepeated, with_errors, passed_with_errors, faults (a list of
 /// fault, cases and expectations: expectation, survives, holds, violated, unjudged, least_margin, violated_with, text).
@@ -151,7 +201,10 @@ std::string to_json(const CampaignSummary& summary);
 std::vector<std::string> differences(const Campaign& before, const Campaign& now);
 
 /// Writes report.html, report.md, report.json and results.csv into the campaign's folder. `against`: a campaign with
-/// the same plan, before a change; null: none. Fails if the plans differ, or a file can't be written.
-Result<CampaignSummary> write_campaign_report(const Campaign& campaign, const Campaign* against = nullptr);
+/// the same plan, before a change; null: none. `margin`: that of NonInferiority, claimed with the summary's confidence;
+/// none: no claim. Fails if the plans differ, if a margin is claimed of a campaign that ended with a failure, or if a
+/// file can't be written.
+Result<CampaignSummary> write_campaign_report(const Campaign& campaign, const Campaign* against = nullptr,
+                                              const std::optional<double>& margin = {});
 
 }  // namespace rehearse

@@ -99,7 +99,10 @@ struct SweepResult {
   std::string verdict;      // a sentence: "197 of 200 cases pass: ..."
   std::string failures;     // the kinds of failures, a line each, with the command that makes the first case again
   bool repeats = true;      // cases that ran twice gave the same bits
-  std::string folder;       // of the campaign, with its report
+  bool passes = true;       // the scenario's `pass_rate` holds; without one every case passes
+  bool undecided = false;   // more cases are needed to know whether it holds
+  std::vector<std::string> never_tried;  // states of the scenario's `sometimes` that no case reached
+  std::string folder;                    // of the campaign, with its report
 };
 
 namespace internal {
@@ -130,6 +133,7 @@ TestVerdict hold_expectations(const Trace& trace, const std::string& test);
 TestVerdict replay_golden(const std::string& name, const std::string& test);
 SweepResult sweep_for_test(const std::string& scenario, const SweepCases& cases, const std::string& test);
 TestVerdict judge_pass_rate(const SweepResult& result, double rate);
+TestVerdict judge_claims(const SweepResult& result);
 TestVerdict judge_realtime(const Trace& trace);
 TestVerdict judge_realtime(const ControllerBench& bench);
 
@@ -178,6 +182,10 @@ inline ::testing::AssertionResult HasPassRate(const char*, const char*, const Sw
   return assertion_of(judge_pass_rate(result, rate));
 }
 
+inline ::testing::AssertionResult HoldsItsClaims(const char*, const SweepResult& result) {
+  return assertion_of(judge_claims(result));
+}
+
 template <class Run>
 ::testing::AssertionResult IsRealtime(const char*, const Run& run) {
   return assertion_of(judge_realtime(run));
@@ -214,10 +222,17 @@ inline SweepResult sweep(const std::string& scenario, const SweepCases& cases = 
 }  // namespace rehearse
 
 /// Passes unless the share of cases that pass is below `rate`, 0 to 1, with 95 % confidence. It fails if even the upper
-/// bound of Wilson's interval is below the rate, or if a case that ran twice gave different bits. So a few failures in
-/// a few cases don't fail it by chance. The message states the interval and the failing cases.
+/// bound of Wilson's interval is below the rate, if a case that ran twice gave different bits, or if no case reached a
+/// state of the scenario's `sometimes`. So a few failures in a few cases don't fail it by chance. The message states
+/// the interval and the failing cases. A `pass_rate` of the scenario isn't asked: EXPECT_SWEEP_PASSES.
 #define EXPECT_PASS_RATE(result, rate) EXPECT_PRED_FORMAT2(::rehearse::internal::HasPassRate, result, rate)
 #define ASSERT_PASS_RATE(result, rate) ASSERT_PRED_FORMAT2(::rehearse::internal::HasPassRate, result, rate)
+
+/// Passes if what the scenario claims of its campaigns holds: its `pass_rate` (without one, that every case passes) and
+/// its `sometimes`. It fails, too, if there are too few cases to decide the pass rate: the message states how many
+/// would.
+#define EXPECT_SWEEP_PASSES(result) EXPECT_PRED_FORMAT1(::rehearse::internal::HoldsItsClaims, result)
+#define ASSERT_SWEEP_PASSES(result) ASSERT_PRED_FORMAT1(::rehearse::internal::HoldsItsClaims, result)
 
 /// Passes if the recording agrees with golden/Suite.Test.mcap within the tolerances of its scenario and up to its
 /// horizon. The expectations of the scenario must be met, too. More arguments change this: Exact{}, Near{"SR1/*/q",

@@ -20,6 +20,7 @@ struct SearchOptions {
   std::vector<std::string> over;   // parameters that are steered; empty: all with uniform, log_uniform or normal
   int rounds = 6;                  // at most
   std::int64_t most_failures = 1;  // the search ends after the round in which this many cases of all rounds violate it
+  std::int64_t estimate = 0;       // cases after the search, which estimate the probability of a violation; 0: none
 };
 
 /// A campaign of a search.
@@ -31,15 +32,36 @@ struct SearchRound {
   std::optional<std::int64_t> first_failure;  // the lowest number of these cases
 };
 
+/// The probability that a case of the scenario's own distributions violates an expectation.
+struct FailureProbability {
+  double estimate = 0.0;
+  Interval interval;                  // with 95 % confidence
+  std::int64_t cases = 0;             // of the campaign that estimates it
+  std::int64_t violations = 0;        // those of them that violate it
+  std::filesystem::path folder = {};  // of this campaign
+};
+
+struct SearchResult {
+  std::vector<SearchRound> rounds;
+  std::optional<FailureProbability> probability;  // none: SearchOptions::estimate is 0
+};
+
 /// Runs rounds, each a campaign in `folder`/round-1 and so on. After a round parameters are steered towards the tenth
 /// of its cases with the smallest margins. Their new mean and deviation are 0.9 times those of these cases plus 0.1
 /// times those of the round. This is the cross-entropy method: R. Rubinstein, The Cross-Entropy Method for
 /// Combinatorial and Continuous Optimization, Methodology and Computing in Applied Probability 1 (1999). The round is a
 /// part of the seed. Called again with the same arguments it continues. Shares of failures refer to the steered
 /// distributions.
-Result<std::vector<SearchRound>> search(const std::filesystem::path& scenario, const std::filesystem::path& folder,
-                                        const CampaignOptions& options, const SearchOptions& search,
-                                        const SweepOptions& sweep, const Simulation& simulation);
+///
+/// The probability of a violation is estimated after the search by a campaign in `folder`/estimate, with the
+/// distributions of the next round for four in five values of each parameter, and the scenario's own for the others, so
+/// that a parameter which was steered without need keeps its range. The cases are weighted by their likelihood ratios
+/// (importance sampling with defensive mixtures: T. Hesterberg, Weighted Average Importance Sampling and Defensive
+/// Mixture Distributions, Technometrics 37 (1995)). A case without a margin of the expectation, as after a crash,
+/// doesn't count as a violation.
+Result<SearchResult> search(const std::filesystem::path& scenario, const std::filesystem::path& folder,
+                            const CampaignOptions& options, const SearchOptions& search, const SweepOptions& sweep,
+                            const Simulation& simulation);
 
 // Shrinking.
 

@@ -41,6 +41,17 @@ Result<Campaign> create_campaign(const std::filesystem::path& scenario, const st
 /// the plan, if results can't be written, or if the environment prevents a case (a full disk): it gets no result.
 Result<void> run_cases(Campaign& campaign, const SweepOptions& options, const Simulation& simulation);
 
+/// A scenario that has failed once, and is kept in a project.
+struct KeptFailure {
+  std::filesystem::path file;  // relative to the working directory
+  CaseResult result;
+};
+
+/// Runs the failures that the project of the campaign's scenario keeps (the *.yaml below its folders `failures` and
+/// `fixtures/failures`), by path, each in a process of its own. They are judged as cases, without a golden. None: there
+/// is no project. Fails if a signal interrupts it, or if the environment prevents it.
+Result<std::vector<KeptFailure>> run_kept_failures(const Campaign& campaign, const Simulation& simulation);
+
 struct TextRun {
   CaseResult result;
   std::vector<std::string> changed;  // controllers whose libraries have changed since the campaign began, by BODY/NAME

@@ -68,7 +68,8 @@ Json json_of_options(const CampaignOptions& options) {
           {"call_limit", options.host.call_limit},
           {"memory_limit", options.host.memory_limit},
           {"controllers", options.host.libraries},
-          {"steered", steered}};
+          {"steered", steered},
+          {"own_share", options.own_share}};
 }
 
 CampaignOptions options_of(const Json& facts) {
@@ -81,6 +82,7 @@ CampaignOptions options_of(const Json& facts) {
   options.host.call_limit = facts.at("call_limit").get<double>();
   options.host.memory_limit = facts.value("memory_limit", 0.0);
   options.host.libraries = facts.at("controllers").get<std::map<std::string, std::string>>();
+  options.own_share = facts.value("own_share", 0.0);
   for (const auto& [name, normal] : facts.at("steered").items())
     options.steered.push_back({name, normal.at("mean").get<double>(), normal.at("stddev").get<double>()});
   return options;
@@ -160,10 +162,7 @@ Result<Campaign> CampaignFolder::begin(Scenario scenario, const fs::path& folder
   campaign.options_ = options;
   if (campaign.scenario_.variations.empty())
     return error_in(campaign.scenario_.file, "the scenario varies nothing", "expected vary: with some parameters");
-  for (const SteeredParameter& steered : options.steered)
-    for (Variation& variation : campaign.scenario_.variations)
-      if (variation.name == steered.name) steer(variation, steered);
-  auto values = CaseValues::make(campaign.scenario_, options.seed);
+  auto values = CaseValues::make(campaign.scenario_, options.seed, options.cases, {options.steered, options.own_share});
   if (!values) return values.errors();
   campaign.values_ = *std::move(values);
   const auto round = campaign.values_->round();

@@ -3,13 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <optional>
 
-#include "core/mcap/hashing.h"
 #include "core/scenario/normal_quantile.h"
 #include "csv_text.h"
 #include "model/names.h"
@@ -21,12 +19,21 @@ namespace {
 /// The share of a standard normal distribution below x.
 double normal_share(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
 
-/// Computed from the nearer tail, where shares have all their digits.
-double truncated_normal(const Variation& variation, double probability) {
+/// The shares of a normal distribution below its bounds, from the nearer tail, where shares have all their digits.
+struct NormalPart {
+  double from = 0.0, to = 1.0;
+  bool mirrored = false;  // of the distribution with the opposite sign
+};
+
+NormalPart part_within(const Variation& variation) {
   const double low = (variation.low - variation.mean) / variation.stddev;
   const double high = (variation.high - variation.mean) / variation.stddev;
-  const bool mirrored = low > 0.0;
-  const double from = normal_share(mirrored ? -high : low), to = normal_share(mirrored ? -low : high);
+  if (low > 0.0) return {normal_share(-high), normal_share(-low), true};
+  return {normal_share(low), normal_share(high), false};
+}
+
+double truncated_normal(const Variation& variation, double probability) {
+  const auto [from, to, mirrored] = part_within(variation);
   const double share = from + (to - from) * (mirrored ? 1.0 - probability : probability);
   constexpr double least = std::numeric_limits<double>::min();
   const double x = normal_quantile(std::clamp(share, least, 1.0 - std::numeric_limits<double>::epsilon()));
@@ -73,8 +80,16 @@ class Parameters final : public ExpressionSource {
 
 }  // namespace
 
-Result<std::shared_ptr<const CaseValues>> CaseValues::make(const Scenario& scenario, std::uint64_t seed) {
-  const std::shared_ptr<CaseValues> made(new CaseValues(scenario, seed));
+CaseValues::CaseValues(const Scenario& scenario, std::uint64_t seed, const Steering& steering)
+    : scenario_(scenario), seed_(seed), own_share_(steering.own_share), steered_(scenario.variations.size()) {
+  for (const SteeredParameter& parameter : steering.steered)
+    for (std::size_t i = 0; i < steered_.size(); ++i)
+      if (variations()[i].name == parameter.name) steered_[i] = steer(variations()[i], parameter);
+}
+
+Result<std::shared_ptr<const CaseValues>> CaseValues::make(const Scenario& scenario, std::uint64_t seed,
+                                                           std::int64_t cases, const Steering& steering) {
+  const std::shared_ptr<CaseValues> made(new CaseValues(scenario, seed, steering));
   for (std::size_t i = 0; i < made->variations().size(); ++i) {
     const Variation& variation = made->variations()[i];
     made->lists_.push_back(variation.values);
@@ -83,6 +98,7 @@ Result<std::shared_ptr<const CaseValues>> CaseValues::make(const Scenario& scena
     if (variation.distribution == Distribution::linked)
       if (auto parsed = made->parse_link(i); !parsed) return parsed.errors();
   }
+  if (auto points = made->make_points(cases); !points) return points.errors();
   return std::shared_ptr<const CaseValues>(made);
 }
 
@@ -105,6 +121,34 @@ Result<void> CaseValues::read_column(const Variation& variation, std::vector<std
   return {};
 }
 
+Result<void> CaseValues::make_points(std::int64_t cases) {
+  const PlanKind kind = claims_of(scenario_).plan;
+  std::vector<std::string> names;
+  for (const Variation& variation : variations()) {
+    const bool is_drawn = variation.distribution <= Distribution::choice;
+    place_.push_back(is_drawn ? std::optional(names.size()) : std::nullopt);
+    if (!is_drawn) continue;
+    names.push_back(variation.name);
+    if (kind == PlanKind::sobol && names.size() > PlanPoints::most_sobol_parameters)
+      return at(variation.place,
+                error(fmt::format("'{}' is one parameter too many for Sobol's sequence, which has {} here",
+                                  variation.name, PlanPoints::most_sobol_parameters),
+                      "expected plan: random or latin_hypercube, or fewer parameters that are drawn"));
+  }
+  if (cases == 0) {
+    const auto all = round();
+    if (!all) return all.errors();
+    cases = *all;
+  }
+  if (kind == PlanKind::latin_hypercube && cases > PlanPoints::most_latin_cases)
+    return error_in(scenario_.file,
+                    fmt::format("a Latin hypercube of {} cases is too large; it has at most {}", cases,
+                                PlanPoints::most_latin_cases),
+                    "expected plan: random or sobol, or fewer --cases");
+  points_.emplace(kind, seed_, std::move(names), cases);
+  return {};
+}
+
 Result<void> CaseValues::parse_link(std::size_t index) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < index; ++i) names.push_back(variations()[i].name);
@@ -123,8 +167,11 @@ Result<void> CaseValues::parse_link(std::size_t index) {
 }
 
 std::string CaseValues::drawn(std::size_t index, std::int64_t number) const {
+  const bool is_own = own_share_ > 0.0 && uniform_number(seed_, number, variations()[index].name + "/own") < own_share_;
   const Variation& variation = variations()[index];
-  const double random = uniform_number(seed_, number, variation.name);
+  const double random = place_[index] ? points_->at(*place_[index], number) : 0.0;
+  if (steered_[index] && !is_own)
+    return text_of(variation, std::clamp(quantile_of(*steered_[index], random), variation.low, variation.high));
   const std::vector<std::string>& list = lists_[index];
   const auto row = static_cast<std::size_t>(number);
   switch (variation.distribution) {
@@ -211,13 +258,6 @@ Result<void> CaseValues::check_bounds() const {
   return wrong.empty() ? Result<void>() : Result<void>(wrong);
 }
 
-double uniform_number(std::uint64_t seed, std::int64_t number, std::string_view name) {
-  static_assert(std::endian::native == std::endian::little);
-  const std::uint64_t key[2] = {seed, static_cast<std::uint64_t>(number)};
-  const std::uint64_t hash = hash_bytes(name.data(), name.size(), hash_bytes(key, sizeof key));
-  return (static_cast<double>(hash >> 12) + 0.5) / static_cast<double>(1ull << 52);
-}
-
 double quantile_of(const Variation& variation, double probability) {
   const double low = variation.low, high = variation.high;
   // all whole numbers from low to high are as likely
@@ -233,16 +273,40 @@ double quantile_of(const Variation& variation, double probability) {
   return std::clamp(value, low, high);
 }
 
-void steer(Variation& variation, const SteeredParameter& steered) {
-  if (variation.distribution == Distribution::log_uniform) {
-    const double half = std::numbers::sqrt3 * steered.stddev;
-    variation.low = std::max(variation.low, std::exp(steered.mean - half));
-    variation.high = std::min(variation.high, std::exp(steered.mean + half));
-    return;
+double density_of(const Variation& variation, double value) {
+  if (value < variation.low || value > variation.high) return 0.0;
+  switch (variation.distribution) {
+    case Distribution::log_uniform: return 1.0 / (value * std::log(variation.high / variation.low));
+    case Distribution::normal: {
+      const double x = (value - variation.mean) / variation.stddev;
+      const NormalPart part = part_within(variation);
+      const double scale = std::sqrt(2.0 * std::numbers::pi) * variation.stddev * (part.to - part.from);
+      return std::exp(-0.5 * x * x) / scale;
+    }
+    default: return 1.0 / (variation.high - variation.low);
   }
-  variation.distribution = Distribution::normal;
-  variation.mean = steered.mean;
-  variation.stddev = steered.stddev;
+}
+
+SteeredVariation steer(const Variation& variation, const SteeredParameter& steered) {
+  SteeredVariation made{variation, variation.distribution == Distribution::log_uniform};
+  made.variation.distribution = Distribution::normal;
+  made.variation.mean = steered.mean;
+  made.variation.stddev = steered.stddev;
+  if (made.of_logarithm) {
+    made.variation.low = std::log(variation.low);
+    made.variation.high = std::log(variation.high);
+  }
+  return made;
+}
+
+double quantile_of(const SteeredVariation& steered, double probability) {
+  const double quantile = quantile_of(steered.variation, probability);
+  return steered.of_logarithm ? std::exp(quantile) : quantile;
+}
+
+double density_of(const SteeredVariation& steered, double value) {
+  return steered.of_logarithm ? density_of(steered.variation, std::log(value)) / value
+                              : density_of(steered.variation, value);
 }
 
 }  // namespace rehearse

@@ -27,6 +27,10 @@ Result<CaseRun> run_case(const std::filesystem::path& file, const std::string& t
 /// it.
 Result<CaseRun> run_alone(const Campaign& campaign, const std::string& text, const std::filesystem::path& file,
                           const std::filesystem::path& trace, const Simulation& simulation);
+/// As this, with other options than the campaign's. `folder`: that of the campaign, where the run has its files.
+Result<CaseRun> run_alone(const std::filesystem::path& folder, const CampaignOptions& options, const std::string& text,
+                          const std::filesystem::path& file, const std::filesystem::path& trace,
+                          const Simulation& simulation);
 
 /// The result of a case whose process ended without a verdict.
 CaseResult ended_case(std::int64_t number, CaseVerdict verdict, std::string sentence);

@@ -208,10 +208,15 @@ Result<void> Work::run() {
 
 Result<CaseRun> run_alone(const Campaign& campaign, const std::string& text, const fs::path& file,
                           const fs::path& trace, const Simulation& simulation) {
-  const auto scratch = RunFolder::make(campaign.folder() / "running");
+  return run_alone(campaign.folder(), campaign.options(), text, file, trace, simulation);
+}
+
+Result<CaseRun> run_alone(const fs::path& campaign, const CampaignOptions& options, const std::string& text,
+                          const fs::path& file, const fs::path& trace, const Simulation& simulation) {
+  const auto scratch = RunFolder::make(campaign / "running");
   if (!scratch) return scratch.errors();
-  WorkerPool pool(workers(campaign.options(), 1, scratch->path()), [&](std::int64_t, const fs::path& folder) {
-    const auto run = timed_case(file, text, campaign.options(), folder / trace_name, simulation);
+  WorkerPool pool(workers(options, 1, scratch->path()), [&](std::int64_t, const fs::path& folder) {
+    const auto run = timed_case(file, text, options, folder / trace_name, simulation);
     if (!run) return hindrance + run.errors().front().message;
     const Json answer{
         {"result", json_of_result(run->result)}, {"expectations", run->expectations}, {"libraries", run->libraries}};
@@ -230,7 +235,7 @@ Result<CaseRun> run_alone(const Campaign& campaign, const std::string& text, con
     run.expectations = object.at("expectations").get<std::vector<std::string>>();
     run.libraries = object.at("libraries").get<std::map<std::string, std::string>>();
   } else {
-    run.result = lost_case(-1, *answer, campaign.options());
+    run.result = lost_case(-1, *answer, options);
   }
   run.result.number = -1;
   if (trace.empty()) return run;

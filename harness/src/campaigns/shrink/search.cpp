@@ -6,8 +6,10 @@
 #include <cmath>
 
 #include "campaigns/plan/campaign_folder.h"
+#include "campaigns/plan/case_values.h"
 #include "campaigns/statistics/case_table.h"
 #include "core/guard/interruption.h"
+#include "likelihood_ratio.h"
 #include "model/names.h"
 
 namespace rehearse {
@@ -19,6 +21,7 @@ constexpr double elite_share = 0.1;
 constexpr std::size_t least_elite = 4;
 constexpr double weight = 0.9;                 // of the elite's distribution; the rest is that of the round
 constexpr double least_share_of_range = 1e-3;  // of the deviation
+constexpr double own_share = 0.2;              // of the values of each parameter, for the estimate of a probability
 
 bool is_logarithmic(const Variation& variation) { return variation.distribution == Distribution::log_uniform; }
 
@@ -39,8 +42,16 @@ Moments moments_of(const std::vector<double>& values) {
   return moments;
 }
 
+/// The distribution to which the options steer a parameter; null: its own.
+const SteeredParameter* find_steered(const CampaignOptions& options, const std::string& name) {
+  const auto found = std::ranges::find(options.steered, name, &SteeredParameter::name);
+  return found == options.steered.end() ? nullptr : &*found;
+}
+
 /// The moments of the round's distribution, before truncation.
-Moments moments_of(const Variation& variation) {
+Moments moments_of(const Variation& variation, const CampaignOptions& round) {
+  if (const SteeredParameter* parameter = find_steered(round, variation.name))
+    return {parameter->mean, parameter->stddev};
   if (variation.distribution == Distribution::normal) return {variation.mean, variation.stddev};
   const bool logarithmic = is_logarithmic(variation);
   const double low = logarithmic ? std::log(variation.low) : variation.low;
@@ -80,19 +91,22 @@ Result<std::size_t> find_expectation(const Campaign& campaign, const std::string
                   name_hint(text, campaign.expectations(), "expectations"));
 }
 
-/// The cases with the smallest margins.
+/// The cases with the smallest margins. If more violate the expectation, all that do: the parameters aren't steered
+/// past the boundary of the failure, where most of its probability is.
 std::vector<std::size_t> elite_of(const std::vector<double>& margins) {
   std::vector<std::size_t> cases;
   for (std::size_t i = 0; i < margins.size(); ++i)
     if (!std::isnan(margins[i])) cases.push_back(i);
   std::stable_sort(cases.begin(), cases.end(), [&](std::size_t a, std::size_t b) { return margins[a] < margins[b]; });
   const auto share = static_cast<std::size_t>(elite_share * static_cast<double>(cases.size()));
-  cases.resize(std::min(cases.size(), std::max(share, least_elite)));
+  const auto violating =
+      static_cast<std::size_t>(std::ranges::count_if(cases, [&](std::size_t number) { return margins[number] < 0.0; }));
+  cases.resize(std::min(cases.size(), std::max({share, least_elite, violating})));
   return cases;
 }
 
-SteeredParameter steered(const Variation& variation, const std::vector<double>& elite) {
-  const Moments now = moments_of(elite), before = moments_of(variation);
+SteeredParameter steered(const Variation& variation, const CampaignOptions& round, const std::vector<double>& elite) {
+  const Moments now = moments_of(elite), before = moments_of(variation, round);
   const bool logarithmic = is_logarithmic(variation);
   const double range = logarithmic ? std::log(variation.high / variation.low) : variation.high - variation.low;
   const double stddev = weight * now.stddev + (1.0 - weight) * before.stddev;
@@ -107,8 +121,12 @@ class Search {
       : scenario_(scenario), options_(options), search_(search), sweep_(sweep), simulation_(simulation) {}
 
   Result<SearchRound> run_round(const fs::path& folder);
+  /// After the last round.
+  Result<FailureProbability> estimate(const fs::path& folder);
 
  private:
+  /// All cases of a campaign that was begun here.
+  Result<Campaign> run_campaign(const fs::path& folder);
   Result<Campaign> begin(const fs::path& folder) const;
   Result<void> steer_by(const Campaign& campaign, std::size_t expectation, const std::vector<std::size_t>& indices,
                         SearchRound& round);
@@ -152,21 +170,27 @@ Result<void> Search::steer_by(const Campaign& campaign, std::size_t expectation,
     std::vector<double> values;
     for (const std::size_t number : elite)
       values.push_back(is_logarithmic(variation) ? std::log(table->values[i][number]) : table->values[i][number]);
-    options_.steered.push_back(steered(variation, values));
+    options_.steered.push_back(steered(variation, campaign.options(), values));
   }
   ++options_.seed;
   return {};
 }
 
-Result<SearchRound> Search::run_round(const fs::path& folder) {
+Result<Campaign> Search::run_campaign(const fs::path& folder) {
   auto campaign = begin(folder);
   if (!campaign) return campaign.errors();
-  const auto expectation = find_expectation(*campaign, search_.expectation);
-  if (!expectation) return expectation.errors();
-  const auto indices = steered_variations(campaign->scenario(), search_.over);
-  if (!indices) return indices.errors();
+  if (const auto found = find_expectation(*campaign, search_.expectation); !found) return found.errors();
+  if (const auto found = steered_variations(campaign->scenario(), search_.over); !found) return found.errors();
   if (auto worked = run_cases(*campaign, sweep_, simulation_); !worked) return worked.errors();
   if (interruption() != 0) return error("interrupted; the same command continues");
+  return campaign;
+}
+
+Result<SearchRound> Search::run_round(const fs::path& folder) {
+  auto campaign = run_campaign(folder);
+  if (!campaign) return campaign.errors();
+  const auto expectation = find_expectation(*campaign, search_.expectation);
+  const auto indices = steered_variations(campaign->scenario(), search_.over);
   auto summary = write_campaign_report(*campaign);
   if (!summary) return summary.errors();
   SearchRound round{folder, *std::move(summary), 0.0, 0, {}};
@@ -174,23 +198,59 @@ Result<SearchRound> Search::run_round(const fs::path& folder) {
   return round;
 }
 
+Result<FailureProbability> Search::estimate(const fs::path& folder) {
+  options_.cases = search_.estimate;
+  options_.own_share = own_share;
+  const auto campaign = run_campaign(folder);
+  if (!campaign) return campaign.errors();
+  if (auto summary = write_campaign_report(*campaign); !summary) return summary.errors();
+  const auto table = CaseTable::of(*campaign);
+  if (!table) return table.errors();
+  const std::vector<Variation>& variations = campaign->scenario().variations;
+  std::vector<Variation> own;
+  std::vector<SteeredVariation> steered;
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < variations.size(); ++i) {
+    const SteeredParameter* parameter = find_steered(options_, variations[i].name);
+    if (parameter == nullptr) continue;
+    indices.push_back(i);
+    own.push_back(variations[i]);
+    steered.push_back(steer(variations[i], *parameter));
+  }
+  const std::vector<double>& margins = table->margins[*find_expectation(*campaign, search_.expectation)];
+  std::vector<double> ratios;
+  for (std::size_t number = 0; number < table->size(); ++number) {
+    if (!(margins[number] < 0.0)) continue;
+    std::vector<double> values;
+    for (const std::size_t i : indices) values.push_back(table->values[i][number]);
+    ratios.push_back(likelihood_ratio(own, steered, values, own_share));
+  }
+  const double least_share_of_density = std::pow(own_share, static_cast<double>(own.size()));
+  FailureProbability found = failure_probability(ratios, search_.estimate, least_share_of_density);
+  found.folder = folder;
+  return found;
+}
+
 }  // namespace
 
-Result<std::vector<SearchRound>> search(const fs::path& scenario, const fs::path& folder,
-                                        const CampaignOptions& options, const SearchOptions& search,
-                                        const SweepOptions& sweep, const Simulation& simulation) {
+Result<SearchResult> search(const fs::path& scenario, const fs::path& folder, const CampaignOptions& options,
+                            const SearchOptions& search, const SweepOptions& sweep, const Simulation& simulation) {
   std::error_code ignored;
   if (fs::exists(facts_file(folder), ignored))
     return error_in(folder.string(), "there is a campaign in this folder", "name a new folder for the search");
   Search rounds(scenario, options, search, sweep, simulation);
-  std::vector<SearchRound> made;
+  SearchResult made;
   std::int64_t failures = 0;
-  while (made.size() < static_cast<std::size_t>(search.rounds) && failures < search.most_failures) {
-    auto round = rounds.run_round(folder / fmt::format("round-{}", made.size() + 1));
+  while (made.rounds.size() < static_cast<std::size_t>(search.rounds) && failures < search.most_failures) {
+    auto round = rounds.run_round(folder / fmt::format("round-{}", made.rounds.size() + 1));
     if (!round) return round.errors();
     failures += round->violations;
-    made.push_back(*std::move(round));
+    made.rounds.push_back(*std::move(round));
   }
+  if (search.estimate == 0) return made;
+  auto probability = rounds.estimate(folder / "estimate");
+  if (!probability) return probability.errors();
+  made.probability = *std::move(probability);
   return made;
 }
 

@@ -270,7 +270,7 @@ Result<Shrunk> shrink(const Campaign& campaign, std::int64_t number, const Shrin
 Result<void> write_shrunk(const Campaign& campaign, const Shrunk& shrunk, const fs::path& file,
                           const Simulation& simulation) {
   auto text = moved_text(campaign.scenario(), shrunk.scenario, file.parent_path());
-  for (const char* key : {"vary", "golden"})
+  for (const char* key : {"vary", "golden", "plan", "pass_rate", "sometimes"})
     if (text) text = text_without(*text, campaign.scenario().file, key);
   if (!text) return text.errors();
   *text = comment_of(campaign, shrunk) + *text;

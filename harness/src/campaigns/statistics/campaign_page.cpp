@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "case_articles.h"
 #include "viewing/report/html_text.h"
 
 namespace rehearse {
@@ -13,9 +14,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t parts = 4;           // of a range, in cells
-constexpr std::size_t bins = 20;           // of a histogram
-constexpr std::size_t most_points = 2000;  // of a scatter
+constexpr std::size_t parts = 4;  // of a range, in cells
+constexpr std::size_t bins = 20;  // of a histogram
 constexpr std::size_t most_pairs = 6;
 constexpr std::size_t most_labels = 8;           // words at an axis
 constexpr std::size_t most_words = 20;           // of a parameter, in the table
@@ -120,6 +120,25 @@ ReportTable parameter_table(const Json& report) {
   return table;
 }
 
+ReportTable importance_table(const Json& report) {
+  ReportTable table{
+      "Importance",
+      "The share of the variance of passing, and of a margin, that each parameter explains alone (Sobol's "
+      "first-order index). What is missing to 100 % comes from parameters together.",
+      {"parameter", "of passing", "of a margin"},
+      {}};
+  const auto share_of = [](const Json& share) { return share.is_null() ? "-" : percent(share.get<double>()); };
+  for (const Json& parameter : report["parameters"]) {
+    const Json& importance = parameter["importance"];
+    const Json& margin = importance["margin"];
+    if (importance["passing"].is_null() && margin.is_null()) continue;
+    table.rows.push_back(
+        {text_of(parameter["name"]), share_of(importance["passing"]),
+         margin.is_null() ? "-" : fmt::format("{}: {}", share_of(margin["share"]), text_of(margin["expectation"]))});
+  }
+  return table;
+}
+
 ReportTable word_table(const Json& report) {
   ReportTable table{"Words",
                     "The share of the cases with each word that passes, with its interval.",
@@ -195,14 +214,19 @@ ReportTable cell_table(const Json& report) {
 ReportTable change_table(const Json& change) {
   ReportTable table{"Before and after",
                     "The same cases in another campaign. p: the probability of flips as unequal as these, if both "
-                    "directions were as likely (McNemar's exact test).",
-                    {"", "cases", "first cases"},
+                    "directions were as likely (McNemar's exact test). The interval of the difference is Tango's.",
+                    {"", "cases", "first cases, or interval"},
                     {}};
   table.rows.push_back({"compared", text_of(change["compared"]), ""});
   table.rows.push_back({"with the same bits", text_of(change["same_bits"]), ""});
   table.rows.push_back({"passed before, fail now", text_of(change["broken"]), case_list(change["broken_cases"])});
   table.rows.push_back({"failed before, pass now", text_of(change["mended"]), case_list(change["mended_cases"])});
   table.rows.push_back({"p", text_of(change["p"]), ""});
+  if (change["difference"].is_null()) return table;
+  const Json& interval = change["interval"];
+  table.rows.push_back(
+      {"difference of the shares that pass", percent(change["difference"].get<double>()),
+       fmt::format("{} to {}", percent(interval[0].get<double>()), percent(interval[1].get<double>()))});
   return table;
 }
 
@@ -219,7 +243,8 @@ std::vector<ReportTable> tables_of(const Json& report) {
     tables.push_back(change_table(report["against"]));
     tables.push_back(difference_table(report["against"]));
   }
-  for (auto* make : {failure_table, fault_table, error_table, parameter_table, word_table, margin_table, cell_table})
+  for (auto* make : {failure_table, fault_table, error_table, parameter_table, importance_table, word_table,
+                     margin_table, cell_table})
     if (ReportTable table = make(report); !table.rows.empty()) tables.push_back(std::move(table));
   return tables;
 }
@@ -229,8 +254,9 @@ std::string subtitle_of(const Json& report) {
   std::string text = fmt::format("Scenario {}, seed {}, plan {}. ", text_of(report["scenario"]),
                                  text_of(report["seed"]), text_of(report["plan"]));
   text += fmt::format(
-      "The share that passes is within {} to {} with 95 % confidence ({}). ",
+      "The share that passes is within {} to {} with {} confidence ({}). ",
       percent(summary["interval"][0].get<double>()), percent(summary["interval"][1].get<double>()),
+      percent(summary["claim"].is_null() ? 0.95 : summary["claim"]["confidence"].get<double>()),
       summary["until_failures"].is_null() ? "Wilson's interval" : "of inverse sampling: the work ended with a failure");
   text += fmt::format("The nominal scenario: {}. ", text_of(report["nominal"]["verdict"]));
   return text + fmt::format("Cases that ran twice, in different processes: {}; {}.", text_of(summary["repeated"]),
@@ -343,16 +369,9 @@ std::string axis_labels(const CaseTable& table, std::size_t parameter, bool acro
 std::string scatter(const CaseTable& table, std::size_t a, std::size_t b, const std::string& label) {
   const Extent x = extent_of(table.values[a]), y = extent_of(table.values[b]);
   std::string points;
-  for (const bool passed : {true, false}) {
-    std::vector<std::size_t> cases;
-    for (std::size_t i = 0; i < table.size(); ++i)
-      if (table.has(i) && table.passed(i) == passed) cases.push_back(i);
-    const std::size_t step = std::max<std::size_t>(1, cases.size() / most_points);
-    for (std::size_t i = 0; i < cases.size(); i += step)
-      points +=
-          fmt::format("<circle class=\"{}\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.5\"/>", passed ? "passed" : "failed",
-                      width * x.share(table.values[a][cases[i]]), height * (1.0 - y.share(table.values[b][cases[i]])));
-  }
+  for (const bool passed : {true, false})
+    for (const std::size_t i : drawn_cases(table, passed))
+      points += dot_of(table, i, width * x.share(table.values[a][i]), height * (1.0 - y.share(table.values[b][i])));
   return svg(label, points + axis_labels(table, a, true) + axis_labels(table, b, false));
 }
 
@@ -397,14 +416,17 @@ std::string pictures_of(const Campaign& campaign, const CaseTable& table, const 
         figure(histogram(table, table.margins[e], expectation),
                fmt::format("margin of {}: {} to {}", expectation, short_number(extent.low), short_number(extent.high)));
   }
-  text += "</div>\n<h2>Pairs of parameters</h2>\n<div class=\"pictures\">\n";
+  text +=
+      "</div>\n<h2>Pairs of parameters</h2>\n<p>A dot leads to its case, which is shown below.</p>\n"
+      "<div class=\"pictures\">\n";
   std::size_t drawn = 0;
   for (std::size_t b = 1; b < order.size(); ++b)
     for (std::size_t a = 0; a < b && drawn < most_pairs; ++a, ++drawn)
       text += figure(scatter(table, order[a], order[b], variations[order[a]].name + ", " + variations[order[b]].name),
                      fmt::format("across {}, {}; up {}, {}", variations[order[a]].name, ends_of(table, order[a]),
                                  variations[order[b]].name, ends_of(table, order[b])));
-  return text + "</div>\n";
+  text += "</div>\n";
+  return drawn > 0 ? text + case_articles(campaign, table) : text;
 }
 
 }  // namespace
@@ -453,6 +475,7 @@ std::string page_of(const Campaign& campaign, const CaseTable& table, const Json
       ".frame {{ fill: none; stroke: #8888 }} .word {{ font-size: 11px; fill: currentColor }}\n"
       "b.passed {{ color: light-dark(#1b7a37, #7ddc97) }} b.failed {{ color: light-dark(#b3261e, #ff8a80) }}\n"
       "svg .passed {{ fill: light-dark(#1b7a37, #7ddc97); fill-opacity: .45 }}\n"
+      ".case {{ display: none; overflow-wrap: anywhere }} .case:target {{ display: block }}\n"
       "svg .failed {{ fill: light-dark(#b3261e, #ff8a80); fill-opacity: .6 }}\n"
       "</style></head><body>\n<h1>{0}</h1>\n<p>{2}</p>\n",
       title, html_style, html_text(subtitle_of(report)));

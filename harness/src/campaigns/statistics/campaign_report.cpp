@@ -16,11 +16,14 @@
 #include "campaigns/plan/csv_text.h"
 #include "campaigns/plan/result_lines.h"
 #include "case_table.h"
+#include "comparison.h"
 #include "core/golden/golden_files.h"
 #include "core/mcap/hashing.h"
 #include "core/scenario/campaign_claims.h"
 #include "fault_matrix.h"
+#include "importance.h"
 #include "model/text.h"
+#include "report_json.h"
 
 namespace rehearse {
 namespace {
@@ -29,7 +32,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t listed_cases = 5, listed_passes = 3, listed_flips = 20, most_unrepeated = 100;
+constexpr std::size_t listed_cases = 5, listed_passes = 3, most_unrepeated = 100;
 
 std::uint64_t hash_of_text(const std::string& text) {
   std::uint64_t hash = 0;
@@ -74,10 +77,6 @@ double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return quantile_of_sorted(values, 0.5);
 }
-
-Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-Json json_of_interval(const Interval& interval) { return Json::array({interval.low, interval.high}); }
 
 /// The kinds of failures, the most frequent first.
 Json failures_of(const CaseTable& table) {
@@ -181,6 +180,7 @@ Json json_of_parameter(const Campaign& campaign, const CaseTable& table, std::si
               {"nominal", variation.nominal},
               {"correlation_with_passing", nullptr},
               {"correlation_with_margin", nullptr},
+              {"importance", json_of_importance(campaign, table, index)},
               {"median_of_passed", nullptr},
               {"median_of_failed", nullptr}};
   if (!table.words[index].empty()) {
@@ -244,7 +244,7 @@ Json json_of_claim(const CampaignSummary& summary) {
   const auto more = summary.more_cases();
   return {{"at_least", summary.claim->at_least},
           {"confidence", summary.claim->confidence},
-          {"answer", std::string(to_string(summary.answer()))},
+          {"answer", std::string(to_string(summary.rate_answer()))},
           {"more_cases", more ? Json(*more) : Json(nullptr)}};
 }
 
@@ -256,6 +256,7 @@ Json json_of_summary(const CampaignSummary& summary) {
   for (const auto& [name, count] : summary.reached) reached[name] = count;
   return {{"verdict", verdict(summary)},
           {"claim", json_of_claim(summary)},
+          {"non_inferiority", json_of_non_inferiority(summary)},
           {"reached", reached},
           {"cases", summary.cases},
           {"verdicts", verdicts},
@@ -268,31 +269,6 @@ Json json_of_summary(const CampaignSummary& summary) {
           {"faults", json_of_faults(summary.faults)},
           {"repeated", summary.repeated},
           {"unrepeated", summary.unrepeated}};
-}
-
-/// The cases whose verdict flipped between two campaigns over the same cases.
-Json json_of_change(const CaseTable& now, const CaseTable& before) {
-  std::vector<std::int64_t> broken, mended;
-  std::int64_t both = 0, same_hash = 0;
-  for (std::size_t i = 0; i < std::min(now.size(), before.size()); ++i) {
-    if (!now.has(i) || !before.has(i)) continue;
-    ++both;
-    same_hash += now.hashes[i] == before.hashes[i] ? 1 : 0;
-    if (before.passed(i) && !now.passed(i)) broken.push_back(static_cast<std::int64_t>(i));
-    if (!before.passed(i) && now.passed(i)) mended.push_back(static_cast<std::int64_t>(i));
-  }
-  const double p = mcnemar_exact(static_cast<std::int64_t>(broken.size()), static_cast<std::int64_t>(mended.size()));
-  const auto first_of = [](std::vector<std::int64_t> cases) {
-    cases.resize(std::min(cases.size(), listed_flips));
-    return cases;
-  };
-  return {{"compared", both},
-          {"same_bits", same_hash},
-          {"broken", broken.size()},
-          {"mended", mended.size()},
-          {"p", p},
-          {"broken_cases", first_of(broken)},
-          {"mended_cases", first_of(mended)}};
 }
 
 CampaignSummary summary_of(const Campaign& campaign, const CaseTable& table) {
@@ -455,6 +431,7 @@ std::string verdict(const CampaignSummary& summary) {
   else
     text += fmt::format(": {:.4g} % ({})", 100.0 * summary.share(), range);
   if (summary.claim) text += "; " + claim_sentence(summary);
+  if (summary.pairs) text += "; " + comparison_sentence(*summary.pairs, summary.non_inferiority);
   if (summary.missing > 0) text += fmt::format("; {} have no result yet", summary.missing);
   if (const auto names = summary.never_tried(); !names.empty())
     text = fmt::format("never tried: no case reached {}; {}", fmt::join(names, ", "), text);
@@ -470,20 +447,24 @@ std::string error_sentence(const CampaignSummary& summary) {
 
 std::string to_json(const CampaignSummary& summary) { return json_of_summary(summary).dump(); }
 
-Result<CampaignSummary> write_campaign_report(const Campaign& campaign, const Campaign* against) {
+Result<CampaignSummary> write_campaign_report(const Campaign& campaign, const Campaign* against,
+                                              const std::optional<double>& margin) {
   const auto table = CaseTable::of(campaign);
   if (!table) return table.errors();
-  const CampaignSummary summary = summary_of(campaign, *table);
-  Json report = json_of_report(campaign, *table, summary);
+  CampaignSummary summary = summary_of(campaign, *table);
+  std::optional<CaseTable> before;
   if (against) {
-    if (against->digest() != campaign.digest())
-      return error_in(
-          against->folder().string(),
-          fmt::format("its plan differs from that of {}: their cases can't be paired", campaign.folder().string()),
-          "run both with the same vary:, --cases and --seed");
-    const auto before = CaseTable::of(*against);
-    if (!before) return before.errors();
-    report["against"] = json_of_change(*table, *before);
+    if (auto comparable = check_comparable(campaign, *against, margin.has_value()); !comparable)
+      return comparable.errors();
+    auto read = CaseTable::of(*against);
+    if (!read) return read.errors();
+    before = *std::move(read);
+    summary.pairs = paired_cases(*table, *before);
+    if (margin) summary.non_inferiority = NonInferiority{*margin, summary.confidence()};
+  }
+  Json report = json_of_report(campaign, *table, summary);
+  if (before) {
+    report["against"] = json_of_change(*table, *before, summary);
     report["against"]["differences"] = differences(*against, campaign);
   }
   if (auto written = write_csv(campaign, *table); !written) return written.errors();

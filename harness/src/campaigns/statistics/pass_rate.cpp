@@ -58,13 +58,22 @@ std::string plan_sentence(const ClaimedRate& claim, std::int64_t cases) {
   return text;
 }
 
+ClaimAnswer CampaignSummary::rate_answer() const {
+  if (claim) return answer_of(*claim, interval());
+  return failed() == 0 ? ClaimAnswer::passes : ClaimAnswer::fails;
+}
+
 ClaimAnswer CampaignSummary::answer() const {
-  if (!claim) return failed() == 0 ? ClaimAnswer::passes : ClaimAnswer::fails;
-  return answer_of(*claim, interval());
+  if (!non_inferiority) return rate_answer();
+  const ClaimAnswer of_pairs = answer_of(*non_inferiority, *pairs);
+  if (!claim) return of_pairs;  // some cases may fail, as some did before
+  for (const ClaimAnswer worst : {ClaimAnswer::fails, ClaimAnswer::undecided})
+    if (of_pairs == worst || rate_answer() == worst) return worst;
+  return ClaimAnswer::passes;
 }
 
 std::optional<std::int64_t> CampaignSummary::more_cases() const {
-  if (!claim || answer() != ClaimAnswer::undecided) return std::nullopt;
+  if (!claim || rate_answer() != ClaimAnswer::undecided) return std::nullopt;
   const auto all = deciding_cases(*claim, share());
   if (!all) return std::nullopt;
   return std::max<std::int64_t>(1, *all - judged());
@@ -74,7 +83,7 @@ std::string claim_sentence(const CampaignSummary& summary) {
   REHEARSE_ASSERT(summary.claim, "the campaign has a claim");
   const std::string what = fmt::format("at least {:.6g} % pass, with {:.6g} % confidence",
                                        100.0 * summary.claim->at_least, 100.0 * summary.claim->confidence);
-  switch (summary.answer()) {
+  switch (summary.rate_answer()) {
     case ClaimAnswer::passes: return what;
     case ClaimAnswer::fails: return "it is false that " + what;
     case ClaimAnswer::undecided: break;

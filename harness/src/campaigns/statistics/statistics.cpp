@@ -10,11 +10,33 @@
 namespace rehearse {
 namespace {
 
-/// Ranks from 1 on; equal values have the mean of their ranks.
-std::vector<double> ranks_of(const std::vector<double>& values) {
+/// The indices of values in ascending order.
+std::vector<std::size_t> order_of(const std::vector<double>& values) {
   std::vector<std::size_t> order(values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
+  return order;
+}
+
+/// The ends of parts of the sorted values: a part for each value, or as many as the root of their number, of about
+/// equal size. Equal values are in one part.
+std::vector<std::size_t> parts_of(const std::vector<double>& values) {
+  std::vector<double> sorted = values;
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<std::size_t> ends;  // of the runs of equal values
+  for (std::size_t i = 1; i <= sorted.size(); ++i)
+    if (i == sorted.size() || sorted[i] != sorted[i - 1]) ends.push_back(i);
+  const auto most = static_cast<std::size_t>(std::sqrt(static_cast<double>(sorted.size())));
+  if (ends.size() <= most) return ends;
+  std::vector<std::size_t> parts;
+  for (const std::size_t end : ends)
+    if (end == sorted.size() || end * most >= (parts.size() + 1) * sorted.size()) parts.push_back(end);
+  return parts;
+}
+
+/// Ranks from 1 on; equal values have the mean of their ranks.
+std::vector<double> ranks_of(const std::vector<double>& values) {
+  const std::vector<std::size_t> order = order_of(values);
   std::vector<double> ranks(values.size());
   for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
     while (end < order.size() && values[order[end]] == values[order[begin]]) ++end;
@@ -88,10 +110,11 @@ double CampaignSummary::share() const {
   return failed() == 1 ? std::numeric_limits<double>::quiet_NaN() : 1.0 - before_last / (all - 1.0);
 }
 
+double CampaignSummary::confidence() const { return claim ? claim->confidence : 0.95; }
+
 Interval CampaignSummary::interval() const {
-  const double confidence = claim ? claim->confidence : 0.95;
-  return until_failures > 0 ? inverse_interval(failed(), judged(), confidence)
-                            : wilson_interval(passed(), judged(), confidence);
+  return until_failures > 0 ? inverse_interval(failed(), judged(), confidence())
+                            : wilson_interval(passed(), judged(), confidence());
 }
 
 double rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
@@ -105,6 +128,27 @@ double rank_correlation(const std::vector<double>& a, const std::vector<double>&
     yy += (y[i] - mean) * (y[i] - mean);
   }
   return xy / std::sqrt(xx * yy);
+}
+
+double first_order_index(const std::vector<double>& inputs, const std::vector<double>& outputs) {
+  REHEARSE_ASSERT(inputs.size() == outputs.size(), "both lists have the same length");
+  const std::vector<std::size_t> parts = parts_of(inputs);
+  const double n = static_cast<double>(inputs.size()), count = static_cast<double>(parts.size());
+  if (n < 2.0 * std::max(count, 1.0)) return std::numeric_limits<double>::quiet_NaN();
+  const std::vector<std::size_t> order = order_of(inputs);
+  const double mean = std::accumulate(outputs.begin(), outputs.end(), 0.0) / n;
+  double within = 0.0, all = 0.0;
+  for (std::size_t part = 0; part < parts.size(); ++part) {
+    const std::size_t begin = part == 0 ? 0 : parts[part - 1], end = parts[part];
+    double of_part = 0.0;
+    for (std::size_t i = begin; i < end; ++i) of_part += outputs[order[i]] / static_cast<double>(end - begin);
+    for (std::size_t i = begin; i < end; ++i) {
+      within += (outputs[order[i]] - of_part) * (outputs[order[i]] - of_part);
+      all += (outputs[order[i]] - mean) * (outputs[order[i]] - mean);
+    }
+  }
+  if (!(all > 0.0)) return std::numeric_limits<double>::quiet_NaN();
+  return std::max(0.0, 1.0 - (n - 1.0) / (n - count) * within / all);
 }
 
 double cramers_v(const std::vector<std::vector<std::int64_t>>& counts) {

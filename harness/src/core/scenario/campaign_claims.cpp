@@ -2,6 +2,7 @@
 
 #include <rehearse/diagnostic.h>
 
+#include <string_view>
 #include <utility>
 
 #include "declared_source.h"
@@ -9,6 +10,15 @@
 
 namespace rehearse {
 namespace {
+
+PlanKind read_plan(Findings& findings, const YamlNode& node) {
+  constexpr std::pair<std::string_view, PlanKind> kinds[] = {
+      {"random", PlanKind::random}, {"sobol", PlanKind::sobol}, {"latin_hypercube", PlanKind::latin_hypercube}};
+  for (const auto& [word, kind] : kinds)
+    if (node.kind == YamlNode::Kind::scalar && node.text == word) return kind;
+  expected(findings, node, "plan", "random, sobol or latin_hypercube");
+  return PlanKind::random;
+}
 
 std::optional<PassRateClaim> read_pass_rate(Findings& findings, const YamlNode& node) {
   const Keys keys(findings, node, "a pass rate", {"at_least", "confidence"});
@@ -57,11 +67,11 @@ std::vector<SometimesClaim> read_sometimes(Findings& findings, const YamlNode& n
 
 }  // namespace
 
-CampaignClaims read_claims(Findings& findings, const YamlNode* pass_rate, const YamlNode* sometimes,
-                           const Scenario& scenario) {
+CampaignClaims read_claims(Findings& findings, const YamlNode& root, const Scenario& scenario) {
   CampaignClaims claims;
-  if (pass_rate) claims.pass_rate = read_pass_rate(findings, *pass_rate);
-  if (sometimes) claims.sometimes = read_sometimes(findings, *sometimes, scenario);
+  if (const YamlNode* node = find_key(root, "plan")) claims.plan = read_plan(findings, *node);
+  if (const YamlNode* node = find_key(root, "pass_rate")) claims.pass_rate = read_pass_rate(findings, *node);
+  if (const YamlNode* node = find_key(root, "sometimes")) claims.sometimes = read_sometimes(findings, *node, scenario);
   return claims;
 }
 
@@ -69,7 +79,7 @@ CampaignClaims claims_of(const Scenario& scenario) {
   const Result<YamlNodePtr> root = parse_yaml(scenario.text, scenario.file);
   if (!root) return {};  // it was made by a program, not from a file
   Findings findings(scenario.file);
-  CampaignClaims claims = read_claims(findings, find_key(**root, "pass_rate"), find_key(**root, "sometimes"), scenario);
+  CampaignClaims claims = read_claims(findings, **root, scenario);
   REHEARSE_ASSERT(!findings.any_error(), "a scenario that was loaded has no mistake");
   return claims;
 }

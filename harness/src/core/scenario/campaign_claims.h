@@ -1,4 +1,4 @@
-// The claims of a scenario's campaigns: `pass_rate` and `sometimes`. A single run isn't judged by them.
+// The keys of a scenario that are for its campaigns: `plan`, `pass_rate` and `sometimes`. A single run ignores them.
 #pragma once
 
 #include <rehearse/scenario.h>
@@ -24,14 +24,21 @@ struct SometimesClaim {
   Expectation condition;  // eventually
 };
 
+/// `plan`: how the values of the cases are drawn.
+enum class PlanKind {
+  random,           // independently
+  sobol,            // from Sobol's sequence
+  latin_hypercube,  // each parameter once from each of as many parts as there are cases
+};
+
 struct CampaignClaims {
+  PlanKind plan = PlanKind::random;
   std::optional<PassRateClaim> pass_rate;
   std::vector<SometimesClaim> sometimes;  // in the order of the file
 };
 
-/// Reads the two keys of the scenario; null: not stated. After the bodies and the duration.
-CampaignClaims read_claims(Findings& findings, const YamlNode* pass_rate, const YamlNode* sometimes,
-                           const Scenario& scenario);
+/// Reads the keys of a scenario's map. After the bodies and the duration.
+CampaignClaims read_claims(Findings& findings, const YamlNode& root, const Scenario& scenario);
 
 /// The claims of a scenario that was loaded.
 CampaignClaims claims_of(const Scenario& scenario);

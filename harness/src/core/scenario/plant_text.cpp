@@ -12,8 +12,8 @@ namespace rehearse {
 namespace {
 
 /// Keys of the scenario that have no effect on its world. All other keys count, also those of later versions.
-constexpr std::string_view judging[] = {"name",    "golden", "tolerances", "horizon",   "expect",   "simulate",
-                                        "options", "vary",   "realtime",   "pass_rate", "sometimes"};
+constexpr std::string_view judging[] = {"name",    "golden", "tolerances", "horizon",   "expect",    "simulate",
+                                        "options", "vary",   "realtime",   "pass_rate", "sometimes", "plan"};
 /// Keys of a controller. Its name and its place in the list count: controllers are called in this order.
 constexpr std::string_view of_controller[] = {"library", "options", "delay", "optional"};
 

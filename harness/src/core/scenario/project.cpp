@@ -20,9 +20,12 @@ std::optional<fs::path> find_project(const fs::path& inside) {
   }
 }
 
-std::vector<fs::path> scenario_files(const fs::path& project) {
+namespace {
+
+/// The *.yaml below a folder of the project or of its fixtures, by path.
+std::vector<fs::path> yaml_files(const fs::path& project, const std::string& name) {
   std::vector<fs::path> files;
-  for (const char* folder : {"scenarios", "fixtures/scenarios"}) {
+  for (const std::string& folder : {name, "fixtures/" + name}) {
     std::error_code missing;
     for (fs::recursive_directory_iterator entry(project / folder, missing), end; !missing && entry != end;
          entry.increment(missing))
@@ -31,6 +34,12 @@ std::vector<fs::path> scenario_files(const fs::path& project) {
   std::sort(files.begin(), files.end());
   return files;
 }
+
+}  // namespace
+
+std::vector<fs::path> scenario_files(const fs::path& project) { return yaml_files(project, "scenarios"); }
+
+std::vector<fs::path> failure_files(const fs::path& project) { return yaml_files(project, "failures"); }
 
 bool may_be_checked(const fs::path& file) {
   const auto text = read_yaml_file(file, "a scenario");

@@ -2,7 +2,8 @@
 //
 // The command, the tests and RehearseControllers.cmake share this rule. The project of a file is the nearest folder
 // above it that has a folder `golden`, else the nearest that has a CMakeLists.txt. Its scenarios are the *.yaml below
-// `scenarios` and `fixtures/scenarios`, its goldens are in `golden`. Its controllers are in `lib/rehearse/controllers`
+// `scenarios` and `fixtures/scenarios`, its goldens are in `golden`. The failures that it keeps are the *.yaml below
+// `failures` and `fixtures/failures`. Its controllers are in `lib/rehearse/controllers`
 // of its builds, which are the folders `build*`.
 #pragma once
 
@@ -18,6 +19,9 @@ std::optional<std::filesystem::path> find_project(const std::filesystem::path& i
 
 /// All files that may be scenarios of a project, by path.
 std::vector<std::filesystem::path> scenario_files(const std::filesystem::path& project);
+
+/// The scenarios that have failed once, as `sweep shrink` writes them, by path.
+std::vector<std::filesystem::path> failure_files(const std::filesystem::path& project);
 
 /// False if the text of the file has neither the word of `golden:` nor that of `expect:`. A file that can't be read may
 /// be a scenario with a mistake.

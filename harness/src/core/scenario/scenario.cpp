@@ -191,12 +191,13 @@ bool check_version(Findings& findings, const YamlNode& root) {
 void read_scenario(Findings& findings, const YamlNode& root, const Scenario::ModelSource& models,
                    const Scenario::FileSource& files, Scenario& scenario) {
   if (!check_version(findings, root)) return;
-  const Keys keys(findings, root, "the scenario",
-                  {"rehearse",       "name",     "golden",    "duration",   "ends_when_done", "planar", "time_step",
-                   "seed",           "gravity",  "options",   "solver",     "lever_arms",     "bodies", "materials",
-                   "pairs",          "joints",   "welds",     "pushes",     "joystick",       "noise",  "look",
-                   "magnetic_field", "cameras",  "record",    "tolerances", "horizon",        "expect", "simulate",
-                   "vary",           "realtime", "pass_rate", "sometimes"});
+  const Keys keys(
+      findings, root, "the scenario",
+      {"rehearse",   "name",    "golden",   "duration",   "ends_when_done", "planar",         "time_step", "seed",
+       "gravity",    "options", "solver",   "lever_arms", "bodies",         "materials",      "pairs",     "joints",
+       "welds",      "pushes",  "joystick", "noise",      "look",           "magnetic_field", "cameras",   "record",
+       "tolerances", "horizon", "expect",   "simulate",   "vary",           "realtime",       "pass_rate", "sometimes",
+       "plan"});
   read_names(findings, keys, scenario);
   read_clock(findings, keys, scenario);
   if (const YamlNode* node = keys.find("golden")) read_golden(findings, *node, scenario);
@@ -228,7 +229,7 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   bool always = false;  // only a check uses it: always_simulates()
   keys.word("simulate", "always, or unproved (only runs that a check can't prove)",
             {{"always", true}, {"unproved", false}}, always);
-  (void)read_claims(findings, keys.find("pass_rate"), keys.find("sometimes"), scenario);  // campaigns use them
+  (void)read_claims(findings, root, scenario);  // campaigns use them
   if (const YamlNode* node = keys.find("vary")) read_variations(findings, *node, root, scenario);
   if (!findings.any_error()) check_rates(findings, *keys.find("bodies"), scenario);
 }

@@ -54,6 +54,14 @@ std::string failures_of(const Campaign& campaign) {
   return text;
 }
 
+/// True if the rate of a campaign may be judged.
+bool is_sound(const SweepResult& result) { return result.repeats && result.never_tried.empty(); }
+
+TestVerdict refusal(const SweepResult& result, const std::string& reason = "") {
+  return {false, fmt::format("{}{}{}\nreport: {}", result.verdict, reason, result.failures,
+                             (fs::path(result.folder) / "report.html").string())};
+}
+
 }  // namespace
 
 SweepResult sweep_for_test(const std::string& scenario, const SweepCases& cases, const std::string& test) {
@@ -76,16 +84,22 @@ SweepResult sweep_for_test(const std::string& scenario, const SweepCases& cases,
   result.verdict = verdict(summary);
   result.failures = failures_of(campaign);
   result.repeats = summary.unrepeated.empty();
+  result.passes = summary.answer() == ClaimAnswer::passes;
+  result.undecided = summary.answer() == ClaimAnswer::undecided;
+  result.never_tried = summary.never_tried();
   result.folder = campaign.folder().string();
   return result;
 }
 
 TestVerdict judge_pass_rate(const SweepResult& result, double rate) {
-  const std::string report = "\nreport: " + (fs::path(result.folder) / "report.html").string();
-  if (!result.repeats) return {false, result.verdict + result.failures + report};
+  if (!is_sound(result)) return refusal(result);
   if (result.high >= rate) return {true, ""};
-  return {false, fmt::format("{}; its upper bound, {:.4g} %, is below {:.4g} %{}{}", result.verdict,
-                             100.0 * result.high, 100.0 * rate, result.failures, report)};
+  return refusal(result,
+                 fmt::format("; its upper bound, {:.4g} %, is below {:.4g} %", 100.0 * result.high, 100.0 * rate));
+}
+
+TestVerdict judge_claims(const SweepResult& result) {
+  return is_sound(result) && result.passes ? TestVerdict{true, ""} : refusal(result);
 }
 
 }  // namespace rehearse::internal

@@ -1,0 +1,46 @@
+#include "importance.h"
+
+#include <rehearse/campaign_report.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "report_json.h"
+
+namespace rehearse {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The index on a column, over the cases with a result that have a number there.
+double index_of(const CaseTable& table, std::size_t parameter, const std::vector<double>& column) {
+  std::vector<double> inputs, outputs;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    if (!table.has(i) || !std::isfinite(column[i])) continue;
+    inputs.push_back(table.values[parameter][i]);
+    outputs.push_back(column[i]);
+  }
+  const std::size_t words = table.words[parameter].size();
+  if (words * words > inputs.size()) return std::numeric_limits<double>::quiet_NaN();  // words can't be put into parts
+  return first_order_index(inputs, outputs);
+}
+
+}  // namespace
+
+Json json_of_importance(const Campaign& campaign, const CaseTable& table, std::size_t parameter) {
+  std::vector<double> passing(table.size());
+  for (std::size_t i = 0; i < table.size(); ++i) passing[i] = table.has(i) && table.passed(i) ? 1.0 : 0.0;
+  Json object{{"passing", number_or_null(index_of(table, parameter, passing))}, {"margin", nullptr}};
+  double largest = -1.0;
+  for (std::size_t e = 0; e < table.margins.size(); ++e) {
+    const double found = index_of(table, parameter, table.margins[e]);
+    if (!(found > largest)) continue;
+    largest = found;
+    object["margin"] = {{"expectation", campaign.expectations()[e]}, {"share", found}};
+  }
+  return object;
+}
+
+}  // namespace rehearse
