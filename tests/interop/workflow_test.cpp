@@ -30,6 +30,8 @@ TEST_F(Workflow, OfThisRepositoryIsValid) {
 TEST_F(Workflow, OfANewProjectIsValid) {
   std::string workflow = read_file(fs::path(SOURCE_DIR) / "tools/new_project/.github/workflows/test.yml");
   workflow.replace(workflow.find("@ORIGIN@"), 8, "https://github.com/owner/name");
+  workflow.replace(workflow.find("@HISTORY@"), 9, "branch");
+  workflow.replace(workflow.find("@CONTENTS@"), 10, "write");
   std::ofstream(file_) << workflow;
   const Output found = check(file_);
   EXPECT_EQ(found.status, 0) << found.text;

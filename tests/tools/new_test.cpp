@@ -97,14 +97,69 @@ TEST_F(New, RefusesAnAddressThatGitHubCantFetchFrom) {
   EXPECT_FALSE(fs::exists(folder() / "arm"));
 }
 
+TEST_F(New, ItsWorkflowMayWriteOnlyForABranchOfTheHistory) {
+  ASSERT_EQ(run(command, {"new", "usual", "--origin", origin}).status, 0);
+  ASSERT_EQ(run(command, {"new", "branch", "--origin", origin, "--history", "branch"}).status, 0);
+  const auto workflow = [&](const std::string& project) {
+    return read_file(folder() / project / ".github/workflows/test.yml");
+  };
+  EXPECT_THAT(workflow("usual"), AllOf(HasSubstr("  REHEARSE_HISTORY: artifact #"), HasSubstr("  contents: read #")));
+  EXPECT_THAT(workflow("branch"), AllOf(HasSubstr("  REHEARSE_HISTORY: branch #"), HasSubstr("  contents: write #")));
+  const Outcome refused = run(command, {"new", "other", "--history", "disk"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("disk"), HasSubstr("artifact")));
+  EXPECT_FALSE(fs::exists(folder() / "other"));
+}
+
+/// The text of a step's `run`.
+std::string script_of(const std::string& workflow, const std::string& step) {
+  const std::size_t begin = workflow.find("run: |\n", workflow.find("- name: " + step + "\n")) + 7;
+  return workflow.substr(begin, workflow.find("      - name", begin) - begin);
+}
+
+/// The steps that keep the history on a branch, with a repository on this disk.
+TEST_F(New, ItsWorkflowKeepsTheHistoryOnABranch) {
+  ASSERT_EQ(run(command, {"new", "arm", "--origin", origin, "--history", "branch"}).status, 0);
+  const std::string workflow = read_file(folder() / "arm/.github/workflows/test.yml");
+  const auto write_step = [&](const std::string& name, const std::string& step) {
+    std::string text = script_of(workflow, step);
+    const std::string clone = (folder() / "clone").string();  // in place of the steps' own folder
+    for (std::size_t at = 0; (at = text.find("/tmp/history", at)) != std::string::npos; at += clone.size())
+      text.replace(at, 12, clone);
+    write(name, text);
+  };
+  write_step("fetch.sh", "Fetch the history of checks");
+  write_step("keep.sh", "Keep the history on its branch");
+  const std::string identity = "git -c user.name=n -c user.email=e ";
+  const auto shell = [&](const std::string& line) { return run("bash", {"-e", "-c", line}); };
+  ASSERT_EQ(shell("git init -q -b main origin && cd origin && echo a > a && git add a && " + identity +
+                  "commit -q -m a && git config receive.denyCurrentBranch ignore")
+                .status,
+            0);
+  const std::string environment =
+      "export TOKEN=t GITHUB_SHA=abc ORIGIN=" + quoted("file://" + folder().string() + "/origin");
+  for (const char* line : {"first", "second"}) {
+    const Outcome kept = shell(environment + "; rm -rf clone work; mkdir work; cd work; bash -e ../fetch.sh; echo " +
+                               line + " >> history.jsonl; bash -e ../keep.sh");
+    ASSERT_EQ(kept.status, 0) << kept.out << kept.err;
+  }
+  const Outcome unchanged =
+      shell(environment + "; rm -rf clone work; mkdir work; cd work; bash -e ../fetch.sh; bash -e ../keep.sh");
+  EXPECT_EQ(unchanged.status, 0) << unchanged.err << "no check was added";
+  EXPECT_EQ(shell("git -C origin show rehearse-history:history.jsonl").out, "first\nsecond\n");
+  EXPECT_EQ(shell("git -C origin ls-tree --name-only rehearse-history").out, "history.jsonl\n") << "nothing else";
+  EXPECT_EQ(shell("git -C origin log --format=%s rehearse-history").out,
+            "Add the checks of abc\nAdd the checks of abc\n");
+  EXPECT_EQ(shell("git -C origin log --format=%s main").out, "a\n") << "other branches stay";
+}
+
 /// The step of the workflow that gets the packages, with programs in place of apt and curl that need no network.
 class NewWorkflow : public New {
  protected:
   NewWorkflow() {
     EXPECT_EQ(run(command, {"new", ".", "--origin", "file://" + repository().string()}).status, 0);
     const std::string workflow = read_file(folder() / ".github/workflows/test.yml");
-    const std::size_t step = workflow.find("Fetch the packages"), begin = workflow.find("run: |\n", step) + 7;
-    std::string text = workflow.substr(begin, workflow.find("      - name", begin) - begin);
+    std::string text = script_of(workflow, "Fetch the packages of Rehearse, or build them");
     const std::string source = (folder() / "source").string();  // in place of the step's own folder
     for (std::size_t at = 0; (at = text.find("/tmp/rehearse", at)) != std::string::npos; at += source.size())
       text.replace(at, 13, source);

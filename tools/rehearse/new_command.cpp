@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -36,10 +37,14 @@ constexpr Language languages[] = {
     {"rust", "rust", "CXX", "rehearse_add_rust_controller(Hold Cargo.toml)  # built by cargo", "src/lib.rs", "cargo "},
 };
 
+/// Where the workflow keeps the history of checks.
+constexpr std::string_view history_places[] = {"artifact", "branch"};
+
 struct NewSettings {
   std::string folder;
   std::string language = std::string(languages[0].name);
-  std::string origin;          // the repository of Rehearse; empty: that of this build
+  std::string origin;  // the repository of Rehearse; empty: that of this build
+  std::string history = std::string(history_places[0]);
   bool workflow_only = false;  // of a project that exists
 };
 
@@ -47,6 +52,7 @@ struct NewSettings {
 struct Replacements {
   std::string project, origin, commit;
   const Language& language;
+  std::string history;
 };
 
 /// The folder's name, with '_' instead of characters that a CMake project's name can't contain.
@@ -73,6 +79,8 @@ std::string filled_in(std::string_view text, const Replacements& replacements) {
   replace(filled, "@CONTROLLER@", std::string(replacements.language.controller));
   replace(filled, "@SOURCE@", std::string(replacements.language.source));
   replace(filled, "@PACKAGES@", std::string(replacements.language.packages));
+  replace(filled, "@HISTORY@", replacements.history);
+  replace(filled, "@CONTENTS@", replacements.history == "branch" ? "write" : "read");
   return filled;
 }
 
@@ -92,7 +100,7 @@ Replacements replacements_of(const NewSettings& settings) {
   const bool has_commit = is_own && !built.commit.empty();
   return {project_name(settings.folder), is_own ? std::string(built.repository) : settings.origin,
           has_commit ? std::string(built.commit) : "HEAD",
-          *std::ranges::find(languages, settings.language, &Language::name)};
+          *std::ranges::find(languages, settings.language, &Language::name), settings.history};
 }
 
 Result<void> prepare(const fs::path& folder) {
@@ -190,6 +198,12 @@ std::function<Exit()> declare_new(CLI::App& options) {
                   "the repository of Rehearse, from which the workflow for GitHub Actions gets its packages or its "
                   "source; without it, the one of which this command was built")
       ->type_name("URL");
+  options
+      .add_option("--history", settings->history,
+                  "where the workflow keeps the history of checks: artifact (in the cache of GitHub Actions, and in an "
+                  "artifact), or branch (rehearse-history, to which it may write then)")
+      ->check(CLI::IsMember(std::vector<std::string>(std::begin(history_places), std::end(history_places))))
+      ->type_name("PLACE");
   options.add_flag("--workflow", settings->workflow_only,
                    "write only the workflow for GitHub Actions, into a project that exists");
   return [settings] { return run_new(*settings); };
