@@ -100,6 +100,24 @@ TEST_F(PassRate, FailsIfAStateWasNeverTried) {
   }
 }
 
+TEST_F(PassRate, FailsIfAKeptFailureFailsAgain) {
+  std::ofstream(folder_ / "CMakeLists.txt") << "\n";
+  fs::create_directories(folder_ / "failures");
+  box(0.1);
+  fs::rename(folder_ / "box.yaml", folder_ / "failures/passes.yaml");
+  EXPECT_SWEEP_PASSES(rehearse::sweep(box(0.1), {5, 1}));
+  box(0.8);  // above the nominal height
+  fs::rename(folder_ / "box.yaml", folder_ / "failures/fails.yaml");
+  const auto swept = rehearse::sweep(box(0.1), {5, 1});
+  EXPECT_EQ(swept.failing_again.size(), 1u);
+  for (const auto& judged :
+       {rehearse::internal::HoldsItsClaims("", swept), rehearse::internal::HasPassRate("", "", swept, 0.5)}) {
+    EXPECT_FALSE(judged);
+    EXPECT_THAT(judged.message(), HasSubstr("a kept failure fails again: "));
+    EXPECT_THAT(judged.message(), HasSubstr("failures/fails.yaml: violated: expected Box/Box/position/z above 0.8 m"));
+  }
+}
+
 TEST_F(PassRate, IsTheSameAfterARunInThisProcess) {
   const rehearse::SweepResult before = rehearse::sweep(box(0.5), {20, 1});
   const rehearse::Trace trace = rehearse::record(box(0.5));

@@ -35,6 +35,12 @@ TEST_F(Sweep, AnswersAClaimOnThePassRateInThreeWays) {
   EXPECT_THAT(read_file(folder() / "claims-0.75/report.html"), HasSubstr("; at least 75 % pass, with 95 % confidence"));
 }
 
+TEST_F(Sweep, ReportsStateTheConfidenceOfTheirClaim) {
+  box("pass_rate: {at_least: 0.5, confidence: 0.9}\n");
+  rehearse({"sweep", "box.yaml", "--cases", "20", "-o", "run"});
+  EXPECT_THAT(read_file(folder() / "run/report.md"), HasSubstr(" with 90 % confidence (Wilson's interval)"));
+}
+
 TEST_F(Sweep, PlansSayHowManyCasesAClaimNeeds) {
   box("pass_rate: {at_least: 0.95, confidence: 0.95}\n");
   EXPECT_THAT(

@@ -102,7 +102,9 @@ struct SweepResult {
   bool passes = true;       // the scenario's `pass_rate` holds; without one every case passes
   bool undecided = false;   // more cases are needed to know whether it holds
   std::vector<std::string> never_tried;  // states of the scenario's `sometimes` that no case reached
-  std::string folder;                    // of the campaign, with its report
+  /// The failures that the project keeps and that fail again, a line each: "failures/a.yaml: violated: ...".
+  std::vector<std::string> failing_again;
+  std::string folder;  // of the campaign, with its report
 };
 
 namespace internal {
@@ -213,8 +215,9 @@ inline Trace record(const std::string& scenario) {
 
 /// Runs variations of a scenario (`vary:`, campaign.h) in processes of their own, and judges each by the scenario's
 /// expectations. The campaign is kept as campaigns/Suite.Test in the test's output folder, with a report. Throws
-/// std::runtime_error, which fails the test, if the campaign can't run. A case of one simulated second of a humanoid
-/// takes about 0.15 s: state `cases` so that the test ends within the time of ctest.
+/// std::runtime_error, which fails the test, if the campaign can't run. The failures that the project keeps run first.
+/// A case of one simulated second of a humanoid takes about 0.15 s: state `cases` so that the test ends within the time
+/// of ctest.
 inline SweepResult sweep(const std::string& scenario, const SweepCases& cases = {}) {
   return internal::sweep_for_test(scenario, cases, internal::current_test());
 }
@@ -222,7 +225,8 @@ inline SweepResult sweep(const std::string& scenario, const SweepCases& cases = 
 }  // namespace rehearse
 
 /// Passes unless the share of cases that pass is below `rate`, 0 to 1, with 95 % confidence. It fails if even the upper
-/// bound of Wilson's interval is below the rate, if a case that ran twice gave different bits, or if no case reached a
+/// bound of Wilson's interval is below the rate, if a case that ran twice gave different bits, if a failure that the
+/// project keeps fails again, or if no case reached a
 /// state of the scenario's `sometimes`. So a few failures in a few cases don't fail it by chance. The message states
 /// the interval and the failing cases. A `pass_rate` of the scenario isn't asked: EXPECT_SWEEP_PASSES.
 #define EXPECT_PASS_RATE(result, rate) EXPECT_PRED_FORMAT2(::rehearse::internal::HasPassRate, result, rate)

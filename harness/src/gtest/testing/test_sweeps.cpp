@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <map>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "test_recordings.h"
 
@@ -55,10 +57,22 @@ std::string failures_of(const Campaign& campaign) {
 }
 
 /// True if the rate of a campaign may be judged.
-bool is_sound(const SweepResult& result) { return result.repeats && result.never_tried.empty(); }
+bool is_sound(const SweepResult& result) {
+  return result.repeats && result.never_tried.empty() && result.failing_again.empty();
+}
+
+std::vector<std::string> kept_failures_of(const Campaign& campaign, const Simulation& runs) {
+  std::vector<std::string> failing;
+  for (const auto& [file, run] : checked(run_kept_failures(campaign, runs)))
+    if (!run.passed())
+      failing.push_back(fmt::format("{}: {}: {}", file.string(), to_string(run.verdict), run.sentence));
+  return failing;
+}
 
 TestVerdict refusal(const SweepResult& result, const std::string& reason = "") {
-  return {false, fmt::format("{}{}{}\nreport: {}", result.verdict, reason, result.failures,
+  std::string again;
+  for (const std::string& failure : result.failing_again) again += "\na kept failure fails again: " + failure;
+  return {false, fmt::format("{}{}{}{}\nreport: {}", result.verdict, reason, again, result.failures,
                              (fs::path(result.folder) / "report.html").string())};
 }
 
@@ -71,6 +85,7 @@ SweepResult sweep_for_test(const std::string& scenario, const SweepCases& cases,
   options.case_limit = cases.case_limit;
   const Simulation runs = simulation();
   Campaign campaign = checked(create_campaign(fixture_path(scenario), new_folder(test), options, runs));
+  std::vector<std::string> failing_again = kept_failures_of(campaign, runs);
   SweepOptions sweeping;
   sweeping.jobs = static_cast<std::size_t>(cases.jobs > 0 ? cases.jobs : std::max(1L, sysconf(_SC_NPROCESSORS_ONLN)));
   if (const auto worked = run_cases(campaign, sweeping, runs); !worked)
@@ -87,6 +102,7 @@ SweepResult sweep_for_test(const std::string& scenario, const SweepCases& cases,
   result.passes = summary.answer() == ClaimAnswer::passes;
   result.undecided = summary.answer() == ClaimAnswer::undecided;
   result.never_tried = summary.never_tried();
+  result.failing_again = std::move(failing_again);
   result.folder = campaign.folder().string();
   return result;
 }
