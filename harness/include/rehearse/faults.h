@@ -21,10 +21,12 @@ namespace rehearse {
 
 /// The time of a fault: from <= t < until, with the times of ControllerBench::time() [s].
 struct FaultTime {
-  double from = 0.0;
-  double until = std::numeric_limits<double>::infinity();
+  double from = 0.0;                                       // [s]
+  double until = std::numeric_limits<double>::infinity();  // [s]; infinity: to the end
 };
 
+/// A list of faults. Parts are named by the functions sensor(), encoder() and actuator(), whose results add a fault
+/// each.
 class Faults {
  public:
   /// Faults of the readings of a sensor, or of a joint's encoder. Each function adds one fault.
@@ -36,6 +38,7 @@ class Faults {
     /// Readings are off. `quantity`: as in `noise:`, "angular_velocity" of an IMU, "displacement" of an encoder. `by`:
     /// in the quantity's unit, of a quantity with axes along each of them, in the sensor's frame.
     Faults& offset(std::string_view quantity, double by, FaultTime when = {}) const;
+    /// Each axis is off by a number of its own.
     Faults& offset(std::string_view quantity, const std::array<double, 3>& by, FaultTime when = {}) const;
 
    private:
@@ -61,9 +64,9 @@ class Faults {
     const std::string part_;
   };
 
-  OfReadings sensor(std::string_view name);
-  OfReadings encoder(std::string_view joint);
-  OfActuator actuator(std::string_view joint);
+  OfReadings sensor(std::string_view name);     // the sensors whose names match
+  OfReadings encoder(std::string_view joint);   // the readings of the joints whose names match
+  OfActuator actuator(std::string_view joint);  // the drives of the joints whose names match
 
   /// The entries of a list of faults, as a scenario states them: "{sensor: \"Imu\", fault: stuck, from: 0.1}".
   const std::vector<std::string>& entries() const { return entries_; }
