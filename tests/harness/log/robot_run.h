@@ -31,13 +31,13 @@ inline constexpr std::int64_t period = 2'000'000;                 // [ns]
 inline constexpr std::int64_t latency = period / 4;               // of a command after its joint message [ns]
 
 /// The clock and the losses of a log.
-struct Faults {
+struct LogFaults {
   double jitter = 0.0;   // largest deviation from the regular time [periods]
   double drift = 0.0;    // relative error of the robot's clock
   double dropped = 0.0;  // share of messages that the log lacks
   double late = 0.0;     // share of messages that come, or are logged, up to one and a half periods late
 };
-inline constexpr Faults real{0.1, 1e-4, 0.01, 0.01};
+inline constexpr LogFaults real{0.1, 1e-4, 0.01, 0.01};
 
 /// Numbers that are the same on every machine.
 class Chance {
@@ -94,13 +94,13 @@ class Robot {
     return robot;
   }
 
-  RobotRun run(std::uint64_t seed, const Faults& faults, int ticks) const;
+  RobotRun run(std::uint64_t seed, const LogFaults& faults, int ticks) const;
   const std::string& controller() const { return controller_; }
   const fs::path& model() const { return model_; }
   bool has_joystick() const { return has_joystick_; }
 
  private:
-  void control(RobotRun& run, Chance& chance, const Faults& faults) const;
+  void control(RobotRun& run, Chance& chance, const LogFaults& faults) const;
 
   std::string controller_;
   fs::path model_;
@@ -124,7 +124,7 @@ inline Robot tank() { return {"TankController", "tank.urdf", joints_of("tank.urd
 
 /// Messages of one topic, regular but for the faults. The first ones come in time and are in the log.
 inline std::vector<RobotMessage> messages(std::int64_t first, std::int64_t step, int count, Chance& chance,
-                                          const Faults& faults) {
+                                          const LogFaults& faults) {
   std::vector<RobotMessage> made;
   for (int i = 0; i < count; ++i) {
     RobotMessage& message = made.emplace_back();
@@ -140,7 +140,7 @@ inline std::vector<RobotMessage> messages(std::int64_t first, std::int64_t step,
   return made;
 }
 
-inline RobotRun Robot::run(std::uint64_t seed, const Faults& faults, int ticks) const {
+inline RobotRun Robot::run(std::uint64_t seed, const LogFaults& faults, int ticks) const {
   Chance chance(seed);
   RobotRun run;
   run.states = messages(start, period, ticks, chance, faults);
@@ -165,7 +165,7 @@ inline RobotRun Robot::run(std::uint64_t seed, const Faults& faults, int ticks) 
 }
 
 /// Calls the controller at each message of the joints, or by the timer.
-inline void Robot::control(RobotRun& run, Chance& chance, const Faults& faults) const {
+inline void Robot::control(RobotRun& run, Chance& chance, const LogFaults& faults) const {
   BenchOptions options;
   options.time_step = static_cast<double>(period) * 1e-9;
   for (std::size_t i = 0; i < joints_.size(); ++i) options.joints[joints_[i]] = run.states[0].joints.position[i];

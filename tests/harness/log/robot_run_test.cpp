@@ -25,7 +25,7 @@ class ManyLogs : public RobotRunLog, public ::testing::WithParamInterface<int> {
 TEST_P(ManyLogs, EqualTheRobotsCommandsWhereTheLogHasTheirInputs) {
   const int seed = GetParam();
   const Robot robot = seed % 2 == 0 ? walker() : tank();
-  Faults faults = real;
+  LogFaults faults = real;
   if (seed % 4 >= 2) faults.drift = -faults.drift;
   const RobotRun run = robot.run(static_cast<std::uint64_t>(seed), faults, 2000);
   write(run);
@@ -72,7 +72,7 @@ TEST_P(ManyLogsInEachForm, EqualTheRobotsCommands) {
   const auto& [form, seed] = GetParam();
   Robot robot = seed % 2 == 0 ? walker() : tank();
   if (form.by_timer) robot = robot.by_timer();
-  Faults faults = real;
+  LogFaults faults = real;
   if (seed % 4 >= 2) faults.drift = -faults.drift;
   const RobotRun run = robot.run(static_cast<std::uint64_t>(seed), faults, 1000);
   write(run, form.stamp_offset, form.stamp_drift);

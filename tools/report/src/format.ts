@@ -73,6 +73,7 @@ export interface ExpectationEntry {
   series: string | null;
   low: number | null;
   high: number | null;
+  margin?: number | null;
   begin: number;
   end: number;
   sometime: boolean;

@@ -318,7 +318,7 @@ export class Plot {
     return chart;
   }
 
-  // Of an expectation, the bounds over the judged ticks, and the first violation.
+  // Of an expectation, the bounds over the judged ticks with their margin, and the first violation.
   private draw_bounds(chart: uPlot) {
     if (this.bounds.length === 0) return;
     const colors = palette(),
@@ -334,11 +334,19 @@ export class Plot {
       context.lineWidth = 1.5 * scale;
       context.setLineDash([6 * scale, 4 * scale]);
       const [begin, end] = [x_of(entry.begin), x_of(entry.end)];
-      for (const bound of [entry.low, entry.high]) {
+      const margin = entry.sometime ? 0 : (entry.margin ?? 0); // else no sample is nearer to a bound
+      for (const [bound, nearest] of [
+        [entry.low, (entry.low ?? 0) + margin],
+        [entry.high, (entry.high ?? 0) - margin],
+      ] as const) {
         if (bound === null) continue;
         const y = chart.valToPos(bound, 'y', true);
+        const left = Math.min(begin, end - 12 * scale);
+        context.globalAlpha = 0.15; // of the band between the bound and the value nearest to it, or farthest beyond it
+        context.fillRect(left, y, end - left, chart.valToPos(nearest, 'y', true) - y);
+        context.globalAlpha = 1;
         context.beginPath();
-        context.moveTo(Math.min(begin, end - 12 * scale), y);
+        context.moveTo(left, y);
         context.lineTo(end, y);
         context.stroke();
       }

@@ -136,6 +136,7 @@ ReportJson expectations_json(const std::vector<ExpectationResult>& results, doub
                     {"series", result.series.empty() ? ReportJson() : ReportJson(result.series)},
                     {"low", or_null(low)},
                     {"high", or_null(high)},
+                    {"margin", or_null(result.margin)},
                     {"begin", from},
                     {"end", until},
                     {"sometime", expectation.sometime},
