@@ -176,10 +176,12 @@ TEST_F(Report, OfARunAloneHasAllViolatedExpectations) {
   EXPECT_EQ(expectations[0]["end"], 2);
   EXPECT_EQ(expectations[1]["holds"], false);
   EXPECT_EQ(expectations[1]["low"], 640.0);
+  EXPECT_EQ(expectations[1]["margin"], -40.0);
   EXPECT_EQ(expectations[1]["begin"], 2);
   EXPECT_EQ(expectations[1]["first"], Json({{"tick", 2}, {"value", 700.0}}));
   EXPECT_EQ(expectations[2]["series"], "Robot/Pd/output/KNEE/u");
   EXPECT_EQ(expectations[2]["low"], -20.0);
+  EXPECT_EQ(expectations[2]["margin"], -5.0);
   EXPECT_EQ(expectations[2]["begin"], 1);
   EXPECT_EQ(expectations[2]["first"], Json({{"tick", 1}, {"value", 25.0}}));
   EXPECT_EQ(report["verdict"]["state"], "violated");
