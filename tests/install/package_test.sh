@@ -7,22 +7,9 @@ set -euo pipefail
 
 packages=$1 work=$2
 root=$work/root
-skip() { echo "skipped: $*"; exit 77; }
-
-((EUID == 0)) || skip "only root can make a bare Debian"
-command -v mmdebstrap > /dev/null || skip "mmdebstrap isn't installed"
-mkdir -p "$work"
-if [[ ! -f $work/bare.tar ]]; then
-  mmdebstrap --variant=apt bookworm "$work/new.tar" > "$work/mmdebstrap.log" 2>&1 \
-    || skip "mmdebstrap made no Debian (no network?): $(tail -n 1 "$work/mmdebstrap.log")"
-  mv "$work/new.tar" "$work/bare.tar"
-fi
-rm -rf "$root"
-mkdir "$root"
-tar --extract --file "$work/bare.tar" --directory "$root" --exclude './dev/*'
-# the machine's own way to Debian's packages, and names of hosts
-cp -r /etc/apt/apt.conf.d/. "$root/etc/apt/apt.conf.d/"
-cp /etc/resolv.conf "$root/etc/"
+# shellcheck source=tests/install/bare.sh
+source "$(dirname "$0")/bare.sh"
+make_bare "$work"
 mkdir "$root/packages"
 cp "$packages"/*.deb "$root/packages/"
 readme=$(dirname "$0")/../../README.md
@@ -101,8 +88,4 @@ apt-get autoremove --purge --yes > /log 2>&1
 find / -xdev -not -path '/proc/*' -not -path '/var/*' -not -path '/etc/*' | sort > /after
 if comm -13 /before /after | grep -i rehearse; then echo "the packages left these behind"; exit 1; fi
 EOF
-mkdir -p "$root/dev" "$root/proc"
-mknod -m 666 "$root/dev/null" c 1 3
-mknod -m 666 "$root/dev/urandom" c 1 9
-env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root \
-  unshare --mount --pid --fork --mount-proc="$root/proc" chroot "$root" bash -e /inside
+run_in_bare "$root" /inside
