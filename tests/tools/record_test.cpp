@@ -70,9 +70,9 @@ TEST_F(Record, MakesNoFileOfTheNameOfStandardOutput) {
 }
 
 TEST_F(Record, IsRefusedAFileThatAnotherOneWrites) {
-  const Outcome both =
-      run(command, {"record", box_scenario.string(), "--duration", "5000", "-o", "box.mcap"},
-          "sh -c 'timeout -s INT 2 \"$@\" > first.txt 2>&1 & sleep 0.8; \"$@\"; status=$?; wait; exit $status' sh ");
+  const Outcome both = run(command, {"record", box_scenario.string(), "--duration", "5000", "-o", "box.mcap"},
+                           "sh -c '\"$@\" > first.txt 2>&1 & until [ -e box.mcap ]; do sleep 0.05; done; sleep 0.3; "
+                           "\"$@\"; status=$?; kill -INT $!; wait; exit $status' sh ");
   EXPECT_EQ(both.status, 2);
   EXPECT_THAT(both.err, HasSubstr("box.mcap: error: another writer has opened this file (name another file, or wait)"));
   EXPECT_THAT(read_file(folder() / "first.txt"), HasSubstr("interrupted by SIGINT")) << "the first one goes on";
