@@ -68,11 +68,12 @@ grep "apt-get install gdb" /log || { cat /log; exit 1; }
 if rehearse audit scenarios/hold.yaml --valgrind > /log 2>&1; then echo "valgrind isn't missed"; exit 1; fi
 grep "apt-get install valgrind" /log || { cat /log; exit 1; }
 
-# the workflow's own steps, in a checkout, with a release in a folder
+# the workflow's own steps, in a checkout, with a release in a folder; the history stays in the cache by default
 test -f .github/workflows/test.yml || rehearse new --workflow --origin file:///origin .
 mkdir /home/new/checkout && cp -r .github .gitattributes .gitignore * /home/new/checkout/ && cd /home/new/checkout
 rm -r build
-awk '/^ +run: \|$/ { block = 1; next } /^ +run: / { sub(/^ +run: /, ""); print; next }
+awk '/^ +- name: / { of_branch = 0 } /^ +if: .*REHEARSE_HISTORY == .branch./ { of_branch = 1 } of_branch { block = 0; next }
+     /^ +run: \|$/ { block = 1; next } /^ +run: / { sub(/^ +run: /, ""); print; next }
      block && /^          / { print; next } { block = 0 }' .github/workflows/test.yml > /workflow
 grep -q "rehearse check" /workflow
 release=/origin/releases/download/v$(rehearse --version | grep -o "[0-9.]*" | head -n 1)
