@@ -202,17 +202,29 @@ TEST(ConvexParts, AreTheSameInEveryRun) {
   expect_same(parts_of(torus(0.5, 0.1, 48, 16)), parts_of(torus(0.5, 0.1, 48, 16)));
 }
 
-/// If the hash changes, convex_parts() has changed: then hulls_version has to, or stores of users keep old
-/// parts.
-TEST(ConvexParts, OfThisVersionHaveThisHash) {
-  const ConvexHulls parts = parts_of(torus(0.5, 0.1, 48, 16));
+std::uint64_t hash_of(const ConvexHulls& hulls) {
   std::uint64_t hash = hulls_version;
-  for (const ConvexHull& hull : parts.hulls) {
+  for (const ConvexHull& hull : hulls.hulls) {
     for (const Vector3d& vertex : hull.vertices) hash = XXH3_64bits_withSeed(vertex.data(), sizeof vertex, hash);
     for (const std::vector<int>& face : hull.faces)
       hash = XXH3_64bits_withSeed(face.data(), face.size() * sizeof face[0], hash);
   }
+  return hash;
+}
+
+/// A ball of more than 500 triangles, whose hull is thinned.
+MeshData fine_ball() { return mesh_of({globe_part(0.3, 24, 16)}); }
+
+/// If a hash changes, convex_parts() or judged_hulls() has changed: then hulls_version has to, or stores of users keep
+/// old hulls.
+TEST(ConvexParts, OfThisVersionHaveThisHash) {
+  const std::uint64_t hash = hash_of(parts_of(torus(0.5, 0.1, 48, 16)));
   EXPECT_EQ(hash, 0xf434506677de7223u) << std::hex << hash;
+}
+
+TEST(ConvexHulls, OfThisVersionHaveThisHash) {
+  const std::uint64_t hash = hash_of(*judged_hulls(fine_ball()));
+  EXPECT_EQ(hash, 0x7f7db15b553bf0a4u) << std::hex << hash;
 }
 
 ConvexHulls kept_parts(const MeshData& mesh, const HullStore& store) {
@@ -226,9 +238,6 @@ void expect_same_remarks(const ConvexHulls& a, const ConvexHulls& b) {
   ASSERT_EQ(a.remarks.size(), b.remarks.size());
   for (std::size_t i = 0; i < a.remarks.size(); ++i) EXPECT_EQ(a.remarks[i].severity, b.remarks[i].severity);
 }
-
-/// A ball of more than 500 triangles, whose hull is thinned.
-MeshData fine_ball() { return mesh_of({globe_part(0.3, 24, 16)}); }
 
 TEST(HullStore, GivesThePartsThatWereComputed) {
   const test::TemporaryFolder folder;
