@@ -151,11 +151,19 @@ inline void SmallTrace::write(const std::filesystem::path& file) const {
   SmallWriter writer(*this, file);
   ASSERT_TRUE(writer.file().add_attachment("scenario.yaml", "application/yaml", std::as_bytes(std::span(scenario))));
   ASSERT_TRUE(writer.file().add_metadata("rehearse", provenance));
-  for (const SmallTick& tick : ticks) write_tick(writer, *this, tick);
+  std::size_t written = 0;  // events
+  const auto write_events = [&](std::int64_t until) {
+    for (; written < events.size() && events[written].tick <= until; ++written)
+      writer.write("/events", events[written].stamp.to_ns(), events[written]);
+  };
+  for (const SmallTick& tick : ticks) {
+    write_tick(writer, *this, tick);
+    write_events(tick.tick);
+  }
   if (contact_changes) writer.declare<msg::ContactChange>("/contacts");
   for (const msg::ContactChange& change : contact_changes.value_or(std::vector<msg::ContactChange>()))
     writer.write("/contacts", change.stamp.to_ns(), change);
-  for (const msg::Event& event : events) writer.write("/events", event.stamp.to_ns(), event);
+  write_events(std::numeric_limits<std::int64_t>::max());
   ASSERT_TRUE(writer.file().add_metadata("rehearse.outcome", outcome));
   ASSERT_TRUE(writer.file().close());
 }

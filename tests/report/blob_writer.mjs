@@ -35,6 +35,11 @@ export class BlobWriter {
     return this.#add(png, { bytes: png.length, coding: 'none', media_type: 'image/png' });
   }
 
+  text(text, more) {
+    const bytes = Buffer.from(text, 'utf8');
+    return this.#add(deflateSync(bytes), { bytes: bytes.length, coding: 'deflate', ...more });
+  }
+
   /** base: the numbers of the same series, for the filter xor-base. */
   numbers(numbers, filter = 'xor', base = null) {
     const type = Object.keys(arrays).find((name) => numbers instanceof arrays[name]);

@@ -23,6 +23,7 @@ export const defaults = {
   equal: false,
   robot: true,
   events: true,
+  lines: 0, // messages in blobs
   mesh: true,
   expectations: true,
   call_stack: null,
@@ -288,6 +289,19 @@ class Maker {
     ];
   }
 
+  /** As many lines as the options say, in blobs of a thousand. */
+  messages() {
+    const { lines, ticks } = this.options,
+      blobs = [];
+    for (let first = 0; first < lines; first += 1000) {
+      const rows = [];
+      for (let i = first; i < Math.min(first + 1000, lines); ++i)
+        rows.push([0, Math.floor((i * ticks) / lines), 'note', 'WalkerController', `line ${i}`]);
+      blobs.push(this.blobs.text(JSON.stringify(rows), { messages: rows.length }));
+    }
+    return { all: lines, first: 0, blobs };
+  }
+
   events() {
     const { ticks, fault } = this.options;
     const events = [{ run: 0, tick: 0, severity: 'note', source: 'WalkerController', text: 'gait: standing' }];
@@ -402,6 +416,7 @@ class Maker {
       series: this.series,
       cameras,
       events: options.events ? this.events() : [],
+      ...(options.lines > 0 && { messages: this.messages() }),
       contacts: options.events ? this.contacts() : [],
       robots,
       meshes,

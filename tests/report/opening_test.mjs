@@ -54,6 +54,26 @@ test('a link to what isn’t there opens as near as can be', async () => {
   );
 });
 
+test('a filter finds messages that are not listed', async () => {
+  await with_report({ ...small, lines: 12_345 }, {}, async ({ page, complaints }) => {
+    await settled(page);
+    await page.click('#tab-messages');
+    assert.equal(await page.textContent('#tab-messages'), 'Messages (12345)');
+    assert.match(await page.textContent('.messages .note'), /of 12345 messages, from tick 0; a filter searches all$/);
+    await page.fill('.messages input', 'line 12344');
+    await page.waitForFunction(() =>
+      document.querySelector('.messages .note')?.textContent?.startsWith('1 found in 12345 of'),
+    );
+    const row = '.messages .message:not([hidden])';
+    assert.equal(await page.textContent(`${row} .text`), 'line 12344');
+    await page.click(row);
+    await page.waitForFunction(() => window.rehearse.tick === 1499);
+    await page.fill('.messages input', '');
+    await page.waitForFunction(() => document.querySelectorAll('.messages .message:not([hidden])').length > 1);
+    assert.deepEqual(complaints, []);
+  });
+});
+
 test('the address follows cursor and plots', async () => {
   await with_report(small, { hash: '#series=Walker/LEFT_HIP/q' }, async ({ page }) => {
     await page.evaluate(() => window.rehearse.go(321));

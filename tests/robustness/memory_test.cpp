@@ -4,6 +4,8 @@
 
 #include <sys/resource.h>
 
+#include "../harness/small_traces.h"
+
 namespace rehearse::test {
 namespace {
 
@@ -92,6 +94,57 @@ TEST(Memory, OfAComparisonOrAPartDoesNotGrowWithTheLength) {
   const long lengthy_filtered = filter(lengthy);
   EXPECT_GT(lengthy_filtered, 0) << read_file(scratch.path() / "log");
   EXPECT_LT(lengthy_filtered, filter(brief) + growth);
+}
+
+/// A recording with so many lines of a controller; `last`: the text of the last one. Another process writes it, because
+/// a child's largest memory includes that of this process at its start.
+std::string write_lines(const fs::path& trace, std::int64_t lines, const std::string& last) {
+  constexpr std::int64_t ticks = 1000;
+  const pid_t child = fork();
+  if (child == 0) {
+    testing::SmallTrace run;
+    run.scenario =
+        "rehearse: 1\nduration: 1\nbodies: [{name: Ball, sphere: {radius: 0.1}, mass: 1, position: [0, 0, 9]}]\n";
+    run.lengthen(ticks);
+    for (std::int64_t i = 0; i < lines; ++i) {
+      const std::int64_t tick = ticks * i / lines;
+      run.events.push_back({msg::Time::from_ns(static_cast<std::uint64_t>(tick) * 1'000'000), tick, "note", "Robot/Pd",
+                            i + 1 < lines ? "line " + std::to_string(i) + " of many" : last});
+    }
+    run.write(trace);
+    _exit(0);
+  }
+  EXPECT_EQ(waitpid(child, nullptr, 0), child);
+  return trace.string();
+}
+
+TEST(Memory, OfLinesDoesNotGrowWithTheirNumber) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the sanitizer keeps memory of its own";
+#endif
+  const TemporaryFolder scratch;
+  const auto kilobytes = [&](const std::vector<std::string>& words, int status) {
+    std::vector<std::string> all{REHEARSE_COMMAND};
+    all.insert(all.end(), words.begin(), words.end());
+    const long peak = peak_memory(all, scratch.path() / "log", status);
+    EXPECT_GT(peak, 0) << words[0] << ": " << read_file(scratch.path() / "log");
+    return peak;
+  };
+  constexpr std::int64_t few = 10'000, many = 210'000;
+  std::vector<std::vector<long>> peaks;
+  for (const std::int64_t lines : {few, many}) {
+    const std::string name = std::to_string(lines);
+    const std::string golden = write_lines(scratch.path() / (name + ".golden.mcap"), lines, "the end");
+    const std::string run = write_lines(scratch.path() / (name + ".mcap"), lines, "another end");
+    peaks.push_back({kilobytes({"info", "--full", run}, 0), kilobytes({"info", "--json", run}, 0),
+                     kilobytes({"diff", golden, run}, 0),
+                     kilobytes({"report", golden, run, "-o", (scratch.path() / "report.html").string()}, 0)});
+  }
+  // A msg::Event takes 200 bytes of memory, and its JSON 1000: 200,000 more lines of two runs would take 80 and 400 MB.
+  // A report keeps the times and places of the messages of both; a comparison has some megabytes of both at a time.
+  const std::vector<long> growth{12 * 1024, 16 * 1024, 32 * 1024, 40 * 1024};  // [kB]
+  const std::vector<std::string> verbs{"info --full", "info --json", "diff", "report"};
+  for (std::size_t i = 0; i < verbs.size(); ++i) EXPECT_LT(peaks[1][i], peaks[0][i] + growth[i]) << verbs[i];
 }
 
 }  // namespace

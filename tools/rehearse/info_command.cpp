@@ -21,7 +21,8 @@
 namespace rehearse::tool {
 namespace {
 
-constexpr std::size_t events_shown = 20;  // without --full; JSON contains all of them
+constexpr std::size_t events_shown = 20;       // without --full
+constexpr std::size_t events_in_json = 10000;  // a recording may have millions
 /// Files up to this size are read completely without --full, in a fraction of a second [bytes].
 constexpr std::uintmax_t small_file = 64'000'000;
 /// A log time above this comes from a wall clock, not from a simulation: 1973 [ns].
@@ -58,7 +59,7 @@ struct Contents {
   ChannelCount all;
   std::uint64_t ticks = 0;  // messages of that type
   std::uint64_t event_count = 0;
-  std::vector<msg::Event> events;
+  std::vector<msg::Event> events;  // the first ones
   Diagnostics damage;
 
   std::int64_t ticks_of(const mcap::Reader& reader) const {
@@ -76,6 +77,11 @@ std::string type_of(const mcap::Reader& reader, const mcap::Channel& channel) {
   return schema ? schema->name : "";
 }
 
+bool read_event(const mcap::Message& message, msg::Event& event) {
+  CdrReader payload(message.data);
+  return msg::decode(payload, event);
+}
+
 Contents count(mcap::Reader& reader) {
   Contents contents;
   std::map<std::uint16_t, std::string> types;
@@ -90,9 +96,9 @@ Contents count(mcap::Reader& reader) {
     if (type == msg::Tick::type_name) ++contents.ticks;
     if (type == msg::Event::type_name) {
       ++contents.event_count;
-      CdrReader payload(message.data);
       msg::Event event;
-      if (msg::decode(payload, event)) contents.events.push_back(std::move(event));
+      if (contents.events.size() < events_in_json && read_event(message, event))
+        contents.events.push_back(std::move(event));
     }
     return true;
   });
@@ -223,6 +229,7 @@ Json trace_json(const mcap::Reader& reader, const Contents& contents) {
           {"compression", compressions_json(reader)},
           {"attachments", attachments},
           {"metadata", metadata},
+          {"event_count", contents.event_count},
           {"events", events_json(contents)},
           {"damage", json_of(contents.damage)}};
 }
@@ -308,25 +315,40 @@ void tell_schemas(const mcap::Reader& reader) {
   }
 }
 
-void tell_events(const Contents& contents, bool all) {
-  if (contents.events.empty()) return;
-  fmt::print("\nevents\n");
-  const std::size_t shown = all ? contents.events.size() : std::min(contents.events.size(), events_shown);
-  for (std::size_t i = 0; i < shown; ++i) {
-    const msg::Event& event = contents.events[i];
-    fmt::print("  tick {}, {} s: {}: {}: {}\n", event.tick, static_cast<double>(event.stamp.to_ns()) / 1e9,
-               event.severity, plain_text(event.source), plain_lines(event.text));
-  }
-  if (contents.events.size() > shown)
-    fmt::print("  and {} more; --full prints them all\n", contents.events.size() - shown);
+void tell_event(const msg::Event& event) {
+  fmt::print("  tick {}, {} s: {}: {}: {}\n", event.tick, static_cast<double>(event.stamp.to_ns()) / 1e9,
+             event.severity, plain_text(event.source), plain_lines(event.text));
 }
 
-void tell(const mcap::Reader& reader, const Contents& contents, const InfoSettings& settings) {
+/// Reads the events again, because there may be more than fit into memory.
+void tell_all_events(mcap::Reader& reader) {
+  std::vector<std::uint16_t> chosen;
+  for (const auto& [id, channel] : reader.channels())
+    if (type_of(reader, channel) == msg::Event::type_name) chosen.push_back(id);
+  (void)reader.for_each_message(  // count() has reported the damage
+      [](const mcap::Message& message) {
+        msg::Event event;
+        if (read_event(message, event)) tell_event(event);
+        return true;
+      },
+      chosen);
+}
+
+void tell_events(mcap::Reader& reader, const Contents& contents, bool all) {
+  if (contents.events.empty()) return;
+  fmt::print("\nevents\n");
+  if (all) return tell_all_events(reader);
+  const std::size_t shown = std::min(contents.events.size(), events_shown);
+  for (std::size_t i = 0; i < shown; ++i) tell_event(contents.events[i]);
+  if (contents.event_count > shown) fmt::print("  and {} more; --full prints them all\n", contents.event_count - shown);
+}
+
+void tell(mcap::Reader& reader, const Contents& contents, const InfoSettings& settings) {
   tell_file(reader, contents);
   tell_channels(reader, contents);
   if (settings.schemas) tell_schemas(reader);
   tell_records(reader);
-  tell_events(contents, settings.full);
+  tell_events(reader, contents, settings.full);
   if (contents.by_summary)
     fmt::print("\nfrom the file's summary; --full reads the whole file: payloads, {}, checksums\n",
                contents.event_count > 0 ? count_text(contents.event_count, "event") + " and rates of channels"

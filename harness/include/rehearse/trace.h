@@ -75,8 +75,8 @@ class Trace {
   static constexpr std::size_t usual_piece_size = std::size_t{4} << 20;  // [bytes]
   /// Loads a file that is larger than the memory. `on_piece` is called with some ticks at a time, in file order, as
   /// soon as their numbers take about `piece_size` bytes. A piece has all attachments and metadata, and the channels
-  /// and series that were found so far. Returns the trace without its tables' rows: all of its channels, series, events
-  /// and changes of contact. Damage is reported at the end, after the pieces.
+  /// and series that were found so far. Returns the trace without its tables' rows: all of its channels, series and
+  /// changes of contact. Damage is reported at the end, after the pieces.
   static Result<Trace> load_in_pieces(const std::filesystem::path& file, const OnPiece& on_piece,
                                       std::size_t piece_size = usual_piece_size);
 
@@ -97,6 +97,7 @@ class Trace {
   const mcap::Attachment* find_attachment(std::string_view name) const;  // null: none
   const std::vector<mcap::Metadata>& metadata() const;
   const mcap::StringMap* find_metadata(std::string_view name) const;  // null: none
+  /// In the order of time. The result of load_in_pieces() reads them from its file at the first call.
   const std::vector<msg::Event>& events() const;
   const std::vector<msg::ContactChange>& contact_changes() const;
 
@@ -132,6 +133,7 @@ class Trace {
   const mcap::Schema* schema_of(const TraceChannel& channel) const;
 
  private:
+  friend class EventStream;
   friend class TraceLoader;
   friend class TraceWindows;
   struct Samples;  // the samples of the named series
@@ -145,8 +147,8 @@ class Trace {
   Diagnostics damage_;
   std::vector<TraceChannel> channels_;
   std::map<std::string, SeriesPlace, std::less<>> series_;
-  std::shared_ptr<std::vector<msg::Event>> events_;  // both are never null in a loaded trace
-  std::shared_ptr<std::vector<msg::ContactChange>> contact_changes_;
+  mutable std::shared_ptr<std::vector<msg::Event>> events_;  // null: they are in the file
+  std::shared_ptr<std::vector<msg::ContactChange>> contact_changes_;  // never null in a loaded trace
   mutable std::shared_ptr<Rests> rests_;
 };
 

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <tuple>
 
 #include "../small_traces.h"
 #include "decoded_report.h"
@@ -374,6 +375,41 @@ TEST_F(Report, HasWhatHappened) {
   EXPECT_EQ(report["events"][1]["text"], "</script><b>it fell</b>");
   EXPECT_EQ(report["contacts"][0],
             (Json{{"run", 0}, {"tick", 1}, {"a", "Robot/FOOT"}, {"b", "Floor/Floor"}, {"begins", true}}));
+}
+
+/// Of a run with many messages those nearest to the first difference are listed, and all of them are in blobs.
+TEST_F(Report, ListsTheMessagesNearTheFirstDifference) {
+  constexpr std::int64_t ticks = 40, lines = 300;  // a tick
+  actual_.lengthen(ticks);
+  for (std::int64_t i = 0; i < ticks * lines; ++i)
+    actual_.events.push_back({msg::Time::from_ns(static_cast<std::uint64_t>(i / lines) * 1'000'000), i / lines, "note",
+                              "Robot/Pd", "line " + std::to_string(i)});
+  golden_ = actual_;
+  actual_.ticks[30].u += 1.0;
+  const DecodedReport report = beside_golden();
+  const auto& [all, first, blobs] =
+      std::tuple(report["messages"]["all"].get<std::int64_t>(), report["messages"]["first"].get<std::size_t>(),
+                 report["messages"]["blobs"]);
+  EXPECT_EQ(all, 2 * ticks * lines);
+  Json stored = Json::array();
+  for (const Json& blob : blobs) {
+    const std::vector<std::uint8_t> text = report.bytes(blob);
+    const Json some = Json::parse(text.begin(), text.end());
+    EXPECT_EQ(blob["messages"], some.size());
+    stored.insert(stored.end(), some.begin(), some.end());
+  }
+  ASSERT_EQ(std::ssize(stored), all);
+  EXPECT_EQ(stored[first][1], report["events"][0]["tick"]);
+  EXPECT_EQ(stored[first][4], report["events"][0]["text"]);
+  EXPECT_EQ(report["events"].size(), 5000u);
+  EXPECT_LT(report["events"].front()["tick"], 30);
+  EXPECT_GT(report["events"].back()["tick"], 30);
+  std::vector<std::string> of_golden;
+  for (const Json& message : stored)
+    if (message[0] == 1) of_golden.push_back(message[4]);
+  ASSERT_EQ(std::ssize(of_golden), ticks * lines);
+  for (std::int64_t i = 0; i < ticks * lines; ++i)
+    ASSERT_EQ(of_golden[static_cast<std::size_t>(i)], "line " + std::to_string(i));
 }
 
 TEST_F(Report, OfASpanHasNoOtherTicks) {

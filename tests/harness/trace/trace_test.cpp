@@ -9,6 +9,9 @@
 #include <cstring>
 #include <limits>
 
+#include "core/trace/event_stream.h"
+#include "core/trace/trace_windows.h"
+
 using namespace rehearse;
 using namespace rehearse::test;
 using testing::ElementsAre;
@@ -419,6 +422,29 @@ TEST(Trace, LoadsInPiecesThatEndWithATick) {
   EXPECT_THAT(knee, ElementsAre(0.0, 0.1, 0.2));
   EXPECT_THAT(events, ElementsAre(0u, 1u, 0u, 0u)) << "a piece for each tick, and what was left: nothing";
   EXPECT_EQ(last->series().size(), recording.load().series().size());
+  ASSERT_EQ(last->events().size(), 1u) << "read again from the file";
+  EXPECT_EQ(last->events()[0].text, "hello");
+}
+
+/// The messages of a trace in memory, and of one that left them in its file.
+TEST(EventStream, ReadsMessagesInTheOrderOfTime) {
+  Recording recording;
+  const std::vector<std::uint64_t> times{3, 1, 2, 1};
+  for (std::size_t i = 0; i < times.size(); ++i)
+    recording.add("/events", times[i] * ms,
+                  msg::Event{msg::Time::from_ns(times[i] * ms), static_cast<std::int64_t>(times[i]), "note", "SR1",
+                             std::to_string(i)});
+  const Trace whole = recording.load();
+  const auto pieces = Trace::load_in_pieces(
+      recording.file().path(), [](const Trace&) {}, 1);
+  const auto without = load_without_events(recording.file().path(), Trace::Damage::refuse);
+  ASSERT_TRUE(pieces && without);
+  for (const Trace* trace : {&whole, &*pieces, &*without}) {
+    std::vector<std::string> texts;
+    EventStream stream(*trace);
+    while (const msg::Event* event = stream.next()) texts.push_back(event->text);
+    EXPECT_THAT(texts, ElementsAre("1", "3", "2", "0"));
+  }
 }
 
 TEST(Trace, KnowsChannelsAttachmentsAndMetadata) {

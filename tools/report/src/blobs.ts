@@ -58,6 +58,11 @@ export async function bytes_of(blob: BlobReference): Promise<Uint8Array<ArrayBuf
   return bytes;
 }
 
+/** The JSON that a blob contains. */
+export async function json_of(blob: BlobReference): Promise<unknown> {
+  return JSON.parse(new TextDecoder().decode(await bytes_of(blob)));
+}
+
 // Reverses the filter `columns`: the first bytes of all elements, then the second bytes, ... become elements.
 function put_columns_back(columns: Uint8Array, width: number): Uint8Array<ArrayBuffer> {
   const count = columns.length / width;

@@ -134,6 +134,16 @@ export interface EventEntry {
   text: string;
 }
 
+/** All messages, if `events` are only some of them. */
+export interface MessageBlobs {
+  all: number;
+  first: number; // index of the first of `events`
+  blobs: (BlobReference & { messages: number })[];
+}
+
+/** A message in a blob: run, tick, severity, source, text. */
+export type MessageRow = [number, number, string, string, string];
+
 export interface ContactEntry {
   run: number;
   tick: number;
@@ -215,6 +225,7 @@ export interface ReportData {
   series: SeriesEntry[];
   cameras: CameraEntry[];
   events: EventEntry[];
+  messages?: MessageBlobs;
   contacts: ContactEntry[];
   robots: RobotEntry[];
   meshes: MeshEntry[];

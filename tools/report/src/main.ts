@@ -168,7 +168,7 @@ function put_together(report: Report) {
     },
     events.length > 0 && {
       name: 'messages',
-      title: `Messages (${events.length})`,
+      title: `Messages (${report.data.messages?.all ?? events.length})`,
       content: new Messages(store, report).root,
     },
     report.data.call_stack && { name: 'source', title: 'Source', content: call_stack(report.data.call_stack) },

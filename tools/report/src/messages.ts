@@ -1,16 +1,25 @@
 // Messages of controllers and harness; a click on one moves the cursor to its tick.
+import { json_of } from './blobs';
 import { element, set_name, set_text } from './dom';
-import type { DivergenceEntry, EventEntry } from './format';
+import type { DivergenceEntry, EventEntry, MessageRow } from './format';
 import { difference_text, number_of, plural, short_text, time_text, value_text } from './numbers';
 import type { Report } from './report';
 import type { Store } from './store';
 import { VirtualList } from './virtual_list';
+
+const most_found = 100_000;
+
+function event_of([run, tick, severity, source, text]: MessageRow): EventEntry {
+  return { run, tick, severity: severity as EventEntry['severity'], source, text };
+}
 
 export class Messages {
   readonly root: HTMLElement;
   private readonly list: VirtualList<HTMLElement>;
   private events: EventEntry[];
   private current = -1;
+  private wanted = '';
+  private readonly note = element('span', { class: 'note', 'aria-live': 'polite' });
 
   constructor(
     private readonly store: Store,
@@ -27,20 +36,49 @@ export class Messages {
       type: 'search',
       placeholder: 'Filter',
       'aria-label': 'filter the messages',
-      oninput: () => this.filter(input.value),
+      oninput: () => void this.filter(input.value),
     });
-    this.root = element('div', { class: 'messages' }, element('div', { class: 'tools' }, input), this.list.root);
+    const tools = element('div', { class: 'tools' }, input, this.note);
+    this.root = element('div', { class: 'messages' }, tools, this.list.root);
+    set_text(this.note, this.extent());
     store.on(['tick'], () => this.follow());
     this.list.set_count(this.events.length);
   }
 
-  private filter(text: string) {
-    const wanted = text.toLowerCase();
-    this.events = this.report.data.events.filter((event) =>
-      `${event.source} ${event.text} ${event.severity}`.toLowerCase().includes(wanted),
-    );
+  /** Which of all messages are listed without a filter; empty: all. */
+  private extent(): string {
+    const { events, messages } = this.report.data;
+    if (!messages) return '';
+    return `${events.length} of ${plural(messages.all, 'message')}, from tick ${events[0]?.tick ?? 0}; a filter searches all`;
+  }
+
+  /** Lists the messages that contain a text. Those in blobs are searched blob by blob, until the text changes. */
+  private async filter(text: string) {
+    const wanted = (this.wanted = text.toLowerCase());
+    const fits = (event: EventEntry) =>
+      `${event.source} ${event.text} ${event.severity}`.toLowerCase().includes(wanted);
+    const { events, messages } = this.report.data;
+    if (wanted === '' || !messages) {
+      set_text(this.note, this.extent());
+      return this.show(events.filter(fits));
+    }
+    const found: EventEntry[] = [];
+    let searched = 0;
+    for (const blob of messages.blobs) {
+      const rows = (await json_of(blob)) as MessageRow[];
+      if (wanted !== this.wanted) return;
+      found.push(...rows.map(event_of).filter(fits));
+      searched += blob.messages;
+      set_text(this.note, `${found.length} found in ${searched} of ${plural(messages.all, 'message')}`);
+      this.show(found);
+      if (found.length >= most_found) break;
+    }
+  }
+
+  private show(events: EventEntry[]) {
+    this.events = events;
     this.current = -1;
-    this.list.set_count(this.events.length);
+    this.list.set_count(events.length);
     this.follow();
   }
 

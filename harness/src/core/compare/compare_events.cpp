@@ -3,12 +3,18 @@
 #include <rehearse/messages.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "channel_findings.h"
 #include "compare_structure.h"
 #include "core/kinds/channel_name.h"
 #include "core/mcap/glob.h"
+#include "core/trace/event_stream.h"
 #include "event_sequences.h"
 
 namespace rehearse {
@@ -53,51 +59,85 @@ bool is_mere_word(const msg::Event& event, const std::vector<ToleranceRule>& rul
          });
 }
 
-/// Compares the messages of one kind in their order, and reports the first that differs from the golden's.
-class MessageJudge {
+enum class MessageKind { judged, words };  // a difference of words fails nothing
+
+/// The messages of one kind of a run, in their order.
+class MessageSequence {
  public:
-  enum class Kind { judged, words };  // a difference of words fails nothing
+  MessageSequence(const Trace& trace, MessageKind kind, const std::vector<ToleranceRule>& rules)
+      : stream_(trace), kind_(kind), rules_(rules) {
+    advance();
+  }
 
-  MessageJudge(const ComparedTraces& traces, Kind kind, ChannelFindings& findings,
-               std::vector<EventDifference>& differences)
-      : traces_(traces), kind_(kind), findings_(findings), differences_(differences) {}
-
-  void judge() {
-    const std::vector<msg::Event> golden = of_kind(traces_.golden), actual = of_kind(traces_.actual);
-    std::size_t i = 0;
-    for (; i < std::min(golden.size(), actual.size()); ++i) {
-      if (std::max(golden[i].stamp.to_ns(), actual[i].stamp.to_ns()) > traces_.end) break;
-      if (!say_the_same(golden[i], actual[i])) break;
-      if (golden[i].tick != actual[i].tick && !is_near(golden[i], actual[i])) break;
-    }
-    findings_.result().values += static_cast<std::int64_t>(i);
-    const bool expected = i < golden.size() && golden[i].stamp.to_ns() <= traces_.end;
-    const bool there = i < actual.size() && actual[i].stamp.to_ns() <= traces_.end;
-    if (!expected && !there) return;  // neither run has a further message
-    const msg::Event& event = there && (!expected || actual[i].tick <= golden[i].tick) ? actual[i] : golden[i];
-    const bool both_say_it = i < golden.size() && i < actual.size() && say_the_same(golden[i], actual[i]);
-    if (both_say_it && there != expected && is_near(golden[i], actual[i])) return;  // one comes after the end
-    ++findings_.result().values;
-    ++findings_.result().differing;
-    Divergence divergence = place_of_event(event);
-    divergence.note = fmt::format("{} {} is {}, expected {}{}", kind_ == Kind::words ? "line" : "event", i + 1,
-                                  there ? "\"" + text_of(actual[i]) + "\"" : "missing",
-                                  expected ? "\"" + text_of(golden[i]) + "\"" : "none", reason(golden, actual, i));
-    if (kind_ == Kind::words) return findings_.mark(divergence);
-    findings_.structure(divergence);
-    ++findings_.result().beyond;
-    if (differences_.size() < most_differences)
-      differences_.push_back({"events/" + event.source, "message",
-                              expected ? std::optional(golden[i].tick) : std::nullopt,
-                              there ? std::optional(actual[i].tick) : std::nullopt, true});
+  /// The present message; null after the last.
+  const msg::Event* now() const { return now_; }
+  bool is_until(std::uint64_t end) const { return now_ && now_->stamp.to_ns() <= end; }
+  void advance() {
+    do {
+      now_ = stream_.next();
+    } while (now_ && is_mere_word(*now_, rules_) != (kind_ == MessageKind::words));
+  }
+  /// True if the present message or one after it says the same.
+  bool comes_to(const msg::Event& event) {
+    while (now_ && !say_the_same(event, *now_)) advance();
+    return now_ != nullptr;
   }
 
  private:
-  std::vector<msg::Event> of_kind(const Trace& trace) const {
-    std::vector<msg::Event> events;
-    for (const msg::Event& event : trace.events())
-      if (is_mere_word(event, traces_.rules) == (kind_ == Kind::words)) events.push_back(event);
-    return events;
+  EventStream stream_;
+  const MessageKind kind_;
+  const std::vector<ToleranceRule>& rules_;
+  const msg::Event* now_ = nullptr;
+};
+
+/// Compares the messages of one kind in their order, and reports the first that differs from the golden's.
+class MessageJudge {
+ public:
+  MessageJudge(const ComparedTraces& traces, MessageKind kind, ChannelFindings& findings,
+               std::vector<EventDifference>& differences)
+      : traces_(traces),
+        kind_(kind),
+        golden_(traces.golden, kind, traces.rules),
+        actual_(traces.actual, kind, traces.rules),
+        findings_(findings),
+        differences_(differences) {}
+
+  void judge() {
+    std::int64_t number = 1;
+    for (; golden_.is_until(traces_.end) && actual_.is_until(traces_.end); ++number) {
+      const msg::Event &golden = *golden_.now(), &actual = *actual_.now();
+      if (!say_the_same(golden, actual)) break;
+      if (golden.tick != actual.tick && !is_near(golden, actual)) break;
+      golden_.advance();
+      actual_.advance();
+    }
+    findings_.result().values += number - 1;
+    const bool expected = golden_.is_until(traces_.end), there = actual_.is_until(traces_.end);
+    if (!expected && !there) return;  // neither run has a further message
+    const bool both_say_it = golden_.now() && actual_.now() && say_the_same(*golden_.now(), *actual_.now());
+    if (both_say_it && there != expected && is_near(*golden_.now(), *actual_.now())) return;  // one comes after the end
+    report(number, expected ? golden_.now() : nullptr, there ? actual_.now() : nullptr);
+  }
+
+ private:
+  /// Reports the present messages as different; null: that run has none. Reads on in both runs.
+  void report(std::int64_t number, const msg::Event* golden, const msg::Event* actual) {
+    const msg::Event& event = actual && (!golden || actual->tick <= golden->tick) ? *actual : *golden;
+    ++findings_.result().values;
+    ++findings_.result().differing;
+    Divergence divergence = place_of_event(event);
+    const auto tick_of = [](const msg::Event* one) { return one ? std::optional(one->tick) : std::nullopt; };
+    EventDifference difference{"events/" + event.source, "message", tick_of(golden), tick_of(actual), true};
+    const auto quoted = [](const msg::Event* one, const char* none) {
+      return one ? "\"" + text_of(*one) + "\"" : none;
+    };
+    divergence.note = fmt::format("{} {} is {}, expected {}", kind_ == MessageKind::words ? "line" : "event", number,
+                                  quoted(actual, "missing"), quoted(golden, "none"));
+    divergence.note += reason();
+    if (kind_ == MessageKind::words) return findings_.mark(divergence);
+    findings_.structure(divergence);
+    ++findings_.result().beyond;
+    if (differences_.size() < most_differences) differences_.push_back(std::move(difference));
   }
 
   /// True if both are within a rule's tolerance in time. Counts them as differing.
@@ -120,33 +160,54 @@ class MessageJudge {
     return divergence;
   }
 
-  /// The reason of a difference, if one of the two messages comes later in the other run; else empty.
-  static std::string reason(const std::vector<msg::Event>& golden, const std::vector<msg::Event>& actual,
-                            std::size_t i) {
-    if (i >= golden.size() || i >= actual.size() || say_the_same(golden[i], actual[i])) return "";
-    const auto comes_in = [i](const std::vector<msg::Event>& events, const msg::Event& event) {
-      return std::any_of(events.begin() + static_cast<std::ptrdiff_t>(i), events.end(),
-                         [&](const msg::Event& other) { return say_the_same(event, other); });
-    };
-    const bool golden_later = comes_in(actual, golden[i]), actual_later = comes_in(golden, actual[i]);
+  /// The reason of the difference of the present messages, if one of the two comes later in the other run; else empty.
+  /// Reads on in both runs.
+  std::string reason() {
+    if (!golden_.now() || !actual_.now() || say_the_same(*golden_.now(), *actual_.now())) return "";
+    const msg::Event golden = *golden_.now(), actual = *actual_.now();
+    const bool golden_later = actual_.comes_to(golden), actual_later = golden_.comes_to(actual);
     if (golden_later && actual_later) return ": the order is different";
     if (golden_later) return ": it is extra";
     return actual_later ? ": the expected one is missing" : "";
   }
 
   const ComparedTraces& traces_;
-  const Kind kind_;
+  const MessageKind kind_;
+  MessageSequence golden_, actual_;
   ChannelFindings& findings_;
   std::vector<EventDifference>& differences_;
 };
+
+/// Compares the messages of controllers and harness. Runs with equal bytes on these channels aren't read again.
+void compare_messages(const ComparedTraces& traces, ChannelFindings& findings,
+                      std::vector<EventDifference>& differences) {
+  std::uint64_t messages = 0;
+  bool are_equal = true;
+  for (const TraceChannel& channel : traces.golden.channels()) {
+    if (channel.type != msg::Event::type_name) continue;
+    const TraceChannel* other = counterpart(traces.golden, channel, traces.actual);
+    const ChannelSurvey& survey = traces.golden_run.of(channel);
+    are_equal = are_equal && other && survey == traces.actual_run.of(*other) && survey.undecoded == 0 &&
+                (survey.messages == 0 || survey.last_time <= traces.end);
+    messages += survey.messages;
+  }
+  for (const TraceChannel& channel : traces.actual.channels())
+    if (channel.type == msg::Event::type_name)
+      are_equal = are_equal && counterpart(traces.actual, channel, traces.golden);
+  if (are_equal) {
+    findings.result().values += static_cast<std::int64_t>(messages);
+    return;
+  }
+  for (const auto kind : {MessageKind::judged, MessageKind::words})
+    MessageJudge(traces, kind, findings, differences).judge();
+}
 
 }  // namespace
 
 void compare_events(ComparedTraces& traces, const AddChannel& add, std::vector<EventDifference>& differences) {
   if (traces.options.takes(stage_of(run_topics::events))) {
     ChannelFindings findings(add(run_topics::events));
-    for (const auto kind : {MessageJudge::Kind::judged, MessageJudge::Kind::words})
-      MessageJudge(traces, kind, findings, differences).judge();
+    compare_messages(traces, findings, differences);
   }
   const EventSequences sequences = event_sequences(traces.golden_run, traces.actual_run, traces.end);
   std::map<std::string, std::vector<const EventSequences::value_type*>> by_channel;

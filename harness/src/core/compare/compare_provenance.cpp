@@ -5,12 +5,16 @@
 #include <rehearse/messages.h>
 
 #include <algorithm>
+#include <optional>
 #include <set>
+#include <span>
+#include <string>
 
 #include "compare_provenance.h"
 #include "core/kinds/channel_name.h"
 #include "core/mcap/glob.h"
 #include "core/ros2msg/ros2msg.h"
+#include "core/trace/event_stream.h"
 #include "core/trace/run_facts.h"
 #include "divergence_text.h"
 #include "model/names.h"
@@ -219,6 +223,16 @@ void add_times(const Trace& trace, std::set<std::string, std::less<>>& names) {
   }
 }
 
+/// The names in rules of all messages of controllers and harness. They are read from the file.
+std::set<std::string> names_of_events(std::span<const Trace* const> traces) {
+  std::set<std::string> names;
+  for (const Trace* trace : traces) {
+    EventStream events(*trace);
+    while (const msg::Event* event = events.next()) names.insert("events/" + event->source);
+  }
+  return names;
+}
+
 }  // namespace
 
 Diagnostics unmatched_rules(const std::vector<ToleranceRule>& rules, std::span<const Trace* const> traces) {
@@ -234,12 +248,14 @@ Diagnostics unmatched_rules(const std::vector<ToleranceRule>& rules, std::span<c
     add_times(*trace, names);
     for (const msg::ContactChange& change : trace->contact_changes())
       names.insert("contacts/" + change.link + "/" + change.other);
-    for (const msg::Event& event : trace->events()) names.insert("events/" + event.source);
   }
+  std::optional<std::set<std::string>> events;
   Diagnostics warnings;
   for (const ToleranceRule& rule : rules) {
     const auto is_meant = [&rule](const std::string& name) { return matches(rule.channel, name); };
     if (std::any_of(names.begin(), names.end(), is_meant)) continue;
+    if (!events) events = names_of_events(traces);
+    if (std::any_of(events->begin(), events->end(), is_meant)) continue;
     warnings.push_back(applies_to_nothing(rule));
   }
   return warnings;

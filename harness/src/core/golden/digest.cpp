@@ -17,6 +17,7 @@
 #include "core/compare/series_rules.h"
 #include "core/kinds/channel_name.h"
 #include "core/mcap/hashing.h"
+#include "core/trace/event_stream.h"
 #include "core/trace/run_facts.h"
 #include "core/trace/trace_windows.h"
 
@@ -226,8 +227,9 @@ Result<std::string> digest_of(const Trace& trace) {
     text += "\naccepted before\n" + history_text(history);
   }
   text += "\nevents\n";
-  for (const msg::Event& event : trace.events())
-    fmt::format_to(Out(text), "  tick {} {} {}: {}\n", event.tick, event.severity, event.source, event.text);
+  EventStream events(trace);
+  while (const msg::Event* event = events.next())
+    fmt::format_to(Out(text), "  tick {} {} {}: {}\n", event->tick, event->severity, event->source, event->text);
   for (const std::size_t i : all) digests[i].describe(trace.channels()[i], text);
   return text;
 }

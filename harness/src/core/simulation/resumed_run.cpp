@@ -10,6 +10,7 @@
 #include "core/guard/float_mode.h"
 #include "core/replay/copying_sink.h"
 #include "core/replay/recording_source.h"
+#include "core/trace/event_stream.h"
 #include "led_world.h"
 #include "recorded_checkpoints.h"
 
@@ -52,8 +53,10 @@ Result<std::optional<RunSummary>> resume(const Scenario& scenario, const Trace& 
 
 /// Events of the world have their order among events of the controllers only in a run that is made.
 bool has_events_of_world(const Trace& golden) {
-  return std::any_of(golden.events().begin(), golden.events().end(),
-                     [](const msg::Event& event) { return event.source == "world"; });
+  EventStream events(golden);
+  while (const msg::Event* event = events.next())
+    if (event->source == "world") return true;
+  return false;
 }
 
 }  // namespace

@@ -190,7 +190,6 @@ const TraceChannel* Trace::find_channel(std::string_view topic) const {
   return nullptr;
 }
 
-const std::vector<msg::Event>& Trace::events() const { return *events_; }
 const std::vector<msg::ContactChange>& Trace::contact_changes() const { return *contact_changes_; }
 
 const std::vector<mcap::Attachment>& Trace::attachments() const { return reader_->attachments(); }

@@ -93,6 +93,8 @@ class TraceLoader {
   void keep_undecoded() { trace_.keeps_undecoded_ = true; }
   /// Messages are read in the order of time.
   void sort_by_time() { sorts_ = true; }
+  /// The trace has no events in memory.
+  void leave_events_in_file() { keeps_events_ = false; }
   /// `wanted`: the channels whose messages are read; null: all.
   Result<Trace> load(const std::function<bool(const mcap::Channel&)>& wanted = {});
   Result<Trace> outline();
@@ -117,8 +119,8 @@ class TraceLoader {
   const Trace::OnPiece on_piece_;
   const std::size_t piece_size_;
   Trace trace_;
-  std::vector<msg::Event> earlier_events_;  // events of earlier pieces
-  std::vector<msg::ContactChange> earlier_changes_;
+  std::vector<msg::ContactChange> earlier_changes_;  // of earlier pieces
+  bool keeps_events_ = true;
   bool has_ticks_ = false;
   bool sorts_ = false;
   std::size_t held_ = 0;  // approximate size of the tables [bytes]
@@ -211,13 +213,15 @@ Result<Trace> TraceLoader::load(const std::function<bool(const mcap::Channel&)>&
   if (on_piece_) {
     on_piece_(trace_);
     empty_tables();
-    trace_.events_->swap(earlier_events_);
     trace_.contact_changes_->swap(earlier_changes_);
   } else {
     for (TraceChannel& channel : trace_.channels_) put_in_order(channel);
   }
   const auto earlier = [](const auto& a, const auto& b) { return a.stamp.to_ns() < b.stamp.to_ns(); };
-  std::stable_sort(trace_.events_->begin(), trace_.events_->end(), earlier);
+  if (on_piece_ || !keeps_events_)
+    trace_.events_.reset();
+  else
+    std::stable_sort(trace_.events_->begin(), trace_.events_->end(), earlier);
   std::stable_sort(trace_.contact_changes_->begin(), trace_.contact_changes_->end(), earlier);
   return std::move(trace_);
 }
@@ -240,7 +244,7 @@ Trace TraceLoader::overlap(const Trace& whole, const Trace& part) {
     const auto copy = [&](const auto& all, auto& to) {
       std::ranges::copy_if(all, std::back_inserter(to), [&](const auto& one) { return has(one.stamp.to_ns()); });
     };
-    if (channel.type == msg::Event::type_name) copy(*whole.events_, *found.events_);
+    if (channel.type == msg::Event::type_name) copy(whole.events(), *found.events_);
     if (channel.type == msg::ContactChange::type_name) copy(*whole.contact_changes_, *found.contact_changes_);
   }
   return found;
@@ -271,15 +275,14 @@ void TraceLoader::end_piece() {
   held_ = 0;
 }
 
-/// Empties the tables of all channels; keeps the events.
+/// Empties the tables of all channels and removes the events; keeps the changes of contact.
 void TraceLoader::empty_tables() {
   for (TraceChannel& table : trace_.channels_) drop_messages(table, table.messages());
-  const auto keep = [](auto& piece, auto& all) {
-    all.insert(all.end(), std::make_move_iterator(piece.begin()), std::make_move_iterator(piece.end()));
-    piece.clear();
-  };
-  keep(*trace_.events_, earlier_events_);
-  keep(*trace_.contact_changes_, earlier_changes_);
+  trace_.events_->clear();
+  std::vector<msg::ContactChange>& changes = *trace_.contact_changes_;
+  earlier_changes_.insert(earlier_changes_.end(), std::make_move_iterator(changes.begin()),
+                          std::make_move_iterator(changes.end()));
+  changes.clear();
 }
 
 /// Makes the trace of the tables.
@@ -315,7 +318,11 @@ void TraceLoader::add_message(const mcap::Message& message) {
                                 table.earlier + table.times.size(), table.type));
   held_ += sizeof(std::uint64_t) * (1 + table.columns.size()) + (source.rows.is_typed() ? 0 : sizeof(mcap::Location));
   if (table.encoding != "cdr") return;
-  if (table.type == msg::Event::type_name) add_decoded(message, *trace_.events_);
+  if (table.type == msg::Event::type_name) {
+    if (!keeps_events_) trace_.events_->clear();
+    add_decoded(message, *trace_.events_);
+    held_ += message.data.size() + sizeof(msg::Event);
+  }
   if (table.type == msg::ContactChange::type_name) add_decoded(message, *trace_.contact_changes_);
 }
 
@@ -434,6 +441,12 @@ Result<Trace> load_pieces(const std::filesystem::path& file, const std::function
 }
 
 Trace overlap(const Trace& whole, const Trace& part) { return TraceLoader::overlap(whole, part); }
+
+Result<Trace> load_without_events(const std::filesystem::path& file, Trace::Damage damage) {
+  TraceLoader loader(file, damage);
+  loader.leave_events_in_file();
+  return loader.load();
+}
 
 Result<Trace> load_samples(const std::filesystem::path& file, const StateRate& rate) {
   return TraceLoader(file, Trace::Damage::refuse, {}, 0, &rate).load();

@@ -68,6 +68,9 @@ class TraceWindows {
   const mcap::Message* message_ = nullptr;  // the next message
 };
 
+/// As Trace::load(); the events stay in the file, where an EventStream reads them.
+Result<Trace> load_without_events(const std::filesystem::path& file, Trace::Damage damage);
+
 /// As Trace::load(); of the state of the world only the samples at a rate are read.
 Result<Trace> load_samples(const std::filesystem::path& file, const StateRate& rate);
 

@@ -16,7 +16,9 @@
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/filter.h"
 #include "core/trace/run_facts.h"
+#include "core/trace/trace_windows.h"
 #include "report_findings.h"
+#include "report_messages.h"
 #include "report_page.h"
 #include "report_pictures.h"
 #include "report_robots.h"
@@ -65,7 +67,7 @@ Result<SourceTrace> SourceTrace::load(const fs::path& file, const fs::path& scra
     const auto filtered = mcap::filter(file, scratch, part);
     if (!filtered) return filtered.errors();
   }
-  auto trace = Trace::load(is_part ? scratch : file, Trace::Damage::tolerate);
+  auto trace = load_without_events(is_part ? scratch : file, Trace::Damage::tolerate);
   if (!trace) return trace.errors();
   if (const auto known = check_version(*trace); !known) return known.errors();
   if (!RunFacts::of(*trace).provenance)
@@ -155,7 +157,7 @@ class ReportMaker {
   void conclude();
   ReportJson verdict_json() const;
   void write_channels(ReportJson& object);
-  void write_happenings(ReportJson& object) const;
+  void write_happenings(ReportJson& object);
   bool is_wanted(const TraceChannel& channel) const;
   void omit_damage();
   void request_call_stack(const Places& places);
@@ -302,28 +304,22 @@ void ReportMaker::write_channels(ReportJson& object) {
   object["meshes"] = robots.take_meshes();
 }
 
-void ReportMaker::write_happenings(ReportJson& object) const {
-  ReportJson events = ReportJson::array(), contacts = ReportJson::array();
+/// Writes messages and changes of contact.
+void ReportMaker::write_happenings(ReportJson& object) {
+  MessageWriter(blobs_, actual_, golden(), summary_.omitted)
+      .write(object, summary_.first_tick.value_or(summary_.begin));
+  ReportJson contacts = ReportJson::array();
   int index = 0;
-  for (const ReportedRun* run : {&actual_, golden()}) {
+  for (const ReportedRun* run : {&std::as_const(actual_), golden()}) {
     if (!run) continue;
-    for (const msg::Event& event : run->trace.events())
-      events.push_back({{"run", index},
-                        {"tick", event.tick},
-                        {"severity", event.severity},
-                        {"source", event.source},
-                        {"text", event.text}});
     for (const msg::ContactChange& change : run->trace.contact_changes())
       contacts.push_back(
           {{"run", index}, {"tick", change.tick}, {"a", change.link}, {"b", change.other}, {"begins", change.begins}});
     ++index;
   }
-  const auto by_tick = [](const ReportJson& a, const ReportJson& b) {
+  std::stable_sort(contacts.begin(), contacts.end(), [](const ReportJson& a, const ReportJson& b) {
     return a["tick"].get<std::int64_t>() < b["tick"].get<std::int64_t>();
-  };
-  std::stable_sort(events.begin(), events.end(), by_tick);
-  std::stable_sort(contacts.begin(), contacts.end(), by_tick);
-  object["events"] = std::move(events);
+  });
   object["contacts"] = std::move(contacts);
 }
 

@@ -116,8 +116,20 @@ ReportJson BlobWriter::bytes(ByteSpan bytes) {
   ReportJson& blob = stored({digest.high64, digest.low64});
   if (!blob.is_null()) return blob;
   blob = {{"id", fmt::format("b{}", next_++)}, {"bytes", bytes.size()}, {"coding", "none"}};
-  put_(blob["id"], bytes);
+  put(blob, bytes);
   return blob;
+}
+
+ReportJson BlobWriter::text(std::string_view text) {
+  const ByteSpan bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+  ReportJson blob{{"id", fmt::format("b{}", next_++)}, {"bytes", bytes.size()}, {"coding", "deflate"}};
+  put(blob, deflated(bytes));
+  return blob;
+}
+
+void BlobWriter::put(const ReportJson& blob, ByteSpan coded) {
+  coded_ += coded.size();
+  put_(blob["id"], coded);
 }
 
 ReportJson BlobWriter::array(const NumberArray& array, const NumberArray* base) {
@@ -160,7 +172,7 @@ ReportJson BlobWriter::array(const NumberArray& array, const NumberArray* base) 
           {"type", array.type},
           {"count", count},
           {"filter", filter_names[static_cast<std::size_t>(best)]}};
-  put_(blob["id"], deflated(filtered(best, array, base, 0, count)));
+  put(blob, deflated(filtered(best, array, base, 0, count)));
   if (best != Filter::exclusive_base) {  // controllers' inputs end a tick before the state does
     ReportJson& but_the_last =
         stored(digest_of(ByteSpan(array.bytes).first(array.bytes.size() - array.size), type_seed));

@@ -46,16 +46,22 @@ class BlobWriter {
   /// Adds an array with the filter that makes it smallest, found by trying. `base`: an array with equal number and size
   /// of elements, which the page has decoded before this one; null: none.
   ReportJson array(const NumberArray& array, const NumberArray* base = nullptr);
+  /// Adds a text (UTF-8).
+  ReportJson text(std::string_view text);
+  /// The size of all blobs so far [bytes].
+  std::uint64_t coded() const { return coded_; }
 
  private:
   using Digest = std::pair<std::uint64_t, std::uint64_t>;
   std::vector<std::uint8_t> deflated(ByteSpan bytes) const;
   ReportJson& stored(const Digest& key);
+  void put(const ReportJson& blob, ByteSpan coded);
 
   Put put_;
   std::unique_ptr<libdeflate_compressor, void (*)(libdeflate_compressor*)> compressor_;
   std::map<Digest, ReportJson> known_;
   std::size_t next_ = 0;
+  std::uint64_t coded_ = 0;
 };
 
 }  // namespace rehearse
