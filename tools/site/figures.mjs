@@ -122,4 +122,43 @@ const growth = (where) =>
     );
   });
 
-export const figures = { imu, range, growth };
+/** The curves that `tools/bench --growth tools/site/growth.json` has measured. */
+const measuredCurves = (source) => JSON.parse(readFileSync(join(source, 'tools/site/growth.json'), 'utf8'));
+
+/** The largest size of each curve, and the exponent of its time from the size before to it. */
+const growthTable = ({ source }) => {
+  const rows = measuredCurves(source).map(({ of, verb, n, seconds, megabytes }) => {
+    const power = Math.log(seconds.at(-1) / seconds.at(-2)) / Math.log(n.at(-1) / n.at(-2));
+    const size = n.at(-1).toLocaleString('en');
+    return `| ${size} ${of} | ${verb} | ${seconds.at(-1)} s | ${megabytes.at(-1)} MB | ${power.toFixed(2)} |`;
+  });
+  return ['| size | verb | time | memory | exponent |', '| --- | --- | --- | --- | --- |', ...rows].join('\n') + '\n';
+};
+
+/** A group of the measured curves; `quantity`: seconds or megabytes. */
+const measured = (of, quantity, label) => ({ source }) => {
+  const curves_of = measuredCurves(source).filter((curve) => curve.of === of);
+  if (curves_of.length === 0) throw new Error(`tools/site/growth.json has no curves of ${of}`);
+  const y = quantity === 'seconds' ? 'time [s]' : 'largest memory [MB]';
+  return figure(
+    curves({
+      title: `${y} by number of ${label}`,
+      x: { label: `number of ${label}`, values: curves_of[0].n, logarithmic: true },
+      y,
+      logarithmic: true,
+      lines: curves_of.map((curve) => ({ label: curve.verb, values: curve[quantity] })),
+    }),
+    `${y[0].toUpperCase()}${y.slice(1)} by number of ${label}, measured by tools/bench --growth.`,
+  );
+};
+
+export const figures = {
+  imu,
+  range,
+  growth,
+  growth_table: growthTable,
+  ticks_time: measured('ticks', 'seconds', 'ticks'),
+  lines_memory: measured('lines', 'megabytes', 'lines of a controller'),
+  scenarios_time: measured('scenarios', 'seconds', 'scenarios'),
+  triangles_time: measured('triangles', 'seconds', 'triangles'),
+};

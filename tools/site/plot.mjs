@@ -1,7 +1,7 @@
 // Curves as an inline SVG, in the colours of the page.
 
 const size = { width: 640, height: 280, left: 64, right: 16, top: 16, bottom: 40 };
-const colours = ['var(--color-brand-primary)', '#d2691e', '#2e8b57'];
+const colours = ['var(--color-brand-primary)', '#d2691e', '#2e8b57', '#8a5cd6', '#b03060'];
 
 /** About `count` round numbers from low to high. */
 function ticksOf(low, high, count) {
@@ -16,15 +16,16 @@ function ticksOf(low, high, count) {
 const short = (number) => String(Number(number.toPrecision(6)));
 
 /**
- * `x` is {label, values}; `lines` are [{label, values, points}]: `points` draws that many dots instead of a line.
- * `logarithmic`: powers of ten on the y axis; values of 0 are left out.
+ * `x` is {label, values, logarithmic}; `lines` are [{label, values, points}]: `points` draws that many dots instead of a line.
+ * `logarithmic`: powers of ten on the axis; values of 0 are left out.
  */
 export function curves({ title, x, y, lines, logarithmic = false }) {
   const scale = logarithmic ? Math.log10 : (value) => value;
   const all = lines.flatMap(({ values }) => values.map(scale)).filter(Number.isFinite);
   let [low, high] = [Math.min(...all), Math.max(...all)];
   if (logarithmic) [low, high] = [Math.floor(low), Math.ceil(high)];
-  const [first, last] = [x.values[0], x.values.at(-1)];
+  const along = x.logarithmic ? Math.log10 : (value) => value;
+  const [first, last] = [along(x.values[0]), along(x.values.at(-1))];
   const across = (value) => size.left + ((value - first) / (last - first)) * (size.width - size.left - size.right);
   const down = (value) => size.height - size.bottom - ((value - low) / (high - low || 1)) * (size.height - size.top - size.bottom);
   const text = (content, at, anchor, more = '') =>
@@ -34,13 +35,13 @@ export function curves({ title, x, y, lines, logarithmic = false }) {
     parts.push(`<path class="grid-line" d="M${size.left} ${down(tick).toFixed(1)}H${size.width - size.right}"/>`);
     parts.push(text(logarithmic ? `1e${short(tick)}` : short(tick), [size.left - 6, down(tick) + 4], 'end'));
   }
-  for (const tick of ticksOf(first, last, 6))
-    parts.push(text(short(tick), [across(tick), size.height - size.bottom + 16], 'middle'));
+  for (const tick of ticksOf(first, last, x.logarithmic ? 2 : 6).filter((at) => !x.logarithmic || Number.isInteger(at)))
+    parts.push(text(x.logarithmic ? `1e${short(tick)}` : short(tick), [across(tick), size.height - size.bottom + 16], 'middle'));
   parts.push(text(x.label, [(size.left + size.width) / 2, size.height - 6], 'middle'));
   parts.push(text(y, [14, size.height / 2 - 10], 'middle', `transform="rotate(-90 14 ${size.height / 2 - 10})"`));
   lines.forEach(({ label, values, points }, index) => {
     const colour = colours[index % colours.length];
-    const places = values.map((value, i) => [across(x.values[i]), down(scale(value))]).filter((at) => at.every(Number.isFinite));
+    const places = values.map((value, i) => [across(along(x.values[i])), down(scale(value))]).filter((at) => at.every(Number.isFinite));
     const every = Math.max(1, Math.round(places.length / (points ?? 600)));
     const some = places.filter((_, i) => i % every === 0);
     if (points) parts.push(...some.map(([a, b]) => `<circle cx="${a.toFixed(1)}" cy="${b.toFixed(1)}" r="2.6" fill="${colour}"/>`));
