@@ -1,13 +1,13 @@
-// evidence_test.mjs SOURCE BUILD: the page "How sure are you?" is true to the tests. Each row of its tables names a test that
-// exists and that CMake builds or runs; each number in `counts` is the one that the program of the test lists, or the one
-// of the table to which the row links. It also examines pages with one mistake of each kind, which must be found.
+// evidence_test.mjs SOURCE BUILD: the pages "How sure are you?" and "Compared with" are true to the tests. Each row of their
+// tables of claims names a test that exists and that CMake builds or runs; each number in `counts` is the one that the
+// program of the test lists, or the one of the table to which the row links. It also examines a page with one mistake of
+// each kind, which must be found.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { existsSync, readFileSync, readdirSync } from 'node:fs';
 import { basename, join } from 'node:path';
 
 const [source, build] = process.argv.slice(2);
-const page = 'tools/site/pages/concepts/evidence.md';
 const read = (file) => readFileSync(join(source, file), 'utf8');
 
 /** All CMake code below tests/, in which a test that is built is named. */
@@ -52,14 +52,14 @@ const counts = [
 ];
 
 /** The mistakes of a page; `examined` are the counts that it must state. */
-function mistakesOf(text, examined) {
+function mistakesOf(page, text, examined) {
   const mistakes = [];
   let columns = 0;
   let rows = 0;
   text.split('\n').forEach((line, index) => {
     const cells = line.split('|').slice(1, -1);
     const say = (what) => mistakes.push(`${page}:${index + 1}: ${what}`);
-    if (/^\| (claim|what) \|/.test(line)) columns = cells.length;
+    if (/^\| (claim|what|Rehearse) \|/.test(line)) columns = cells.length;
     else if (!cells.length) columns = 0;
     else if (columns && !/^\| --- /.test(line)) {
       ++rows;
@@ -91,7 +91,7 @@ const wrong = `| claim | measured | repeated by |
 `;
 const planted = [['... dogs', () => 3], ['... cats', () => 5], ['... birds', () => 1]];
 assert.deepEqual(
-  mistakesOf(wrong, planted).mistakes.map((text) => text.replace(`${page}:`, '').trim()),
+  mistakesOf('a.md', wrong, planted).mistakes.map((text) => text.replace('a.md:', '').trim()),
   [
     '3: the row names no test',
     '4: there is no tests/verdict/gone_test.cpp',
@@ -102,8 +102,18 @@ assert.deepEqual(
   ],
 );
 
-const { mistakes, rows } = mistakesOf(read(page), counts);
-assert(rows > 35, `the tables of ${page} have ${rows} rows`);
-mistakes.forEach((text) => console.log(text));
-console.log(`${rows} rows, ${counts.length} counts, ${mistakes.length} mistakes`);
-process.exit(mistakes.length ? 1 : 0);
+/** The pages, with the least number of claims and the numbers that they state. */
+const pages = [
+  ['evidence', 35, counts],
+  ['compared', 10, [['[... environments]', counts[0][1]]]],
+];
+let failures = 0;
+for (const [name, least, examined] of pages) {
+  const page = `tools/site/pages/concepts/${name}.md`;
+  const { mistakes, rows } = mistakesOf(page, read(page), examined);
+  assert(rows >= least, `the tables of ${page} have ${rows} rows`);
+  mistakes.forEach((text) => console.log(text));
+  console.log(`${page}: ${rows} rows, ${examined.length} counts, ${mistakes.length} mistakes`);
+  failures += mistakes.length;
+}
+process.exit(failures ? 1 : 0);
