@@ -46,6 +46,7 @@ const counts = [
   ['a zoo](audit_zoo.md) of ... controllers', () => listed('zoo_test', 'Of/Zoo')],
   ['... controllers: twenty ways', () => listed('zoo_test', 'Of/Realtime')],
   ['| ... [deeds]', () => listed('guests_test', 'Of/Guests')],
+  ['... fuzz targets, 1.7 million', () => rowsOf(contribute('robustness_tests'), /^\| `\w+` \| .* \| [\d.]+ \| [^|]* \|$/)],
   ['... fuzz targets', () => rowsOf('tests/fuzz/CMakeLists.txt', /^rehearse_add_fuzz\(/)],
   ['all ... in its checkout', () => Number(/ (\d+) compat\)/.exec(read('tests/controllers/compat.cmake'))?.[1])],
   ['at least ... in 21 repositories', () => Number(/ (\d+) outside\)/.exec(read('tests/controllers/compat.cmake'))?.[1])],
