@@ -59,8 +59,8 @@ function mistakesOf(page, text, examined) {
   let rows = 0;
   text.split('\n').forEach((line, index) => {
     const cells = line.split('|').slice(1, -1);
-    const say = (what) => mistakes.push(`${page}:${index + 1}: ${what}`);
-    if (/^\| (claim|what|Rehearse) \|/.test(line)) columns = cells.length;
+    const say = (mistake) => mistakes.push(`${page}:${index + 1}: ${mistake}`);
+    if (/^\| (claim|motion|Rehearse) \|/.test(line)) columns = cells.length;
     else if (!cells.length) columns = 0;
     else if (columns && !/^\| --- /.test(line)) {
       ++rows;

@@ -1,4 +1,4 @@
-// security_test.mjs SOURCE BUILD: what .github/SECURITY.md says of data. A recording, a scenario and a model name libraries
+// security_test.mjs SOURCE BUILD: the statements of .github/SECURITY.md on data. A recording, a scenario and a model name libraries
 // whose code leaves a file when it is loaded: the verbs that only read leave none. `replay`, which loads the library that
 // the recording names, leaves one, so that this test can fail; with --controller it loads the given library alone.
 // Exit status 77: there is no compiler, or the sample controller isn't built.

@@ -28,7 +28,7 @@ done
 echo "$port" > "$root/port"
 mkdir "$root/action"
 cp -r "$source/.github/actions/." "$root/action/"
-# what a machine of a hosted CI has
+# apt's proxy of this machine doesn't reach the server
 echo 'Acquire::http::Proxy::127.0.0.1 "DIRECT";' > "$root/etc/apt/apt.conf.d/99loopback"
 
 cat > "$root/inside" << 'INSIDE'

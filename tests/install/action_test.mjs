@@ -24,7 +24,7 @@ const write = (name, text) => {
   writeFileSync(at(name), text);
 };
 
-// GitHub's API: the comments of pull request 7, and what was asked
+// GitHub's API: the comments of pull request 7, and the requests
 const comments = [{ id: 1, body: 'a person says <!-- rehearse check -->' }];
 const requests = [];
 let refusal = 0; // the status of the answer to each request, if it isn't 0
@@ -140,7 +140,7 @@ assert.match(outcome.text, /^rehearse \d/m);
 writeFileSync(at('apt.log'), '');
 outcome = await step('install', { ...apt, VERSION: '0.1.0', FROM: at('apt'), KEY: '' });
 assert.match(outcome.text, /^rehearse 0\.1\.0 is installed$/m);
-assert(!read('apt.log').includes('rehearse'), 'what is installed is not fetched again');
+assert(!read('apt.log').includes('rehearse'), 'an installed version is not fetched again');
 rmSync(at('programs/rehearse'));
 outcome = await step('install', { ...apt, VERSION: '', FROM: `${origin}/apt`, KEY: '' });
 assert.equal(outcome.status, 0, outcome.text);
@@ -168,6 +168,13 @@ assert.equal(outputs().status, '0');
 outcome = await step('table');
 assert.match(outcome.text, /^### Rehearse: 3 of 3 scenarios as they should be$/m);
 assert(!outcome.text.includes('❌') && !outcome.text.includes('accepts goldens'), outcome.text);
+
+// one scenario, whose JSON has another form
+outcome = await step('check', { ARGUMENTS: 'scenarios/stays.yaml' });
+assert.equal(outcome.status, 0, outcome.text);
+outcome = await step('table');
+assert.match(outcome.text, /^### Rehearse: 1 of 1 scenarios as they should be$/m);
+assert.match(outcome.text, /^\| ✅ stays \| the expectation holds/m);
 
 // red
 write('project/scenarios/falls.yaml', box('falls', 'Box.Falls', 1).replace('position: [0, 0, 1]', 'position: [0, 0, 1.01]'));
@@ -255,7 +262,7 @@ const commit = plain('git', '--git-dir', at('server/owner/name'), 'show', '--for
 assert.match(commit, /^someone\nAccept Box\.Falls\n\nRequested by someone, from run 42\.\n\nBox\.Falls: /);
 assert.deepEqual(commit.trim().split('\n').slice(-2).sort(), ['golden/Box.Falls.mcap', 'golden/Box.Falls.txt']);
 
-// green again, in a checkout of what was pushed
+// green again, in a checkout of the pushed branch
 const pushedFiles = at('again');
 plain('git', 'clone', '--quiet', '--branch', 'topic', at('server/owner/name'), pushedFiles);
 cpSync(join(pushedFiles, 'golden'), join(project, 'golden'), { recursive: true });
@@ -270,4 +277,4 @@ outcome = await step('check');
 assert.notEqual(outcome.status, 0);
 assert.match(outcome.text, /^::error::/m);
 server.close();
-console.log('install, check, table, pictures, comment and accept do what the action says');
+console.log('install, check, table, pictures, comment and accept do their parts');

