@@ -105,7 +105,7 @@ assert.deepEqual(
 
 /** The pages, with the least number of claims and the numbers that they state. */
 const pages = [
-  ['evidence', 35, counts],
+  ['evidence', 45, counts],
   ['compared', 10, [['[... environments]', counts[0][1]]]],
 ];
 let failures = 0;
