@@ -152,6 +152,7 @@ for (const name of ['rehearse', 'rehearse-dev', 'libc6', 'libstdc++6', 'libgcc-s
 assert(!packages.has('no-such-library') && !packages.has('rehearse-dbgsym'));
 const installed = spawnSync('dpkg-query', ['--show', '--showformat=${Version}', 'libstdc++6'], { encoding: 'utf8' }).stdout;
 assert.equal(packages.get('libstdc++6').versionInfo, installed);
+assert.match(packages.get('libstdc++6').originator, /^Organization: [^<>]+ \([^()]+@[^()]+\)$/);
 assert.match(packages.get('libstdc++6').externalRefs[0].referenceLocator, /^pkg:deb\/debian\/libstdc%2B%2B6@.+\?arch=amd64$/);
 assert.equal(packages.get('rehearse').checksums[0].checksumValue, sums.find(([, name]) => name === 'rehearse_9.8.7-1_amd64.deb')[0]);
 const ids = new Set(['SPDXRef-DOCUMENT', ...list.packages.map(({ SPDXID }) => SPDXID)]);
