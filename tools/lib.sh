@@ -54,6 +54,9 @@ ninja_progress() { sed --unbuffered -nE 's/^\[([0-9]+)\/([0-9]+)\].*/\1 \2/p'; }
 # origin_of REMOTE: the address of a remote as a browser opens it, from which anyone can fetch; nothing for a folder.
 origin_of() { sed -nE 's#^(https?://|ssh://git@|git@)([^/:@]+)[:/](.+)$#https://\2/\3#p' <<< "${1%.git}"; }
 
+# The version that CMakeLists.txt states.
+project_version() { sed -nE 's/^project\(Rehearse VERSION ([0-9.]+).*/\1/p' CMakeLists.txt; }
+
 # Options of cmake, besides those of the preset.
 configure_options=()
 

@@ -1,4 +1,4 @@
-// The workflows of GitHub Actions, examined by actionlint: this repository's, and that of `rehearse new`.
+// The workflows and actions of GitHub Actions, examined by actionlint: this repository's, and that of `rehearse new`.
 #include <gmock/gmock.h>
 
 #include <fstream>
@@ -24,7 +24,23 @@ TEST_F(Workflow, OfThisRepositoryIsValid) {
     EXPECT_EQ(found.status, 0) << found.text;
     ++workflows;
   }
-  EXPECT_EQ(workflows, 2) << "of each push, and of each night";
+  EXPECT_EQ(workflows, 4) << "of each push, of each night, of a release, and of accepted goldens";
+}
+
+TEST_F(Workflow, OfThisRepositorysActionsAreValid) {
+  for (const char* name : {"install", "check", "accept"}) {
+    const Output found = check(ours_.parent_path() / "../actions" / name / "action.yml");
+    EXPECT_EQ(found.status, 0) << found.text;
+  }
+}
+
+TEST_F(Workflow, AnActionThatUsesAnInputItDoesNotDeclareIsReported) {
+  std::string wrong = read_file(ours_.parent_path() / "../actions/check/action.yml");
+  wrong.replace(wrong.find("inputs.arguments"), 16, "inputs.argument_");
+  std::ofstream(file_) << wrong;
+  const Output found = check(file_);
+  EXPECT_NE(found.status, 0) << found.text;
+  EXPECT_THAT(found.text, testing::HasSubstr("property \"argument_\" is not defined"));
 }
 
 TEST_F(Workflow, OfANewProjectIsValid) {

@@ -19,7 +19,9 @@ set(CPACK_DEBIAN_DEBUGINFO_PACKAGE ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${CMAKE_BINARY_DIR}/doc/triggers)
 set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
-set(CPACK_THREADS 0)  # all processors
+set(CPACK_THREADS 2)  # with one thread xz gives other bytes; more threads give the same as two
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
+  OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME rehearse)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION science)
@@ -56,6 +58,7 @@ set(CPACK_DEBIAN_SITE_DESCRIPTION "documentation of Rehearse, as a site
 
 # Debian's own documents; its changelog refers to the project's.
 set(documents ${CMAKE_BINARY_DIR}/doc)
+# of SOURCE_DATE_EPOCH, if the environment has it
 string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)
 file(WRITE ${documents}/changelog.Debian
   "rehearse (${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}) unstable; urgency=medium\n\n"

@@ -17,6 +17,14 @@ if(NOT DEFINED CMAKE_UNITY_BUILD_BATCH_SIZE)
   set(CMAKE_UNITY_BUILD_BATCH_SIZE 40)
 endif()
 
+# Packages have the same bytes from whatever folder they are built: debug information has this prefix in the place of the
+# checkout, and programs find the build's libraries relative to themselves. gdb then needs `set substitute-path`.
+set(REHEARSE_SOURCE_PREFIX "" CACHE STRING "The place of the sources in debug information, instead of the checkout; tools/package sets it")
+if(REHEARSE_SOURCE_PREFIX)
+  add_compile_options(-fdebug-prefix-map=${PROJECT_SOURCE_DIR}=${REHEARSE_SOURCE_PREFIX})
+  set(CMAKE_BUILD_RPATH_USE_ORIGIN ON)
+endif()
+
 include(RehearseBits)
 rehearse_refuse_other_flags()
 

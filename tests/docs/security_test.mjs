@@ -1,0 +1,84 @@
+// security_test.mjs SOURCE BUILD: the statements of .github/SECURITY.md on data. A recording, a scenario and a model name libraries
+// whose code leaves a file when it is loaded: the verbs that only read leave none. `replay`, which loads the library that
+// the recording names, leaves one, so that this test can fail; with --controller it loads the given library alone.
+// Exit status 77: there is no compiler, or the sample controller isn't built.
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import { copyFileSync, existsSync, mkdirSync, mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+
+const [source, build] = process.argv.slice(2);
+const skip = (reason) => {
+  console.log(`skipped: ${reason}`);
+  process.exit(77);
+};
+const libraries = readdirSync(build).filter((name) => name.startsWith('lib'));
+const sample = libraries.map((name) => join(build, name, 'rehearse/controllers/SpringController.so')).find((file) => existsSync(file));
+if (!sample) skip('SpringController is not built');
+
+const folder = mkdtempSync(join(tmpdir(), 'rehearse_security_'));
+process.on('exit', () => rmSync(folder, { recursive: true, force: true }));
+const environment = { ...process.env };
+for (const name of Object.keys(environment)) if (name === 'CI' || name.startsWith('REHEARSE_')) delete environment[name];
+const run = (program, ...words) => spawnSync(program, words, { cwd: folder, env: environment, encoding: 'utf8' });
+const rehearse = (...words) => run(join(build, 'bin/rehearse'), ...words);
+
+const loaded = join(folder, 'loaded');
+writeFileSync(
+  join(folder, 'trap.c'),
+  `#include <fcntl.h>\n__attribute__((constructor)) static void load(void) { open("${loaded}", O_CREAT | O_WRONLY, 0600); }\n`,
+);
+const library = join(folder, 'Named.so');
+const compiled = run('cc', '-shared', '-fPIC', '-o', 'trap.so', 'trap.c');
+if (compiled.error) skip('there is no compiler');
+assert.equal(compiled.status, 0, compiled.stderr);
+
+const model = readFileSync(join(source, 'fixtures/models/spring_mass.urdf'), 'utf8');
+mkdirSync(join(folder, 'models'));
+// a plugin, as models for Gazebo name them
+writeFileSync(join(folder, 'models/robot.urdf'), model.replace('</robot>', `<gazebo><plugin name="p" filename="${library}"/></gazebo></robot>`));
+writeFileSync(
+  join(folder, 'scenario.yaml'),
+  `rehearse: 1\nname: named\nduration: 0.05\nbodies:\n  - name: Rail\n    model: models/robot.urdf\n` +
+    `    controllers:\n      - {name: Spring, library: ${library}, options: "{stiffness: 80}"}\n`,
+);
+copyFileSync(sample, library);
+writeFileSync(
+  join(folder, 'bare.yaml'),
+  'rehearse: 1\nname: bare\nduration: 0.05\nbodies:\n  - {name: Rail, model: models/robot.urdf}\n',
+);
+const recorded = rehearse('record', 'scenario.yaml', '-o', 'run.mcap');
+assert.equal(recorded.status, 0, recorded.stderr);
+copyFileSync(join(folder, 'trap.so'), library);
+copyFileSync(join(folder, 'run.mcap'), join(folder, 'copy.mcap'));
+
+const reading = [
+  ['info', 'run.mcap', '--full'],
+  ['cat', 'run.mcap'],
+  ['diff', 'run.mcap', 'copy.mcap'],
+  ['doctor', 'run.mcap'],
+  ['export', 'run.mcap', '-o', 'table.csv'],
+  ['filter', 'run.mcap', '-o', 'part.mcap'],
+  ['merge', 'run.mcap', 'copy.mcap', '-o', 'both.mcap'],
+  ['recover', 'run.mcap', '-o', 'whole.mcap'],
+  ['report', 'run.mcap', '-o', 'report.html'],
+  ['inspect', 'models/robot.urdf'],
+  ['render', 'scenario.yaml', '-o', 'start.png'],
+  ['record', 'bare.yaml', '-o', 'bare.mcap'], // its model names the library as a plugin
+];
+for (const words of reading) {
+  const outcome = rehearse(...words);
+  assert(outcome.status <= 1, `rehearse ${words.join(' ')} ends with ${outcome.status}: ${outcome.stderr}`);
+  assert(!existsSync(loaded), `rehearse ${words[0]} has loaded the library that the file names`);
+}
+const given = rehearse('replay', 'run.mcap', '--controller', `Spring=${sample}`, '-o', 'again.mcap');
+assert.equal(given.status, 0, given.stderr);
+assert(!existsSync(loaded), 'replay --controller has loaded the library that the recording names');
+
+for (const words of [['replay', 'run.mcap'], ['record', 'scenario.yaml', '-o', 'new.mcap']]) {
+  assert.notEqual(rehearse(...words).status, 0, 'the trap is no controller');
+  assert(existsSync(loaded), `rehearse ${words[0]} has not loaded the library: the test sees nothing`);
+  rmSync(loaded);
+}
+console.log(`${reading.length} commands read, and none loads code; replay and record load the library that is named`);
