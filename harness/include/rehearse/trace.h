@@ -147,7 +147,7 @@ class Trace {
   Diagnostics damage_;
   std::vector<TraceChannel> channels_;
   std::map<std::string, SeriesPlace, std::less<>> series_;
-  mutable std::shared_ptr<std::vector<msg::Event>> events_;  // null: they are in the file
+  mutable std::shared_ptr<std::vector<msg::Event>> events_;           // null: they are in the file
   std::shared_ptr<std::vector<msg::ContactChange>> contact_changes_;  // never null in a loaded trace
   mutable std::shared_ptr<Rests> rests_;
 };
