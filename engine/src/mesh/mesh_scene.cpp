@@ -57,9 +57,28 @@ Eigen::Vector3f normal_of(const MeshPart& part, const std::array<std::uint32_t, 
   return normal.squaredNorm() > 0.5 ? Eigen::Vector3f(normal.cast<float>()) : Eigen::Vector3f::UnitZ();
 }
 
+/// True if each triangle has separate vertices, in the order of the triangles, as in an STL.
+bool is_flat(const MeshPart& part) {
+  if (part.vertices.size() != 3 * part.triangles.size()) return false;
+  std::uint32_t next = 0;
+  for (const std::array<std::uint32_t, 3>& triangle : part.triangles)
+    for (const std::uint32_t corner : triangle)
+      if (corner != next++) return false;
+  return true;
+}
+
 /// Gives each triangle separate vertices, with its normal.
 void flatten(MeshPart& part) {
+  const std::size_t corners = 3 * part.triangles.size();
+  if (is_flat(part)) {
+    part.normals.reserve(corners);
+    for (const std::array<std::uint32_t, 3>& triangle : part.triangles)
+      part.normals.insert(part.normals.end(), 3, normal_of(part, triangle));
+    return;
+  }
   MeshPart flat;
+  flat.vertices.reserve(corners);
+  flat.normals.reserve(corners);
   for (std::array<std::uint32_t, 3>& triangle : part.triangles) {
     const Eigen::Vector3f normal = normal_of(part, triangle);
     for (std::uint32_t& corner : triangle) {
@@ -89,6 +108,7 @@ void mend_normals(MeshPart& part) {
 
 void read_normals(const aiMesh& mesh, const Matrix& place, MeshPart& part) {
   const Eigen::Matrix3d turn = normal_matrix(place.leftCols<3>());
+  part.normals.reserve(mesh.mNumVertices);
   for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
     const Eigen::Vector3d normal = (turn * vector_of(mesh.mNormals[i])).stableNormalized();
     part.normals.push_back(normal.allFinite() ? Eigen::Vector3f(normal.cast<float>()) : Eigen::Vector3f::Zero());
@@ -97,6 +117,7 @@ void read_normals(const aiMesh& mesh, const Matrix& place, MeshPart& part) {
 }
 
 std::optional<Diagnostic> read_triangles(const aiMesh& mesh, bool is_mirrored, MeshPart& part) {
+  part.triangles.reserve(mesh.mNumFaces);
   for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
     const aiFace& face = mesh.mFaces[i];
     if (face.mNumIndices != 3) return error(fmt::format("a face of it has {} corners", face.mNumIndices));
@@ -112,8 +133,9 @@ std::optional<Diagnostic> read_triangles(const aiMesh& mesh, bool is_mirrored, M
 }
 
 /// The triangles of one of assimp's meshes, transformed by `place`.
-Result<MeshPart> read_part(const aiMesh& mesh, const Matrix& place, bool is_flat, const Paint& paint) {
+Result<MeshPart> read_part(const aiMesh& mesh, const Matrix& place, bool wants_flat, const Paint& paint) {
   MeshPart part;
+  part.vertices.reserve(mesh.mNumVertices);
   for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
     const Eigen::Vector3d vertex = place.leftCols<3>() * vector_of(mesh.mVertices[i]) + place.col(3);
     part.vertices.emplace_back(vertex.cast<float>());
@@ -123,6 +145,7 @@ Result<MeshPart> read_part(const aiMesh& mesh, const Matrix& place, bool is_flat
   part.has_default_color = paint.is_default;
   if (mesh.HasTextureCoords(paint.channel)) {
     part.texture = paint.texture;
+    part.texture_coordinates.reserve(mesh.mNumVertices);
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
       const aiVector3D& uv = mesh.mTextureCoords[paint.channel][i];
       part.texture_coordinates.emplace_back(uv.x, uv.y);
@@ -131,7 +154,7 @@ Result<MeshPart> read_part(const aiMesh& mesh, const Matrix& place, bool is_flat
   }
   const bool is_mirrored = place.leftCols<3>().determinant() < 0.0;
   if (auto problem = read_triangles(mesh, is_mirrored, part)) return *problem;
-  if (is_flat || !mesh.HasNormals()) {
+  if (wants_flat || !mesh.HasNormals()) {
     flatten(part);
   } else {
     read_normals(mesh, place, part);

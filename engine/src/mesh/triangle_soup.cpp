@@ -117,13 +117,17 @@ TriangleSoup object_of(const MeshData& mesh, int object) {
   TriangleSoup soup;
   for (const MeshPart& part : mesh.parts) {
     if (part.object != object) continue;
+    soup.vertices.reserve(soup.vertices.size() + part.vertices.size());
     for (const Eigen::Vector3f& vertex : part.vertices) soup.vertices.push_back(vertex.cast<double>());
   }
   std::stable_sort(soup.vertices.begin(), soup.vertices.end(), before);
   soup.vertices.erase(std::unique(soup.vertices.begin(), soup.vertices.end()), soup.vertices.end());
+  soup.vertices.shrink_to_fit();  // six triangles share a vertex of a closed mesh
   for (const MeshPart& part : mesh.parts) {
     if (part.object != object) continue;
     std::vector<int> numbers;
+    numbers.reserve(part.vertices.size());
+    soup.triangles.reserve(soup.triangles.size() + part.triangles.size());
     for (const Eigen::Vector3f& vertex : part.vertices)
       numbers.push_back(static_cast<int>(
           std::lower_bound(soup.vertices.begin(), soup.vertices.end(), vertex.cast<double>().eval(), before) -
