@@ -2,10 +2,9 @@
 // text in the pages of the reference. It also adds one of each, which must be found to have none.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
-import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+import { existsSync, readFileSync, readdirSync } from 'node:fs';
 import { join } from 'node:path';
-import { environmentVariables, exitStatuses, messageTypes, parserKeys, verbs, verdictCodes } from '../../tools/site/facts.mjs';
+import { environmentVariables, exitStatuses, formKeys, messageTypes, verbs, verdictCodes } from '../../tools/site/facts.mjs';
 import { publicHeaders } from '../../tools/site/reference.mjs';
 import { sectionOf } from '../../tools/site/markdown.mjs';
 
@@ -16,7 +15,7 @@ const section = (file, anchor) => sectionOf(read(file), anchor).lines.join('\n')
 /** The words in code of a text: `a b` gives a and b; of a block of YAML the keys with a comment behind them. */
 const wordsIn = (text) =>
   new Set([
-    ...[...text.matchAll(/^(\w+):.*# /gm)].map(([, key]) => key),
+    ...[...text.matchAll(/^ *(\w+):.*# /gm)].map(([, key]) => key),
     ...[...text.replace(/^```[^]*?^```/gm, '').matchAll(/`([^`]+)`/g)].flatMap(([, code]) => code.match(/\w[\w.]*/g) ?? []),
   ]);
 const without = (names, text) => names.filter((name) => !wordsIn(text).has(name));
@@ -34,11 +33,13 @@ function covers(what, names, text, place) {
 const reference = (names) => names.map((name) => `tools/site/pages/reference/${name}.md`);
 const forms = {
   scenario: reference(['scenario', 'bodies', 'inputs', 'actuators', 'noise', 'tolerances', 'expectations', 'variations']),
-  map: reference(['map', 'log_ticks']),
+  map: reference(['map', 'log_ticks', 'tolerances']),
 };
-for (const [form, files] of Object.entries(forms))
-  for (const { owner, keys } of parserKeys(source).filter((table) => table.form === form))
-    covers(`key of ${owner}`, keys, files.map(read).join('\n'), files.join(' '));
+const program = join(build, 'bin/rehearse');
+const names = (keys) => keys.map(({ name }) => name);
+for (const [schema, files] of Object.entries(forms))
+  for (const { owner, keys } of formKeys(program, schema))
+    covers(`key of ${owner}`, names(keys), files.map(read).join('\n'), files.join(' '));
 
 const variables = 'tools/site/pages/reference/environment.md';
 covers('variable', environmentVariables(source), read(variables), variables);
@@ -58,45 +59,12 @@ const parts = new Set(types.flatMap(({ fields }) => fields.map(({ type }) => typ
 const whole = types.filter(({ type }) => !parts.has(type)).map(({ type }) => type.split('/').at(-1));
 covers('message type', whole, section('harness/TRACE_FORMAT.md', 'payloads'), 'harness/TRACE_FORMAT.md#payloads');
 
-/** The names of all members of an object, of the objects in it, and so on. */
-const membersOf = (value) =>
-  value && typeof value === 'object'
-    ? Object.entries(value).flatMap(([name, inner]) => [...(Array.isArray(value) ? [] : [name]), ...membersOf(inner)])
-    : [];
-
-const program = join(build, 'bin/rehearse');
-const scratch = mkdtempSync(join(tmpdir(), 'rehearse_reference_'));
-const golden = join(source, 'golden/Spring.SwingsWithItsNaturalFrequency.mcap');
-const jsonOf = (...words) => {
-  const outcome = spawnSync(program, words, { cwd: scratch, encoding: 'utf8' });
-  assert(outcome.stdout.startsWith('{'), `rehearse ${words.join(' ')} prints no object: ${outcome.stdout}${outcome.stderr}`);
-  return JSON.parse(outcome.stdout);
-};
-const spring = join(source, 'fixtures/scenarios/spring.yaml');
-const point = { text: 'q < 1', margin: 0.5, value: 0.5, bound: 1, unit: 'rad', share: 0.5, tick: 3 };
-const line = { history: 1, commit: 'a', changed: false, date: '', scenario: 's', code: 'same', proved: false, margins: [point], first: null };
-writeFileSync(join(scratch, 'history.jsonl'), JSON.stringify(line) + '\n');
-const objects = [
-  ['history', 'history.jsonl'],
-  ['record', spring, '-o', 'spring.mcap'],
-  ['replay', golden],
-  ['replay', golden, '--tick', '10'],
-  ['diff', golden, golden],
-  ['doctor', golden],
-  ['inspect', join(source, 'fixtures/models/pendulum.urdf')],
-  ['import', join(source, 'fixtures/projects/wagon.cnoid'), '-o', 'imported'],
-  ['golden', 'list'],
-  ['filter', golden, '-o', 'part.mcap', '--until', '1'],
-  ['export', golden, '-o', 'tables'],
-  ['recover', golden, '-o', 'whole.mcap'],
-  ['merge', golden, golden, '-o', 'both.mcap', '--keep-apart'],
-];
-const json = read('tools/site/pages/reference/json.md');
-for (const words of objects) {
-  const fields = Object.keys(jsonOf(...words, '--json'));
-  covers(`field of ${words.slice(0, words[0] === 'golden' ? 2 : 1).join(' ')} --json`, fields, json, 'tools/site/pages/reference/json.md');
-}
-rmSync(scratch, { recursive: true });
+const json = reference(['json', 'costs']);
+const objects = readdirSync(join(build, 'share/rehearse/schemas')).map((file) => file.replace('.json', ''));
+const filesOfPeople = ['scenario', 'map', 'tolerances', 'noise'];
+for (const schema of objects.filter((name) => !filesOfPeople.includes(name)))
+  for (const { owner, keys } of formKeys(program, schema))
+    covers(`member of ${owner} of the schema ${schema}`, names(keys), json.map(read).join('\n'), json.join(' '));
 
 for (const verb of verbs(program).flatMap((one) => [one, ...one.parts])) {
   const silent = [...verb.options, ...verb.positionals].filter(({ text }) => !text).map(({ words }) => words);

@@ -1,4 +1,5 @@
-// rehearse doc: opens the site that was installed with the command, or prints the pages that it is made of.
+// rehearse doc: opens the site that was installed with the command, or prints the pages that it is made of. It also
+// prints the JSON Schemas.
 #include <fmt/format.h>
 #include <rehearse/pin.h>
 #include <unistd.h>
@@ -16,7 +17,10 @@
 #include <string_view>
 
 #include "command.h"
+#include "core/form/form_schema.h"
+#include "output.h"
 #include "progress.h"
+#include "schemas.h"
 
 namespace rehearse::tool {
 namespace {
@@ -123,16 +127,62 @@ Exit show(const std::string& name, bool as_text) {
   return Exit::done;
 }
 
+/// Prints the JSON Schema of that name.
+Exit print_schema(const std::string& name) {
+  std::string names;
+  for (const NamedForm& schema : all_schemas()) {
+    if (schema.name == name) {
+      fmt::print("{}", schema_text(schema.title, schema.type));
+      return Exit::done;
+    }
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", schema.name);
+  }
+  return refuse(error(fmt::format("there is no schema '{}'", name), "there are " + names));
+}
+
+/// Writes all JSON Schemas into a folder, each as NAME.json.
+Exit write_schemas(const fs::path& folder) {
+  std::error_code problem;
+  fs::create_directories(folder, problem);
+  if (problem) return refuse(error_in(folder.string(), fmt::format("it can't be made: {}", problem.message())));
+  for (const NamedForm& schema : all_schemas()) {
+    const fs::path file = folder / fmt::format("{}.json", schema.name);
+    if (const auto written = write_text(file, schema_text(schema.title, schema.type)); !written)
+      return refuse(written.errors());
+  }
+  return Exit::done;
+}
+
+struct DocSettings {
+  std::string topic, schema, schemas;
+  bool as_text = false;
+};
+
 std::function<Exit()> declare_doc(CLI::App& options) {
-  const auto topic = std::make_shared<std::string>();
-  const auto as_text = std::make_shared<bool>(false);
-  options.add_option("TOPIC", *topic, "the page to show; without one, topics are listed")->type_name("");
-  options.add_flag("--text", *as_text, "as text, at the terminal, also if a browser can show the page");
-  return [topic, as_text] { return topic->empty() ? list_topics() : show(*topic, *as_text); };
+  const auto settings = std::make_shared<DocSettings>();
+  CLI::Option* topic =
+      options.add_option("TOPIC", settings->topic, "the page to show; without one, topics are listed")->type_name("");
+  options.add_flag("--text", settings->as_text, "as text, at the terminal, also if a browser can show the page");
+  options
+      .add_option("--schema", settings->schema,
+                  "print the JSON Schema of a file (scenario, map) or of a verb's --json (check, golden-list)")
+      ->type_name("NAME")
+      ->excludes(topic);
+  options.add_option("--schemas", settings->schemas, "write all JSON Schemas into a folder, each as NAME.json")
+      ->type_name("DIR")
+      ->excludes(topic);
+  return [settings] {
+    if (!settings->schema.empty()) return print_schema(settings->schema);
+    if (!settings->schemas.empty()) return write_schemas(settings->schemas);
+    return settings->topic.empty() ? list_topics() : show(settings->topic, settings->as_text);
+  };
 }
 
 }  // namespace
 
-const Verb doc_verb{"doc", "  rehearse doc\n  rehearse doc scenarios\n  rehearse doc scenarios --text\n", declare_doc};
+const Verb doc_verb{"doc",
+                    "  rehearse doc\n  rehearse doc scenarios\n  rehearse doc scenarios --text\n  rehearse doc "
+                    "--schema scenario > scenario.json\n",
+                    declare_doc};
 
 }  // namespace rehearse::tool

@@ -1,5 +1,6 @@
 // rehearse new: writes a new project of the user, ready to build.
 #include <fmt/format.h>
+#include <rehearse/pin.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -53,6 +54,7 @@ struct Replacements {
   std::string project, origin, commit;
   const Language& language;
   std::string history;
+  std::string schema;  // of scenarios: the path of the file
 };
 
 /// The folder's name, with '_' instead of characters that a CMake project's name can't contain.
@@ -80,6 +82,7 @@ std::string filled_in(std::string_view text, const Replacements& replacements) {
   replace(filled, "@SOURCE@", std::string(replacements.language.source));
   replace(filled, "@PACKAGES@", std::string(replacements.language.packages));
   replace(filled, "@HISTORY@", replacements.history);
+  replace(filled, "@SCHEMA@", replacements.schema);
   replace(filled, "@CONTENTS@", replacements.history == "branch" ? "write" : "read");
   return filled;
 }
@@ -93,14 +96,22 @@ Result<void> check_origin(const std::string& origin) {
                "expected one that anyone can fetch from, as https://github.com/OWNER/NAME");
 }
 
+/// The schema of scenarios, which is installed with the command.
+std::string scenario_schema() {
+  return (own_program().parent_path() / "../share/rehearse/schemas/scenario.json").lexically_normal().string();
+}
+
 /// What the files of this project are filled in with. The commit is known only of this build's own repository.
 Replacements replacements_of(const NewSettings& settings) {
   const BuiltFrom built = built_from();
   const bool is_own = settings.origin.empty() || settings.origin == built.repository;
   const bool has_commit = is_own && !built.commit.empty();
-  return {project_name(settings.folder), is_own ? std::string(built.repository) : settings.origin,
+  return {project_name(settings.folder),
+          is_own ? std::string(built.repository) : settings.origin,
           has_commit ? std::string(built.commit) : "HEAD",
-          *std::ranges::find(languages, settings.language, &Language::name), settings.history};
+          *std::ranges::find(languages, settings.language, &Language::name),
+          settings.history,
+          scenario_schema()};
 }
 
 Result<void> prepare(const fs::path& folder) {

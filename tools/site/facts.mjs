@@ -10,44 +10,35 @@ const filesBelow = (folder, ending) =>
     .sort()
     .map((name) => join(folder, name));
 
-/** The quantities that devices and joints measure, by name, which are keys of noise. */
-const measuredQuantities = (source) => [
-  ...new Set(
-    ['engine/include/rehearse/model.h', 'harness/src/core/scenario/sensor_errors.cpp'].flatMap((file) =>
-      [...readFileSync(join(source, file), 'utf8').matchAll(/\{"(\w+)", "[^"]*", [13]\}/g)].map(([, name]) => name),
-    ),
-  ),
-];
-
-/** The keys of the errors of a quantity, each from its file. */
-const errorKeys = (source) =>
-  filesBelow(join(source, 'harness/src/core/scenario'), /^error_\w+\.cpp$/).flatMap((file) =>
-    [...readFileSync(file, 'utf8').matchAll(/\.key = "(\w+)"/g)].map(([, key]) => key),
-  );
+/** The type of a key in a schema, in words: "number", "text or a list of text", "solver". */
+function typeText(schema) {
+  if (schema.$ref) return schema.$ref.split('/').at(-1).replaceAll('_', ' ');
+  if (schema.anyOf) return [...new Set(schema.anyOf.map(typeText))].join(' or ');
+  if (schema.enum) return schema.enum.join(' or ');
+  if (schema.type === 'array') return `list of ${typeText(schema.items)}`;
+  if (schema.type === 'object') return schema.properties ? `map of ${Object.keys(schema.properties)[0]} ...` : `map of ${typeText(schema.additionalProperties)}`;
+  if (schema.type === 'string' && schema.pattern?.includes('[0-9]')) return 'number with a unit';
+  if (schema.type === 'boolean') return 'true or false';
+  if (schema.type === 'integer') return 'whole number';
+  if (schema.type === 'null') return 'nothing';
+  return Array.isArray(schema.type) || schema.type === 'string' ? 'text' : (schema.type ?? 'any');
+}
 
 /**
- * The keys that the parsers of scenarios and maps accept: [{form: 'scenario', 'map' or 'noise file', owner: 'a body', keys}]. A parser
- * states them where it makes a `Keys` or calls keys_of(); one that this doesn't understand is an error.
+ * The keys of a file, or the members of an object, that a schema of the command describes: [{owner: 'joystick entry', keys: [{name, type,
+ * fallback, text}]}]. The parsers of files read the same descriptions.
  */
-export function parserKeys(source) {
-  const tables = [];
-  for (const file of filesBelow(join(source, 'harness/src'), /\.cpp$/)) {
-    const text = readFileSync(file, 'utf8');
-    const found = [...text.matchAll(/\b(?:Keys(?: keys)?\(\w+, [^,;{]+|keys_of\(\s*\w+), "([^"]+)",\s*(with_quantities\(|with_errors\(\w+, )?\{([^{}]*)\}\)/g)];
-    const made = [...text.matchAll(/\b(?:Keys(?: keys)?\(\w+, [^,;{)]+|keys_of\(\s*\w+), /g)].length;
-    if (made !== found.length)
-      throw new Error(`${file}: ${made} parsers of keys are made, but the keys of only ${found.length} can be read`);
-    const form = /\/(log_map|logs\/map)\//.test(file) ? 'map' : file.includes('/check/') ? 'noise file' : 'scenario';
-    for (const [, owner, quantities, list] of found)
-      tables.push({
-        form,
-        owner,
-        keys: [...list.matchAll(/"([^"]+)"/g)].map((match) => match[1]).concat(
-          quantities === undefined ? [] : quantities.startsWith('with_errors') ? errorKeys(source) : measuredQuantities(source),
-        ),
-      });
-  }
-  return tables;
+export function formKeys(program, schema) {
+  const forms = JSON.parse(execFileSync(program, ['doc', '--schema', schema], { encoding: 'utf8' })).$defs;
+  return Object.entries(forms).map(([name, form]) => ({
+    owner: name.replaceAll('_', ' '),
+    keys: Object.entries(form.properties).map(([key, value]) => ({
+      name: key,
+      type: typeText(value),
+      fallback: form.required?.includes(key) ? 'required' : value.default === undefined ? '' : JSON.stringify(value.default),
+      text: value.description ?? '',
+    })),
+  }));
 }
 
 /** The variables of the environment that the libraries and the command read, by name. */

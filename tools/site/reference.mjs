@@ -2,7 +2,7 @@
 import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { figures } from './figures.mjs';
-import { channelKinds, messageTypes, parserKeys, verbGroups, verbs } from './facts.mjs';
+import { channelKinds, formKeys, messageTypes, verbGroups, verbs } from './facts.mjs';
 import { drawing, partsOf, reduced, roomsOf } from './graph.mjs';
 
 const cell = (text) => text.replaceAll('|', '\\|').replaceAll('<', '\\<').replaceAll('*', '\\*');
@@ -44,12 +44,12 @@ const verbTable = ({ build }) => {
   ].join('\n');
 };
 
-const keyTable = (form) => ({ source }) =>
+const keyTable = (schema) => ({ build }) =>
   table(
-    ['of', 'keys'],
-    parserKeys(source)
-      .filter((one) => one.form === form)
-      .map(({ owner, keys }) => [owner, keys.map(code).join(' ')]),
+    ['of', 'key', 'type', 'default', 'what'],
+    formKeys(program(build), schema).flatMap(({ owner, keys }) =>
+      keys.map(({ name, type, fallback, text }) => [owner, code(name), cell(type), fallback && fallback !== 'required' ? code(fallback) : fallback, cell(text)]),
+    ),
   );
 
 const messageTable = ({ source }) =>

@@ -25,6 +25,8 @@
 #include <string>
 #include <vector>
 
+#include "core/form/form.h"
+
 namespace rehearse {
 
 /// A perturbation, and its effect.
@@ -82,6 +84,8 @@ inline constexpr const char* noise_facts[] = {"rehearse", "physics", "libc", "co
 
 /// The text of a noise file.
 std::string to_yaml(const NoiseFloor& noise);
+/// The keys of such a file.
+const Form& noise_file_form();
 /// Writes a file beside the old one, syncs it, and renames it over the old one.
 Result<void> write_noise_floor(const NoiseFloor& noise, const std::filesystem::path& file);
 Result<NoiseFloor> load_noise_floor(const std::filesystem::path& file);

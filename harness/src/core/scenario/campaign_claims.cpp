@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "declared_source.h"
+#include "scenario_forms.h"
 #include "scenario_values.h"
 
 namespace rehearse {
@@ -21,14 +22,12 @@ PlanKind read_plan(Findings& findings, const YamlNode& node) {
 }
 
 std::optional<PassRateClaim> read_pass_rate(Findings& findings, const YamlNode& node) {
-  const Keys keys(findings, node, "a pass rate", {"at_least", "confidence"});
+  const Keys keys(findings, node, pass_rate_form());
   if (!keys.is_map()) return std::nullopt;
-  constexpr Range any_share{0.0, 1.0, "", true, true};
-  constexpr Range any_confidence{0.5, 1.0, "", false, true};
   PassRateClaim claim;
   if (keys.require("at_least", "a share between 0 and 1 of the cases, as 0.95") != nullptr)
-    keys.number("at_least", any_share, claim.at_least);
-  keys.number("confidence", any_confidence, claim.confidence);
+    keys.number("at_least", claim.at_least);
+  keys.number("confidence", claim.confidence);
   return claim;
 }
 

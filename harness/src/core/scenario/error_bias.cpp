@@ -5,6 +5,7 @@ namespace rehearse {
 
 const ErrorForm bias_error{
     .key = "bias",
+    .text = "a constant error of each axis",
     .unit = ErrorUnit::quantity,
     .range = {-1e6, 1e6},
     .records_truth = false,

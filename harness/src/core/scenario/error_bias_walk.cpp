@@ -7,6 +7,7 @@ namespace rehearse {
 
 const ErrorForm bias_walk_error{
     .key = "bias_walk",
+    .text = "a bias that walks at random: its deviation after the time t is bias_walk * sqrt(t)",
     .unit = ErrorUnit::per_root_second,
     .range = {0.0, 1e6},
     .apply = [](const GivenError& error, const SensorSample& sample, ErrorMemory& memory, std::span<double> numbers) {

@@ -5,6 +5,7 @@ namespace rehearse {
 
 const ErrorForm cross_axis_error{
     .key = "cross_axis",
+    .text = "share of each other axis that an axis measures, too",
     .unit = ErrorUnit::share,
     .range = {-1.0, 1.0},
     .of = ErrorOf::with_axes,

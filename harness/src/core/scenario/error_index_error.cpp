@@ -5,6 +5,7 @@ namespace rehearse {
 
 const ErrorForm index_error_error{
     .key = "index_error",
+    .text = "error of the zero of an encoder that has found its index",
     .unit = ErrorUnit::quantity,
     .range = {0.0, 1e6},
     .of = ErrorOf::displacement,

@@ -31,6 +31,7 @@ Eigen::Matrix3d turn_about(int axis, double angle) {
 
 const ErrorForm misalignment_error{
     .key = "misalignment",
+    .text = "rotation of the axes: roll, pitch, yaw [rad]",
     .unit = ErrorUnit::angle,
     .range = {-0.5, 0.5, "[rad]"},
     .of = ErrorOf::with_axes,

@@ -5,6 +5,7 @@ namespace rehearse {
 
 const ErrorForm offset_error{
     .key = "offset",
+    .text = "an error that begins, and may end, during the run",
     .unit = ErrorUnit::quantity,
     .range = {-1e6, 1e6},
     .is_timed = true,

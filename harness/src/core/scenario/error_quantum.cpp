@@ -7,6 +7,7 @@ namespace rehearse {
 
 const ErrorForm quantum_error{
     .key = "quantum",
+    .text = "numbers are rounded to its multiples",
     .unit = ErrorUnit::quantity,
     .range = {0.0, 1e6},
     .apply = [](const GivenError& error, const SensorSample&, ErrorMemory&, std::span<double> numbers) {

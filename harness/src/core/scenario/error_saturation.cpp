@@ -8,6 +8,7 @@ namespace rehearse {
 
 const ErrorForm saturation_error{
     .key = "saturation",
+    .text = "the largest magnitude that is measured",
     .unit = ErrorUnit::quantity,
     .range = {0.0, 1e9},
     .neutral = std::numeric_limits<double>::infinity(),

@@ -5,6 +5,7 @@ namespace rehearse {
 
 const ErrorForm scale_error{
     .key = "scale",
+    .text = "a factor of each axis",
     .unit = ErrorUnit::none,
     .range = {-1e3, 1e3},
     .neutral = 1.0,

@@ -9,6 +9,7 @@ namespace rehearse {
 
 const ErrorForm shot_error{
     .key = "shot",
+    .text = "shot noise of a camera",
     .unit = ErrorUnit::none,
     .range = {0.0, 1e3},
     .of = ErrorOf::color,

@@ -5,6 +5,7 @@ namespace rehearse {
 
 const ErrorForm stddev_error{
     .key = "stddev",
+    .text = "white noise of each sample",
     .unit = ErrorUnit::quantity,
     .range = {0.0, 1e6},
     .records_truth = false,

@@ -1,6 +1,7 @@
 // The errors of a quantity in a scenario.
 #include <rehearse/sensor_errors.h>
 
+#include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 #include "sensor_error.h"
@@ -17,21 +18,10 @@
 namespace rehearse {
 namespace {
 
-/// The keys, and those of the errors that a quantity can have.
-std::vector<std::string_view> with_errors(const MeasuredQuantity& quantity, std::vector<std::string_view> keys) {
-  for (const ErrorForm* form : error_forms()) {
-    if (form->of == ErrorOf::with_axes && quantity.axes != 3) continue;
-    if (form->of == ErrorOf::displacement && quantity.name != joint_quantities[0].name) continue;
-    if (form->of == ErrorOf::color && quantity.name != "color") continue;
-    keys.push_back(form->key);
-  }
-  return keys;
-}
-
 /// An error whose span of time belongs to it.
 std::optional<GivenError> read_timed(Findings& findings, const YamlNode& node, const ErrorForm& form,
                                      const MeasuredQuantity& quantity, bool slides) {
-  const Keys keys(findings, node, "an offset", {"by", "from", "until"});
+  const Keys keys(findings, node, timed_error_form(quantity));
   if (!keys.is_map()) return std::nullopt;
   const YamlNode* by = keys.require("by", "the change of the readings, in the unit of the quantity");
   const auto numbers = by ? read_error_numbers(findings, *by, form, quantity, slides) : std::nullopt;
@@ -55,7 +45,7 @@ Spell read_spell_keys(Findings& findings, const Keys& keys) {
 }
 
 std::optional<Spell> read_stuck(Findings& findings, const YamlNode& node) {
-  const Keys keys(findings, node, "stuck", {"from", "until"});
+  const Keys keys(findings, node, spell_form());
   if (!keys.is_map()) return std::nullopt;
   return read_spell_keys(findings, keys);
 }
@@ -80,7 +70,7 @@ std::optional<std::array<double, 3>> read_error_numbers(Findings& findings, cons
 
 std::optional<QuantityErrors> read_quantity_errors(Findings& findings, const YamlNode& node,
                                                    const MeasuredQuantity& quantity, bool slides) {
-  const Keys keys(findings, node, "the noise of a quantity", with_errors(quantity, {}));
+  const Keys keys(findings, node, errors_form(quantity));
   if (!keys.is_map() || keys.has_unknown()) return std::nullopt;
   QuantityErrors errors;
   bool is_right = true;
@@ -101,7 +91,7 @@ std::optional<QuantityErrors> read_quantity_errors(Findings& findings, const Yam
   }
   if (keys.entries().empty())
     findings.error(node, fmt::format("the noise of {} states no error", quantity.name),
-                   fmt::format("expected one or more of {}", fmt::join(with_errors(quantity, {}), ", ")));
+                   fmt::format("expected one or more of {}", fmt::join(errors_form(quantity).key_names(), ", ")));
   return is_right ? std::optional(std::move(errors)) : std::nullopt;
 }
 

@@ -3,6 +3,7 @@
 
 #include "campaign_claims.h"
 #include "mesh/heightmap_file.h"
+#include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 
@@ -50,7 +51,7 @@ void read_golden_name(Findings& findings, const YamlNode& node, std::string_view
 /// A name, or a map with the name and the rate of the state. Must be called after the time step is read.
 void read_golden(Findings& findings, const YamlNode& node, Scenario& scenario) {
   if (node.kind != YamlNode::Kind::map) return read_golden_name(findings, node, "golden", scenario);
-  const Keys keys(findings, node, "the golden", {"name", "state"});
+  const Keys keys(findings, node, golden_form());
   if (const YamlNode* name = keys.find("name")) read_golden_name(findings, *name, "name", scenario);
   const YamlNode* state = keys.find("state");
   if (state == nullptr) return;
@@ -65,8 +66,7 @@ void read_golden(Findings& findings, const YamlNode& node, Scenario& scenario) {
 }
 
 void read_clock(Findings& findings, const Keys& keys, Scenario& scenario) {
-  const Range steps{Scenario::min_time_step, Scenario::max_time_step, "[s]"};
-  keys.number("time_step", steps, scenario.time_step);
+  keys.number("time_step", scenario.time_step);
   const Range durations{0.0, Scenario::max_duration, "[s]", true};
   const YamlNode* node = keys.require("duration", "the length of the run [s]");
   if (node == nullptr) return;
@@ -99,44 +99,41 @@ void read_seed(Findings& findings, const Keys& keys, Scenario& scenario) {
 
 void read_solver(Findings& findings, const YamlNode& node, SolverSettings& solver) {
   using enum SolverSettings::Method;
-  const Keys keys(findings, node, "the solver",
-                  {"method", "iterations", "over_relaxation", "erp", "cfm", "max_correcting_velocity", "surface_layer",
-                   "friction", "max_contacts", "belt_depth"});
+  const Keys keys(findings, node, solver_form());
   keys.word("method", "direct (by the tree of joints), quick (iterative, by ODE) or exact (by ODE)",
             {{"direct", direct}, {"quick", quick}, {"exact", exact}}, solver.method);
-  keys.integer("iterations", 1, SolverSettings::most_iterations, solver.iterations);
-  keys.number("over_relaxation", {0.0, 2.0, "", true, true}, solver.over_relaxation);
-  keys.number("erp", {0.0, 1.0}, solver.erp);
-  keys.number("cfm", {0.0, 1.0}, solver.cfm);
-  keys.number("max_correcting_velocity", {0.0, 1e6, "[m/s]"}, solver.max_correcting_velocity);
-  keys.number("surface_layer", {0.0, 1.0, "[m]"}, solver.surface_layer);
-  keys.number("friction", {0.0, 1e6}, solver.friction);
-  keys.integer("max_contacts", 1, 1000, solver.max_contacts);
-  keys.number("belt_depth", {0.0, 1e6, "[m]", true}, solver.belt_depth);
+  keys.integer("iterations", solver.iterations);
+  keys.number("over_relaxation", solver.over_relaxation);
+  keys.number("erp", solver.erp);
+  keys.number("cfm", solver.cfm);
+  keys.number("max_correcting_velocity", solver.max_correcting_velocity);
+  keys.number("surface_layer", solver.surface_layer);
+  keys.number("friction", solver.friction);
+  keys.integer("max_contacts", solver.max_contacts);
+  keys.number("belt_depth", solver.belt_depth);
 }
 
 void read_record(Findings& findings, const YamlNode& node, Scenario& scenario) {
-  const Keys keys(findings, node, "record", {"frames"});
+  const Keys keys(findings, node, record_form());
   keys.flag("frames", scenario.record_frames);
 }
 
 void read_light(Findings& findings, const YamlNode& node, Look& look) {
-  const Keys keys(findings, node, "a light",
-                  {"position", "color", "intensity", "range", "direction", "beam_width", "cut_off_angle"});
+  const Keys keys(findings, node, light_form());
   if (!keys.is_map()) return;
   SceneLight lamp;
-  if (keys.require("position", "[x, y, z] [m]") != nullptr) keys.vector3("position", any_position, lamp.position);
+  if (keys.require("position", "[x, y, z] [m]") != nullptr) keys.vector3("position", lamp.position);
   if (const YamlNode* color = keys.find("color")) {
     if (const auto values = read_numbers(findings, *color, "color", 3, 3, {0.0, 1.0}))
       lamp.light.color = Eigen::Vector3d((*values)[0], (*values)[1], (*values)[2]).cast<float>();
   }
   double intensity = 1.0;
-  keys.number("intensity", {0.0, 1e6}, intensity);
+  keys.number("intensity", intensity);
   lamp.light.intensity = static_cast<float>(intensity);
-  keys.number("range", any_length, lamp.light.range);
+  keys.number("range", lamp.light.range);
   if (keys.find("direction") != nullptr) {
     LightCone cone;
-    keys.vector3("direction", {-1e6, 1e6}, cone.direction);
+    keys.vector3("direction", cone.direction);
     const auto angle = [&](const char* key, float& out) {
       const YamlNode* value = keys.find(key);
       const auto read = value ? read_angle(findings, *value, key) : std::nullopt;
@@ -160,7 +157,7 @@ void read_light(Findings& findings, const YamlNode& node, Look& look) {
 }
 
 void read_look(Findings& findings, const YamlNode& node, Look& look) {
-  const Keys keys(findings, node, "the look", {"sky", "shadows", "antialiasing", "lights"});
+  const Keys keys(findings, node, look_form());
   keys.flag("shadows", look.shadows);
   keys.flag("antialiasing", look.antialiasing);
   if (const YamlNode* sky = keys.find("sky")) {
@@ -191,21 +188,15 @@ bool check_version(Findings& findings, const YamlNode& root) {
 void read_scenario(Findings& findings, const YamlNode& root, const Scenario::ModelSource& models,
                    const Scenario::FileSource& files, Scenario& scenario) {
   if (!check_version(findings, root)) return;
-  const Keys keys(
-      findings, root, "the scenario",
-      {"rehearse",   "name",    "golden",   "duration",   "ends_when_done", "planar",         "time_step", "seed",
-       "gravity",    "options", "solver",   "lever_arms", "bodies",         "materials",      "pairs",     "joints",
-       "welds",      "pushes",  "joystick", "noise",      "look",           "magnetic_field", "cameras",   "record",
-       "tolerances", "horizon", "expect",   "simulate",   "vary",           "realtime",       "pass_rate", "sometimes",
-       "plan"});
+  const Keys keys(findings, root, scenario_form());
   read_names(findings, keys, scenario);
   read_clock(findings, keys, scenario);
   if (const YamlNode* node = keys.find("golden")) read_golden(findings, *node, scenario);
   keys.flag("ends_when_done", scenario.ends_when_done);
   keys.flag("planar", scenario.planar);
   read_seed(findings, keys, scenario);
-  keys.vector3("gravity", any_acceleration, scenario.gravity);
-  keys.vector3("magnetic_field", {-1e3, 1e3, "[T]"}, scenario.magnetic_field);
+  keys.vector3("gravity", scenario.gravity);
+  keys.vector3("magnetic_field", scenario.magnetic_field);
   keys.text("options", scenario.options);
   keys.flag("lever_arms", scenario.lever_arms);
   const YamlNode* solver = keys.find("solver");
@@ -311,7 +302,7 @@ Result<std::vector<ToleranceRule>> load_tolerances(const std::filesystem::path& 
   } else if (find_key(**root, "rehearse") != nullptr) {
     if (const YamlNode* node = find_key(**root, "tolerances")) read_tolerances(findings, *node, scenario);
   } else {
-    const Keys keys(findings, **root, "the file", {"tolerances"});
+    const Keys keys(findings, **root, tolerances_file_form());
     if (const YamlNode* node = keys.require("tolerances", "a list of tolerances, each with its channel"))
       read_tolerances(findings, *node, scenario);
   }

@@ -1,5 +1,6 @@
 #include "core/mcap/glob.h"
 #include "model/names.h"
+#include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 
@@ -21,7 +22,7 @@ namespace {
 enum class Written { bare, time, rate, displacement };
 
 struct ActuatorKey {
-  std::string_view name;
+  std::string_view name, text;
   std::variant<double Actuator::*, std::optional<double> Actuator::*> member;
   Range range;
   Written written = Written::bare;
@@ -29,26 +30,26 @@ struct ActuatorKey {
 
 constexpr double most = 1e9;
 constexpr ActuatorKey actuator_keys[] = {
-    {"delay", &Actuator::delay, {0.0, 1.0, "[s]"}, Written::time},
-    {"jitter", &Actuator::jitter, {0.0, 1.0, "[s]"}, Written::time},
-    {"quantum", &Actuator::quantum, {0.0, most}, Written::displacement},
-    {"position_gain", &Actuator::position_gain, {0.0, most}},
-    {"velocity_gain", &Actuator::velocity_gain, {0.0, most}},
-    {"period", &Actuator::period, {0.0, 1.0, "[s]"}, Written::time},
-    {"bandwidth", &Actuator::bandwidth, {0.0, 1e6, "[Hz]", true}, Written::rate},
-    {"effort", &Actuator::effort, {0.0, most}},
-    {"velocity", &Actuator::velocity, {0.0, most}},
-    {"stall_effort", &Actuator::stall_effort, {0.0, most, "", true}},
-    {"no_load_velocity", &Actuator::no_load_velocity, {0.0, most, "", true}},
-    {"armature", &Actuator::armature, {0.0, most}},
-    {"damping", &Actuator::damping, {0.0, most}},
-    {"coulomb", &Actuator::coulomb, {0.0, most}},
-    {"stiction", &Actuator::stiction, {0.0, most}},
-    {"stribeck", &Actuator::stribeck, {1e-6, most}},
-    {"efficiency", &Actuator::efficiency, {0.01, 1.0}},
-    {"backlash", &Actuator::backlash, {0.0, 1.0}, Written::displacement},
-    {"contact_stiffness", &Actuator::contact_stiffness, {0.0, 1e12, "", true}},
-    {"contact_damping", &Actuator::contact_damping, {0.0, most}},
+    {"delay", "from a command to its effect [s]", &Actuator::delay, {0.0, 1.0, "[s]"}, Written::time},
+    {"jitter", "the delay varies by it [s]", &Actuator::jitter, {0.0, 1.0, "[s]"}, Written::time},
+    {"quantum", "resolution of the drive's encoder", &Actuator::quantum, {0.0, most}, Written::displacement},
+    {"position_gain", "of the drive's own loop", &Actuator::position_gain, {0.0, most}},
+    {"velocity_gain", "of the drive's own loop", &Actuator::velocity_gain, {0.0, most}},
+    {"period", "of the drive's own loop [s]", &Actuator::period, {0.0, 1.0, "[s]"}, Written::time},
+    {"bandwidth", "of the effort [Hz]", &Actuator::bandwidth, {0.0, 1e6, "[Hz]", true}, Written::rate},
+    {"effort", "largest effort", &Actuator::effort, {0.0, most}},
+    {"velocity", "largest velocity", &Actuator::velocity, {0.0, most}},
+    {"stall_effort", "largest effort at rest", &Actuator::stall_effort, {0.0, most, "", true}},
+    {"no_load_velocity", "velocity at which no effort is left", &Actuator::no_load_velocity, {0.0, most, "", true}},
+    {"armature", "inertia of the rotor as it acts at the joint", &Actuator::armature, {0.0, most}},
+    {"damping", "resistance in proportion to velocity", &Actuator::damping, {0.0, most}},
+    {"coulomb", "friction in motion", &Actuator::coulomb, {0.0, most}},
+    {"stiction", "friction at rest", &Actuator::stiction, {0.0, most}},
+    {"stribeck", "velocity at which stiction has fallen to coulomb", &Actuator::stribeck, {1e-6, most}},
+    {"efficiency", "of the gear", &Actuator::efficiency, {0.01, 1.0}},
+    {"backlash", "of the gear", &Actuator::backlash, {0.0, 1.0}, Written::displacement},
+    {"contact_stiffness", "of the teeth", &Actuator::contact_stiffness, {0.0, 1e12, "", true}},
+    {"contact_damping", "of the teeth", &Actuator::contact_damping, {0.0, most}},
 };
 constexpr std::size_t actuator_key_count = std::size(actuator_keys);
 constexpr Range any_gear{1e-3, 1e6};
@@ -142,12 +143,7 @@ std::optional<double> ActuatorReader::read_value(const YamlNode& node, const Act
 }
 
 void ActuatorReader::read_rule(const YamlNode& node) {
-  const Keys keys(
-      findings_, node, "an actuator",
-      {"joint",          "gear",      "delay",    "jitter",   "quantum",      "position_gain",    "velocity_gain",
-       "period",         "bandwidth", "effort",   "velocity", "stall_effort", "no_load_velocity", "armature",
-       "damping",        "coulomb",   "stiction", "stribeck", "efficiency",   "backlash",         "contact_stiffness",
-       "contact_damping"});
+  const Keys keys(findings_, node, actuator_form());
   if (!keys.is_map()) return;
   const YamlNode* pattern = keys.require("joint", "a joint, or a pattern such as *_knee");
   if (!pattern) return;
@@ -155,7 +151,7 @@ void ActuatorReader::read_rule(const YamlNode& node) {
   if (keys.entries().size() == 1)
     findings_.error(node, "the actuator has no property", "expected one, as in delay: 6 ms");
   std::optional<double> gear;
-  keys.number("gear", any_gear, gear);
+  keys.number("gear", gear);
   const Driven* first = nullptr;
   for (Driven* driven : joints) {
     if (!*driven->actuator) driven->actuator->emplace();
@@ -252,7 +248,30 @@ void ActuatorReader::check() {
   }
 }
 
+ValueType value_type_of(const ActuatorKey& key) {
+  switch (key.written) {
+    case Written::time: return types::quantity(time_units, key.range);
+    case Written::rate: return types::quantity(rate_units, key.range);
+    case Written::displacement:
+      return types::either({types::quantity(angle_units, key.range), types::quantity(length_units, key.range)});
+    case Written::bare: break;
+  }
+  return types::number(key.range);
+}
+
 }  // namespace
+
+const Form& actuator_form() {
+  static const Form form = [] {
+    Form actuator{"actuator",
+                  "an actuator",
+                  {{"joint", types::text(), "a joint, or a pattern such as *_knee", required},
+                   {"gear", types::number(any_gear), "ratio of the gear between the model's rotor and the joint"}}};
+    for (const ActuatorKey& key : actuator_keys) actuator.keys.push_back({key.name, value_type_of(key), key.text});
+    return actuator;
+  }();
+  return form;
+}
 
 void read_actuators(Findings& findings, const YamlNode& node, ScenarioBody& body) {
   if (body.kinematic) {

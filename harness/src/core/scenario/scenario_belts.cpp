@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 
@@ -23,7 +24,7 @@ void add_track(Model& model, int link, const Eigen::Vector3d& axis) {
 }
 
 void read_belt(Findings& findings, const YamlNode& node, const ScenarioBody& body, Model& model) {
-  const Keys keys(findings, node, "a belt", {"link", "axis"});
+  const Keys keys(findings, node, belt_form());
   if (!keys.is_map()) return;
   const YamlNode* link_node = keys.require("link", "the link whose surface runs");
   const auto name = link_node ? read_text(findings, *link_node, "link", "the name of a link") : std::nullopt;
@@ -31,7 +32,7 @@ void read_belt(Findings& findings, const YamlNode& node, const ScenarioBody& bod
   const YamlNode* axis_node =
       keys.require("axis", "the axis of the belt's wheels in the link's frame, as in [0, 1, 0]");
   Eigen::Vector3d axis = Eigen::Vector3d::Zero();
-  if (axis_node) keys.vector3("axis", any_position, axis);
+  if (axis_node) keys.vector3("axis", axis);
   if (!link || !axis_node) return;
   if (axis.isZero(0.0))
     return findings.error(*axis_node, "the axis of a belt is zero", "a direction in the link's frame, as in [0, 1, 0]");

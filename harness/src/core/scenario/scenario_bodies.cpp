@@ -1,6 +1,7 @@
 #include <rehearse/body.h>
 
 #include "mesh/heightmap_file.h"
+#include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 
@@ -65,40 +66,7 @@ class BodyReader {
 };
 
 void BodyReader::read(const YamlNode& node) {
-  const Keys keys(findings_, node, "a body",
-                  {"name",
-                   "model",
-                   "packages",
-                   "box",
-                   "sphere",
-                   "cylinder",
-                   "heightmap",
-                   "mass",
-                   "default_mass",
-                   "fixed",
-                   "dynamics",
-                   "allow_missing_meshes",
-                   "allow_unknown_devices",
-                   "mesh_up",
-                   "joint_limits",
-                   "collision",
-                   "self_collision",
-                   "effort_limits",
-                   "friction",
-                   "mu2",
-                   "fdir1",
-                   "restitution",
-                   "position",
-                   "rotation",
-                   "joints",
-                   "velocity",
-                   "controllers",
-                   "joint_velocities",
-                   "links",
-                   "actuators",
-                   "sensors",
-                   "belts",
-                   "faults"});
+  const Keys keys(findings_, node, body_form());
   if (!keys.is_map()) return;
   ScenarioBody body;
   body.place = {scenario_.file, node.line, node.column};
@@ -129,7 +97,7 @@ void BodyReader::read(const YamlNode& node) {
   if (body.model && links) read_links(findings_, *links, scenario_.solver, body);
   if (body.model) state_links(findings_, links ? *links : keys.absent_map("links"), scenario_.solver, *body.model);
   if (const YamlNode* sensors = keys.find("sensors"); sensors && body.model) read_sensors(findings_, *sensors, body);
-  keys.vector3("position", any_position, body.position);
+  keys.vector3("position", body.position);
   if (const YamlNode* rotation = keys.find("rotation"))
     body.rotation = read_rotation(findings_, *rotation, "rotation").value_or(body.rotation);
   if (body.model != nullptr) {
@@ -226,7 +194,7 @@ void BodyReader::read_model_file(const Keys& keys, const YamlNode& node, Scenari
     options.fixed_root = body.fixed;
     options.kinematic = body.kinematic;
     options.contact = body.contact;
-    keys.number("default_mass", any_mass, options.default_mass);
+    keys.number("default_mass", options.default_mass);
     keys.flag("allow_missing_meshes", options.allow_missing_meshes);
     keys.flag("allow_unknown_devices", options.allow_unknown_devices);
     keys.word("mesh_up", "y (as glTF states) or z (glTF meshes aren't turned)", {{"y", false}, {"z", true}},
@@ -283,10 +251,10 @@ std::optional<Color> BodyReader::read_color(const YamlNode& node) {
 
 // Its squares have the shape's opacity, so the color has no alpha.
 std::optional<Checker> BodyReader::read_checker(const YamlNode& node) {
-  const Keys keys(findings_, node, "a checker", {"color", "size"});
+  const Keys keys(findings_, node, checker_form());
   const YamlNode* color = keys.require("color", "[red, green, blue] of every second square");
   Checker checker;
-  keys.number("size", any_length, checker.size);
+  keys.number("size", checker.size);
   if (color == nullptr) return std::nullopt;
   const auto values = read_numbers(findings_, *color, "color", 3, 3, {0.0, 1.0});
   if (!values) return std::nullopt;
@@ -295,9 +263,7 @@ std::optional<Checker> BodyReader::read_checker(const YamlNode& node) {
 }
 
 BodyReader::InlineShape BodyReader::read_shape(std::string_view kind, const YamlNode& node) {
-  const auto keys = kind == "box"      ? Keys(findings_, node, "a box", {"size", "color", "checker"})
-                    : kind == "sphere" ? Keys(findings_, node, "a sphere", {"radius", "color", "checker"})
-                                       : Keys(findings_, node, "a cylinder", {"radius", "length", "color", "checker"});
+  const Keys keys(findings_, node, kind == "box" ? box_form() : kind == "sphere" ? sphere_form() : cylinder_form());
   const auto length = [this, &keys](std::string_view key) -> std::optional<double> {
     const YamlNode* value = keys.require(key, "a length [m]");
     return value == nullptr ? std::nullopt : read_number(findings_, *value, key, any_length);
@@ -340,7 +306,7 @@ void BodyReader::make_shape(const Keys& keys, std::string_view kind, const YamlN
 }
 
 void BodyReader::read_ground(const Keys& keys, const YamlNode& node, ScenarioBody& body) {
-  const Keys parts(findings_, node, "a heightmap", {"file", "size", "height", "color"});
+  const Keys parts(findings_, node, heightmap_form());
   const YamlNode* file = parts.require("file", "the path of a PNG or of a grid of numbers, relative to the scenario");
   const YamlNode* size = parts.require("size", "the full lengths [x, y] [m]");
   const auto name = file ? read_text(findings_, *file, "file", "the path of a PNG or of a grid") : std::nullopt;
@@ -348,7 +314,7 @@ void BodyReader::read_ground(const Keys& keys, const YamlNode& node, ScenarioBod
   HeightmapSettings settings;
   const bool is_picture = name && name->ends_with(".png");
   if (is_picture && parts.require("height", "of white over black [m]") == nullptr) return;
-  parts.number("height", {-1e4, 1e4, "[m]"}, settings.height);
+  parts.number("height", settings.height);
   std::optional<Color> color;
   if (const YamlNode* node_of_color = parts.find("color")) color = read_color(*node_of_color);
   for (const char* key : {"mass", "dynamics", "collision"})
@@ -383,9 +349,9 @@ void BodyReader::read_ground(const Keys& keys, const YamlNode& node, ScenarioBod
 std::optional<Surface> BodyReader::read_surface(const Keys& keys) {
   Surface surface;
   state_surface(keys, scenario_.solver, surface);
-  keys.number("friction", any_friction, surface.friction);
-  keys.number("mu2", any_friction, surface.second_friction);
-  keys.number("restitution", any_restitution, surface.restitution);
+  keys.number("friction", surface.friction);
+  keys.number("mu2", surface.second_friction);
+  keys.number("restitution", surface.restitution);
   const YamlNode* direction = keys.find("fdir1");
   if (direction != nullptr && keys.find("mu2") == nullptr) {
     findings_.error(*direction, "fdir1 is given without mu2", "mu2 is the friction across that direction");
@@ -410,9 +376,9 @@ void BodyReader::read_velocities(const Keys& keys, ScenarioBody& body) {
   if (root != nullptr && body.fixed && !body.kinematic)
     findings_.error(*root, fmt::format("velocity is given, but {} is fixed", body.name), "a fixed root never moves");
   if (root != nullptr || !body.fixed) {
-    const Keys parts(findings_, root ? *root : keys.absent_map("velocity"), "a velocity", {"linear", "angular"});
-    parts.vector3("linear", any_velocity, body.linear_velocity);
-    parts.vector3("angular", any_angular_velocity, body.angular_velocity);
+    const Keys parts(findings_, root ? *root : keys.absent_map("velocity"), velocity_form());
+    parts.vector3("linear", body.linear_velocity);
+    parts.vector3("angular", body.angular_velocity);
   }
   if (joints != nullptr) read_joint_velocities(findings_, *joints, body);
 }

@@ -1,4 +1,5 @@
 // Joints between links in addition to those of the models, and welds for a time.
+#include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 
@@ -63,7 +64,7 @@ void add(Findings& findings, const YamlNode& node, const Keys& keys, const char*
 }
 
 void read_connection(Findings& findings, const YamlNode& node, Scenario& scenario) {
-  const Keys keys(findings, node, "a joint", {"name", "type", "between", "at", "axis"});
+  const Keys keys(findings, node, joint_form());
   if (!keys.is_map()) return;
   Connection connection;
   keys.require("type", types);
@@ -75,7 +76,7 @@ void read_connection(Findings& findings, const YamlNode& node, Scenario& scenari
             connection.type);
   const bool is_right = read_between(findings, keys, scenario, connection);
   Eigen::Vector3d place = Eigen::Vector3d::Zero();
-  keys.vector3("at", any_position, place);
+  keys.vector3("at", place);
   connection.frame.translation() = place;
   const bool has_axis = connection.type == Type::revolute || connection.type == Type::prismatic;
   const YamlNode* axis = keys.find("axis");
@@ -91,7 +92,7 @@ void read_connection(Findings& findings, const YamlNode& node, Scenario& scenari
 }
 
 void read_weld(Findings& findings, const YamlNode& node, Scenario& scenario) {
-  const Keys keys(findings, node, "a weld", {"name", "between", "from", "until"});
+  const Keys keys(findings, node, weld_form());
   if (!keys.is_map()) return;
   Connection connection;
   const bool is_right = read_between(findings, keys, scenario, connection);

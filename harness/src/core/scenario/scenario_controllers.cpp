@@ -1,3 +1,4 @@
+#include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 
@@ -26,7 +27,7 @@ class ControllerReader {
 
  private:
   ScenarioController read(const YamlNode& node, bool is_child) {
-    const Keys keys(findings_, node, "a controller", {"name", "library", "options", "delay", "optional", "children"});
+    const Keys keys(findings_, node, controller_form());
     ScenarioController controller;
     controller.place = {file_, node.line, node.column};
     if (!keys.is_map()) return controller;

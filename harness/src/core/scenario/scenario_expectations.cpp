@@ -1,4 +1,5 @@
 // The `expect` of a scenario: properties that a run must have.
+#include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 
@@ -35,10 +36,7 @@ class ExpectationReader {
 };
 
 void ExpectationReader::read_entry(const YamlNode& node) {
-  const Keys keys(
-      findings_, node, "an expectation",
-      {"channel", "event", "no_event", "above",  "below",      "near",  "within", "abs",    "since", "from",
-       "until",   "at",    "sometime", "always", "eventually", "never", "after",  "except", "for",   "margin"});
+  const Keys keys(findings_, node, expectation_form());
   if (!keys.is_map()) return;
   Expectation expectation;
   expectation.place = {scenario_.file, node.line, node.column};

@@ -4,6 +4,7 @@
 #include "body_faults.h"
 #include "core/mcap/glob.h"
 #include "model/names.h"
+#include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 #include "sensor_error.h"
@@ -36,6 +37,7 @@ class FaultReader {
  public:
   FaultReader(Findings& findings, ScenarioBody& body) : findings_(findings), body_(body) {}
   void read(const YamlNode& node);
+  static std::vector<std::string> kind_names();
   /// Whether faults of this kind read the key.
   static bool reads(std::string_view kind, std::string_view key);
 
@@ -83,6 +85,12 @@ std::span<const FaultReader::Kind> FaultReader::kinds() {
                                  {"locked", nullptr, &FaultReader::add_plain<locked>},
                                  {"reversed", nullptr, &FaultReader::add_plain<reversed>}};
   return all;
+}
+
+std::vector<std::string> FaultReader::kind_names() {
+  std::vector<std::string> names;
+  for (const Kind& kind : kinds()) names.emplace_back(kind.name);
+  return names;
 }
 
 bool FaultReader::reads(std::string_view kind, std::string_view key) {
@@ -136,8 +144,7 @@ const FaultReader::Kind* FaultReader::find_kind(const Keys& keys, std::string_vi
 }
 
 void FaultReader::read(const YamlNode& node) {
-  const Keys keys(findings_, node, "a fault",
-                  {"sensor", "encoder", "actuator", "fault", "from", "until", "by", "quantity", "effort"});
+  const Keys keys(findings_, node, fault_form());
   if (!keys.is_map()) return;
   const auto count = std::count_if(std::begin(fault_owners), std::end(fault_owners),
                                    [&](std::string_view key) { return keys.find(key) != nullptr; });
@@ -216,6 +223,24 @@ void FaultReader::add_weak(const ReadFault& fault, Actuator& actuator) {
 }
 
 }  // namespace
+
+const Form& fault_form() {
+  static const Form form{"fault",
+                         "a fault",
+                         {{"sensor", types::text(), "a device, or a pattern of devices"},
+                          {"encoder", types::text(), "a joint, or a pattern of joints"},
+                          {"actuator", types::text(), "a joint, or a pattern of joints"},
+                          {"fault", types::word(FaultReader::kind_names()), "the kind of the fault", required},
+                          {"from", types::quantity(time_units, any_time), "when it begins [s]", "0"},
+                          {"until", types::quantity(time_units, any_time), "when it ends [s]; default: never"},
+                          {"by", types::either({types::text(), types::vector3({-1e6, 1e6})}),
+                           "the delay, as 20 ms, or the change of the readings"},
+                          {"quantity", types::text(), "the quantity that an offset changes"},
+                          {"effort", types::number(any_share), "share of the effort that is left"}},
+                         {},
+                         {{"sensor", "encoder", "actuator"}}};
+  return form;
+}
 
 Result<void> add_faults(ScenarioBody& body, const std::vector<std::string>& entries) {
   std::string text;

@@ -1,5 +1,6 @@
 // The `joystick` of a scenario: moves of axes and presses of buttons.
 #include "model/names.h"
+#include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 
@@ -62,7 +63,7 @@ class JoystickReader {
 };
 
 void JoystickReader::read_entry(const YamlNode& node) {
-  const Keys keys(findings_, node, "a joystick entry", {"at", "axes", "buttons", "over"});
+  const Keys keys(findings_, node, joystick_entry_form());
   if (!keys.is_map()) return;
   Entry entry;
   read_times(keys, entry);
@@ -95,7 +96,7 @@ void JoystickReader::check_use(const Keys& keys, const YamlNode& node) const {
 
 void JoystickReader::read_times(const Keys& keys, Entry& entry) {
   const Range times{0.0, Scenario::max_duration, "[s]"};
-  keys.number("over", times, entry.over);
+  keys.number("over", entry.over);
   const YamlNode* node = keys.require("at", "when it begins [s]");
   if (node == nullptr) return;
   const auto at = read_number(findings_, *node, "at", times);

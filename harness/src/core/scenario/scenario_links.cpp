@@ -1,3 +1,4 @@
+#include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 
@@ -22,7 +23,7 @@ void read_mass(Findings& findings, const YamlNode& node, Link& link) {
 
 /// The keys of a link, with the defaults of those that aren't stated.
 Keys link_keys(Findings& findings, const YamlNode& node, const SolverSettings& solver, const Link* link) {
-  Keys keys(findings, node, "a link", {"mass", "friction", "restitution"});
+  Keys keys(findings, node, link_form());
   if (!link) return keys;
   if (link->inertial.mass > 0.0) keys.set_default("mass", {fmt::format("{}", link->inertial.mass)});
   state_surface(keys, solver, link->surface);
@@ -51,8 +52,8 @@ void read_links(Findings& findings, const YamlNode& node, const SolverSettings& 
     const Keys keys = link_keys(findings, *entry.value, solver, link);
     if (!link || !keys.is_map()) continue;
     if (const YamlNode* mass = keys.find("mass")) read_mass(findings, *mass, *link);
-    keys.number("friction", any_friction, link->surface.friction);
-    keys.number("restitution", any_restitution, link->surface.restitution);
+    keys.number("friction", link->surface.friction);
+    keys.number("restitution", link->surface.restitution);
     if (keys.find("friction")) link->surface.second_friction.reset();  // in all directions
   }
   body.model = std::move(model);

@@ -1,5 +1,6 @@
 // Materials of links, and the friction and restitution of pairs of them.
 #include "model/names.h"
+#include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 
@@ -84,11 +85,11 @@ std::optional<std::array<std::string, 2>> read_between(Findings& findings, const
 }
 
 void read_pair(Findings& findings, const YamlNode& node, const std::vector<std::string>& known, Scenario& scenario) {
-  const Keys keys(findings, node, "a pair", {"between", "friction", "restitution"});
+  const Keys keys(findings, node, pair_form());
   if (!keys.is_map()) return;
   MaterialPair pair;
-  keys.number("friction", {0.0, 1e6}, pair.friction);
-  keys.number("restitution", {0.0, 1.0}, pair.restitution);
+  keys.number("friction", pair.friction);
+  keys.number("restitution", pair.restitution);
   if (keys.find("friction") == nullptr && keys.find("restitution") == nullptr)
     findings.error(node, "a pair has neither 'friction' nor 'restitution'", "expected at least one of them");
   const YamlNode* between = keys.require("between", "two materials, [A, B]");

@@ -3,6 +3,7 @@
 
 #include "core/mcap/glob.h"
 #include "model/names.h"
+#include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 #include "sensor_error.h"
@@ -20,25 +21,10 @@
 namespace rehearse {
 namespace {
 
-/// The quantities of all devices, and those of joints.
-const std::vector<std::string_view>& quantity_keys() {
-  static const std::vector<std::string_view> all = [] {
-    std::vector<std::string_view> names;
-    for (const DeviceKind& kind : device_kinds()) {
-      Device device;
-      device.kind = kind;
-      for (const MeasuredQuantity& quantity : quantities_of(device))
-        if (std::find(names.begin(), names.end(), quantity.name) == names.end()) names.push_back(quantity.name);
-    }
-    for (const MeasuredQuantity& quantity : joint_quantities) names.push_back(quantity.name);
-    return names;
-  }();
-  return all;
-}
-
-std::vector<std::string_view> with_quantities(std::vector<std::string_view> keys) {
-  keys.insert(keys.end(), quantity_keys().begin(), quantity_keys().end());
-  return keys;
+/// Whether a key of noise names a quantity.
+bool is_quantity(std::string_view key) {
+  const std::vector<MeasuredQuantity>& all = measured_quantities();
+  return std::any_of(all.begin(), all.end(), [&](const MeasuredQuantity& each) { return each.name == key; });
 }
 
 /// The numbers of an IMU's data sheet beside its rate, by the names of Kalibr's imu.yaml.
@@ -138,7 +124,7 @@ std::vector<NoiseReader::Given> NoiseReader::read_quantities(const Keys& keys,
                                                              const std::vector<const Target*>& targets) const {
   std::vector<Given> given;
   for (const NamedEntry& entry : keys.entries()) {
-    if (std::find(quantity_keys().begin(), quantity_keys().end(), entry.name) == quantity_keys().end()) continue;
+    if (!is_quantity(entry.name)) continue;
     std::vector<std::string> known;
     std::array<std::optional<MeasuredQuantity>, 2> found;  // by Target::slides
     for (const Target* target : targets) {
@@ -164,7 +150,7 @@ std::vector<NoiseReader::Given> NoiseReader::read_quantities(const Keys& keys,
 }
 
 void NoiseReader::read_dropout(const Keys& keys, ReadingErrors& errors) const {
-  keys.number("dropout", {0.0, 1.0}, errors.dropout);
+  keys.number("dropout", errors.dropout);
   const YamlNode* burst = keys.find("burst");
   if (!burst) return;
   errors.burst = read_quantity(findings_, *burst, "burst", time_units, {0.0, 1e3, "[s]", true}).value_or(0.0);
@@ -211,9 +197,7 @@ void NoiseReader::read_data_sheet(const Keys& keys, const std::vector<const Targ
     if (const YamlNode* other = keys.find(key))
       return findings_.error(*other, fmt::format("imu and {} state the same errors", key),
                              "expected the five numbers of imu, or the errors of the quantities");
-  const Keys sheet(findings_, *node, "the data sheet of an IMU",
-                   {"gyroscope_noise_density", "gyroscope_random_walk", "accelerometer_noise_density",
-                    "accelerometer_random_walk", "update_rate"});
+  const Keys sheet(findings_, *node, data_sheet_form());
   if (!sheet.is_map()) return;
   const auto measured = [](const Target& target, std::string_view name) {
     return std::find_if(target.quantities.begin(), target.quantities.end(),
@@ -239,9 +223,7 @@ void NoiseReader::read_data_sheet(const Keys& keys, const std::vector<const Targ
 
 /// A later rule replaces an earlier one completely.
 void NoiseReader::read_rule(const YamlNode& node) {
-  const Keys keys(
-      findings_, node, "noise",
-      with_quantities({"sensor", "joint", "imu", "dropout", "burst", "rate", "phase", "latency", "jitter", "stuck"}));
+  const Keys keys(findings_, node, noise_form());
   if (!keys.is_map()) return;
   const auto targets = find_targets(keys, node);
   if (!targets) return;

@@ -1,5 +1,6 @@
 // The parts that refer to bodies read before: pushes, cameras, and tolerances.
 #include "model/names.h"
+#include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 
@@ -37,15 +38,15 @@ void read_target(Findings& findings, const Keys& keys, const Scenario& scenario,
 }
 
 void read_push(Findings& findings, const YamlNode& node, Scenario& scenario) {
-  const Keys keys(findings, node, "a push", {"body", "link", "force", "torque", "at", "from", "until"});
+  const Keys keys(findings, node, push_form());
   if (!keys.is_map()) return;
   Push push;
   read_target(findings, keys, scenario, push);
   if (keys.find("force") == nullptr && keys.find("torque") == nullptr)
     findings.error(node, "a push has neither 'force' nor 'torque'", "expected force: [x, y, z] in the world frame [N]");
-  keys.vector3("force", any_force, push.force);
-  keys.vector3("torque", any_torque, push.torque);
-  keys.vector3("at", any_position, push.point);
+  keys.vector3("force", push.force);
+  keys.vector3("torque", push.torque);
+  keys.vector3("at", push.point);
   if (const YamlNode* at = keys.find("at"); at != nullptr && keys.find("force") == nullptr)
     findings.error(*at, "'at' without 'force'",
                    "it is the point where the force acts; a torque acts on the link as a whole");
@@ -75,12 +76,8 @@ void read_camera(Findings& findings, const YamlNode& node, const Scenario& scena
   cameras.push_back(*name);
 }
 
-/// A longer delay than a second is not a delay but a different motion.
-constexpr Range any_time_tolerance{0.0, 1.0, "[s]"};
-
 void read_tolerance(Findings& findings, const YamlNode& node, Scenario& scenario) {
-  const Keys keys(findings, node, "a tolerance",
-                  {"channel", "atol", "rtol", "lead", "lag", "ticks", "pixel_share", "pixel_delta", "pixel_window"});
+  const Keys keys(findings, node, tolerance_form());
   if (!keys.is_map()) return;
   ToleranceRule rule;
   rule.place = {scenario.file, node.line, node.column};
@@ -90,15 +87,15 @@ void read_tolerance(Findings& findings, const YamlNode& node, Scenario& scenario
     if (channel->kind == YamlNode::Kind::scalar && (rule.channel.empty() || rule.channel.front() == '/'))
       expected(findings, *channel, "channel", "a pattern such as SR1/*/q, without a slash at its beginning");
   }
-  keys.number("atol", {0.0, 1e9}, rule.atol);
-  keys.number("rtol", {0.0, 1.0}, rule.rtol);
-  keys.number("lead", any_time_tolerance, rule.lead);
-  keys.number("lag", any_time_tolerance, rule.lag);
+  keys.number("atol", rule.atol);
+  keys.number("rtol", rule.rtol);
+  keys.number("lead", rule.lead);
+  keys.number("lag", rule.lag);
   if (const YamlNode* ticks = keys.find("ticks"))
     if (const auto count = read_integer(findings, *ticks, "ticks", 0, 1000)) rule.ticks = static_cast<int>(*count);
-  keys.number("pixel_share", {0.0, 1.0}, rule.pixel_share);
-  keys.number("pixel_delta", {0.0, 255.0}, rule.pixel_delta);
-  keys.number("pixel_window", {0.0, 1.0}, rule.pixel_window);
+  keys.number("pixel_share", rule.pixel_share);
+  keys.number("pixel_delta", rule.pixel_delta);
+  keys.number("pixel_window", rule.pixel_window);
   if (keys.entries().size() == (keys.find("channel") == nullptr ? 0u : 1u))
     findings.error(node, "a tolerance allows nothing",
                    "expected one of atol, rtol, lead, lag, ticks, pixel_share, pixel_delta, pixel_window");

@@ -1,6 +1,7 @@
 #include <rehearse/body.h>
 
 #include "model/names.h"
+#include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 
@@ -21,7 +22,6 @@ namespace {
 
 constexpr double a_turn = 6.3, straight_up = 1.6;  // [rad], a little more than 2 pi and pi / 2, for rounded numbers
 constexpr Range any_rate{0.0, 1e6, "[Hz]", true};
-constexpr Range any_distance{0.0, 1e6, "[m]"};
 constexpr int most_beams = 1'000'000;  // of one sensor
 
 /// A sensor of a scenario looks along x with z up, a device along -z with y up.
@@ -38,24 +38,6 @@ double field_of_view_of(double horizontal, const Camera& camera) {
   return 2.0 * std::atan(std::tan(horizontal / 2.0) * camera.height / camera.width);
 }
 
-Keys sensor_keys(Findings& findings, const YamlNode& node) {
-  return Keys(findings, node, "a sensor", {"name", "type", "link", "pose"});
-}
-
-Keys contact_keys(Findings& findings, const YamlNode& node) {
-  return Keys(findings, node, "a contact sensor", {"name", "type", "link", "pose", "collision"});
-}
-
-Keys camera_keys(Findings& findings, const YamlNode& node) {
-  return Keys(findings, node, "a camera",
-              {"name", "type", "link", "pose", "rate", "width", "height", "horizontal_fov", "near", "far", "shadows",
-               "antialiasing"});
-}
-
-Keys range_keys(Findings& findings, const YamlNode& node) {
-  return Keys(findings, node, "a range sensor", {"name", "type", "link", "pose", "rate", "yaw", "pitch", "min", "max"});
-}
-
 class SensorReader {
  public:
   SensorReader(Findings& findings, ScenarioBody& body) : findings_(findings), body_(body), model_(*body.model) {}
@@ -65,12 +47,11 @@ class SensorReader {
 
  private:
   using Read = void (SensorReader::*)(const Keys&, Device&);
-  using KeysOf = Keys (*)(Findings& findings, const YamlNode& node);
-  /// A type of sensors, with its keys, and the reader of those that not all sensors have.
+  /// A type of sensors, with its form, and the reader of those that not all sensors have.
   struct Type {
     std::string_view name;
     DeviceKind kind;
-    KeysOf keys;
+    const Form& (*form)();
     Read read = nullptr;
   };
   static const std::vector<Type>& types();
@@ -92,15 +73,15 @@ class SensorReader {
 };
 
 const std::vector<SensorReader::Type>& SensorReader::types() {
-  static const std::vector<Type> all{{"imu", Imu{}, sensor_keys},
-                                     {"gyro", Gyro{}, sensor_keys},
-                                     {"accelerometer", Accelerometer{}, sensor_keys},
-                                     {"magnetometer", Magnetometer{}, sensor_keys},
-                                     {"force", ForceSensor{}, sensor_keys, &SensorReader::check_force},
-                                     {"contact", ContactSensor{}, contact_keys, &SensorReader::read_contact},
-                                     {"camera", Camera{}, camera_keys, &SensorReader::read_camera},
-                                     {"depth", Camera{.depth = true}, camera_keys, &SensorReader::read_camera},
-                                     {"range", RangeSensor{}, range_keys, &SensorReader::read_range}};
+  static const std::vector<Type> all{{"imu", Imu{}, sensor_form},
+                                     {"gyro", Gyro{}, sensor_form},
+                                     {"accelerometer", Accelerometer{}, sensor_form},
+                                     {"magnetometer", Magnetometer{}, sensor_form},
+                                     {"force", ForceSensor{}, sensor_form, &SensorReader::check_force},
+                                     {"contact", ContactSensor{}, contact_sensor_form, &SensorReader::read_contact},
+                                     {"camera", Camera{}, camera_form, &SensorReader::read_camera},
+                                     {"depth", Camera{.depth = true}, camera_form, &SensorReader::read_camera},
+                                     {"range", RangeSensor{}, range_sensor_form, &SensorReader::read_range}};
   return all;
 }
 
@@ -119,7 +100,7 @@ void SensorReader::read(const YamlNode& node) {
   const YamlNode* type_node = node.kind == YamlNode::Kind::map ? find_key(node, "type") : nullptr;
   const Type* type = type_node ? find_type(*type_node) : nullptr;
   if (type_node && !type) return;
-  const Keys keys = type ? type->keys(findings_, node) : sensor_keys(findings_, node);
+  const Keys keys(findings_, node, type ? type->form() : sensor_form());
   if (!keys.is_map()) return;
   Device device;
   read_name(keys, device);
@@ -154,9 +135,9 @@ bool SensorReader::read_link(const Keys& keys, Device& device) {
 }
 
 void SensorReader::read_pose(const YamlNode& node, Device& device) {
-  const Keys keys(findings_, node, "a pose", {"position", "rotation"});
+  const Keys keys(findings_, node, pose_form());
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  keys.vector3("position", any_position, position);
+  keys.vector3("position", position);
   device.pose.translation() = position;
   if (const YamlNode* rotation = keys.find("rotation"))
     if (const auto turn = read_rotation(findings_, *rotation, "rotation"))
@@ -174,8 +155,8 @@ void SensorReader::read_camera(const Keys& keys, Device& device) {
   auto& camera = std::get<Camera>(device.kind);
   device.pose.linear() = device.pose.linear() * looking_along_x();
   read_rate(keys, camera.frame_rate);
-  keys.integer("width", 1, max_image_side, camera.width);
-  keys.integer("height", 1, max_image_side, camera.height);
+  keys.integer("width", camera.width);
+  keys.integer("height", camera.height);
   double horizontal = 1.047;  // [rad], SDF's default
   if (const YamlNode* node = keys.find("horizontal_fov"))
     horizontal =
@@ -183,8 +164,8 @@ void SensorReader::read_camera(const Keys& keys, Device& device) {
   else
     keys.set_default("horizontal_fov", {fmt::format("{}", horizontal)});
   camera.field_of_view = field_of_view_of(horizontal, camera);
-  keys.number("near", {0.0, 1e6, "[m]", true}, camera.near_clip);
-  keys.number("far", {0.0, 1e6, "[m]", true}, camera.far_clip);
+  keys.number("near", camera.near_clip);
+  keys.number("far", camera.far_clip);
   keys.flag("shadows", camera.shadows);
   keys.flag("antialiasing", camera.antialiasing);
   if (camera.near_clip < camera.far_clip) return;
@@ -195,7 +176,7 @@ void SensorReader::read_camera(const Keys& keys, Device& device) {
 }
 
 std::optional<Sweep> SensorReader::read_sweep(const YamlNode& node, std::string_view label, double most_angle) {
-  const Keys keys(findings_, node, "a sweep", {"from", "to", "samples"});
+  const Keys keys(findings_, node, sweep_form());
   Sweep sweep;
   const Range angles{-most_angle, most_angle, "[rad]"};
   const auto read = [&](std::string_view key, double& angle) {
@@ -205,7 +186,7 @@ std::optional<Sweep> SensorReader::read_sweep(const YamlNode& node, std::string_
     return number.has_value();
   };
   const bool is_read = read("from", sweep.lower) && read("to", sweep.upper);
-  keys.integer("samples", 1, most_beams, sweep.samples);
+  keys.integer("samples", sweep.samples);
   if (!is_read) return std::nullopt;
   if (sweep.lower > sweep.upper || (sweep.samples > 1 && sweep.lower == sweep.upper)) {
     findings_.error(node, fmt::format("{} goes from {} to {} rad", label, sweep.lower, sweep.upper),
@@ -223,8 +204,8 @@ void SensorReader::read_range(const Keys& keys, Device& device) {
   if (const YamlNode* yaw = keys.find("yaw")) laser.yaw = read_sweep(*yaw, "yaw", a_turn).value_or(laser.yaw);
   if (const YamlNode* pitch = keys.find("pitch"))
     laser.pitch = read_sweep(*pitch, "pitch", straight_up).value_or(laser.pitch);
-  keys.number("min", any_distance, laser.min_distance);
-  keys.number("max", any_distance, laser.max_distance);
+  keys.number("min", laser.min_distance);
+  keys.number("max", laser.max_distance);
   const double beams = static_cast<double>(laser.yaw.samples) * laser.pitch.samples;
   if (beams > most_beams)
     findings_.error(*keys.find("name"), fmt::format("'{}' has {} beams", device.name, beams),

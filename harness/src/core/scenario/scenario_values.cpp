@@ -1,11 +1,14 @@
 #include "scenario_values.h"
 
+#include "scenario_forms.h"
+
 #include "sensor_error.h"
 
 #include "model/names.h"
 #include "model/text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
@@ -90,17 +93,6 @@ std::optional<Eigen::Quaterniond> roll_pitch_yaw(Findings& findings, const YamlN
 }
 
 }  // namespace
-
-bool Range::contains(double value) const {
-  return (open_low ? value > low : value >= low) && (open_high ? value < high : value <= high);
-}
-
-std::string Range::text() const {
-  const std::string limits = open_low || open_high ? fmt::format("{} {} and {} {}", open_low ? "above" : "at least",
-                                                                 low, open_high ? "below" : "at most", high)
-                                                   : fmt::format("from {} to {}", low, high);
-  return unit.empty() ? limits : fmt::format("{} {}", limits, unit);
-}
 
 std::string shortened(std::string_view text, std::size_t longest) {
   std::string result;
@@ -265,7 +257,7 @@ std::optional<Eigen::Quaterniond> read_rotation(Findings& findings, const YamlNo
                    "expected [roll, pitch, yaw], {axis: [x, y, z], angle: A} or {quaternion: [w, x, y, z]}");
     return std::nullopt;
   }
-  const Keys keys(findings, node, "a rotation", {"axis", "angle", "quaternion"});
+  const Keys keys(findings, node, rotation_form());
   if (const YamlNode* quaternion = keys.find("quaternion")) {
     if (keys.find("axis") != nullptr || keys.find("angle") != nullptr)
       findings.error(node, "the rotation is given twice", "either quaternion, or axis and angle");
@@ -318,17 +310,17 @@ const YamlNode* find_key(const YamlNode& map, std::string_view key) {
   return nullptr;
 }
 
-Keys::Keys(Findings& findings, const YamlNode& node, std::string_view owner, const std::vector<std::string_view>& known)
-    : findings_(findings), node_(node), owner_(owner) {
+Keys::Keys(Findings& findings, const YamlNode& node, const Form& form) : findings_(findings), node_(node), form_(form) {
   if (!is_map()) {
-    findings_.error(node, fmt::format("{} is {}", owner, describe(node)), "expected a map of KEY: VALUE");
+    findings_.error(node, fmt::format("{} is {}", form.owner, describe(node)), "expected a map of KEY: VALUE");
     return;
   }
-  const std::vector<std::string> names(known.begin(), known.end());
   entries_ = read_entries(findings_, node);
   for (const NamedEntry& entry : entries_) {
-    if (std::find(names.begin(), names.end(), entry.name) != names.end()) continue;
-    findings_.error(*entry.key, fmt::format("unknown key '{}' in {}", shortened(entry.name), owner),
+    if (form.find(entry.name) != nullptr) continue;
+    std::vector<std::string> names;
+    for (const std::string_view name : form.key_names()) names.emplace_back(name);
+    findings_.error(*entry.key, fmt::format("unknown key '{}' in {}", shortened(entry.name), form.owner),
                     name_hint(entry.name, names, "keys"));
     has_unknown_ = true;
     const std::vector<std::string> near = near_names(entry.name, names);
@@ -336,33 +328,62 @@ Keys::Keys(Findings& findings, const YamlNode& node, std::string_view owner, con
   }
 }
 
+const FormKey& Keys::row(std::string_view key) const {
+  const FormKey* row = form_.find(key);
+  REHEARSE_ASSERT(row != nullptr, "a key that is read is in the form");
+  return *row;
+}
+
+const Range& Keys::range_of(std::string_view key) const {
+  const ValueType& type = row(key).type;
+  return type.kind == ValueType::Kind::list ? type.parts[0].range : type.range;
+}
+
+void Keys::check_words(std::string_view key, std::size_t count,
+                       const std::function<bool(std::string_view word)>& is_known) const {
+  const std::vector<std::string>& words = row(key).type.words;
+  REHEARSE_ASSERT(words.size() == count && std::all_of(words.begin(), words.end(), is_known),
+                  "the form has the words that are read");
+}
+
+void Keys::set_default(std::string_view key, std::vector<std::string> elements) const {
+  const std::string_view stated = row(key).fallback;
+  REHEARSE_ASSERT(stated.empty() || stated == required ||
+                      stated == (elements.size() == 1 ? elements[0] : fmt::format("[{}]", fmt::join(elements, ", "))),
+                  "the default is that of the form");
+  findings_.set_default(node_, key, std::move(elements));
+}
+
 const YamlNode* Keys::require(std::string_view key, std::string_view what) const {
   const YamlNode* value = find(key);
   const bool told = std::find(misspelt_.begin(), misspelt_.end(), key) != misspelt_.end();
   if (value == nullptr && is_map() && !told)
-    findings_.error(node_, fmt::format("{} has no '{}'", owner_, key), fmt::format("expected {}: {}", key, what));
+    findings_.error(node_, fmt::format("{} has no '{}'", form_.owner, key), fmt::format("expected {}: {}", key, what));
   return value;
 }
 
-void Keys::number(std::string_view key, const Range& range, double& out) const {
+void Keys::number(std::string_view key, double& out) const {
   if (const YamlNode* node = find(key))
-    out = read_number(findings_, *node, key, range).value_or(out);
+    out = read_number(findings_, *node, key, range_of(key)).value_or(out);
   else
-    findings_.set_default(node_, key, {fmt::format("{}", out)});
+    set_default(key, {fmt::format("{}", out)});
 }
 
-void Keys::number(std::string_view key, const Range& range, std::optional<double>& out) const {
+void Keys::number(std::string_view key, std::optional<double>& out) const {
   if (const YamlNode* node = find(key))
-    out = read_number(findings_, *node, key, range);
+    out = read_number(findings_, *node, key, range_of(key));
   else if (out)
-    findings_.set_default(node_, key, {fmt::format("{}", *out)});
+    set_default(key, {fmt::format("{}", *out)});
 }
 
-void Keys::integer(std::string_view key, std::int64_t low, std::int64_t high, int& out) const {
+void Keys::integer(std::string_view key, int& out) const {
+  const Range& range = range_of(key);
   if (const YamlNode* node = find(key))
-    out = static_cast<int>(read_integer(findings_, *node, key, low, high).value_or(out));
+    out = static_cast<int>(
+        read_integer(findings_, *node, key, static_cast<std::int64_t>(range.low), static_cast<std::int64_t>(range.high))
+            .value_or(out));
   else
-    findings_.set_default(node_, key, {fmt::format("{}", out)});
+    set_default(key, {fmt::format("{}", out)});
 }
 
 void Keys::text(std::string_view key, std::string& out) const {
@@ -373,15 +394,14 @@ void Keys::flag(std::string_view key, bool& out) const {
   if (const YamlNode* node = find(key))
     out = read_flag(findings_, *node, key).value_or(out);
   else
-    findings_.set_default(node_, key, {out ? "true" : "false"});
+    set_default(key, {out ? "true" : "false"});
 }
 
-void Keys::vector3(std::string_view key, const Range& range, Eigen::Vector3d& out) const {
+void Keys::vector3(std::string_view key, Eigen::Vector3d& out) const {
   if (const YamlNode* node = find(key))
-    out = read_vector3(findings_, *node, key, range).value_or(out);
+    out = read_vector3(findings_, *node, key, range_of(key)).value_or(out);
   else
-    findings_.set_default(node_, key,
-                          {fmt::format("{}", out.x()), fmt::format("{}", out.y()), fmt::format("{}", out.z())});
+    set_default(key, {fmt::format("{}", out.x()), fmt::format("{}", out.y()), fmt::format("{}", out.z())});
 }
 
 }  // namespace rehearse

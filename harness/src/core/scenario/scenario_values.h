@@ -4,11 +4,15 @@
 // Numbers are read by std::from_chars: no locale, no octal, no infinities or NaN. Text in quotes is never a number.
 #pragma once
 
+#include "core/form/form.h"
 #include "scenario_findings.h"
 #include "yaml/yaml_tree.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <optional>
 #include <span>
@@ -19,19 +23,6 @@
 #include <vector>
 
 namespace rehearse {
-
-/// The range of valid numbers.
-struct Range {
-  double low;
-  double high;
-  std::string_view unit = "";  // "[m]"; empty: none
-  bool open_low = false;       // low itself is invalid
-  bool open_high = false;      // high itself is invalid
-
-  bool contains(double value) const;
-  /// "above 0 and at most 86400 [s]"
-  std::string text() const;
-};
 
 // Outside of these ranges no double-precision simulation is meaningful; the ranges also keep every product in it
 // finite.
@@ -72,11 +63,7 @@ std::optional<bool> read_flag(Findings& findings, const YamlNode& node, std::str
 std::optional<double> read_rate(Findings& findings, const YamlNode& node, std::string_view label);
 /// [rad]
 std::optional<double> read_angle(Findings& findings, const YamlNode& node, std::string_view label);
-/// A unit that may be written after a number: the number times the factor is in the first unit of a list.
-struct Unit {
-  std::string_view name;
-  double factor = 1.0;
-};
+// A number may be written with a unit of a list; the value is in the first one.
 inline constexpr Unit time_units[] = {{"s"}, {"ms", 1e-3}, {"us", 1e-6}};
 inline constexpr Unit rate_units[] = {{"Hz"}, {"kHz", 1e3}};
 inline constexpr Unit angle_units[] = {{"rad"}, {"deg", 0.017453292519943295}};
@@ -121,8 +108,8 @@ const YamlNode* find_key(const YamlNode& map, std::string_view key);
 /// A map with a fixed set of keys. The constructor reports nodes that are no map, unknown keys and duplicate keys.
 class Keys {
  public:
-  /// `owner` is the described object, with its article: "a body".
-  Keys(Findings& findings, const YamlNode& node, std::string_view owner, const std::vector<std::string_view>& known);
+  /// `form` stays referenced.
+  Keys(Findings& findings, const YamlNode& node, const Form& form);
 
   bool is_map() const { return node_.kind == YamlNode::Kind::map; }
   /// The value, or null if the key is missing.
@@ -137,26 +124,27 @@ class Keys {
   bool has_unknown() const { return has_unknown_; }
 
   // Each reads a key into `out`, and leaves `out` unchanged if the key is missing or its value is wrong. Of a missing
-  // key, `out` is the default.
-  void number(std::string_view key, const Range& range, double& out) const;
-  void number(std::string_view key, const Range& range, std::optional<double>& out) const;
-  void integer(std::string_view key, std::int64_t low, std::int64_t high, int& out) const;
+  // key, `out` is the default. The form has the range.
+  void number(std::string_view key, double& out) const;
+  void number(std::string_view key, std::optional<double>& out) const;
+  void integer(std::string_view key, int& out) const;
   void text(std::string_view key, std::string& out) const;
   void flag(std::string_view key, bool& out) const;
-  void vector3(std::string_view key, const Range& range, Eigen::Vector3d& out) const;
+  void vector3(std::string_view key, Eigen::Vector3d& out) const;
   /// As Findings::absent_map().
   const YamlNode& absent_map(const std::string& key) const { return findings_.absent_map(node_, key); }
-  /// States the default of a missing key that is read in another way.
-  void set_default(std::string_view key, std::vector<std::string> elements) const {
-    findings_.set_default(node_, key, std::move(elements));
-  }
+  /// States the default of a missing key that is read in another way. It is that of the form, if the form has one.
+  void set_default(std::string_view key, std::vector<std::string> elements) const;
   /// One of the words, each with its value. `what` describes them.
   template <class Value>
   void word(std::string_view key, std::string_view what,
             std::initializer_list<std::pair<std::string_view, std::type_identity_t<Value>>> words, Value& out) const {
     const YamlNode* node = find(key);
+    check_words(key, words.size(), [&](std::string_view word) {
+      return std::any_of(words.begin(), words.end(), [&](const auto& each) { return each.first == word; });
+    });
     for (const auto& [word, value] : words)
-      if (node == nullptr && value == out) findings_.set_default(node_, key, {std::string(word)});
+      if (node == nullptr && value == out) set_default(key, {std::string(word)});
     if (node == nullptr) return;
     for (const auto& [word, value] : words) {
       if (node->kind != YamlNode::Kind::scalar || node->text != word) continue;
@@ -167,9 +155,15 @@ class Keys {
   }
 
  private:
+  const FormKey& row(std::string_view key) const;
+  const Range& range_of(std::string_view key) const;
+  /// Asserts that the form has these words.
+  void check_words(std::string_view key, std::size_t count,
+                   const std::function<bool(std::string_view word)>& is_known) const;
+
   Findings& findings_;
   const YamlNode& node_;
-  std::string owner_;
+  const Form& form_;
   std::vector<NamedEntry> entries_;
   std::vector<std::string> misspelt_;  // the known keys that unknown ones resemble
   bool has_unknown_ = false;

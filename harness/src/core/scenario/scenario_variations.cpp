@@ -9,6 +9,7 @@
 #include <span>
 
 #include "model/names.h"
+#include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 #include "scenario_variations.h"
@@ -171,16 +172,16 @@ void VariationReader::read_bounds(const Keys& keys, Variation& variation, Distri
 
 void VariationReader::read_normal(const YamlNode& node, Variation& variation) {
   variation.distribution = Distribution::normal;
-  const Keys keys(findings_, node, "normal", {"mean", "stddev", "from", "to"});
+  const Keys keys(findings_, node, normal_form());
   if (!keys.is_map()) return;
   keys.require("mean", "the mean before truncation");
   keys.require("stddev", "the standard deviation before truncation");
   keys.require("from", "the least value: physics has no infinite numbers");
   keys.require("to", "the largest value: physics has no infinite numbers");
-  keys.number("mean", any_number, variation.mean);
-  keys.number("stddev", {0.0, any_number.high, "", true}, variation.stddev);
-  keys.number("from", any_number, variation.low);
-  keys.number("to", any_number, variation.high);
+  keys.number("mean", variation.mean);
+  keys.number("stddev", variation.stddev);
+  keys.number("from", variation.low);
+  keys.number("to", variation.high);
   constexpr double farthest = 8.0;  // beyond it the normal distribution's tail has less than 1e-15
   const bool is_empty = variation.low >= variation.high ||
                         variation.low > variation.mean + farthest * variation.stddev ||
@@ -194,13 +195,13 @@ void VariationReader::read_normal(const YamlNode& node, Variation& variation) {
 
 /// Equal steps from a number to another, both included.
 void VariationReader::read_steps(const YamlNode& node, Variation& variation) {
-  const Keys keys(findings_, node, "a grid", {"from", "to", "steps"});
+  const Keys keys(findings_, node, grid_form());
   double from = 0.0, to = 0.0;
   int steps = 0;
   for (const char* key : {"from", "to", "steps"}) keys.require(key, "a number");
-  keys.number("from", any_number, from);
-  keys.number("to", any_number, to);
-  keys.integer("steps", 2, 1'000'000, steps);
+  keys.number("from", from);
+  keys.number("to", to);
+  keys.integer("steps", steps);
   for (int i = 0; i < steps; ++i)
     variation.values.push_back(fmt::format("{}", i + 1 == steps ? to : from + (to - from) * i / (steps - 1)));
 }
@@ -392,9 +393,7 @@ std::optional<Variation> VariationReader::read(const NamedEntry& entry) {
                     "expected a word of letters, digits and '_', none of tick, time, differs, case, verdict, again");
     return std::nullopt;
   }
-  const Keys keys(
-      findings_, *entry.value, "a parameter",
-      {"path", "uniform", "log_uniform", "normal", "choice", "grid", "file", "column", "linked", "integer"});
+  const Keys keys(findings_, *entry.value, parameter_form());
   if (!keys.is_map()) return std::nullopt;
   const YamlNode* path = keys.require("path", "the place of its value, as bodies.Box.mass");
   if (!path || !read_distribution(*entry.value, keys, variation)) return std::nullopt;

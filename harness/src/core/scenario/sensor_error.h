@@ -48,6 +48,7 @@ struct ErrorMemory {
 
 struct ErrorForm {
   std::string_view key;
+  std::string_view text;  // of the key
   ErrorUnit unit;
   Range range;
   ErrorOf of = ErrorOf::any;

@@ -7,6 +7,7 @@
 
 #include "core/scenario/scenario_parts.h"
 #include "log_map_parts.h"
+#include "map_forms.h"
 
 namespace rehearse {
 
@@ -29,15 +30,12 @@ bool LogMapReader::check_version(const YamlNode& root) {
 
 void LogMapReader::read(const YamlNode& root) {
   if (!check_version(root)) return;
-  const Keys keys(findings_, root, "the map",
-                  {"rehearse_map", "body",     "time_step", "tick",       "clock",  "start",     "restart",  "begins",
-                   "missing",      "renamed",  "max_age",   "controller", "joints", "imus",      "wrenches", "cameras",
-                   "ranges",       "joystick", "root",      "commands",   "state",  "tolerances"});
+  const Keys keys(findings_, root, map_form());
   read_body(keys, root);
   read_clock(keys);
   keys.word("begins", "run (the log may begin in the middle of a run) or controller (with the controller's start)",
             {{"run", false}, {"controller", true}}, map_.begins_with_controller);
-  keys.number("max_age", {0.0, Scenario::max_duration, "[s]", true}, max_age_);
+  keys.number("max_age", max_age_);
   if (const YamlNode* node = keys.find("controller")) read_controller(*node);
   if (const YamlNode* node = keys.find("joints")) each(*node, "joints", [&](const YamlNode& one) { read_joints(one); });
   if (const YamlNode* node = keys.find("imus")) each(*node, "imus", [&](const YamlNode& one) { read_imu(one); });
@@ -96,9 +94,7 @@ void LogMapReader::read_clock_name(const Keys& keys, LogClock& clock) {
 /// Any topic with messages can be the tick. Its clock is that of the topic's other sources.
 void LogMapReader::read_tick(const YamlNode& node) {
   std::optional<Keys> keys;
-  if (node.kind == YamlNode::Kind::map)
-    keys.emplace(findings_, node, "the tick",
-                 std::initializer_list<std::string_view>{"topic", "grid", "latency", "clock", "clock_offset"});
+  if (node.kind == YamlNode::Kind::map) keys.emplace(findings_, node, map_tick_form());
   const YamlNode* topic = keys ? keys->require("topic", name_of_topic) : &node;
   if (topic == nullptr) return;
   TickSource source;
@@ -201,7 +197,7 @@ void LogMapReader::read_missing(const Keys& keys) {
 }
 
 void LogMapReader::read_controller(const YamlNode& node) {
-  const Keys keys(findings_, node, "the controller", {"name", "options", "delay"});
+  const Keys keys(findings_, node, map_controller_form());
   if (const YamlNode* name = keys.find("name")) map_.controller.name = read_name(findings_, *name, "name").value_or("");
   keys.text("options", map_.controller.options);
   keys.flag("delay", map_.controller.delay);

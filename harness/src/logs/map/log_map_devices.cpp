@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "log_map_parts.h"
+#include "map_forms.h"
 #include "model/names.h"
 
 namespace rehearse {
@@ -96,19 +97,19 @@ void LogMapReader::read_vectors(const Keys& keys, DeviceSource::Kind kind, std::
 }
 
 void LogMapReader::read_imu(const YamlNode& node) {
-  const Keys keys(findings_, node, "an IMU", {"topic", "device", "sampling", "max_age", "clock", "clock_offset"});
+  const Keys keys(findings_, node, imu_source_form());
   read_vectors(keys, DeviceSource::Kind::imu, "gyros, accelerometers and IMUs",
                two_vectors("angular_velocity", "linear_acceleration"), "an Imu");
 }
 
 void LogMapReader::read_wrench(const YamlNode& node) {
-  const Keys keys(findings_, node, "a wrench", {"topic", "device", "sampling", "max_age", "clock", "clock_offset"});
+  const Keys keys(findings_, node, wrench_source_form());
   read_vectors(keys, DeviceSource::Kind::wrench, "force sensors", two_vectors("wrench/force", "wrench/torque"),
                "a WrenchStamped");
 }
 
 void LogMapReader::read_ranges(const YamlNode& node) {
-  const Keys keys(findings_, node, "a range sensor", {"topic", "device", "max_age", "clock", "clock_offset"});
+  const Keys keys(findings_, node, range_source_form());
   if (!keys.is_map()) return;
   DeviceSource source;
   source.kind = DeviceSource::Kind::ranges;
@@ -120,8 +121,7 @@ void LogMapReader::read_ranges(const YamlNode& node) {
 }
 
 void LogMapReader::read_camera(const YamlNode& node) {
-  const Keys keys(findings_, node, "a camera",
-                  {"topic", "depth", "info", "device", "max_age", "clock", "clock_offset"});
+  const Keys keys(findings_, node, camera_source_form());
   if (!keys.is_map()) return;
   const YamlNode *picture = keys.find("topic"), *depth = keys.find("depth"), *info = keys.find("info");
   if (!picture && !depth)

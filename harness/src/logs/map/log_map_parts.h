@@ -61,8 +61,7 @@ class LogMapReader {
   const LogTopic* find_topic(const YamlNode& node, std::string_view label, const std::vector<Needs>& needs,
                              std::string_view what, LogSource& source);
   /// The keys of a source; none if the source is a topic alone.
-  std::optional<Keys> keys_of(const YamlNode& node, std::string_view owner,
-                              std::initializer_list<std::string_view> known);
+  std::optional<Keys> keys_of(const YamlNode& node, const Form& form);
   /// The settings that all sources have: clock, clock_offset and, unless its default is nullopt, max_age. A setting
   /// that the source lacks is the map's. Null keys: the source is a topic alone.
   void read_source(const Keys* keys, LogSource& source, std::optional<double> max_age);

@@ -6,15 +6,13 @@
 #include <algorithm>
 
 #include "log_map_parts.h"
+#include "map_forms.h"
 #include "model/names.h"
 
 namespace rehearse {
 namespace {
 
 using enum FieldContent;
-
-constexpr Range any_scale{-1e6, 1e6};
-constexpr Range any_age{0.0, Scenario::max_duration, "[s]", true};
 
 std::vector<std::string> joint_names(const Model& model) {
   std::vector<std::string> names;
@@ -88,10 +86,9 @@ void LogMapReader::check_clock(const YamlNode& node, const LogTopic& topic, cons
                     fmt::format("expected the clock of line {}", first->second.second));
 }
 
-std::optional<Keys> LogMapReader::keys_of(const YamlNode& node, std::string_view owner,
-                                          std::initializer_list<std::string_view> known) {
+std::optional<Keys> LogMapReader::keys_of(const YamlNode& node, const Form& form) {
   if (node.kind == YamlNode::Kind::scalar) return std::nullopt;
-  return std::optional<Keys>(std::in_place, findings_, node, owner, known);
+  return std::optional<Keys>(std::in_place, findings_, node, form);
 }
 
 void LogMapReader::read_source(const Keys* keys, LogSource& source, std::optional<double> max_age) {
@@ -99,8 +96,8 @@ void LogMapReader::read_source(const Keys* keys, LogSource& source, std::optiona
   if (max_age) source.max_age = max_age_ ? max_age_ : max_age;
   if (keys == nullptr) return;
   read_clock_name(*keys, source.clock);
-  keys->number("max_age", any_age, source.max_age);
-  keys->number("clock_offset", {-1e10, 1e10, "[s]"}, source.clock_offset);
+  keys->number("max_age", source.max_age);
+  keys->number("clock_offset", source.clock_offset);
   if (const YamlNode* offset = keys->find("clock_offset"); offset && source.clock == LogClock::log_time)
     findings_.error(*offset, "'clock_offset' without stamps", "expected clock: header.stamp, too");
 }
@@ -135,8 +132,8 @@ void LogMapReader::read_names(const YamlNode& node, std::map<std::string, JointR
     JointRename rename;
     std::optional<int> joint;
     if (entry.value->kind == YamlNode::Kind::map) {
-      const Keys keys(findings_, *entry.value, "a joint", {"joint", "scale", "offset"});
-      keys.number("scale", any_scale, rename.scale);
+      const Keys keys(findings_, *entry.value, joint_rename_form());
+      keys.number("scale", rename.scale);
       if (const YamlNode* scale = keys.find("scale"); scale != nullptr && rename.scale == 0.0)
         findings_.error(*scale, "scale is 0", "expected the model's displacement per unit of the log's, as -1");
       if (const YamlNode* offset = keys.find("offset"))
@@ -158,8 +155,7 @@ void LogMapReader::read_names(const YamlNode& node, std::map<std::string, JointR
 }
 
 void LogMapReader::read_joints(const YamlNode& node) {
-  const std::optional<Keys> keys = keys_of(
-      node, "a source of joints", {"topic", "names", "velocity", "sampling", "max_age", "clock", "clock_offset"});
+  const std::optional<Keys> keys = keys_of(node, joint_source_form());
   if (keys && !keys->is_map()) return;
   JointSource source;
   read_source(keys ? &*keys : nullptr, source, max_age_of_numbers);
@@ -183,8 +179,7 @@ void LogMapReader::read_joints(const YamlNode& node) {
 }
 
 void LogMapReader::read_root(const YamlNode& node) {
-  const std::optional<Keys> keys =
-      keys_of(node, "the root", {"topic", "frame", "sampling", "max_age", "clock", "clock_offset"});
+  const std::optional<Keys> keys = keys_of(node, root_source_form());
   if (keys && !keys->is_map()) return;
   RootSource source;
   read_source(keys ? &*keys : nullptr, source, max_age_of_numbers);
@@ -227,9 +222,9 @@ void LogMapReader::read_axes(const YamlNode& node, JoySource& source) {
     }
     const YamlNode* index = entry.value;
     if (entry.value->kind == YamlNode::Kind::map) {
-      const Keys keys(findings_, *entry.value, "an axis", {"index", "invert", "scale"});
+      const Keys keys(findings_, *entry.value, axis_source_form());
       keys.flag("invert", source.axes[*axis].invert);
-      keys.number("scale", any_scale, source.axes[*axis].scale);
+      keys.number("scale", source.axes[*axis].scale);
       index = keys.require("index", "its number in the message");
     }
     if (index != nullptr)
@@ -254,8 +249,7 @@ void LogMapReader::read_buttons(const YamlNode& node, JoySource& source) {
 }
 
 void LogMapReader::read_joystick(const YamlNode& node) {
-  const std::optional<Keys> keys =
-      keys_of(node, "the joystick", {"topic", "axes", "buttons", "max_age", "clock", "clock_offset"});
+  const std::optional<Keys> keys = keys_of(node, joystick_source_form());
   if (keys && !keys->is_map()) return;
   JoySource source;
   for (std::size_t i = 0; i < source.axes.size(); ++i) source.axes[i].index = static_cast<int>(i);
@@ -294,7 +288,7 @@ void LogMapReader::read_array_commands(const Keys& keys, CommandSource& source) 
 
 /// The state that a controller takes back by rehearse_state().
 void LogMapReader::read_state(const YamlNode& node) {
-  const std::optional<Keys> keys = keys_of(node, "a source of states", {"topic", "names", "clock", "clock_offset"});
+  const std::optional<Keys> keys = keys_of(node, state_source_form());
   if (!keys) {
     findings_.error(node, "'state' has no names", "expected {topic: ..., names: [...]}, a name for each number");
     return;
@@ -322,13 +316,12 @@ void LogMapReader::read_state(const YamlNode& node) {
 }
 
 void LogMapReader::read_commands(const YamlNode& node) {
-  const std::optional<Keys> keys =
-      keys_of(node, "a source of commands", {"topic", "names", "joints", "quantity", "shift", "clock", "clock_offset"});
+  const std::optional<Keys> keys = keys_of(node, command_source_form());
   if (keys && !keys->is_map()) return;
   CommandSource source;
   read_source(keys ? &*keys : nullptr, source, std::nullopt);
   if (keys) {
-    keys->integer("shift", -1000, 1000, source.shift);
+    keys->integer("shift", source.shift);
     if (const YamlNode* names = keys->find("names")) read_names(*names, source.names);
   }
   const YamlNode* topic = keys ? keys->require("topic", name_of_topic) : &node;

@@ -1,0 +1,166 @@
+"""The objects that verbs print with --json: each command of a list prints one that is valid, and that has no member
+without a row."""
+
+import copy
+import json
+import os
+import shutil
+import subprocess
+
+
+class Outputs:
+    """Runs commands in a folder, and collects what they print by the name of its schema."""
+
+    def __init__(self, program, folder):
+        self.program, self.folder = program, folder
+        self.objects = []  # (name of the schema, words, object)
+
+    def run(self, schema, *words, lines=False):
+        """Runs `rehearse WORDS --json`, and keeps its object, or the object of each line."""
+        words = [str(word) for word in words]
+        outcome = subprocess.run([self.program, *words, "--json"], cwd=self.folder, capture_output=True, text=True)
+        assert outcome.stdout.startswith("{"), f"rehearse {' '.join(words)} prints no object: {outcome.stderr}"
+        texts = outcome.stdout.splitlines() if lines else [outcome.stdout]
+        for text in texts:
+            self.objects.append((schema, words, json.loads(text)))
+        return self.objects[-1][2]
+
+
+def objects_in(value, path=()):
+    """All objects inside a value, with their paths."""
+    if isinstance(value, dict):
+        yield path, value
+    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, inner in items:
+        yield from objects_in(inner, (*path, key))
+
+
+def at(value, path):
+    for key in path:
+        value = value[key]
+    return value
+
+
+# Members of the outermost object that are there only sometimes.
+OPTIONAL = {"alignment", "replayed", "report", "kept_failures", "slurm", "first", "costs"}
+
+
+def mutations(value):
+    """The value with one more member in an object of each kind, and without each member of the outermost."""
+    for path, _ in objects_in(value):
+        if any(isinstance(key, int) and key > 0 for key in path):
+            continue
+        changed = copy.deepcopy(value)
+        at(changed, path)["a_new_member"] = []
+        yield f"a new member at {'/'.join(map(str, path)) or 'the top'}", changed
+    for name in value:
+        if name in OPTIONAL:
+            continue
+        yield f"no '{name}'", {key: inner for key, inner in value.items() if key != name}
+
+
+CAMPAIGN = """rehearse: 1
+duration: 0.2
+bodies:
+  - {name: Box, box: {size: [1, 1, 1]}, mass: 2, position: [0, 0, 1], velocity: {linear: [0, 0, 0.001]}}
+expect:
+  - {channel: Box/Box/position/z, above: 0.85, at: end}
+vary:
+  speed: {path: "bodies.Box.velocity.linear[2]", uniform: [-0.5, 0.5]}
+  height: {path: "bodies.Box.position[2]", uniform: [0.9, 1.1]}
+pass_rate: {at_least: 0.5}
+sometimes: {low: "Box/Box/position/z < 0.7"}
+"""
+
+
+def collect_campaign(outputs):
+    run = outputs.run
+    run("sweep", "sweep", "box.yaml", "--cases", 12, "--seed", 1, "-o", "boxes")
+    run("sweep", "sweep", "status", "boxes")
+    run("sweep", "sweep", "resume", "boxes")
+    run("sweep", "sweep", "report", "boxes")
+    run("sweep", "sweep", "report", "boxes", "--against", "boxes", "--margin", "0.1")
+    results = [json.loads(line) for line in (outputs.folder / "boxes/results.jsonl").read_text().splitlines()]
+    failed = next(result["case"] for result in results if result["verdict"] == "violated")
+    run("sweep-case", "sweep", "case", failed, "boxes", "-o", "case.mcap")
+    run("sweep-shrink", "sweep", "shrink", failed, "boxes", "-o", "small.yaml")
+    run("sweep-towards", "sweep", "box.yaml", "--cases", 6, "--towards", "Box/Box/position/z above 0.85 m at the end",
+        "--rounds", 2, "--estimate", 8, "-o", "steered")
+    run("sweep", "sweep", "status", "absent")
+
+
+def collect_goldens(outputs, fixtures, golden):
+    """A project whose controller has changed: its golden is reviewed, rejected, accepted."""
+    run, folder = outputs.run, outputs.folder
+    name = "Spring.SwingsWithItsNaturalFrequency"
+    for file in golden.glob(name + ".*"):
+        shutil.copy(file, folder / "golden")
+    text = (fixtures / "scenarios/spring.yaml").read_text().replace("../models", str(fixtures / "models"))
+    assert "stiffness: 80" in text
+    (folder / "stiff.yaml").write_text(text.replace("stiffness: 80", "stiffness: 90"))
+    history = ["--history", "history.jsonl", "--commit", "abcdef0123", "--date", "2026-01-01"]
+    run("check", "check", "stiff.yaml", *history)
+    run("check", "check", "stiff.yaml", "box.yaml", fixtures / "broken/scenario_unknown_key.yaml", *history)
+    for line in (folder / "history.jsonl").read_text().splitlines():
+        outputs.objects.append(("history-line", ["a line of a history"], json.loads(line)))
+    run("history", "history", "history.jsonl")
+    run("golden-list", "golden", "list")
+    for verb in ("reject", "accept"):
+        subprocess.run([outputs.program, "check", "stiff.yaml"], cwd=folder, env={**os.environ, "REHEARSE_GOLDEN": ""},
+                       capture_output=True)
+        run("golden-review", "golden", "review")
+        run(f"golden-{verb}", "golden", verb, name)
+        run(f"golden-{verb}", "golden", verb, "Absent.One")
+    run("golden-noise", "golden", "noise", "stiff.yaml")
+    run("golden-prune", "golden", "prune", "--no-tests")
+
+
+def collect_log(outputs, fixtures, golden):
+    run = outputs.run
+    log, model = golden / "Tank.IsDrivenByJoystick.mcap", fixtures / "models/tank.urdf"
+    subprocess.run([outputs.program, "map", log, "--model", model, "-o", "tank.map.yaml"], cwd=outputs.folder, check=True,
+                   capture_output=True)
+    run("replay-log", "replay", log, "--controller", "TankController", "--model", model, "--map", "tank.map.yaml")
+    run("replay-log", "replay", log, "--controller", "TankController", "--model", model, "--map",
+        fixtures / "broken/map_unknown_key.yaml")
+
+
+def collect(program, source, folder):
+    """The objects of every verb, as they are printed for the fixtures."""
+    outputs = Outputs(program, folder)
+    run = outputs.run
+    fixtures, golden = source / "fixtures", source / "golden"
+    spring, swing = fixtures / "scenarios/spring.yaml", golden / "Spring.SwingsWithItsNaturalFrequency.mcap"
+    standing = golden / "SR1.StandsUnderItsMinimumController.mcap"
+    run("record", "record", spring, "-o", "spring.mcap", "--verify")
+    run("record", "record", fixtures / "scenarios/sr1_standing.yaml", "-o", "sr1.mcap", "--duration", "0.05", "--realtime")
+    run("record", "record", fixtures / "broken/scenario_unknown_key.yaml", "-o", "broken.mcap")
+    run("check", "check", spring, "--golden", swing)
+    run("check", "check", fixtures / "broken/scenario_unknown_key.yaml")
+    (folder / "golden").mkdir()
+    (folder / "box.yaml").write_text(CAMPAIGN)
+    collect_goldens(outputs, fixtures, golden)
+    collect_campaign(outputs)
+    run("replay", "replay", standing)
+    run("replay-tick", "replay", standing, "--tick", "10")
+    run("replay-watch", "replay", standing, "--watch", "SR1/WAIST/*", "--until", "0.01", lines=True)
+    run("replay-when", "replay", standing, "--when", "SR1/RLEG_KNEE/u > 0", lines=True)
+    run("diff", "diff", swing, swing)
+    run("diff", "diff", swing, "spring.mcap")
+    run("diff", "diff", swing, standing)
+    run("audit", "audit", standing)
+    run("info", "info", swing)
+    run("report", "report", swing, "-o", "report.html")
+    run("export", "export", swing, "-o", "tables")
+    run("export", "export", swing, "--viewer", "foxglove", "-o", "viewer.mcap")
+    run("doctor", "doctor", swing)
+    run("doctor", "doctor", fixtures / "broken/mcap_nothing.mcap")
+    run("recover", "recover", swing, "-o", "whole.mcap")
+    run("filter", "filter", swing, "-o", "part.mcap", "--until", "1")
+    run("merge", "merge", swing, swing, "-o", "both.mcap", "--keep-apart")
+    run("inspect", "inspect", fixtures / "models/sr1.urdf")
+    run("inspect", "inspect", "--scenario", fixtures / "scenarios/rover.yaml")
+    run("inspect", "inspect", "absent.urdf")
+    collect_log(outputs, fixtures, golden)
+    run("import", "import", fixtures / "projects/wagon.cnoid", "-o", "imported")
+    return outputs.objects

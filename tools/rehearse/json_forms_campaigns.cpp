@@ -1,0 +1,164 @@
+// The objects of sweep and its parts.
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "json_forms.h"
+
+namespace rehearse::tool {
+namespace {
+
+ValueType maybe_real() { return types::nullable(types::real()); }
+ValueType maybe_count() { return types::nullable(types::count()); }
+
+std::vector<std::string> case_verdicts() {
+  return {"passed", "violated", "differs", "failed", "crashed", "hung", "exploded", "invalid"};
+}
+
+const Form& claim_form() {
+  static const Form form{
+      "claim",
+      "a claim",
+      {member("at_least", types::real()), member("confidence", types::real()),
+       member("answer", types::word({"passes", "fails", "undecided"})), member("more_cases", maybe_count())}};
+  return form;
+}
+
+const Form& non_inferiority_form() {
+  static const Form form{
+      "non_inferiority",
+      "a claim against another campaign",
+      {member("margin", types::real()), member("confidence", types::real()), member("difference", maybe_real()),
+       member("interval", types::any()), member("answer", types::word({"passes", "fails", "undecided"})),
+       member("more_cases", maybe_count())}};
+  return form;
+}
+
+const Form& survival_form() {
+  static const Form form{
+      "survival",
+      "an expectation under a fault",
+      {member("expectation", types::string()), member("survives", types::flag()), member("holds", types::count()),
+       member("violated", types::count()), member("unjudged", types::count()), member("least_margin", maybe_real()),
+       member("violated_with", types::array(types::string())), member("text", types::string())}};
+  return form;
+}
+
+const Form& varied_fault_form() {
+  static const Form form{"varied_fault",
+                         "a fault that the scenario varies",
+                         {member("fault", types::string()), member("cases", types::count()),
+                          member("expectations", types::array(types::of(survival_form)))}};
+  return form;
+}
+
+const Form& kept_failure_form() {
+  static const Form form{
+      "kept_failure",
+      "a failure that the project keeps",
+      {member("file", types::string()), member("verdict", types::string()), member("sentence", types::string())}};
+  return form;
+}
+
+const Form& queue_form() {
+  static const Form form{
+      "queue", "tasks in Slurm", {member("running", types::count()), member("waiting", types::count())}};
+  return form;
+}
+
+const Form& sweep_form() {
+  static const Form form = with_version(
+      {"sweep",
+       "sweep --json",
+       {member("verdict", types::string()), member("claim", types::nullable(types::of(claim_form))),
+        member("non_inferiority", types::nullable(types::of(non_inferiority_form))),
+        member("reached", types::map(types::count())), member("cases", types::count()),
+        member("verdicts", types::map(types::count(), case_verdicts())), member("missing", types::count()),
+        member("share", maybe_real()), member("interval", types::any()), member("until_failures", maybe_count()),
+        member("with_errors", types::count()), member("passed_with_errors", types::count()),
+        member("faults", types::array(types::of(varied_fault_form))), member("repeated", types::count()),
+        member("unrepeated", types::array(types::count())),
+        member_if("report", "the page; not of status", types::string()),
+        member_if("kept_failures", "of sweep and sweep resume", types::array(types::of(kept_failure_form))),
+        member_if("slurm", "of status of a campaign in Slurm", types::of(queue_form))}});
+  return form;
+}
+
+const Form& case_margin_form() {
+  static const Form form{"case_margin",
+                         "the margin of an expectation",
+                         {member("expectation", types::string()), member("margin", maybe_real())}};
+  return form;
+}
+
+std::vector<FormKey> case_members() {
+  return {member("verdict", types::word(case_verdicts())),
+          member("sentence", types::string()),
+          member("tick", types::nullable(types::whole(-1, 1e15))),
+          member("ticks", types::count()),
+          member("hash", types::string()),
+          member("margins", types::array(types::of(case_margin_form))),
+          member("case", types::count())};
+}
+
+const Form& sweep_case_form() {
+  static const Form form = [] {
+    Form one{"sweep_case", "sweep case --json", case_members()};
+    for (FormKey key : {member("values", types::map(types::either({types::string(), types::real()}))),
+                        member("trace", types::string()), member("same", types::nullable(types::flag())),
+                        member("changed_controllers", types::any())})
+      one.keys.push_back(std::move(key));
+    return with_version(std::move(one));
+  }();
+  return form;
+}
+
+const Form& sweep_shrink_form() {
+  static const Form form = [] {
+    Form one{"sweep_shrink", "sweep shrink --json", case_members()};
+    for (FormKey key :
+         {member("differs", types::map(types::either({types::string(), types::real()}))),
+          member("duration", types::real()), member("runs", types::count()), member("finished", types::flag()),
+          member("scenario", types::string()), member("changed_controllers", types::any())})
+      one.keys.push_back(std::move(key));
+    return with_version(std::move(one));
+  }();
+  return form;
+}
+
+const Form& round_form() {
+  static const Form form{"round",
+                         "a round of a search",
+                         {member("folder", types::string()), member("cases", types::count()),
+                          member("failed", types::count()), member("violations", types::count()),
+                          member("least_margin", maybe_real()), member("first_failure", maybe_count())}};
+  return form;
+}
+
+const Form& probability_form() {
+  static const Form form{
+      "probability",
+      "the probability of a failure",
+      {member("estimate", types::real()), member("interval", interval_type()), member("cases", types::count()),
+       member("violations", types::count()), member("folder", types::string())}};
+  return form;
+}
+
+const Form& sweep_towards_form() {
+  static const Form form = with_version({"sweep_towards",
+                                         "sweep --towards --json",
+                                         {member("rounds", types::array(types::of(round_form))),
+                                          member("probability", types::nullable(types::of(probability_form)))}});
+  return form;
+}
+
+}  // namespace
+
+std::vector<NamedForm> campaign_objects() {
+  return {object_of("sweep", "sweep --json, also of resume, status and report", {sweep_form}),
+          object_of("sweep-towards", "sweep --towards --json", {sweep_towards_form}),
+          object_of("sweep-case", "sweep case --json", {sweep_case_form}),
+          object_of("sweep-shrink", "sweep shrink --json", {sweep_shrink_form})};
+}
+
+}  // namespace rehearse::tool
