@@ -1,5 +1,5 @@
 // The keys of bodies and of their parts.
-#include <rehearse/urdf.h>
+#include <rehearse/body.h>
 
 #include <vector>
 
