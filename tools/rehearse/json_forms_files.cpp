@@ -82,21 +82,29 @@ const Form& header_form() {
 }
 
 const Form& info_form() {
-  static const Form form = with_version(
-      {"info",
-       "info --json",
-       {member("file", types::string()), member("form", types::string()), member("size", types::count()),
-        member("header", types::of(header_form)), member("read", types::word({"all", "summary"})),
-        member("begin", types::real()), member("duration", types::real()), member("begin_ns", types::count()),
-        member("end_ns", types::count()), member("ticks", types::count()), member("messages", types::count()),
-        member("schemas", types::array(types::of(schema_of_channel_form))),
-        member("channels", types::array(types::of(channel_of_file_form))),
-        member("statistics", types::nullable(types::of(statistics_form))),
-        member("compression", types::array(types::of(compression_form))),
-        member("attachments", types::array(types::of(attachment_form))),
-        member("metadata", types::array(types::of(metadata_form))),
-        member("events", types::nullable(types::array(types::of(event_of_file_form)))),
-        member("damage", findings_type())}});
+  static const Form form =
+      with_version({"info",
+                    "info --json",
+                    {member("file", types::string()),
+                     member("form", types::string()),
+                     member("size", types::count()),
+                     member("header", types::of(header_form)),
+                     member("read", types::word({"all", "summary"})),
+                     member("begin", types::real()),
+                     member("duration", types::real()),
+                     member("begin_ns", types::count()),
+                     member("end_ns", types::count()),
+                     member("ticks", types::count()),
+                     member("messages", types::count()),
+                     member("schemas", types::array(types::of(schema_of_channel_form))),
+                     member("channels", types::array(types::of(channel_of_file_form))),
+                     member("statistics", types::nullable(types::of(statistics_form))),
+                     member("compression", types::array(types::of(compression_form))),
+                     member("attachments", types::array(types::of(attachment_form))),
+                     member("metadata", types::array(types::of(metadata_form))),
+                     member("event_count", types::count()),
+                     member("events", types::nullable(types::array(types::of(event_of_file_form)))),
+                     member("damage", findings_type())}});
   return form;
 }
 
