@@ -43,6 +43,8 @@ export class Messages {
     set_text(this.note, this.extent());
     store.on(['tick'], () => this.follow());
     this.list.set_count(this.events.length);
+    // scrolling is possible only after the list is shown
+    new ResizeObserver(() => ((this.current = -1), this.follow())).observe(this.list.root);
   }
 
   /** Which of all messages are listed without a filter; empty: all. */
@@ -69,7 +71,7 @@ export class Messages {
       if (wanted !== this.wanted) return;
       found.push(...rows.map(event_of).filter(fits));
       searched += blob.messages;
-      set_text(this.note, `${found.length} found in ${searched} of ${plural(messages.all, 'message')}`);
+      set_text(this.note, `${found.length} found in ${plural(searched, 'message')}`);
       this.show(found);
       if (found.length >= most_found) break;
     }
