@@ -82,8 +82,14 @@ function build(place, version) {
   write(join(place, 'build/docs/index.html'), `the site of ${version}`);
   write(join(place, 'build/docs/_static/style.css'), '');
 }
+/** A golden of that version, and its copy for later ones. */
+const keep = (version, golden, kept) => {
+  write(join(repository, 'golden/Run.mcap'), golden);
+  write(join(repository, `tests/upgrades/${version}/Run.mcap`), kept);
+};
 const release = (version) => {
   set_version(version, `[${version}] - 2026-11-27`);
+  keep(version, `the run of ${version}`, `the run of ${version}`);
   git(repository, 'add', '--all');
   git(repository, 'commit', '--quiet', '--message', `Release ${version}`);
   git(repository, 'tag', `v${version}`);
@@ -104,6 +110,18 @@ await refuses(repository, 'release', ['v9.8.7', at('out')], 'there is no tag v9.
 git(repository, 'tag', 'v9.8.7');
 await refuses(repository, 'release', ['v9.8.7', at('out')], "'## [9.8.7] - unreleased' has no date");
 git(repository, 'tag', '--delete', 'v9.8.7');
+for (const [begin, sentence] of [
+  [() => {}, 'tests/upgrades/9.8.6 has no recordings for the tests of later versions'],
+  [() => keep('9.8.6', 'a run', 'another run'), "tests/upgrades/9.8.6/Run.mcap isn't the golden of this version"],
+]) {
+  set_version('9.8.6', '[9.8.6] - 2026-11-26');
+  begin();
+  git(repository, 'add', '--all');
+  git(repository, 'commit', '--quiet', '--allow-empty', '--message', 'Release 9.8.6');
+  git(repository, 'tag', '--force', 'v9.8.6');
+  await refuses(repository, 'release', ['v9.8.6', at('out')], sentence);
+}
+git(repository, 'tag', '--delete', 'v9.8.6');
 release('9.8.7');
 rmSync(join(repository, 'build/packages/rehearse-dev_9.8.7-1_amd64.deb'));
 await refuses(repository, 'release', ['v9.8.7', at('out')], 'build/packages has no rehearse-dev of version 9.8.7');

@@ -65,6 +65,18 @@ const Form& replay_tick_form() {
   return form;
 }
 
+const Form& message_form() {
+  static const Form form{
+      "message",
+      "a line of cat --json",
+      {member("topic", types::string()), member("log_time", types::count()), member("publish_time", types::count()),
+       member("sequence", types::count()), member_if("message", "if it can be decoded", types::any()),
+       member_if("data", "if it can't: its bytes in base64", types::string())},
+      {},
+      {{"message", "data"}}};
+  return form;
+}
+
 const Form& watched_form() {
   static const Form form{
       "watched",
@@ -236,7 +248,8 @@ const Form& replay_log_form() {
 }  // namespace
 
 std::vector<NamedForm> log_objects() {
-  return {object_of("replay-tick", "replay --tick --json", {replay_tick_form}),
+  return {{"cat", "a line of cat --json", types::of(message_form)},
+          object_of("replay-tick", "replay --tick --json", {replay_tick_form}),
           {"replay-watch", "a line of replay --watch --json", types::of(watched_form)},
           {"replay-when", "a line of replay --when --json", types::of(span_form)},
           object_of("replay-log", "replay --map --json", {replay_log_form})};
