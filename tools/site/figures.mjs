@@ -146,6 +146,7 @@ const measured = (of, quantity, label) => ({ source }) => {
       x: { label: `number of ${label}`, values: curves_of[0].n, logarithmic: true },
       y,
       logarithmic: true,
+      legend: 'left',
       lines: curves_of.map((curve) => ({ label: curve.verb, values: curve[quantity] })),
     }),
     `${y[0].toUpperCase()}${y.slice(1)} by number of ${label}, measured by tools/bench --growth.`,

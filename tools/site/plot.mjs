@@ -17,9 +17,9 @@ const short = (number) => String(Number(number.toPrecision(6)));
 
 /**
  * `x` is {label, values, logarithmic}; `lines` are [{label, values, points}]: `points` draws that many dots instead of a line.
- * `logarithmic`: powers of ten on the axis; values of 0 are left out.
+ * `logarithmic`: powers of ten on the axis; values of 0 are left out. `legend`: the upper corner for the labels.
  */
-export function curves({ title, x, y, lines, logarithmic = false }) {
+export function curves({ title, x, y, lines, logarithmic = false, legend = 'right' }) {
   const scale = logarithmic ? Math.log10 : (value) => value;
   const all = lines.flatMap(({ values }) => values.map(scale)).filter(Number.isFinite);
   let [low, high] = [Math.min(...all), Math.max(...all)];
@@ -31,7 +31,7 @@ export function curves({ title, x, y, lines, logarithmic = false }) {
   const text = (content, at, anchor, more = '') =>
     `<text x="${at[0].toFixed(1)}" y="${at[1].toFixed(1)}" text-anchor="${anchor}" ${more}>${content}</text>`;
   const parts = [];
-  for (const tick of ticksOf(low, high, 5)) {
+  for (const tick of ticksOf(low, high, 5).filter((at) => !logarithmic || Number.isInteger(at))) {
     parts.push(`<path class="grid-line" d="M${size.left} ${down(tick).toFixed(1)}H${size.width - size.right}"/>`);
     parts.push(text(logarithmic ? `1e${short(tick)}` : short(tick), [size.left - 6, down(tick) + 4], 'end'));
   }
@@ -46,7 +46,8 @@ export function curves({ title, x, y, lines, logarithmic = false }) {
     const some = places.filter((_, i) => i % every === 0);
     if (points) parts.push(...some.map(([a, b]) => `<circle cx="${a.toFixed(1)}" cy="${b.toFixed(1)}" r="2.6" fill="${colour}"/>`));
     else parts.push(`<path d="M${some.map((at) => at.map((value) => value.toFixed(1)).join(' ')).join('L')}" fill="none" stroke="${colour}" stroke-width="2"/>`);
-    parts.push(text(label, [size.width - size.right - 4, size.top + 14 + 18 * index], 'end', `style="fill:${colour}"`));
+    const [corner, anchor] = legend === 'left' ? [size.left + 8, 'start'] : [size.width - size.right - 4, 'end'];
+    parts.push(text(label, [corner, size.top + 14 + 18 * index], anchor, `style="fill:${colour}"`));
   });
   return `<svg class="figure" role="img" aria-label="${title}" viewBox="0 0 ${size.width} ${size.height}" width="${size.width}">${parts.join('')}</svg>`;
 }
