@@ -8,24 +8,10 @@ source=$1 packages=$2 work=$3
 # shellcheck source=tests/install/bare.sh
 source "$(dirname "$0")/bare.sh"
 make_bare "$work"
-root=$work/root scratch=$(mktemp -d)
-server=
-trap '[[ -z $server ]] || kill "$server"; rm -rf "$scratch"' EXIT
-
-mkdir -p "$scratch/source/build"
-cp -r "$source/tools" "$scratch/source/"
-ln -s "$packages" "$scratch/source/build/packages"
-export GNUPGHOME=$scratch/keys
-mkdir --mode 700 "$GNUPGHOME"
-gpg --batch --quiet --passphrase '' --quick-generate-key "Test of Rehearse" ed25519 sign never 2> /dev/null
-"$scratch/source/tools/repository" "$scratch/apt" "Test of Rehearse" > /dev/null
-python3 -m http.server --bind 127.0.0.1 --directory "$scratch" 0 > "$scratch/port" 2>&1 &
-server=$!
-for _ in {1..100}; do
-  port=$(grep -oE 'port [0-9]+' "$scratch/port" | grep -oE '[0-9]+') && break
-  sleep 0.1
-done
-echo "$port" > "$root/port"
+root=$work/root
+begin_repository "$source" "$packages"
+make_repository "$scratch/apt" "Test of Rehearse" > /dev/null
+serve "$scratch" "$root/port"
 mkdir "$root/action"
 cp -r "$source/.github/actions/." "$root/action/"
 # apt's proxy of this machine doesn't reach the server

@@ -30,3 +30,28 @@ run_in_bare() {
   env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root \
     unshare --mount --pid --fork --mount-proc="$1/proc" chroot "$1" bash -e "$2"
 }
+
+# begin_repository SOURCE PACKAGES: makes the folder $scratch with a key of gpg, "Test of Rehearse". make_repository then calls
+# tools/repository for the packages. At the end of the test the folder is removed.
+begin_repository() {
+  scratch=$(mktemp -d) server=
+  trap '[[ -z $server ]] || kill "$server"; rm -rf "$scratch"' EXIT
+  # tools/repository reads build/packages of the folder that it is in
+  mkdir -p "$scratch/source/build"
+  cp -r "$1/tools" "$scratch/source/"
+  ln -s "$2" "$scratch/source/build/packages"
+  export GNUPGHOME=$scratch/keys
+  mkdir --mode 700 "$GNUPGHOME"
+  gpg --batch --quiet --passphrase '' --quick-generate-key "Test of Rehearse" ed25519 sign never 2> /dev/null
+}
+make_repository() { "$scratch/source/tools/repository" "$@"; }
+
+# serve FOLDER FILE: serves a folder on the loopback address until the end of the test, and writes the port to a file.
+serve() {
+  python3 -m http.server --bind 127.0.0.1 --directory "$1" 0 > "$scratch/server" 2>&1 &
+  server=$!
+  for _ in {1..100}; do
+    grep -oE 'port [0-9]+' "$scratch/server" | grep -oE '[0-9]+' > "$2" && break
+    sleep 0.1
+  done
+}

@@ -7,18 +7,8 @@ source=$1 packages=$2 work=$3
 # shellcheck source=tests/install/bare.sh
 source "$(dirname "$0")/bare.sh"
 make_bare "$work"
-root=$work/root scratch=$(mktemp -d)
-server=
-trap '[[ -z $server ]] || kill "$server"; rm -rf "$scratch"' EXIT
-
-# tools/repository reads build/packages of the folder that it is in
-mkdir -p "$scratch/source/build"
-cp -r "$source/tools" "$scratch/source/"
-ln -s "$packages" "$scratch/source/build/packages"
-export GNUPGHOME=$scratch/keys
-mkdir --mode 700 "$GNUPGHOME"
-gpg --batch --quiet --passphrase '' --quick-generate-key "Test of Rehearse" ed25519 sign never 2> /dev/null
-make_repository() { "$scratch/source/tools/repository" "$@"; }
+root=$work/root
+begin_repository "$source" "$packages"
 
 make_repository "$scratch/first"
 sleep 1
@@ -36,13 +26,7 @@ grep "is there with other bytes" "$scratch/refusal"
 make_repository "$root/repository" "Test of Rehearse"
 cp "$root/repository/rehearse.asc" "$root/etc/apt/keyrings/" 2> /dev/null \
   || install -D "$root/repository/rehearse.asc" "$root/etc/apt/keyrings/rehearse.asc"
-python3 -m http.server --bind 127.0.0.1 --directory "$root/repository" 0 > "$scratch/port" 2>&1 &
-server=$!
-for _ in {1..100}; do
-  port=$(grep -oE 'port [0-9]+' "$scratch/port" | grep -oE '[0-9]+') && break
-  sleep 0.1
-done
-echo "$port" > "$root/port"
+serve "$root/repository" "$root/port"
 
 cat > "$root/inside" << 'INSIDE'
 set -euo pipefail
