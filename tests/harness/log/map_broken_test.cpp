@@ -97,6 +97,7 @@ const Broken all_broken[] = {
     {"commands_names_of_an_array", 4, 71, "'names' is given for an array"},
     {"commands_joints_of_a_joint_state", 4, 44, "'joints' is given for a topic that names its joints.*names: renames"},
     {"commands_shift_of_seconds", 4, 43, "shift is 0.1.*whole number from -1000 to 1000"},
+    {"commands_max_age", 4, 36, "unknown key 'max_age' in a source of commands"},
     {"state_without_names", 4, 8, "'state' has no names.*names: \\[...\\]"},
     {"state_name_twice", 4, 37, "'I' is in 'names' twice.*of its own"},
     {"state_of_joints", 4, 16, "'/joint_states' is of type .*which isn't an array of numbers.*/efforts"},

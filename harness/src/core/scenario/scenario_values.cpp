@@ -328,6 +328,10 @@ Keys::Keys(Findings& findings, const YamlNode& node, const Form& form) : finding
   }
 }
 
+const YamlNode* Keys::find(std::string_view key) const {
+  return form_.find(key) != nullptr ? find_key(node_, key) : nullptr;
+}
+
 const FormKey& Keys::row(std::string_view key) const {
   const FormKey* row = form_.find(key);
   REHEARSE_ASSERT(row != nullptr, "a key that is read is in the form");

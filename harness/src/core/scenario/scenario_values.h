@@ -112,8 +112,8 @@ class Keys {
   Keys(Findings& findings, const YamlNode& node, const Form& form);
 
   bool is_map() const { return node_.kind == YamlNode::Kind::map; }
-  /// The value, or null if the key is missing.
-  const YamlNode* find(std::string_view key) const { return find_key(node_, key); }
+  /// The value, or null if the key is missing, or unknown to the form and so reported already.
+  const YamlNode* find(std::string_view key) const;
   /// The value, or null if the key is missing. Reports a missing key, unless an unknown key was taken for it. `what`
   /// describes the expected value.
   const YamlNode* require(std::string_view key, std::string_view what) const;
