@@ -5,6 +5,7 @@ pkg_check_modules(LIBDEFLATE REQUIRED IMPORTED_TARGET libdeflate)
 rehearse_add_test(report_test LABEL unit SHARDS 2
   SOURCES
     report/report_robots_test.cpp
+    report/long_report_test.cpp
     report/report_test.cpp
   LIBRARIES Rehearse::viewing Rehearse::simulation Rehearse::trace nlohmann_json::nlohmann_json PkgConfig::LIBDEFLATE)
 rehearse_add_test(history_test LABEL unit

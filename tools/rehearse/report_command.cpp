@@ -26,6 +26,7 @@ struct ReportSettings {
   ReportOptions options;
   TimeSpan span;
   bool json = false;
+  std::optional<double> megabytes;
   bool call_stack = false;
   HostOptions host;  // of the replay in gdb
 };
@@ -58,6 +59,7 @@ Exit run_report(ReportSettings& settings) {
   auto output = OutputFile::open(file.string(), settings.json);
   if (!output) return refuse(output.errors());
   settings.options.scenario = settings.scenario;
+  if (settings.megabytes) settings.options.max_size = static_cast<std::uintmax_t>(1e6 * *settings.megabytes);
   std::optional<fs::path> golden;
   if (!settings.golden.empty()) golden = settings.golden;
   if (settings.call_stack)
@@ -108,6 +110,11 @@ std::function<Exit()> declare_report(CLI::App& options) {
   options.add_flag("--call-stack", settings->call_stack,
                    "with the source line that writes the command that differs first: replays TRACE in gdb, a minute "
                    "at most");
+  options
+      .add_option("--max-size", settings->megabytes,
+                  "about the largest size of the data in MB; a longer run is shown in part (28)")
+      ->type_name("MB")
+      ->check(CLI::Range(1.0, 2000.0));
   add_host_options(options, settings->host);
   options.get_option("--controller")->needs("--call-stack");
   options.get_option("--call-limit")->needs("--call-stack");

@@ -69,8 +69,9 @@ struct ReportOptions {
   /// Called for the first command that differs, with the members of CallStack; null: the report has no call stack.
   std::function<Result<CallStack>(const std::string& controller, const std::string& command, std::int64_t tick)>
       call_stack;
-  /// Limit of the size of the file; browsers open larger files slowly [bytes].
-  std::uintmax_t max_size = std::uintmax_t{400} << 20;
+  /// About the largest size of the data; browsers open larger files slowly. A longer run is shown in part: `omitted`
+  /// says which [bytes].
+  std::uintmax_t max_size = 28'000'000;
   /// Called with the number of finished parts and of all parts; null: not.
   std::function<void(std::int64_t, std::int64_t)> progress;
 };
@@ -95,9 +96,9 @@ Result<std::filesystem::path> report_page();
 std::string report_link(const std::filesystem::path& report, std::optional<std::int64_t> tick = std::nullopt);
 
 /// Writes the report of `trace`, beside `golden` if there is one, under a temporary name until it is complete. A
-/// recording that is cut or damaged is reported up to the damage. Fails, and writes nothing, in these cases: `trace` or
-/// `golden` is no recording of Rehearse, the page was not built, the report would be larger than `max_size`, or
-/// `report` exists and isn't a report.
+/// recording that is cut or damaged is reported up to the damage. The memory that it takes doesn't depend on the length of
+/// the run. Fails, and writes nothing, in these cases: `trace` or `golden` is no recording of Rehearse, the page was not
+/// built, or `report` exists and isn't a report.
 Result<ReportSummary> write_report(const std::filesystem::path& trace,
                                    const std::optional<std::filesystem::path>& golden,
                                    const std::filesystem::path& report, const ReportOptions& options = {});

@@ -55,12 +55,6 @@ class Report : public ::testing::Test {
     return summary ? Diagnostic() : summary.errors()[0];
   }
 
-  /// Lowers the limit of the size until the report is refused.
-  void lower_the_limit(const std::filesystem::path& trace) {
-    while (options_.max_size > 1 && write_report(trace, std::nullopt, folder_ / "whole.html", options_))
-      options_.max_size /= 2;
-  }
-
   TemporaryFolder folder_;
   SmallTrace actual_, golden_;
   ReportOptions options_;
@@ -526,42 +520,6 @@ TEST_F(Report, NeedsItsPage) {
   std::ofstream(folder_ / "other.html") << "<html></html>";
   options_.page = folder_ / "other.html";
   EXPECT_THAT(refusal(folder_ / "actual.mcap").message, HasSubstr("no page of reports"));
-}
-
-TEST_F(Report, ThatWouldBeTooLargeIsRefusedWithAPartThatIsNot) {
-  actual_.lengthen(3000);
-  for (std::size_t i = 0; i < actual_.ticks.size(); ++i) actual_.ticks[i].q = std::sin(static_cast<double>(i));
-  actual_.write(folder_ / "actual.mcap");
-  lower_the_limit(folder_ / "actual.mcap");
-  const Diagnostic refused = refusal(folder_ / "actual.mcap");
-  EXPECT_THAT(refused.message, HasSubstr("browsers open files above"));
-  EXPECT_THAT(refused.hint, HasSubstr("--from 0 --until "));
-  options_.from = 0.0;
-  options_.until = std::stod(refused.hint.substr(refused.hint.find("--until ") + 8));
-  EXPECT_GT(*options_.until, 0.0);
-  EXPECT_TRUE(write_report(folder_ / "actual.mcap", std::nullopt, folder_ / "report.html", options_));
-}
-
-TEST_F(Report, ThatWouldBeTooLargeNamesAPartWithTheFirstDifference) {
-  actual_.lengthen(9000);
-  golden_.lengthen(9000);
-  actual_.left_out = golden_.left_out = {"/Robot/Eye/image", "/Robot/Eye/depth"};
-  for (std::size_t i = 8000; i < 9000; ++i) {
-    actual_.ticks[i].q = 0.7;
-    actual_.ticks[i].state_hash = 99;
-  }
-  actual_.write(folder_ / "actual.mcap");
-  golden_.write(folder_ / "golden.mcap");
-  lower_the_limit(folder_ / "actual.mcap");
-  const Diagnostic refused = refusal(folder_ / "actual.mcap", folder_ / "golden.mcap");
-  const auto number_behind = [&](const std::string& option) {
-    return std::stod(refused.hint.substr(refused.hint.find(option) + option.size()));
-  };
-  options_.from = number_behind("--from ");
-  options_.until = number_behind("--until ");
-  EXPECT_GT(*options_.from, 0.0);
-  written(folder_ / "golden.mcap");
-  EXPECT_EQ(summary_.first_tick, 8000);
 }
 
 /// The findings of a check come from the check: the report judges none of them again.

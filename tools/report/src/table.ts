@@ -135,6 +135,7 @@ export class Table {
     row.classList.toggle('beyond', at.beyond);
     row.classList.toggle('changed', at.changed);
     row.classList.toggle('stale', at.stale);
+    if (at.stale) row.title = `${row.title}; the value is that of tick ${at.tick}`;
   }
 
   private values(series: Series, columns: Columns) {
@@ -154,6 +155,7 @@ export class Table {
       beyond: difference !== null && series.entry.beyond > 0 && !(Math.abs(difference) <= (bound ?? 0)),
       changed: actual !== null && before !== null && !Object.is(actual.value, before.value),
       stale: actual !== null && actual.tick < tick,
+      tick: actual?.tick ?? tick,
     };
   }
 

@@ -29,6 +29,7 @@ namespace {
 /// Judges a file by its wanted channels; null: by all.
 Result<std::vector<ExpectationResult>> judge_file(const std::vector<Expectation>& expectations,
                                                   const std::filesystem::path& recording, std::size_t piece_size,
+                                                  Trace::Damage damage,
                                                   const std::function<bool(const mcap::Channel&)>& wanted,
                                                   bool& found_all) {
   std::optional<Trace> names;
@@ -36,7 +37,7 @@ Result<std::vector<ExpectationResult>> judge_file(const std::vector<Expectation>
     ExpectationJudge judge(expectations, names ? &*names : nullptr);
     const auto take = [&judge](const Trace& piece) { judge.take(piece); };
     auto last = load_pieces(recording, wanted, take, piece_size,
-                            judge.needs_order() ? PieceOrder::of_time : PieceOrder::of_file);
+                            judge.needs_order() ? PieceOrder::of_time : PieceOrder::of_file, damage);
     if (!last) return last.errors();
     std::vector<ExpectationResult> results = judge.finish(*last);
     found_all = judge.found_all() && !judge.any_mistake();
@@ -58,15 +59,21 @@ bool may_concern(const mcap::Channel& channel, const Expectation& expectation) {
 Result<std::vector<ExpectationResult>> judge_expectations(const std::vector<Expectation>& expectations,
                                                           const std::filesystem::path& recording,
                                                           std::size_t piece_size) {
+  return judge_expectations(expectations, recording, Trace::Damage::refuse, piece_size);
+}
+
+Result<std::vector<ExpectationResult>> judge_expectations(const std::vector<Expectation>& expectations,
+                                                          const std::filesystem::path& recording, Trace::Damage damage,
+                                                          std::size_t piece_size) {
   if (expectations.empty()) return std::vector<ExpectationResult>();
   const auto is_judged = [&expectations](const mcap::Channel& channel) {
     return channel.topic == run_topics::tick || channel.topic == run_topics::events ||
            std::ranges::any_of(expectations, [&](const Expectation& e) { return may_concern(channel, e); });
   };
   bool found_all = true;
-  auto some = judge_file(expectations, recording, piece_size, is_judged, found_all);
+  auto some = judge_file(expectations, recording, piece_size, damage, is_judged, found_all);
   if (!some || found_all) return some;
-  return judge_file(expectations, recording, piece_size, nullptr, found_all);
+  return judge_file(expectations, recording, piece_size, damage, nullptr, found_all);
 }
 
 namespace {

@@ -5,7 +5,9 @@
 #include <rehearse/messages.h>
 #include <rehearse/trace.h>
 
+#include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <optional>
@@ -129,5 +131,10 @@ class ExpectationJudge {
   std::uint64_t end_time_ = 0;                                                       // of the last tick [ns]
   bool ended_early_ = false;                                                         // the run failed, or was cut off
 };
+
+/// As judge_expectations() of a recording; with Damage::tolerate a damaged one is judged by its undamaged messages.
+Result<std::vector<ExpectationResult>> judge_expectations(const std::vector<Expectation>& expectations,
+                                                          const std::filesystem::path& recording, Trace::Damage damage,
+                                                          std::size_t piece_size = Trace::usual_piece_size);
 
 }  // namespace rehearse

@@ -400,8 +400,8 @@ namespace {
 struct SurveyedFile {
   SurveyedFile(const std::filesystem::path& file, const std::optional<StateRate>& samples,
                const std::vector<ToleranceRule>& rules, std::vector<WatchedLimit> limits, std::size_t piece_size,
-               const Trace::OnPiece& on_piece = {})
-      : survey(rules, std::move(limits)), whole(read(file, samples, piece_size, on_piece)) {
+               Trace::Damage damage, const Trace::OnPiece& on_piece = {})
+      : survey(rules, std::move(limits)), whole(read(file, samples, piece_size, damage, on_piece)) {
     if (whole) survey.finish(*whole);
   }
   SurveyedFile(const SurveyedFile&) = delete;
@@ -412,12 +412,12 @@ struct SurveyedFile {
 
  private:
   Result<Trace> read(const std::filesystem::path& file, const std::optional<StateRate>& samples, std::size_t piece_size,
-                     const Trace::OnPiece& on_piece) {
+                     Trace::Damage damage, const Trace::OnPiece& on_piece) {
     const auto take = [&](const Trace& piece) {
       survey.take(piece);
       if (on_piece) on_piece(piece);
     };
-    return load_for_comparison(file, samples ? &*samples : nullptr, take, piece_size);
+    return load_for_comparison(file, samples ? &*samples : nullptr, take, piece_size, damage);
   }
 };
 
@@ -444,7 +444,7 @@ TraceWindows windows_from(std::uint64_t second, const RunSurvey& run,
 }
 
 /// Reads the differing parts of two recordings once more, and compares them.
-Result<void> compare_windows(RunComparer& comparer, std::size_t window_size) {
+Result<void> compare_windows(RunComparer& comparer, std::size_t window_size, Trace::Damage damage) {
   const ComparedTraces& traces = comparer.traces();
   std::vector<const TraceChannel*> of_golden, of_actual;
   constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
@@ -472,6 +472,7 @@ Result<void> compare_windows(RunComparer& comparer, std::size_t window_size) {
     actual_windows.move(begin, end);
     comparer.take({golden_windows.window(), actual_windows.window(), begin, end});
   }
+  if (damage == Trace::Damage::tolerate) return {};
   for (TraceWindows* windows : {&golden_windows, &actual_windows})
     if (auto whole = windows->verdict(); !whole) return whole;
   return {};
@@ -481,7 +482,7 @@ Result<void> compare_windows(RunComparer& comparer, std::size_t window_size) {
 
 Result<ComparedFiles> compare_files(const std::filesystem::path& golden, const std::filesystem::path& actual,
                                     const std::vector<ToleranceRule>& rules, const CompareOptions& options,
-                                    const Trace::OnPiece& on_actual, std::size_t window_size) {
+                                    const Trace::OnPiece& on_actual, std::size_t window_size, Trace::Damage damage) {
   const auto golden_outline = Trace::outline(golden);
   if (!golden_outline) return golden_outline.errors();
   const auto actual_outline = Trace::outline(actual);
@@ -493,13 +494,13 @@ Result<ComparedFiles> compare_files(const std::filesystem::path& golden, const s
   const auto of_golden = RunFacts::of(*golden_outline).state_rate, of_actual = RunFacts::of(*actual_outline).state_rate;
   std::optional<SurveyedFile> golden_file;
   std::thread reads_golden = mcap::start_quiet_thread(
-      [&] { golden_file.emplace(golden, of_actual, rules, std::move(limits.golden), window_size); });
-  const SurveyedFile actual_file(actual, of_golden, rules, std::move(limits.actual), window_size, on_actual);
+      [&] { golden_file.emplace(golden, of_actual, rules, std::move(limits.golden), window_size, damage); });
+  const SurveyedFile actual_file(actual, of_golden, rules, std::move(limits.actual), window_size, damage, on_actual);
   reads_golden.join();
   if (!golden_file->whole) return golden_file->whole.errors();
   if (!actual_file.whole) return actual_file.whole.errors();
   RunComparer comparer(golden_file->survey, actual_file.survey, rules, options);
-  if (auto compared = compare_windows(comparer, window_size); !compared) return compared.errors();
+  if (auto compared = compare_windows(comparer, window_size, damage); !compared) return compared.errors();
   Comparison comparison = comparer.finish();
   return ComparedFiles{std::move(comparison), *actual_file.whole};
 }

@@ -15,10 +15,12 @@ struct ComparedFiles {
 };
 
 /// Like compare() of two files, which reads each of them whole. `on_actual` gets the pieces of the second file, with
-/// the messages that are compared; null: nothing is called.
+/// the messages that are compared; null: nothing is called. `damage`: whether damaged files are refused, or compared by
+/// their undamaged messages.
 Result<ComparedFiles> compare_files(const std::filesystem::path& golden, const std::filesystem::path& actual,
                                     const std::vector<ToleranceRule>& rules, const CompareOptions& options = {},
                                     const Trace::OnPiece& on_actual = {},
-                                    std::size_t window_size = Trace::usual_piece_size);
+                                    std::size_t window_size = Trace::usual_piece_size,
+                                    Trace::Damage damage = Trace::Damage::refuse);
 
 }  // namespace rehearse

@@ -11,22 +11,20 @@
 #include "core/replay/recording_source.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
+#include "core/trace/trace_windows.h"
 #include "recorded_checkpoints.h"
 
 namespace rehearse {
 namespace {
 
-void find_ticks(BranchSource& source) {
-  const TraceChannel* channel = source.recording.find_channel(run_topics::tick);
+/// Adds the hashes of the ticks of a piece.
+void take_ticks(const Trace& piece, std::vector<std::uint64_t>& state_hashes) {
+  const TraceChannel* channel = piece.find_channel(run_topics::tick);
   if (!channel) return;
-  std::size_t state = channel->columns.size();
-  for (std::size_t column = 0; column < channel->columns.size(); ++column)
-    if (channel->columns[column].element == "state_hash") state = column;
-  if (state < channel->columns.size())
-    for (std::size_t row = 0; row < channel->rows(); ++row) source.state_hashes.push_back(channel->bits(row, state));
-  source.whole_ticks = static_cast<std::int64_t>(source.state_hashes.size());
-  const auto outcome = RunFacts::of(source.recording).outcome;
-  if (outcome && outcome->complete) --source.whole_ticks;  // the last one is the final state
+  for (std::size_t column = 0; column < channel->columns.size(); ++column) {
+    if (channel->columns[column].element != "state_hash") continue;
+    for (std::size_t row = 0; row < channel->rows(); ++row) state_hashes.push_back(channel->bits(row, column));
+  }
 }
 
 /// Loads the models with their meshes, from the scenario's files.
@@ -86,7 +84,9 @@ Result<BranchSource> BranchSource::open(const std::filesystem::path& file, const
   if (!scenario) return scenario.errors();
   source.scenario = *std::move(scenario);
   if (auto taken = take_meshes(source, scenario_file); !taken) return taken.errors();
-  auto recording = Trace::load(file, Trace::Damage::tolerate);
+  const auto take = [&source](const Trace& piece) { take_ticks(piece, source.state_hashes); };
+  auto recording =
+      load_pieces(file, nullptr, take, Trace::usual_piece_size, PieceOrder::of_time, Trace::Damage::tolerate);
   if (!recording) return recording.errors();
   source.recording = *std::move(recording);
   source.origin = RunFacts::of(*source.reader).branch;
@@ -95,7 +95,9 @@ Result<BranchSource> BranchSource::open(const std::filesystem::path& file, const
       std::any_of(source.recording.channels().begin(), source.recording.channels().end(),
                   [](const TraceChannel& channel) { return channel.type == msg::CompressedImage::type_name; });
   source.scenario.record_frames = source.scenario.record_frames && has_pictures;
-  find_ticks(source);
+  source.whole_ticks = std::ssize(source.state_hashes);
+  const auto outcome = RunFacts::of(source.recording).outcome;
+  if (outcome && outcome->complete) --source.whole_ticks;  // the last one is the final state
   if (source.whole_ticks > 0) return source;
   return in_recording(*source.reader, error("it has no ticks: nothing of the run was recorded"));
 }

@@ -18,7 +18,7 @@ namespace rehearse {
 
 struct BranchSource {
   std::unique_ptr<mcap::Reader> reader;
-  Trace recording;
+  Trace recording;                     // without messages, which stay in the file
   Scenario scenario;                   // with the models' meshes
   std::optional<BranchOrigin> origin;  // none: it is no branch itself
   std::int64_t whole_ticks = 0;        // number of complete ticks in the recording, at least one

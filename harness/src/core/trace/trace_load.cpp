@@ -77,6 +77,34 @@ void drop_messages(TraceChannel& table, std::size_t count) {
   table.earlier += count;
 }
 
+namespace {
+
+/// Adds the groups of `width` values at some places, in that order; none if there are no values.
+template <class T>
+void append_values(std::vector<T>& to, const std::vector<T>& values, const std::vector<std::size_t>& order,
+                   std::size_t width = 1) {
+  if (values.empty()) return;
+  for (const std::size_t from : order)
+    for (std::size_t i = 0; i < width; ++i) to.push_back(values[from * width + i]);
+}
+
+}  // namespace
+
+void append_messages(TraceChannel& to, const TraceChannel& from, const std::vector<std::size_t>& messages) {
+  const std::size_t earlier = to.messages();
+  append_values(to.times, from.times, messages);
+  append_values(to.cells, from.cells, messages, from.columns.size());
+  append_values(to.locations, from.locations, messages);
+  append_values(to.hashes, from.hashes, messages);
+  for (std::size_t i = 0; i < messages.size() && !from.rests.empty(); ++i) {
+    const TraceRest& rest = *from.rest_of(messages[i]);
+    if (to.rests.empty() || to.rests.back().hash != rest.hash)
+      to.rests.push_back({earlier + i, rest.hash, rest.location});
+  }
+  for (std::size_t i = 0; i < messages.size() && !from.undecoded.empty(); ++i)
+    if (const std::string* problem = from.problem_of(messages[i])) to.undecoded.push_back({earlier + i, *problem});
+}
+
 /// Builds a Trace in one pass over its file: the whole trace, or piece after piece.
 class TraceLoader {
  public:
@@ -93,8 +121,6 @@ class TraceLoader {
   void keep_undecoded() { trace_.keeps_undecoded_ = true; }
   /// Messages are read in the order of time.
   void sort_by_time() { sorts_ = true; }
-  /// The trace has no events in memory.
-  void leave_events_in_file() { keeps_events_ = false; }
   /// `wanted`: the channels whose messages are read; null: all.
   Result<Trace> load(const std::function<bool(const mcap::Channel&)>& wanted = {});
   Result<Trace> outline();
@@ -120,7 +146,6 @@ class TraceLoader {
   const std::size_t piece_size_;
   Trace trace_;
   std::vector<msg::ContactChange> earlier_changes_;  // of earlier pieces
-  bool keeps_events_ = true;
   bool has_ticks_ = false;
   bool sorts_ = false;
   std::size_t held_ = 0;  // approximate size of the tables [bytes]
@@ -131,17 +156,6 @@ class TraceLoader {
 
 namespace {
 
-/// The groups of `width` values at some places, in that order; none if there are no values.
-template <class T>
-std::vector<T> values_at(const std::vector<T>& values, const std::vector<std::size_t>& order, std::size_t width = 1) {
-  std::vector<T> taken;
-  if (values.empty()) return taken;
-  taken.reserve(order.size() * width);
-  for (const std::size_t from : order)
-    for (std::size_t i = 0; i < width; ++i) taken.push_back(values[from * width + i]);
-  return taken;
-}
-
 /// Some messages of a channel, in that order.
 TraceChannel messages_at(const TraceChannel& channel, const std::vector<std::size_t>& order) {
   TraceChannel taken;
@@ -149,18 +163,11 @@ TraceChannel messages_at(const TraceChannel& channel, const std::vector<std::siz
   taken.type = channel.type;
   taken.encoding = channel.encoding;
   taken.metadata = channel.metadata;
-  taken.times = values_at(channel.times, order);
   taken.columns = channel.columns;
-  taken.cells = values_at(channel.cells, order, channel.columns.size());
-  taken.locations = values_at(channel.locations, order);
-  taken.hashes = values_at(channel.hashes, order);
-  for (std::size_t message = 0; message < order.size() && !channel.rests.empty(); ++message) {
-    const TraceRest& rest = *channel.rest_of(order[message]);
-    if (taken.rests.empty() || taken.rests.back().hash != rest.hash)
-      taken.rests.push_back({message, rest.hash, rest.location});
-  }
-  for (std::size_t message = 0; message < order.size() && !channel.undecoded.empty(); ++message)
-    if (const std::string* problem = channel.problem_of(order[message])) taken.undecoded.push_back({message, *problem});
+  taken.times.reserve(order.size());
+  taken.hashes.reserve(order.size());
+  taken.cells.reserve(order.size() * channel.columns.size());
+  append_messages(taken, channel, order);
   return taken;
 }
 
@@ -218,7 +225,7 @@ Result<Trace> TraceLoader::load(const std::function<bool(const mcap::Channel&)>&
     for (TraceChannel& channel : trace_.channels_) put_in_order(channel);
   }
   const auto earlier = [](const auto& a, const auto& b) { return a.stamp.to_ns() < b.stamp.to_ns(); };
-  if (on_piece_ || !keeps_events_)
+  if (on_piece_)
     trace_.events_.reset();
   else
     std::stable_sort(trace_.events_->begin(), trace_.events_->end(), earlier);
@@ -319,7 +326,6 @@ void TraceLoader::add_message(const mcap::Message& message) {
   held_ += sizeof(std::uint64_t) * (1 + table.columns.size()) + (source.rows.is_typed() ? 0 : sizeof(mcap::Location));
   if (table.encoding != "cdr") return;
   if (table.type == msg::Event::type_name) {
-    if (!keeps_events_) trace_.events_->clear();
     add_decoded(message, *trace_.events_);
     held_ += message.data.size() + sizeof(msg::Event);
   }
@@ -434,27 +440,22 @@ Result<Trace> Trace::load_in_pieces(const std::filesystem::path& file, const OnP
 }
 
 Result<Trace> load_pieces(const std::filesystem::path& file, const std::function<bool(const mcap::Channel&)>& wanted,
-                          const Trace::OnPiece& on_piece, std::size_t piece_size, PieceOrder order) {
-  TraceLoader loader(file, Trace::Damage::refuse, on_piece, piece_size);
+                          const Trace::OnPiece& on_piece, std::size_t piece_size, PieceOrder order,
+                          Trace::Damage damage) {
+  TraceLoader loader(file, damage, on_piece, piece_size);
   if (order == PieceOrder::of_time) loader.sort_by_time();
   return loader.load(wanted);
 }
 
 Trace overlap(const Trace& whole, const Trace& part) { return TraceLoader::overlap(whole, part); }
 
-Result<Trace> load_without_events(const std::filesystem::path& file, Trace::Damage damage) {
-  TraceLoader loader(file, damage);
-  loader.leave_events_in_file();
-  return loader.load();
-}
-
 Result<Trace> load_samples(const std::filesystem::path& file, const StateRate& rate) {
   return TraceLoader(file, Trace::Damage::refuse, {}, 0, &rate).load();
 }
 
 Result<Trace> load_for_comparison(const std::filesystem::path& file, const StateRate* rate,
-                                  const Trace::OnPiece& on_piece, std::size_t piece_size) {
-  TraceLoader loader(file, Trace::Damage::refuse, on_piece, piece_size, rate);
+                                  const Trace::OnPiece& on_piece, std::size_t piece_size, Trace::Damage damage) {
+  TraceLoader loader(file, damage, on_piece, piece_size, rate);
   loader.keep_undecoded();
   return loader.load();
 }

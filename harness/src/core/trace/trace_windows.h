@@ -39,6 +39,9 @@ struct ChannelSource {
 /// Removes a table's first messages.
 void drop_messages(TraceChannel& table, std::size_t count);
 
+/// Adds some messages of a channel, given by their indices, to another table of the channel.
+void append_messages(TraceChannel& to, const TraceChannel& from, const std::vector<std::size_t>& messages);
+
 /// The first messages to be read in windows.
 struct WindowsStart {
   std::uint64_t time = 0;                   // [ns]
@@ -68,9 +71,6 @@ class TraceWindows {
   const mcap::Message* message_ = nullptr;  // the next message
 };
 
-/// As Trace::load(); the events stay in the file, where an EventStream reads them.
-Result<Trace> load_without_events(const std::filesystem::path& file, Trace::Damage damage);
-
 /// As Trace::load(); of the state of the world only the samples at a rate are read.
 Result<Trace> load_samples(const std::filesystem::path& file, const StateRate& rate);
 
@@ -78,7 +78,8 @@ Result<Trace> load_samples(const std::filesystem::path& file, const StateRate& r
 /// all. In a file without ticks messages that can't be decoded are no damage: they are TraceChannel::undecoded, also in
 /// the windows of the trace.
 Result<Trace> load_for_comparison(const std::filesystem::path& file, const StateRate* rate,
-                                  const Trace::OnPiece& on_piece, std::size_t piece_size);
+                                  const Trace::OnPiece& on_piece, std::size_t piece_size,
+                                  Trace::Damage damage = Trace::Damage::refuse);
 
 enum class PieceOrder {
   of_file,
@@ -88,7 +89,8 @@ enum class PieceOrder {
 /// As Trace::load_in_pieces(); only messages of the wanted channels are read (null: of all), and the other tables have
 /// no columns.
 Result<Trace> load_pieces(const std::filesystem::path& file, const std::function<bool(const mcap::Channel&)>& wanted,
-                          const Trace::OnPiece& on_piece, std::size_t piece_size, PieceOrder order);
+                          const Trace::OnPiece& on_piece, std::size_t piece_size, PieceOrder order,
+                          Trace::Damage damage = Trace::Damage::refuse);
 
 /// The messages of `whole` at whose time `part` has messages of the same topic. Both contain their messages.
 Trace overlap(const Trace& whole, const Trace& part);

@@ -6,24 +6,30 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <future>
-#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
 
+#include "core/check/expectation_judge.h"
+#include "core/compare/compared_files.h"
 #include "core/compare/compared_traces.h"
 #include "core/compare/series_rules.h"
 #include "core/kinds/channel_name.h"
 #include "core/mcap/glob.h"
 #include "core/scenario/trace_scenario.h"
-#include "core/trace/filter.h"
 #include "core/trace/run_facts.h"
-#include "core/trace/trace_windows.h"
+#include "report_facts.h"
 #include "report_findings.h"
 #include "report_messages.h"
 #include "report_page.h"
 #include "report_pictures.h"
 #include "report_robots.h"
+#include "report_rows.h"
 #include "report_run.h"
 #include "report_series.h"
+#include "report_source.h"
 
 namespace rehearse {
 namespace {
@@ -31,51 +37,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t most_spans = 1000;
-
-/// A trace, or the requested part of it, which is a temporary file meanwhile.
-class SourceTrace {
- public:
-  static Result<SourceTrace> load(const fs::path& file, const fs::path& scratch, const ReportOptions& options);
-  ~SourceTrace() {
-    std::error_code ignored;
-    if (!scratch_.empty()) fs::remove(scratch_, ignored);
-  }
-  SourceTrace(SourceTrace&& other) noexcept
-      : trace_(std::move(other.trace_)), scratch_(std::exchange(other.scratch_, fs::path())) {}
-  SourceTrace& operator=(SourceTrace&&) = delete;
-
-  const Trace& trace() const { return *trace_; }
-
- private:
-  explicit SourceTrace(fs::path scratch) : scratch_(std::move(scratch)) {}
-
-  std::unique_ptr<Trace> trace_;
-  fs::path scratch_;  // empty: there is none
-};
-
-mcap::TimeBound moment_of(double seconds) {
-  return {static_cast<std::uint64_t>(std::llround(std::max(0.0, seconds) * 1e9)), mcap::TimeOrigin::beginning};
-}
-
-Result<SourceTrace> SourceTrace::load(const fs::path& file, const fs::path& scratch, const ReportOptions& options) {
-  const bool is_part = options.from || options.until;
-  SourceTrace source(is_part ? scratch : fs::path());
-  if (is_part) {
-    mcap::FilterOptions part;
-    if (options.from) part.selection.from = moment_of(*options.from);
-    if (options.until) part.selection.until = moment_of(*options.until);
-    const auto filtered = mcap::filter(file, scratch, part);
-    if (!filtered) return filtered.errors();
-  }
-  auto trace = load_without_events(is_part ? scratch : file, Trace::Damage::tolerate);
-  if (!trace) return trace.errors();
-  if (const auto known = check_version(*trace); !known) return known.errors();
-  if (!RunFacts::of(*trace).provenance)
-    return error_in(file.string(), "it is an MCAP file, but not a recording of Rehearse: it has no provenance",
-                    "rehearse replay turns a robot's log into one");
-  source.trace_ = std::make_unique<Trace>(*std::move(trace));
-  return source;
-}
 
 /// A span [begin, end) of ticks; for a run without ticks both are 0.
 struct TickRange {
@@ -89,96 +50,73 @@ struct TickRange {
   }
 };
 
-/// A sentence about the end of a run; empty: it ended regularly.
-std::string outcome_of(const RunFacts& run) {
-  return run.outcome ? run.outcome->failure.value_or("") : "the recording was cut: it lacks the end of the run";
-}
+/// The sizes of a report's parts: coded bytes of blobs, which base64 makes a third larger.
+struct PartSizes {
+  std::uint64_t series = 0, pictures = 0, all = 0;
 
-ReportJson json_of(const CallStack& stack) {
-  ReportJson frames = ReportJson::array();
-  for (const StackFrame& frame : stack.frames)
-    frames.push_back({{"function", frame.function},
-                      {"file", frame.file},
-                      {"line", frame.line},
-                      {"begin", frame.begin},
-                      {"source", frame.source}});
-  return {{"controller", stack.controller},
-          {"command", stack.command},
-          {"tick", stack.tick},
-          {"frames", std::move(frames)}};
-}
-
-ReportJson run_json(const ReportedRun& run, std::string_view role, const fs::path& file) {
-  const Trace& trace = run.trace;
-  const RunFacts stated = RunFacts::of(trace);
-  ReportJson provenance = ReportJson::object();
-  if (stated.provenance)
-    for (const auto& [key, value] : *stated.provenance) provenance[key] = value;
-  const mcap::Attachment* scenario = trace.find_attachment("scenario.yaml");
-  ReportJson remarks = ReportJson::array();
-  for (const Diagnostic& damage : trace.damage()) remarks.push_back(damage.message);
-  return {
-      {"role", role},
-      {"file", file.filename().string()},
-      {"ticks", stated.ticks(trace.ticks())},
-      {"complete", stated.outcome && !stated.outcome->failure},
-      {"outcome", outcome_of(stated)},
-      {"facts", std::move(provenance)},
-      {"scenario", scenario ? std::string(reinterpret_cast<const char*>(scenario->data.data()), scenario->data.size())
-                            : std::string()},
-      {"remarks", std::move(remarks)}};
-}
-
-/// The time step [s]; for a recording whose scenario can't be read, by its clock.
-double time_step_of(const ReportedRun& run, const std::optional<Scenario>& scenario) {
-  if (scenario) return scenario->time_step;
-  constexpr double usual = 0.001;
-  const std::uint64_t step = run.clock.size() < 2 ? 0 : run.clock.time(1) - run.clock.first_time();  // [ns]
-  return step == 0 ? usual : static_cast<double>(step) / 1e9;
-}
+  /// The parts of a report of that size [bytes]. The rest is for meshes and texts.
+  static PartSizes of(std::uintmax_t size, bool has_pictures, bool has_messages) {
+    const double coded = 0.75 * static_cast<double>(size);
+    const auto part = [coded](double share) { return static_cast<std::uint64_t>(share * coded); };
+    const double pictures = has_pictures ? 0.25 : 0.0, messages = has_messages ? 0.25 : 0.0;
+    return {part(0.9 - pictures - messages), part(pictures), part(0.9)};
+  }
+};
 
 /// Writes one report.
 class ReportMaker {
  public:
-  ReportMaker(const ReportOptions& options, ReportFile& file, const Trace& actual, const Trace* golden)
-      : options_(options),
-        file_(file),
-        blobs_([&file](const std::string& id, ByteSpan coded) { file.put_blob(id, coded); }),
-        actual_(actual) {
-    if (golden) golden_.emplace(*golden);
-  }
+  using OpenFile = std::function<Result<ReportFile>()>;
+  ReportMaker(const ReportOptions& options, OpenFile open, ReportedRun actual, std::optional<ReportedRun> golden)
+      : options_(options), open_(std::move(open)), actual_(std::move(actual)), golden_(std::move(golden)) {}
 
   Result<ReportSummary> make(const fs::path& actual_file, const fs::path& golden_file);
 
  private:
   const ReportedRun* golden() const { return golden_ ? &*golden_ : nullptr; }
-  void judge();
+  Result<void> judge();
   void judge_expectations(const fs::path& file);
   void conclude();
   ReportJson verdict_json() const;
-  void write_channels(ReportJson& object);
-  void write_happenings(ReportJson& object);
+  void find_focus();
+  PartSizes part_sizes() const;
+  std::vector<ChannelPair> channel_pairs() const;
+  Result<ReportJson> head(const fs::path& actual_file, const fs::path& golden_file);
+  /// A try to write the file with some number of numbers.
+  struct Attempt {
+    double fill = 0.0;  // size of the series, as a share of their part of the report
+    bool is_written = false;
+  };
+  Result<Attempt> write(ReportJson object, std::uint64_t most_cells, bool is_trial);
+  struct WrittenSeries {
+    std::uint64_t coded = 0;  // [bytes]
+    bool is_limited = false;  // more numbers could be shown
+  };
+  Result<WrittenSeries> write_channels(ReportJson& object, BlobWriter& blobs, std::uint64_t most_cells);
+  void write_happenings(ReportJson& object, BlobWriter& blobs);
+  void omit_rows(const ShownRows& rows);
   bool is_wanted(const TraceChannel& channel) const;
   void omit_damage();
   void request_call_stack(const Places& places);
   ReportJson call_stack_json();
 
   const ReportOptions& options_;
-  ReportFile& file_;
-  BlobWriter blobs_;
-  ReportedRun actual_;
-  std::optional<ReportedRun> golden_;
+  const OpenFile open_;
+  const ReportedRun actual_;
+  const std::optional<ReportedRun> golden_;
   std::optional<Scenario> scenario_, golden_scenario_;  // none: it can't be read
   std::optional<Comparison> comparison_;
   std::optional<JudgedValues> judged_;
   std::vector<ExpectationResult> expectations_;  // of the run
-  std::future<Result<CallStack>> call_stack_;    // while the series are written, as a debugger takes seconds
+  RowFocus focus_;
+  std::vector<std::string> omitted_;           // before anything is written
+  std::future<Result<CallStack>> call_stack_;  // while the series are written, as a debugger takes seconds
   ReportSummary summary_;
 };
 
 /// Compares both recordings as `diff` does. That finds the ticks and values to mark, also if the findings are given.
-void ReportMaker::judge() {
-  if (!golden_) return;
+Result<void> ReportMaker::judge() {
+  if (!golden_) return {};
   std::vector<ToleranceRule> rules;
   if (options_.tolerances)
     rules = *options_.tolerances;
@@ -188,9 +126,12 @@ void ReportMaker::judge() {
   CompareOptions how;
   how.until = options_.horizon;
   how.on_difference = [this](const DifferingValue& value) { judged_->take(value); };
-  comparison_ = compare(golden_->trace, actual_.trace, rules, how);
-  if (options_.comparison) comparison_ = options_.comparison;
+  auto compared =
+      compare_files(golden_->file, actual_.file, rules, how, {}, Trace::usual_piece_size, Trace::Damage::tolerate);
+  if (!compared) return compared.errors();
+  comparison_ = options_.comparison ? *options_.comparison : std::move(compared->comparison);
   judged_->conclude(*comparison_);
+  return {};
 }
 
 /// The sentence without the violations at its beginning or end, which the page lists.
@@ -218,11 +159,7 @@ void ReportMaker::judge_expectations(const fs::path& file) {
     expectations_ = options_.expectations.value_or(std::vector<ExpectationResult>());
     return;
   }
-  if (!options_.from && !options_.until) {
-    expectations_ = rehearse::judge_expectations(scenario_->expectations, actual_.trace);
-    return;
-  }
-  auto judged = rehearse::judge_expectations(scenario_->expectations, file);
+  auto judged = rehearse::judge_expectations(scenario_->expectations, file, Trace::Damage::tolerate);
   if (judged)
     expectations_ = *std::move(judged);
   else
@@ -265,36 +202,93 @@ bool ReportMaker::is_wanted(const TraceChannel& channel) const {
                      [&](const std::string& pattern) { return matches(pattern, channel.topic); });
 }
 
+/// The channels of both runs with the same topic, in the order of the run; then those of the golden alone.
+std::vector<ChannelPair> ReportMaker::channel_pairs() const {
+  std::vector<ChannelPair> pairs;
+  for (const TraceChannel& channel : actual_.trace.channels()) {
+    const TraceChannel* other = golden_ ? counterpart(actual_.trace, channel, golden_->trace) : nullptr;
+    ChannelPair& pair = pairs.emplace_back();
+    pair.actual = actual_.place_of(channel);
+    if (other) pair.golden = golden_->place_of(*other);
+  }
+  if (!golden_) return pairs;
+  for (const TraceChannel& channel : golden_->trace.channels())
+    if (!counterpart(golden_->trace, channel, actual_.trace))
+      pairs.push_back({std::nullopt, golden_->place_of(channel)});
+  return pairs;
+}
+
+/// Chooses the times to show completely, if the runs are too long to show all.
+void ReportMaker::find_focus() {
+  const double time_step = time_step_of(actual_, scenario_);
+  const auto time_of = [&](std::int64_t tick) {
+    return static_cast<std::uint64_t>(std::llround(std::max(0.0, static_cast<double>(tick) * time_step * 1e9)));
+  };
+  focus_.around = 2 * time_of(1);
+  if (summary_.first_tick) focus_.centre = time_of(*summary_.first_tick);
+  const auto mark = [&](const auto& place) {
+    if (place) focus_.marks.push_back(time_of(place->tick));
+  };
+  if (comparison_)
+    for (const ChannelComparison& channel : comparison_->channels)
+      for (const auto* place : {&channel.first, &channel.first_bit, &channel.worst}) mark(*place);
+  for (const ExpectationResult& result : expectations_)
+    for (const auto* sample : {&result.first, &result.worst}) mark(*sample);
+  std::sort(focus_.marks.begin(), focus_.marks.end());
+}
+
+PartSizes ReportMaker::part_sizes() const {
+  bool has_pictures = false;
+  std::uint64_t messages = 0;
+  for (const ReportedRun* run : {&actual_, golden()}) {
+    if (!run) continue;
+    for (const TraceChannel& channel : run->trace.channels()) {
+      has_pictures = has_pictures || (is_picture(channel) && is_wanted(channel));
+      if (channel.type == msg::Event::type_name) messages += run->of(channel).messages;
+    }
+  }
+  return PartSizes::of(options_.max_size, has_pictures, messages > MessageWriter::Limits().listed);
+}
+
 /// Writes series and cameras of all requested channels, and of the channels that move robots.
-void ReportMaker::write_channels(ReportJson& object) {
-  RobotWriter robots(blobs_, actual_, options_.scenario, summary_.omitted);
+Result<ReportMaker::WrittenSeries> ReportMaker::write_channels(ReportJson& object, BlobWriter& blobs,
+                                                               std::uint64_t most_cells) {
+  RobotWriter robots(blobs, actual_, options_.scenario, summary_.omitted);
   if (scenario_) robots.write(*scenario_);
-  const JudgedValues* judged = judged_ ? &*judged_ : nullptr;
-  SeriesWriter series(blobs_, actual_, golden(), judged);
-  PictureWriter pictures(blobs_, actual_, golden(), judged, summary_.omitted);
-  std::int64_t left_out = 0;
-  const auto write = [&](const TraceChannel* actual, const TraceChannel* golden) {
-    const TraceChannel& channel = actual ? *actual : *golden;
-    if (is_picture(channel)) {
-      if (is_wanted(channel)) pictures.write(actual, golden);
-    } else if (is_wanted(channel) || robots.uses(channel.topic)) {
-      series.write(actual, golden);
-    } else {
+  std::vector<ChannelPair> shown;
+  std::int64_t left_out = 0, cameras = 0;
+  for (const ChannelPair& pair : channel_pairs()) {
+    const TraceChannel& channel =
+        pair.actual ? actual_.trace.channels()[*pair.actual] : golden_->trace.channels()[*pair.golden];
+    const bool is_camera = is_picture(channel);
+    if (is_wanted(channel) || (!is_camera && robots.uses(channel.topic))) {
+      if (is_camera || !channel.columns.empty()) shown.push_back(pair);
+      if (is_camera) ++cameras;
+    } else if (!is_camera) {
       ++left_out;
     }
-  };
+  }
+  const auto all = std::ssize(shown);
+  ShownRows rows(actual_, golden(), std::move(shown), focus_, most_cells);
+  const JudgedValues* judged = judged_ ? &*judged_ : nullptr;
+  SeriesWriter series(blobs, actual_, golden(), judged);
+  PictureWriter pictures(blobs, actual_, golden(), judged, focus_,
+                         part_sizes().pictures / static_cast<std::uint64_t>(std::max<std::int64_t>(1, cameras)),
+                         summary_.omitted);
   std::int64_t done = 0;
-  const auto all = std::ssize(actual_.trace.channels()) + (golden_ ? std::ssize(golden_->trace.channels()) : 0);
-  for (const TraceChannel& channel : actual_.trace.channels()) {
-    write(&channel, golden_ ? counterpart(actual_.trace, channel, golden_->trace) : nullptr);
-    if (options_.progress) options_.progress(++done, all);
-  }
-  if (golden_) {
-    for (const TraceChannel& channel : golden_->trace.channels()) {
-      if (!counterpart(golden_->trace, channel, actual_.trace)) write(nullptr, &channel);
-      if (options_.progress) options_.progress(++done, all);
+  std::uint64_t series_size = 0;
+  const auto read = rows.for_each([&](const ShownChannel& channel) {
+    const std::uint64_t before = blobs.coded();
+    if (is_picture(channel.either())) {
+      pictures.write(channel);
+    } else {
+      series.write(channel);
+      series_size += blobs.coded() - before;
     }
-  }
+    if (options_.progress) options_.progress(++done, all);
+  });
+  if (!read) return read.errors();
+  omit_rows(rows);
   if (left_out > 0)
     summary_.omitted.push_back(fmt::format("Of {} topics, which were not asked for, no series is shown.", left_out));
   object["axes"] = series.take_axes();
@@ -302,15 +296,33 @@ void ReportMaker::write_channels(ReportJson& object) {
   object["cameras"] = pictures.take_cameras();
   object["robots"] = robots.take_robots();
   object["meshes"] = robots.take_meshes();
+  return WrittenSeries{series_size, rows.is_limited()};
+}
+
+/// Reports the choice of messages, if it isn't all of them.
+void ReportMaker::omit_rows(const ShownRows& rows) {
+  if (!rows.is_thinned()) return;
+  std::string sentence =
+      "The run is too long to show all values of its series: shown are the lowest and highest, the "
+      "first that differ, and others at equal distances";
+  if (focus_.centre) {
+    const double centre = static_cast<double>(*focus_.centre) / 1e9, half = 0.5 * rows.whole_span();
+    sentence +=
+        fmt::format(". From {:.6g} s to {:.6g} s all values are shown", std::max(0.0, centre - half), centre + half);
+  }
+  summary_.omitted.push_back(sentence + ". The options --from and --until show all values of another span.");
 }
 
 /// Writes messages and changes of contact.
-void ReportMaker::write_happenings(ReportJson& object) {
-  MessageWriter(blobs_, actual_, golden(), summary_.omitted)
+void ReportMaker::write_happenings(ReportJson& object, BlobWriter& blobs) {
+  MessageWriter::Limits limits;
+  const std::uint64_t all = part_sizes().all;
+  limits.of_blobs = std::min(limits.of_blobs, all - std::min(all, blobs.coded()));
+  MessageWriter(blobs, actual_, golden(), summary_.omitted, limits)
       .write(object, summary_.first_tick.value_or(summary_.begin));
   ReportJson contacts = ReportJson::array();
   int index = 0;
-  for (const ReportedRun* run : {&std::as_const(actual_), golden()}) {
+  for (const ReportedRun* run : {&actual_, golden()}) {
     if (!run) continue;
     for (const msg::ContactChange& change : run->trace.contact_changes())
       contacts.push_back(
@@ -349,7 +361,7 @@ ReportJson ReportMaker::call_stack_json() {
 }
 
 void ReportMaker::omit_damage() {
-  for (const ReportedRun* run : {&std::as_const(actual_), golden()}) {
+  for (const ReportedRun* run : {&actual_, golden()}) {
     if (!run || run->trace.damage().empty()) continue;
     const Diagnostics& damage = run->trace.damage();
     summary_.omitted.push_back(fmt::format("{} is incomplete, and lost data is not shown: {}{}",
@@ -358,7 +370,8 @@ void ReportMaker::omit_damage() {
   }
 }
 
-Result<ReportSummary> ReportMaker::make(const fs::path& actual_file, const fs::path& golden_file) {
+/// Judges the run, and makes all of the report's object except its series, pictures and messages.
+Result<ReportJson> ReportMaker::head(const fs::path& actual_file, const fs::path& golden_file) {
   omit_damage();
   const auto read_scenario = [&](const ReportedRun& run, std::optional<Scenario>& scenario) {
     auto read = recorded_scenario(run.trace);
@@ -369,7 +382,7 @@ Result<ReportSummary> ReportMaker::make(const fs::path& actual_file, const fs::p
   };
   read_scenario(actual_, scenario_);
   if (golden_) read_scenario(*golden_, golden_scenario_);
-  judge();
+  if (auto judged = judge(); !judged) return judged.errors();
   TickRange range;
   range.take(actual_.clock);
   if (golden_) range.take(golden_->clock);
@@ -413,14 +426,44 @@ Result<ReportSummary> ReportMaker::make(const fs::path& actual_file, const fs::p
   }
   const ExpectationResult* violation = first_violation(expectations_);
   if (!summary_.first_tick && violation && violation->first) summary_.first_tick = violation->first->tick;
-  write_channels(object);
-  write_happenings(object);
+  find_focus();
+  return object;
+}
+
+/// Writes the file with at most about so many numbers; a trial only if their size suits the report.
+Result<ReportMaker::Attempt> ReportMaker::write(ReportJson object, std::uint64_t most_cells, bool is_trial) {
+  auto file = open_();
+  if (!file) return file.errors();
+  BlobWriter blobs([&file](const std::string& id, ByteSpan coded) { file->put_blob(id, coded); });
+  summary_.omitted = omitted_;
+  auto series = write_channels(object, blobs, most_cells);
+  if (!series) return series.errors();
+  Attempt attempt{static_cast<double>(series->coded) / static_cast<double>(part_sizes().series), false};
+  constexpr double too_small = 0.4;
+  if (is_trial && (attempt.fill > 1.0 || (attempt.fill < too_small && series->is_limited))) return attempt;
+  write_happenings(object, blobs);
   object["call_stack"] = call_stack_json();
   object["omitted"] = summary_.omitted;
-  if (auto done = file_.finish(object); !done) return done.errors();
-  summary_.bytes = file_.bytes();
-  summary_.data_bytes = file_.data_bytes();
-  return summary_;
+  if (auto done = file->finish(object); !done) return done.errors();
+  summary_.bytes = file->bytes();
+  summary_.data_bytes = file->data_bytes();
+  attempt.is_written = true;
+  return attempt;
+}
+
+Result<ReportSummary> ReportMaker::make(const fs::path& actual_file, const fs::path& golden_file) {
+  const auto object = head(actual_file, golden_file);
+  if (!object) return object.errors();
+  omitted_ = summary_.omitted;
+  // A number takes about a byte, coded; random ones take eight, others that hardly change a tenth.
+  constexpr int most_trials = 3;
+  std::uint64_t cells = options_.max_size;
+  for (int trial = 0;; ++trial) {
+    const auto attempt = write(*object, cells, trial < most_trials);
+    if (!attempt) return attempt.errors();
+    if (attempt->is_written) return summary_;
+    cells = static_cast<std::uint64_t>(0.85 * static_cast<double>(cells) / std::max(0.05, attempt->fill));
+  }
 }
 
 }  // namespace
@@ -431,16 +474,23 @@ Result<ReportSummary> write_report(const fs::path& trace, const std::optional<fs
   if (!page) return page.errors();
   std::vector<fs::path> sources{trace};
   if (golden) sources.push_back(*golden);
-  if (auto fits = check_report_size(sources, report, options); !fits) return fits.errors();
   sources.push_back(*page);
-  auto file = ReportFile::begin(report, *page, sources);
-  if (!file) return file.errors();
-  const auto actual = SourceTrace::load(trace, report.string() + ".actual.part", options);
+  const auto open = [&] { return ReportFile::begin(report, *page, sources); };
+  if (auto file = open(); !file) return file.errors();  // before the work
+  const auto actual_file = SourceFile::make(trace, report.string() + ".actual.part", options);
+  if (!actual_file) return actual_file.errors();
+  auto actual = read_run(*actual_file, trace);
   if (!actual) return actual.errors();
-  std::optional<Result<SourceTrace>> expected;
-  if (golden) expected.emplace(SourceTrace::load(*golden, report.string() + ".golden.part", options));
-  if (expected && !*expected) return expected->errors();
-  ReportMaker maker(options, *file, actual->trace(), expected ? &(*expected)->trace() : nullptr);
+  std::optional<Result<SourceFile>> golden_file;
+  std::optional<ReportedRun> expected;
+  if (golden) {
+    golden_file.emplace(SourceFile::make(*golden, report.string() + ".golden.part", options));
+    if (!*golden_file) return golden_file->errors();
+    auto run = read_run(**golden_file, *golden);
+    if (!run) return run.errors();
+    expected = *std::move(run);
+  }
+  ReportMaker maker(options, open, *std::move(actual), std::move(expected));
   return maker.make(trace, golden ? *golden : fs::path());
 }
 

@@ -48,9 +48,4 @@ class ReportFile {
   std::uintmax_t bytes_ = 0, data_bytes_ = 0;
 };
 
-/// Fails if the report of these recordings would be larger than `max_size`, and names a part of them that would be
-/// small enough.
-Result<void> check_report_size(std::span<const std::filesystem::path> traces, const std::filesystem::path& report,
-                               const ReportOptions& options);
-
 }  // namespace rehearse

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <utility>
 
 #include "core/compare/recorded_picture.h"
 #include "core/kinds/channel_name.h"
@@ -53,13 +55,12 @@ void PictureWriter::find_range(const Trace& trace, const TraceChannel& channel, 
   }
 }
 
-PictureWriter::Album PictureWriter::survey(const TraceChannel* actual, const TraceChannel* golden) {
+PictureWriter::Album PictureWriter::survey(const ShownChannel& channel) {
   Album album;
   album.near = std::numeric_limits<float>::infinity();
-  const TraceChannel& either = actual ? *actual : *golden;
-  if (either.type != msg::Image::type_name) return album;  // compressed: no depths
-  if (actual) find_range(actual_.trace, *actual, album);
-  if (golden) find_range(golden_->trace, *golden, album);
+  if (channel.either().type != msg::Image::type_name) return album;  // compressed: no depths
+  if (channel.pair.actual) find_range(actual_.trace, channel.actual, album);
+  if (channel.pair.golden) find_range(golden_->trace, channel.golden, album);
   if (!std::isfinite(album.near)) album.near = album.far = 0.0f;
   return album;
 }
@@ -90,30 +91,72 @@ ReportJson PictureWriter::picture(const Trace& trace, const TraceChannel& channe
   return blob;
 }
 
-void PictureWriter::write(const TraceChannel* actual, const TraceChannel* golden) {
-  Album album = survey(actual, golden);
-  const TraceChannel& either = actual ? *actual : *golden;
-  ReportJson pictures = ReportJson::array();
-  constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
-  const auto time_of = [](const TraceChannel* channel, std::size_t i) {
-    return channel && i < channel->messages() ? channel->times[i] : never;
-  };
-  for (std::size_t a = 0, g = 0;;) {
-    const std::uint64_t seen = time_of(actual, a), expected = time_of(golden, g);
-    const std::uint64_t time = std::min(seen, expected);
-    if (time == never) break;
-    const ReportedRun& run = seen == time ? actual_ : *golden_;
-    ReportJson entry{
-        {"tick", run.clock.tick_at(time)}, {"actual", nullptr}, {"golden", nullptr}, {"differing", nullptr}};
-    if (seen == time) entry["actual"] = picture(actual_.trace, *actual, a++, album);
-    if (expected == time) {
-      entry["golden"] = picture(golden_->trace, *golden, g, album);
-      if (seen == time) entry["differing"] = judged_->pixels(*golden, g);
-      ++g;
-      if (!entry["golden"].is_null() && entry["golden"] == entry["actual"]) entry["golden"] = "same";
-    }
-    pictures.push_back(std::move(entry));
+std::vector<PictureWriter::Moment> PictureWriter::moments_of(const ShownChannel& channel) {
+  const std::vector<std::uint64_t>&actual = channel.actual.times, &golden = channel.golden.times;
+  std::vector<Moment> moments;
+  for (std::size_t a = 0, g = 0; a < actual.size() || g < golden.size();) {
+    Moment moment;
+    const bool is_golden = a == actual.size() || (g < golden.size() && golden[g] <= actual[a]);
+    const bool is_actual = g == golden.size() || (a < actual.size() && actual[a] <= golden[g]);
+    moment.time = is_actual ? actual[a] : golden[g];
+    if (is_actual) moment.actual = a++;
+    if (is_golden) moment.golden = g++;
+    moments.push_back(moment);
   }
+  return moments;
+}
+
+/// Every so-many-th moment, and those around the first difference.
+std::vector<std::size_t> PictureWriter::choose(const std::vector<Moment>& moments, std::size_t stride) const {
+  constexpr std::size_t around = 10;  // pictures before and after
+  std::size_t centre = moments.size();
+  if (focus_.centre) {
+    const auto at = std::ranges::lower_bound(moments, *focus_.centre, {}, &Moment::time);
+    centre = static_cast<std::size_t>(at - moments.begin());
+  }
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < moments.size(); ++i) {
+    const bool is_near = focus_.centre && i + around >= centre && i <= centre + around;
+    if (i % stride == 0 || is_near || i + 1 == moments.size()) chosen.push_back(i);
+  }
+  return chosen;
+}
+
+ReportJson PictureWriter::moment_json(const ShownChannel& channel, const Moment& moment, Album& album) {
+  const ReportedRun& run = moment.actual ? actual_ : *golden_;
+  ReportJson entry{
+      {"tick", run.clock.tick_at(moment.time)}, {"actual", nullptr}, {"golden", nullptr}, {"differing", nullptr}};
+  if (moment.actual) entry["actual"] = picture(actual_.trace, channel.actual, *moment.actual, album);
+  if (!moment.golden) return entry;
+  entry["golden"] = picture(golden_->trace, channel.golden, *moment.golden, album);
+  if (moment.actual) entry["differing"] = judged_->pixels(*channel.pair.golden, *moment.golden);
+  if (!entry["golden"].is_null() && entry["golden"] == entry["actual"]) entry["golden"] = "same";
+  return entry;
+}
+
+void PictureWriter::write(const ShownChannel& channel) {
+  Album album = survey(channel);
+  const TraceChannel& either = channel.either();
+  const std::vector<Moment> moments = moments_of(channel);
+  // Some pictures at equal distances show the size of all.
+  constexpr std::size_t samples = 16;
+  const std::size_t between = std::max<std::size_t>(1, moments.size() / samples);
+  std::map<std::size_t, ReportJson> written;
+  const std::uint64_t before = blobs_.coded();
+  for (std::size_t i = 0; i < moments.size(); i += between) written.emplace(i, moment_json(channel, moments[i], album));
+  const std::uint64_t of_samples = std::max<std::uint64_t>(1, blobs_.coded() - before);
+  const double all = static_cast<double>(of_samples) / static_cast<double>(std::max<std::size_t>(1, written.size())) *
+                     static_cast<double>(moments.size());
+  const auto stride = static_cast<std::size_t>(std::ceil(std::max(1.0, all / static_cast<double>(most_coded_))));
+  for (const std::size_t i : choose(moments, stride))
+    if (!written.contains(i)) written.emplace(i, moment_json(channel, moments[i], album));
+  ReportJson pictures = ReportJson::array();
+  for (auto& [moment, entry] : written) pictures.push_back(std::move(entry));
+  if (written.size() < moments.size())
+    omitted_.push_back(
+        fmt::format("{} of the {} pictures of {} are shown: those around the first difference, and others "
+                    "at equal distances.",
+                    written.size(), moments.size(), either.topic));
   if (album.lost > 0)
     omitted_.push_back(fmt::format("{} of the pictures of {} can't be shown: {}", album.lost, either.topic, album.why));
   std::string name = series_name(either.topic, "");

@@ -1,23 +1,35 @@
 // The pictures of cameras in both runs. Internal.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "report_blobs.h"
+#include "report_rows.h"
 #include "report_run.h"
 
 namespace rehearse {
 
 class PictureWriter {
  public:
-  /// `golden` and `judged` may be null: the run is shown alone. Pictures that can't be shown are reported in `omitted`.
+  /// `golden` and `judged` may be null: the run is shown alone. Pictures that aren't shown are reported in `omitted`.
+  /// `focus`: the pictures around its times are shown. `most_coded`: about the size of a camera's pictures [bytes].
   PictureWriter(BlobWriter& blobs, const ReportedRun& actual, const ReportedRun* golden, const JudgedValues* judged,
-                std::vector<std::string>& omitted)
-      : blobs_(blobs), actual_(actual), golden_(golden), judged_(judged), omitted_(omitted) {}
+                const RowFocus& focus, std::uint64_t most_coded, std::vector<std::string>& omitted)
+      : blobs_(blobs),
+        actual_(actual),
+        golden_(golden),
+        judged_(judged),
+        focus_(focus),
+        most_coded_(most_coded),
+        omitted_(omitted) {}
 
-  /// All pictures of a channel. One of the channels may be null, not both.
-  void write(const TraceChannel* actual, const TraceChannel* golden);
+  /// The pictures of a channel, with all of its messages. If they are too many, those at equal distances are shown, and
+  /// those around the first difference.
+  void write(const ShownChannel& channel);
 
   ReportJson take_cameras() { return std::move(cameras_); }
 
@@ -32,7 +44,15 @@ class PictureWriter {
     std::vector<float> drawn_depths;  // of the previous picture; depths are often unchanged
     ReportJson drawn;
   };
-  Album survey(const TraceChannel* actual, const TraceChannel* golden);
+  /// The pictures of a time: indices of messages; none: the run has no picture then.
+  struct Moment {
+    std::uint64_t time = 0;  // [ns]
+    std::optional<std::size_t> actual, golden;
+  };
+  static std::vector<Moment> moments_of(const ShownChannel& channel);
+  std::vector<std::size_t> choose(const std::vector<Moment>& moments, std::size_t stride) const;
+  ReportJson moment_json(const ShownChannel& channel, const Moment& moment, Album& album);
+  Album survey(const ShownChannel& channel);
   void find_range(const Trace& trace, const TraceChannel& channel, Album& album);
   ReportJson picture(const Trace& trace, const TraceChannel& channel, std::size_t message, Album& album);
 
@@ -40,6 +60,8 @@ class PictureWriter {
   const ReportedRun& actual_;
   const ReportedRun* golden_;
   const JudgedValues* judged_;
+  const RowFocus& focus_;
+  const std::uint64_t most_coded_;
   std::vector<std::string>& omitted_;
   ReportJson cameras_ = ReportJson::array();
 };

@@ -106,7 +106,7 @@ void RobotWriter::write(const Scenario& scenario) {
 /// The recorded model with the meshes of this machine; null: it can't be loaded.
 std::shared_ptr<const Model> RobotWriter::with_meshes(const ScenarioBody& body) {
   if (body.model_file.empty() || !lacks_meshes(*body.model)) return body.model;
-  const auto file = find_model(scenario_file_, run_.trace.file(), body.model_file);
+  const auto file = find_model(scenario_file_, run_.file, body.model_file);
   if (!file) return body.model;
   UrdfOptions options;
   options.allow_missing_meshes = true;
@@ -155,7 +155,7 @@ void RobotWriter::write_body(const ScenarioBody& body) {
 ReportJson RobotWriter::pose_series(const ScenarioBody& body, const Link& link) {
   const std::string topic = ChannelName::of_owner(body.name, link.name, ChannelKind::pose).topic();
   const TraceChannel* channel = run_.trace.find_channel(topic);
-  if (!channel || channel->rows() == 0) return nullptr;
+  if (!channel || run_.of(*channel).messages == 0) return nullptr;
   ReportJson names = ReportJson::array();
   for (const char* element :
        {"position/x", "position/y", "position/z", "orientation/x", "orientation/y", "orientation/z", "orientation/w"}) {
@@ -174,7 +174,7 @@ ReportJson RobotWriter::joint_json(const ScenarioBody& body, const Link& link) {
   ReportJson q, q0 = 0.0;
   const std::string topic = ChannelName::of_body(body.name, ChannelKind::joints).topic();
   if (turns || slides) {
-    if (const TraceChannel* channel = run_.trace.find_channel(topic); channel && channel->rows() > 0) {
+    if (const TraceChannel* channel = run_.trace.find_channel(topic); channel && run_.of(*channel).messages > 0) {
       const std::size_t column = column_of(*channel, joint.name + "/q");
       if (column < channel->columns.size()) {
         q = channel->columns[column].series;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/trace/trace_windows.h"
+
 namespace rehearse {
 namespace {
 
@@ -11,6 +13,32 @@ const JudgedValues::Column nothing_found;
 std::string_view stem_of(std::string_view element) { return element.substr(0, element.rfind('/')); }
 
 }  // namespace
+
+void ChannelSummary::take(const TraceChannel& piece) {
+  messages += piece.messages();
+  for (const std::uint64_t time : piece.times) {
+    first_time = std::min(first_time, time);
+    last_time = std::max(last_time, time);
+  }
+  ranges.resize(piece.columns.size());
+  for (std::size_t row = 0; row < piece.rows(); ++row)
+    for (std::size_t column = 0; column < ranges.size(); ++column) ranges[column].take(piece.number(row, column));
+}
+
+Result<ReportedRun> ReportedRun::read(const std::filesystem::path& file) {
+  ReportedRun run;
+  const auto take = [&run](const Trace& piece) {
+    run.clock.take(piece);
+    run.channels.resize(piece.channels().size());
+    for (std::size_t i = 0; i < run.channels.size(); ++i) run.channels[i].take(piece.channels()[i]);
+  };
+  auto trace = load_pieces(file, nullptr, take, Trace::usual_piece_size, PieceOrder::of_file, Trace::Damage::tolerate);
+  if (!trace) return trace.errors();
+  run.clock.put_in_order();
+  run.file = file;
+  run.trace = *std::move(trace);
+  return run;
+}
 
 void JudgedValues::mark(std::int64_t tick) {
   if (clock_.empty()) return;
@@ -22,7 +50,8 @@ void JudgedValues::mark(std::int64_t tick) {
 }
 
 void JudgedValues::take(const DifferingValue& value) {
-  if (value.columns.empty()) pixels_[{value.place, value.message}] = value.pixels;
+  const std::size_t message = value.channel.earlier + value.message;
+  if (value.columns.empty()) pixels_[{value.place, message}] = value.pixels;
   if (!value.beyond) return;
   mark(clock_.tick_at(value.channel.times[value.message]));
   if (value.columns.empty()) return;
@@ -30,8 +59,8 @@ void JudgedValues::take(const DifferingValue& value) {
   columns.resize(value.channel.columns.size());
   for (const std::size_t index : value.columns) {
     Column& column = columns[index];
-    if (column.last != value.message) ++column.beyond;
-    column.last = value.message;
+    if (column.last != message) ++column.beyond;
+    column.last = message;
   }
 }
 
@@ -43,7 +72,7 @@ void JudgedValues::conclude(const Comparison& comparison) {
       if (channel == channels_.end() || compared.of_events || channel->columns.empty()) continue;
       std::map<std::string_view, double> tolerances;
       for (const SeriesComparison& series : compared.series) tolerances[series.element] = series.tolerance;
-      std::vector<Column>& columns = columns_[index_of(*channel)];
+      std::vector<Column>& columns = columns_[static_cast<std::size_t>(channel - channels_.begin())];
       columns.resize(channel->columns.size());
       for (std::size_t i = 0; i < columns.size(); ++i) {
         const std::string& element = channel->columns[i].element;
@@ -57,13 +86,13 @@ void JudgedValues::conclude(const Comparison& comparison) {
     if (event.beyond) mark(event.actual ? *event.actual : *event.expected);
 }
 
-const JudgedValues::Column& JudgedValues::of(const TraceChannel& channel, std::size_t column) const {
-  const std::vector<Column>& columns = columns_[index_of(channel)];
+const JudgedValues::Column& JudgedValues::of(std::size_t place, std::size_t column) const {
+  const std::vector<Column>& columns = columns_[place];
   return columns.empty() ? nothing_found : columns[column];
 }
 
-std::int64_t JudgedValues::pixels(const TraceChannel& channel, std::size_t message) const {
-  const auto found = pixels_.find({index_of(channel), message});
+std::int64_t JudgedValues::pixels(std::size_t place, std::size_t message) const {
+  const auto found = pixels_.find({place, message});
   return found == pixels_.end() ? 0 : found->second;
 }
 

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 namespace rehearse {
@@ -36,39 +35,7 @@ NumberArray gather(const TraceChannel& channel, std::size_t column) {
   return array;
 }
 
-/// Lowest and highest finite value.
-struct Range {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
-
-  void take(const TraceChannel& channel, std::size_t column) {
-    for (std::size_t row = 0; row < channel.rows(); ++row) {
-      const double value = channel.number(row, column);
-      if (!std::isfinite(value)) continue;
-      low = std::min(low, value);
-      high = std::max(high, value);
-    }
-  }
-  ReportJson json() const { return low > high ? ReportJson() : ReportJson{low, high}; }
-};
-
-/// Number of messages of equal time with different bits.
-std::int64_t differing(const TraceChannel& actual, std::size_t column, const TraceChannel& golden, std::size_t other) {
-  std::int64_t count = 0;
-  std::size_t a = 0, g = 0;
-  while (a < actual.rows() && g < golden.rows()) {
-    if (actual.times[a] == golden.times[g]) {
-      if (actual.bits(a, column) != golden.bits(g, other)) ++count;
-      ++a;
-      ++g;
-    } else if (actual.times[a] < golden.times[g]) {
-      ++a;
-    } else {
-      ++g;
-    }
-  }
-  return count;
-}
+ReportJson json_of(const ValueRange& range) { return range.empty() ? ReportJson() : ReportJson{range.low, range.high}; }
 
 }  // namespace
 
@@ -87,10 +54,10 @@ std::string_view series_group(const TraceChannel& channel) {
   return "other";
 }
 
-std::size_t SeriesWriter::axis_of(const ReportedRun& run, const TraceChannel& channel) {
+std::size_t SeriesWriter::axis_of(const ReportedRun& run, const TraceChannel& table) {
   std::vector<std::uint32_t> ticks;
-  ticks.reserve(channel.rows());
-  for (const std::uint64_t time : channel.times) ticks.push_back(static_cast<std::uint32_t>(run.clock.tick_at(time)));
+  ticks.reserve(table.rows());
+  for (const std::uint64_t time : table.times) ticks.push_back(static_cast<std::uint32_t>(run.clock.tick_at(time)));
   const auto known = std::find(axis_ticks_.begin(), axis_ticks_.end(), ticks);
   if (known != axis_ticks_.end()) return static_cast<std::size_t>(known - axis_ticks_.begin());
   bool is_dense = true;
@@ -103,36 +70,41 @@ std::size_t SeriesWriter::axis_of(const ReportedRun& run, const TraceChannel& ch
   return axis_ticks_.size() - 1;
 }
 
-void SeriesWriter::write(const TraceChannel* actual, const TraceChannel* golden) {
-  const auto axis = [this](const TraceChannel* channel, const ReportedRun* run) {
-    return channel && !channel->columns.empty() ? axis_of(*run, *channel) : 0;
+void SeriesWriter::write(const ShownChannel& channel) {
+  const auto axis = [this](const TraceChannel& table, const ReportedRun* run) {
+    return table.columns.empty() ? 0 : axis_of(*run, table);
   };
-  const std::size_t actual_axis = axis(actual, &actual_), golden_axis = axis(golden, golden_);
-  std::map<std::string_view, std::size_t> of_golden;
-  if (golden)
-    for (std::size_t i = 0; i < golden->columns.size(); ++i) of_golden.emplace(golden->columns[i].element, i);
-  if (actual) {
-    for (std::size_t i = 0; i < actual->columns.size(); ++i) {
-      const TraceColumn& column = actual->columns[i];
-      const auto other = of_golden.find(column.element);
-      const bool is_alike = other != of_golden.end() && golden->columns[other->second].kind == column.kind;
-      write_column({actual, i, actual_axis}, is_alike ? Column{golden, other->second, golden_axis} : Column());
-      if (is_alike) of_golden.erase(other);
+  const std::size_t actual_axis = axis(channel.actual, &actual_), golden_axis = axis(channel.golden, golden_);
+  std::vector<bool> has_actual(channel.golden.columns.size(), false);
+  const auto golden_column = [&](std::size_t index) {
+    return Column{&channel.golden, index, golden_axis, &golden_->channels[*channel.pair.golden].ranges[index]};
+  };
+  for (std::size_t i = 0; i < channel.actual.columns.size(); ++i) {
+    const Column actual{&channel.actual, i, actual_axis, &actual_.channels[*channel.pair.actual].ranges[i]};
+    const std::size_t other = channel.golden_columns[i];
+    if (other == ShownChannel::no_column) {
+      write_column(actual, {});
+      continue;
     }
+    has_actual[other] = true;
+    ReportJson& series = write_column(actual, golden_column(other));
+    const JudgedValues::Column& judged = judged_->of(*channel.pair.golden, other);
+    if (judged.tolerance) series["tolerance"] = *judged.tolerance;
+    series["differing"] = channel.differing[i];
+    series["beyond"] = judged.beyond;
   }
-  if (!golden) return;
-  for (std::size_t i = 0; i < golden->columns.size(); ++i)
-    if (of_golden.count(golden->columns[i].element)) write_column({}, {golden, i, golden_axis});
+  for (std::size_t i = 0; i < channel.golden.columns.size(); ++i)
+    if (!has_actual[i]) write_column({}, golden_column(i));
 }
 
-void SeriesWriter::write_column(const Column& actual, const Column& golden) {
+ReportJson& SeriesWriter::write_column(const Column& actual, const Column& golden) {
   const Column& either = actual.is_there() ? actual : golden;
-  const TraceChannel& channel = *either.channel;
-  const TraceColumn& column = channel.columns[either.index];
+  const TraceChannel& table = *either.table;
+  const TraceColumn& column = table.columns[either.index];
   ReportJson series{{"name", column.series},
-                    {"topic", channel.topic},
-                    {"unit", unit_of(channel.metadata, column.element)},
-                    {"group", series_group(channel)},
+                    {"topic", table.topic},
+                    {"unit", unit_of(table.metadata, column.element)},
+                    {"group", series_group(table)},
                     {"kind", words_of(column.kind).kind},
                     {"axis", either.axis},
                     {"values", nullptr},
@@ -140,33 +112,28 @@ void SeriesWriter::write_column(const Column& actual, const Column& golden) {
                     {"tolerance", nullptr},
                     {"differing", 0},
                     {"beyond", 0}};
-  Range range;
+  ValueRange range;
   NumberArray values;
   if (actual.is_there()) {
-    values = gather(*actual.channel, actual.index);
+    values = gather(*actual.table, actual.index);
     series["values"] = blobs_.array(values);
-    range.take(*actual.channel, actual.index);
+    range.take(*actual.range);
   }
   if (golden.is_there()) {
-    const NumberArray expected = gather(*golden.channel, golden.index);
+    const NumberArray expected = gather(*golden.table, golden.index);
     const bool in_step = actual.is_there() && actual.axis == golden.axis;
     if (in_step && values.bytes == expected.bytes) {
       series["golden"] = "same";
     } else {
       series["golden"] = blobs_.array(expected, in_step ? &values : nullptr);
-      range.take(*golden.channel, golden.index);
       if (actual.is_there() && !in_step) series["golden_axis"] = golden.axis;
     }
-    if (actual.is_there()) {
-      const JudgedValues::Column& judged = judged_->of(*golden.channel, golden.index);
-      if (judged.tolerance) series["tolerance"] = *judged.tolerance;
-      series["differing"] = differing(*actual.channel, actual.index, *golden.channel, golden.index);
-      series["beyond"] = judged.beyond;
-    }
+    range.take(*golden.range);
   }
-  series["range"] = range.json();
-  if (channel.metadata.count("wrap:" + column.element)) series["wraps"] = true;
+  series["range"] = json_of(range);
+  if (table.metadata.count("wrap:" + column.element)) series["wraps"] = true;
   series_.push_back(std::move(series));
+  return series_.back();
 }
 
 }  // namespace rehearse

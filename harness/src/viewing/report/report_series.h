@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "report_blobs.h"
+#include "report_rows.h"
 #include "report_run.h"
 
 namespace rehearse {
@@ -16,24 +17,26 @@ class SeriesWriter {
   SeriesWriter(BlobWriter& blobs, const ReportedRun& actual, const ReportedRun* golden, const JudgedValues* judged)
       : blobs_(blobs), actual_(actual), golden_(golden), judged_(judged) {}
 
-  /// All series of a channel. One of the channels may be null, not both.
-  void write(const TraceChannel* actual, const TraceChannel* golden);
+  /// All series of a channel.
+  void write(const ShownChannel& channel);
 
   ReportJson take_series() { return std::move(series_); }
   ReportJson take_axes() { return std::move(axes_); }
   std::size_t size() const { return series_.size(); }
 
  private:
-  /// Both columns of a series; null: this run doesn't have it.
+  /// A column of a channel in one run; null: this run doesn't have it.
   struct Column {
-    const TraceChannel* channel = nullptr;
+    const TraceChannel* table = nullptr;
     std::size_t index = 0;
     std::size_t axis = 0;
+    const ValueRange* range = nullptr;
 
-    bool is_there() const { return channel != nullptr; }
+    bool is_there() const { return table != nullptr; }
   };
-  std::size_t axis_of(const ReportedRun& run, const TraceChannel& channel);
-  void write_column(const Column& actual, const Column& golden);
+  std::size_t axis_of(const ReportedRun& run, const TraceChannel& table);
+  /// The written series, without its differences from the golden.
+  ReportJson& write_column(const Column& actual, const Column& golden);
 
   BlobWriter& blobs_;
   const ReportedRun& actual_;
