@@ -34,6 +34,7 @@ rehearse_add_test(world_tests LABEL sim SHARDS 8
     world/residual_test.cpp
     world/rigid_groups_test.cpp
     world/scanner_test.cpp
+    world/sleep_test.cpp
     world/stacks_test.cpp
     world/state_test.cpp
     world/surfaces_test.cpp

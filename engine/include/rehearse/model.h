@@ -525,6 +525,8 @@ struct SolverSettings {
   double friction = 1.0;                  // coefficient of every contact
   int max_contacts = 100;                 // per pair of shapes
   double belt_depth = unlimited;          // belts don't drive deeper contacts [m]
+  double sleep_after = 0.0;   // bodies without joints and devices that rest so long sleep; 0: they never do [s]
+  double sleep_speed = 0.01;  // a body rests while none of its points is faster [m/s]
 };
 
 /// The friction and restitution between two materials, in place of those of the surfaces.

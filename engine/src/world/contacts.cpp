@@ -168,11 +168,15 @@ void find_contacts(const std::vector<std::unique_ptr<SimulatedBody>>& bodies, co
 }
 
 void add_contacts(dWorldID world, dJointGroupID group, const ContactLaw& law, const Friction& friction,
-                  Touches& touches, DirectStep* direct) {
+                  const Sleep& sleep, Touches& touches, DirectStep* direct) {
   ContactTerms terms;
   dContact room{};
   const Contact* last = nullptr;  // the contacts of two shapes follow each other
   for (Contact& contact : touches.contacts()) {
+    if (sleep.is_asleep(contact)) {
+      contact.set_force(Friction::last_force(contact.point()));
+      continue;
+    }
     if (!last || last->a.shape != contact.a.shape || last->b.shape != contact.b.shape)
       terms = law.between(surface_of(contact.a), surface_of(contact.b));
     last = &contact;

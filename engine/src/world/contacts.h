@@ -10,6 +10,7 @@
 #include "contact_surface.h"
 #include "direct_step.h"
 #include "simulated_body.h"
+#include "sleep.h"
 #include "touches.h"
 
 namespace rehearse {
@@ -25,7 +26,8 @@ void find_contacts(const std::vector<std::unique_ptr<SimulatedBody>>& bodies, co
                    std::vector<LinkPair>& pairs);
 
 /// Gives each contact to `direct` if that solves it, and else adds a contact joint to `group`. `direct` may be null.
+/// The contacts of bodies that sleep get the forces of the last step instead.
 void add_contacts(dWorldID world, dJointGroupID group, const ContactLaw& law, const Friction& friction,
-                  Touches& touches, DirectStep* direct);
+                  const Sleep& sleep, Touches& touches, DirectStep* direct);
 
 }  // namespace rehearse

@@ -32,6 +32,7 @@ enum class StatePart {
   acting_device,  // of a rotor or holder: its command
   connection,     // of a joint between bodies, or of a holder
   contact,        // measured by a contact sensor in the last step; the next step doesn't depend on it
+  rest,           // of a body that can sleep: its steps at rest
 };
 
 /// Reads or writes pieces of state.

@@ -36,11 +36,11 @@ void StateTaker::visit(void* data, std::size_t size) {
 }
 
 /// A part of a different size has a different meaning: the body has become kinematic, or the joint a track. The state
-/// of an actuator may be missing: a world with other actuators begins with theirs at rest.
+/// of an actuator or a sleeper may be missing: a world with others begins with theirs at rest.
 void StateTaker::end_part() {
   const auto& [body, owner, part] = name_;
-  const bool matters =
-      part != StatePart::wrench && part != StatePart::contact && part != StatePart::gear && part != StatePart::commands;
+  const bool matters = part != StatePart::wrench && part != StatePart::contact && part != StatePart::gear &&
+                       part != StatePart::commands && part != StatePart::rest;
   if (!matters || at_ == (current_ ? current_->size() : 0)) return;
   std::string what = "body '" + body + "'";
   if (body.empty())

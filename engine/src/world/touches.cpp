@@ -17,6 +17,10 @@ Vector3d Touches::Contact::force() const {
   return a.ode ? reported : Vector3d(-reported);
 }
 
+void Touches::Contact::set_force(const Vector3d& force) {
+  for (int axis = 0; axis < 3; ++axis) feedback.f1[axis] = a.ode ? force[axis] : -force[axis];
+}
+
 std::vector<Touch> Touches::of(const SimulatedBody& body) const {
   std::vector<Touch> touches;
   for (const Contact& contact : contacts_) {

@@ -33,6 +33,8 @@ class Touches {
     FrictionPoint point() const { return {patch, vector(geom.pos), vector(geom.normal)}; }
     /// Force on a during ODE's step [N].
     Eigen::Vector3d force() const;
+    /// Sets it where ODE doesn't.
+    void set_force(const Eigen::Vector3d& force);
 
     struct Side {
       /// `sign`: of the outward normal relative to that of `geom`.

@@ -16,6 +16,7 @@
 #include "model/clock.h"
 #include "ode_body.h"
 #include "ode_runtime.h"
+#include "sleep.h"
 #include "state_by_name.h"
 #include "touches.h"
 
@@ -73,6 +74,7 @@ struct World::Impl {
   Touches touches;                           // refers to the bodies
   Friction friction;
   std::unique_ptr<DirectStep> direct;  // refers to the bodies; null: ODE solves all
+  std::unique_ptr<Sleep> sleep;        // refers to the bodies
   std::vector<LinkPair> touching;
   std::uint64_t random = 0;
   std::int64_t tick = 0;
@@ -114,6 +116,7 @@ struct World::Impl {
     visitor.visit(&random, sizeof random);
     for (auto& body : bodies) body->visit_state(visitor);
     connections->visit_state(visitor);
+    sleep->visit_state(visitor);
   }
   void after_restore();
   void save_to(std::vector<std::byte>& bytes) {
@@ -175,6 +178,7 @@ Result<std::unique_ptr<World>> World::create(const WorldSettings& settings, std:
   }
   impl.connections = std::make_unique<Connections>(impl.world, impl.bodies, settings.connections);
   if (findings = impl.connections->check(); !findings.empty()) return findings;
+  impl.sleep = std::make_unique<Sleep>(settings, impl.bodies);
   if (settings.solver.method == SolverSettings::Method::direct)
     impl.direct = std::make_unique<DirectStep>(settings, impl.law.ode_correcting_velocity(), impl.bodies);
   return world;
@@ -319,8 +323,9 @@ bool World::step() {
   impl.connections->update(time());
   find_contacts(impl.bodies, *impl.connections, impl.found, impl.touches, impl.friction, impl.touching);
   impl.connections->update_holders(impl.touching);
+  impl.sleep->wake(impl.touches);
   if (impl.direct) impl.direct->begin(impl.touches, *impl.connections);
-  add_contacts(impl.world, impl.contacts, impl.law, impl.friction, impl.touches, impl.direct.get());
+  add_contacts(impl.world, impl.contacts, impl.law, impl.friction, *impl.sleep, impl.touches, impl.direct.get());
   impl.step_bodies();
   ++impl.tick;
   impl.observed = false;
@@ -331,6 +336,7 @@ bool World::step() {
   for (auto& body : impl.bodies)
     if (body->feels()) body->take_touches(impl.touches.of(*body));
   for (auto& body : impl.bodies) body->after_step();
+  impl.sleep->end_step(impl.touches);
   for (const auto& body : impl.bodies)
     if (!body->plausible()) return false;
   return true;
@@ -420,6 +426,7 @@ void World::Impl::after_restore() {
     body->forget_touches();
   }
   connections->after_restore();
+  sleep->after_restore();
   touching.clear();
   solver_message.clear();
   residual = {};

@@ -89,11 +89,19 @@ std::string tunables_of_the_processor() {
   return kept;
 }
 
+std::string solver_fact(const SolverSettings& solver) {
+  std::string fact = fmt::format("{}, {} iterations, over-relaxation {}, erp {}, cfm {}",
+                                 SolverSettings::method_names[static_cast<std::size_t>(solver.method)],
+                                 solver.iterations, solver.over_relaxation, solver.erp, solver.cfm);
+  if (solver.sleep_after > 0.0)
+    fact += fmt::format(", sleep after {} s below {} m/s", solver.sleep_after, solver.sleep_speed);
+  return fact;
+}
+
 }  // namespace
 
 mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host, const std::string& physics,
                            const std::string& renderer) {
-  const SolverSettings& solver = scenario.solver;
   mcap::StringMap stated{
       {facts::trace_version, std::to_string(trace_version)},
       {facts::trace_revision, std::to_string(trace_revision)},
@@ -102,9 +110,7 @@ mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host,
       {facts::seed, std::to_string(scenario.seed)},
       {facts::time_step, fmt::format("{}", scenario.time_step)},
       {facts::duration, fmt::format("{}", scenario.duration)},
-      {facts::solver, fmt::format("{}, {} iterations, over-relaxation {}, erp {}, cfm {}",
-                                  SolverSettings::method_names[static_cast<std::size_t>(solver.method)],
-                                  solver.iterations, solver.over_relaxation, solver.erp, solver.cfm)},
+      {facts::solver, solver_fact(scenario.solver)},
       {facts::physics, physics},
       {facts::libc, std::string("glibc ") + gnu_get_libc_version()},
       {facts::compiler, compiler()},

@@ -111,6 +111,8 @@ void read_solver(Findings& findings, const YamlNode& node, SolverSettings& solve
   keys.number("friction", solver.friction);
   keys.integer("max_contacts", solver.max_contacts);
   keys.number("belt_depth", solver.belt_depth);
+  keys.number("sleep_after", solver.sleep_after);
+  keys.number("sleep_speed", solver.sleep_speed);
 }
 
 void read_record(Findings& findings, const YamlNode& node, Scenario& scenario) {

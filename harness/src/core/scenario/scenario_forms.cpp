@@ -53,7 +53,12 @@ const Form& solver_form() {
        {"surface_layer", types::number({0.0, 1.0, "[m]"}), "depth at which contacts rest [m]", "0.0001"},
        {"friction", types::number({0.0, 1e6}), "coefficient of every contact", "1"},
        {"max_contacts", types::whole(1, 1000), "per pair of shapes", "100"},
-       {"belt_depth", types::number({0.0, 1e6, "[m]", true}), "belts of tracks don't drive deeper contacts [m]"}}};
+       {"belt_depth", types::number({0.0, 1e6, "[m]", true}), "belts of tracks don't drive deeper contacts [m]"},
+       {"sleep_after", types::number({0.0, 1e6, "[s]"}),
+        "bodies without joints and devices that rest so long aren't simulated until something moves them; 0: never [s]",
+        "0"},
+       {"sleep_speed", types::number({0.0, 1e6, "[m/s]"}), "a body rests while no point of it is faster [m/s]",
+        "0.01"}}};
   return form;
 }
 
