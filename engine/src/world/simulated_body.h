@@ -10,7 +10,10 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <cstring>
 #include <memory>
+#include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -34,18 +37,41 @@ enum class StatePart {
   contact,        // measured by a contact sensor in the last step; the next step doesn't depend on it
 };
 
-/// Reads or writes pieces of state.
+/// Reads or writes pieces of state. A state has hundreds of pieces and is read in each tick: a visitor that only copies
+/// them gives its memory, and is called when that is full.
 class StateVisitor {
  public:
   virtual ~StateVisitor() = default;
   /// Begins a part: the visits until the next call belong to it. `body` and `owner` are names; `owner` is a link, joint
   /// or device of the body. A part has the same name and size in every world that has that owner.
-  virtual void begin_part(const std::string& body, const std::string& owner, StatePart part) = 0;
-  virtual void visit(void* data, std::size_t size) = 0;
-
+  void begin_part(const std::string& body, const std::string& owner, StatePart part) {
+    if (!memory_) enter(body, owner, part);
+  }
+  void visit(void* data, std::size_t size) {
+    if (size > free_) return take(data, size);
+    std::memcpy(memory_, data, size);
+    memory_ += size;
+    free_ -= size;
+  }
   void visit(double& number) { visit(&number, sizeof number); }
   void visit(Eigen::Vector3d& numbers) { visit(numbers.data(), 3 * sizeof(double)); }
   void visit(Eigen::Quaterniond& numbers) { visit(numbers.coeffs().data(), 4 * sizeof(double)); }
+
+ protected:
+  /// Called only without memory.
+  virtual void enter(const std::string& body, const std::string& owner, StatePart part) = 0;
+  /// Called for pieces that are larger than the free memory.
+  virtual void take(void* data, std::size_t size) = 0;
+  /// From now on pieces are copied to this memory, and parts are not entered.
+  void copy_to(std::span<std::byte> memory) {
+    memory_ = memory.data();
+    free_ = memory.size();
+  }
+  std::size_t free() const { return free_; }  // [bytes]
+
+ private:
+  std::byte* memory_ = nullptr;  // the free part of it; null: none
+  std::size_t free_ = 0;         // [bytes]
 };
 
 /// The motion of a track's surface in the coming step.

@@ -25,33 +25,34 @@ namespace {
 /// Writes over the bytes, which have the size of the state that they held before: the next state rarely has another.
 class Saver final : public StateVisitor {
  public:
-  explicit Saver(std::vector<std::byte>& bytes) : bytes_(bytes) {}
-  using StateVisitor::visit;
-  void begin_part(const std::string&, const std::string&, StatePart) override {}
-  void visit(void* data, std::size_t size) override {
-    if (size > bytes_.size() - used_) bytes_.resize(2 * (used_ + size));
-    if (size > 0) std::memcpy(bytes_.data() + used_, data, size);
-    used_ += size;
-  }
+  explicit Saver(std::vector<std::byte>& bytes) : bytes_(bytes) { copy_to(bytes_); }
   /// Removes the bytes behind the state.
-  void finish() { bytes_.resize(used_); }
+  void finish() { bytes_.resize(used()); }
 
  private:
+  void enter(const std::string&, const std::string&, StatePart) override {}
+  void take(void* data, std::size_t size) override {
+    const std::size_t before = used();
+    bytes_.resize(2 * (before + size));
+    copy_to(std::span(bytes_).subspan(before));
+    visit(data, size);
+  }
+  std::size_t used() const { return bytes_.size() - free(); }
+
   std::vector<std::byte>& bytes_;
-  std::size_t used_ = 0;
 };
 
 class Restorer final : public StateVisitor {
  public:
   explicit Restorer(std::span<const std::byte> bytes) : bytes_(bytes) {}
-  using StateVisitor::visit;
-  void begin_part(const std::string&, const std::string&, StatePart) override {}
-  void visit(void* data, std::size_t size) override {
-    if (size > 0) std::memcpy(data, bytes_.data(), size);
+
+ private:
+  void enter(const std::string&, const std::string&, StatePart) override {}
+  void take(void* data, std::size_t size) override {
+    std::memcpy(data, bytes_.data(), size);
     bytes_ = bytes_.subspan(size);
   }
 
- private:
   std::span<const std::byte> bytes_;
 };
 
