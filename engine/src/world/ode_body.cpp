@@ -433,14 +433,13 @@ void OdeBody::measure_cut(const CutSensor& cut) {
   wrenches_[cut.device].tail<3>() = sensor.linear().transpose() * (torque - needed.torque);
 }
 
-LinkReading OdeBody::reading_of(int index) const {
+void OdeBody::read_link(int index, LinkReading& link) const {
   const RigidGroup& group = group_of(index);
-  LinkReading link;
   if (!group.body) {
     const Isometry3d pose = group.fixed_pose * links_[index].in_group;
     link.position = pose.translation();
     link.rotation = Eigen::Quaterniond(pose.linear()).normalized();
-    return link;
+    return;
   }
   const Vector3d origin = links_[index].in_group.translation() - group.center;
   const Vector3d arm = rotation(dBodyGetRotation(group.body)) * origin;
@@ -454,7 +453,6 @@ LinkReading OdeBody::reading_of(int index) const {
   link.angular_velocity = w;
   link.acceleration = acceleration_at(arm_before, group.acceleration, w_before, group.angular_acceleration);
   link.angular_acceleration = group.angular_acceleration;
-  return link;
 }
 
 void OdeBody::observe(BodyObservation& observation, const WorldSettings& settings, bool stepped) const {
@@ -467,7 +465,7 @@ void OdeBody::observe(BodyObservation& observation, const WorldSettings& setting
       observation.joints[id] = joints_[slots_[id].index].reading();
   }
   if (!stages_.empty()) observe_actuators(observation);
-  for (std::size_t i = 0; i < links_.size(); ++i) observation.links[i] = reading_of(static_cast<int>(i));
+  for (std::size_t i = 0; i < links_.size(); ++i) read_link(static_cast<int>(i), observation.links[i]);
   observe_devices(observation, settings, stepped);
 }
 
@@ -490,8 +488,8 @@ void OdeBody::observe_actuators(BodyObservation& observation) const {
   }
 }
 
-std::vector<double> OdeBody::force_reading(std::size_t device) const {
-  return {wrenches_[device].data(), wrenches_[device].data() + 6};
+void OdeBody::read_force(std::size_t device, std::vector<double>& values) const {
+  values.assign(wrenches_[device].data(), wrenches_[device].data() + 6);
 }
 
 bool OdeBody::plausible() const {

@@ -76,7 +76,7 @@ class OdeBody final : public SimulatedBody {
   void nudge(std::uint64_t bits) override;
 
  private:
-  std::vector<double> force_reading(std::size_t device) const override;
+  void read_force(std::size_t device, std::vector<double>& values) const override;
   void create_groups(dWorldID world, const RigidGroups& groups, const std::vector<Eigen::Isometry3d>& zero_posture);
   void create_joints(dWorldID world, const std::vector<Eigen::Isometry3d>& zero_posture);
   void create_shapes();
@@ -102,7 +102,7 @@ class OdeBody final : public SimulatedBody {
   void measure_force(std::size_t device);
   void begin_motions();
   void measure_cut(const CutSensor& cut);
-  LinkReading reading_of(int link) const;
+  void read_link(int index, LinkReading& link) const;
 
   /// The index of a joint id in joints_ or in tracks_.
   struct Slot {

@@ -218,8 +218,8 @@ class SimulatedBody {
   void apply_rotors();
 
  private:
-  /// Force, then torque, of a force sensor by device index.
-  virtual std::vector<double> force_reading(std::size_t device) const = 0;
+  /// Sets force, then torque, of a force sensor by device index.
+  virtual void read_force(std::size_t device, std::vector<double>& values) const = 0;
 
   /// The measurement of a contact sensor in the last step, in world axes, like the measurements of other sensors; it is
   /// turned into the device frame later.
@@ -235,7 +235,7 @@ class SimulatedBody {
     double thrust = 0.0;                                  // along the direction [N]
     double torque = 0.0;                                  // about it [N·m]
   };
-  std::vector<double> contact_reading(std::size_t device, const LinkReading& link, double time_step) const;
+  void read_contact(std::size_t device, const LinkReading& link, double time_step, std::vector<double>& values) const;
 
   WorldBody description_;
   double mass_;

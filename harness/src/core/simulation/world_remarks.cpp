@@ -13,7 +13,13 @@
 namespace rehearse {
 
 WorldRemarks::WorldRemarks(const Scenario& scenario) : scenario_(scenario) {
-  for (const ScenarioBody& body : scenario.bodies) joints_.emplace_back(body.model->joints.size());
+  for (const ScenarioBody& body : scenario.bodies) {
+    std::vector<JointRemarks>& joints = joints_.emplace_back();
+    for (const int link : body.model->joints) {
+      const Joint& joint = body.model->links[static_cast<std::size_t>(link)].joint;
+      joints.push_back({joint.lower, joint.upper});
+    }
+  }
   limited_.resize(scenario.bodies.size());
   for (const ScenarioBody& body : scenario.bodies) {
     std::vector<Joint>& joints = built_.emplace_back();
@@ -131,9 +137,11 @@ void WorldRemarks::check_drives(std::int64_t tick, const Observation& seen, cons
   for (std::size_t i = 0; i < scenario_.bodies.size(); ++i) {
     const ScenarioBody& body = scenario_.bodies[i];
     if (body.kinematic) continue;
-    for (std::size_t id = 0; id < joints_[i].size(); ++id)
-      check_drive(tick, body, joint_of(i, id), seen.bodies[i].joints[id], command.bodies[i].joints[id], joints_[i][id],
-                  events);
+    for (std::size_t id = 0; id < joints_[i].size(); ++id) {
+      const JointCommand& wanted = command.bodies[i].joints[id];
+      if (wanted.drive & (drive_displacement | drive_velocity))
+        check_drive(tick, body, joint_of(i, id), seen.bodies[i].joints[id], wanted, joints_[i][id], events);
+    }
   }
 }
 
@@ -167,7 +175,6 @@ void WorldRemarks::check_drive(std::int64_t tick, const ScenarioBody& body, cons
     if (std::exchange(reported, true)) return;
     add(tick, severity, fmt::format("joint '{}' of '{}' {}", joint.name, body.name, text), events);
   };
-  if (!(wanted.drive & (drive_displacement | drive_velocity))) return;
   if (tick > 0 && std::isfinite(joint.effort) && std::abs(now.u) >= nearly * joint.effort)
     report(known.at_full_effort, Severity::note,
            fmt::format("was driven with its largest effort, {:.4g} {}", joint.effort, slides ? "N" : "N·m"));
@@ -192,15 +199,16 @@ void WorldRemarks::check_limits(std::int64_t tick, const Observation& seen, std:
   for (std::size_t i = 0; i < scenario_.bodies.size(); ++i) {
     const ScenarioBody& body = scenario_.bodies[i];
     for (std::size_t id = 0; id < joints_[i].size(); ++id) {
+      JointRemarks& known = joints_[i][id];
+      const double q = seen.bodies[i].joints[id].q;
+      const double excess = std::abs(q - std::clamp(q, known.lower, known.upper));
+      const double last = std::exchange(known.last_excess, excess);
+      const double far = std::max(excess, last);
+      if (excess == 0.0 && last == 0.0) continue;
       const Joint& joint = body.model->links[static_cast<std::size_t>(body.model->joints[id])].joint;
       if (joint.type == JointType::track) continue;
       const bool slides = joint.type == JointType::prismatic;
       const double least = slides ? 0.005 : 0.05;  // [m], [rad]; a stop gives way for some steps
-      const double q = seen.bodies[i].joints[id].q;
-      const double excess = std::abs(q - std::clamp(q, joint.lower, joint.upper));
-      JointRemarks& known = joints_[i][id];
-      const double last = std::exchange(known.last_excess, excess);
-      const double far = std::max(excess, last);
       const bool grows = tick > 0 && excess >= last;
       if (far < std::max((grows ? 10.0 : 1.0) * least, 2.0 * known.excess)) continue;
       const Severity severity = known.excess == 0.0 ? Severity::warning : Severity::note;
