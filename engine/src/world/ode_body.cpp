@@ -541,15 +541,15 @@ void OdeBody::visit_state(StateVisitor& visitor) {
     visitor.visit(group.acceleration);
     visitor.visit(group.angular_acceleration);
   }
-  const auto visit_joints = [&](StatePart part, void (OdeJoint::*visit)(StateVisitor&)) {
+  const auto visit_joints = [&](StatePart part, auto visit) {
     for (OdeJoint& joint : joints_) {
       visitor.begin_part(name(), joint.joint().name, part);
-      (joint.*visit)(visitor);
+      visit(joint);
     }
   };
-  visit_joints(StatePart::displacement, &OdeJoint::visit_turns);
-  visit_joints(StatePart::effort, &OdeJoint::visit_effort);
-  visit_joints(StatePart::acceleration, &OdeJoint::visit_acceleration);
+  visit_joints(StatePart::displacement, [&](OdeJoint& joint) { joint.visit_turns(visitor); });
+  visit_joints(StatePart::effort, [&](OdeJoint& joint) { joint.visit_effort(visitor); });
+  visit_joints(StatePart::acceleration, [&](OdeJoint& joint) { joint.visit_acceleration(visitor); });
   for (std::size_t id = 0; id < stages_.size(); ++id) {
     if (!stages_[id]) continue;
     const std::string& joint = model().links[model().joints[id]].joint.name;

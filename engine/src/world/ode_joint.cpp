@@ -458,9 +458,4 @@ double OdeJoint::motor_effort() const {
          resistance_gain_ * (resistance_velocity_ - rate());
 }
 
-void OdeJoint::visit_turns(StateVisitor& visitor) {
-  visitor.visit(&turns_, sizeof turns_);
-  visitor.visit(wrapped_);
-}
-
 }  // namespace rehearse

@@ -94,7 +94,10 @@ class OdeJoint {
   Wrench child_wrench() const;
 
   // The parts of the state, in groups: a body saves the turns of all its joints, then all efforts, and so on.
-  void visit_turns(StateVisitor& visitor);
+  void visit_turns(StateVisitor& visitor) {
+    visitor.visit(&turns_, sizeof turns_);
+    visitor.visit(wrapped_);
+  }
   void visit_effort(StateVisitor& visitor) { visitor.visit(effort_); }
   void visit_acceleration(StateVisitor& visitor) { visitor.visit(acceleration_); }
   void visit_play(StateVisitor& visitor) {

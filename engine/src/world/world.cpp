@@ -4,9 +4,6 @@
 #include <algorithm>
 #include <cstring>
 
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
 #include "beams.h"
 #include "connections.h"
 #include "contacts.h"
@@ -14,6 +11,7 @@
 #include "friction.h"
 #include "kinematic_body.h"
 #include "model/clock.h"
+#include "model/digest.h"
 #include "ode_body.h"
 #include "ode_runtime.h"
 #include "state_by_name.h"
@@ -342,7 +340,7 @@ double World::time() const { return time_of(impl_->tick, impl_->settings.time_st
 
 std::uint64_t World::state_hash() const {
   impl_->save_to(impl_->scratch);
-  return XXH3_64bits(impl_->scratch.data(), impl_->scratch.size());
+  return digest_of(impl_->scratch.data(), impl_->scratch.size());
 }
 
 std::vector<std::byte> World::save() const {
@@ -431,7 +429,7 @@ void World::Impl::after_restore() {
 void World::nudge(std::uint32_t pattern) {
   for (std::size_t i = 0; i < impl_->bodies.size(); ++i) {
     const std::uint64_t number = i;
-    impl_->bodies[i]->nudge(XXH3_64bits_withSeed(&number, sizeof number, pattern));
+    impl_->bodies[i]->nudge(digest_of(&number, sizeof number, pattern));
   }
   impl_->observed = false;
 }
