@@ -11,6 +11,12 @@
 #include "model/clock.h"
 
 namespace rehearse {
+namespace {
+
+/// No robot's joint is that fast: the simulation is about to explode [rad/s] or [m/s].
+constexpr double most_speed = 1e4;
+
+}  // namespace
 
 WorldRemarks::WorldRemarks(const Scenario& scenario) : scenario_(scenario) {
   for (const ScenarioBody& body : scenario.bodies) {
@@ -46,8 +52,10 @@ void WorldRemarks::add_idle_camera(const std::string& controller, int body, int 
 void WorldRemarks::observe(std::int64_t tick, const World& world, const Observation& seen, const Command& command,
                            std::vector<msg::Event>& events) {
   for (std::string& text : std::exchange(idle_cameras_, {})) add(tick, Severity::warning, std::move(text), events);
-  check_limits(tick, seen, events);
-  check_speeds(tick, seen, events);
+  if (!is_calm(seen)) {
+    check_limits(tick, seen, events);
+    check_speeds(tick, seen, events);
+  }
   check_drives(tick, seen, command, events);
   check_actuators(tick, seen, events);
   if (tick == 0) return;
@@ -194,6 +202,19 @@ void WorldRemarks::check_drive(std::int64_t tick, const ScenarioBody& body, cons
                        at_upper ? joint.upper : joint.lower, slides ? "m" : "rad"));
 }
 
+/// True in nearly all ticks: each joint is, and was, within its limits, and none is too fast.
+bool WorldRemarks::is_calm(const Observation& seen) const {
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    for (std::size_t id = 0; id < joints_[i].size(); ++id) {
+      const JointRemarks& known = joints_[i][id];
+      const JointReading& now = seen.bodies[i].joints[id];
+      const bool is_within = now.q >= known.lower && now.q <= known.upper && known.last_excess == 0.0;
+      if (!is_within || !(std::abs(now.dq) < most_speed)) return false;
+    }
+  }
+  return true;
+}
+
 /// An excess is reported when it no longer grows, so that the event states how far the joint went, or when it is large.
 void WorldRemarks::check_limits(std::int64_t tick, const Observation& seen, std::vector<msg::Event>& events) {
   for (std::size_t i = 0; i < scenario_.bodies.size(); ++i) {
@@ -204,7 +225,6 @@ void WorldRemarks::check_limits(std::int64_t tick, const Observation& seen, std:
       const double excess = std::abs(q - std::clamp(q, known.lower, known.upper));
       const double last = std::exchange(known.last_excess, excess);
       const double far = std::max(excess, last);
-      if (excess == 0.0 && last == 0.0) continue;
       const Joint& joint = body.model->links[static_cast<std::size_t>(body.model->joints[id])].joint;
       if (joint.type == JointType::track) continue;
       const bool slides = joint.type == JointType::prismatic;
@@ -221,15 +241,14 @@ void WorldRemarks::check_limits(std::int64_t tick, const Observation& seen, std:
   }
 }
 
-/// No robot's joint is that fast: the simulation is about to explode.
 void WorldRemarks::check_speeds(std::int64_t tick, const Observation& seen, std::vector<msg::Event>& events) {
-  constexpr double most = 1e4, further = 10.0;  // [rad/s] or [m/s]; factor between two reports
+  constexpr double further = 10.0;  // factor between two reports
   for (std::size_t i = 0; i < scenario_.bodies.size(); ++i) {
     const ScenarioBody& body = scenario_.bodies[i];
     for (std::size_t id = 0; id < joints_[i].size(); ++id) {
       const double speed = std::abs(seen.bodies[i].joints[id].dq);
       JointRemarks& known = joints_[i][id];
-      if (speed < std::max(most, further * known.speed)) continue;
+      if (speed < std::max(most_speed, further * known.speed)) continue;
       const Joint& joint = body.model->links[static_cast<std::size_t>(body.model->joints[id])].joint;
       add(tick, std::exchange(known.speed, speed) == 0.0 ? Severity::warning : Severity::note,
           fmt::format("joint '{}' of '{}' moves at {:.3g} {}", joint.name, body.name, speed,

@@ -46,6 +46,7 @@ class WorldRemarks {
   void check_solver(std::int64_t tick, const World& world, std::vector<msg::Event>& events);
   void check_unsolved(std::int64_t tick, const Unsolved& unsolved, std::vector<msg::Event>& events);
   void check_residual(std::int64_t tick, const Residual& residual, std::vector<msg::Event>& events);
+  bool is_calm(const Observation& seen) const;
   void check_speeds(std::int64_t tick, const Observation& seen, std::vector<msg::Event>& events);
   void check_missed(std::int64_t tick, const Residual& residual, std::vector<msg::Event>& events);
   void check_limits(std::int64_t tick, const Observation& seen, std::vector<msg::Event>& events);
