@@ -12,6 +12,7 @@
 #include "joint_inertia.h"
 #include "model/rigid_groups.h"
 #include "ode_joint.h"
+#include "ode_math.h"
 #include "plane_constraint.h"
 #include "simulated_body.h"
 
@@ -21,6 +22,7 @@ namespace rehearse {
 /// centre of mass.
 struct RigidGroup {
   dBodyID body = nullptr;  // null: fixed to the world
+  BodyNumbers numbers;     // of the body
   int first_link = 0;
   int parent = -1;                                    // the group to which its joint connects it
   Eigen::Vector3d center = Eigen::Vector3d::Zero();   // of mass, in the group's frame [m]

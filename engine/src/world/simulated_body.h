@@ -37,6 +37,14 @@ enum class StatePart {
   contact,        // measured by a contact sensor in the last step; the next step doesn't depend on it
 };
 
+/// Numbers of a state that lie side by side.
+template <std::size_t count>
+struct Piece {
+  explicit Piece(const double* first) : numbers(const_cast<double*>(first)) {}
+  static constexpr std::size_t size = count * sizeof(double);  // [bytes]
+  double* numbers;
+};
+
 /// Reads or writes pieces of state. A state has hundreds of pieces and is read in each tick: a visitor that only copies
 /// them gives its memory, and is called when that is full.
 class StateVisitor {
@@ -51,6 +59,16 @@ class StateVisitor {
     if (size > free_) return take(data, size);
     std::memcpy(memory_, data, size);
     memory_ += size;
+    free_ -= size;
+  }
+  /// One after the other.
+  template <std::size_t... counts>
+  void visit(Piece<counts>... pieces) {
+    constexpr std::size_t size = (Piece<counts>::size + ...);
+    if (size > free_) return (take(pieces.numbers, pieces.size), ...);
+    std::byte* place = memory_;
+    ((std::memcpy(place, pieces.numbers, pieces.size), place += pieces.size), ...);
+    memory_ = place;
     free_ -= size;
   }
   void visit(double& number) { visit(&number, sizeof number); }
