@@ -65,7 +65,7 @@ class StateVisitor {
   template <std::size_t... counts>
   void visit(Piece<counts>... pieces) {
     constexpr std::size_t size = (Piece<counts>::size + ...);
-    if (size > free_) return (take(pieces.numbers, pieces.size), ...);
+    if (size > free_) return (visit(pieces.numbers, pieces.size), ...);
     std::byte* place = memory_;
     ((std::memcpy(place, pieces.numbers, pieces.size), place += pieces.size), ...);
     memory_ = place;

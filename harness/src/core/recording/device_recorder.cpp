@@ -19,7 +19,7 @@ bool encode(const ChannelForm& form, const Device& device, const DeviceReading& 
 }
 
 std::optional<FixedMessage> message_of_values(const ChannelForm& form, const Device& device, const std::string& frame) {
-  if (value_count(device) == 0) return std::nullopt;
+  if (value_count(device) == 0 || form.measurement->has_capture_time) return std::nullopt;
   return FixedMessage::of(static_cast<std::size_t>(value_count(device)),
                           [&](const msg::Time& stamp, std::span<const double> numbers, CdrWriter& cdr) {
                             DeviceReading reading;

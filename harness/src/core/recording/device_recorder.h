@@ -30,7 +30,7 @@ class DeviceRecorder {
   struct Channel {
     std::uint16_t id;
     const ChannelForm* form;
-    std::optional<FixedMessage> values;  // nullopt: its messages have not just the device's values
+    std::optional<FixedMessage> values;  // nullopt: its messages have more than the tick's stamp and the values
   };
 
   const Device* device_;
