@@ -22,6 +22,7 @@ rehearse_add_test(session_tests LABEL sim SHARDS 6
     session/control_times_test.cpp
     session/controller_watch_test.cpp
     session/failures_test.cpp
+    session/fixed_message_test.cpp
     session/golden_samples_test.cpp
     session/hardware_test.cpp
     session/joystick_test.cpp
@@ -76,3 +77,6 @@ rehearse_add_test(robots_checkout_test LABEL compat TIMEOUT 300 SOURCES robots_c
 target_compile_definitions(robots_checkout_test PRIVATE EXAMPLE_ROBOTS="${REHEARSE_EXAMPLE_ROBOTS}"
                            TEST_CONTROLLERS="${test_controllers}")
 add_dependencies(robots_checkout_test Behaviours)
+
+rehearse_add_test(allocations_test LABEL sim SHARDS 1 SOURCES allocations_test.cpp
+                  LIBRARIES Rehearse::simulation Rehearse::world Rehearse::renderer Rehearse::cnoid)

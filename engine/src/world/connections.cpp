@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
+#include "model/digest.h"
 #include "ode_math.h"
 
 namespace rehearse {
@@ -111,7 +109,7 @@ std::string Connections::name_of(int body, int link) const {
 /// The state has numbers of links that don't depend on the order of bodies and links.
 std::uint64_t Connections::number_of(int body, int link) const {
   const std::string name = name_of(body, link);
-  return std::max<std::uint64_t>(XXH3_64bits(name.data(), name.size()), 1);
+  return std::max<std::uint64_t>(digest_of(name.data(), name.size()), 1);
 }
 
 bool Connections::connect(int body, int link, int other_body, int other_link) const {

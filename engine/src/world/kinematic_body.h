@@ -33,7 +33,7 @@ class KinematicBody final : public SimulatedBody {
   void nudge(std::uint64_t) override {}                // it moves exactly as commanded
 
  private:
-  std::vector<double> force_reading(std::size_t) const override { return std::vector<double>(6, 0.0); }  // no force
+  void read_force(std::size_t, std::vector<double>& values) const override { values.assign(6, 0.0); }  // no force
   void create_shapes(dWorldID world);
   std::vector<Eigen::Isometry3d> poses() const;
   void place();

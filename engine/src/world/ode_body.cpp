@@ -47,6 +47,7 @@ void OdeBody::create_groups(dWorldID world, const RigidGroups& groups, const std
     const Inertial& inertial = groups.inertials[i];
     group.center = inertial.center;
     group.body = dBodyCreate(world);
+    group.numbers = BodyNumbers(group.body);
     const Matrix3d& inertia = inertial.inertia;
     group.mass = inertial.mass;
     moving_mass_ += inertial.mass;
@@ -433,28 +434,27 @@ void OdeBody::measure_cut(const CutSensor& cut) {
   wrenches_[cut.device].tail<3>() = sensor.linear().transpose() * (torque - needed.torque);
 }
 
-LinkReading OdeBody::reading_of(int index) const {
+void OdeBody::read_link(int index, LinkReading& link) const {
   const RigidGroup& group = group_of(index);
-  LinkReading link;
   if (!group.body) {
     const Isometry3d pose = group.fixed_pose * links_[index].in_group;
     link.position = pose.translation();
     link.rotation = Eigen::Quaterniond(pose.linear()).normalized();
-    return link;
+    return;
   }
+  const BodyNumbers& now = group.numbers;
   const Vector3d origin = links_[index].in_group.translation() - group.center;
-  const Vector3d arm = rotation(dBodyGetRotation(group.body)) * origin;
-  const Vector3d w = vector(dBodyGetAngularVel(group.body));
-  link.position = vector(dBodyGetPosition(group.body)) + arm;
-  link.rotation = quaternion(dBodyGetQuaternion(group.body));
+  const Vector3d arm = rotation(now.rotation) * origin;
+  const Vector3d w = vector(now.angular_velocity);
+  link.position = vector(now.position) + arm;
+  link.rotation = quaternion(now.quaternion);
   const Vector3d arm_before = rotation_before(link.rotation, w, time_step_) * origin;
   const Vector3d w_before = w - time_step_ * group.angular_acceleration;
   if (!links_[index].leads_group) link.rotation = link.rotation * links_[index].rotation_in_group;
-  link.velocity = vector(dBodyGetLinearVel(group.body)) + w.cross(arm);
+  link.velocity = vector(now.velocity) + w.cross(arm);
   link.angular_velocity = w;
   link.acceleration = acceleration_at(arm_before, group.acceleration, w_before, group.angular_acceleration);
   link.angular_acceleration = group.angular_acceleration;
-  return link;
 }
 
 void OdeBody::observe(BodyObservation& observation, const WorldSettings& settings, bool stepped) const {
@@ -467,7 +467,7 @@ void OdeBody::observe(BodyObservation& observation, const WorldSettings& setting
       observation.joints[id] = joints_[slots_[id].index].reading();
   }
   if (!stages_.empty()) observe_actuators(observation);
-  for (std::size_t i = 0; i < links_.size(); ++i) observation.links[i] = reading_of(static_cast<int>(i));
+  for (std::size_t i = 0; i < links_.size(); ++i) read_link(static_cast<int>(i), observation.links[i]);
   observe_devices(observation, settings, stepped);
 }
 
@@ -490,8 +490,8 @@ void OdeBody::observe_actuators(BodyObservation& observation) const {
   }
 }
 
-std::vector<double> OdeBody::force_reading(std::size_t device) const {
-  return {wrenches_[device].data(), wrenches_[device].data() + 6};
+void OdeBody::read_force(std::size_t device, std::vector<double>& values) const {
+  values.assign(wrenches_[device].data(), wrenches_[device].data() + 6);
 }
 
 bool OdeBody::plausible() const {
@@ -534,24 +534,21 @@ void OdeBody::visit_state(StateVisitor& visitor) {
   for (RigidGroup& group : groups_) {
     if (!group.body) continue;
     visitor.begin_part(name(), model().links[group.first_link].name, StatePart::motion);
-    // ODE returns pointers to its own numbers. Its setters would normalise the quaternion and so change bits.
-    visitor.visit(const_cast<dReal*>(dBodyGetPosition(group.body)), 3 * sizeof(dReal));
-    visitor.visit(const_cast<dReal*>(dBodyGetQuaternion(group.body)), 4 * sizeof(dReal));
-    visitor.visit(const_cast<dReal*>(dBodyGetRotation(group.body)), 12 * sizeof(dReal));
-    visitor.visit(const_cast<dReal*>(dBodyGetLinearVel(group.body)), 3 * sizeof(dReal));
-    visitor.visit(const_cast<dReal*>(dBodyGetAngularVel(group.body)), 3 * sizeof(dReal));
-    visitor.visit(group.acceleration);
-    visitor.visit(group.angular_acceleration);
+    // ODE's setters would normalise the quaternion and so change bits.
+    const BodyNumbers& now = group.numbers;
+    visitor.visit(Piece<3>(now.position), Piece<4>(now.quaternion), Piece<12>(now.rotation), Piece<3>(now.velocity),
+                  Piece<3>(now.angular_velocity), Piece<3>(group.acceleration.data()),
+                  Piece<3>(group.angular_acceleration.data()));
   }
-  const auto visit_joints = [&](StatePart part, void (OdeJoint::*visit)(StateVisitor&)) {
+  const auto visit_joints = [&](StatePart part, auto visit) {
     for (OdeJoint& joint : joints_) {
       visitor.begin_part(name(), joint.joint().name, part);
-      (joint.*visit)(visitor);
+      visit(joint);
     }
   };
-  visit_joints(StatePart::displacement, &OdeJoint::visit_turns);
-  visit_joints(StatePart::effort, &OdeJoint::visit_effort);
-  visit_joints(StatePart::acceleration, &OdeJoint::visit_acceleration);
+  visit_joints(StatePart::displacement, [&](OdeJoint& joint) { joint.visit_turns(visitor); });
+  visit_joints(StatePart::effort, [&](OdeJoint& joint) { joint.visit_effort(visitor); });
+  visit_joints(StatePart::acceleration, [&](OdeJoint& joint) { joint.visit_acceleration(visitor); });
   for (std::size_t id = 0; id < stages_.size(); ++id) {
     if (!stages_[id]) continue;
     const std::string& joint = model().links[model().joints[id]].joint.name;
@@ -611,6 +608,7 @@ void OdeBody::after_restore() {
     const Vector3d position = vector(dBodyGetPosition(group.body));
     dBodySetPosition(group.body, position.x(), position.y(), position.z());  // updates the poses of its geoms
   }
+  for (OdeJoint& joint : joints_) joint.forget_rate();
 }
 
 }  // namespace rehearse

@@ -12,6 +12,7 @@
 #include "joint_inertia.h"
 #include "model/rigid_groups.h"
 #include "ode_joint.h"
+#include "ode_math.h"
 #include "plane_constraint.h"
 #include "simulated_body.h"
 
@@ -21,6 +22,7 @@ namespace rehearse {
 /// centre of mass.
 struct RigidGroup {
   dBodyID body = nullptr;  // null: fixed to the world
+  BodyNumbers numbers;     // of the body
   int first_link = 0;
   int parent = -1;                                    // the group to which its joint connects it
   Eigen::Vector3d center = Eigen::Vector3d::Zero();   // of mass, in the group's frame [m]
@@ -76,7 +78,7 @@ class OdeBody final : public SimulatedBody {
   void nudge(std::uint64_t bits) override;
 
  private:
-  std::vector<double> force_reading(std::size_t device) const override;
+  void read_force(std::size_t device, std::vector<double>& values) const override;
   void create_groups(dWorldID world, const RigidGroups& groups, const std::vector<Eigen::Isometry3d>& zero_posture);
   void create_joints(dWorldID world, const std::vector<Eigen::Isometry3d>& zero_posture);
   void create_shapes();
@@ -102,7 +104,7 @@ class OdeBody final : public SimulatedBody {
   void measure_force(std::size_t device);
   void begin_motions();
   void measure_cut(const CutSensor& cut);
-  LinkReading reading_of(int link) const;
+  void read_link(int index, LinkReading& link) const;
 
   /// The index of a joint id in joints_ or in tracks_.
   struct Slot {

@@ -174,7 +174,8 @@ double OdeJoint::displacement() const {
 double OdeJoint::rate() const { return revolute_ ? dJointGetHingeAngleRate(ode_) : dJointGetSliderPositionRate(ode_); }
 
 void OdeJoint::before_step(double time_step) {
-  previous_rate_ = rate();
+  previous_rate_ = known_rate_ ? *known_rate_ : rate();
+  known_rate_.reset();
   const dBodyID parent = dJointGetBody(ode_, 1);
   const Vector3d center = vector(dBodyGetPosition(child_));
   const Vector3d at = revolute_ ? anchor() : center;
@@ -336,9 +337,10 @@ void OdeJoint::apply_effort(double time_step) {
 }
 
 void OdeJoint::after_step(double time_step) {
-  acceleration_ = (rate() - previous_rate_) / time_step;
+  known_rate_ = rate();
+  acceleration_ = (*known_rate_ - previous_rate_) / time_step;
   if (play_) {
-    play_->finish(rate(), time_step);
+    play_->finish(*known_rate_, time_step);
     effort_ = play_->effort();
   }
   if (motor_drives_) effort_ = motor_effort();
@@ -456,11 +458,6 @@ double OdeJoint::motor_effort() const {
   const dJointFeedback& resistance = *resistance_feedback_;
   return effort + applied_ + axis_.dot(vector(revolute_ ? resistance.t1 : resistance.f1)) -
          resistance_gain_ * (resistance_velocity_ - rate());
-}
-
-void OdeJoint::visit_turns(StateVisitor& visitor) {
-  visitor.visit(&turns_, sizeof turns_);
-  visitor.visit(wrapped_);
 }
 
 }  // namespace rehearse

@@ -36,12 +36,14 @@ class OdeJoint {
   const Joint& joint() const { return joint_; }
   double displacement() const;  // [rad] or [m]; unwrapped
   double rate() const;          // [rad/s] or [m/s]
-  JointReading reading() const { return {displacement(), rate(), acceleration_, effort_}; }
+  JointReading reading() const { return {displacement(), known_rate_ ? *known_rate_ : rate(), acceleration_, effort_}; }
 
   /// Sets the number of whole turns, which ODE's wrapped angle doesn't contain. `displacement`: of the bodies' current
   /// poses.
   void count_turns(double displacement);
   void before_step(double time_step);
+  /// Call it when the bodies' motions were replaced.
+  void forget_rate() { known_rate_.reset(); }
   /// After ODE's step: the impulse that would give both bodies one velocity at the joint [N·s].
   double missing_impulse() const;
   /// After ODE's step: the difference between the joint's velocity and its drive's; 0 without a drive, and for one
@@ -94,7 +96,10 @@ class OdeJoint {
   Wrench child_wrench() const;
 
   // The parts of the state, in groups: a body saves the turns of all its joints, then all efforts, and so on.
-  void visit_turns(StateVisitor& visitor);
+  void visit_turns(StateVisitor& visitor) {
+    visitor.visit(&turns_, sizeof turns_);
+    visitor.visit(wrapped_);
+  }
   void visit_effort(StateVisitor& visitor) { visitor.visit(effort_); }
   void visit_acceleration(StateVisitor& visitor) { visitor.visit(acceleration_); }
   void visit_play(StateVisitor& visitor) {
@@ -134,6 +139,8 @@ class OdeJoint {
   double wrapped_ = 0.0;       // ODE's angle after the last step [rad]
   double effort_ = 0.0;        // of the actuator in the last step [N·m] or [N]
   double acceleration_ = 0.0;  // over the last step
+  // known between two steps
+  std::optional<double> known_rate_;  // what rate() returns; nullopt: not computed
   // scratch within a step
   double previous_rate_ = 0.0;
   double previous_effort_ = 0.0;                           // of the actuator, in the last step

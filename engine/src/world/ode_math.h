@@ -58,6 +58,23 @@ inline Eigen::Vector3d angular_velocity_between(const Eigen::Quaterniond& from, 
   return 2.0 / time_step * sign / std::max(std::abs(turn.w()), least) * turn.vec();
 }
 
+/// The places of a body's numbers in ODE, which stay as long as the body.
+struct BodyNumbers {
+  BodyNumbers() = default;
+  explicit BodyNumbers(dBodyID body)
+      : position(dBodyGetPosition(body)),
+        quaternion(dBodyGetQuaternion(body)),
+        rotation(dBodyGetRotation(body)),
+        velocity(dBodyGetLinearVel(body)),
+        angular_velocity(dBodyGetAngularVel(body)) {}
+
+  const dReal* position = nullptr;
+  const dReal* quaternion = nullptr;
+  const dReal* rotation = nullptr;
+  const dReal* velocity = nullptr;
+  const dReal* angular_velocity = nullptr;
+};
+
 /// Calls `use` with each number array of a body's pose and its size: position, quaternion, rotation. ODE returns
 /// pointers to its own numbers; its setters would normalise the quaternion and so change bits.
 template <class Use>

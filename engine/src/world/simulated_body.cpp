@@ -19,30 +19,31 @@ Eigen::Matrix3d axes_before(const LinkReading& link, double time_step) {
   return rotation_before(link.rotation, link.angular_velocity, time_step).toRotationMatrix();
 }
 
-/// The readings of sensors that depend on the motion of their link alone, in the device's frame; of all other devices
-/// none.
+/// Sets the readings of sensors that depend on the motion of their link alone, in the device's frame; all other devices
+/// have none.
 class LinkSensor {
  public:
-  LinkSensor(const Device& device, const LinkReading& link, const WorldSettings& settings)
+  LinkSensor(const Device& device, const LinkReading& link, const WorldSettings& settings, std::vector<double>& values)
       : link_(link),
         settings_(settings),
+        values_(values),
         pose_(device.pose),
         to_sensor_((link.rotation.toRotationMatrix() * device.pose.linear()).transpose()) {}
 
-  std::vector<double> operator()(const Gyro&) const { return numbers(angular_velocity()); }
-  std::vector<double> operator()(const Accelerometer&) const { return numbers(specific_force()); }
-  std::vector<double> operator()(const Imu&) const {
+  void operator()(const Gyro&) const { set(angular_velocity()); }
+  void operator()(const Accelerometer&) const { set(specific_force()); }
+  void operator()(const Imu&) const {
     const Eigen::Vector3d w = angular_velocity(), f = specific_force();
-    return {w.x(), w.y(), w.z(), f.x(), f.y(), f.z()};
+    values_.assign({w.x(), w.y(), w.z(), f.x(), f.y(), f.z()});
   }
-  std::vector<double> operator()(const Magnetometer&) const { return numbers(to_sensor_ * settings_.magnetic_field); }
+  void operator()(const Magnetometer&) const { set(to_sensor_ * settings_.magnetic_field); }
   template <class Other>
-  std::vector<double> operator()(const Other&) const {
-    return {};
+  void operator()(const Other&) const {
+    values_.clear();
   }
 
  private:
-  static std::vector<double> numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+  void set(const Eigen::Vector3d& v) const { values_.assign(v.data(), v.data() + 3); }
   Eigen::Vector3d angular_velocity() const { return to_sensor_ * link_.angular_velocity; }
   Eigen::Vector3d specific_force() const {
     const Eigen::Matrix3d axes = axes_before(link_, settings_.time_step);
@@ -56,6 +57,7 @@ class LinkSensor {
 
   const LinkReading& link_;
   const WorldSettings& settings_;
+  std::vector<double>& values_;
   const Eigen::Isometry3d& pose_;  // of the sensor in the link's frame
   const Eigen::Matrix3d to_sensor_;
 };
@@ -174,12 +176,12 @@ void SimulatedBody::take_touches(std::vector<Touch> touches) {
   }
 }
 
-std::vector<double> SimulatedBody::contact_reading(std::size_t device, const LinkReading& link,
-                                                   double time_step) const {
+void SimulatedBody::read_contact(std::size_t device, const LinkReading& link, double time_step,
+                                 std::vector<double>& values) const {
   const Eigen::Matrix3d& in_link = model().devices[device].pose.linear();
   const Eigen::Matrix3d to_sensor = (axes_before(link, time_step) * in_link).transpose();
   const Eigen::Vector3d force = to_sensor * contact_sums_[device].force;
-  return {contact_sums_[device].points, force.x(), force.y(), force.z()};
+  values.assign({contact_sums_[device].points, force.x(), force.y(), force.z()});
 }
 
 void SimulatedBody::visit_contact_sensors(StateVisitor& visitor) {
@@ -200,11 +202,11 @@ void SimulatedBody::observe_devices(BodyObservation& observation, const WorldSet
     reading.fresh = stepped;
     const LinkReading& link = observation.links[device.link];
     if (std::holds_alternative<ForceSensor>(device.kind))
-      reading.values = force_reading(i);
+      read_force(i, reading.values);
     else if (std::holds_alternative<ContactSensor>(device.kind))
-      reading.values = contact_reading(i, link, settings.time_step);
+      read_contact(i, link, settings.time_step, reading.values);
     else
-      reading.values = std::visit(LinkSensor(device, link, settings), device.kind);
+      std::visit(LinkSensor(device, link, settings, reading.values), device.kind);
     if (!stepped) reading.values.assign(reading.values.size(), 0.0);
   }
   if (watched_.empty()) return;

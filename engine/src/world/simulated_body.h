@@ -10,7 +10,10 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <cstring>
 #include <memory>
+#include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -35,18 +38,59 @@ enum class StatePart {
   rest,           // of a body that can sleep: its steps at rest
 };
 
-/// Reads or writes pieces of state.
+/// Numbers of a state that lie side by side.
+template <std::size_t count>
+struct Piece {
+  explicit Piece(const double* first) : numbers(const_cast<double*>(first)) {}
+  static constexpr std::size_t size = count * sizeof(double);  // [bytes]
+  double* numbers;
+};
+
+/// Reads or writes pieces of state. A state has hundreds of pieces and is read in each tick: a visitor that only copies
+/// them gives its memory, and is called when that is full.
 class StateVisitor {
  public:
   virtual ~StateVisitor() = default;
   /// Begins a part: the visits until the next call belong to it. `body` and `owner` are names; `owner` is a link, joint
   /// or device of the body. A part has the same name and size in every world that has that owner.
-  virtual void begin_part(const std::string& body, const std::string& owner, StatePart part) = 0;
-  virtual void visit(void* data, std::size_t size) = 0;
-
+  void begin_part(const std::string& body, const std::string& owner, StatePart part) {
+    if (!memory_) enter(body, owner, part);
+  }
+  void visit(void* data, std::size_t size) {
+    if (size > free_) return take(data, size);
+    std::memcpy(memory_, data, size);
+    memory_ += size;
+    free_ -= size;
+  }
+  /// One after the other.
+  template <std::size_t... counts>
+  void visit(Piece<counts>... pieces) {
+    constexpr std::size_t size = (Piece<counts>::size + ...);
+    if (size > free_) return (visit(pieces.numbers, pieces.size), ...);
+    std::byte* place = memory_;
+    ((std::memcpy(place, pieces.numbers, pieces.size), place += pieces.size), ...);
+    memory_ = place;
+    free_ -= size;
+  }
   void visit(double& number) { visit(&number, sizeof number); }
   void visit(Eigen::Vector3d& numbers) { visit(numbers.data(), 3 * sizeof(double)); }
   void visit(Eigen::Quaterniond& numbers) { visit(numbers.coeffs().data(), 4 * sizeof(double)); }
+
+ protected:
+  /// Called only without memory.
+  virtual void enter(const std::string& body, const std::string& owner, StatePart part) = 0;
+  /// Called for pieces that are larger than the free memory.
+  virtual void take(void* data, std::size_t size) = 0;
+  /// From now on pieces are copied to this memory, and parts are not entered.
+  void copy_to(std::span<std::byte> memory) {
+    memory_ = memory.data();
+    free_ = memory.size();
+  }
+  std::size_t free() const { return free_; }  // [bytes]
+
+ private:
+  std::byte* memory_ = nullptr;  // the free part of it; null: none
+  std::size_t free_ = 0;         // [bytes]
 };
 
 /// The motion of a track's surface in the coming step.
@@ -193,8 +237,8 @@ class SimulatedBody {
   void apply_rotors();
 
  private:
-  /// Force, then torque, of a force sensor by device index.
-  virtual std::vector<double> force_reading(std::size_t device) const = 0;
+  /// Sets force, then torque, of a force sensor by device index.
+  virtual void read_force(std::size_t device, std::vector<double>& values) const = 0;
 
   /// The measurement of a contact sensor in the last step, in world axes, like the measurements of other sensors; it is
   /// turned into the device frame later.
@@ -210,7 +254,7 @@ class SimulatedBody {
     double thrust = 0.0;                                  // along the direction [N]
     double torque = 0.0;                                  // about it [N·m]
   };
-  std::vector<double> contact_reading(std::size_t device, const LinkReading& link, double time_step) const;
+  void read_contact(std::size_t device, const LinkReading& link, double time_step, std::vector<double>& values) const;
 
   WorldBody description_;
   double mass_;

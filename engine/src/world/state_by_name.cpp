@@ -5,11 +5,11 @@
 
 namespace rehearse {
 
-void StateByName::begin_part(const std::string& body, const std::string& owner, StatePart part) {
+void StateByName::enter(const std::string& body, const std::string& owner, StatePart part) {
   current_ = &parts_[{body, owner, part}];
 }
 
-void StateByName::visit(void* data, std::size_t size) {
+void StateByName::take(void* data, std::size_t size) {
   const auto* bytes = static_cast<const std::byte*>(data);
   current_->insert(current_->end(), bytes, bytes + size);
 }
@@ -23,15 +23,15 @@ bool StateByName::has_body(const std::string& body) const {
   return std::any_of(parts_.begin(), parts_.end(), [&](const auto& part) { return std::get<0>(part.first) == body; });
 }
 
-void StateTaker::begin_part(const std::string& body, const std::string& owner, StatePart part) {
+void StateTaker::enter(const std::string& body, const std::string& owner, StatePart part) {
   end_part();
   name_ = {body, owner, part};
   current_ = state_.find(name_);
   at_ = 0;
 }
 
-void StateTaker::visit(void* data, std::size_t size) {
-  if (current_ && size > 0 && at_ + size <= current_->size()) std::memcpy(data, current_->data() + at_, size);
+void StateTaker::take(void* data, std::size_t size) {
+  if (current_ && at_ + size <= current_->size()) std::memcpy(data, current_->data() + at_, size);
   at_ += size;
 }
 

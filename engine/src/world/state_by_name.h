@@ -19,15 +19,14 @@ class StateByName final : public StateVisitor {
  public:
   using Name = std::tuple<std::string, std::string, StatePart>;  // body, owner, part
 
-  using StateVisitor::visit;
-  void begin_part(const std::string& body, const std::string& owner, StatePart part) override;
-  void visit(void* data, std::size_t size) override;
-
   /// The bytes of a part; null if the part is missing.
   const std::vector<std::byte>* find(const Name& name) const;
   bool has_body(const std::string& body) const;
 
  private:
+  void enter(const std::string& body, const std::string& owner, StatePart part) override;
+  void take(void* data, std::size_t size) override;
+
   std::map<Name, std::vector<std::byte>> parts_;
   std::vector<std::byte>* current_ = nullptr;
 };
@@ -38,14 +37,12 @@ class StateTaker final : public StateVisitor {
  public:
   explicit StateTaker(StateByName state) : state_(std::move(state)) {}
 
-  using StateVisitor::visit;
-  void begin_part(const std::string& body, const std::string& owner, StatePart part) override;
-  void visit(void* data, std::size_t size) override;
-
   /// Errors about missing parts on which the next step depends: one for each body, link or joint.
   const Diagnostics& missing();
 
  private:
+  void enter(const std::string& body, const std::string& owner, StatePart part) override;
+  void take(void* data, std::size_t size) override;
   void end_part();
 
   StateByName state_;

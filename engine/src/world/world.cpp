@@ -4,9 +4,6 @@
 #include <algorithm>
 #include <cstring>
 
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
 #include "beams.h"
 #include "connections.h"
 #include "contacts.h"
@@ -14,6 +11,7 @@
 #include "friction.h"
 #include "kinematic_body.h"
 #include "model/clock.h"
+#include "model/digest.h"
 #include "ode_body.h"
 #include "ode_runtime.h"
 #include "sleep.h"
@@ -26,33 +24,34 @@ namespace {
 /// Writes over the bytes, which have the size of the state that they held before: the next state rarely has another.
 class Saver final : public StateVisitor {
  public:
-  explicit Saver(std::vector<std::byte>& bytes) : bytes_(bytes) {}
-  using StateVisitor::visit;
-  void begin_part(const std::string&, const std::string&, StatePart) override {}
-  void visit(void* data, std::size_t size) override {
-    if (size > bytes_.size() - used_) bytes_.resize(2 * (used_ + size));
-    if (size > 0) std::memcpy(bytes_.data() + used_, data, size);
-    used_ += size;
-  }
+  explicit Saver(std::vector<std::byte>& bytes) : bytes_(bytes) { copy_to(bytes_); }
   /// Removes the bytes behind the state.
-  void finish() { bytes_.resize(used_); }
+  void finish() { bytes_.resize(used()); }
 
  private:
+  void enter(const std::string&, const std::string&, StatePart) override {}
+  void take(void* data, std::size_t size) override {
+    const std::size_t before = used();
+    bytes_.resize(2 * (before + size));
+    copy_to(std::span(bytes_).subspan(before));
+    visit(data, size);
+  }
+  std::size_t used() const { return bytes_.size() - free(); }
+
   std::vector<std::byte>& bytes_;
-  std::size_t used_ = 0;
 };
 
 class Restorer final : public StateVisitor {
  public:
   explicit Restorer(std::span<const std::byte> bytes) : bytes_(bytes) {}
-  using StateVisitor::visit;
-  void begin_part(const std::string&, const std::string&, StatePart) override {}
-  void visit(void* data, std::size_t size) override {
-    if (size > 0) std::memcpy(data, bytes_.data(), size);
+
+ private:
+  void enter(const std::string&, const std::string&, StatePart) override {}
+  void take(void* data, std::size_t size) override {
+    std::memcpy(data, bytes_.data(), size);
     bytes_ = bytes_.subspan(size);
   }
 
- private:
   std::span<const std::byte> bytes_;
 };
 
@@ -347,7 +346,7 @@ double World::time() const { return time_of(impl_->tick, impl_->settings.time_st
 
 std::uint64_t World::state_hash() const {
   impl_->save_to(impl_->scratch);
-  return XXH3_64bits(impl_->scratch.data(), impl_->scratch.size());
+  return digest_of(impl_->scratch.data(), impl_->scratch.size());
 }
 
 std::vector<std::byte> World::save() const {
@@ -437,7 +436,7 @@ void World::Impl::after_restore() {
 void World::nudge(std::uint32_t pattern) {
   for (std::size_t i = 0; i < impl_->bodies.size(); ++i) {
     const std::uint64_t number = i;
-    impl_->bodies[i]->nudge(XXH3_64bits_withSeed(&number, sizeof number, pattern));
+    impl_->bodies[i]->nudge(digest_of(&number, sizeof number, pattern));
   }
   impl_->observed = false;
 }

@@ -61,8 +61,9 @@ std::span<const ChannelElement> value_elements(const Device& device) {
 }
 
 const MessageFrame* message_frame(const Device& device) {
-  const std::vector<ChannelKind> kinds = kinds_of(device);
-  return kinds.empty() ? nullptr : form_of(kinds[0]).measurement->frame;
+  for (const ChannelForm* form : all)  // the first of its kinds
+    if (form->measurement && form->measurement->is_of(device)) return form->measurement->frame;
+  return nullptr;
 }
 
 std::string frame_of(const std::string& body, const Device& device) {

@@ -8,10 +8,12 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "model/digest.h"
+
 namespace rehearse {
 
 std::uint64_t hash_bytes(const void* data, std::size_t size, std::uint64_t seed) {
-  return XXH3_64bits_withSeed(data, size, seed);
+  return digest_of(data, size, seed);
 }
 
 struct RunningHash::State {

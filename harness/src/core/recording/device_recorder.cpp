@@ -18,6 +18,18 @@ bool encode(const ChannelForm& form, const Device& device, const DeviceReading& 
   return true;
 }
 
+std::optional<FixedMessage> message_of_values(const ChannelForm& form, const Device& device, const std::string& frame) {
+  if (value_count(device) == 0 || form.measurement->has_capture_time) return std::nullopt;
+  return FixedMessage::of(static_cast<std::size_t>(value_count(device)),
+                          [&](const msg::Time& stamp, std::span<const double> numbers, CdrWriter& cdr) {
+                            DeviceReading reading;
+                            reading.values.assign(numbers.begin(), numbers.end());
+                            DeviceMessage message;
+                            encode(form, device, reading, {stamp, frame}, message);
+                            cdr = std::move(message.cdr);
+                          });
+}
+
 }  // namespace
 
 DeviceRecorder::DeviceRecorder(TraceOutput& output, const Scenario& scenario, const ScenarioBody& body,
@@ -27,7 +39,8 @@ DeviceRecorder::DeviceRecorder(TraceOutput& output, const Scenario& scenario, co
     const ChannelForm& form = form_of(kind);
     const bool is_drawn = form.stage == Stage::renderer;
     if (is_drawn && (!scenario.record_frames || !scenario.runs_camera(body.name, device.name))) continue;
-    channels_.push_back({output.channel(ChannelName::of_owner(body.name, device.name, kind)), &form});
+    channels_.push_back({output.channel(ChannelName::of_owner(body.name, device.name, kind)), &form,
+                         message_of_values(form, device, frame_)});
   }
 }
 
@@ -48,8 +61,13 @@ Result<void> DeviceRecorder::write_truth(TraceOutput& output, std::int64_t tick,
   return output.write(truth_, tick, msg::DeviceState{{output.stamp(tick), frame_}, values});
 }
 
-Result<void> DeviceRecorder::write(TraceOutput& output, std::int64_t tick, const DeviceReading& reading) const {
-  for (const Channel& channel : channels_) {
+Result<void> DeviceRecorder::write(TraceOutput& output, std::int64_t tick, const DeviceReading& reading) {
+  for (Channel& channel : channels_) {
+    if (channel.values && channel.values->size() == reading.values.size()) {
+      channel.values->set(reading.values);
+      if (auto done = output.write(channel.id, tick, *channel.values); !done) return done;
+      continue;
+    }
     const bool at_capture = channel.form->measurement->has_capture_time;
     const msg::Header header{at_capture ? time_of_capture(reading) : output.stamp(tick), frame_};
     DeviceMessage& message = output.device_message;

@@ -5,6 +5,7 @@
 #include <rehearse/scenario.h>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,12 +24,13 @@ class DeviceRecorder {
   /// Records the true values, if they have a channel.
   Result<void> write_truth(TraceOutput& output, std::int64_t tick, const std::vector<double>& values) const;
   /// Records a reading that is fresh at this tick.
-  Result<void> write(TraceOutput& output, std::int64_t tick, const DeviceReading& reading) const;
+  Result<void> write(TraceOutput& output, std::int64_t tick, const DeviceReading& reading);
 
  private:
   struct Channel {
     std::uint16_t id;
     const ChannelForm* form;
+    std::optional<FixedMessage> values;  // nullopt: its messages have more than the tick's stamp and the values
   };
 
   const Device* device_;

@@ -58,10 +58,7 @@ struct BodyChannels {
   std::vector<FreeLink> free_links;
   std::uint16_t actuators = 0;  // 0: none
   std::vector<int> actuated;    // ids of the joints with an actuator
-  msg::JointState joint_message;
-  msg::JointState actuator_message;
-  msg::PoseStamped pose_message;
-  msg::TwistStamped twist_message;
+  FixedMessage joint_message, actuator_message, pose_message, twist_message;
   std::vector<DeviceRecorder> devices;
 };
 
@@ -89,6 +86,19 @@ mcap::StringMap first_words_metadata(const ControllerChannels& channels, const D
   mcap::StringMap metadata = channels.output.metadata();
   if (first.acted_in_initialize) metadata["since"] = "initialize";
   return metadata;
+}
+
+/// Its numbers are displacement, velocity and effort of each joint. `joints`: ids.
+FixedMessage message_of_joints(const Model& model, const std::vector<int>& joints) {
+  std::vector<std::string> names;
+  std::vector<JointElement> places;
+  for (const int id : joints) {
+    const std::size_t index = names.size();
+    names.push_back(model.links[model.joints[id]].joint.name);
+    for (const auto array : {&msg::JointState::position, &msg::JointState::velocity, &msg::JointState::effort})
+      places.push_back({array, index});
+  }
+  return joint_message(names, places);
 }
 
 bool is_free(const ScenarioBody& body, int link) {
@@ -241,10 +251,8 @@ void Recorder::Impl::declare_body(const ScenarioBody& body) {
   const Model& model = *body.model;
   if (!model.joints.empty()) {
     std::vector<int> all;
-    for (std::size_t id = 0; id < model.joints.size(); ++id) {
-      all.push_back(static_cast<int>(id));
-      channels.joint_message.name.push_back(model.links[model.joints[id]].joint.name);
-    }
+    for (std::size_t id = 0; id < model.joints.size(); ++id) all.push_back(static_cast<int>(id));
+    channels.joint_message = message_of_joints(model, all);
     mcap::StringMap metadata = joint_metadata(ChannelKind::joints, model, all);
     const mcap::StringMap units = metadata;
     add_limits(body, metadata);
@@ -255,15 +263,15 @@ void Recorder::Impl::declare_body(const ScenarioBody& body) {
           channel<msg::JointState>(ChannelName::of_body(body.name, ChannelKind::measured_joints), units);
   }
   for (std::size_t id = 0; id < body.actuators.size(); ++id) {
-    if (!body.actuators[id]) continue;
-    channels.actuated.push_back(static_cast<int>(id));
-    channels.actuator_message.name.push_back(model.links[model.joints[id]].joint.name);
+    if (body.actuators[id]) channels.actuated.push_back(static_cast<int>(id));
   }
-  if (!channels.actuated.empty())
+  if (!channels.actuated.empty()) {
+    channels.actuator_message = message_of_joints(model, channels.actuated);
     channels.actuators = channel<msg::JointState>(ChannelName::of_body(body.name, ChannelKind::actuators),
                                                   joint_metadata(ChannelKind::actuators, model, channels.actuated));
-  channels.pose_message.header.frame_id = "world";
-  channels.twist_message.header.frame_id = "world";
+  }
+  channels.pose_message = fixed_numbers(ChannelKind::pose, "world");
+  channels.twist_message = fixed_numbers(ChannelKind::twist, "world");
   for (int link = 0; link < static_cast<int>(model.links.size()); ++link) {
     if (!is_free(body, link)) continue;
     const auto of_link = [&](ChannelKind kind) {
@@ -299,31 +307,23 @@ Result<void> Recorder::record_truths(std::int64_t tick, const std::vector<TrueRe
 
 Result<void> Recorder::Impl::write_joints(std::int64_t tick, BodyChannels& channels, std::uint16_t channel,
                                           const std::vector<JointReading>& joints) {
-  msg::JointState& message = channels.joint_message;
-  message.header.stamp = stamp(tick);
-  message.position.resize(joints.size());
-  message.velocity.resize(joints.size());
-  message.effort.resize(joints.size());
+  FixedMessage& message = channels.joint_message;
   for (std::size_t id = 0; id < joints.size(); ++id) {
-    message.position[id] = joints[id].q;
-    message.velocity[id] = joints[id].dq;
-    message.effort[id] = joints[id].u;
+    message.set(3 * id, joints[id].q);
+    message.set(3 * id + 1, joints[id].dq);
+    message.set(3 * id + 2, joints[id].u);
   }
   return write(channel, tick, message);
 }
 
 Result<void> Recorder::Impl::write_actuators(std::int64_t tick, BodyChannels& channels,
                                              const std::vector<ActuatorReading>& actuators) {
-  msg::JointState& message = channels.actuator_message;
-  message.header.stamp = stamp(tick);
-  message.position.clear();
-  message.velocity.clear();
-  message.effort.clear();
-  for (const int id : channels.actuated) {
-    const ActuatorReading& reading = actuators[static_cast<std::size_t>(id)];
-    message.position.push_back(reading.q);
-    message.velocity.push_back(reading.dq);
-    message.effort.push_back(reading.effort);
+  FixedMessage& message = channels.actuator_message;
+  for (std::size_t i = 0; i < channels.actuated.size(); ++i) {
+    const ActuatorReading& reading = actuators[static_cast<std::size_t>(channels.actuated[i])];
+    message.set(3 * i, reading.q);
+    message.set(3 * i + 1, reading.dq);
+    message.set(3 * i + 2, reading.effort);
   }
   return write(channels.actuators, tick, message);
 }
@@ -339,9 +339,10 @@ Result<void> Recorder::Impl::write_body(std::int64_t tick, std::size_t index, co
     if (auto done = write_actuators(tick, channels, seen.actuators); !done) return done;
   for (const BodyChannels::FreeLink& free : channels.free_links) {
     const LinkReading& link = seen.links[free.link];
-    channels.pose_message.header.stamp = channels.twist_message.header.stamp = stamp(tick);
-    channels.pose_message.pose = {point(link.position.data()), quaternion(link.rotation.coeffs().data())};
-    channels.twist_message.twist = {vector3(link.velocity), vector3(link.angular_velocity)};
+    channels.pose_message.set({link.position.data(), 3});
+    channels.pose_message.set({link.rotation.coeffs().data(), 4}, 3);
+    channels.twist_message.set({link.velocity.data(), 3});
+    channels.twist_message.set({link.angular_velocity.data(), 3}, 3);
     if (auto done = write(free.pose, tick, channels.pose_message); !done) return done;
     if (auto done = write(free.twist, tick, channels.twist_message); !done) return done;
   }
@@ -354,11 +355,11 @@ Result<void> Recorder::Impl::write_body(std::int64_t tick, std::size_t index, co
 
 Result<void> Recorder::Impl::write_transforms(std::int64_t tick, const Observation& seen) {
   std::size_t count = 0;
-  const auto next = [&](const std::string& frame) -> msg::Transform& {
+  const auto next = [&](auto name) -> msg::Transform& {
     if (count == transforms.transforms.size()) {
       msg::TransformStamped& added = transforms.transforms.emplace_back();
       added.header.frame_id = "world";
-      added.child_frame_id = frame;
+      added.child_frame_id = name();
     }
     transforms.transforms[count].header.stamp = stamp(tick);
     return transforms.transforms[count++].transform;
@@ -367,8 +368,8 @@ Result<void> Recorder::Impl::write_transforms(std::int64_t tick, const Observati
     const ScenarioBody& body = scenario.bodies[b];
     const std::vector<LinkReading>& links = seen.bodies[b].links;
     for (std::size_t i = 0; i < links.size(); ++i)
-      next(body.name + "/" + body.model->links[i].name) = {vector3(links[i].position),
-                                                           quaternion(links[i].rotation.coeffs().data())};
+      next([&] { return body.name + "/" + body.model->links[i].name; }) = {
+          vector3(links[i].position), quaternion(links[i].rotation.coeffs().data())};
     for (const Device& device : body.model->devices) {
       const MessageFrame* frame = message_frame(device);
       if (!frame) continue;
@@ -376,7 +377,7 @@ Result<void> Recorder::Impl::write_transforms(std::int64_t tick, const Observati
       const Eigen::Vector3d place = link.position + link.rotation * device.pose.translation();
       const Eigen::Quaterniond turn =
           link.rotation * Eigen::Quaterniond(Eigen::Matrix3d(device.pose.linear() * frame->axes()));
-      next(frame_of(body.name, device)) = {vector3(place), quaternion(turn.coeffs().data())};
+      next([&] { return frame_of(body.name, device); }) = {vector3(place), quaternion(turn.coeffs().data())};
     }
   }
   return write(transform_channel, tick, transforms);
@@ -522,7 +523,7 @@ Result<void> Recorder::record_measured_joints(std::int64_t tick, int body, const
 }
 
 Result<void> Recorder::record_reading(std::int64_t tick, int body, int device, const DeviceReading& reading) {
-  const BodyChannels& channels = impl_->bodies[static_cast<std::size_t>(body)];
+  BodyChannels& channels = impl_->bodies[static_cast<std::size_t>(body)];
   return channels.devices[static_cast<std::size_t>(device)].write(*impl_, tick, reading);
 }
 

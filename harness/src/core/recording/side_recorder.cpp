@@ -2,12 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <set>
+#include <limits>
 #include <utility>
-
-#include "core/kinds/vector_messages.h"
 
 namespace rehearse {
 namespace {
@@ -16,6 +12,21 @@ constexpr std::pair<Quantity, std::vector<double> msg::JointState::*> joint_arra
     {Quantity::q, &msg::JointState::position},
     {Quantity::dq, &msg::JointState::velocity},
     {Quantity::u, &msg::JointState::effort}};
+
+/// The accelerations at the indices are its numbers; the others are NaN.
+FixedMessage acceleration_message(const std::vector<std::string>& names, const std::vector<std::size_t>& indices) {
+  msg::JointAccelerations message;
+  message.name = names;
+  message.acceleration.assign(names.size(), std::numeric_limits<double>::quiet_NaN());
+  auto fixed =
+      FixedMessage::of(indices.size(), [&](const msg::Time& stamp, std::span<const double> numbers, CdrWriter& cdr) {
+        message.header.stamp = stamp;
+        for (std::size_t i = 0; i < numbers.size(); ++i) message.acceleration[indices[i]] = numbers[i];
+        msg::encode(message, cdr);
+      });
+  REHEARSE_ASSERT(fixed, "accelerations are float64");
+  return *std::move(fixed);
+}
 
 }  // namespace
 
@@ -41,29 +52,34 @@ SideRecorder::SideRecorder(TraceOutput& output, const std::string& label, Channe
 void SideRecorder::add_joints(TraceOutput& output, const ChannelName& of_side, const Model& model,
                               const IoLayout& layout) {
   std::vector<int> joints;  // in link order, each once
-  std::set<Quantity> used;
+  std::vector<std::string> names;
+  std::vector<JointElement> places;
+  std::vector<std::size_t> accelerations;  // index of the joint, by number of the message
   for (const IoField& field : layout.fields) {
     if (field.quantity > Quantity::u) continue;
-    if (joints.empty() || joints.back() != field.joint) joints.push_back(field.joint);
-    used.insert(field.quantity);
+    if (joints.empty() || joints.back() != field.joint) {
+      joints.push_back(field.joint);
+      names.push_back(model.links[model.joints[field.joint]].joint.name);
+    }
     const std::size_t index = joints.size() - 1;
-    acceleration_offsets_.resize(joints.size(), -1);
-    if (field.quantity == Quantity::ddq) acceleration_offsets_[index] = field.offset;
-    for (const auto& [quantity, array] : joint_arrays)
-      if (quantity == field.quantity) slots_.push_back({field.offset, array, index});
+    if (field.quantity == Quantity::ddq) {
+      accelerations.push_back(index);
+      acceleration_offsets_.push_back(field.offset);
+    }
+    for (const auto& [quantity, array] : joint_arrays) {
+      if (quantity != field.quantity) continue;
+      places.push_back({array, index});
+      joint_offsets_.push_back(field.offset);
+    }
   }
-  for (const int joint : joints) joint_message_.name.push_back(model.links[model.joints[joint]].joint.name);
-  const double not_enabled = std::nan("");
-  for (const auto& [quantity, array] : joint_arrays)
-    if (used.contains(quantity)) (joint_message_.*array).assign(joints.size(), not_enabled);
-  if (used.contains(Quantity::ddq)) {
+  if (!accelerations.empty()) {
     ChannelName name = of_side;
     name.kind = ChannelKind::joint_accelerations;
-    acceleration_message_.name = joint_message_.name;
-    acceleration_message_.acceleration.assign(joints.size(), not_enabled);
+    acceleration_message_ = acceleration_message(names, accelerations);
     accelerations_ = output.channel<msg::JointAccelerations>(name, joint_metadata(name.kind, model, joints));
   }
-  if (slots_.empty()) return;
+  if (places.empty()) return;
+  joint_message_ = joint_message(names, places);
   mcap::StringMap metadata = joint_metadata(of_side.kind, model, joints);
   metadata.insert(metadata_.begin(), metadata_.end());
   joints_ = output.channel<msg::JointState>(of_side, std::move(metadata));
@@ -72,31 +88,26 @@ void SideRecorder::add_joints(TraceOutput& output, const ChannelName& of_side, c
 void SideRecorder::add_link(TraceOutput& output, ChannelName name, const Model& model, const IoField& field) {
   name.kind = channel_kind_of(field.quantity);
   name.owner = model.links[field.link].name;
-  links_.push_back({output.channel(name, metadata_), field, form_of(name.kind).numbers});
+  links_.push_back({output.channel(name, metadata_), field, fixed_numbers(name.kind, "world")});
 }
 
 Result<void> SideRecorder::write(TraceOutput& output, std::int64_t tick, const std::vector<double>& values) {
   if (auto done = write_joints(output, tick, values); !done) return done;
-  const msg::Header header{output.stamp(tick), "world"};
-  for (const LinkChannel& link : links_) {
-    const std::span numbers = std::span(values).subspan(link.field.offset, width_of(link.field.quantity));
-    link_message_.reset();
-    link.message->encode(header, numbers, link_message_);
-    if (auto done = output.write_encoded(link.channel, tick, link_message_.bytes()); !done) return done;
+  for (LinkChannel& link : links_) {
+    link.message.set(std::span(values).subspan(link.field.offset, width_of(link.field.quantity)));
+    if (auto done = output.write(link.channel, tick, link.message); !done) return done;
   }
   return {};
 }
 
 Result<void> SideRecorder::write_joints(TraceOutput& output, std::int64_t tick, const std::vector<double>& values) {
   if (joints_) {
-    joint_message_.header.stamp = output.stamp(tick);
-    for (const Slot& slot : slots_) (joint_message_.*slot.array)[slot.index] = values[slot.offset];
+    for (std::size_t i = 0; i < joint_offsets_.size(); ++i) joint_message_.set(i, values[joint_offsets_[i]]);
     if (auto done = output.write(joints_, tick, joint_message_); !done) return done;
   }
   if (!accelerations_) return {};
-  acceleration_message_.header.stamp = output.stamp(tick);
   for (std::size_t i = 0; i < acceleration_offsets_.size(); ++i)
-    if (acceleration_offsets_[i] >= 0) acceleration_message_.acceleration[i] = values[acceleration_offsets_[i]];
+    acceleration_message_.set(i, values[acceleration_offsets_[i]]);
   return output.write(accelerations_, tick, acceleration_message_);
 }
 

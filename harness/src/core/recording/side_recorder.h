@@ -32,16 +32,10 @@ class SideRecorder {
   const mcap::StringMap& metadata() const { return metadata_; }
 
  private:
-  /// The place of a number of the layout in the message of joints.
-  struct Slot {
-    int offset;  // offset in the layout
-    std::vector<double> msg::JointState::*array;
-    std::size_t index;  // index in the array
-  };
   struct LinkChannel {
     std::uint16_t channel;
     IoField field;
-    const NumberMessage* message;
+    FixedMessage message;
   };
   void add_joints(TraceOutput& output, const ChannelName& of_side, const Model& model, const IoLayout& layout);
   void add_link(TraceOutput& output, ChannelName name, const Model& model, const IoField& field);
@@ -49,12 +43,9 @@ class SideRecorder {
 
   mcap::StringMap metadata_;
   std::uint16_t joints_ = 0, accelerations_ = 0;  // channels; 0: none
-  msg::JointState joint_message_;
-  std::vector<Slot> slots_;
-  msg::JointAccelerations acceleration_message_;
-  std::vector<int> acceleration_offsets_;  // offsets in the layout, by index in the message; -1: not enabled
+  FixedMessage joint_message_, acceleration_message_;
+  std::vector<int> joint_offsets_, acceleration_offsets_;  // by number of the message: its offset in the layout
   std::vector<LinkChannel> links_;
-  CdrWriter link_message_;
 };
 
 }  // namespace rehearse

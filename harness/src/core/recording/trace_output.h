@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "core/kinds/channel_name.h"
+#include "fixed_message.h"
 #include "model/clock.h"
 
 namespace rehearse {
@@ -65,23 +67,42 @@ struct TraceOutput {
     return write_encoded(to, tick, cdr_.bytes());
   }
 
+  Result<void> write(std::uint16_t to, std::int64_t tick, FixedMessage& message) {
+    message.set_stamp(stamp(tick));
+    return write_encoded(to, tick, message.bytes());
+  }
+
   Result<void> write_encoded(std::uint16_t to, std::int64_t tick, mcap::Bytes message) {
     ++size.messages;
-    const std::uint64_t now = nanoseconds_of(tick, time_step);
-    return writer->write(to, now, now, message);
+    begin(tick);
+    return writer->write(to, now_, now_, message);
   }
 
   /// Writes a message that takes long to compose. `held`: the size by which it counts until then [bytes].
   Result<void> write_later(std::uint16_t to, std::int64_t tick, std::size_t held, std::vector<std::byte> raw,
                            mcap::Compose compose) {
     ++size.messages;
-    const std::uint64_t now = nanoseconds_of(tick, time_step);
-    return writer->write_later(to, now, now, held, std::move(raw), compose);
+    begin(tick);
+    return writer->write_later(to, now_, now_, held, std::move(raw), compose);
   }
 
-  msg::Time stamp(std::int64_t tick) const { return msg::Time::from_ns(nanoseconds_of(tick, time_step)); }
+  const msg::Time& stamp(std::int64_t tick) {
+    begin(tick);
+    return stamp_;
+  }
 
  private:
+  /// Most messages are of the same tick as the last one.
+  void begin(std::int64_t tick) {
+    if (tick == tick_) return;
+    tick_ = tick;
+    now_ = nanoseconds_of(tick, time_step);
+    stamp_ = msg::Time::from_ns(now_);
+  }
+
+  std::int64_t tick_ = std::numeric_limits<std::int64_t>::min();  // of the last message
+  std::uint64_t now_ = 0;                                         // its log time [ns]
+  msg::Time stamp_;
   CdrWriter cdr_;
 };
 

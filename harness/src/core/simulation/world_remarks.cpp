@@ -11,9 +11,21 @@
 #include "model/clock.h"
 
 namespace rehearse {
+namespace {
+
+/// No robot's joint is that fast: the simulation is about to explode [rad/s] or [m/s].
+constexpr double most_speed = 1e4;
+
+}  // namespace
 
 WorldRemarks::WorldRemarks(const Scenario& scenario) : scenario_(scenario) {
-  for (const ScenarioBody& body : scenario.bodies) joints_.emplace_back(body.model->joints.size());
+  for (const ScenarioBody& body : scenario.bodies) {
+    std::vector<JointRemarks>& joints = joints_.emplace_back();
+    for (const int link : body.model->joints) {
+      const Joint& joint = body.model->links[static_cast<std::size_t>(link)].joint;
+      joints.push_back({joint.lower, joint.upper});
+    }
+  }
   limited_.resize(scenario.bodies.size());
   for (const ScenarioBody& body : scenario.bodies) {
     std::vector<Joint>& joints = built_.emplace_back();
@@ -40,8 +52,10 @@ void WorldRemarks::add_idle_camera(const std::string& controller, int body, int 
 void WorldRemarks::observe(std::int64_t tick, const World& world, const Observation& seen, const Command& command,
                            std::vector<msg::Event>& events) {
   for (std::string& text : std::exchange(idle_cameras_, {})) add(tick, Severity::warning, std::move(text), events);
-  check_limits(tick, seen, events);
-  check_speeds(tick, seen, events);
+  if (!is_calm(seen)) {
+    check_limits(tick, seen, events);
+    check_speeds(tick, seen, events);
+  }
   check_drives(tick, seen, command, events);
   check_actuators(tick, seen, events);
   if (tick == 0) return;
@@ -131,9 +145,11 @@ void WorldRemarks::check_drives(std::int64_t tick, const Observation& seen, cons
   for (std::size_t i = 0; i < scenario_.bodies.size(); ++i) {
     const ScenarioBody& body = scenario_.bodies[i];
     if (body.kinematic) continue;
-    for (std::size_t id = 0; id < joints_[i].size(); ++id)
-      check_drive(tick, body, joint_of(i, id), seen.bodies[i].joints[id], command.bodies[i].joints[id], joints_[i][id],
-                  events);
+    for (std::size_t id = 0; id < joints_[i].size(); ++id) {
+      const JointCommand& wanted = command.bodies[i].joints[id];
+      if (wanted.drive & (drive_displacement | drive_velocity))
+        check_drive(tick, body, joint_of(i, id), seen.bodies[i].joints[id], wanted, joints_[i][id], events);
+    }
   }
 }
 
@@ -167,7 +183,6 @@ void WorldRemarks::check_drive(std::int64_t tick, const ScenarioBody& body, cons
     if (std::exchange(reported, true)) return;
     add(tick, severity, fmt::format("joint '{}' of '{}' {}", joint.name, body.name, text), events);
   };
-  if (!(wanted.drive & (drive_displacement | drive_velocity))) return;
   if (tick > 0 && std::isfinite(joint.effort) && std::abs(now.u) >= nearly * joint.effort)
     report(known.at_full_effort, Severity::note,
            fmt::format("was driven with its largest effort, {:.4g} {}", joint.effort, slides ? "N" : "N·m"));
@@ -187,20 +202,33 @@ void WorldRemarks::check_drive(std::int64_t tick, const ScenarioBody& body, cons
                        at_upper ? joint.upper : joint.lower, slides ? "m" : "rad"));
 }
 
+/// True in nearly all ticks: each joint is, and was, within its limits, and none is too fast.
+bool WorldRemarks::is_calm(const Observation& seen) const {
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    for (std::size_t id = 0; id < joints_[i].size(); ++id) {
+      const JointRemarks& known = joints_[i][id];
+      const JointReading& now = seen.bodies[i].joints[id];
+      const bool is_within = now.q >= known.lower && now.q <= known.upper && known.last_excess == 0.0;
+      if (!is_within || !(std::abs(now.dq) < most_speed)) return false;
+    }
+  }
+  return true;
+}
+
 /// An excess is reported when it no longer grows, so that the event states how far the joint went, or when it is large.
 void WorldRemarks::check_limits(std::int64_t tick, const Observation& seen, std::vector<msg::Event>& events) {
   for (std::size_t i = 0; i < scenario_.bodies.size(); ++i) {
     const ScenarioBody& body = scenario_.bodies[i];
     for (std::size_t id = 0; id < joints_[i].size(); ++id) {
+      JointRemarks& known = joints_[i][id];
+      const double q = seen.bodies[i].joints[id].q;
+      const double excess = std::abs(q - std::clamp(q, known.lower, known.upper));
+      const double last = std::exchange(known.last_excess, excess);
+      const double far = std::max(excess, last);
       const Joint& joint = body.model->links[static_cast<std::size_t>(body.model->joints[id])].joint;
       if (joint.type == JointType::track) continue;
       const bool slides = joint.type == JointType::prismatic;
       const double least = slides ? 0.005 : 0.05;  // [m], [rad]; a stop gives way for some steps
-      const double q = seen.bodies[i].joints[id].q;
-      const double excess = std::abs(q - std::clamp(q, joint.lower, joint.upper));
-      JointRemarks& known = joints_[i][id];
-      const double last = std::exchange(known.last_excess, excess);
-      const double far = std::max(excess, last);
       const bool grows = tick > 0 && excess >= last;
       if (far < std::max((grows ? 10.0 : 1.0) * least, 2.0 * known.excess)) continue;
       const Severity severity = known.excess == 0.0 ? Severity::warning : Severity::note;
@@ -213,15 +241,14 @@ void WorldRemarks::check_limits(std::int64_t tick, const Observation& seen, std:
   }
 }
 
-/// No robot's joint is that fast: the simulation is about to explode.
 void WorldRemarks::check_speeds(std::int64_t tick, const Observation& seen, std::vector<msg::Event>& events) {
-  constexpr double most = 1e4, further = 10.0;  // [rad/s] or [m/s]; factor between two reports
+  constexpr double further = 10.0;  // factor between two reports
   for (std::size_t i = 0; i < scenario_.bodies.size(); ++i) {
     const ScenarioBody& body = scenario_.bodies[i];
     for (std::size_t id = 0; id < joints_[i].size(); ++id) {
       const double speed = std::abs(seen.bodies[i].joints[id].dq);
       JointRemarks& known = joints_[i][id];
-      if (speed < std::max(most, further * known.speed)) continue;
+      if (speed < std::max(most_speed, further * known.speed)) continue;
       const Joint& joint = body.model->links[static_cast<std::size_t>(body.model->joints[id])].joint;
       add(tick, std::exchange(known.speed, speed) == 0.0 ? Severity::warning : Severity::note,
           fmt::format("joint '{}' of '{}' moves at {:.3g} {}", joint.name, body.name, speed,

@@ -29,13 +29,14 @@ class WorldRemarks {
                std::vector<msg::Event>& events);
 
  private:
-  /// The remarks on a joint so far.
+  /// The remarks on a joint so far. Its limits are beside them: a model's joints lie far apart in memory.
   struct JointRemarks {
-    double last_excess = 0.0;  // beyond its limits, in the last step [rad] or [m]
-    double excess = 0.0;       // as reported last [rad] or [m]
-    double speed = 0.0;        // as reported last [rad/s] or [m/s]
-    bool too_fast = false;     // its drive was commanded beyond the velocity limit
-    bool blocked = false;      // its drive was commanded beyond a stop
+    double lower = 0.0, upper = 0.0;  // [rad] or [m]
+    double last_excess = 0.0;         // beyond its limits, in the last step [rad] or [m]
+    double excess = 0.0;              // as reported last [rad] or [m]
+    double speed = 0.0;               // as reported last [rad/s] or [m/s]
+    bool too_fast = false;            // its drive was commanded beyond the velocity limit
+    bool blocked = false;             // its drive was commanded beyond a stop
     bool at_full_effort = false;
     bool limited = false;  // its actuator gave less than the effort that was commanded
   };
@@ -45,6 +46,7 @@ class WorldRemarks {
   void check_solver(std::int64_t tick, const World& world, std::vector<msg::Event>& events);
   void check_unsolved(std::int64_t tick, const Unsolved& unsolved, std::vector<msg::Event>& events);
   void check_residual(std::int64_t tick, const Residual& residual, std::vector<msg::Event>& events);
+  bool is_calm(const Observation& seen) const;
   void check_speeds(std::int64_t tick, const Observation& seen, std::vector<msg::Event>& events);
   void check_missed(std::int64_t tick, const Residual& residual, std::vector<msg::Event>& events);
   void check_limits(std::int64_t tick, const Observation& seen, std::vector<msg::Event>& events);
