@@ -1,5 +1,8 @@
 // rehearse record --model: a robot without a scenario; and --json.
 #include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
 
 #include "command.h"
 
@@ -56,6 +59,20 @@ TEST_F(RecordModel, TellsHowLongControlTookAndWarnsBeyondADeadline) {
   EXPECT_THAT(replayed.out, HasSubstr("control() of "));
   EXPECT_THAT(replayed.err, HasSubstr("longer than the deadline of 0.001 µs"));
   EXPECT_THAT(done({"replay", "a.mcap", "--json"}).out, HasSubstr("\"control_times\": ["));
+}
+
+TEST_F(RecordModel, ChecksTellHowLongControlTook) {
+  const std::string pendulum = (fixtures / "models/pendulum.urdf").string();
+  done({"record", "--model", pendulum, "--controller", MISBEHAVING, "--duration", "0.02", "--save-scenario", "s.yaml",
+        "-o", "a.mcap"});
+  std::ofstream(folder() / "s.yaml", std::ios::app) << "expect:\n  - {channel: \"*/q\", below: 9}\n";
+  const Outcome brief = done({"check", "s.yaml", "--deadline", "100000"});
+  EXPECT_THAT(brief.out, Not(HasSubstr("control() of ")));
+  EXPECT_THAT(brief.err, Not(HasSubstr("deadline")));
+  const Outcome verbose = done({"check", "s.yaml", "-v", "--deadline", "1e-6"});
+  EXPECT_THAT(verbose.out, HasSubstr("control() of "));
+  EXPECT_THAT(verbose.err, HasSubstr("longer than the deadline of 0.001 µs"));
+  EXPECT_THAT(done({"check", "s.yaml", "--json"}).out, HasSubstr("\"longest_tick\": "));
 }
 
 TEST_F(RecordModel, TakesTheOptionsOfEveryVerbThatLoadsAModel) {

@@ -18,6 +18,7 @@
 #include "check_history.h"
 #include "check_outcome.h"
 #include "command.h"
+#include "control_times.h"
 #include "core/check/compared.h"
 #include "core/golden/run_folder.h"
 #include "core/golden/stale_report.h"
@@ -50,11 +51,12 @@ struct CheckSettings {
   std::string junit;  // output file; empty: none
   bool github = is_github();
   CheckOptions check;
-  bool has_levels = false;  // the user named levels
-  bool simulate = false;    // nothing is proved
-  bool strict = false;      // goldens without an owner fail, too
-  bool verbose = false;     // the first differences are also printed in full
-  std::int64_t jobs = 0;    // scenarios at a time; 0: as many as there are processors
+  bool has_levels = false;         // the user named levels
+  bool simulate = false;           // nothing is proved
+  bool strict = false;             // goldens without an owner fail, too
+  bool verbose = false;            // the first differences are also printed in full
+  std::optional<double> deadline;  // of control() [s]; none: any time is right
+  std::int64_t jobs = 0;           // scenarios at a time; 0: as many as there are processors
   HistoryOptions history;
   std::optional<HistoryStamp> stamp;  // of the lines of the history; none: no history is kept
   DebuggerOptions debugger;
@@ -268,6 +270,7 @@ Result<CheckOutcome> check_one(const CheckSettings& settings, const Scenario& sc
   const auto checked = check_beside_others(settings, scenario);
   if (!checked) return checked.errors();
   if (!settings.json) tell_files(*checked);
+  tell_missed_deadlines(control_times_of(checked->report), settings.deadline);
   CheckOutcome outcome = outcome_of(scenario, *checked, settings.json);
   outcome.history = history_line(settings.stamp, scenario.name, checked->report);
   return outcome;
@@ -467,7 +470,9 @@ std::function<Exit()> declare_check(CLI::App& options) {
       "simulate even if it is proved that the world is the one that made the golden. REHEARSE_PROOF=off has the same "
       "effect; REHEARSE_PROOF=sample:20 in a fifth of the checks");
   options.add_flag("-v,--verbose", settings->verbose,
-                   "also print the first differences in full, with relative errors and ULPs");
+                   "also print the first differences in full, with relative errors and ULPs, and the times of "
+                   "control()");
+  add_deadline_option(options, settings->deadline);
   options.add_flag("--strict", settings->strict,
                    "fail also (status 1) if the project has a golden that no scenario names and no test that ran here, "
                    "or one that can't be used");

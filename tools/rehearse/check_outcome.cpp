@@ -12,6 +12,7 @@
 #include <string_view>
 #include <utility>
 
+#include "control_times.h"
 #include "core/check/check_json.h"
 #include "core/check/compared.h"
 #include "core/compare/divergence_text.h"
@@ -39,6 +40,7 @@ Json json_of_check(const Checked& checked) {
   object["message"] = checked.report.message;
   for (const std::string& note : checked.notes) object["remarks"].push_back(note);
   object["report"] = checked.page ? Json(checked.page->file.string()) : Json();
+  object["control_times"] = json_of(control_times_of(checked.report));
   return object;
 }
 
@@ -193,7 +195,10 @@ void tell_verdict(const Checked& checked, bool verbose) {
   fmt::print("{}\n", colored(shown, report.within() ? TextColor::green : TextColor::red));
   if (const std::string bits = bits_sentence(report); !bits.empty()) fmt::print("  {}\n", bits);
   fmt::print("  {}; {:.1f} s\n", levels_text(report), checked.seconds);
-  if (verbose) fmt::print("{}{}", closest_lines(report.expectations), figures_of(report));
+  if (verbose) {
+    fmt::print("{}{}", closest_lines(report.expectations), figures_of(report));
+    tell_control_times(control_times_of(report));
+  }
   // beside a difference, only a change may explain it
   if (!report.not_proved.empty() &&
       (report.within() || report.not_proved.ends_with(" changed since its golden was simulated")))

@@ -26,9 +26,13 @@ Json json_of(const ControlCosts& costs) {
 
 }  // namespace
 
-void add_timing_options(CLI::App& options, std::optional<double>& deadline, HostOptions& host) {
+void add_deadline_option(CLI::App& options, std::optional<double>& deadline) {
   add_number(options, "--deadline", "warn of a control() that took longer, by this machine's clock [ms of wall time]",
              1e-6, 1e6, [&deadline](double milliseconds) { deadline = milliseconds * 1e-3; });
+}
+
+void add_timing_options(CLI::App& options, std::optional<double>& deadline, HostOptions& host) {
+  add_deadline_option(options, deadline);
   options.add_flag("--realtime", host.counts_costs,
                    "count and record allocations, locks, system calls and exceptions of control()");
 }
@@ -57,6 +61,12 @@ void tell_missed_deadlines(const std::vector<ControlTimes>& all, std::optional<d
                                                plain_text(times.controller), time_text(times.longest),
                                                times.longest_tick, time_text(*deadline)),
                                    "by this machine's clock, with all that ran beside it")));
+}
+
+const std::vector<ControlTimes>& control_times_of(const CheckReport& report) {
+  static const std::vector<ControlTimes> none;
+  if (report.run) return report.run->control_times;
+  return report.replay ? report.replay->control_times : none;
 }
 
 Json json_of(const std::vector<ControlTimes>& all) {

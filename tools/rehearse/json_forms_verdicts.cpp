@@ -24,19 +24,28 @@ const Form& comparisons_form() {
 }
 
 const Form& checked_form() {
-  static const Form form{
-      "checked",
-      "a checked scenario",
-      {member("verdict", types::string()), member("code", types::nullable(word_of_codes())),
-       member("codes", types::array(word_of_codes())), member("equal", types::flag()), member("within", types::flag()),
-       member("not_reproduced", types::flag()), member("proved", types::flag()),
-       member("simulated_from", types::nullable(types::count())),
-       member("not_proved", types::nullable(types::string())), member("levels", types::of(levels_form)),
-       member("first", difference_type()), member("comparisons", types::of(comparisons_form)),
-       member("horizon", types::nullable(types::real())), member("expectations", expectations_type()),
-       member("remarks", types::array(types::string())), member("scenario", types::string()),
-       member("file", types::string()), member("message", types::string()),
-       member("report", types::nullable(types::string()))}};
+  static const Form form{"checked",
+                         "a checked scenario",
+                         {member("verdict", types::string()),
+                          member("code", types::nullable(word_of_codes())),
+                          member("codes", types::array(word_of_codes())),
+                          member("equal", types::flag()),
+                          member("within", types::flag()),
+                          member("not_reproduced", types::flag()),
+                          member("proved", types::flag()),
+                          member("simulated_from", types::nullable(types::count())),
+                          member("not_proved", types::nullable(types::string())),
+                          member("levels", types::of(levels_form)),
+                          member("first", difference_type()),
+                          member("comparisons", types::of(comparisons_form)),
+                          member("horizon", types::nullable(types::real())),
+                          member("expectations", expectations_type()),
+                          member("remarks", types::array(types::string())),
+                          member("scenario", types::string()),
+                          member("file", types::string()),
+                          member("message", types::string()),
+                          member("report", types::nullable(types::string())),
+                          member("control_times", control_times_type())}};
   return form;
 }
 
