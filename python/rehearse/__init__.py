@@ -7,9 +7,10 @@
 """
 
 from ._command import Result, check, command, diff, record, replay
+from ._controller import Controller
 from ._errors import Diagnostic, Error, UnknownName
 
-__all__ = ["Diagnostic", "Error", "Moment", "Pictures", "Result", "Trace", "UnknownName", "check", "command", "diff",
+__all__ = ["Controller", "Diagnostic", "Error", "Moment", "Pictures", "Result", "Trace", "UnknownName", "check", "command", "diff",
            "record", "replay"]
 
 _compiled = {"Moment": "_trace", "Pictures": "_trace", "Trace": "_trace"}

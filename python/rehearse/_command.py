@@ -95,7 +95,8 @@ def _run(verb: str, *files: PathLike, controllers: Optional[Mapping[str, PathLik
     try:
         members: Dict[str, Any] = json.loads(ended.stdout)
     except ValueError:
-        raise Error.saying(f"rehearse {verb} ended with status {ended.returncode}: {ended.stderr.strip()}") from None
+        said = ended.stderr.strip().removeprefix("error: ")
+        raise Error.saying(said or f"rehearse {verb} ended with status {ended.returncode}") from None
     errors = members.get("errors")
     if errors and len(members) <= 2:  # nothing but the form's version beside them
         raise Error(Diagnostic(**error) for error in errors)
