@@ -10,10 +10,10 @@ from ._command import Result, check, command, diff, record, replay
 from ._controller import Controller
 from ._errors import Diagnostic, Error, UnknownName
 
-__all__ = ["Controller", "Diagnostic", "Error", "Moment", "Pictures", "Result", "Trace", "UnknownName", "check", "command", "diff",
+__all__ = ["Controller", "ControllerBench", "Diagnostic", "Error", "Moment", "Pictures", "Result", "Trace", "UnknownName", "check", "command", "diff",
            "record", "replay"]
 
-_compiled = {"Moment": "_trace", "Pictures": "_trace", "Trace": "_trace"}
+_compiled = {"ControllerBench": "_control_bench", "Moment": "_trace", "Pictures": "_trace", "Trace": "_trace"}
 
 
 def __getattr__(name):

@@ -65,6 +65,8 @@ def _write(text: str) -> None:
 
 def print_to_recordings() -> None:
     """In a process that runs controllers: what they print is recorded."""
+    global _is_host
+    _is_host = True
     sys.stdout = sys.stderr = _Recorded()  # type: ignore[assignment]
 
 
@@ -84,6 +86,8 @@ def _finder(folder: str) -> importlib.machinery.FileFinder:
 
 _folders: List[str] = []  # of the loaded controllers
 _loaded = 0
+_imported_here: Dict[str, None] = {}  # modules of controllers
+_is_host = False  # this process only runs controllers: all modules in their folders are theirs
 
 
 def _is_inside(path: Optional[str], folder: str) -> bool:
@@ -91,23 +95,33 @@ def _is_inside(path: Optional[str], folder: str) -> bool:
 
 
 def load(file: str, name: str) -> type:
-    """The class `name` of a file. Modules beside it can be imported; they are executed anew if none is in use."""
+    """The class `name` of a file. Modules beside it can be imported; they are executed anew if none is in use.
+
+    Of modules with the same name in the folders of two controllers, each controller has its own, unless it imports them
+    only while it runs.
+    """
     global _loaded
+    file = os.path.normpath(file)
     folder, stem = os.path.dirname(file), os.path.splitext(os.path.basename(file))[0]
     if not stem.isidentifier():
         raise Refused(f"'{stem}' is no name of a module")
     if _loaded == 0:
         _forget()
     _load_numpy()
+    _forget_modules([known for known in _folders if known != folder])
     if folder not in _folders:
         _folders.append(folder)
         sys.path_hooks.insert(0, _hook)
-        sys.path.insert(0, folder)
+    else:
+        sys.path.remove(folder)
+    sys.path.insert(0, folder)
     sys.path_importer_cache[folder] = _finder(folder)
     known = sys.modules.get(stem)
     if known is not None and getattr(known, "__file__", None) != file:
         raise Refused(f"there is another module '{stem}': {getattr(known, '__file__', 'of Python')}")
+    before = set(sys.modules)
     module = importlib.import_module(stem)
+    _imported_here.update(dict.fromkeys(set(sys.modules) - before))
     if getattr(module, "__file__", None) != file:
         raise Refused(f"there is another module '{stem}': {getattr(module, '__file__', 'of Python')}")
     found = getattr(module, name, None)
@@ -152,9 +166,7 @@ def _hook(folder: str) -> importlib.machinery.FileFinder:
 
 def _forget() -> None:
     """The next load() executes the modules of controllers anew, so that a run doesn't depend on earlier ones."""
-    for name, module in list(sys.modules.items()):
-        if any(_is_inside(getattr(module, "__file__", None), folder) for folder in _folders):
-            del sys.modules[name]
+    _forget_modules(_folders)
     for folder in _folders:
         sys.path.remove(folder)
         sys.path_hooks.remove(_hook)
@@ -162,6 +174,13 @@ def _forget() -> None:
         if any(_is_inside(folder, known) for known in _folders):
             del sys.path_importer_cache[folder]
     _folders.clear()
+
+
+def _forget_modules(folders: List[str]) -> None:
+    for name, module in list(sys.modules.items()):
+        is_own = _is_host or name in _imported_here
+        if is_own and any(_is_inside(getattr(module, "__file__", None), folder) for folder in folders):
+            del sys.modules[name]
 
 
 def files(file: str) -> List[str]:

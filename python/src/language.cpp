@@ -5,6 +5,7 @@
 #include <pybind11/pybind11.h>
 #include <rehearse/controller.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <memory>
 #include <string>
@@ -81,9 +82,14 @@ std::string start_interpreter() {
   config.hash_seed = 0;
   config.write_bytecode = 0;
   config.install_signal_handlers = 0;
+  // Python's module `signal` would handle Ctrl-C, which belongs to the program, unless it is ignored when the
+  // module is loaded.
+  auto* const before = signal(SIGINT, SIG_IGN);
   PyStatus status = PyConfig_SetBytesString(&config, &config.program_name, PYTHON_PROGRAM);
   if (!PyStatus_Exception(status)) status = Py_InitializeFromConfig(&config);
   PyConfig_Clear(&config);
+  if (!PyStatus_Exception(status)) Py_XDECREF(PyImport_ImportModule("_signal"));
+  signal(SIGINT, before);
   if (PyStatus_Exception(status)) return status.err_msg ? status.err_msg : "it gave no reason";
   const std::string folder = package_folder();
   if (!folder.empty()) {
@@ -99,6 +105,9 @@ std::string start_interpreter() {
 /// True while Python code runs. A call that was ended from outside, as one that hangs, leaves it set: the interpreter
 /// is in the middle of something then, and must not be entered again.
 bool is_inside = false;
+
+/// False also while Python ends, which destroys benches that are left.
+bool can_enter() { return !is_inside && Py_IsInitialized() && !_Py_IsFinalizing(); }
 
 class Entered {
  public:
@@ -204,7 +213,7 @@ int control(void* self) {
 
 void stop(void* self) {
   auto& instance = *static_cast<Instance*>(self);
-  if (is_inside) return;
+  if (!can_enter()) return;
   guarded(instance, [&] {
     instance.controller.attr("stop")();
     return int{REHEARSE_OK};
@@ -213,7 +222,7 @@ void stop(void* self) {
 
 void destroy(void* self) {
   auto* instance = static_cast<Instance*>(self);
-  if (is_inside) return;  // its objects can't be destroyed
+  if (!can_enter()) return;  // its objects can't be destroyed
   const Entered entered;
   delete instance;
 }
@@ -270,7 +279,7 @@ const rehearse_controller_functions* functions_of(void* loaded) {
 }
 
 void unload(void* loaded) {
-  if (is_inside) return;
+  if (!can_enter()) return;
   const Entered entered;
   delete static_cast<Loaded*>(loaded);
   own_module().attr("unload")();
