@@ -3,15 +3,9 @@
 from __future__ import annotations
 
 import os
-import warnings
 from typing import Any, Dict, List, Mapping, Sequence, Union
 
 from . import _bench
-
-_guards = ("rehearse.ControllerBench calls the controller in this process, which is not pinned and not guarded: last bits of "
-           "sin, exp and so on may differ on other processors, a crash ends Python, and changes that the controller makes to "
-           "the process stay. rehearse.record() has all guards.")
-_told = False
 
 
 class ControllerBench:
@@ -21,17 +15,16 @@ class ControllerBench:
     [s]. options: the controller's. joints: displacements at the beginning [rad or m]. position: of the root link [m].
 
     A value that isn't set stays. Nothing moves by itself: commands move nothing. The controller sees what it reads in
-    initialize(), which runs in the constructor. Raises rehearse.Error if the controller can't be loaded, refuses, raises,
-    crashes or hangs; rehearse.UnknownName for a joint, link, device or variable that isn't there.
+    initialize(), which runs in the constructor. Raises rehearse.Error if the controller can't be loaded, refuses, raises or
+    hangs; rehearse.UnknownName for a joint, link, device or variable that isn't there.
+
+    It runs in this process, which isn't pinned, and whose first bench prints which guards are off. The last bits of sin, exp
+    and so on may depend on the processor. rehearse.record() runs a controller with all guards.
     """
 
     def __init__(self, library: Union[str, "os.PathLike[str]"], model: Union[str, "os.PathLike[str]"], *,
                  time_step: float = 0.001, options: str = "", joints: Mapping[str, float] = {},
                  position: Sequence[float] = (0.0, 0.0, 0.0), joystick: bool = True) -> None:
-        global _told
-        if not _told and not _bench.is_pinned():
-            _told = True
-            warnings.warn(_guards, RuntimeWarning, stacklevel=2)
         self._bench = _bench.Bench(os.fspath(library), os.fspath(model), time_step, options, dict(joints), position, joystick)
 
     def __getitem__(self, joint: str) -> Any:

@@ -8,7 +8,10 @@ import importlib.machinery
 import os
 import sys
 import traceback
-from typing import Any, Dict, List, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple
+
+if TYPE_CHECKING:
+    from ._io import IO
 
 
 class Controller:
@@ -18,7 +21,7 @@ class Controller:
     it is recorded, replayed and audited alike. An exception is the controller's failure, with its tick.
     """
 
-    def initialize(self, io: Any) -> Optional[bool]:
+    def initialize(self, io: "IO") -> Optional[bool]:
         """States what is read and commanded: ``io.joint("KNEE").read("q")``. False keeps it out of the run."""
         raise NotImplementedError
 

@@ -5,7 +5,6 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 #include <rehearse/controller_bench.h>
-#include <rehearse/pin.h>
 
 #include <map>
 #include <memory>
@@ -84,7 +83,6 @@ PYBIND11_MODULE(_bench, module) {
   constexpr auto inside = py::return_value_policy::reference_internal;
   register_errors();
   bind_parts(module);
-  module.def("is_pinned", &rehearse::is_pinned);
   py::class_<ControllerBench>(module, "Bench")
       .def(py::init(&make))
       .def(

@@ -85,13 +85,13 @@ void bind_quantities(py::class_<Kind>& kind) {
       [](const Kind& part, const py::args& names) {
         checked(part.io, rehearse_read(part.io, part.handle, quantities_of(names)));
       },
-      "read(*quantities): they are refreshed before each control(). In initialize() only.");
+      "The quantities are refreshed before each control(). In initialize() only.");
   kind.def(
       "command",
       [](const Kind& part, const py::args& names) {
         checked(part.io, rehearse_command(part.io, part.handle, quantities_of(names)));
       },
-      "command(*quantities): they are sent after each control(); the last call counts. In initialize() only.");
+      "The quantities are sent after each control(); the last call counts. In initialize() only.");
 }
 
 template <int quantity>
@@ -234,26 +234,34 @@ void bind_io(py::module_& module) {
           "A command acts in the step of its control(), not one step later. In initialize() only.")
       .def(
           "print", [](const Io& self, const std::string& text) { rehearse_print(self.io, text.c_str()); },
-          "Text for people; it is recorded, as that of print() is.")
+          py::arg("text"), "Text for people; it is recorded, as that of print() is.")
       .def(
           "variable", [](const Io&, const char* name, double value) { rehearse_variable(name, value); },
+          py::arg("name"), py::arg("value"),
           "Records a number in this tick, as the series BODY/CONTROLLER/variable/NAME.")
-      .def("joint",
-           [](const Io& self, const char* name) { return named<Joint>(self.io, rehearse_joint(self.io, name)); })
+      .def(
+          "joint",
+          [](const Io& self, const char* name) { return named<Joint>(self.io, rehearse_joint(self.io, name)); },
+          py::arg("name"), "The joint of this name. UnknownName lists the others.")
       .def_property_readonly(
           "joints",
           [](const Io& self) { return listed<Joint>(self.io, rehearse_joint_count(self.io), &rehearse_joint_of_id); },
           "By their ids.")
-      .def("link",
-           [](const Io& self, const char* name) { return named<RobotLink>(self.io, rehearse_link(self.io, name)); })
+      .def(
+          "link",
+          [](const Io& self, const char* name) { return named<RobotLink>(self.io, rehearse_link(self.io, name)); },
+          py::arg("name"), "The link of this name. UnknownName lists the others.")
       .def_property_readonly(
           "links", [](const Io& self) { return listed<RobotLink>(self.io, rehearse_link_count(self.io), nullptr); },
           "The root first.")
-      .def("device",
-           [](const Io& self, const char* name) { return named<RobotDevice>(self.io, rehearse_device(self.io, name)); })
-      .def_property_readonly("devices", [](const Io& self) {
-        return listed<RobotDevice>(self.io, rehearse_device_count(self.io), nullptr);
-      });
+      .def(
+          "device",
+          [](const Io& self, const char* name) { return named<RobotDevice>(self.io, rehearse_device(self.io, name)); },
+          py::arg("name"), "The device of this name. UnknownName lists the others.")
+      .def_property_readonly(
+          "devices",
+          [](const Io& self) { return listed<RobotDevice>(self.io, rehearse_device_count(self.io), nullptr); },
+          "By their numbers.");
 }
 
 }  // namespace

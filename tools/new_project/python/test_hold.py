@@ -16,7 +16,6 @@ def test_repeats_its_commands_without_physics():
     assert_replays("Hold.ComesBackAfterAPush")
 
 
-@pytest.mark.filterwarnings("ignore:rehearse.ControllerBench")
 def test_pulls_back_with_the_stiffness():
     bench = rehearse.ControllerBench("hold.py:Hold", "models/arm.urdf")
     bench["SHOULDER"].q = 0.1  # [rad]; it started at 0
