@@ -1,7 +1,8 @@
-// Each folder of engine/src, of harness/src/core and of a wing beside it is a room: a target that links the rooms it may
-// use (rehearse_room in tools/cmake/RehearseTargets.cmake). This test reads the targets' graph, which CMake wrote into
-// ROOMS, and the sources. It fails on a cycle, on an include that the links don't allow, on a link that no include
-// needs, on a room of the core that uses a wing, and on a wing that uses another one without being listed here.
+// Each folder of engine/src, of harness/src/core and of a wing beside it is a room: a target that links the rooms it
+// may use (rehearse_room in tools/cmake/RehearseTargets.cmake). This test reads the targets' graph, which CMake wrote
+// into ROOMS, and the sources. It fails on a cycle, on an include that the links don't allow, on a link that no include
+// needs, on a room of the core that uses a wing, and on a wing that uses another one without being listed here. The
+// command and the Python module are programs.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +26,7 @@ const fs::path root = fs::path(FIXTURES_DIR).parent_path();
 const std::string prefix = "rehearse_room_";
 
 struct Room {
-  std::string folder;               // below the repository
+  std::string folder;  // below the repository
 
   /// "core/mcap": its path in includes.
   std::string path() const { return folder.substr(folder.find("/src/") + 5); }
@@ -193,7 +194,9 @@ TEST(Rooms, IncludeWhatTheyLinkAndLinkWhatTheyInclude) {
 TEST(Rooms, AreEnteredByProgramsThroughTheirDoors) {
   const Rooms& rooms = rooms_of_the_build();
   std::set<std::string> entered;
-  for (const std::string& file : sources_in("tools/rehearse")) {
+  std::vector<std::string> files = sources_in("tools/rehearse");
+  for (std::string& file : sources_in("python/src")) files.push_back(std::move(file));
+  for (const std::string& file : files) {
     std::ifstream stream(root / file);
     const std::vector<Include> includes = includes_in(rooms, stream);
     for (const std::string& finding : past_doors_in(rooms, file, includes)) ADD_FAILURE() << finding;
@@ -300,7 +303,8 @@ TEST(RoomsRule, FindsARoomOfTheCoreThatUsesAWing) {
 }
 
 TEST(RoomsRule, FindsAProgramThatEntersByAWindow) {
-  std::istringstream stream("#include \"core/cellar/door.h\"\n#include \"core/cellar/window.h\"\n#include <rehearse/attic.h>\n");
+  std::istringstream stream(
+      "#include \"core/cellar/door.h\"\n#include \"core/cellar/window.h\"\n#include <rehearse/attic.h>\n");
   EXPECT_EQ(past_doors_in(two_rooms, "main.cpp", includes_in(two_rooms, stream)),
             std::vector<std::string>{"main.cpp:2: programs may not include a header that the room cellar keeps to "
                                      "itself: \"core/cellar/window.h\""});

@@ -67,7 +67,10 @@ function fill() {
   for (const name of ['fixtures', 'golden', 'controllers']) cpSync(join(source, name), join(folder, name), { recursive: true });
   symlinkSync(build, join(folder, 'build'));
 }
-const environment = { ...process.env, PATH: `${build}/bin:${process.env.PATH}`, SOURCE: source, CMAKE_PREFIX_PATH: build };
+// The Python module of the build is for Debian's python3.
+const modules = join(build, 'lib/python3/dist-packages');
+const programs = existsSync(modules) ? `/usr/bin:${process.env.PATH}` : process.env.PATH;
+const environment = { ...process.env, PATH: `${build}/bin:${programs}`, SOURCE: source, CMAKE_PREFIX_PATH: build, PYTHONPATH: modules };
 for (const name of Object.keys(environment)) if (name === 'CI' || name.startsWith('REHEARSE_')) delete environment[name];
 if (spawnSync('ccache', ['--version']).status === 0) environment.CMAKE_CXX_COMPILER_LAUNCHER = 'ccache';
 environment.REHEARSE_PENDING = 'rehearse-pending'; // not in the build that tests share

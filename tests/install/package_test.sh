@@ -11,7 +11,7 @@ root=$work/root
 source "$(dirname "$0")/bare.sh"
 make_bare "$work"
 mkdir "$root/packages"
-cp "$packages"/*.deb "$root/packages/"
+cp "$packages"/rehearse*.deb "$root/packages/"
 readme=$(dirname "$0")/../../README.md
 sed -n 's|^sudo apt-get install \(.*\) ./build/packages/.*|\1|p' "$readme" > "$root/compiler"
 # the commands of the first five minutes; a check that finds the planted difference has to fail

@@ -1,4 +1,4 @@
-// Controllers in C and Rust: the same bits as in C++, each function, and failures with their ticks.
+// Controllers in C, Rust and Python: the same bits as in C++, each function, and failures with their ticks.
 #include <gmock/gmock.h>
 #include <rehearse/messages.h>
 #include <rehearse/trace.h>
@@ -67,6 +67,7 @@ TEST_F(Languages, GiveTheSameBits) {
   };
   std::vector<fs::path> others{STOOP_C, STOOP_C_1};
   if (*STOOP_RUST) others.emplace_back(STOOP_RUST);
+  if (*STOOP_PYTHON) others.emplace_back(STOOP_PYTHON);
   for (const fs::path& other : others) {
     const auto values = recorded(other);
     EXPECT_EQ(values.size(), in_cpp.size()) << other;

@@ -42,6 +42,13 @@ TEST_F(New, WritesTheControllerInTheLanguageThatIsAskedFor) {
   EXPECT_THAT(read_file(folder() / "in_rust/README.md"), HasSubstr("| `src/lib.rs` | the controller"));
   EXPECT_THAT(read_file(folder() / "in_rust/.github/workflows/test.yml"), HasSubstr(" cargo cmake g++ make "));
   EXPECT_TRUE(fs::exists(folder() / "in_rust/src/rehearse.rs"));
+  ASSERT_EQ(run(command, {"new", "--language", "python", "in_python", "--origin", origin}).status, 0);
+  EXPECT_THAT(read_file(folder() / "in_python/scenarios/hold.yaml"), HasSubstr("- library: hold.py:Hold\n"));
+  EXPECT_THAT(read_file(folder() / "in_python/README.md"), HasSubstr("# in_python\n"));
+  EXPECT_TRUE(fs::exists(folder() / "in_python/test_hold.py"));
+  for (const char* other : {"CMakeLists.txt", "hold_test.cpp", ".github"})
+    EXPECT_FALSE(fs::exists(folder() / "in_python" / other)) << other;
+  EXPECT_THAT(read_file(folder() / "in_c/scenarios/hold.yaml"), HasSubstr("- library: Hold\n"));
   const Outcome refused = run(command, {"new", "--language", "ada", "in_ada"});
   EXPECT_EQ(refused.status, 2);
   EXPECT_THAT(refused.err, AllOf(HasSubstr("ada"), HasSubstr("c++")));

@@ -1,4 +1,4 @@
-# Debian packages, made by CPack: `rehearse`, `rehearse-dev`, separate debug symbols, and `rehearse-doc` if tools/docs
+# Debian packages, made by CPack: `rehearse`, `rehearse-dev`, `python3-rehearse` if the module is built, separate debug symbols, and `rehearse-doc` if tools/docs
 # has built the site. tools/package calls it.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME rehearse)
@@ -7,6 +7,9 @@ set(CPACK_PACKAGE_CONTACT "The Rehearse authors <rehearse@users.noreply.github.c
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_PACKAGE_DIRECTORY ${CMAKE_BINARY_DIR}/packages)
 set(components runtime development)
+if(TARGET rehearse_python)
+  list(APPEND components python)
+endif()
 if(EXISTS ${CMAKE_BINARY_DIR}/docs/index.html)
   list(APPEND components site)
 endif()
@@ -46,6 +49,23 @@ set(CPACK_DEBIAN_DEVELOPMENT_DEBUGINFO_PACKAGE OFF)
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "build and test robot controllers with Rehearse
  Headers of Choreonoid's SimpleController API, GoogleTest assertions on
  recorded runs, and what CMake needs to find both.")
+
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-rehearse)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS OFF)  # it doesn't find libraries of the package rehearse, which needs all others
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+  "rehearse (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), python3 (>= 3.11), python3 (<< 3.12), python3-numpy, libc6, libstdc++6, libgcc-s1, libpython3.11")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-pytest, python3-hypothesis, python3-matplotlib")
+set(CPACK_DEBIAN_PYTHON_DEBUGINFO_PACKAGE OFF)
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION "recordings of robot controllers as arrays, and controllers in Python
+ The module rehearse: series of any recording as numpy arrays, the verbs of
+ the command as functions, controllers in Python, and tests with pytest.")
+# Python caches compiled modules beside them: made at the installation, and removed with the package.
+set(scripts ${CMAKE_BINARY_DIR}/doc/python)
+file(MAKE_DIRECTORY ${scripts})
+file(WRITE ${scripts}/postinst "#!/bin/sh\nset -e\nif command -v py3compile > /dev/null; then py3compile -p python3-rehearse; fi\n")
+file(WRITE ${scripts}/prerm "#!/bin/sh\nset -e\nif command -v py3clean > /dev/null; then py3clean -p python3-rehearse; fi\n")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${scripts}/postinst ${scripts}/prerm)
 
 set(CPACK_DEBIAN_SITE_PACKAGE_NAME rehearse-doc)
 set(CPACK_DEBIAN_SITE_PACKAGE_SECTION doc)

@@ -14,8 +14,8 @@
 
 #include "core/guard/child_process.h"
 #include "core/host/controller_library.h"
+#include "core/host/hosted_language.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/hashing.h"
 #include "core/mcap/whole_input.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
@@ -122,7 +122,7 @@ Result<void> tell_other_libraries(const mcap::Reader& trace, const Scenario& sce
       }
     const auto file = find_controller_library(library, folder);
     if (!file) return file.errors();
-    if (recorded.controllers.contains(known.label) && !recorded.had_library(known.label, content_hash_of(*file)))
+    if (recorded.controllers.contains(known.label) && !recorded.had_library(known.label, hash_of_controller(*file)))
       fmt::print("{} is not the library that {} was recorded with\n", file->string(), known.label);
   }
   return {};

@@ -26,16 +26,19 @@ constexpr std::string_view workflow_file = ".github/workflows/test.yml";
 /// The languages of controllers, and the lines for them in the project's CMakeLists.txt and README.md.
 struct Language {
   std::string_view name;
-  std::string_view folder;      // of its files in tools/new_project
-  std::string_view of_project;  // for project() in CMake
-  std::string_view controller;  // adds the controller
-  std::string_view source;      // its file
-  std::string_view packages;    // of Debian, besides g++, for its workflow
+  std::string_view folder;            // of its files in tools/new_project
+  std::string_view of_project;        // for project() in CMake
+  std::string_view controller;        // adds the controller
+  std::string_view source;            // its file
+  std::string_view packages;          // of Debian, besides g++, for its workflow
+  std::string_view library = "Hold";  // in the scenario
+  bool is_built = true;               // by CMake
 };
 constexpr Language languages[] = {
     {"c++", "cpp", "CXX", "rehearse_add_simple_controller(Hold hold.cpp)", "hold.cpp", ""},
     {"c", "c", "C CXX", "rehearse_add_simple_controller(Hold hold.c)", "hold.c", ""},
     {"rust", "rust", "CXX", "rehearse_add_rust_controller(Hold Cargo.toml)  # built by cargo", "src/lib.rs", "cargo "},
+    {"python", "python", "", "", "hold.py", "", "hold.py:Hold", false},
 };
 
 /// Where the workflow keeps the history of checks.
@@ -79,6 +82,7 @@ std::string filled_in(std::string_view text, const Replacements& replacements) {
   replace(filled, "@COMMIT@", replacements.commit);
   replace(filled, "@LANGUAGES@", std::string(replacements.language.of_project));
   replace(filled, "@CONTROLLER@", std::string(replacements.language.controller));
+  replace(filled, "@LIBRARY@", std::string(replacements.language.library));
   replace(filled, "@SOURCE@", std::string(replacements.language.source));
   replace(filled, "@PACKAGES@", std::string(replacements.language.packages));
   replace(filled, "@HISTORY@", replacements.history);
@@ -166,20 +170,28 @@ Exit run_new(const NewSettings& settings) {
   if (!settings.origin.empty())
     if (const auto usable = check_origin(settings.origin); !usable) return refuse(usable.errors());
   const Replacements replacements = replacements_of(settings);
+  const Language& language = replacements.language;
+  if (settings.workflow_only && !language.is_built)
+    return refuse(error("there is no workflow for a project in Python", "write one that runs python3 -m pytest"));
   if (settings.workflow_only) return add_workflow(folder, replacements);
   if (const auto prepared = prepare(folder); !prepared) return refuse(prepared.errors());
-  const bool has_workflow = !replacements.origin.empty();
+  const bool has_workflow = language.is_built && !replacements.origin.empty();
   for (const ProjectFile& file : new_project_files()) {
     if (file.path == workflow_file && !has_workflow) continue;
-    if (!file.language.empty() && file.language != replacements.language.folder) continue;
+    const bool is_of_all = file.language.empty() || (file.language == "built" && language.is_built);
+    if (!is_of_all && file.language != language.folder) continue;
     if (const auto written = write(folder / file.path, filled_in(file.text, replacements)); !written)
       return refuse(written.errors());
   }
 
   const std::string where = prefix();
-  fmt::print("{}: a controller, its robot, its scenario and its tests. To build it and make its golden:\n\n",
-             folder.string());
+  fmt::print("{}: a controller, its robot, its scenario and its tests. To {}make its golden:\n\n", folder.string(),
+             language.is_built ? "build it and " : "");
   fmt::print("  cd {}\n", shell_word(folder.string()));
+  if (!language.is_built) {
+    fmt::print("  REHEARSE_GOLDEN=new python3 -m pytest\n  python3 -m pytest\n");
+    return Exit::done;
+  }
   fmt::print("  cmake -S . -B build{}\n", where.empty() ? "" : " -D CMAKE_PREFIX_PATH=" + shell_word(where));
   fmt::print(
       "  cmake --build build\n  REHEARSE_GOLDEN=new ctest --test-dir build --output-on-failure\n"

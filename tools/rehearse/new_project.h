@@ -7,7 +7,7 @@
 namespace rehearse::tool {
 
 struct ProjectFile {
-  std::string_view language;  // of the projects that have this file; empty: of all
+  std::string_view language;  // of the projects that have this file; empty: of all; "built": of all but Python
   std::string_view path;      // relative to the project
   std::string_view text;      // names between @, as @PROJECT@, are replaced
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/host/hosted_language.h"
 #include "core/recording/provenance.h"
 #include "core/replay/plant_level.h"
 #include "core/trace/run_facts.h"
@@ -35,7 +36,7 @@ HostOptions with_controllers_of(const Scenario& scenario, const HostOptions& giv
   const auto add = [&](const ScenarioBody& body, const ScenarioController& controller) {
     const fs::path file = fs::path(scenario.file).parent_path() / controller.library;
     std::error_code ignored;
-    const bool is_beside = fs::is_regular_file(file, ignored);  // a recording has no folder for relative paths
+    const bool is_beside = is_controller_file(file);  // a recording has no folder for relative paths
     options.controllers[body.name + "/" + controller.name] = {
         is_beside ? fs::absolute(file, ignored).string() : controller.library, controller.options, controller.delay,
         controller.optional};

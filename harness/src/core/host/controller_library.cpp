@@ -22,6 +22,7 @@
 #include "core/guard/supervisor.h"
 #include "core/mcap/hashing.h"
 #include "core/scenario/project.h"
+#include "hosted_language.h"
 
 namespace rehearse {
 namespace {
@@ -90,7 +91,20 @@ std::string advice_on_missing(const std::string& looked, const fs::path& directo
   return "looked for " + looked + "; REHEARSE_CONTROLLER_PATH names further folders";
 }
 
-bool is_path(const std::string& name) { return name.find('/') != std::string::npos || name.ends_with(".so"); }
+bool is_path(const std::string& name) {
+  return name.find('/') != std::string::npos || name.ends_with(".so") || hosted_name(name);
+}
+
+/// The places of a controller whose name is a path. The name of a file alone, of a hosted language, is also searched in
+/// the folder of the project: it is a source, and a project's sources needn't be beside its scenarios.
+std::vector<fs::path> places_of_path(const std::string& name, const fs::path& directory) {
+  std::vector<fs::path> places{directory / name, fs::current_path() / name};
+  if (places[0].lexically_normal() == places[1].lexically_normal()) places.pop_back();
+  if (name.find('/') != std::string::npos || !hosted_name(name)) return places;
+  for (const fs::path& inside : {directory / "", fs::current_path() / ""})
+    if (const auto project = find_project(inside)) places.push_back(*project / name);
+  return places;
+}
 
 /// The dynamic linker's message, with demangled C++ names.
 std::string readable(std::string message) {
@@ -136,8 +150,7 @@ std::map<fs::path, std::string>& interrupted_libraries() {
 Result<fs::path> find_controller_library(const std::string& name, const fs::path& directory) {
   std::vector<fs::path> candidates;
   if (is_path(name)) {
-    candidates = {directory / name, fs::current_path() / name};
-    if (candidates[0].lexically_normal() == candidates[1].lexically_normal()) candidates.pop_back();
+    candidates = places_of_path(name, directory);
   } else {
     for (const fs::path& folder : search_folders(name, directory)) {
       candidates.push_back(folder / (name + ".so"));
@@ -146,8 +159,7 @@ Result<fs::path> find_controller_library(const std::string& name, const fs::path
   }
   std::string looked;
   for (const fs::path& candidate : candidates) {
-    std::error_code ignored;
-    if (fs::is_regular_file(candidate, ignored)) return candidate;
+    if (is_controller_file(candidate)) return candidate;
     looked += (looked.empty() ? "" : ", ") + candidate.lexically_normal().string();
   }
   return error("controller library '" + name + "' not found",
@@ -160,18 +172,24 @@ Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::pat
   library->file_ = file;
   library->label_ = label;
   library->call_limit_ = call_limit;
-  library->content_hash_ = content_hash_of(file);
+  const auto hosted = hosted_name(file);
+  if (!hosted) library->content_hash_ = content_hash_of(file);
   const fs::path absolute = fs::absolute(file);  // before the call, because the call may end at any instruction
   const std::string name = "controller library '" + file.filename().string() + "'";
   if (const auto before = interrupted_libraries().find(absolute); before != interrupted_libraries().end())
     return error(name + " can't be loaded again in this process: before, it " + before->second,
                  "its static objects are incomplete; another process can load it");
   std::string problem;
+  LanguageProblem hosted_problem;
   register_body_loader();
   // Its static objects are constructed here: code of the library's author.
   ProcessGuard::instance().begin(library->threads_, true);
   const CallOutcome outcome = guarded_call(
       [&] {
+        if (hosted) {
+          hosted_problem = library->load_hosted(*hosted);
+          return;
+        }
         library->handle_ = dlopen(absolute.c_str(), RTLD_NOW | RTLD_LOCAL);
         if (!library->handle_) problem = dlerror();
       },
@@ -181,6 +199,12 @@ Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::pat
     library->keep_loaded();
     interrupted_libraries()[absolute] = "failed while it was loaded: it " + outcome.what;
     return error(name + " failed while it was loaded: it " + outcome.what);
+  }
+  if (hosted) {
+    if (hosted_problem.message.empty()) return library;
+    Diagnostic refused = error_in(hosted_problem.file, hosted_problem.message, hosted_problem.hint);
+    refused.line = hosted_problem.line;
+    return refused;
   }
   if (!library->handle_) {
     if (problem.find("invalid ELF header") != std::string::npos || problem.find("file too short") != std::string::npos)
@@ -208,7 +232,30 @@ Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::pat
   return library;
 }
 
+LanguageProblem ControllerLibrary::load_hosted(const HostedName& name) {
+  LanguageProblem problem;
+  if (name.entry.empty()) {
+    problem.message = fmt::format("'{}' names no class", name.file.string());
+    problem.hint = fmt::format("write the class behind it: {}:Hold", name.file.filename().string());
+    return problem;
+  }
+  const auto functions = functions_of(name.language);
+  if (!functions) {
+    problem.message = functions.errors()[0].message;
+    problem.hint = functions.errors()[0].hint;
+    return problem;
+  }
+  const fs::path file = fs::absolute(name.file);
+  void* const loaded = (*functions)->load(file.c_str(), name.entry.c_str(), problem);
+  if (!loaded) return problem;
+  language_ = *functions;
+  hosted_ = loaded;
+  content_hash_ = hash_of_controller(file.string() + ":" + name.entry);
+  return problem;
+}
+
 cnoid::SimpleController* ControllerLibrary::create() const {
+  if (language_) return make_c_controller(*language_->functions(hosted_));
   return factory_ ? factory_() : make_c_controller(*c_functions_);
 }
 
@@ -217,11 +264,18 @@ void ControllerLibrary::keep_loaded() {
 }
 
 ControllerLibrary::~ControllerLibrary() {
-  if (!handle_ || keep_loaded_) return;
+  if ((!handle_ && !hosted_) || keep_loaded_) return;
   // Its static objects are destroyed here. Changes that they make to the process are undone but not reported.
   note_call_begin(label_.c_str(), unloading, 0, 0.0, call_limit_);
   ProcessGuard::instance().begin(threads_, true);
-  const CallOutcome outcome = guarded_call([&] { dlclose(handle_); }, call_limit_);
+  const CallOutcome outcome = guarded_call(
+      [&] {
+        if (language_)
+          language_->unload(hosted_);
+        else
+          dlclose(handle_);
+      },
+      call_limit_);
   ProcessGuard::instance().put_right();
   note_call_end();
   if (outcome.end == CallEnd::returned) return;

@@ -14,10 +14,16 @@ namespace cnoid {
 class SimpleController;
 }
 struct rehearse_controller_functions;
+namespace rehearse {
+struct HostedName;
+struct LanguageFunctions;
+struct LanguageProblem;
+}  // namespace rehearse
 
 namespace rehearse {
 
-/// Finds the file of a library. `name` with a slash or the ending .so is a path, relative to `directory`, else to the
+/// Finds the file of a library. `name` with a slash, with the ending .so or of a hosted language (FILE.py:CLASS, which
+/// the result has, too; hosted_language.h) is a path, relative to `directory`, else to the
 /// working directory. Any other name is searched as NAME.so and libNAME.so in three places. These are the folders of
 /// REHEARSE_CONTROLLER_PATH (separated by colons), the builds of the project (the newest first), and
 /// lib/rehearse/controllers beside this library. The project is that of `directory` or of the working directory. A
@@ -39,7 +45,7 @@ class ControllerLibrary {
   cnoid::SimpleController* create() const;
 
   const std::filesystem::path& file() const { return file_; }
-  /// content_hash_of() the library's file.
+  /// hash_of_controller() of the library's file.
   const std::string& content_hash() const { return content_hash_; }
   /// Changes that the library made to the process while it was loaded, and their repair.
   const std::vector<std::string>& remarks() const { return remarks_; }
@@ -51,6 +57,8 @@ class ControllerLibrary {
  private:
   ControllerLibrary() = default;
   using Factory = cnoid::SimpleController* (*)();
+  /// Loads a controller of a hosted language; runs its author's code.
+  LanguageProblem load_hosted(const HostedName& name);
   std::filesystem::path file_;
   std::string label_;  // of the controller, for the report of a process that ends while the library is unloaded
   std::string content_hash_;
@@ -58,6 +66,8 @@ class ControllerLibrary {
   void* handle_ = nullptr;
   Factory factory_ = nullptr;  // null: it is a controller in C
   const rehearse_controller_functions* c_functions_ = nullptr;
+  const LanguageFunctions* language_ = nullptr;  // not null: it runs hosted_
+  void* hosted_ = nullptr;
   bool keep_loaded_ = false;
   std::vector<std::string> remarks_;
   ThreadCount threads_ = std::make_shared<std::atomic<int>>(0);

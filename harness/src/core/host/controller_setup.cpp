@@ -124,7 +124,10 @@ Result<void> ControllerHost::add(const ScenarioController& specification, int bo
     return ControllerLibrary::open(loaded_file, hosted.label, options_.call_limit);
   }();
   note_call_end();
-  if (!loaded) return at(specification.place, loaded.errors()[0]);
+  if (!loaded) {
+    const Diagnostic& reason = loaded.errors()[0];
+    return reason.line > 0 ? reason : at(specification.place, reason);  // in a source, or in the scenario
+  }
   hosted.library = *loaded;
   if (options_.keep_libraries) hosted.library->keep_loaded();
   for (const std::string& remark : hosted.library->remarks()) event(Severity::warning, hosted.label, remark);

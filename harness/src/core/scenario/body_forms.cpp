@@ -100,15 +100,16 @@ const Form& velocity_form() {
 }
 
 const Form& controller_form() {
-  static const Form form{"controller",
-                         "a controller",
-                         {{"name", types::name(), "names its channels; default: that of its library"},
-                          {"library", types::some_text(), "a name such as SR1MinimumController, or a path", required},
-                          {"options", types::text(), "its option string"},
-                          {"delay", types::flag(), "its outputs act one tick later", "true"},
-                          {"optional", types::flag(), "the run goes on without it if it refuses to start", "false"},
-                          {"children", types::list(types::of(controller_form)),
-                           "controllers that this one calls; they nest one level deep"}}};
+  static const Form form{
+      "controller",
+      "a controller",
+      {{"name", types::name(), "names its channels; default: that of its library"},
+       {"library", types::some_text(), "a name such as SR1MinimumController, a path, or FILE.py:CLASS", required},
+       {"options", types::text(), "its option string"},
+       {"delay", types::flag(), "its outputs act one tick later", "true"},
+       {"optional", types::flag(), "the run goes on without it if it refuses to start", "false"},
+       {"children", types::list(types::of(controller_form)),
+        "controllers that this one calls; they nest one level deep"}}};
   return form;
 }
 

@@ -57,7 +57,7 @@ class ControllerReader {
     if (node != nullptr) {
       controller.name = rehearse::read_name(findings_, *node, "name").value_or("");
     } else {
-      controller.name = std::filesystem::path(controller.library).stem().string();
+      controller.name = name_of_library(controller.library);
       node = library;
     }
     if (controller.name.empty()) return;  // reported already
@@ -74,6 +74,11 @@ class ControllerReader {
 };
 
 }  // namespace
+
+std::string name_of_library(const std::string& library) {
+  const std::size_t colon = library.rfind(':');
+  return std::filesystem::path(colon == std::string::npos ? library : library.substr(colon + 1)).stem().string();
+}
 
 void read_controllers(Findings& findings, const YamlNode& node, ScenarioBody& body, const std::string& file) {
   body.controllers = ControllerReader(findings, body, file).read_list(node, "controllers", false);

@@ -3,6 +3,8 @@
 
 #include <rehearse/scenario.h>
 
+#include <string>
+
 #include "scenario_findings.h"
 #include "scenario_values.h"
 #include "yaml/yaml_tree.h"
@@ -16,6 +18,9 @@ inline constexpr Range any_latency{0.0, 1.0, "[s]"};
 /// and names of references stay valid. Its model is null if the model is the mistake.
 void read_bodies(Findings& findings, const YamlNode& node, const Scenario::ModelSource& models,
                  const Scenario::FileSource& files, Scenario& scenario);
+
+/// The name of a controller that states none: "Hold" for Hold, build/Hold.so and hold.py:Hold.
+std::string name_of_library(const std::string& library);
 
 /// The `controllers` list of a body.
 void read_controllers(Findings& findings, const YamlNode& node, ScenarioBody& body, const std::string& file);
@@ -35,8 +40,8 @@ void read_actuators(Findings& findings, const YamlNode& node, ScenarioBody& body
 /// The `sensors` list: devices in addition to those of the model, which is replaced. body.model must not be null.
 void read_sensors(Findings& findings, const YamlNode& node, ScenarioBody& body);
 
-/// The `belts` list: fixed joints of links that become tracks of the model, which is replaced. Controllers know no joint
-/// id of them. body.model must not be null.
+/// The `belts` list: fixed joints of links that become tracks of the model, which is replaced. Controllers know no
+/// joint id of them. body.model must not be null.
 void read_belts(Findings& findings, const YamlNode& node, ScenarioBody& body);
 
 /// The `links` map: masses and surfaces that replace those of the model. body.model must not be null.

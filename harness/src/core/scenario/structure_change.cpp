@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <utility>
 #include <vector>
 
+#include "scenario_parts.h"
 #include "scenario_values.h"
 #include "yaml/yaml_tree.h"
 
@@ -30,7 +30,7 @@ std::vector<Named> named_items(const YamlNode& of, const char* key) {
     if (name)
       items.push_back({name->text, item.get(), name->line});
     else if (library)  // a controller has the name of its library
-      items.push_back({std::filesystem::path(library->text).stem().string(), item.get(), library->line});
+      items.push_back({name_of_library(library->text), item.get(), library->line});
   }
   return items;
 }

@@ -1,0 +1,64 @@
+"""The verbs as functions: their results are those of the command."""
+
+import json
+import subprocess
+
+import pytest
+
+import rehearse
+
+
+@pytest.fixture(scope="session")
+def spring(tmp_path_factory, fixtures):
+    """A short recording."""
+    output = tmp_path_factory.mktemp("spring") / "spring.mcap"
+    result = rehearse.record(fixtures / "scenarios/spring.yaml", output, duration=0.2)
+    assert result and result.trace == str(output)
+    return output
+
+
+def test_record_writes_the_recording_that_its_result_names(spring):
+    trace = rehearse.Trace(spring)
+    assert trace.ticks == 41
+    assert trace.metadata["rehearse"]["duration"] == "0.2"
+
+
+def test_a_check_has_the_verdict_of_the_command(fixtures):
+    scenario = fixtures / "scenarios/spring.yaml"
+    result = rehearse.check(scenario)
+    said = json.loads(subprocess.run([rehearse.command(), "check", "--json", scenario], capture_output=True, check=True,
+                                     text=True).stdout)
+    assert result.status == 0 and bool(result)
+    assert result.code == said["code"] and result.first is None
+    assert result.levels.controller == "equal"
+    assert [one.text for one in result.expectations] == [one["text"] for one in said["expectations"]]
+
+
+def test_another_controller_is_a_difference_and_not_an_error(spring):
+    changed = rehearse.replay(spring, set=["Rail/SLIDE/q+=0.01@tick:10..20"])
+    assert changed.status == 1 and not changed
+    assert changed.first is not None
+
+
+def test_a_diff_names_the_first_difference(spring, fixtures):
+    rehearse.record(fixtures / "scenarios/spring.yaml", "other.mcap", duration=0.1)
+    assert rehearse.diff(spring, spring).equal
+    shorter = rehearse.diff(spring, "other.mcap")
+    assert shorter.status == 1 and "tick 20" in shorter.verdict
+    with pytest.raises(AttributeError, match="the result has no 'opinion'; it has schema"):
+        shorter.opinion
+
+
+def test_bad_input_is_an_error_with_its_place(tmp_path):
+    (tmp_path / "bad.yaml").write_text("a: [1\n")
+    with pytest.raises(rehearse.Error) as raised:
+        rehearse.record("bad.yaml")
+    error = raised.value
+    assert (error.file, error.line, error.column) == ("bad.yaml", 1, 4)
+    assert error.hint == "add the ']'" and "can't be read as YAML" in error.message
+    assert str(error) == f"bad.yaml:1:4: error: {error.message} ({error.hint})"
+
+
+def test_a_name_that_looks_like_an_option_is_a_file():
+    with pytest.raises(rehearse.Error, match="--seed"):
+        rehearse.check("--seed")
