@@ -195,7 +195,7 @@ TEST(Rooms, AreEnteredByProgramsThroughTheirDoors) {
   const Rooms& rooms = rooms_of_the_build();
   std::set<std::string> entered;
   std::vector<std::string> files = sources_in("tools/rehearse");
-  for (std::string& file : sources_in("python/src")) files.push_back(std::move(file));
+  for (std::string& file : sources_in("tools/python/src")) files.push_back(std::move(file));
   for (const std::string& file : files) {
     std::ifstream stream(root / file);
     const std::vector<Include> includes = includes_in(rooms, stream);
