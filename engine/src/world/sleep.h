@@ -6,8 +6,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
-#include <unordered_map>
 #include <vector>
 
 #include "simulated_body.h"
@@ -56,7 +56,7 @@ class Sleep {
   std::int32_t steps_ = 0;  // at rest before it sleeps
   double speed_ = 0.0;      // [m/s]
   std::vector<Sleeper> sleepers_;
-  std::unordered_map<dBodyID, std::size_t> indices_;  // of sleepers_
+  std::map<dBodyID, std::size_t> indices_;  // of sleepers_
 };
 
 }  // namespace rehearse
