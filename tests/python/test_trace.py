@@ -38,6 +38,17 @@ def test_numbers_are_those_that_the_command_prints(standing):
         assert standing[f"SR1/{name}/q"][0] == q
 
 
+def test_a_part_has_the_same_numbers_and_no_others(standing):
+    part = rehearse.Trace(standing.file, topics=["/SR1/joints", "/SR1/LeftCamera/image"])
+    assert set(part.topics) == {"/SR1/joints", "/SR1/LeftCamera/image"} and part.file == standing.file
+    for name in part:
+        assert np.array_equal(part[name], standing[name]) and np.array_equal(part.stamps(name), standing.stamps(name))
+    assert np.array_equal(part.images["SR1/LeftCamera"][7], standing.images["SR1/LeftCamera"][7])
+    assert len(rehearse.Trace(standing.file, topics="/tick").time) == 1001
+    with pytest.raises(rehearse.Error, match="/SR1/joint[^s]"):
+        rehearse.Trace(standing.file, topics="/SR1/joint")
+
+
 def test_every_series_has_a_time_and_a_unit(standing):
     assert len(standing) == len(list(standing)) == len(standing.units) > 400
     for name in standing:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from collections.abc import Mapping, Sequence
 from typing import Any, Callable, Dict, Iterator, List, Union
 
@@ -118,18 +119,32 @@ class Trace(Mapping):
     ``trace.units["SR1/RLEG_KNEE/q"]``. The array shares the memory of the recording and can't be written; ``.copy()``
     makes one that can. The whole file is read once, and its checksums are checked. Pictures stay in the file.
 
+    topics: patterns, as ["/SR1/joints", "/SR1/*/wrench"]: only the channels of these topics are read, by a temporary copy.
+    A pattern that no topic matches raises ``rehearse.Error``.
+
     tolerate: a damaged or incomplete file is read as far as possible, and ``damage`` states the rest; else it raises
     ``rehearse.Error``.
     """
 
-    def __init__(self, file: Union[str, "os.PathLike[str]"], tolerate: bool = False) -> None:
-        self._file = _rehearse.Trace(os.fspath(file), tolerate)
+    def __init__(self, file: Union[str, "os.PathLike[str]"], topics: Union[str, Sequence[str], None] = None,
+                 tolerate: bool = False) -> None:
+        self._name = os.fspath(file)
+        if topics is None:
+            self._file = _rehearse.Trace(self._name, tolerate)
+        else:
+            self._file = self._part([topics] if isinstance(topics, str) else list(topics))
         self._names: List[str] = self._file.names
+
+    def _part(self, topics: List[str]) -> _rehearse.Trace:
+        with tempfile.TemporaryDirectory(prefix="rehearse-") as folder:
+            part = os.path.join(folder, os.path.basename(os.path.normpath(self._name)) + ".part.mcap")
+            _rehearse.select(self._name, part, topics)
+            return _rehearse.Trace(part, False)  # it keeps the file open
 
     @property
     def file(self) -> str:
         """The path, as it was given."""
-        return self._file.file
+        return self._name
 
     @property
     def duration(self) -> float:

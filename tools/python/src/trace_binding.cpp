@@ -15,6 +15,7 @@
 
 #include "bindings.h"
 #include "core/kinds/channel_name.h"
+#include "core/trace/filter.h"
 #include "errors.h"
 #include "pictures.h"
 
@@ -119,9 +120,20 @@ Held load(const std::filesystem::path& file, bool tolerate) {
       value_of(Trace::load(file, tolerate ? Trace::Damage::tolerate : Trace::Damage::refuse)));
 }
 
+/// Writes the channels of these topics into another file; the chunks of others aren't decompressed.
+void select(const std::filesystem::path& file, const std::filesystem::path& target,
+            const std::vector<std::string>& topics) {
+  const py::gil_scoped_release others_run;
+  mcap::FilterOptions options;
+  options.selection.topics = topics;
+  options.compression = mcap::Compression::none;
+  value_of(mcap::filter(file, target, options));
+}
+
 }  // namespace
 
 void bind_trace(py::module_& module) {
+  module.def("select", &select);
   py::class_<Trace, Held>(module, "Trace")
       .def(py::init(&load), py::arg("file"), py::arg("tolerate"))
       .def_property_readonly("file", &Trace::file)
