@@ -190,7 +190,7 @@ def boxes(bench, n):
         return max(seconds[1] - seconds[0], 1e-6) / ticks, memory
 
     yield "a tick", tick("", 1, 50)
-    yield "a tick, asleep", tick("solver: {sleep_after: 0.02}\n", 60, 50)
+    yield "a tick, asleep", tick("solver: {sleep_after: 0.02}\n", 200, 50)
 
 
 # Curve: sizes, and the bounds of its largest size by verb: MB, exponent of time. None: not bounded. Exponents have room

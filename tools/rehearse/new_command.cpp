@@ -82,7 +82,7 @@ std::string filled_in(std::string_view text, const Replacements& replacements) {
   replace(filled, "@COMMIT@", replacements.commit);
   replace(filled, "@LANGUAGES@", std::string(replacements.language.of_project));
   replace(filled, "@CONTROLLER@", std::string(replacements.language.controller));
-  replace(filled, "@LIBRARY@", std::string(replacements.language.library));
+  replace(filled, "- library: Hold\n", fmt::format("- library: {}\n", replacements.language.library));
   replace(filled, "@SOURCE@", std::string(replacements.language.source));
   replace(filled, "@PACKAGES@", std::string(replacements.language.packages));
   replace(filled, "@HISTORY@", replacements.history);

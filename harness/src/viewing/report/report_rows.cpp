@@ -129,7 +129,7 @@ ShownRows::ShownRows(const ReportedRun& actual, const ReportedRun* golden, std::
   for (const ChannelPair& pair : pairs_) {
     cells += cells_of(pair);
     for (std::size_t i = 0; i < runs; ++i) {
-      const auto place = place_in(pair, i);
+      const auto place = read_place(pair, i);
       if (!place) continue;
       first_time_ = std::min(first_time_, run(i)->channels[*place].first_time);
       last_time_ = std::max(last_time_, run(i)->channels[*place].last_time);
@@ -147,11 +147,20 @@ ShownRows::ShownRows(const ReportedRun& actual, const ReportedRun* golden, std::
                                             static_cast<double>(last_time_ - first_time_));
 }
 
+/// True if both runs have the same numbers: the golden's needn't be read. Pictures have places in their file.
+bool ShownRows::is_equal(const ChannelPair& pair) const {
+  if (!pair.actual || !pair.golden) return false;
+  const TraceChannel &actual = actual_.trace.channels()[*pair.actual],
+                     &golden = golden_->trace.channels()[*pair.golden];
+  return !actual.columns.empty() && actual.columns.size() == golden.columns.size() && actual.type == golden.type &&
+         actual_.channels[*pair.actual].same_messages(golden_->channels[*pair.golden]);
+}
+
 /// The numbers of a pair, and of each message its time and two words for its place in the file.
 std::uint64_t ShownRows::cells_of(const ChannelPair& pair) const {
   std::uint64_t cells = 0;
   for (std::size_t i = 0; i < runs; ++i)
-    if (const auto place = place_in(pair, i))
+    if (const auto place = read_place(pair, i))
       cells += run(i)->channels[*place].messages * (3 + run(i)->trace.channels()[*place].columns.size());
   return cells;
 }
@@ -161,7 +170,7 @@ void ShownRows::plan(std::size_t pair, double share) {
   std::uint64_t messages = 0;
   std::size_t columns = 0, extremes = 0;  // of both runs
   for (std::size_t i = 0; i < runs; ++i) {
-    const auto place = place_in(pairs_[pair], i);
+    const auto place = read_place(pairs_[pair], i);
     if (!place) continue;
     messages = std::max(messages, run(i)->channels[*place].messages);
     columns = run(i)->trace.channels()[*place].columns.size();
@@ -182,7 +191,7 @@ Result<void> ShownRows::find_extremes() {
     if (!run(i)) continue;
     std::vector<Choice*> wanted(run(i)->trace.channels().size(), nullptr);
     for (std::size_t k = 0; k < pairs_.size(); ++k)
-      if (const auto place = place_in(pairs_[k], i); place && choices_[k].stretch > 0) wanted[*place] = &choices_[k];
+      if (const auto place = read_place(pairs_[k], i); place && choices_[k].stretch > 0) wanted[*place] = &choices_[k];
     ExtremesFinder finder(std::move(wanted));
     const auto read = load_pieces(
         run(i)->file, nullptr, [&finder](const Trace& piece) { finder.take(piece); }, Trace::usual_piece_size,
@@ -209,7 +218,7 @@ void ShownRows::choose(const TraceChannel& table, std::size_t pair, std::size_t 
                        std::vector<std::size_t>& chosen) const {
   const Choice& choice = choices_[pair];
   const bool takes_all = choice.share >= 1.0;
-  const ChannelSummary& summary = run(index)->channels[*place_in(pairs_[pair], index)];
+  const ChannelSummary& summary = run(index)->channels[*read_place(pairs_[pair], index)];
   std::uint64_t& last_step = reading.last_step[pair][index];
   std::size_t& next = reading.next_time[pair][index];
   for (std::size_t message = 0; message < table.messages(); ++message) {
@@ -235,7 +244,7 @@ void ShownRows::read(std::span<const std::size_t> group, const std::function<voi
       TraceChannel& table = i == 0 ? shown[k].actual : shown[k].golden;
       table = run(i)->trace.channels()[*place];
       table.earlier = 0;
-      places[i].push_back(*place);
+      if (read_place(shown[k].pair, i)) places[i].push_back(*place);
     }
     shown[k].golden_columns = columns_in(shown[k].actual, shown[k].golden);
     shown[k].differing.resize(shown[k].golden_columns.size());
@@ -261,7 +270,7 @@ void ShownRows::read(std::span<const std::size_t> group, const std::function<voi
       std::array<std::vector<std::size_t>, runs> chosen;
       std::array<const TraceChannel*, runs> tables{};
       for (std::size_t i = 0; i < runs; ++i) {
-        const auto place = place_in(shown[k].pair, i);
+        const auto place = read_place(shown[k].pair, i);
         if (!place) continue;
         tables[i] = &windows[i]->window().channels()[*place];
         choose(*tables[i], group[k], i, reading, chosen[i]);
@@ -279,7 +288,14 @@ void ShownRows::read(std::span<const std::size_t> group, const std::function<voi
       }
     }
   }
-  for (const ShownChannel& channel : shown) take(channel);
+  for (ShownChannel& channel : shown) {
+    if (is_equal(channel.pair)) {
+      channel.golden.times = channel.actual.times;
+      channel.golden.cells = channel.actual.cells;
+    }
+    take(channel);
+    channel = {};
+  }
 }
 
 Result<void> ShownRows::for_each(const std::function<void(const ShownChannel&)>& take) {

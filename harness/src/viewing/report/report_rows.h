@@ -73,6 +73,11 @@ class ShownRows {
   static std::optional<std::size_t> place_in(const ChannelPair& pair, std::size_t index) {
     return index == 0 ? pair.actual : pair.golden;
   }
+  bool is_equal(const ChannelPair& pair) const;
+  /// The channel's index in a run; nullopt: the run doesn't have it, or it is the golden's and equals the other.
+  std::optional<std::size_t> read_place(const ChannelPair& pair, std::size_t index) const {
+    return index == 1 && is_equal(pair) ? std::nullopt : place_in(pair, index);
+  }
   std::uint64_t cells_of(const ChannelPair& pair) const;
   void plan(std::size_t pair, double share);
   Result<void> find_extremes();

@@ -1,7 +1,9 @@
 #include "report_run.h"
 
 #include <algorithm>
+#include <array>
 
+#include "core/mcap/hashing.h"
 #include "core/trace/trace_windows.h"
 
 namespace rehearse {
@@ -16,9 +18,11 @@ std::string_view stem_of(std::string_view element) { return element.substr(0, el
 
 void ChannelSummary::take(const TraceChannel& piece) {
   messages += piece.messages();
-  for (const std::uint64_t time : piece.times) {
-    first_time = std::min(first_time, time);
-    last_time = std::max(last_time, time);
+  for (std::size_t message = 0; message < piece.messages(); ++message) {
+    const std::array<std::uint64_t, 2> both{piece.times[message], piece.hashes[message]};
+    first_time = std::min(first_time, both[0]);
+    last_time = std::max(last_time, both[0]);
+    hash = hash_bytes(both.data(), sizeof both, hash);
   }
   ranges.resize(piece.columns.size());
   for (std::size_t row = 0; row < piece.rows(); ++row)

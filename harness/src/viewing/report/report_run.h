@@ -43,9 +43,11 @@ struct ChannelSummary {
   std::uint64_t messages = 0;
   std::uint64_t first_time = std::numeric_limits<std::uint64_t>::max();  // [ns]
   std::uint64_t last_time = 0;                                           // [ns]
+  std::uint64_t hash = 0;                                                // of times and bytes
   std::vector<ValueRange> ranges = {};                                   // by column
 
   void take(const TraceChannel& piece);
+  bool same_messages(const ChannelSummary& other) const { return messages == other.messages && hash == other.hash; }
 };
 
 /// One of the two runs, without its messages.
