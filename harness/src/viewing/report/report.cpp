@@ -310,7 +310,8 @@ void ReportMaker::omit_rows(const ShownRows& rows) {
     sentence +=
         fmt::format(". From {:.6g} s to {:.6g} s all values are shown", std::max(0.0, centre - half), centre + half);
   }
-  summary_.omitted.push_back(sentence + ". The options --from and --until show all values of another span.");
+  summary_.omitted.push_back(
+      sentence + ". Options: --from and --until show all values of another span, --max-size shows more of the run.");
 }
 
 /// Writes messages and changes of contact.
