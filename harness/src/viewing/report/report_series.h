@@ -22,7 +22,6 @@ class SeriesWriter {
 
   ReportJson take_series() { return std::move(series_); }
   ReportJson take_axes() { return std::move(axes_); }
-  std::size_t size() const { return series_.size(); }
 
  private:
   /// A column of a channel in one run; null: this run doesn't have it.
