@@ -30,6 +30,9 @@ build_folder() {
   esac
 }
 
+# The folder of Debian's arm64 libraries, which tools/setup arm64 unpacks.
+arm64_root() { echo "${REHEARSE_ARM64_ROOT:-${XDG_CACHE_HOME:-$HOME/.cache}/rehearse/arm64-root}"; }
+
 # progress NAME [UNIT]: reads lines "DONE TOTAL" and prints, every 15 seconds, the progress and the time left.
 progress() {
   local name=$1 unit=${2:-} begin=$SECONDS next=$((SECONDS + 15)) done total left amount

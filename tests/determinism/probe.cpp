@@ -7,7 +7,6 @@
 //     not kept. --nudge: from a place that is off by a last bit.
 //   determinism_probe go-on SCENARIO SOLVER TRACE RECORDING TICK
 //     goes on from a checkpoint of a recording, under its commands
-#include <cpuid.h>
 #include <fmt/format.h>
 #include <rehearse/pin.h>
 #include <rehearse/session.h>
@@ -23,6 +22,10 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#if defined(__x86_64__)
+#include <cpuid.h>
+#endif
 
 namespace {
 
@@ -41,6 +44,7 @@ int fail(const Diagnostics& errors) { return std::fputs(to_string(errors).c_str(
 
 /// The processor's name from the processor itself; /proc/cpuinfo would not contain the emulated one.
 std::string processor() {
+#if defined(__x86_64__)
   char name[49] = "";
   for (std::size_t part = 0; part < 3; ++part) {
     std::uint32_t words[4] = {};
@@ -50,6 +54,11 @@ std::string processor() {
   }
   const std::string_view text = name;
   return std::string(text.substr(0, text.find_last_not_of(' ') + 1));
+#elif defined(__aarch64__)
+  return "arm64";
+#else
+  return "unnamed processor";
+#endif
 }
 
 /// A byte of what malloc gives where something else was written before, in hexadecimal.

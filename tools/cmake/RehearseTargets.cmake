@@ -25,6 +25,12 @@ if(REHEARSE_SOURCE_PREFIX)
   set(CMAKE_BUILD_RPATH_USE_ORIGIN ON)
 endif()
 
+# Code that only x86-64 can run is left out of builds for other processors.
+set(REHEARSE_ON_X86_64 OFF)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|amd64|AMD64)$")
+  set(REHEARSE_ON_X86_64 ON)
+endif()
+
 include(RehearseBits)
 rehearse_refuse_other_flags()
 

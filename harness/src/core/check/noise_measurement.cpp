@@ -20,6 +20,14 @@ namespace fs = std::filesystem;
 
 constexpr double incomparable = 1e300;  // a number against NaN or infinity
 
+#if defined(__x86_64__)
+bool has_sse4_1() { return __builtin_cpu_supports("sse4.1"); }
+bool has_avx() { return __builtin_cpu_supports("avx"); }
+#else
+bool has_sse4_1() { return false; }
+bool has_avx() { return false; }
+#endif
+
 bool of_controller(const ChannelComparison& channel) { return channel.stage == Stage::controller; }
 
 class NoiseMeasurement {
@@ -112,9 +120,8 @@ std::vector<NoiseMeasurement::Step> NoiseMeasurement::plan() const {
     else if (!possible)
       step.perturbation.not_made = lacks;
   };
-  draw_otherwise("renderer of SSE2", "sse2", __builtin_cpu_supports("sse4.1"), "this processor has no SSE4.1");
-  draw_otherwise("renderer of all that the processor has", std::nullopt, __builtin_cpu_supports("avx"),
-                 "this processor has no AVX");
+  draw_otherwise("renderer of SSE2", "sse2", has_sse4_1(), "this processor has no SSE4.1");
+  draw_otherwise("renderer of all that the processor has", std::nullopt, has_avx(), "this processor has no AVX");
   return steps;
 }
 

@@ -3,15 +3,19 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <fpu_control.h>
-#include <xmmintrin.h>
 
 #include <vector>
+
+#if defined(__x86_64__)
+#include <xmmintrin.h>
+#endif
 
 namespace rehearse {
 namespace {
 
 constexpr unsigned int sticky_flags = 0x3f;  // flags such as "inexact": they record events and are no mode
 constexpr unsigned int denormals_are_zero = 0x0040;
+constexpr unsigned int flush_to_zero = 0x8000;
 
 const char* name_of_rounding(unsigned int bits) {
   switch (bits) {
@@ -34,6 +38,7 @@ void add_traps(unsigned int masked, std::vector<std::string>& deeds) {
 
 }  // namespace
 
+#if defined(__x86_64__)
 FloatMode float_mode() {
   FloatMode mode;
   mode.sse = _mm_getcsr() & ~sticky_flags;
@@ -45,12 +50,51 @@ void set_float_mode(const FloatMode& mode) {
   _mm_setcsr(mode.sse);
   _FPU_SETCW(mode.x87);
 }
+#elif defined(__aarch64__)
+namespace {
 
-bool is_fast_math(const FloatMode& mode) { return mode.sse & (_MM_FLUSH_ZERO_ON | denormals_are_zero); }
+/// A bit of arm64's FPCR, and the same mode in MXCSR. A trap is enabled by 1 there, and by 0 here.
+struct SameBit {
+  unsigned int fpcr, mxcsr;
+  bool enables = true;
+};
+constexpr SameBit same_bits[] = {{1U << 24, flush_to_zero | denormals_are_zero},
+                                 {1U << 22, 2U << 13},  // rounding up
+                                 {1U << 23, 1U << 13},  // rounding down
+                                 {1U << 8, 1U << 7, false},
+                                 {1U << 15, 1U << 8, false},
+                                 {1U << 9, 1U << 9, false},
+                                 {1U << 10, 1U << 10, false},
+                                 {1U << 11, 1U << 11, false},
+                                 {1U << 12, 1U << 12, false}};
+
+}  // namespace
+
+FloatMode float_mode() {
+  fpu_control_t fpcr = 0;
+  _FPU_GETCW(fpcr);
+  FloatMode mode;
+  mode.sse = 0;
+  for (const SameBit& bit : same_bits)
+    if (((fpcr & bit.fpcr) != 0) == bit.enables) mode.sse |= bit.mxcsr;
+  return mode;
+}
+
+void set_float_mode(const FloatMode& mode) {
+  fpu_control_t fpcr = 0;
+  for (const SameBit& bit : same_bits)
+    if (((mode.sse & bit.mxcsr) != 0) == bit.enables) fpcr |= bit.fpcr;
+  _FPU_SETCW(fpcr);
+}
+#else
+#error "the floating-point mode of this processor isn't known: see harness/src/core/guard/float_mode.cpp"
+#endif
+
+bool is_fast_math(const FloatMode& mode) { return mode.sse & (flush_to_zero | denormals_are_zero); }
 
 std::string describe(const FloatMode& mode) {
   std::vector<std::string> deeds;
-  if (mode.sse & _MM_FLUSH_ZERO_ON) deeds.emplace_back("flush-to-zero");
+  if (mode.sse & flush_to_zero) deeds.emplace_back("flush-to-zero");
   if (mode.sse & denormals_are_zero) deeds.emplace_back("denormals-are-zero");
   if (const char* rounding = name_of_rounding(mode.sse >> 13 & 3U)) deeds.emplace_back(rounding);
   add_traps(mode.sse >> 7 & 0x3fU, deeds);

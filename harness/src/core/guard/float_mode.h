@@ -11,8 +11,8 @@
 namespace rehearse {
 
 struct FloatMode {
-  unsigned int sse = 0x1f80;    // MXCSR without its sticky exception flags
-  unsigned short x87 = 0x037f;  // the control word of the x87, which computes long double
+  unsigned int sse = 0x1f80;    // MXCSR without its sticky exception flags; on arm64 FPCR in the form of MXCSR
+  unsigned short x87 = 0x037f;  // the control word of the x87, which computes long double; constant on arm64
 
   bool operator==(const FloatMode&) const = default;
 };

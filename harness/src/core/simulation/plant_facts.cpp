@@ -1,4 +1,3 @@
-#include <cpuid.h>
 #include <fmt/format.h>
 #include <rehearse/pin.h>
 #include <rehearse/renderer.h>
@@ -9,6 +8,10 @@
 #include <set>
 #include <string_view>
 #include <utility>
+
+#if defined(__x86_64__)
+#include <cpuid.h>
+#endif
 
 #include "core/host/virtualised.h"
 #include "core/mcap/hashing.h"
@@ -49,7 +52,8 @@ Result<void> add_libraries(const Scenario& scenario, mcap::StringMap& plant) {
 }
 
 /// The vendor of the processor, and whether a program emulates it. Read by CPUID, which an emulator answers itself.
-std::string processor() {
+Result<std::string> processor() {
+#if defined(__x86_64__)
   unsigned a = 0, registers[3] = {};
   char vendor[13] = {}, hypervisor[13] = {}, brand[49] = {};
   __cpuid(0, a, registers[0], registers[2], registers[1]);  // the order of the name's letters
@@ -69,6 +73,9 @@ std::string processor() {
   const bool emulated = std::strcmp(hypervisor, "TCGTCGTCGTCG") == 0 || std::strstr(brand, "QEMU") != nullptr ||
                         std::strstr(brand, "Virtual") != nullptr;
   return emulated ? fmt::format("{}, emulated: {} {}", vendor, brand, hypervisor) : vendor;
+#else
+  return error("only processors of x86-64 state their vendor and whether they are emulated");
+#endif
 }
 
 /// The variables of the environment that Mesa and its compiler read.
@@ -100,7 +107,9 @@ Result<mcap::StringMap> describe_plant(const Scenario& scenario) {
   if (!virtualisation().empty()) return error("the controllers have simulated time and seeded random numbers");
   for (const char* fact : {facts::compiler, facts::build, facts::physics, facts::pinned_mathematics, facts::solver})
     if (const std::string value = stated(here, fact); !value.empty()) plant[fact] = value;
-  plant["the processor"] = processor();
+  const auto vendor = processor();
+  if (!vendor) return vendor.errors();
+  plant["the processor"] = *vendor;
   plant["the renderer's environment"] = environment_of_renderer();
   if (auto added = add_libraries(scenario, plant); !added) return added.errors();
   if (auto added = add_scenario(scenario, plant); !added) return added.errors();

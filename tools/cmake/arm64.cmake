@@ -1,0 +1,20 @@
+# Toolchain: Debian 12 on arm64, by Debian's cross compiler (g++-aarch64-linux-gnu). The variable REHEARSE_ARM64_ROOT of
+# the environment names a folder with Debian's arm64 packages; tools/matrix --arm64 makes one.
+set(CMAKE_SYSTEM_NAME Linux)
+set(CMAKE_SYSTEM_PROCESSOR aarch64)
+set(CMAKE_LIBRARY_ARCHITECTURE aarch64-linux-gnu)
+set(CMAKE_C_COMPILER aarch64-linux-gnu-gcc)
+set(CMAKE_CXX_COMPILER aarch64-linux-gnu-g++)
+set(CMAKE_CXX_FLAGS_INIT -Wno-psabi)  # remarks on what gcc 10 changed
+if(NOT IS_DIRECTORY "$ENV{REHEARSE_ARM64_ROOT}/usr/lib/aarch64-linux-gnu")
+  message(FATAL_ERROR "REHEARSE_ARM64_ROOT='$ENV{REHEARSE_ARM64_ROOT}' has no arm64 libraries; tools/matrix --arm64 makes such a folder")
+endif()
+set(CMAKE_SYSROOT $ENV{REHEARSE_ARM64_ROOT})
+set(CMAKE_FIND_ROOT_PATH ${CMAKE_SYSROOT})
+set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
+set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
+set(ENV{PKG_CONFIG_SYSROOT_DIR} ${CMAKE_SYSROOT})
+set(ENV{PKG_CONFIG_LIBDIR} ${CMAKE_SYSROOT}/usr/lib/aarch64-linux-gnu/pkgconfig:${CMAKE_SYSROOT}/usr/share/pkgconfig)
+set(CMAKE_CROSSCOMPILING_EMULATOR qemu-aarch64 -L ${CMAKE_SYSROOT})
