@@ -55,6 +55,19 @@ TEST_F(Compare, BlamesAProcessorOnlyWhereNothingWasPinned) {
   EXPECT_THAT(compared().remarks, Contains(HasSubstr("\"one\" and is \"another\"")));
 }
 
+TEST_F(Compare, NamesAnotherProcessorArchitectureInEitherRecording) {
+  actual_.ticks[1].q = 0.6;
+  actual_.provenance["architecture"] = "arm64";
+  EXPECT_EQ(compared().explanation, "the processor architecture");
+  EXPECT_FALSE(compared().same_arithmetic);
+  EXPECT_THAT(compared().remarks, ElementsAre("the processor architecture was \"x86-64\" and is \"arm64\": everything "
+                                              "may differ for that alone"));
+  std::swap(golden_.provenance, actual_.provenance);
+  EXPECT_THAT(compared().remarks, Contains(HasSubstr("was \"arm64\" and is \"x86-64\"")));
+  actual_.provenance["architecture"] = "arm64";
+  EXPECT_TRUE(compared().same_arithmetic);
+}
+
 TEST_F(Compare, SaysOnceThatOneProcessWasPinned) {
   golden_.provenance["pinned"] = "yes";
   golden_.provenance["pinned.GLIBC_TUNABLES"] = "glibc.cpu.hwcaps=x";

@@ -34,6 +34,7 @@ enum class VerdictCode : std::uint8_t {
   duration_changed,
   loop_amplified,
   run_changed,
+  processor_other,
   golden_missing,
   golden_written,
   golden_altered,

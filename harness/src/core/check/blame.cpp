@@ -20,6 +20,7 @@
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
 #include "model/clock.h"
+#include "other_processor.h"
 
 namespace rehearse {
 namespace {
@@ -359,10 +360,8 @@ std::optional<Blame> changed_costs(const CheckReport& report) {
                report.comparison->first_bit};
 }
 
-/// The part of the loop that differs, if the scenario is the recorded one.
-Blame guilty_part(const Suspects& suspects, const CheckReport& report) {
-  if (auto costs = changed_costs(report)) return *std::move(costs);
-  const CheckReport evidence = with_all_levels(suspects, report);
+/// The part of the loop that differs, if the scenario is the recorded one. `evidence`: the report with all levels.
+Blame guilty_part(const Suspects& suspects, const CheckReport& report, const CheckReport& evidence) {
   const bool controller_differs = evidence.controller == LevelState::differs;
   const bool plant_differs = evidence.plant == LevelState::differs;
   if (controller_differs && plant_differs) {
@@ -388,11 +387,19 @@ Blame guilty_part(const Suspects& suspects, const CheckReport& report) {
   return {{is_equal ? VerdictCode::same : VerdictCode::within_tolerance}, nothing_differs(suspects, report), bit};
 }
 
+/// The same, in words that are true on this processor.
+Blame guilty_part_here(const Suspects& suspects, const CheckReport& report) {
+  if (auto costs = changed_costs(report)) return *std::move(costs);
+  const CheckReport evidence = with_all_levels(suspects, report);
+  return on_this_processor(guilty_part(suspects, report, evidence), evidence,
+                           Architectures::of(suspects.scenario, suspects.golden));
+}
+
 }  // namespace
 
 /// Parts of a scenario with other bodies, joints or controllers can't be compared alone, so its change comes first.
 Blame find_guilty(const Suspects& suspects, const CheckReport& report) {
-  Blame found = guilty_part(suspects, report);
+  Blame found = guilty_part_here(suspects, report);
   const mcap::Attachment* recorded = suspects.golden.find_attachment("scenario.yaml");
   if (!recorded || !any_level_differs(report)) return found;
   if (const std::string change = structure_change(std::string(recorded->text()), suspects.scenario.text);

@@ -36,6 +36,7 @@ constexpr auto rows = [] {
     {duration_changed, "scenario.duration_changed", "the scenario has another duration than its golden"},
     {loop_amplified, "loop.amplified", "no part is beyond its tolerance, and the closed loop amplifies small changes beyond it"},
     {run_changed, "run.changed", "the closed loop differs, and no part of it was found that does"},
+    {processor_other, "processor.other", "the golden was recorded on another processor architecture, which explains the difference as well as a change does"},
     {golden_missing, "golden.missing", "there is no golden yet"},
     {golden_written, "golden.written", "the run was written as the new golden"},
     {golden_altered, "golden.altered", "the golden isn't the run that was recorded"},

@@ -60,7 +60,7 @@ const std::vector<Fact>& known_facts() {
 /// True for facts without a remark: they are compared themselves, or describe the file.
 bool is_of_no_interest(const std::string& key) {
   return key == facts::trace_version || key == facts::trace_revision || key == facts::scenario ||
-         key == facts::programs;
+         key == facts::programs || key == facts::architecture;
 }
 
 const Fact* find_fact(const std::string& key) {
@@ -113,6 +113,8 @@ std::vector<Change> changed_facts(const Trace& golden, const Trace& actual, cons
   }
   if (const std::string build = stated(*now, facts::build); !build.empty() && before->count(facts::build) == 0)
     changes.push_back({"the build", "usual flags", build, every_stage, true});
+  if (const std::string then = architecture_of(*before), here = architecture_of(*now); then != here)
+    changes.push_back({"the processor architecture", then, here, every_stage, true});
   return changes;
 }
 

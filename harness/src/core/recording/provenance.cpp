@@ -35,6 +35,17 @@ std::string processor() {
   return "unknown";
 }
 
+/// Empty: x86-64, which recordings don't state.
+constexpr const char* other_architecture() {
+#if defined(__x86_64__)
+  return "";
+#elif defined(__aarch64__)
+  return "arm64";
+#else
+  return "unknown";
+#endif
+}
+
 std::string compiler() {
 #if defined(__clang__)
   return "clang " __clang_version__;
@@ -119,6 +130,7 @@ mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host,
       {facts::pinned_mathematics, tunables_of_the_processor()},
       {facts::pinned_renderer, environment("GALLIUM_OVERRIDE_CPU_CAPS")},
   };
+  if (*other_architecture()) stated[facts::architecture] = other_architecture();
   if (!renderer.empty()) stated[facts::renderer] = renderer;
   if (const std::string mark = programs(!renderer.empty()); !mark.empty()) stated[facts::programs] = mark;
   if (const std::string given = virtualisation(); !given.empty()) stated[facts::virtualised] = given;
@@ -130,6 +142,8 @@ mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host,
 std::string other_arithmetic(const mcap::StringMap& recorded, const mcap::StringMap& here) {
   const bool unpinned = stated(here, facts::pinned_mathematics).empty();
   std::string text;
+  if (const std::string then = architecture_of(recorded), now = architecture_of(here); then != now)
+    text = fmt::format("{} was \"{}\" and is \"{}\"", facts::architecture, then, now);
   for (const std::string fact :
        {facts::libc, facts::compiler, facts::build, facts::pinned_mathematics, facts::processor}) {
     const std::string then = stated(recorded, fact), now = stated(here, fact);

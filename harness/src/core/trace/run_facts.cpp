@@ -60,6 +60,11 @@ std::string stated(const mcap::StringMap& facts, const std::string& key) {
   return found == facts.end() ? std::string() : found->second;
 }
 
+std::string architecture_of(const mcap::StringMap& provenance) {
+  const std::string other = stated(provenance, facts::architecture);
+  return other.empty() ? "x86-64" : other;
+}
+
 mcap::StringMap RunOutcome::metadata() const {
   mcap::StringMap metadata{{complete_key, complete ? "true" : "false"}};
   if (ticks) metadata[ticks_key] = std::to_string(*ticks);

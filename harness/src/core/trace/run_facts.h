@@ -57,6 +57,7 @@ inline constexpr const char* renderer = "renderer";
 inline constexpr const char* libc = "libc";
 inline constexpr const char* compiler = "compiler";
 inline constexpr const char* processor = "processor";
+inline constexpr const char* architecture = "architecture";  // of the processor; not stated: x86-64
 inline constexpr const char* build = "build";
 inline constexpr const char* pinned = "pinned";
 inline constexpr const char* pinned_prefix = "pinned.";  // followed by the name of the environment variable
@@ -133,6 +134,10 @@ struct RunFacts {
 
 /// The value of a key; empty: not stated.
 std::string stated(const mcap::StringMap& facts, const std::string& key);
+
+/// The processor architecture of a provenance: "x86-64", "arm64". Code for another one rounds otherwise: compilers and
+/// libraries use its own instructions, pinned or not.
+std::string architecture_of(const mcap::StringMap& provenance);
 
 /// Fails if the metadata of a recording states an unknown version of the trace format. `file`: its name in the error.
 Result<void> check_trace_version(const std::vector<mcap::Metadata>& metadata, const std::string& file);
