@@ -2,6 +2,7 @@
 // every channel, including pictures and hashes of states. Rows are compared with the golden, or, for a scenario without
 // one, with a plain run.
 #include <fmt/format.h>
+#include <rehearse/compare.h>
 #include <rehearse/pin.h>
 #include <rehearse/scenario.h>
 #include <unistd.h>
@@ -52,8 +53,10 @@ struct Reference {
 struct Outcome {
   std::string made_by;
   std::uint64_t hash = 0;
-  int differing = 0;    // scenarios
-  std::string verdict;  // "same", or where not
+  int differing = 0;                      // scenarios
+  std::string verdict;                    // "same", or where not
+  std::vector<std::string> of_scenarios;  // lines of a row from another architecture
+  bool unexpected = false;                // a scenario has other bits there, and had equal ones, or the reverse
 };
 
 /// A row's name as that of a folder, without blanks and colons: control_not_pinned.
@@ -81,6 +84,11 @@ class Matrix {
  private:
   Result<void> find_scenarios();
   Result<void> record(const Row& row, const fs::path& folder) const;
+  Result<void> judge_elsewhere(const Reference& reference, const fs::path& file, bool is_equal, const Row& row,
+                               Outcome& outcome) const;
+  fs::path plain_folder() const {
+    return options_.plain.empty() ? folder_ / "plain_run" : fs::absolute(options_.plain);
+  }
   std::optional<std::uint64_t> end_of(const Reference& of) const;
   Result<std::string> made_by(const Row& row, const fs::path& folder) const;
 
@@ -156,7 +164,7 @@ Result<std::string> Matrix::made_by(const Row& row, const fs::path& folder) cons
 
 Result<void> Matrix::prepare() {
   if (auto found = find_scenarios(); !found) return found;
-  const fs::path folder = options_.plain.empty() ? folder_ / "plain_run" : fs::absolute(options_.plain);
+  const fs::path folder = plain_folder();
   if (options_.plain.empty() || !fs::exists(folder)) {
     fs::create_directories(folder);
     if (auto done = record(rows({}).front(), folder); !done) return done;
@@ -188,6 +196,28 @@ Outcome Matrix::reference() const {
   return outcome;
 }
 
+/// What `rehearse diff` says of the scenario's recordings here and there, by the tolerances of the scenario.
+Result<void> Matrix::judge_elsewhere(const Reference& reference, const fs::path& file, bool is_equal, const Row& row,
+                                     Outcome& outcome) const {
+  const std::vector<std::string>& equal = *row.equal_elsewhere;
+  const bool was_equal = std::find(equal.begin(), equal.end(), reference.name) != equal.end();
+  const bool right = is_equal == was_equal || !reference.whole;
+  outcome.unexpected = outcome.unexpected || !right;
+  std::string line = fmt::format("  {}{}: ", right ? "" : "WRONG: ", reference.name);
+  if (is_equal) {
+    outcome.of_scenarios.push_back(line + "same bits");
+    return {};
+  }
+  const auto scenario = Scenario::load(reference.file);
+  if (!scenario) return scenario.errors();
+  CompareOptions what;
+  if (!reference.whole) what.until = reference.seconds;
+  const auto compared = compare(plain_folder() / file.filename(), file, scenario->tolerances, what);
+  if (!compared) return compared.errors();
+  outcome.of_scenarios.push_back(line + verdict(*compared, what.until));
+  return {};
+}
+
 Result<Outcome> Matrix::make(const Row& row) const {
   const fs::path folder = folder_ / folder_name(row.name);
   fs::create_directories(folder);
@@ -208,6 +238,9 @@ Result<Outcome> Matrix::make(const Row& row) const {
       if (!hash) return hash.errors();
       if (*hash != reference.file_hash) difference = "the same messages in another file";
     }
+    if (row.equal_elsewhere)
+      if (auto judged = judge_elsewhere(reference, file, difference.empty(), row, outcome); !judged)
+        return judged.errors();
     if (difference.empty()) continue;
     if (outcome.differing++ == 0) first = fmt::format("{}: {}", reference.name, difference);
   }
@@ -262,8 +295,9 @@ Result<bool> make_and_print(const Matrix& matrix, const Row& row) {
   }
   const auto outcome = matrix.make(row);
   if (!outcome) return outcome.errors();
-  const bool right = (outcome->differing > 0) == row.has_to_differ;
+  const bool right = row.equal_elsewhere ? !outcome->unexpected : (outcome->differing > 0) == row.has_to_differ;
   print_line(row.name, outcome->made_by, matrix, outcome->hash, (right ? "" : "WRONG: ") + outcome->verdict);
+  for (const std::string& line : outcome->of_scenarios) fmt::print("{}\n", line);
   return right;
 }
 

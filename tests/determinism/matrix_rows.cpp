@@ -4,6 +4,7 @@
 #include <rehearse/pin.h>
 #include <sys/personality.h>
 
+#include <cstdlib>
 #include <fstream>
 
 namespace rehearse::matrix {
@@ -70,13 +71,34 @@ Row emulated(const std::string& processor, const std::string& word_in_its_name, 
   return made;
 }
 
+Row on_arm64(const std::filesystem::path& folder) {
+  constexpr const char* arm64_emulator = "qemu-aarch64";
+  Row made = row("emulated arm64");
+  const char* root = std::getenv("REHEARSE_ARM64_ROOT");
+  made.surroundings.launcher = {arm64_emulator, "-L", root ? root : "/"};
+  made.pins_itself = false;
+  made.same_file = false;
+  made.processor = "arm64";
+  made.build = folder;
+  made.equal_elsewhere = std::vector<std::string>{"spring", "spring_late"};
+  for (const auto& [variable, value] : pinned_environment()) made.surroundings.variables[variable] = value;
+  made.surroundings.variables["REHEARSE_CACHE"] = "off";  // it has convex hulls that x86-64 computed
+  if (!root) made.impossible = "REHEARSE_ARM64_ROOT names no folder with arm64 libraries";
+  if (!is_installed(arm64_emulator)) made.impossible = std::string(arm64_emulator) + " isn't installed";
+  return made;
+}
+
 Row not_pinned() {
   Row made = row("control: not pinned");
   made.pins_itself = false;
   made.same_file = false;
   made.has_to_differ = true;
-  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma"))
-    made.impossible = "without AVX2 and FMA, this processor's mathematics is the pinned one";
+#if defined(__x86_64__)
+  const bool has_others = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+#else
+  const bool has_others = false;
+#endif
+  if (!has_others) made.impossible = "without AVX2 and FMA, this processor's mathematics is the pinned one";
   return made;
 }
 
@@ -113,7 +135,7 @@ std::vector<Row> rows(const std::vector<std::pair<std::string, std::filesystem::
       // they would change pixels or mathematics without pinning
       with("a user's own settings", {{"GALLIUM_OVERRIDE_CPU_CAPS", "sse2"}, {"LP_NUM_THREADS", "2"}}),
   };
-  for (const auto& [name, folder] : builds) all.push_back(built(name, folder));
+  for (const auto& [name, folder] : builds) all.push_back(name == "arm64" ? on_arm64(folder) : built(name, folder));
   for (const char* processor : {"Nehalem", "Haswell", "EPYC"}) all.push_back(emulated(processor, processor, true));
   all.push_back(emulated("max", "TCG", true));
   all.push_back(not_pinned());

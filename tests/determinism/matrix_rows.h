@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,17 +24,21 @@ struct Row {
   std::string name;
   Order order = Order::alone;
   Surroundings surroundings;
-  bool pins_itself = true;      // else it depends on the environment
-  bool same_file = true;        // the file is the same byte for byte: same program, same pinning
-  bool nudged = false;          // the start position differs by a last bit
-  bool has_to_differ = false;   // a control: the recording must differ
+  bool pins_itself = true;     // else it depends on the environment
+  bool same_file = true;       // the file is the same byte for byte: same program, same pinning
+  bool nudged = false;         // the start position differs by a last bit
+  bool has_to_differ = false;  // a control: the recording must differ
+  /// Made by a processor of another architecture, which rounds otherwise: each scenario is compared within its
+  /// tolerances, and gets a line. The scenarios of this list have equal bits all the same, and must keep them.
+  std::optional<std::vector<std::string>> equal_elsewhere = std::nullopt;
   std::string processor;        // a word in the name of the emulated processor; empty: this machine's
   std::string memory;           // value of the bytes of fresh memory, as 0x55; empty: any
   std::filesystem::path build;  // the folder of the build; empty: this one
   std::string impossible;       // the reason why the row is impossible here; empty: it is possible
 };
 
-/// All rows. `builds`: names and folders of other builds.
+/// All rows. `builds`: names and folders of other builds. The build named `arm64` runs in an emulator, with the
+/// libraries below REHEARSE_ARM64_ROOT.
 std::vector<Row> rows(const std::vector<std::pair<std::string, std::filesystem::path>>& builds);
 
 /// False if the kernel gives all processes the same addresses.
