@@ -1,4 +1,4 @@
-// The cost of an audit with all its replays, relative to one replay.
+// The cost of an audit with all its replays, and of one that counts instructions, relative to one replay.
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
 
@@ -41,15 +41,15 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// Work: `rehearse audit` of a recording with its usual repetitions, without what it takes to start (an audit of two
-/// ticks). Base: `rehearse replay` of it. The processes of an audit run two at a time; `busy` is all that they compute.
-void audit_over_one_replay(benchmark::State& state) {
+/// Work: `rehearse audit` of a recording, without what it takes to start (an audit of two ticks). Base: `rehearse replay`
+/// of it. The processes of an audit run two at a time; `busy` is all that they compute.
+void over_one_replay(benchmark::State& state, const std::string& verb) {
   const Sr1Run& sr1 = Sr1Run::instance();
   const std::string trace = "'" + sr1.trace().string() + "'";
   const auto ticks = static_cast<double>(sr1.ticks());
   std::vector<double> ratios, busy_ratios, works, bases;
   for (auto _ : state) {
-    const Cost audit = cost_of(state, "audit " + trace), start = cost_of(state, "audit --until 0.002 " + trace);
+    const Cost audit = cost_of(state, verb + trace), start = cost_of(state, verb + "--until 0.002 " + trace);
     const Cost replay = cost_of(state, "replay " + trace);
     state.SetIterationTime(audit.wall);
     works.push_back(1e6 * (audit.wall - start.wall) / ticks);
@@ -62,7 +62,12 @@ void audit_over_one_replay(benchmark::State& state) {
   state.counters["work_us"] = median(works);
   state.counters["base_us"] = median(bases);
 }
+
+void audit_over_one_replay(benchmark::State& state) { over_one_replay(state, "audit "); }
 BENCHMARK(audit_over_one_replay)->UseManualTime()->Unit(benchmark::kMillisecond);
+
+void instructions_over_one_replay(benchmark::State& state) { over_one_replay(state, "audit --instructions "); }
+BENCHMARK(instructions_over_one_replay)->UseManualTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace rehearse

@@ -104,8 +104,26 @@ void tell_realtime(const AuditSettings& settings, const AuditReport& report) {
   tell_remarks(report.remarks, report.failure);
 }
 
+void tell_instructions(const AuditReport& report) {
+  fmt::print("{}\n", report.verdict);
+  for (const ControllerAudit& controller : report.controllers) {
+    if (!controller.instructions || controller.instructions->lines.empty()) continue;
+    const InstructionCounts& counts = *controller.instructions;
+    if (report.controllers.size() > 1) fmt::print("{}\n", controller.controller);
+    std::vector<TableRow> rows{{fmt::format("instructions at tick {}", counts.most.tick), "line", "function"}};
+    for (const InstructionCounts::Line& line : counts.lines)
+      rows.push_back({std::to_string(line.instructions), line.line.empty() ? "unknown" : line.line, line.function});
+    print_table(rows);
+    if (counts.calls.front().tick == 0)
+      fmt::print("  tick 0, which may take its time: {} instructions\n", counts.calls.front().instructions);
+  }
+  std::fflush(stdout);  // before related output on stderr
+  tell_remarks(report.remarks, report.failure);
+}
+
 void tell(const AuditSettings& settings, const AuditReport& report) {
   if (settings.audit.realtime) return tell_realtime(settings, report);
+  if (settings.audit.instructions) return tell_instructions(report);
   fmt::print("{}\n", report.verdict);
   for (const ControllerAudit& controller : report.controllers)
     tell_controller(controller, report.controllers.size() > 1, settings.verbose);
@@ -168,6 +186,7 @@ Exit run_audit(AuditSettings& settings) {
   if (!settings.output.empty() && !settings.json)
     fmt::print("recorded in {}: replay and check give it the same time and random numbers\n", settings.output);
   if (report->failure || report->controller_refused) return Exit::controller_failed;
+  if (settings.audit.instructions) return Exit::done;
   if (settings.audit.realtime) return report->realtime_safe.value_or(false) ? Exit::done : Exit::differs;
   return report->deterministic ? Exit::done : Exit::differs;
 }
@@ -188,6 +207,11 @@ std::function<Exit()> declare_audit(CLI::App& options) {
       .add_flag("--realtime", settings->audit.realtime,
                 "instead: list allocations, locks, system calls and exceptions of control(), with their lines")
       ->excludes(options.get_option("--valgrind"));
+  options
+      .add_flag("--instructions", settings->audit.instructions,
+                "instead: count the instructions of each control() under valgrind, and list its most expensive lines")
+      ->excludes(options.get_option("--valgrind"))
+      ->excludes(options.get_option("--realtime"));
   options.add_flag("--virtualise", settings->audit.virtualise,
                    "give the controllers simulated time and seeded random numbers instead of the system's");
   options.add_option("-o,--output", settings->output, "with --virtualise: the trace to write")->type_name("TRACE");
@@ -205,6 +229,7 @@ std::function<Exit()> declare_audit(CLI::App& options) {
   options.add_option("--padding", settings->replay.padding)->group("");
   options.add_option("--stack-fill", settings->replay.stack_fill)->group("");
   options.add_flag("--costs", settings->replay.costs)->group("");
+  options.add_flag("--profile", settings->replay.instructions)->group("");
   return [settings] { return run_audit(*settings); };
 }
 
@@ -214,6 +239,7 @@ const Verb audit_verb{"audit",
                       "  rehearse audit fixtures/scenarios/sr1_minimum.yaml\n"
                       "  rehearse audit walk.mcap --controller Walker=build/MyWalker.so --valgrind\n"
                       "  rehearse audit walk.mcap --realtime\n"
+                      "  rehearse audit walk.mcap --instructions\n"
                       "  rehearse audit walk.yaml --virtualise -o walk.mcap\n",
                       declare_audit};
 

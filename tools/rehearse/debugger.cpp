@@ -149,11 +149,12 @@ void spell_out_gdb_arguments(std::vector<std::string>& arguments) {
   arguments.erase(dashes);
 }
 
-std::vector<std::string> words_without_debugger(std::string_view verb, const CLI::App& options) {
+std::vector<std::string> words_without(const std::vector<std::string_view>& left_out, std::string_view verb,
+                                       const CLI::App& options) {
   std::vector<std::string> words{std::string(verb)}, positionals;
   for (const CLI::Option* option : options.get_options()) {
     const std::string name = option->get_name();
-    if (option->count() == 0 || name == "--gdb" || name == "--gdb-arg" || name == "--tick") continue;
+    if (option->count() == 0 || std::ranges::find(left_out, name) != left_out.end()) continue;
     for (const std::string& result : option->results()) {
       if (option->get_positional())
         positionals.push_back(result);
@@ -163,6 +164,10 @@ std::vector<std::string> words_without_debugger(std::string_view verb, const CLI
   }
   words.insert(words.end(), positionals.begin(), positionals.end());
   return words;
+}
+
+std::vector<std::string> words_without_debugger(std::string_view verb, const CLI::App& options) {
+  return words_without({"--gdb", "--gdb-arg", "--tick"}, verb, options);
 }
 
 Result<void> check_debugger(const DebuggerOptions& debugger, const Scenario& scenario) {

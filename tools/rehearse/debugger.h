@@ -37,7 +37,10 @@ void add_debugger_options(CLI::App& options, DebuggerOptions& debugger);
 /// order.
 void spell_out_gdb_arguments(std::vector<std::string>& arguments);
 
-/// The verb and its arguments, without those of the debugger and --tick.
+/// The verb and the given arguments, without those of the named options.
+std::vector<std::string> words_without(const std::vector<std::string_view>& left_out, std::string_view verb,
+                                       const CLI::App& options);
+/// The same without the options of the debugger and --tick.
 std::vector<std::string> words_without_debugger(std::string_view verb, const CLI::App& options);
 
 /// An error if gdb is not installed, or if the scenario has no controller of that name.

@@ -193,6 +193,30 @@ const Form& cost_form() {
   return form;
 }
 
+const Form& counted_call_form() {
+  static const Form form{"counted_call",
+                         "a call of control()",
+                         {member("tick", types::whole(0, 1e15)), member("instructions", types::count())}};
+  return form;
+}
+
+const Form& counted_line_form() {
+  static const Form form{
+      "counted_line",
+      "a line of a library",
+      {member("function", types::string()), member("line", types::string()), member("instructions", types::count())}};
+  return form;
+}
+
+const Form& instructions_form() {
+  static const Form form{"instructions",
+                         "the instructions of control()",
+                         {member("median", types::count()), member("most", types::of(counted_call_form)),
+                          member("lines", types::array(types::of(counted_line_form))),
+                          member("calls", types::array(types::of(counted_call_form)))}};
+  return form;
+}
+
 const Form& audited_controller_form() {
   static const Form form{
       "audited_controller",
@@ -201,7 +225,9 @@ const Form& audited_controller_form() {
        member("reason", types::nullable(types::string())), member("depends_on", types::nullable(types::string())),
        member("first", difference_type()), member("factors", types::array(types::of(factor_form))),
        member("calls", types::array(types::of(call_form))), member("rests_on", types::array(types::string())),
-       member("costs", types::array(types::of(cost_form))), member("library", types::of(library_form))}};
+       member("costs", types::array(types::of(cost_form))),
+       member("instructions", types::nullable(types::of(instructions_form))),
+       member("library", types::of(library_form))}};
   return form;
 }
 

@@ -4,9 +4,12 @@
 #include <rehearse/mcap.h>
 #include <rehearse/replay.h>
 #include <rehearse/session.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <cstdint>
 #include <cstdio>
+#include <cstring>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -16,6 +19,7 @@
 
 #include "command.h"
 #include "control_times.h"
+#include "core/guard/child_process.h"
 #include "core/guard/interruption.h"
 #include "core/guard/supervise.h"
 #include "core/host/source_age.h"
@@ -36,6 +40,7 @@ namespace {
 struct ReplaySettings {
   std::string trace;
   bool json = false;
+  bool instructions = false;
   ReplayOptions replay;
   std::optional<double> deadline;  // of control() [s]
   std::string output;
@@ -101,6 +106,16 @@ Exit run_in_gdb(const ReplaySettings& settings, const CLI::App& options) {
   const std::vector<std::string> words = words_without_debugger("replay", options);
   if (settings.is_of_a_log()) return replay_log_in_gdb(settings.debugger, words, settings.ticks.tick);
   return replay_in_gdb(settings.debugger, settings.trace, settings.replay, words, settings.ticks.tick);
+}
+
+/// Continues as `audit --instructions` with the same arguments.
+Exit count_instructions(const ReplaySettings& settings, const CLI::App& options) {
+  if (settings.is_of_a_log())
+    return refuse(error("--instructions is for recordings", "replay the log into one with -o, and count in that"));
+  std::vector<std::string> words = words_without({}, "audit", options);
+  words.insert(words.begin(), "rehearse");
+  execv(own_program().c_str(), pointers_to(words).data());
+  return refuse(error(fmt::format("can't start {}: {}", own_program().string(), std::strerror(errno))));
 }
 
 /// Checks options that only a log needs, or only a recording.
@@ -175,6 +190,7 @@ std::vector<std::string> notes_on_libraries_of(const ReplaySettings& settings) {
 
 Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
   if (const auto usable = check_usage(settings); !usable) return refuse(usable.errors());
+  if (settings.instructions) return count_instructions(settings, options);
   if (settings.debugger.is_wanted()) return run_in_gdb(settings, options);
   std::vector<std::string> notes;
   if (!settings.is_of_a_log()) {
@@ -231,6 +247,8 @@ std::function<Exit()> declare_replay(CLI::App& options) {
       ->allow_extra_args(false);
   add_host_options(options, settings->replay, &settings->controller);
   add_timing_options(options, settings->deadline, settings->replay);
+  options.add_flag("--instructions", settings->instructions,
+                   "instead: count the instructions of each control() under valgrind, as audit --instructions does");
   add_integer(options, "--tick",
               "show this tick: inputs, commands, measurements, messages, changes, differences; with --gdb: stop there",
               0, std::numeric_limits<std::int64_t>::max() / 2, [=](std::int64_t tick) { settings->ticks.tick = tick; });

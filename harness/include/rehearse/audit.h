@@ -25,6 +25,7 @@ struct AuditOptions : HostOptions {
   int repeat = 1;               // number of replays under each factor
   bool valgrind = false;        // one more replay under memcheck
   bool realtime = false;        // only the costs of the calls are examined, in one replay
+  bool instructions = false;    // only the instructions of control() are counted, in one replay under callgrind
   /// The controllers get simulated time and seeded random numbers in all runs, instead of the system's.
   bool virtualise = false;
   std::uint64_t seed = 1;          // of the random numbers that replace the system's
@@ -105,6 +106,26 @@ struct AuditedCost {
   bool breaks_realtime() const { return phase == "control" && last_tick > 0; }
 };
 
+/// The instructions that control() executes on its thread, with the calls that it makes, by valgrind's callgrind. The
+/// time in which a processor executes them isn't known from their number.
+struct InstructionCounts {
+  struct Call {
+    std::int64_t tick = 0;
+    std::uint64_t instructions = 0;
+  };
+  /// A line of the library, with its calls of other libraries. A library without debug information has functions only.
+  struct Line {
+    std::string function;  // "Filter::update()"
+    std::string line;      // "filter.cpp:31"; may be empty
+    std::uint64_t instructions = 0;
+  };
+  std::vector<Call> calls;  // in the order of ticks
+  Call most;                // the call with most instructions after tick 0
+  std::vector<Line> lines;  // of that call, the ten with most instructions, these first
+  /// Of the calls after tick 0.
+  std::uint64_t median() const;
+};
+
 struct ControllerAudit {
   std::string controller;  // "SR1/SR1Minimum"
   std::filesystem::path library;
@@ -116,7 +137,8 @@ struct ControllerAudit {
   std::vector<FactorResult> factors;  // in the order of Factor
   std::vector<AuditedCall> calls;     // in order of their first occurrence
   std::vector<AuditedCode> code;
-  std::vector<AuditedCost> costs;  // with AuditOptions::realtime, in order of their first occurrence
+  std::vector<AuditedCost> costs;                 // with AuditOptions::realtime, in order of their first occurrence
+  std::optional<InstructionCounts> instructions;  // with AuditOptions::instructions
   /// Calls whose answer was equal in all replays and may have reached a command: "fopen(gains.txt) called in
   /// Walker::begin() ...".
   std::vector<std::string> rests_on;
@@ -156,6 +178,7 @@ struct AuditedReplay {
   int passes = 1;                 // number of runs in this process; libraries stay loaded between them
   std::uint32_t padding = 0;      // seed of the memory blocks that are allocated first and kept; 0: none
   std::optional<int> stack_fill;  // byte that fills the stack before each call
+  bool instructions = false;      // under callgrind: write a profile of each control()
   bool costs = false;             // log the costs of calls with their places
   std::optional<double> until;    // [s]
   HostOptions host;

@@ -12,6 +12,7 @@
 #include "core/host/controller_library.h"
 #include "core/host/virtualised.h"
 #include "core/scenario/trace_scenario.h"
+#include "instruction_profile.h"
 #include "judgement.h"
 #include "model/clock.h"
 #include "realtime.h"
@@ -48,6 +49,7 @@ class Audit {
                           std::vector<std::pair<CodePlace, bool>>& tried);
   Result<void> run_valgrind();
   Result<void> run_realtime();
+  Result<void> run_instructions();
   void take_first(const ReplayPass& pass);
   Result<void> judge();
   bool calls_can_hide() const;
@@ -284,7 +286,7 @@ Result<void> Audit::run_valgrind() {
   tell("running valgrind", 1);
   ReplaySettings settings;
   settings.name = "valgrind";
-  settings.valgrind = true;
+  settings.valgrind = ValgrindTool::memcheck;
   const auto outcomes = processes_->run({settings});
   if (!outcomes) return outcomes.errors();
   const ReplayOutcome& outcome = (*outcomes)[0];
@@ -320,6 +322,48 @@ Result<void> Audit::run_realtime() {
     report_.realtime_safe = std::ranges::none_of(report_.controllers, breaks_realtime);
     report_.verdict = realtime_verdict(report_, outcome.log.complete);
   }
+  return {};
+}
+
+/// Replaces all other examinations.
+Result<void> Audit::run_instructions() {
+  constexpr double most_ticks = 100'000;
+  const auto reader = mcap::Reader::open(trace_);
+  if (!reader) return reader.errors();
+  const auto& size = (*reader)->statistics();
+  const double seconds = size ? 1e-9 * static_cast<double>(size->message_end_time - size->message_start_time) : 0.0;
+  if (const double ticks = std::min(seconds, options_.until.value_or(seconds)) / evidence_.time_step;
+      ticks > most_ticks)
+    return error(
+        fmt::format("counting the instructions of {:.0f} ticks takes too long: the most are {:.0f}", ticks, most_ticks),
+        fmt::format("--until {:g} ends it there", most_ticks * evidence_.time_step));
+  tell("counting instructions under valgrind", 1);
+  ReplaySettings settings;
+  settings.name = "instructions";
+  settings.valgrind = ValgrindTool::callgrind;
+  settings.other_addresses = false;
+  auto outcomes = processes_->run({settings});
+  if (!outcomes) return outcomes.errors();
+  const ReplayOutcome& outcome = (*outcomes)[0];
+  take_first(outcome.passes[0]);
+  report_.replays = 1;
+  if (report_.failure) {
+    report_.verdict = "failed: " + report_.failure->message;
+    return {};
+  }
+  std::map<std::string, fs::path> files;
+  for (const AuditedLibrary& library : libraries_) files[library.label] = fs::canonical(library.file);
+  auto counts = read_instruction_profiles(outcome.instruction_profile, files);
+  if (!counts) return counts.errors();
+  for (ControllerAudit& controller : report_.controllers) {
+    controller.instructions = std::move((*counts)[controller.controller]);
+    report_.verdict +=
+        (report_.verdict.empty() ? "" : "; ") + instructions_sentence(controller.controller, *controller.instructions);
+  }
+  if (outcome.passes[0].differs_from_recording)
+    report_.remarks.push_back(
+        warning("the counts are of another run than the recorded one: the commands differ first at " +
+                to_string(*outcome.passes[0].differs_from_recording)));
   return {};
 }
 
@@ -421,18 +465,21 @@ void Audit::sum_up() {
 
 Result<AuditReport> Audit::run() {
   if (auto ready = prepare(); !ready) return ready.errors();
-  if (!report_.failure && !options_.realtime)
+  const auto only = options_.realtime       ? &Audit::run_realtime
+                    : options_.instructions ? &Audit::run_instructions
+                                            : static_cast<Result<void> (Audit::*)()>(nullptr);
+  if (!report_.failure && !only)
     if (auto done = run_first(); !done) return done.errors();
   for (const AuditedLibrary& library : libraries_) {
     ControllerAudit& controller = report_.controllers.emplace_back();
     controller.controller = library.label;
     controller.library = library.file;
-    if (options_.realtime) continue;
+    if (only) continue;
     if (auto code = scan_library(library.file)) controller.code = *std::move(code);
   }
-  if (options_.realtime) {
+  if (only) {
     if (!report_.failure)
-      if (auto done = run_realtime(); !done) return done.errors();
+      if (auto done = (this->*only)(); !done) return done.errors();
     return report_;
   }
   if (!report_.failure)

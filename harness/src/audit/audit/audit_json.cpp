@@ -40,6 +40,14 @@ AuditJson object_of(const AuditedCost& cost) {
           {"last_tick", cost.last_tick}, {"count", cost.count},       {"breaks_realtime", cost.breaks_realtime()}};
 }
 
+AuditJson object_of(const InstructionCounts::Call& call) {
+  return {{"tick", call.tick}, {"instructions", call.instructions}};
+}
+
+AuditJson object_of(const InstructionCounts::Line& line) {
+  return {{"function", line.function}, {"line", line.line}, {"instructions", line.instructions}};
+}
+
 AuditJson object_of(const ControllerAudit& controller);
 
 template <class T>
@@ -47,6 +55,13 @@ AuditJson json_array(const std::vector<T>& items) {
   AuditJson list = AuditJson::array();
   for (const T& item : items) list.push_back(object_of(item));
   return list;
+}
+
+AuditJson object_of(const InstructionCounts& counts) {
+  return {{"median", counts.median()},
+          {"most", object_of(counts.most)},
+          {"lines", json_array(counts.lines)},
+          {"calls", json_array(counts.calls)}};
 }
 
 AuditJson object_of(const ControllerAudit& controller) {
@@ -59,6 +74,7 @@ AuditJson object_of(const ControllerAudit& controller) {
           {"calls", json_array(controller.calls)},
           {"rests_on", controller.rests_on},
           {"costs", json_array(controller.costs)},
+          {"instructions", controller.instructions ? object_of(*controller.instructions) : AuditJson(nullptr)},
           {"library", {{"file", controller.library.string()}, {"findings", json_array(controller.code)}}}};
 }
 

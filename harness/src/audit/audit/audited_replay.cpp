@@ -3,6 +3,7 @@
 #include <rehearse/audit.h>
 #include <rehearse/replay.h>
 #include <stdlib.h>
+#include <valgrind/callgrind.h>
 #include <valgrind/memcheck.h>
 
 #include <algorithm>
@@ -13,6 +14,7 @@
 #include "core/compare/place_json.h"
 #include "core/guard/guarded_call.h"
 #include "core/host/interposer.h"
+#include "instruction_profile.h"
 #include "outputs_file.h"
 
 namespace rehearse {
@@ -24,14 +26,26 @@ using Json = nlohmann::json;
 /// Notes each call in the outputs file, so that the file names the call that ended the process.
 class AuditWatch : public ControllerWatch {
  public:
-  AuditWatch(OutputsWriter& outputs, std::optional<int> stack_fill)
+  AuditWatch(OutputsWriter& outputs, const AuditedReplay& work)
       : outputs_(outputs),
-        inner_(stack_fill ? std::optional(StackFill(static_cast<unsigned char>(*stack_fill))) : std::nullopt) {}
+        inner_(work.stack_fill ? std::optional(StackFill(static_cast<unsigned char>(*work.stack_fill))) : std::nullopt),
+        counts_instructions_(work.instructions) {}
   void enter(const ControllerCall& call) override {
     outputs_.enter(call.controller.c_str(), call.function, call.tick);
     inner_.enter(call);
+    if (!counts_instructions_ || std::string_view(call.function) != "control") return;
+    if (call.tick == 0) CALLGRIND_START_INSTRUMENTATION;
+    counted_ = profile_title(call.controller, call.tick);
+  }
+  void begin_control() override {
+    if (counts_instructions_) CALLGRIND_TOGGLE_COLLECT;
+  }
+  void end_control() override {
+    if (counts_instructions_) CALLGRIND_TOGGLE_COLLECT;
   }
   void leave() override {
+    if (!counted_.empty()) CALLGRIND_DUMP_STATS_AT(counted_.c_str());
+    counted_.clear();
     inner_.leave();
     outputs_.leave();
   }
@@ -39,6 +53,8 @@ class AuditWatch : public ControllerWatch {
  private:
   OutputsWriter& outputs_;
   InterposerWatch inner_;
+  bool counts_instructions_;
+  std::string counted_;  // the title of the profile of the present call
 };
 
 /// Allocates memory in odd sizes, some large and many small, and keeps about every second block. Later allocations are
@@ -74,7 +90,7 @@ Json json_of_texts(const Diagnostics& diagnostics) {
 }
 
 Json pass(const AuditedReplay& work, OutputsWriter& outputs) {
-  AuditWatch watch(outputs, work.stack_fill);
+  AuditWatch watch(outputs, work);
   std::vector<OutputField> known;
   std::string undefined;
   ReplayOptions options;

@@ -64,6 +64,10 @@ std::string memory_tunables(const ReplaySettings& settings) {
   return memory;
 }
 
+double slowness_of(const ReplaySettings& settings) {
+  return settings.valgrind == ValgrindTool::none ? 1.0 : valgrind_slowness;
+}
+
 std::string sentence_of_death(int status, const std::optional<UnfinishedCall>& call) {
   const int exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   const std::string how = exit_status <= 128
@@ -97,27 +101,29 @@ fs::path ReplayProcesses::folder_of(const ReplaySettings& settings) const {
   return options_.scratch / fmt::format("{:_<{}}", settings.name, width);
 }
 
+fs::path ReplayProcesses::profile_of(const ReplaySettings& settings) const {
+  return folder_of(settings) / "instructions";
+}
+
 std::vector<std::string> ReplayProcesses::command_line(const ReplaySettings& settings) const {
   std::vector<std::string> words;
-  if (settings.valgrind)
-    words = {"/usr/bin/env",
-             "valgrind",
-             "--quiet",
-             "--tool=memcheck",
-             "--track-origins=yes",
-             "--num-callers=40",
-             "--trace-children=yes",
-             "--child-silent-after-fork=yes",
-             "--leak-check=no",
-             "--xml=yes",
-             fmt::format("--xml-file={}", (folder_of(settings) / "valgrind.%p.xml").string())};
+  if (settings.valgrind != ValgrindTool::none)
+    words = {"/usr/bin/env", "valgrind", "--quiet", "--trace-children=yes", "--child-silent-after-fork=yes"};
+  if (settings.valgrind == ValgrindTool::memcheck)
+    words.insert(words.end(), {"--tool=memcheck", "--track-origins=yes", "--num-callers=40", "--leak-check=no",
+                               "--xml=yes", "--xml-file=" + (folder_of(settings) / "valgrind.%p.xml").string()});
+  if (settings.valgrind == ValgrindTool::callgrind)
+    words.insert(words.end(),
+                 {"--tool=callgrind", "--instr-atstart=no", "--collect-atstart=no", "--combine-dumps=yes",
+                  "--compress-pos=no", "--dump-instr=yes", "--callgrind-out-file=" + profile_of(settings).string()});
   words.insert(words.end(), {options_.auditor.string(), "audit", trace_.string(), "--replay-into",
                              folder_of(settings).string(), "--passes", std::to_string(settings.passes)});
   if (settings.padding != 0) words.insert(words.end(), {"--padding", std::to_string(settings.padding)});
   if (settings.fill != 0) words.insert(words.end(), {"--stack-fill", std::to_string(settings.fill ^ 0xff)});
   if (settings.costs) words.push_back("--costs");
+  if (settings.valgrind == ValgrindTool::callgrind) words.push_back("--profile");
   if (options_.until) words.insert(words.end(), {"--until", fmt::format("{}", *options_.until)});
-  const double limit = options_.call_limit * (settings.valgrind ? valgrind_slowness : 1.0);
+  const double limit = options_.call_limit * slowness_of(settings);
   words.insert(words.end(), {"--call-limit", fmt::format("{}", std::min(limit, 86400.0))});
   for (const auto& [name, library] : options_.libraries)
     words.insert(words.end(), {"--controller", fmt::format("{}={}", name, library)});
@@ -130,7 +136,9 @@ Result<std::vector<std::string>> ReplayProcesses::environment(const ReplaySettin
   for (const auto& [name, value] : pinned_environment()) changes[name] = value;
   if (options_.virtualise) changes.merge(virtualised_environment(options_.seed));
   changes["GLIBC_TUNABLES"] = memory_tunables(settings) + changes["GLIBC_TUNABLES"].value_or("");
-  if (!settings.valgrind) {
+  if (settings.valgrind == ValgrindTool::callgrind) {
+    changes["LD_BIND_NOW"] = "1";  // else the first call of a function also looks up its address
+  } else if (settings.valgrind == ValgrindTool::none) {
     const auto watched = interposer_environment({folder_of(settings) / "calls", folder_of(settings) / "copies",
                                                  settings.everywhere, settings.only, settings.there});
     if (!watched) return watched.errors();
@@ -173,8 +181,7 @@ bool ReplayProcesses::has_ended(Child& child) const {
   if (beat != child.beat) child.last_beat = now;
   child.beat = beat;
   const double silent = std::chrono::duration<double>(now - child.last_beat).count();
-  const double slowness = child.settings->valgrind ? valgrind_slowness : 1.0;
-  if (!child.killed && silent > (options_.call_limit + patience) * slowness) {
+  if (!child.killed && silent > (options_.call_limit + patience) * slowness_of(*child.settings)) {
     child.killed = true;
     ::kill(child.process, SIGKILL);
   }
@@ -255,7 +262,7 @@ Result<ReplayOutcome> ReplayProcesses::outcome(const Child& child) const {
     auto said = read_text(child.folder / "output.txt");
     while (said && said->ends_with('\n')) said->pop_back();
     return error(fmt::format("a process of the audit failed: {}", said ? *said : "it wrote no message"),
-                 child.settings->valgrind ? "apt-get install valgrind" : "");
+                 child.settings->valgrind != ValgrindTool::none ? "apt-get install valgrind" : "");
   }
   for (int number = 1; number <= child.settings->passes; ++number) {
     // The previous pass ended the process.
@@ -264,13 +271,14 @@ Result<ReplayOutcome> ReplayProcesses::outcome(const Child& child) const {
     if (!pass) return pass.errors();
     outcome.passes.push_back(*std::move(pass));
   }
-  if (child.settings->valgrind) {
+  if (child.settings->valgrind == ValgrindTool::callgrind) outcome.instruction_profile = profile_of(*child.settings);
+  if (child.settings->valgrind == ValgrindTool::memcheck) {
     for (const auto& entry : fs::directory_iterator(child.folder, ignored))
       if (entry.path().extension() == ".xml")
         if (auto text = read_text(entry.path()); text && text->size() > outcome.valgrind_report.size())
           outcome.valgrind_report = *std::move(text);
-    return outcome;
   }
+  if (child.settings->valgrind != ValgrindTool::none) return outcome;
   if (auto log = read_call_log(child.folder / "calls")) outcome.log = *std::move(log);
   return outcome;
 }

@@ -17,6 +17,9 @@
 
 namespace rehearse {
 
+/// The tool of valgrind under which a process runs.
+enum class ValgrindTool { none, memcheck, callgrind };
+
 /// The settings of one process.
 struct ReplaySettings {
   std::string name;  // name of its folder
@@ -30,7 +33,7 @@ struct ReplaySettings {
   EnvironmentChanges environment;
   bool other_environment = false;  // replaces all variables that the audit doesn't need
   bool other_folder = false;       // works in a separate folder
-  bool valgrind = false;
+  ValgrindTool valgrind = ValgrindTool::none;
   bool costs = false;  // AuditedReplay::costs
 };
 
@@ -48,7 +51,8 @@ struct ReplayPass {
 struct ReplayOutcome {
   std::vector<ReplayPass> passes;
   CallLog log;
-  std::string valgrind_report;  // XML
+  std::string valgrind_report;                // of memcheck, XML
+  std::filesystem::path instruction_profile;  // of callgrind
 };
 
 /// Runs replays of one trace, two processes at a time.
@@ -65,6 +69,7 @@ class ReplayProcesses {
  private:
   struct Child;
   std::filesystem::path folder_of(const ReplaySettings& settings) const;
+  std::filesystem::path profile_of(const ReplaySettings& settings) const;
   std::vector<std::string> command_line(const ReplaySettings& settings) const;
   Result<std::vector<std::string>> environment(const ReplaySettings& settings) const;
   Result<Child> start(const ReplaySettings& settings);

@@ -230,6 +230,7 @@ bool ControllerHost::control() {
     if (!hosted.running) continue;
     const auto control = [&] {
       stop_for_debugger();
+      const WatchedControl watched(options_.watch);
       hosted.tick.result = hosted.controller->control();
     };
     const std::uint64_t faults = counts_costs_ ? page_faults_of_thread() : 0;

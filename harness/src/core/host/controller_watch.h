@@ -23,6 +23,10 @@ class ControllerWatch {
   virtual ~ControllerWatch() = default;
   virtual void enter(const ControllerCall& call) = 0;
   virtual void leave() = 0;
+  /// Directly before and after control(), within enter() and leave(). end_control() is not called if the controller
+  /// crashes or hangs.
+  virtual void begin_control() {}
+  virtual void end_control() {}
 };
 
 /// Notifies the watch of one call during its lifetime. Without a watch it has no effect.
@@ -36,6 +40,22 @@ class Watched {
   }
   Watched(const Watched&) = delete;
   Watched& operator=(const Watched&) = delete;
+
+ private:
+  ControllerWatch* watch_;
+};
+
+/// Notifies the watch of control() during its lifetime. Without a watch it has no effect.
+class WatchedControl {
+ public:
+  explicit WatchedControl(ControllerWatch* watch) : watch_(watch) {
+    if (watch_) watch_->begin_control();
+  }
+  ~WatchedControl() {
+    if (watch_) watch_->end_control();
+  }
+  WatchedControl(const WatchedControl&) = delete;
+  WatchedControl& operator=(const WatchedControl&) = delete;
 
  private:
   ControllerWatch* watch_;

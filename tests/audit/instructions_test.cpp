@@ -1,0 +1,123 @@
+// The instructions of control(): ways to take long without a call, which an audit names with tick and function, and
+// ways that look alike and have equal counts in each tick.
+#include "audit/audit/instruction_profile.h"
+#include "audited.h"
+#include "support/printed_by_name.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+namespace rehearse::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+struct Length {
+  const char* name;
+  bool is_long = false;
+};
+
+const Length lengths[] = {
+    {"input_loop", true}, {"busy_wait", true},  {"quadratic_search", true}, {"many_casts", true}, {"many_sines", true},
+    {"good_denormals"},   {"good_first_touch"}, {"good_deep_stack"},        {"good_cold_call"},
+};
+
+class Instructions : public Audited, public ::testing::WithParamInterface<Length> {};
+
+TEST_P(Instructions, AreNamedWhereTheyAreMany) {
+  const Length& length = GetParam();
+  const Outcome outcome = rehearse({"audit", scenario("lengthy", length.name).string(), "--instructions", "--json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+  const nlohmann::json report = outcome.json(), counts = report["controllers"][0]["instructions"];
+  ASSERT_EQ(counts["calls"].size(), 200u);
+  const std::uint64_t most = counts["most"]["instructions"], median = counts["median"];
+  EXPECT_GT(median, 10u);
+  if (!length.is_long) {
+    for (std::size_t i = 1; i < counts["calls"].size(); ++i)
+      EXPECT_EQ(counts["calls"][i]["instructions"], median) << "call " << i;
+    EXPECT_THAT(report["verdict"], HasSubstr(" instructions in each tick"));
+    return;
+  }
+  EXPECT_EQ(counts["most"]["tick"], 150);
+  EXPECT_GT(most, 10 * median);
+  EXPECT_THAT(counts["lines"][0]["function"], HasSubstr(fmt::format("Lengthy::{}()", length.name)));
+  EXPECT_THAT(counts["lines"][0]["line"], StartsWith("lengthy.cpp:"));
+  EXPECT_THAT(report["verdict"], HasSubstr(" instructions, at tick 150, and "));
+  EXPECT_THAT(report["verdict"], HasSubstr(fmt::format("Lengthy::{}() (lengthy.cpp:", length.name)));
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, Instructions, ::testing::ValuesIn(lengths), by_name);
+
+/// Equal in each run, in another folder and with another environment.
+TEST_F(Audited, CountsEqualInstructionsInEachRun) {
+  done({"record", scenario("lengthy", "input_loop").string(), "-o", "run.mcap"});
+  const Outcome first = rehearse({"audit", "run.mcap", "--instructions", "--json"});
+  ASSERT_EQ(first.status, 0) << first.err;
+  fs::create_directory(folder() / "another_folder_for_temporary_files");
+  for (int run = 0; run < 3; ++run) {
+    const std::string temporary = (folder() / "another_folder_for_temporary_files").string();
+    const Outcome again =
+        rehearse({"replay", "run.mcap", "--instructions", "--json"},
+                 fmt::format("TMPDIR={} MORE={}", quoted(temporary), std::string(run * 1000 + 1, 'x')));
+    EXPECT_EQ(first.json()["controllers"][0]["instructions"], again.json()["controllers"][0]["instructions"]) << run;
+  }
+}
+
+TEST_F(Audited, ListsTheLinesWithMostInstructions) {
+  const Outcome outcome = rehearse({"audit", scenario("lengthy", "busy_wait").string(), "--instructions"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, StartsWith("control() of Pendulum/Zoo takes at most "));
+  EXPECT_THAT(outcome.out, ::testing::ContainsRegex("instructions at tick 150 +line +function"));
+  EXPECT_THAT(outcome.out, ::testing::ContainsRegex("lengthy.cpp:[0-9]+ +.*Lengthy::busy_wait"));
+}
+
+TEST_F(Audited, CountsNoInstructionsOfAControllerThatFails) {
+  const Outcome outcome = rehearse({"audit", scenario("bad_manners", "throw").string(), "--instructions"});
+  EXPECT_NE(outcome.status, 0);
+}
+
+class Profile : public Audited {
+ protected:
+  Result<std::map<std::string, InstructionCounts>> read(const std::string& text) const {
+    return read_instruction_profiles(write("profile", text), {{"Arm/Hold", "/c/hold.so"}});
+  }
+  static std::string call(int tick, const std::string& costs) {
+    return fmt::format("desc: Trigger: Client Request: {}\n\npositions: instr line\nevents: Ir\n{}\ntotals: 1\n",
+                       profile_title("Arm/Hold", tick), costs);
+  }
+};
+
+/// Costs of a call of another library belong to the calling line, and are counted once in the sum.
+TEST_F(Profile, IsReadWithCallsAndWithoutTheHost) {
+  const auto counts = read(
+      "version: 1\ncreator: c\n" +
+      call(
+          0,
+          "ob=(1) /c/hold.so\nfl=(1) hold.cpp\nfn=(1) Hold::control()\n0x10 5 7\ncob=(2) /lib/libm.so.6\n"
+          "cfi=(2) sin.c\ncfn=(2) sin\ncalls=1 0x80 0\n0x14 6 30\n\nob=(2)\nfl=(2)\nfn=(2)\n0x80 0 30\n\n"
+          "ob=(3) /h/rehearse\nfn=(3) rehearse::ControllerHost::control()::{lambda()#1}::operator()() const\n0x1 1 9") +
+      call(1, "ob=(1)\nfl=(1)\nfn=(1)\n0x10 5 8"));
+  ASSERT_TRUE(counts.ok()) << to_string(counts.errors());
+  const InstructionCounts& hold = counts->at("Arm/Hold");
+  ASSERT_EQ(hold.calls.size(), 2u);
+  EXPECT_EQ(hold.calls[0].instructions, 37u);
+  EXPECT_EQ(hold.calls[1].instructions, 8u);
+  EXPECT_EQ(hold.most.tick, 1) << "tick 0 may take its time";
+  EXPECT_EQ(hold.median(), 8u);
+  ASSERT_EQ(hold.lines.size(), 1u);
+  EXPECT_EQ(hold.lines[0].instructions, 8u);
+}
+
+TEST_F(Profile, OfAnotherFormIsRefusedWithItsLine) {
+  for (const char* wrong : {"0x10 5", "0x10 five 7", "fn=control()"}) {
+    const auto counts = read(call(0, "ob=(1) /c/hold.so\nfn=(1) f\n" + std::string(wrong)));
+    ASSERT_FALSE(counts.ok()) << wrong;
+    EXPECT_EQ(counts.errors()[0].line, 7) << wrong;
+    EXPECT_THAT(counts.errors()[0].message, HasSubstr(wrong));
+  }
+  EXPECT_FALSE(read_instruction_profiles(folder() / "none", {}).ok());
+}
+
+}  // namespace
+}  // namespace rehearse::test
