@@ -167,3 +167,11 @@ def test_it_is_audited():
     rehearse.record(scenario(ARM, duration=0.05), "clock.mcap")
     said = command("audit", "clock.mcap", status=1)
     assert "Arm/Hold" in said and "clock" in said
+
+
+def test_texts_are_utf_8_whatever_the_locale(monkeypatch):
+    monkeypatch.setenv("LC_ALL", "C")
+    Path("unit.txt").write_text("µm", encoding="utf-8")
+    hold("print(open('unit.txt').read()) if tick == 0 else None")
+    rehearse.record(scenario(ARM, duration=0.01), "hold.mcap")
+    assert [event["text"] for event in rehearse.Trace("hold.mcap").events] == ["µm"]

@@ -85,7 +85,12 @@ std::string start_interpreter() {
   // Python's module `signal` would handle Ctrl-C, which belongs to the program, unless it is ignored when the
   // module is loaded.
   auto* const before = signal(SIGINT, SIG_IGN);
-  PyStatus status = PyConfig_SetBytesString(&config, &config.program_name, PYTHON_PROGRAM);
+  PyPreConfig texts;
+  PyPreConfig_InitIsolatedConfig(&texts);
+  texts.utf8_mode = 1;  // whatever the locale
+  PyStatus status = Py_PreInitialize(&texts);
+  if (!PyStatus_Exception(status))
+    status = PyConfig_SetBytesString(&config, &config.program_name, PYTHON_PROGRAM);
   if (!PyStatus_Exception(status)) status = Py_InitializeFromConfig(&config);
   PyConfig_Clear(&config);
   if (!PyStatus_Exception(status)) Py_XDECREF(PyImport_ImportModule("_signal"));
