@@ -22,6 +22,7 @@ rehearse_add_test(judging_test LABEL unit SHARDS 3
     noise_floor_test.cpp
     picture_difference_test.cpp
     series_plot_test.cpp
+    series_relations_test.cpp
     tick_clock_test.cpp
     tolerance_test.cpp
   LIBRARIES Rehearse::harness nlohmann_json::nlohmann_json)

@@ -116,12 +116,12 @@ const Form& replay_form() {
       {"replay",
        "replay --json",
        {member("verdict", types::string()), member("equal", types::flag()), member("within", types::flag()),
-        member("first", difference_type()), member("beyond", difference_type()), member("worst", difference_type()),
-        member("ticks", types::count()), member("ticks_different", types::count()), member("values", types::count()),
-        member("values_different", types::count()), member("words", types::of(words_form)),
-        member("failure", types::nullable(types::string())), member("changed_files", types::array(types::string())),
-        member("controller_refused", types::flag()), member("control_times", control_times_type()),
-        member("remarks", findings_type())}});
+        member("explanation", types::string()), member("first", difference_type()), member("beyond", difference_type()),
+        member("worst", difference_type()), member("ticks", types::count()), member("ticks_different", types::count()),
+        member("values", types::count()), member("values_different", types::count()),
+        member("words", types::of(words_form)), member("failure", types::nullable(types::string())),
+        member("changed_files", types::array(types::string())), member("controller_refused", types::flag()),
+        member("control_times", control_times_type()), member("remarks", findings_type())}});
   return form;
 }
 

@@ -57,7 +57,8 @@ std::string verdict(const ReplayReport& report) {
   if (report.failure) return "failed: " + report.failure->message;
   std::string files;
   for (const std::string& change : report.changed_files) files += "; " + change;
-  if (report.first) return headline(report, "differs: ") + files;
+  if (report.first)
+    return headline(report, "differs: ") + (report.explanation.empty() ? "" : "; " + report.explanation) + files;
   if (report.values == 0) return "nothing was compared: no controller commanded anything in that time";
   return fmt::format("equal bit for bit: {}, {}", count_text(report.ticks, "tick"),
                      count_text(report.values, "commanded number"));
@@ -67,6 +68,7 @@ Json report_json(const ReplayReport& report, const std::vector<std::string>& not
   return {{"verdict", verdict(report)},
           {"equal", report.equal() && report.values > 0},
           {"within", report.equal() && report.values > 0},  // the tolerance of a replay is zero
+          {"explanation", report.explanation},
           {"first", json_of(report.first)},
           {"beyond", json_of(report.beyond)},
           {"worst", json_of(report.worst)},

@@ -90,6 +90,9 @@ struct ReplayReport : Differences {
   std::vector<std::string> other_inputs;
   std::optional<Diagnostic> failure;  // a controller threw, crashed or hung; the replay ended there
   ReplayedWords words;                // the outputs beside commands
+  /// How the controllers' variables relate to the recorded ones, if commands differ: "the scale differs: speed is 20
+  /// times the recorded one, in all 300 values". One sentence; empty: no relation was found.
+  std::string explanation;
   bool controller_refused = false;    // a controller that isn't optional refused to take part; the replay ended
   /// BODY/NAME of the controllers whose library differs from the recorded library in any byte.
   std::vector<std::string> other_controllers;

@@ -82,6 +82,11 @@ std::string files_text(const ReplayReport& replayed) {
   return replayed.changed_files.empty() ? "" : fmt::format("; {}", fmt::join(replayed.changed_files, "; "));
 }
 
+/// How the controllers' variables relate to the recorded ones, for a verdict; empty if nothing is known.
+std::string relations_of(const ReplayReport& replayed) {
+  return replayed.explanation.empty() ? "" : "; " + replayed.explanation;
+}
+
 /// The first line or variable that the controllers wrote otherwise before their first different command; empty: none.
 std::string earlier_words(const ReplayReport& replayed, const Divergence& first) {
   const std::optional<Divergence>& word = replayed.words.first;
@@ -157,7 +162,8 @@ Blame blame_controller(const Suspects& with, const CheckReport& evidence) {
   if (evidence.replay->same_controllers) return same_controller(first, *evidence.replay);
   return {{VerdictCode::controller_changed},
           "the controller changed: " + earlier_words(*evidence.replay, first) +
-              headline(*evidence.replay, "", "fed with the golden's inputs, it ") + files_text(*evidence.replay),
+              headline(*evidence.replay, "", "fed with the golden's inputs, it ") + relations_of(*evidence.replay) +
+              files_text(*evidence.replay),
           first,
           evidence.replay->first};
 }

@@ -162,6 +162,7 @@ void ReplayComparison::compare_variables(std::int64_t tick) {
   const auto compare = [&](const std::string& topic, std::optional<double> recorded, std::optional<double> now) {
     const std::optional<std::size_t> judged = judged_variable(topic);
     const bool same = recorded && now && identical(*recorded, *now);
+    if (recorded && now) history_.add(topic, tick, *recorded, *now);
     if (judged && recorded && now) {
       const auto expected = std::bit_cast<std::uint64_t>(*recorded), actual = std::bit_cast<std::uint64_t>(*now);
       report_.values += same ? 0 : 1;
@@ -198,6 +199,7 @@ Result<void> ReplayComparison::finish() {
   }
   judge_.finish();
   report_.ticks_different += results_.ticks_different();
+  if (report_.first) report_.explanation = history_.explanation(report_.controllers);
   for (JudgedEvent& event : results_.judge(last_tick_)) {
     report_.same_commands = report_.same_commands && !event.beyond;
     if (options_.on_difference) options_.on_difference(event.place);

@@ -21,6 +21,7 @@
 #include "recorded_results.h"
 #include "recorded_words.h"
 #include "recording_source.h"
+#include "variable_history.h"
 
 namespace rehearse {
 
@@ -77,6 +78,7 @@ class ReplayComparison final : public Sink {
   const std::uint64_t from_;            // [ns]
   std::optional<bool> reads_the_same_;  // controllers read the recorded set of inputs; decided at the first tick
   std::map<std::string, std::optional<std::size_t>> variables_;  // numbers in the judge by topic; none: not judged
+  VariableHistory history_;
   bool is_recovered_ = false;         // a part of the recording is lost: channels may end before the ticks
   bool inputs_are_lost_ = false;      // from the present tick on: nothing is compared any more
   std::int64_t last_tick_ = -1;       // that was compared
