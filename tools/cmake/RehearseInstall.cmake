@@ -26,6 +26,8 @@ install(TARGETS ${REHEARSE_SAMPLES}
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/rehearse/controllers COMPONENT samples OPTIONAL)
 install(FILES fixtures/motions/pick_up.seq fixtures/motions/sr1_squat.seq fixtures/motions/sr1_walk.seq
   DESTINATION ${CMAKE_INSTALL_DATADIR}/choreonoid/motion COMPONENT samples)
+install(FILES fixtures/policy/trot.txt fixtures/policy/trot.yaml
+  DESTINATION ${CMAKE_INSTALL_DATADIR}/choreonoid/policy COMPONENT samples)
 
 # The build tree is a package as well: -D CMAKE_PREFIX_PATH=build finds it at the same relative places as installed.
 set(built_package_folder ${CMAKE_BINARY_DIR}/${package_folder})
