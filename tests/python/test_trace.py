@@ -8,6 +8,7 @@ import pytest
 
 import rehearse
 from conftest import root
+from rows import write_log
 
 
 def command(*words):
@@ -140,3 +141,12 @@ def test_a_bag_is_opened_as_the_command_opens_it():
     assert trace.ticks == 0
     with pytest.raises(rehearse.Error, match="has no ticks"):
         trace.time
+
+
+def test_a_part_is_read_without_decoding_the_rest(tmp_path):
+    file = tmp_path / "rows.mcap"
+    write_log(file, 120_000, unreadable="/battery/voltage")
+    with pytest.raises(rehearse.Error, match="/battery/voltage: message 0 isn't a valid std_msgs/msg/Float64"):
+        rehearse.Trace(file)
+    part = rehearse.Trace(file, topics="/motor/current")
+    assert list(part) == ["motor/data"] and part["motor/data"][1] == np.sin(1e-3) and len(part["motor/data"]) == 120_000
