@@ -5,6 +5,11 @@
 
 #include <gmock/gmock.h>
 
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
 namespace rehearse {
 namespace {
 
@@ -48,6 +53,7 @@ TEST(ScenarioVariations, FindTheirValuesByPath) {
   const std::string any = "uniform: [0.1, 10]";
   EXPECT_EQ(line_with("bodies.Box.mass", "3.5", any), "    mass: 3.5    # [kg]");
   EXPECT_EQ(line_with("bodies[1].mass", "3.5", any), "    mass: 3.5    # [kg]");
+  EXPECT_EQ(line_with("bodies[Box].mass", "3.5", any), "    mass: 3.5    # [kg]");
   EXPECT_EQ(line_with("bodies.Box.position[2]", "0.25", any), "    position: [0, 0.5, 0.25]");
   EXPECT_EQ(line_with("bodies.Box.rotation[0]", "7", any), "    rotation: [7 deg, 0, 0]") << "the unit stays";
   EXPECT_EQ(line_with("pushes[0].until", "0.3", any),
@@ -159,6 +165,29 @@ TEST(ScenarioVariations, ChangeOfAnAnchorIsRefused) {
       load_text("rehearse: 1\nduration: &d 1\nhorizon: *d\nbodies:\n  - {name: B, box: {size: [1, 1, 1]}, mass: 1}\n"
                 "vary:\n  d: {path: duration, uniform: [1, 2]}\n"));
   EXPECT_THAT(message, HasSubstr("written with an anchor, a tag or in several lines"));
+}
+
+TEST(ScenarioVariations, AreLoadedWithValuesByPath) {
+  const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / "load_with.yaml";
+  std::ofstream(file) << world << "vary:\n  mass: {path: bodies.Box.mass, uniform: [1, 3]}\n";
+  const auto scenario =
+      load_with(file, {{"bodies[Box].mass", "8.2"}, {"gravity[2]", "-1.6"}, {"bodies.Box.friction", "0.25"}});
+  ASSERT_TRUE(scenario) << to_string(scenario.errors());
+  EXPECT_EQ(scenario->bodies[1].model->links[0].inertial.mass, 8.2);
+  EXPECT_EQ(scenario->gravity.z(), -1.6);
+  EXPECT_THAT(scenario->text, HasSubstr("    mass: 8.2    # [kg]"));
+  EXPECT_THAT(scenario->text, HasSubstr("friction: 0.25"));
+  EXPECT_EQ(scenario->variations.size(), 1u);
+
+  const auto unknown = load_with(file, {{"bodies.Box.mas", "8.2"}});
+  ASSERT_FALSE(unknown);
+  EXPECT_THAT(to_string(unknown.errors()),
+              HasSubstr("with 'bodies.Box.mas' at 8.2: the scenario states no 'mas' in 'bodies.Box'"));
+  const auto wrong = load_with(file, {{"bodies.Box.mass", "-1"}, {"duration", "2"}});
+  ASSERT_FALSE(wrong);
+  EXPECT_THAT(to_string(wrong.errors()), HasSubstr("with 'bodies.Box.mass' at -1: mass is -1"));
+  EXPECT_FALSE(load_with(file, {{"bodies.Box", "8"}}));
+  EXPECT_FALSE(load_with("absent.yaml", {}));
 }
 
 TEST(ScenarioVariations, TextWithoutAKeyKeepsTheRest) {

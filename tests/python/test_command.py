@@ -62,3 +62,25 @@ def test_bad_input_is_an_error_with_its_place(tmp_path):
 def test_a_name_that_looks_like_an_option_is_a_file():
     with pytest.raises(rehearse.Error, match="--seed"):
         rehearse.check("--seed")
+
+
+def test_record_takes_other_values_of_the_scenario(fixtures):
+    run = rehearse.record(fixtures / "scenarios/sr1_minimum.yaml", "heavy.mcap", duration=0.01, frames=False,
+                          set={"bodies[SR1].links[WAIST].mass": 8.2, "bodies.SR1.joints.RLEG_KNEE": "20 deg"})
+    trace = rehearse.Trace(run.trace)
+    text = trace.attachments["scenario.yaml"].decode()
+    assert "mass: 8.2" in text and "RLEG_KNEE" in text
+    assert trace["SR1/RLEG_KNEE/q"][0] == pytest.approx(0.349066)
+    again = rehearse.record(fixtures / "scenarios/sr1_minimum.yaml", "usual.mcap", duration=0.01, frames=False)
+    assert not rehearse.diff(run.trace, again.trace).equal
+
+
+@pytest.mark.parametrize("path, value, message", [
+    ("bodies[SR1].links[WAISTT].mass", 8.2, "with 'bodies[SR1].links[WAISTT].mass' at 8.2: the scenario states no 'WAISTT'"),
+    ("bodies[SR1].links[WAIST].mass", -1, "with 'bodies[SR1].links[WAIST].mass' at -1: "),
+    ("duration", "long", "with 'duration' at long: "),
+])
+def test_a_value_that_the_scenario_cannot_have_is_named_with_its_path(fixtures, path, value, message):
+    with pytest.raises(rehearse.Error) as raised:
+        rehearse.record(fixtures / "scenarios/sr1_minimum.yaml", set={path: value})
+    assert raised.value.message.startswith(message) and raised.value.file.endswith("sr1_minimum.yaml")

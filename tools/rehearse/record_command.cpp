@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "command.h"
 #include "control_times.h"
@@ -21,6 +22,7 @@
 #include "core/host/source_age.h"
 #include "core/host/virtualised.h"
 #include "core/mcap/replaceable.h"
+#include "core/scenario/scenario_variations.h"
 #include "debugger.h"
 #include "model/clock.h"
 #include "model_scenario.h"
@@ -49,7 +51,8 @@ struct RecordSettings {
   bool json = false;
   std::string trace;  // empty: named like the scenario, in the working directory
   std::optional<std::uint32_t> seed;
-  std::optional<double> duration;  // [s]
+  std::optional<double> duration;                           // [s]
+  std::vector<std::pair<std::string, std::string>> values;  // of the scenario, by path
   bool no_frames = false;
   bool verify = false;
   std::optional<double> checkpoints;  // [s]
@@ -74,7 +77,7 @@ void set_duration(Scenario& scenario, double duration) {
 /// The scenario with all options applied.
 Result<Scenario> load(const RecordSettings& settings) {
   Result<Scenario> scenario =
-      settings.model.model.empty() ? Scenario::load(settings.scenario) : scenario_of_model(settings.model);
+      settings.model.model.empty() ? load_with(settings.scenario, settings.values) : scenario_of_model(settings.model);
   if (!scenario) return scenario;
   if (settings.seed) scenario->seed = *settings.seed;
   if (settings.duration) set_duration(*scenario, *settings.duration);
@@ -195,6 +198,7 @@ Exit record_branch_of(BranchSettings settings, std::optional<double> deadline) {
 /// Records a branch of a recording. Refuses options that a branch can't have.
 Exit run_branch(RecordSettings& settings) {
   for (const auto& [said, option] : {std::pair(settings.seed.has_value(), "--seed"),
+                                     {!settings.values.empty(), "--with"},
                                      {settings.no_frames, "--no-frames"},
                                      {settings.verify, "--verify"},
                                      {settings.checkpoints.has_value(), "--checkpoints"}})
@@ -231,6 +235,8 @@ Result<void> check_model_options(const RecordSettings& settings) {
         "--model",
         "a scenario states packages, default_mass, mesh_up, allow_missing_meshes and allow_unknown_devices of its "
         "bodies, and its solver");
+  if (has_model && !settings.values.empty())
+    return error("--with and --model: --with goes with a SCENARIO", "--save-scenario FILE makes one of the model");
   if (!has_model && !settings.save_scenario.empty())
     return error("--save-scenario writes the scenario of a --model", "expected --model URDF as well");
   if (!has_model && settings.scenario.empty())
@@ -331,6 +337,14 @@ Exit run_record(RecordSettings& settings, const CLI::App& options) {
   return record_scenario(settings, *scenario, trace);
 }
 
+/// The parts of PATH=VALUE.
+std::pair<std::string, std::string> value_at_path(const std::string& text) {
+  const std::size_t sign = text.find('=');
+  if (sign == std::string::npos || sign == 0 || sign + 1 == text.size())
+    throw CLI::ValidationError("--with", fmt::format("'{}' is not PATH=VALUE", text));
+  return {text.substr(0, sign), text.substr(sign + 1)};
+}
+
 /// Declares --from-checkpoint, --until, --set and --push.
 void add_branch_options(CLI::App& options, BranchSettings& settings) {
   options
@@ -374,6 +388,15 @@ std::function<Exit()> declare_record(CLI::App& options) {
               [=](std::int64_t seed) { settings->seed = static_cast<std::uint32_t>(seed); });
   add_number(options, "--duration", "simulated time [s], instead of the scenario's", 0.0, Scenario::max_duration,
              [=](double duration) { settings->duration = duration; });
+  options
+      .add_option_function<std::vector<std::string>>(
+          "--with",
+          [=](const std::vector<std::string>& texts) {
+            for (const std::string& text : texts) settings->values.push_back(value_at_path(text));
+          },
+          "another value in the scenario, as bodies.Box.mass=2.5, by a path as in `vary:`; repeatable")
+      ->type_name("PATH=VALUE")
+      ->allow_extra_args(false);
   add_number(options, "--checkpoints", "simulated time from one checkpoint to the next [s], 0: none (0.1)", 0.0,
              Scenario::max_duration, [=](double period) { settings->checkpoints = period; });
   options.add_flag("--verify", settings->verify,

@@ -119,7 +119,12 @@ def check(scenario: PathLike, *, golden: Optional[PathLike] = None, level: Optio
                 call_limit=call_limit, memory_limit=memory_limit)
 
 
-def record(scenario: PathLike, output: Optional[PathLike] = None, *, seed: Optional[int] = None,
+def _yaml(value: Any) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def record(scenario: PathLike, output: Optional[PathLike] = None, *,
+           set: Optional[Mapping[str, Union[float, str]]] = None, seed: Optional[int] = None,
            duration: Optional[float] = None, frames: bool = True,
            controllers: Optional[Mapping[str, PathLike]] = None, call_limit: Optional[float] = None,
            memory_limit: Optional[float] = None) -> Result:
@@ -127,9 +132,13 @@ def record(scenario: PathLike, output: Optional[PathLike] = None, *, seed: Optio
 
     The result has ``trace`` (the path), ``ticks``, ``duration`` [s], ``expectations`` and ``failure`` (of a controller,
     or None). output: default SCENARIO.mcap in the working directory. frames: False: pictures aren't recorded.
+
+    set: other values in the scenario by their paths, as {"bodies[SR1].links[WAIST].mass": 8.2}, in the unit that the
+    scenario has there. Paths are those of ``vary:``; a value that the scenario can't have raises Error with its path.
     """
+    values = [f"{path}={_yaml(value)}" for path, value in (set or {}).items()]
     return _run("record", scenario, output=output, seed=seed, duration=duration, no_frames=not frames,
-                controllers=controllers, call_limit=call_limit, memory_limit=memory_limit)
+                controllers=controllers, call_limit=call_limit, memory_limit=memory_limit, **{"with": values})
 
 
 def replay(trace: PathLike, output: Optional[PathLike] = None, *,

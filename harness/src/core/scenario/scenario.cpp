@@ -6,6 +6,7 @@
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
+#include "scenario_variations.h"
 
 #include <fmt/format.h>
 
@@ -256,7 +257,15 @@ Result<Scenario> Scenario::load(const std::filesystem::path& file) {
   return load_text(std::move(*text), file);
 }
 
-Result<Scenario> Scenario::load_text(std::string text, const std::filesystem::path& file) {
+namespace {
+
+/// The sources of models and of other files, by paths relative to the folder of a scenario.
+struct FilesBeside {
+  Scenario::ModelSource models;
+  Scenario::FileSource bytes;
+};
+
+FilesBeside files_beside(const std::filesystem::path& file) {
   const auto beside = [folder = file.parent_path()](const std::string& model_file,
                                                     const UrdfOptions& options) -> Result<Model> {
     const std::filesystem::path path = folder / model_file;
@@ -274,7 +283,61 @@ Result<Scenario> Scenario::load_text(std::string text, const std::filesystem::pa
     return error(fmt::format("there is no file '{}'", shortened(name)),
                  fmt::format("looked for {}, relative to the scenario", shortened(path.string(), 500)));
   };
-  return parse(std::move(text), file.string(), beside, bytes);
+  return {beside, bytes};
+}
+
+using StatedValues = std::vector<std::pair<std::string, std::string>>;  // by path
+
+/// The errors of a scenario that has these values, each with the values.
+Diagnostics with_values(const StatedValues& values, Diagnostics errors) {
+  std::string stated;
+  for (const auto& [path, value] : values)
+    stated += fmt::format("{}'{}' at {}", stated.empty() ? "with " : ", ", path, value);
+  if (stated.empty()) return errors;
+  for (Diagnostic& found : errors) found.message = fmt::format("{}: {}", stated, found.message);
+  return errors;
+}
+
+/// Puts a value at a path of the text, in which `put` are.
+Result<void> state_value(const std::filesystem::path& file, const std::pair<std::string, std::string>& value,
+                         const StatedValues& put, std::string& text) {
+  const Result<YamlNodePtr> root = parse_yaml(text, file.string());
+  if (!root) return with_values(put, root.errors());
+  Scenario scenario;
+  scenario.file = file.string();
+  scenario.text = text;
+  Findings findings(scenario.file);
+  const FilesBeside files = files_beside(file);
+  read_scenario(findings, **root, files.models, files.bytes, scenario);
+  if (findings.any_error()) return with_values(put, findings.errors());
+  auto place = place_of(findings, **root, scenario, value.first);
+  if (!place) return with_values({value}, findings.errors());
+  scenario.variations = {*std::move(place)};
+  auto varied = scenario.varied_text({value.second});
+  if (!varied) return with_values({value}, varied.errors());
+  text = *std::move(varied);
+  return {};
+}
+
+}  // namespace
+
+Result<Scenario> Scenario::load_text(std::string text, const std::filesystem::path& file) {
+  const FilesBeside files = files_beside(file);
+  return parse(std::move(text), file.string(), files.models, files.bytes);
+}
+
+Result<Scenario> load_with(const std::filesystem::path& file,
+                           const std::vector<std::pair<std::string, std::string>>& values) {
+  Result<std::string> text = read_yaml_file(file, "a scenario");
+  if (!text) return text.errors();
+  StatedValues put;
+  for (const auto& value : values) {
+    if (auto done = state_value(file, value, put, *text); !done) return done.errors();
+    put.push_back(value);
+  }
+  auto scenario = Scenario::load_text(*std::move(text), file);
+  if (!scenario) return with_values(values, scenario.errors());
+  return scenario;
 }
 
 Result<Scenario> Scenario::parse(std::string text, const std::string& file, const ModelSource& models,

@@ -106,6 +106,9 @@ void read_margin(Findings& findings, const Keys& keys, Expectation& expectation)
 
 /// The `vary` map. `root`: the whole scenario, which states the nominal values.
 void read_variations(Findings& findings, const YamlNode& node, const YamlNode& root, Scenario& scenario);
+/// The place of the value at a path, also of a default; none: it is reported. The scenario has been read.
+std::optional<Variation> place_of(Findings& findings, const YamlNode& root, const Scenario& scenario,
+                                  const std::string& path);
 
 /// The index of the body of that name in scenario.bodies; reports it if there is none.
 std::optional<int> find_body(Findings& findings, const YamlNode& at, std::string_view name, const Scenario& scenario);

@@ -35,10 +35,13 @@ std::optional<std::vector<Step>> steps_of(std::string_view path) {
   for (std::size_t at = 0; at < path.size();) {
     Step step;
     if (path[at] == '[') {
-      const char* const end = path.data() + path.size();
-      const auto [stop, status] = std::from_chars(path.data() + at + 1, end, step.index);
-      if (status != std::errc() || stop == end || *stop != ']') return std::nullopt;
-      at = static_cast<std::size_t>(stop - path.data()) + 1;
+      const std::size_t close = path.find(']', at);
+      if (close == std::string_view::npos || close == at + 1) return std::nullopt;
+      const std::string_view inside = path.substr(at + 1, close - at - 1);
+      const char* const end = inside.data() + inside.size();
+      const auto [stop, status] = std::from_chars(inside.data(), end, step.index);
+      if (status != std::errc() || stop != end) step.name = inside;
+      at = close + 1;
     } else {
       if ((path[at] == '.') == steps.empty()) return std::nullopt;
       if (!steps.empty()) ++at;
@@ -474,6 +477,15 @@ Result<std::string> Scenario::varied_text(const std::vector<std::string>& values
   return varied;
 }
 
+std::optional<Variation> place_of(Findings& findings, const YamlNode& root, const Scenario& scenario,
+                                  const std::string& path) {
+  Variation place;
+  place.name = place.path = path;
+  place.place.file = scenario.file;
+  if (!VariationReader(findings, root, scenario).find_place(root, place)) return std::nullopt;
+  return place;
+}
+
 Result<std::string> text_with(const std::string& text, const std::string& file, const std::string& path,
                               const std::string& value) {
   const auto root = parse_yaml(text, file);
@@ -482,11 +494,10 @@ Result<std::string> text_with(const std::string& text, const std::string& file, 
   Scenario scenario;
   scenario.file = file;
   scenario.text = text;
-  Variation place;
-  place.name = place.path = path;
-  if (!VariationReader(findings, **root, scenario).find_place(**root, place)) return findings.errors();
+  const auto place = place_of(findings, **root, scenario, path);
+  if (!place) return findings.errors();
   std::string changed = text;
-  if (auto put = put_value(place, value, changed); !put) return put.errors();
+  if (auto put = put_value(*place, value, changed); !put) return put.errors();
   return changed;
 }
 
