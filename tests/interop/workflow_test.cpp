@@ -44,13 +44,14 @@ TEST_F(Workflow, AnActionThatUsesAnInputItDoesNotDeclareIsReported) {
 }
 
 TEST_F(Workflow, OfANewProjectIsValid) {
-  std::string workflow = read_file(fs::path(SOURCE_DIR) / "tools/new_project/.github/workflows/test.yml");
-  workflow.replace(workflow.find("@ORIGIN@"), 8, "https://github.com/owner/name");
-  workflow.replace(workflow.find("@HISTORY@"), 9, "branch");
-  workflow.replace(workflow.find("@CONTENTS@"), 10, "write");
-  std::ofstream(file_) << workflow;
-  const Output found = check(file_);
-  EXPECT_EQ(found.status, 0) << found.text;
+  for (const char* language : {"c++", "c", "rust", "python"}) {
+    const Output made = run(quoted(REHEARSE_COMMAND) + " new --origin https://github.com/owner/name --history branch " +
+                            "--language " + language + " " + quoted(file_));
+    EXPECT_EQ(made.status, 0) << made.text;
+    const Output found = check(file_ / ".github/workflows/test.yml");
+    EXPECT_EQ(found.status, 0) << language << ": " << found.text;
+    fs::remove_all(file_);
+  }
 }
 
 TEST_F(Workflow, WithAMistakeIsReported) {

@@ -46,7 +46,12 @@ TEST_F(New, WritesTheControllerInTheLanguageThatIsAskedFor) {
   EXPECT_THAT(read_file(folder() / "in_python/scenarios/hold.yaml"), HasSubstr("- library: hold.py:Hold\n"));
   EXPECT_THAT(read_file(folder() / "in_python/README.md"), HasSubstr("# in_python\n"));
   EXPECT_TRUE(fs::exists(folder() / "in_python/test_hold.py"));
-  for (const char* other : {"CMakeLists.txt", "hold_test.cpp", ".github"})
+  const std::string workflow = read_file(folder() / "in_python/.github/workflows/test.yml");
+  EXPECT_THAT(workflow,
+              AllOf(HasSubstr("! fetch python3-rehearse;"), HasSubstr(" python3-pytest ca-certificates "),
+                    HasSubstr("        run: python3 -m pytest "), HasSubstr("\n            rehearse-pending\n"),
+                    Not(HasSubstr("cmake")), Not(ContainsRegex("@[A-Z]+@"))));
+  for (const char* other : {"CMakeLists.txt", "hold_test.cpp"})
     EXPECT_FALSE(fs::exists(folder() / "in_python" / other)) << other;
   EXPECT_THAT(read_file(folder() / "in_c/scenarios/hold.yaml"), HasSubstr("- library: Hold\n"));
   const Outcome refused = run(command, {"new", "--language", "ada", "in_ada"});

@@ -30,7 +30,7 @@ struct Language {
   std::string_view of_project;        // for project() in CMake
   std::string_view controller;        // adds the controller
   std::string_view source;            // its file
-  std::string_view packages;          // of Debian, besides g++, for its workflow
+  std::string_view packages;          // of Debian, for its workflow
   std::string_view library = "Hold";  // in the scenario
   bool is_built = true;               // by CMake
 };
@@ -40,6 +40,27 @@ constexpr Language languages[] = {
     {"rust", "rust", "CXX", "rehearse_add_rust_controller(Hold Cargo.toml)  # built by cargo", "src/lib.rs", "cargo "},
     {"python", "python", "", "", "hold.py", "", "hold.py:Hold", false},
 };
+
+/// The parts of the workflow that depend on how the tests are run.
+struct Testing {
+  std::string_view package;   // of Rehearse, besides the command
+  std::string_view packages;  // of Debian
+  std::string_view steps;
+  std::string_view output;  // folder
+  std::string_view kept;    // paths of the artifact
+};
+constexpr Testing by_cmake{"rehearse-dev", "cmake g++ make ",
+                           "      - name: Build\n"
+                           "        run: cmake -S . -B build && cmake --build build\n"
+                           "      - name: Test\n"
+                           "        run: ctest --test-dir build --output-on-failure --output-junit ctest.xml",
+                           "build",
+                           "            build/*.xml\n            build/history.html\n            build/traces\n"
+                           "            build/goldens/pending"};
+constexpr Testing by_pytest{"python3-rehearse", "python3-pytest ",
+                            "      - name: Test\n"
+                            "        run: python3 -m pytest --junit-xml rehearse-pending/pytest.xml",
+                            "rehearse-pending", "            rehearse-pending"};
 
 /// Where the workflow keeps the history of checks.
 constexpr std::string_view history_places[] = {"artifact", "branch"};
@@ -84,7 +105,12 @@ std::string filled_in(std::string_view text, const Replacements& replacements) {
   replace(filled, "@CONTROLLER@", std::string(replacements.language.controller));
   replace(filled, "- library: Hold\n", fmt::format("- library: {}\n", replacements.language.library));
   replace(filled, "@SOURCE@", std::string(replacements.language.source));
-  replace(filled, "@PACKAGES@", std::string(replacements.language.packages));
+  const Testing& testing = replacements.language.is_built ? by_cmake : by_pytest;
+  replace(filled, "@PACKAGE@", std::string(testing.package));
+  replace(filled, "@PACKAGES@", fmt::format("{}{}", replacements.language.packages, testing.packages));
+  replace(filled, "@STEPS@", std::string(testing.steps));
+  replace(filled, "@OUTPUT@", std::string(testing.output));
+  replace(filled, "@KEPT@", std::string(testing.kept));
   replace(filled, "@HISTORY@", replacements.history);
   replace(filled, "@SCHEMA@", replacements.schema);
   replace(filled, "@CONTENTS@", replacements.history == "branch" ? "write" : "read");
@@ -160,8 +186,8 @@ Exit add_workflow(const fs::path& folder, const Replacements& replacements) {
     if (file.path == workflow_file)
       if (const auto written = write(target, filled_in(file.text, replacements)); !written)
         return refuse(written.errors());
-  fmt::print("{}: builds the project and runs its tests on GitHub, with Rehearse from {}\n", target.string(),
-             replacements.origin);
+  fmt::print("{}: {}runs its tests on GitHub, with Rehearse from {}\n", target.string(),
+             replacements.language.is_built ? "builds the project and " : "", replacements.origin);
   return Exit::done;
 }
 
@@ -171,11 +197,9 @@ Exit run_new(const NewSettings& settings) {
     if (const auto usable = check_origin(settings.origin); !usable) return refuse(usable.errors());
   const Replacements replacements = replacements_of(settings);
   const Language& language = replacements.language;
-  if (settings.workflow_only && !language.is_built)
-    return refuse(error("there is no workflow for a project in Python", "write one that runs python3 -m pytest"));
   if (settings.workflow_only) return add_workflow(folder, replacements);
   if (const auto prepared = prepare(folder); !prepared) return refuse(prepared.errors());
-  const bool has_workflow = language.is_built && !replacements.origin.empty();
+  const bool has_workflow = !replacements.origin.empty();
   for (const ProjectFile& file : new_project_files()) {
     if (file.path == workflow_file && !has_workflow) continue;
     const bool is_of_all = file.language.empty() || (file.language == "built" && language.is_built);
@@ -188,20 +212,20 @@ Exit run_new(const NewSettings& settings) {
   fmt::print("{}: a controller, its robot, its scenario and its tests. To {}make its golden:\n\n", folder.string(),
              language.is_built ? "build it and " : "");
   fmt::print("  cd {}\n", shell_word(folder.string()));
-  if (!language.is_built) {
+  if (language.is_built) {
+    fmt::print("  cmake -S . -B build{}\n", where.empty() ? "" : " -D CMAKE_PREFIX_PATH=" + shell_word(where));
+    fmt::print(
+        "  cmake --build build\n  REHEARSE_GOLDEN=new ctest --test-dir build --output-on-failure\n"
+        "  ctest --test-dir build --output-on-failure\n");
+  } else {
     fmt::print("  REHEARSE_GOLDEN=new python3 -m pytest\n  python3 -m pytest\n");
-    return Exit::done;
   }
-  fmt::print("  cmake -S . -B build{}\n", where.empty() ? "" : " -D CMAKE_PREFIX_PATH=" + shell_word(where));
-  fmt::print(
-      "  cmake --build build\n  REHEARSE_GOLDEN=new ctest --test-dir build --output-on-failure\n"
-      "  ctest --test-dir build --output-on-failure\n");
   std::fflush(stdout);  // before related output on stderr
   if (!has_workflow)
     fmt::print(stderr,
                "note: it has no workflow for GitHub Actions, as this build doesn't know the address of Rehearse's "
-               "repository: rehearse new --workflow --origin URL {} writes one\n",
-               shell_word(folder.string()));
+               "repository: rehearse new --workflow{} --origin URL {} writes one\n",
+               language.is_built ? "" : " --language python", shell_word(folder.string()));
   return Exit::done;
 }
 
