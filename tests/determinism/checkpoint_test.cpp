@@ -44,7 +44,11 @@ std::size_t expect_same_messages(const Trace& recording, const Trace& later) {
     const TraceChannel* recorded = recording.find_channel(channel.topic);
     if (!recorded || channel.topic == "/tick") continue;
     for (std::size_t i = 0; i < channel.messages(); ++i) {
-      const auto found = std::lower_bound(recorded->times.begin(), recorded->times.end(), channel.times[i]);
+      // of several messages of one time, as of two feet that are lifted, those of the same rank are compared
+      const auto rank = channel.times.begin() + static_cast<std::ptrdiff_t>(i) -
+                        std::lower_bound(channel.times.begin(), channel.times.end(), channel.times[i]);
+      const auto first = std::lower_bound(recorded->times.begin(), recorded->times.end(), channel.times[i]);
+      const auto found = recorded->times.end() - first > rank ? first + rank : recorded->times.end();
       EXPECT_TRUE(found != recorded->times.end() && *found == channel.times[i])
           << channel.topic << " says something at " << channel.times[i] << " ns that was not recorded";
       if (found == recorded->times.end() || *found != channel.times[i]) return compared;

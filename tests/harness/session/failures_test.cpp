@@ -23,7 +23,7 @@ struct Failure {
 
 std::string failure_name(const ::testing::TestParamInfo<Failure>& failure) { return failure.param.name; }
 
-constexpr double call_limit = 0.3;  // [s]; a crash takes none of it
+constexpr double call_limit = 2.0;  // [s]; an overflow touches the whole stack, which takes a while under load
 
 class FailureInControl : public RunTest, public ::testing::WithParamInterface<Failure> {};
 INSTANTIATE_TEST_SUITE_P(How, FailureInControl,
@@ -34,7 +34,7 @@ INSTANTIATE_TEST_SUITE_P(How, FailureInControl,
                                            Failure{"overflow", "crashed: its stack overflowed"},
                                            Failure{"exit", "called exit(0)"}, Failure{"_exit", "called _exit(3)"},
                                            Failure{"quick_exit", "called quick_exit(1)"},
-                                           Failure{"hang", "did not return within 0.3 s"}),
+                                           Failure{"hang", "did not return within 2 s"}),
                          failure_name);
 
 TEST_P(FailureInControl, EndsTheRunAndLeavesAWholeTrace) {

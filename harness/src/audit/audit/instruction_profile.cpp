@@ -219,9 +219,8 @@ std::uint64_t InstructionCounts::median() const {
   for (const Call& call : calls)
     if (call.tick > 0 || calls.size() == 1) sorted.push_back(call.instructions);
   if (sorted.empty()) return 0;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>((sorted.size() - 1) / 2);
-  std::ranges::nth_element(sorted, middle);
-  return *middle;
+  std::ranges::stable_sort(sorted);
+  return sorted[(sorted.size() - 1) / 2];
 }
 
 std::string instructions_sentence(const std::string& controller, const InstructionCounts& counts) {
