@@ -74,7 +74,9 @@ TEST_F(Audited, ListsTheLinesWithMostInstructions) {
 
 TEST_F(Audited, CountsNoInstructionsOfAControllerThatFails) {
   const Outcome outcome = rehearse({"audit", scenario("bad_manners", "throw").string(), "--instructions"});
-  EXPECT_NE(outcome.status, 0);
+  EXPECT_EQ(outcome.status, 3) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("failed: "));
+  EXPECT_THAT(outcome.out, HasSubstr("no gait for this slope"));
 }
 
 class Profile : public Audited {
