@@ -64,6 +64,13 @@ TEST_F(Audited, CountsEqualInstructionsInEachRun) {
   }
 }
 
+TEST_F(Audited, CountsInstructionsWithoutOptionsThatAskForSomethingElse) {
+  done({"record", scenario("lengthy", "busy_wait").string(), "-o", "run.mcap"});
+  const Outcome outcome = rehearse({"replay", "run.mcap", "--instructions", "--deadline", "1"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("--instructions goes without --deadline"));
+}
+
 TEST_F(Audited, ListsTheLinesWithMostInstructions) {
   const Outcome outcome = rehearse({"audit", scenario("lengthy", "busy_wait").string(), "--instructions"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;

@@ -6,6 +6,7 @@
 #include <rehearse/session.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <cstdio>
@@ -14,6 +15,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -114,6 +116,12 @@ Exit run_in_gdb(const ReplaySettings& settings, const CLI::App& options) {
 Exit count_instructions(const ReplaySettings& settings, const CLI::App& options) {
   if (settings.is_of_a_log())
     return refuse(error("--instructions is for recordings", "replay the log into one with -o, and count in that"));
+  const std::vector<std::string_view> shared{"TRACE",        "--instructions", "--until",       "--controller",
+                                             "--call-limit", "--json",         "--memory-limit"};
+  for (const CLI::Option* option : options.get_options())
+    if (option->count() > 0 && std::ranges::find(shared, option->get_name()) == shared.end())
+      return refuse(error(fmt::format("--instructions goes without {}", option->get_name()),
+                          "it counts in the whole recording, or with --until in its beginning"));
   std::vector<std::string> words = words_without({}, "audit", options);
   words.insert(words.begin(), "rehearse");
   execv(own_program().c_str(), pointers_to(words).data());
