@@ -1,16 +1,20 @@
 // rehearse audit: finds out whether a controller is a function of its inputs, and if not, what it depends on.
 #include <fmt/format.h>
 #include <rehearse/audit.h>
+#include <rehearse/coverage.h>
 
 #include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "audit_mode.h"
 #include "command.h"
 #include "core/guard/interruption.h"
 #include "core/mcap/replaceable.h"
+#include "coverage_text.h"
 #include "model/write_hint.h"
 #include "options.h"
 #include "output.h"
@@ -23,8 +27,9 @@ namespace {
 namespace fs = std::filesystem;
 
 struct AuditSettings {
-  std::string subject;
-  std::string output;  // with --virtualise: output file of the recording
+  std::vector<std::string> subjects;  // one, or several with --coverage
+  std::string lcov;                   // with --coverage: output file of the tracefile; empty: none
+  std::string output;                 // with --virtualise: output file of the recording
   bool json = false;
   bool verbose = false;
   AuditOptions audit;
@@ -134,7 +139,7 @@ void tell(const AuditSettings& settings, const AuditReport& report) {
 
 /// Executes the task that a parent process gave to this process.
 Exit run_replay(AuditSettings& settings) {
-  settings.replay.trace = settings.subject;
+  settings.replay.trace = settings.subjects.front();
   settings.replay.until = settings.audit.until;
   settings.replay.host = settings.audit;
   const auto done = make_audited_replay(settings.replay);
@@ -151,13 +156,55 @@ Result<void> keep_recording(const AuditSettings& settings) {
   return {};
 }
 
+/// Prints the report of --coverage, and writes its tracefile.
+Exit finish(const AuditSettings& settings, const CoverageReport& report) {
+  if (!settings.lcov.empty())
+    if (const auto written = write_text(settings.lcov, to_lcov(report)); !written) return refuse(written.errors());
+  if (settings.json)
+    print(Json::parse(to_json(report)));
+  else
+    tell_coverage(report, settings.verbose);
+  return report.failure ? Exit::controller_failed : Exit::done;
+}
+
+Exit finish(const AuditSettings& settings, const AuditReport& report) {
+  if (!settings.output.empty())
+    if (const auto kept = keep_recording(settings); !kept) return refuse(kept.errors());
+  if (settings.json)
+    print(Json::parse(to_json(report)));
+  else
+    tell(settings, report);
+  if (!settings.output.empty() && !settings.json)
+    fmt::print("recorded in {}: replay and check give it the same time and random numbers\n", settings.output);
+  if (report.failure || report.controller_refused) return Exit::controller_failed;
+  if (settings.audit.instructions) return Exit::done;
+  if (settings.audit.realtime) return report.realtime_safe.value_or(false) ? Exit::done : Exit::differs;
+  return report.deterministic ? Exit::done : Exit::differs;
+}
+
+/// Calls `examine`, which is interrupted by signals, and finishes with its report.
+template <class Examine>
+Exit examine_and_finish(AuditSettings& settings, const Examine& examine) {
+  const auto report = [&] {
+    Progress progress("auditing");
+    settings.audit.progress = [&](const std::string&, int done, int all) { progress.show(done, all); };
+    return examine();
+  }();
+  if (interruption() != 0) throw Interrupted();
+  if (!report) return refuse(report.errors());
+  return finish(settings, *report);
+}
+
 Exit run_audit(AuditSettings& settings) {
   if (!settings.replay.folder.empty()) return run_replay(settings);
+  const std::string& subject = settings.subjects.front();
+  if (settings.subjects.size() > 1 && !settings.audit.coverage)
+    return refuse(error("only --coverage examines several recordings: this examines one", "name it alone"));
   if (!settings.output.empty() && !settings.audit.virtualise)
     return refuse(error("-o is the recording that --virtualise makes", "add --virtualise, or use rehearse record"));
-  const std::string kind = fs::path(settings.subject).extension().string();
+  const std::string kind = fs::path(subject).extension().string();
   if (!settings.output.empty() && kind != ".yaml" && kind != ".yml")
-    return refuse(error("-o is a new recording, which needs a scenario; " + settings.subject + " is a recording"));
+    return refuse(error("-o is a new recording, which needs a scenario; " + subject + " is a recording"));
   if (!settings.output.empty())
     if (const auto allowed = check_replaceable(settings.output, mcap_magic, "trace"); !allowed)
       return refuse(allowed.errors());
@@ -170,32 +217,19 @@ Exit run_audit(AuditSettings& settings) {
   settings.audit.auditor = fs::read_symlink("/proc/self/exe", failed);
   settings.audit.recorder = settings.audit.auditor.parent_path() / "rehearse-simulate";
   settings.audit.should_stop = [] { return interruption() != 0; };
-  const Result<AuditReport> report = [&] {
-    Progress progress("auditing");
-    settings.audit.progress = [&](const std::string&, int done, int all) { progress.show(done, all); };
-    return audit(settings.subject, settings.audit);
-  }();
-  if (interruption() != 0) throw Interrupted();
-  if (!report) return refuse(report.errors());
-  if (!settings.output.empty())
-    if (const auto kept = keep_recording(settings); !kept) return refuse(kept.errors());
-  if (settings.json)
-    print(Json::parse(to_json(*report)));
-  else
-    tell(settings, *report);
-  if (!settings.output.empty() && !settings.json)
-    fmt::print("recorded in {}: replay and check give it the same time and random numbers\n", settings.output);
-  if (report->failure || report->controller_refused) return Exit::controller_failed;
-  if (settings.audit.instructions) return Exit::done;
-  if (settings.audit.realtime) return report->realtime_safe.value_or(false) ? Exit::done : Exit::differs;
-  return report->deterministic ? Exit::done : Exit::differs;
+  if (settings.audit.coverage)
+    return examine_and_finish(settings, [&] {
+      return coverage({settings.subjects.begin(), settings.subjects.end()}, settings.audit);
+    });
+  return examine_and_finish(settings, [&] { return audit(subject, settings.audit); });
 }
 
 std::function<Exit()> declare_audit(CLI::App& options) {
   const auto settings = std::make_shared<AuditSettings>();
   options
-      .add_option("SCENARIO_OR_TRACE", settings->subject,
-                  "a YAML file, which is recorded first, or a recording, whose inputs are used")
+      .add_option("SCENARIO_OR_TRACE", settings->subjects,
+                  "a YAML file, which is recorded first, or a recording, whose inputs are used; with --coverage also "
+                  "several")
       ->required()
       ->type_name("");
   add_number(options, "--until", "end there [s]", 0.0, longest_time,
@@ -212,6 +246,13 @@ std::function<Exit()> declare_audit(CLI::App& options) {
                 "instead: count the instructions of each control() under valgrind, and list its most expensive lines")
       ->excludes(options.get_option("--valgrind"))
       ->excludes(options.get_option("--realtime"));
+  options
+      .add_flag("--coverage", settings->audit.coverage,
+                "instead: list the lines of the controllers that the recordings never execute, by debug information")
+      ->excludes(options.get_option("--valgrind"))
+      ->excludes(options.get_option("--realtime"))
+      ->excludes(options.get_option("--instructions"));
+  add_lcov_option(options, settings->lcov);
   options.add_flag("--virtualise", settings->audit.virtualise,
                    "give the controllers simulated time and seeded random numbers instead of the system's");
   options.add_option("-o,--output", settings->output, "with --virtualise: the trace to write")->type_name("TRACE");
@@ -220,7 +261,8 @@ std::function<Exit()> declare_audit(CLI::App& options) {
               [=](std::int64_t seed) { settings->audit.seed = static_cast<std::uint64_t>(seed); });
   options.add_flag(
       "-v,--verbose", settings->verbose,
-      "also list functions that its library could call, and didn't; with --realtime the callers of each place");
+      "also list functions that its library could call, and didn't; with --realtime the callers of each place, with "
+      "--coverage all lines");
   add_host_options(options, settings->audit);
   add_json_flag(options, settings->json);
   // options for child processes: in no group, so that --help doesn't list them
@@ -229,6 +271,7 @@ std::function<Exit()> declare_audit(CLI::App& options) {
   options.add_option("--padding", settings->replay.padding)->group("");
   options.add_option("--stack-fill", settings->replay.stack_fill)->group("");
   options.add_flag("--costs", settings->replay.costs)->group("");
+  options.add_flag("--executed", settings->replay.coverage)->group("");
   options.add_flag("--profile", settings->replay.instructions)->group("");
   return [settings] { return run_audit(*settings); };
 }
@@ -240,6 +283,7 @@ const Verb audit_verb{"audit",
                       "  rehearse audit walk.mcap --controller Walker=build/MyWalker.so --valgrind\n"
                       "  rehearse audit walk.mcap --realtime\n"
                       "  rehearse audit walk.mcap --instructions\n"
+                      "  rehearse audit golden/*.mcap --coverage\n"
                       "  rehearse audit walk.yaml --virtualise -o walk.mcap\n",
                       declare_audit};
 

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "audit_mode.h"
 #include "check_history.h"
 #include "check_outcome.h"
 #include "command.h"
@@ -52,6 +53,8 @@ struct CheckSettings {
   bool github = is_github();
   CheckOptions check;
   bool has_levels = false;         // the user named levels
+  bool coverage = false;           // instead, list the lines that no golden executes
+  std::string lcov;                // output file of the tracefile, with `coverage`; empty: none
   bool simulate = false;           // nothing is proved
   bool strict = false;             // goldens without an owner fail, too
   bool verbose = false;            // the first differences are also printed in full
@@ -385,10 +388,23 @@ Exit check_strictly() {
   return found.empty() ? Exit::done : Exit::differs;
 }
 
+/// Continues as `audit --coverage` with the goldens of these scenarios.
+Exit cover_goldens(const CheckSettings& settings, const std::vector<std::string>& files, const CLI::App& options) {
+  std::vector<fs::path> goldens;
+  for (const std::string& file : files) {
+    const auto scenario = read_scenario(file);
+    if (!scenario) return refuse(scenario.errors());
+    if (fs::path golden = golden_of(settings, *scenario); !golden.empty()) goldens.push_back(std::move(golden));
+  }
+  if (goldens.empty()) return refuse(error("--coverage replays goldens, and there is none yet", "record one first"));
+  return continue_in_audit("--coverage", goldens, options);
+}
+
 Exit run_check(CheckSettings& settings, const CLI::App& options) {
   const auto files = settings.scenarios.empty() ? files_of_project() : settings.scenarios;
   if (!files) return refuse(files.errors());
   if (files->empty()) return refuse(nothing_to_check());
+  if (settings.coverage) return cover_goldens(settings, *files, options);
   const bool alone = files->size() == 1;
   if (settings.debugger.is_wanted() && !alone)
     return refuse(error("--gdb stops in one scenario", "name that scenario"));
@@ -469,6 +485,9 @@ std::function<Exit()> declare_check(CLI::App& options) {
       "--simulate", settings->simulate,
       "simulate even if it is proved that the world is the one that made the golden. REHEARSE_PROOF=off has the same "
       "effect; REHEARSE_PROOF=sample:20 in a fifth of the checks");
+  options.add_flag("--coverage", settings->coverage,
+                   "instead: list the lines of the controllers that no golden executes, as audit --coverage does");
+  add_lcov_option(options, settings->lcov);
   options.add_flag("-v,--verbose", settings->verbose,
                    "also print the first differences in full, with relative errors and ULPs, and the times of "
                    "control()");

@@ -256,6 +256,49 @@ const Form& audit_form() {
   return form;
 }
 
+const Form& execution_form() {
+  static const Form form{
+      "execution", "a first execution", {member("recording", types::string()), member("tick", types::whole(-1, 1e15))}};
+  return form;
+}
+
+const Form& way_form() {
+  static const Form form{"way",
+                         "a way of a branch",
+                         {member("first", types::nullable(types::of(execution_form))), member("known", types::flag())}};
+  return form;
+}
+
+const Form& covered_line_form() {
+  static const Form form{
+      "covered_line",
+      "a line of a controller's source",
+      {member("line", types::count()), member("function", types::string()), member("recordings", types::count()),
+       member("first", types::nullable(types::of(execution_form))), member("ways", types::array(types::of(way_form)))}};
+  return form;
+}
+
+const Form& covered_file_form() {
+  static const Form form{
+      "covered_file",
+      "a source file",
+      {member("file", types::string()), member("lines", types::array(types::of(covered_line_form)))}};
+  return form;
+}
+
+const Form& coverage_form() {
+  static const Form form =
+      with_version({"coverage",
+                    "audit --coverage --json",
+                    {member("verdict", types::string()), member("lines", types::count()),
+                     member("lines_executed", types::count()), member("ways", types::count()),
+                     member("ways_executed", types::count()), member("recordings", types::array(types::string())),
+                     member("files", types::array(types::of(covered_file_form))),
+                     member("failure", types::nullable(types::string())),
+                     member("remarks", types::array(types::of(audit_remark_form)))}});
+  return form;
+}
+
 std::vector<FormKey> stamp_members() {
   return {member("commit", types::string()), member("changed", types::flag()), member("date", types::string())};
 }
@@ -343,6 +386,7 @@ std::vector<NamedForm> verdict_objects() {
           object_of("replay", "replay --json", {replay_form}),
           object_of("diff", "diff --json", {diff_form}),
           object_of("audit", "audit --json", {audit_form}),
+          object_of("coverage", "audit --coverage --json", {coverage_form}),
           object_of("history", "history --json", {history_form}),
           {"history-line", "a line of a history", types::of(history_line_form)}};
 }

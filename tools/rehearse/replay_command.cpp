@@ -4,13 +4,11 @@
 #include <rehearse/mcap.h>
 #include <rehearse/replay.h>
 #include <rehearse/session.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdint>
 #include <cstdio>
-#include <cstring>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -19,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "audit_mode.h"
 #include "command.h"
 #include "control_times.h"
 #include "core/guard/child_process.h"
@@ -42,7 +41,8 @@ namespace {
 struct ReplaySettings {
   std::string trace;
   bool json = false;
-  bool instructions = false;
+  bool instructions = false, coverage = false;
+  std::string lcov;
   ReplayOptions replay;
   std::optional<double> deadline;  // of control() [s]
   std::string output;
@@ -112,20 +112,12 @@ Exit run_in_gdb(const ReplaySettings& settings, const CLI::App& options) {
   return replay_in_gdb(settings.debugger, settings.trace, settings.replay, words, settings.ticks.tick);
 }
 
-/// Continues as `audit --instructions` with the same arguments.
-Exit count_instructions(const ReplaySettings& settings, const CLI::App& options) {
+/// Continues as a mode of audit with the same arguments.
+Exit audit_recording(std::string_view mode, const ReplaySettings& settings, const CLI::App& options) {
   if (settings.is_of_a_log())
-    return refuse(error("--instructions is for recordings", "replay the log into one with -o, and count in that"));
-  const std::vector<std::string_view> shared{"TRACE",        "--instructions", "--until",       "--controller",
-                                             "--call-limit", "--json",         "--memory-limit"};
-  for (const CLI::Option* option : options.get_options())
-    if (option->count() > 0 && std::ranges::find(shared, option->get_name()) == shared.end())
-      return refuse(error(fmt::format("--instructions goes without {}", option->get_name()),
-                          "it counts in the whole recording, or with --until in its beginning"));
-  std::vector<std::string> words = words_without({}, "audit", options);
-  words.insert(words.begin(), "rehearse");
-  execv(own_program().c_str(), pointers_to(words).data());
-  return refuse(error(fmt::format("can't start {}: {}", own_program().string(), std::strerror(errno))));
+    return refuse(
+        error(fmt::format("{} is for recordings", mode), "replay the log into one with -o, and examine that"));
+  return continue_in_audit(mode, {std::filesystem::path(settings.trace)}, options);
 }
 
 /// Checks options that only a log needs, or only a recording.
@@ -200,7 +192,8 @@ std::vector<std::string> notes_on_libraries_of(const ReplaySettings& settings) {
 
 Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
   if (const auto usable = check_usage(settings); !usable) return refuse(usable.errors());
-  if (settings.instructions) return count_instructions(settings, options);
+  if (settings.instructions) return audit_recording("--instructions", settings, options);
+  if (settings.coverage) return audit_recording("--coverage", settings, options);
   if (settings.debugger.is_wanted()) return run_in_gdb(settings, options);
   std::vector<std::string> notes;
   if (!settings.is_of_a_log()) {
@@ -259,6 +252,10 @@ std::function<Exit()> declare_replay(CLI::App& options) {
   add_timing_options(options, settings->deadline, settings->replay);
   options.add_flag("--instructions", settings->instructions,
                    "instead: count the instructions of each control() under valgrind, as audit --instructions does");
+  options.add_flag("--coverage", settings->coverage,
+                   "instead: list the lines of the controllers that the recording never executes, as audit --coverage "
+                   "does");
+  add_lcov_option(options, settings->lcov);
   add_integer(options, "--tick",
               "show this tick: inputs, commands, measurements, messages, changes, differences; with --gdb: stop there",
               0, std::numeric_limits<std::int64_t>::max() / 2, [=](std::int64_t tick) { settings->ticks.tick = tick; });

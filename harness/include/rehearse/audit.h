@@ -8,6 +8,7 @@
 #pragma once
 
 #include <rehearse/compare.h>
+#include <rehearse/coverage.h>
 #include <rehearse/diagnostic.h>
 #include <rehearse/run_options.h>
 
@@ -26,6 +27,7 @@ struct AuditOptions : HostOptions {
   bool valgrind = false;        // one more replay under memcheck
   bool realtime = false;        // only the costs of the calls are examined, in one replay
   bool instructions = false;    // only the instructions of control() are counted, in one replay under callgrind
+  bool coverage = false;        // only the executed code is found, in one replay with breakpoints
   /// The controllers get simulated time and seeded random numbers in all runs, instead of the system's.
   bool virtualise = false;
   std::uint64_t seed = 1;          // of the random numbers that replace the system's
@@ -139,6 +141,7 @@ struct ControllerAudit {
   std::vector<AuditedCode> code;
   std::vector<AuditedCost> costs;                 // with AuditOptions::realtime, in order of their first occurrence
   std::optional<InstructionCounts> instructions;  // with AuditOptions::instructions
+  std::optional<ExecutedCode> executed;           // with AuditOptions::coverage; none: the library can't be watched
   /// Calls whose answer was equal in all replays and may have reached a command: "fopen(gains.txt) called in
   /// Walker::begin() ...".
   std::vector<std::string> rests_on;
@@ -180,6 +183,7 @@ struct AuditedReplay {
   std::optional<int> stack_fill;  // byte that fills the stack before each call
   bool instructions = false;      // under callgrind: write a profile of each control()
   bool costs = false;             // log the costs of calls with their places
+  bool coverage = false;          // find the executed code
   std::optional<double> until;    // [s]
   HostOptions host;
 };

@@ -50,6 +50,7 @@ class Audit {
   Result<void> run_valgrind();
   Result<void> run_realtime();
   Result<void> run_instructions();
+  Result<void> run_coverage();
   void take_first(const ReplayPass& pass);
   Result<void> judge();
   bool calls_can_hide() const;
@@ -367,6 +368,26 @@ Result<void> Audit::run_instructions() {
   return {};
 }
 
+/// Replaces all other examinations.
+Result<void> Audit::run_coverage() {
+  tell("replaying", 1);
+  ReplaySettings settings = plain_replay(options_);
+  settings.name = "coverage";
+  settings.coverage = true;
+  auto outcomes = processes_->run({settings});
+  if (!outcomes) return outcomes.errors();
+  const ReplayPass& pass = (*outcomes)[0].passes[0];
+  take_first(pass);
+  report_.replays = 1;
+  for (ControllerAudit& controller : report_.controllers)
+    if (const auto executed = pass.executed.find(controller.library); executed != pass.executed.end())
+      controller.executed = executed->second;
+  if (pass.differs_from_recording)
+    report_.remarks.push_back(warning("the replay isn't the recorded run: the commands differ first at " +
+                                      to_string(*pass.differs_from_recording)));
+  return {};
+}
+
 Result<void> Audit::judge() {
   for (ControllerAudit& controller : report_.controllers) {
     const std::vector<ObservedCall> seen = calls_of(evidence_, controller.controller);
@@ -467,6 +488,7 @@ Result<AuditReport> Audit::run() {
   if (auto ready = prepare(); !ready) return ready.errors();
   const auto only = options_.realtime       ? &Audit::run_realtime
                     : options_.instructions ? &Audit::run_instructions
+                    : options_.coverage     ? &Audit::run_coverage
                                             : static_cast<Result<void> (Audit::*)()>(nullptr);
   if (!report_.failure && !only)
     if (auto done = run_first(); !done) return done.errors();

@@ -11,9 +11,11 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "code_breakpoints.h"
 #include "core/compare/place_json.h"
 #include "core/guard/guarded_call.h"
 #include "core/host/interposer.h"
+#include "executed_code_json.h"
 #include "instruction_profile.h"
 #include "outputs_file.h"
 
@@ -29,10 +31,12 @@ class AuditWatch : public ControllerWatch {
   AuditWatch(OutputsWriter& outputs, const AuditedReplay& work)
       : outputs_(outputs),
         inner_(work.stack_fill ? std::optional(StackFill(static_cast<unsigned char>(*work.stack_fill))) : std::nullopt),
-        counts_instructions_(work.instructions) {}
+        counts_instructions_(work.instructions),
+        finds_coverage_(work.coverage) {}
   void enter(const ControllerCall& call) override {
     outputs_.enter(call.controller.c_str(), call.function, call.tick);
     inner_.enter(call);
+    if (finds_coverage_) find_coverage(call);
     if (!counts_instructions_ || std::string_view(call.function) != "control") return;
     if (call.tick == 0) CALLGRIND_START_INSTRUMENTATION;
     counted_ = profile_title(call.controller, call.tick);
@@ -51,9 +55,18 @@ class AuditWatch : public ControllerWatch {
   }
 
  private:
+  void find_coverage(const ControllerCall& call) {
+    const std::string_view function = call.function;
+    // A library that can't be watched is reported by the parent process.
+    if (function == "load") static_cast<void>(watch_library(call.library));
+    runs_ = runs_ || function == "control";
+    set_watched_tick(runs_ ? call.tick : -1);
+  }
+
   OutputsWriter& outputs_;
   InterposerWatch inner_;
-  bool counts_instructions_;
+  bool counts_instructions_, finds_coverage_;
+  bool runs_ = false;    // the first control() has begun
   std::string counted_;  // the title of the profile of the present call
 };
 
@@ -122,6 +135,7 @@ Json pass(const AuditedReplay& work, OutputsWriter& outputs) {
       std::ranges::any_of(report->control_times, [](const ControlTimes& times) { return times.costs.has_value(); });
   result["differs_from_recording"] = json_of_place(report->first);
   result["remarks"] = json_of_texts(report->remarks);
+  if (work.coverage) result["executed"] = json_of_executed_code(executed_code());
   return result;
 }
 

@@ -16,6 +16,7 @@
 #include "core/compare/place_json.h"
 #include "core/golden/golden_files.h"
 #include "core/host/virtualised.h"
+#include "executed_code_json.h"
 
 namespace rehearse {
 namespace {
@@ -121,6 +122,7 @@ std::vector<std::string> ReplayProcesses::command_line(const ReplaySettings& set
   if (settings.padding != 0) words.insert(words.end(), {"--padding", std::to_string(settings.padding)});
   if (settings.fill != 0) words.insert(words.end(), {"--stack-fill", std::to_string(settings.fill ^ 0xff)});
   if (settings.costs) words.push_back("--costs");
+  if (settings.coverage) words.push_back("--executed");
   if (settings.valgrind == ValgrindTool::callgrind) words.push_back("--profile");
   if (options_.until) words.insert(words.end(), {"--until", fmt::format("{}", *options_.until)});
   const double limit = options_.call_limit * slowness_of(settings);
@@ -249,6 +251,7 @@ Result<ReplayPass> ReplayProcesses::read_pass(const Child& child, int number) co
     if (!report.at("undefined").is_null()) pass.undefined = report.at("undefined");
     for (const Json& remark : report.at("remarks"))
       pass.remarks.push_back(remark.at("warning") ? warning(remark.at("text")) : error(remark.at("text")));
+    if (report.contains("executed")) pass.executed = executed_code_of_json(report.at("executed"));
   } catch (const Json::exception& wrong) {
     return error(fmt::format("{}: a replay's report can't be read: {}", file.string(), wrong.what()));
   }

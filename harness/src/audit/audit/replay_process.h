@@ -3,6 +3,7 @@
 
 #include <rehearse/audit.h>
 
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <optional>
@@ -34,7 +35,8 @@ struct ReplaySettings {
   bool other_environment = false;  // replaces all variables that the audit doesn't need
   bool other_folder = false;       // works in a separate folder
   ValgrindTool valgrind = ValgrindTool::none;
-  bool costs = false;  // AuditedReplay::costs
+  bool costs = false;     // AuditedReplay::costs
+  bool coverage = false;  // AuditedReplay::coverage
 };
 
 /// The result of one pass.
@@ -46,6 +48,7 @@ struct ReplayPass {
   std::optional<Divergence> differs_from_recording;  // the first command that differs from the recorded one
   std::string undefined;                             // under valgrind: the first number that was never set
   Diagnostics remarks;
+  std::map<std::filesystem::path, ExecutedCode> executed;  // by library, with ReplaySettings::coverage
 };
 
 struct ReplayOutcome {

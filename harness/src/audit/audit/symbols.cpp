@@ -8,7 +8,9 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <map>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace rehearse {
@@ -17,9 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string file_name(const char* path) { return fs::path(path).filename().string(); }
-
-/// True for headers of the compiler or of other packages; the caller of such a function is reported instead.
-bool is_systems(const char* path) { return std::string_view(path).starts_with("/usr/"); }
 
 /// A function of C has no types in its symbol.
 std::string with_parentheses(const std::string& name) {
@@ -127,7 +126,36 @@ char* no_debug_path = nullptr;
 const Dwfl_Callbacks callbacks{dwfl_build_id_find_elf, dwfl_standard_find_debuginfo, dwfl_offline_section_address,
                                &no_debug_path};
 
+/// Appends the rows of a unit. `bias`: of the file's addresses from the unit's.
+void append_rows(Dwarf_Die& unit, std::uint64_t bias, std::map<std::string, int>& files, LineTable& table) {
+  Dwarf_Lines* lines = nullptr;
+  std::size_t count = 0;
+  if (dwarf_getsrclines(&unit, &lines, &count) != 0) return;
+  Dwarf_Attribute attribute;
+  const char* const folder = dwarf_formstring(dwarf_attr(&unit, DW_AT_comp_dir, &attribute));
+  for (std::size_t i = 0; i < count; ++i) {
+    Dwarf_Line* line = dwarf_onesrcline(lines, i);
+    Dwarf_Addr address = 0;
+    LineTable::Row row;
+    bool ends = false;
+    const char* const path = dwarf_linesrc(line, nullptr, nullptr);
+    if (!path || dwarf_lineaddr(line, &address) != 0 || dwarf_lineno(line, &row.line) != 0 ||
+        dwarf_linebeginstatement(line, &row.is_statement) != 0 || dwarf_lineendsequence(line, &ends) != 0)
+      continue;
+    const auto [file, is_new] = files.try_emplace(((folder ? fs::path(folder) : fs::path()) / path).lexically_normal(),
+                                                  static_cast<int>(table.files.size()));
+    if (is_new) table.files.push_back(file->first);
+    row.file = file->second;
+    row.address = address + bias;
+    if (ends) row.line = 0;
+    row.is_statement = row.is_statement && row.line > 0;
+    table.rows.push_back(row);
+  }
+}
+
 }  // namespace
+
+bool is_systems_source(std::string_view path) { return path.starts_with("/usr/") || path.starts_with("/rustc/"); }
 
 std::string demangled(const char* symbol) {
   int status = 0;
@@ -170,14 +198,29 @@ Symbols::Found Symbols::find(std::uint64_t address) const {
     // The symbol of a function has more information, such as the types of its parameters.
     const bool has_symbol = tag == DW_TAG_subprogram && !symbol.empty();
     found.function = has_symbol ? symbol : name_of(scope);
-    if (tag == DW_TAG_subprogram || !is_systems(path)) break;
+    if (tag == DW_TAG_subprogram || !is_systems_source(path)) break;  // else its caller is reported
     const CallSite site = call_site_of(scope, *unit);
     if (!site.file) break;
     path = site.file;
     found.line = fmt::format("{}:{}", file_name(path), site.line);
   }
-  found.is_systems = is_systems(path);
+  found.is_systems = is_systems_source(path);
   return found;
+}
+
+LineTable Symbols::lines() const {
+  LineTable table;
+  GElf_Addr module_bias = 0;
+  if (!module_ || !dwfl_module_getelf(module_, &module_bias)) return table;
+  std::map<std::string, int> files;
+  Dwarf_Addr unit_bias = 0;
+  Dwarf_Die* unit = nullptr;
+  while ((unit = dwfl_module_nextcu(module_, unit, &unit_bias)))
+    append_rows(*unit, unit_bias - module_bias, files, table);
+  // The end of a sequence comes before the begin of the next at one address.
+  std::ranges::stable_sort(table.rows, {},
+                           [](const LineTable::Row& row) { return std::pair(row.address, row.line > 0); });
+  return table;
 }
 
 std::string Symbols::describe(std::uint64_t address) const {

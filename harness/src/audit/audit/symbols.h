@@ -5,11 +5,25 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <vector>
 
 struct Dwfl;
 struct Dwfl_Module;
 
 namespace rehearse {
+
+/// The table of lines of one file, by the debug information. A row's instructions end where the next row begins.
+struct LineTable {
+  struct Row {
+    std::uint64_t address = 0;  // virtual
+    int file = 0;               // index in `files`
+    int line = 0;               // 0: no line has these instructions
+    bool is_statement = false;  // a statement of this line begins here
+  };
+  std::vector<std::string> files;  // relative paths are relative to the folder of the compiler, if it is unknown
+  std::vector<Row> rows;           // by address
+};
 
 /// The symbols of one file. Missing information is an empty text, because a library may be stripped.
 class Symbols {
@@ -28,6 +42,8 @@ class Symbols {
   std::string describe(std::uint64_t address) const;
   /// "BadFilter.so+0x1139"
   std::string address_text(std::uint64_t address) const;
+  /// Without rows if there is no debug information.
+  LineTable lines() const;
 
  private:
   struct Close {
@@ -37,6 +53,9 @@ class Symbols {
   std::unique_ptr<Dwfl, Close> session_;
   Dwfl_Module* module_ = nullptr;
 };
+
+/// True for the path of a header of the compiler or of another package, and for the sources of Rust's own libraries.
+bool is_systems_source(std::string_view path);
 
 /// The demangled form of a symbol; the symbol itself if it isn't mangled.
 std::string demangled(const char* symbol);

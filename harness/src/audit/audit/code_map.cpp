@@ -1,0 +1,84 @@
+#include "code_map.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+
+#include "elf_library.h"
+#include "symbols.h"
+
+namespace rehearse {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// True for headers that a controller includes of Rehearse.
+bool is_of_api(std::string_view path) {
+  constexpr std::string_view folder = "/include/";
+  const std::size_t at = path.rfind(folder);
+  if (at == path.npos) return false;
+  const std::string_view name = path.substr(at + folder.size());
+  return name.starts_with("cnoid/") || name.starts_with("rehearse/") || name.starts_with("rehearse_");
+}
+
+/// The condition of a jump in one of its two encodings without a prefix; none: another instruction.
+std::optional<int> condition_of(const cs_insn& instruction) {
+  const std::uint8_t *bytes = instruction.bytes, size = static_cast<std::uint8_t>(instruction.size);
+  if (size == 2 && (bytes[0] & 0xf0) == 0x70) return bytes[0] & 0x0f;
+  if (size == 6 && bytes[0] == 0x0f && (bytes[1] & 0xf0) == 0x80) return bytes[1] & 0x0f;
+  return std::nullopt;
+}
+
+/// The operand of a jump, the distance from its end.
+std::int64_t distance_of(const cs_insn& instruction) {
+  if (instruction.size == 2) return static_cast<std::int8_t>(instruction.bytes[1]);
+  std::uint32_t distance = 0;
+  for (int byte = 3; byte >= 0; --byte) distance = distance << 8 | instruction.bytes[2 + byte];
+  return static_cast<std::int32_t>(distance);
+}
+
+const CodeSection* section_with(const ElfLibrary& library, std::uint64_t address) {
+  const auto found = std::ranges::find_if(library.code, [&](const CodeSection& section) {
+    return address >= section.address && address - section.address < section.bytes.size();
+  });
+  return found == library.code.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+Result<CodeMap> map_code(const fs::path& file) {
+  const auto library = read_library(file);
+  if (!library) return library.errors();
+  LineTable table = Symbols(file).lines();
+  CodeMap map;
+  map.files = std::move(table.files);
+  std::vector<bool> is_own;
+  for (const std::string& path : map.files) is_own.push_back(!is_systems_source(path) && !is_of_api(path));
+
+  Disassembler disassembler;
+  for (auto row = table.rows.begin(); row != table.rows.end(); ++row) {
+    const CodeSection* const section = section_with(*library, row->address);
+    // The linker leaves rows of removed functions, at addresses outside of the code.
+    if (!section || row->line == 0 || !is_own[static_cast<std::size_t>(row->file)]) continue;
+    if (row->is_statement) map.statements.push_back({row->address, row->file, row->line});
+    const auto next = row + 1;
+    if (next == table.rows.end() || next->address == row->address) continue;
+    // Each row begins at an instruction, so that data between functions can't be taken for one.
+    disassembler.each(*section, row->address, [&](const cs_insn& instruction) {
+      if (instruction.address >= next->address) return false;
+      const std::uint64_t end = instruction.address + instruction.size;
+      if (const auto condition = condition_of(instruction); condition && instruction.id != 0)
+        map.jumps.push_back({instruction.address, end, end + static_cast<std::uint64_t>(distance_of(instruction)),
+                             *condition, row->file, row->line});
+      return end < next->address;
+    });
+  }
+  if (map.statements.empty())
+    return error(fmt::format("controller library '{}' has no lines in its debug information", file.filename().string()),
+                 "compile it with -g; CMake's RelWithDebInfo has it");
+  return map;
+}
+
+}  // namespace rehearse

@@ -1,0 +1,218 @@
+// Coverage: which lines and branches of a controller the replays of recordings execute, and when first. gcov, which
+// instruments the code instead, has to find the same lines.
+#include "audited.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <map>
+#include <optional>
+
+namespace rehearse::test {
+namespace {
+
+using nlohmann::json;
+using ::testing::ContainsRegex;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+const fs::path source = ZOO_SOURCES "/partly.cpp";
+
+class Coverage : public Audited {
+ protected:
+  /// The line of the controller's source with this mark.
+  static int line_of(const std::string& mark) {
+    std::ifstream stream(source);
+    int number = 1;
+    for (std::string line; std::getline(stream, line); ++number)
+      if (line.ends_with("// " + mark)) return number;
+    ADD_FAILURE() << "no line has the mark " << mark;
+    return 0;
+  }
+  static json lines_of(const json& report) {
+    for (const json& file : report["files"])
+      if (std::string(file["file"]).ends_with("/partly.cpp")) return file["lines"];
+    ADD_FAILURE() << report;
+    return {};
+  }
+  static json line_at(const json& report, int number) {
+    for (const json& line : lines_of(report))
+      if (line["line"] == number) return line;
+    ADD_FAILURE() << "no line " << number;
+    return {};
+  }
+  static json line(const json& report, const std::string& mark) { return line_at(report, line_of(mark)); }
+  json coverage(std::vector<std::string> recordings) const {
+    recordings.insert(recordings.begin(), {"audit", "--coverage", "--json"});
+    const Outcome outcome = rehearse(recordings);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return outcome.json();
+  }
+};
+
+TEST_F(Coverage, KnowsTheTickInWhichALineRunsFirst) {
+  done({"record", scenario("partly").string(), "-o", "near.mcap"});
+  const json report = coverage({"near.mcap"});
+  EXPECT_EQ(line(report, "static_initialiser")["first"]["tick"], -1);
+  EXPECT_EQ(line(report, "begin")["first"]["tick"], -1);
+  EXPECT_EQ(line(report, "one_way")["first"]["tick"], 0);
+  EXPECT_EQ(line(report, "late")["first"]["tick"], 100);
+  EXPECT_EQ(line(report, "late")["first"]["recording"], "near.mcap");
+  EXPECT_THAT(std::string(line(report, "late")["function"]), HasSubstr("Partly::late()"));
+  for (const char* mark : {"far", "never", "fail"}) {
+    EXPECT_TRUE(line(report, mark)["first"].is_null()) << mark;
+    EXPECT_EQ(line(report, mark)["recordings"], 0) << mark;
+  }
+  EXPECT_TRUE(report["remarks"].empty()) << "a jump was executed in a wrong way: " << report["remarks"];
+}
+
+TEST_F(Coverage, KnowsBranchesThatOnlyWentOneWay) {
+  done({"record", scenario("partly").string(), "-o", "near.mcap"});
+  const json report = coverage({"near.mcap"});
+  const json ways = line(report, "one_way")["ways"];
+  ASSERT_EQ(ways.size(), 2u);
+  EXPECT_NE(ways[0]["first"].is_null(), ways[1]["first"].is_null());
+  EXPECT_TRUE(ways[0]["known"]);
+  for (const json& way : line(report, "watched_in_part")["ways"])
+    EXPECT_FALSE(way["known"]) << "10,000 times one way, and then unknown";
+}
+
+TEST_F(Coverage, AddsUpRecordings) {
+  done({"record", scenario("partly").string(), "-o", "near.mcap"});
+  done({"record", scenario("partly", "far").string(), "-o", "far.mcap"});
+  const json report = coverage({"near.mcap", "far.mcap"});
+  EXPECT_EQ(line(report, "begin")["recordings"], 2);
+  EXPECT_EQ(line(report, "begin")["first"]["recording"], "near.mcap");
+  EXPECT_EQ(line(report, "far")["recordings"], 1);
+  EXPECT_EQ(line(report, "far")["first"]["recording"], "far.mcap");
+  for (const json& way : line(report, "one_way")["ways"]) EXPECT_FALSE(way["first"].is_null());
+  EXPECT_THAT(std::string(report["verdict"]), HasSubstr(" are executed by 2 recordings; never: partly.cpp:"));
+}
+
+/// The lines of gcov's listing of the controller's source, and whether they were executed.
+std::map<int, bool> lines_in_listing(const fs::path& file) {
+  std::map<int, bool> lines;
+  std::ifstream stream(file);
+  for (std::string line; std::getline(stream, line);) {
+    const std::string count = line.substr(0, 9);
+    const int number = std::atoi(line.substr(10, 5).c_str());
+    const std::size_t begin = count.find_first_not_of(' ');
+    if (number > 0 && count[begin] != '-') lines[number] = count[begin] != '#' && count[begin] != '=';
+  }
+  return lines;
+}
+
+TEST_F(Coverage, HasTheLinesOfGcov) {
+  const std::string compile = fmt::format(
+      "{} -std=c++17 -O0 -g --coverage -fPIC -shared -DEIGEN_MAX_ALIGN_BYTES=16 {} {} -o partly.so -L{} "
+      "-lrehearse_cnoid",
+      quoted(CXX_COMPILER), CNOID_INCLUDES, quoted(source.string()), quoted(LIBRARIES));
+  ASSERT_EQ(run("/bin/sh", {"-c", compile}).status, 0);
+  done({"record", scenario("partly").string(), "--controller", "Zoo=./partly.so", "-o", "near.mcap"});
+  const Outcome outcome = rehearse({"audit", "near.mcap", "--coverage", "--json", "--controller", "Zoo=./partly.so"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  ASSERT_EQ(run("/bin/sh", {"-c", "rm -f *.gcda"}).status, 0);  // of those two
+  done({"replay", "near.mcap", "--controller", "Zoo=./partly.so"});
+  ASSERT_EQ(run("/bin/sh", {"-c", "gcov *.gcda >gcov.txt"}).status, 0);
+  const std::map<int, bool> counted = lines_in_listing(folder() / "partly.cpp.gcov");
+  ASSERT_GT(counted.size(), 30u);
+  const json report = outcome.json();
+  std::map<int, bool> watched;
+  for (const json& line : lines_of(report)) watched[line["line"]] = !line["first"].is_null();
+  for (const auto& [number, executed] : counted) {
+    if (!watched.contains(number)) continue;  // gcov adds lines of declarations
+    EXPECT_EQ(watched[number], executed) << "line " << number;
+    watched.erase(number);
+  }
+  // gcov leaves out the ends of functions, and functions that the compiler adds.
+  std::ifstream stream(source);
+  int number = 1;
+  for (std::string line; std::getline(stream, line); ++number) {
+    if (!watched.contains(number)) continue;
+    EXPECT_THAT(line, ContainsRegex("^ *}|^class |^const double scale|^CNOID_IMPLEMENT")) << "line " << number;
+  }
+}
+
+TEST_F(Coverage, WritesATracefile) {
+  done({"record", scenario("partly").string(), "-o", "near.mcap"});
+  done({"audit", "near.mcap", "--coverage", "--lcov", "partly.info"});
+  const std::string text = read_file(folder() / "partly.info");
+  EXPECT_THAT(text, StartsWith("TN:rehearse\nSF:/"));
+  EXPECT_THAT(text, HasSubstr(fmt::format("\nDA:{},1\n", line_of("late"))));
+  EXPECT_THAT(text, HasSubstr(fmt::format("\nDA:{},0\n", line_of("never"))));
+  EXPECT_THAT(text, ContainsRegex(fmt::format("\nBRDA:{},0,[01],0\n", line_of("one_way"))));
+  EXPECT_THAT(text, EndsWith("end_of_record\n"));
+}
+
+TEST_F(Coverage, ListsLinesWithTheirSource) {
+  done({"record", scenario("partly").string(), "-o", "near.mcap"});
+  const Outcome outcome = done({"replay", "near.mcap", "--coverage"});
+  EXPECT_THAT(outcome.out,
+              ContainsRegex("^[0-9]+ of [0-9]+ lines and [0-9]+ of [0-9]+ ways of branches are executed by "
+                            "1 recording; never: partly.cpp:[0-9]+ and [0-9]+ more lines\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("never executed"));
+  EXPECT_THAT(outcome.out, ContainsRegex("partly.cpp:[0-9]+-[0-9]+ +Partly::never\\(\\) +double never\\(\\) \\{"));
+  EXPECT_THAT(outcome.out, ContainsRegex("only one way +function +source"));
+  EXPECT_THAT(outcome.out, HasSubstr("if (is_far_) return far();  // one_way"));
+}
+
+TEST_F(Coverage, HasTheGoldensOfAProject) {
+  fs::create_directories(folder() / "scenarios");
+  fs::create_directories(folder() / "golden");
+  for (const char* option : {"", "far"}) {
+    const std::string name = *option ? option : "near";
+    write("scenarios/" + name + ".yaml",
+          read_file(scenario("partly", option)) + fmt::format("name: {}\ngolden: Partly.{}\n", name, name));
+    EXPECT_EQ(rehearse({"check", "scenarios/" + name + ".yaml"}, "REHEARSE_GOLDEN=new").status, 0);
+  }
+  fs::remove(folder() / "zoo.yaml");
+  const Outcome outcome = done({"check", "--coverage", "--json"});
+  EXPECT_EQ(outcome.json()["recordings"].size(), 2u);
+  EXPECT_EQ(line(outcome.json(), "far")["recordings"], 1);
+  const Outcome one = done({"check", "scenarios/near.yaml", "--coverage", "--json"});
+  EXPECT_EQ(line(one.json(), "far")["recordings"], 0);
+  EXPECT_EQ(
+      rehearse({"check", "--coverage", "--strict"}).err,
+      "error: --coverage goes without --strict (it examines whole recordings, or with replay --until the beginning "
+      "of one)\n");
+}
+
+TEST_F(Coverage, CountsWhatAFailingControllerExecutes) {
+  EXPECT_EQ(rehearse({"record", scenario("partly", "throw").string(), "-o", "failed.mcap"}).status, 3);
+  const Outcome outcome = rehearse({"audit", "failed.mcap", "--coverage", "--json"});
+  EXPECT_EQ(outcome.status, 3) << outcome.out;
+  EXPECT_THAT(std::string(outcome.json()["failure"]), HasSubstr("fails on purpose"));
+  EXPECT_EQ(line(outcome.json(), "fail")["first"]["tick"], 20);
+}
+
+TEST_F(Coverage, NeedsDebugInformation) {
+  done({"record", scenario("partly").string(), "-o", "near.mcap"});
+  ASSERT_EQ(run("/bin/sh", {"-c", "strip -o stripped.so " ZOO "/zoo_partly.so"}).status, 0);
+  const Outcome outcome = rehearse({"audit", "near.mcap", "--coverage", "--controller", "Zoo=./stripped.so"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err,
+            "error: controller library 'stripped.so' has no lines in its debug information (compile it with -g; "
+            "CMake's RelWithDebInfo has it)\n");
+}
+
+TEST_F(Coverage, IsTheOnlyModeWithSeveralRecordings) {
+  done({"record", scenario("partly").string(), "-o", "near.mcap"});
+  const Outcome outcome = rehearse({"audit", "near.mcap", "near.mcap"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("only --coverage examines several recordings"));
+}
+
+/// Breakpoints change no command: optimised code, threads, matrices.
+TEST_F(Coverage, ChangesNothing) {
+  for (const char* name : {"good_thread_pool", "good_own_generator", "good_joined_thread", "lengthy"}) {
+    done({"record", scenario(name, "many_sines").string(), "-o", "run.mcap"});
+    const json report = coverage({"run.mcap"});
+    EXPECT_TRUE(report["remarks"].empty()) << name << ": " << report["remarks"];
+    EXPECT_GT(report["lines_executed"], 5) << name;
+  }
+}
+
+}  // namespace
+}  // namespace rehearse::test

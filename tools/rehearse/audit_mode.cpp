@@ -1,0 +1,48 @@
+#include "audit_mode.h"
+
+#include <fmt/format.h>
+#include <rehearse/pin.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <string>
+
+#include "core/guard/child_process.h"
+#include "debugger.h"
+#include "wings.h"
+
+namespace rehearse::tool {
+
+Exit continue_in_audit(std::string_view mode, const std::vector<std::filesystem::path>& recordings,
+                       const CLI::App& options) {
+  if (!has_audit) return refuse(left_out(mode, "audit"));
+  const std::vector<std::string_view> shared{mode,     "--until",        "--controller", "--call-limit",
+                                             "--json", "--memory-limit", "--lcov",       "--verbose"};
+  std::vector<std::string> positionals;
+  for (const CLI::Option* option : options.get_options()) {
+    const std::string name = option->get_name();
+    if (option->get_positional()) {
+      positionals.push_back(name);
+    } else if (option->count() > 0 && std::ranges::find(shared, name) == shared.end()) {
+      return refuse(error(fmt::format("{} goes without {}", mode, name),
+                          "it examines whole recordings, or with replay --until the beginning of one"));
+    }
+  }
+  std::vector<std::string> words = words_without({positionals.begin(), positionals.end()}, "audit", options);
+  words.insert(words.begin(), "rehearse");
+  for (const std::filesystem::path& recording : recordings) words.push_back(recording.string());
+  std::filesystem::path program = own_program();  // `rehearse`, or a program beside rehearse-audit
+  if (program.filename() != "rehearse") program.replace_filename("rehearse-audit");
+  execv(program.c_str(), pointers_to(words).data());
+  return refuse(error(fmt::format("can't start {}: {}", program.string(), std::strerror(errno))));
+}
+
+void add_lcov_option(CLI::App& options, std::string& file) {
+  options.add_option("--lcov", file, "with --coverage: also write a tracefile for lcov's genhtml")
+      ->type_name("FILE")
+      ->needs(options.get_option("--coverage"));
+}
+
+}  // namespace rehearse::tool
