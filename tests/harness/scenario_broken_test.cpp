@@ -373,6 +373,8 @@ const Broken all_broken[] = {
     {"actuator_efficiency_above_one", 7, 34, "efficiency is 1.1.*from 0.01 to 1"},
     {"actuator_jitter_above_delay", 7, 43, "jitter of hinge is 0.003 s, above its delay of 0.002 s.*between"},
     {"actuator_half_a_line", 7, 36, "hinge has a 'stall_effort' without a 'no_load_velocity'.*both"},
+    {"actuator_continuous_alone", 7, 41, "hinge has a 'continuous_effort' without a 'thermal_time'.*both"},
+    {"actuator_continuous_above_effort", 7, 52, "continuous effort of hinge is 5, above its largest effort, 4.*effort"},
     {"actuator_period_without_loop", 7, 30, "hinge has a period without a loop.*position_gain"},
     {"actuator_stiction_below_coulomb", 7, 44, "stiction of hinge is 1, below its friction in motion, 2.*coulomb"},
     {"actuator_stribeck_alone", 7, 32, "hinge has a 'stribeck' without 'stiction'.*velocity"},

@@ -17,6 +17,9 @@
 // - Limits: the effort of a direct-current motor at a limited voltage lies, at the velocity w, between
 //   -stall_effort (1 + w / no_load_velocity) and stall_effort (1 - w / no_load_velocity), and always within `effort`.
 //   The velocity is that at the step's beginning. A drive without a loop has the limit of a motor that accelerates.
+// - Heat (I²t): a first-order state of the effort's square, thermal_time x' = u² - x, from 0 on. Once it exceeds
+//   continuous_effort², the limit is continuous_effort, until x falls below the square of thermal_return of it: a step
+//   with hysteresis, as drives switch from peak to continuous current.
 // - Dry friction at the velocity v: coulomb + (stiction - coulomb) exp(-(v / stribeck)²), H. Olsson et al., Friction
 //   Models and Friction Compensation, European Journal of Control 4 (1998), with the velocity at the step's beginning.
 // - Efficiency e: a gear gives e u while the motor drives, and u / e while the load drives the motor. At rest the load
@@ -51,28 +54,33 @@ struct ActuatorFault {
 };
 
 struct Actuator {
-  double delay = 0.0;                      // [s]
-  double jitter = 0.0;                     // at most `delay` [s]
-  double quantum = 0.0;                    // commands are whole multiples, in their own unit; 0: any
-  std::optional<double> position_gain;     // of the drive's own loop [N·m/rad] or [N/m]
-  std::optional<double> velocity_gain;     // [N·m·s/rad] or [N·s/m]
-  double period = 0.0;                     // of that loop [s]; 0: every step
-  double bandwidth = 0.0;                  // [Hz]; 0: unlimited
-  std::optional<double> effort;            // limit [N·m] or [N]; nullopt: that of the model, for drives
-  std::optional<double> velocity;          // limit of drives [rad/s] or [m/s]; nullopt: that of the model
-  std::optional<double> stall_effort;      // [N·m] or [N]; given together with:
-  std::optional<double> no_load_velocity;  // [rad/s] or [m/s]
-  std::optional<double> armature;          // [kg·m²] or [kg]; nullopt: that of the model
-  std::optional<double> damping;           // [N·m·s/rad] or [N·s/m]; nullopt: that of the model
-  std::optional<double> coulomb;           // dry friction [N·m] or [N]; nullopt: that of the model
-  std::optional<double> stiction;          // dry friction at rest [N·m] or [N]; nullopt: as in motion
-  double stribeck = 0.01;                  // [rad/s] or [m/s]
-  double efficiency = 1.0;                 // above 0, at most 1
-  double backlash = 0.0;                   // width of the gap [rad] or [m]; 0: none
-  double contact_stiffness = 1e4;          // of the teeth [N·m/rad] or [N/m]
-  double contact_damping = 0.0;            // [N·m·s/rad] or [N·s/m]
-  std::uint64_t key = 0;                   // of its random numbers
-  std::vector<ActuatorFault> faults = {};  // they act behind all other parts
+  /// The share of the continuous effort below which a hot drive gets its peak effort back.
+  static constexpr double thermal_return = 0.9;
+
+  double delay = 0.0;                       // [s]
+  double jitter = 0.0;                      // at most `delay` [s]
+  double quantum = 0.0;                     // commands are whole multiples, in their own unit; 0: any
+  std::optional<double> position_gain;      // of the drive's own loop [N·m/rad] or [N/m]
+  std::optional<double> velocity_gain;      // [N·m·s/rad] or [N·s/m]
+  double period = 0.0;                      // of that loop [s]; 0: every step
+  double bandwidth = 0.0;                   // [Hz]; 0: unlimited
+  std::optional<double> effort;             // limit [N·m] or [N]; nullopt: that of the model, for drives
+  std::optional<double> velocity;           // limit of drives [rad/s] or [m/s]; nullopt: that of the model
+  std::optional<double> stall_effort;       // [N·m] or [N]; given together with:
+  std::optional<double> no_load_velocity;   // [rad/s] or [m/s]
+  std::optional<double> continuous_effort;  // while hot [N·m] or [N]; nullopt: heat limits nothing
+  double thermal_time = 0.0;                // [s]; above 0 with a continuous effort
+  std::optional<double> armature;           // [kg·m²] or [kg]; nullopt: that of the model
+  std::optional<double> damping;            // [N·m·s/rad] or [N·s/m]; nullopt: that of the model
+  std::optional<double> coulomb;            // dry friction [N·m] or [N]; nullopt: that of the model
+  std::optional<double> stiction;           // dry friction at rest [N·m] or [N]; nullopt: as in motion
+  double stribeck = 0.01;                   // [rad/s] or [m/s]
+  double efficiency = 1.0;                  // above 0, at most 1
+  double backlash = 0.0;                    // width of the gap [rad] or [m]; 0: none
+  double contact_stiffness = 1e4;           // of the teeth [N·m/rad] or [N/m]
+  double contact_damping = 0.0;             // [N·m·s/rad] or [N·s/m]
+  std::uint64_t key = 0;                    // of its random numbers
+  std::vector<ActuatorFault> faults = {};   // they act behind all other parts
 
   bool has_loop() const { return position_gain || velocity_gain; }
   /// Torque-speed line and `effort`.

@@ -10,6 +10,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -150,6 +151,7 @@ struct ActuatorReading {
   double dq = 0.0;      // [rad/s] or [m/s]
   double wanted = 0.0;  // effort of the motor before its limits [N·m] or [N]
   double effort = 0.0;  // after them
+  double thermal_limit = std::numeric_limits<double>::infinity();  // of efforts, while it is hot
 };
 
 struct BodyObservation {

@@ -37,14 +37,31 @@ ActuatorStage::ActuatorStage(const Actuator& actuator, double start, double time
     : actuator_(actuator),
       time_step_(time_step),
       lag_(decay(pace_of(actuator.bandwidth, time_step))),
-      mean_lag_(mean_decay(pace_of(actuator.bandwidth, time_step))) {
+      mean_lag_(mean_decay(pace_of(actuator.bandwidth, time_step))),
+      cooling_(actuator.continuous_effort ? decay(time_step / actuator.thermal_time) : 0.0) {
   const double longest = std::ceil(steps_in(actuator.delay + actuator.jitter, time_step));
   written_.assign(static_cast<std::size_t>(longest) + 1, {drive_none, start, 0.0, 0.0});
 }
 
-JointCommand ActuatorStage::act(const JointCommand& written, double q, double dq) {
-  const JointCommand acting = pass(written, q, dq);
-  return actuator_.faults.empty() ? acting : under_faults(acting, q);
+JointCommand ActuatorStage::act(const JointCommand& written, const JointReading& joint) {
+  // a drive without a loop has exerted what its motion needed, and a joint that is locked is held by another part
+  if (actuator_.continuous_effort) heat(drives_effort_ != 0.0 ? effort_ : locked_ != 0.0 ? 0.0 : joint.u);
+  const JointCommand acting = pass(written, joint.q, joint.dq);
+  return actuator_.faults.empty() ? acting : under_faults(acting, joint.q);
+}
+
+/// With the effort of the last step, which is constant: the exact solution of the lag.
+void ActuatorStage::heat(double effort) {
+  const double square = effort * effort;
+  heat_ = square + cooling_ * (heat_ - square);
+  const double budget = *actuator_.continuous_effort * *actuator_.continuous_effort;
+  constexpr double returns = Actuator::thermal_return * Actuator::thermal_return;
+  if (heat_ > budget) hot_ = 1.0;
+  if (heat_ < returns * budget) hot_ = 0.0;
+}
+
+double ActuatorStage::thermal_limit() const {
+  return hot_ != 0.0 ? *actuator_.continuous_effort : std::numeric_limits<double>::infinity();
 }
 
 JointCommand ActuatorStage::pass(const JointCommand& written, double q, double dq) {
@@ -63,7 +80,8 @@ JointCommand ActuatorStage::pass(const JointCommand& written, double q, double d
   drives_effort_ = 1.0;
   wanted_ = lagged(acting.drive & drive_effort ? acting.u : 0.0);
   const EffortRange range = effort_range(actuator_, dq);
-  acting.u = effort_ = std::clamp(wanted_, range.lower, range.upper);
+  const double limited = std::clamp(wanted_, range.lower, range.upper);
+  acting.u = effort_ = hot_ != 0.0 ? std::clamp(limited, -thermal_limit(), thermal_limit()) : limited;
   acting.drive |= drive_effort;
   return acting;
 }
@@ -154,8 +172,6 @@ double ActuatorStage::lagged(double effort) {
 void ActuatorStage::visit_state(StateVisitor& visitor) {
   visitor.visit(&steps_, sizeof steps_);
   for (double* number : {&held_, &lagged_, &drives_effort_, &wanted_, &effort_}) visitor.visit(*number);
-  if (!actuator_.faults.empty())
-    for (double* number : {&locked_, &locked_at_}) visitor.visit(*number);
   const auto size = static_cast<std::int64_t>(written_.size());
   for (std::int64_t age = 1; age <= size; ++age) {  // from the newest on: a longer delay takes what a shorter one has
     JointCommand& command = written_[static_cast<std::size_t>(((steps_ - age) % size + size) % size)];
@@ -166,6 +182,16 @@ void ActuatorStage::visit_state(StateVisitor& visitor) {
     visitor.visit(command.dq);
     visitor.visit(command.u);
   }
+}
+
+void ActuatorStage::visit_lock(StateVisitor& visitor) {
+  if (actuator_.faults.empty()) return;
+  for (double* number : {&locked_, &locked_at_}) visitor.visit(*number);
+}
+
+void ActuatorStage::visit_heat(StateVisitor& visitor) {
+  if (!actuator_.continuous_effort) return;
+  for (double* number : {&heat_, &hot_}) visitor.visit(*number);
 }
 
 }  // namespace rehearse

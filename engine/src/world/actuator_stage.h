@@ -1,5 +1,5 @@
 // ActuatorStage: the explicit parts of an actuator, between the command of a joint and the world: quantum, delay, the
-// drive's own loop, bandwidth and limits of the effort. Private to the world library.
+// drive's own loop, bandwidth, limits of the effort and heat. Private to the world library.
 #pragma once
 
 #include <rehearse/actuator.h>
@@ -18,11 +18,14 @@ class ActuatorStage {
   /// `actuator` must outlive this. `start`: initial displacement of the joint [rad] or [m]. `time_step` [s].
   ActuatorStage(const Actuator& actuator, double start, double time_step);
 
-  /// The command that acts in the coming step: the joint is at `q` with the velocity `dq`. Must be called once a step.
-  JointCommand act(const JointCommand& written, double q, double dq);
+  /// The command that acts in the coming step: `joint` is its reading at the step's beginning.
+  /// Must be called once a step.
+  JointCommand act(const JointCommand& written, const JointReading& joint);
 
   /// The share of its effort limit that faults leave a drive without a loop in this step; infinity: no limit.
   double drive_share() const { return drive_share_; }
+  /// The largest effort that its heat allows in this step; infinity: it isn't hot [N·m] or [N].
+  double thermal_limit() const;
   /// Whether the last step's command was an effort, that of the drive's own loop included.
   bool drives_effort() const { return drives_effort_ != 0.0; }
   /// That effort before its limits, and after them [N·m] or [N].
@@ -30,6 +33,9 @@ class ActuatorStage {
   double effort() const { return effort_; }
 
   void visit_state(StateVisitor& visitor);
+  /// Of what only some actuators have.
+  void visit_lock(StateVisitor& visitor);
+  void visit_heat(StateVisitor& visitor);
 
  private:
   JointCommand rounded(JointCommand command) const;
@@ -37,12 +43,14 @@ class ActuatorStage {
   JointCommand in_force();
   double loop_effort(const JointCommand& wanted, double q, double dq);
   double lagged(double effort);
+  void heat(double effort);
   JointCommand pass(const JointCommand& written, double q, double dq);
   JointCommand under_faults(const JointCommand& acting, double q);
 
   const Actuator& actuator_;
   const double time_step_;
   const double lag_, mean_lag_;  // shares of the effort before the step at its end, and in its mean
+  const double cooling_;         // share of the heat before the step at its end
   // state
   std::int64_t steps_ = 0;             // made so far
   std::vector<JointCommand> written_;  // by step modulo its size
@@ -53,6 +61,8 @@ class ActuatorStage {
   double effort_ = 0.0;
   double locked_ = 0.0;       // 1: a fault locks the joint
   double locked_at_ = 0.0;    // its displacement then
+  double heat_ = 0.0;         // mean square of the effort
+  double hot_ = 0.0;          // 1: its effort is limited to the continuous one
   double drive_share_ = 1.0;  // not part of the state: each step determines it
 };
 

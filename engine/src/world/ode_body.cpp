@@ -244,8 +244,8 @@ void OdeBody::act(const BodyCommand& command) {
   for (std::size_t id = 0; id < stages_.size(); ++id) {
     if (!stages_[id]) continue;
     OdeJoint& joint = joints_[slots_[id].index];
-    acting_[id] = stages_[id]->act(command.joints[id], joint.displacement(), joint.rate());
-    joint.leave_share(stages_[id]->drive_share());
+    acting_[id] = stages_[id]->act(command.joints[id], joint.reading());
+    joint.limit_drive(stages_[id]->drive_share(), stages_[id]->thermal_limit());
     joint.turn_rotor(acting_[id], time_step_);
   }
 }
@@ -479,6 +479,7 @@ void OdeBody::observe_actuators(BodyObservation& observation) const {
     ActuatorReading& reading = observation.actuators[id];
     reading = {joint.q, joint.dq, joint.u, joint.u};
     if (!stages_[id]) continue;
+    reading.thermal_limit = stages_[id]->thermal_limit();
     if (stages_[id]->drives_effort()) {
       reading.wanted = stages_[id]->wanted();
       reading.effort = stages_[id]->effort();
@@ -556,6 +557,10 @@ void OdeBody::visit_state(StateVisitor& visitor) {
     joints_[slots_[id].index].visit_play(visitor);
     visitor.begin_part(name(), joint, StatePart::commands);
     stages_[id]->visit_state(visitor);
+    visitor.begin_part(name(), joint, StatePart::lock);
+    stages_[id]->visit_lock(visitor);
+    visitor.begin_part(name(), joint, StatePart::heat);
+    stages_[id]->visit_heat(visitor);
   }
   for (std::size_t device = 0; device < wrenches_.size(); ++device) {
     visitor.begin_part(name(), model().devices[device].name, StatePart::wrench);

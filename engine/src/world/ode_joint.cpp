@@ -111,8 +111,9 @@ void OdeJoint::turn_rotor(const JointCommand& command, double time_step) {
 /// The largest effort of a drive without a loop of its own.
 double OdeJoint::drive_limit() const {
   if (std::isinf(drive_share_)) return drive_share_;
-  if (!actuator_ || !actuator_->stall_effort) return drive_share_ * joint_.effort;
-  return drive_share_ * std::clamp(effort_range(*actuator_, std::abs(rate())).upper, 0.0, joint_.effort);
+  const double most = std::min(joint_.effort, drive_most_);
+  if (!actuator_ || !actuator_->stall_effort) return drive_share_ * most;
+  return drive_share_ * std::clamp(effort_range(*actuator_, std::abs(rate())).upper, 0.0, most);
 }
 
 /// The largest dry friction in the coming step.

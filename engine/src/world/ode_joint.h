@@ -62,8 +62,12 @@ class OdeJoint {
   /// Sets damping, rotor inertia and spring for the coming step. `inertia`: about the joint's axis without the rotor
   /// [kg·m²], or along it [kg].
   void resist(double inertia, double time_step);
-  /// The share of its effort limit that a drive has from now on; infinity: no limit.
-  void leave_share(double share) { drive_share_ = share; }
+  /// From now on a drive has that share of its effort limit, and at most that effort [N·m] or [N]; a share of infinity:
+  /// no limit.
+  void limit_drive(double share, double most) {
+    drive_share_ = share;
+    drive_most_ = most;
+  }
   /// Sets motor and force for the coming step. A gear with backlash exerts the effort of its rotor instead.
   void drive(const JointCommand& command, double time_step);
   /// Sets motor and force for a joint that follows `leader`: it is driven to the displacement to which the leader's
@@ -153,6 +157,7 @@ class OdeJoint {
   double motor_velocity_ = 0.0;                            // of ODE's joint motor, if it is on
   double motor_limit_ = 0.0;                               // of its effort
   double drive_share_ = 1.0;                               // of its limit that a fault leaves
+  double drive_most_ = unlimited;                          // that its heat allows
   double resistance_gain_ = 0.0;                           // of damping, rotor and spring [N·m·s] or [N·s/m]
   double resistance_velocity_ = 0.0;                       // at which they exert no effort
   double spring_effort_ = 0.0;                             // at the beginning of the step [N·m] or [N]

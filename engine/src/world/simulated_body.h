@@ -30,6 +30,8 @@ enum class StatePart {
   acceleration,   // of a joint
   gear,           // of a joint with backlash: its rotor within the gap
   commands,       // of a joint with an actuator: those under way
+  lock,           // of a joint whose actuator has faults: where it is locked
+  heat,           // of a joint whose actuator gets hot
   belt,           // of a track
   wrench,         // measured by a force sensor in the last step; the next step doesn't depend on it
   acting_device,  // of a rotor or holder: its command

@@ -40,7 +40,8 @@ void StateTaker::take(void* data, std::size_t size) {
 void StateTaker::end_part() {
   const auto& [body, owner, part] = name_;
   const bool matters = part != StatePart::wrench && part != StatePart::contact && part != StatePart::gear &&
-                       part != StatePart::commands && part != StatePart::rest;
+                       part != StatePart::commands && part != StatePart::lock && part != StatePart::heat &&
+                       part != StatePart::rest;
   if (!matters || at_ == (current_ ? current_->size() : 0)) return;
   std::string what = "body '" + body + "'";
   if (body.empty())

@@ -386,6 +386,102 @@ TEST_P(Actuators, AnActuatorWithoutPropertiesChangesNoMotion) {
   }
 }
 
+// On paper the heat of a constant effort is u² (1 - exp(-t / T)). It exceeds c² at t = -T ln(1 - c² / u²).
+TEST_P(Actuators, AConstantEffortIsLimitedOnceItHasHeatedTheMotor) {
+  constexpr double continuous = 2.0, time_constant = 0.3;
+  for (const double u : {2.2, 3.0, 8.0}) {
+    SCOPED_TRACE(u);
+    const auto world = wheel([&](Actuator& actuator) {
+      actuator.continuous_effort = continuous;
+      actuator.thermal_time = time_constant;
+    });
+    const double hot = -time_constant * std::log(1.0 - continuous * continuous / (u * u));
+    for (int i = 0; i < 800; ++i) {
+      run(*world, 1, effort(u));
+      ASSERT_EQ(actuator_of(*world).wanted, u);
+      ASSERT_EQ(actuator_of(*world).effort, i * tick > hot ? continuous : u) << i;
+      ASSERT_EQ(std::isfinite(actuator_of(*world).thermal_limit), i * tick > hot);
+    }
+  }
+}
+
+// On paper the heat falls from x to u² + (x - u²) exp(-t / T). The peak is back below (0.9 c)².
+TEST_P(Actuators, AMotorThatHasCooledHasItsPeakEffortAgain) {
+  constexpr double continuous = 2.0, time_constant = 0.3, peak = 4.0, rest = 1.0;
+  const auto world = wheel([&](Actuator& actuator) {
+    actuator.continuous_effort = continuous;
+    actuator.thermal_time = time_constant;
+  });
+  run(*world, 1000, effort(peak));
+  const int heated = static_cast<int>(-time_constant * std::log(1.0 - 0.25) / tick) + 1;  // steps with the peak
+  const double at_limit = peak * peak * -std::expm1(-heated * tick / time_constant);
+  const double budget = continuous * continuous;
+  const double x = budget + (at_limit - budget) * std::exp(-(1000 - heated) * tick / time_constant);
+  const double cooled = time_constant * std::log((x - rest * rest) / (0.81 * budget - rest * rest));
+  int steps = 0;
+  for (; std::isfinite(actuator_of(*world).thermal_limit) && steps < 1000; ++steps) run(*world, 1, effort(rest));
+  EXPECT_EQ(steps, static_cast<int>(cooled / tick) + 2);  // the first step that begins after it
+  run(*world, 1, effort(peak));
+  EXPECT_EQ(actuator_of(*world).effort, peak);
+}
+
+// A drive without a loop heats its motor by what its motion needs, and then is limited alike.
+TEST_P(Actuators, ADriveWithoutALoopGetsHotToo) {
+  constexpr double continuous = 2.0, time_constant = 0.1, load = 3.0;
+  const auto world = wheel([&](Actuator& actuator) {
+    actuator.effort = 10.0;
+    actuator.continuous_effort = continuous;
+    actuator.thermal_time = time_constant;
+  });
+  const double hot = -time_constant * std::log(1.0 - continuous * continuous / (load * load));
+  Command command = idle(*world);
+  command.bodies[0].joints[0] = velocity(0.0);
+  for (int i = 0; i < 200; ++i) {
+    command.bodies[0].external[1].torque = {0.0, -load, 0.0};
+    world->actuate(command);
+    ASSERT_TRUE(world->step());
+    ASSERT_NEAR(actuator_of(*world).effort, i * tick > hot ? continuous : load, 1e-6) << i;
+  }
+  const double slipped = (load - continuous) / wheel_inertia * tick * (199 - std::floor(hot / tick));
+  EXPECT_NEAR(joint_of(*world).dq, -slipped, 1e-6);
+}
+
+TEST_P(Actuators, AStateHasTheHeat) {
+  const auto make = [&] {
+    return wheel([](Actuator& actuator) {
+      actuator.continuous_effort = 2.0;
+      actuator.thermal_time = 0.2;
+      actuator.faults = {{ActuatorFault::Kind::locked, 1.0, 0.09, 0.12}};
+    });
+  };
+  const auto world = make(), restored = make(), taken = make();
+  run(*world, 100, effort(3.0));
+  const auto state = world->save();
+  ASSERT_TRUE(restored->restore(state));
+  ASSERT_TRUE(taken->take_state(*world));
+  for (World* each : {world.get(), restored.get(), taken.get()}) run(*each, 100, effort(3.0));
+  EXPECT_TRUE(std::isfinite(actuator_of(*world).thermal_limit));
+  EXPECT_EQ(restored->state_hash(), world->state_hash());
+  EXPECT_EQ(taken->state_hash(), world->state_hash());
+}
+
+// A branch into a world whose actuators have more than those of the recording: what the recording has goes on.
+TEST_P(Actuators, AWorldWithFaultsAndHeatTakesTheCommandsUnderWay) {
+  const auto world = wheel([](Actuator& actuator) { actuator.delay = 0.006; });
+  run(*world, 50, effort(1.0));
+  const auto other = wheel([](Actuator& actuator) {
+    actuator.delay = 0.006;
+    actuator.continuous_effort = 2.0;
+    actuator.thermal_time = 0.2;
+    actuator.faults = {{ActuatorFault::Kind::locked, 1.0, 1.0, 2.0}};
+  });
+  ASSERT_TRUE(other->take_state(*world));
+  run(*world, 5, effort(2.0));
+  run(*other, 5, effort(2.0));
+  EXPECT_EQ(actuator_of(*other).wanted, 1.0);
+  EXPECT_EQ(joint_of(*other).dq, joint_of(*world).dq);
+}
+
 ActuatorFault fault_of(ActuatorFault::Kind kind, double share = 1.0) { return {kind, share, 0.01, 0.02}; }
 
 // On paper: v = h sum(u) / I.

@@ -45,6 +45,19 @@ TEST_F(ActuatorsInTheLoop, AnActuatorThatLimitsIsARemark) {
   EXPECT_TRUE(summary_.remarks.empty());
 }
 
+TEST_F(ActuatorsInTheLoop, AnActuatorThatGetsHotIsARemark) {
+  const std::string rules = "{joint: \"*\", effort: 5, continuous_effort: 2, thermal_time: 20 ms}";
+  record_run(with_actuators(rules, "drive effort 3 SHOULDER"));  // hot after 20 ms * -ln(1 - 4/9) = 11.76 ms
+  ASSERT_EQ(summary_.remarks.size(), 1u);
+  EXPECT_THAT(
+      summary_.remarks[0].message,
+      HasSubstr("the actuator of joint 'SHOULDER' of 'Rig' is hot and exerts its continuous effort, 2 N·m, at"));
+  record_run(with_actuators(rules, "drive effort 7 SHOULDER"));  // limited at once, and hot after that
+  EXPECT_EQ(summary_.remarks.size(), 2u);
+  record_run(with_actuators(rules, "drive effort 1.9 SHOULDER"));
+  EXPECT_TRUE(summary_.remarks.empty());
+}
+
 TEST_F(ActuatorsInTheLoop, JitterFollowsFromTheSeed) {
   const std::string text = with_actuators("{joint: SHOULDER, delay: 2 ms, jitter: 2 ms}", "drive effort 3 SHOULDER");
   const auto first = record_run(text).values("Rig/actuators/SHOULDER/u");
@@ -55,7 +68,8 @@ TEST_F(ActuatorsInTheLoop, JitterFollowsFromTheSeed) {
 TEST_F(ActuatorsInTheLoop, AReplayAndABranchContinueTheCommandsUnderWay) {
   const std::string rules =
       "{joint: SHOULDER, delay: 5.5 ms, jitter: 1 ms, bandwidth: 40 Hz, armature: 0.1, backlash: 0.5 deg, efficiency: "
-      "0.9, stiction: 0.2, position_gain: 40, velocity_gain: 2, period: 3 ms}";
+      "0.9, continuous_effort: 3, thermal_time: 50 ms, stiction: 0.2, position_gain: 40, velocity_gain: 2, period: 3 "
+      "ms}";
   record_run(with_actuators(rules, "drive displacement 0.5 SHOULDER", "0.4"));
   const auto replayed = replay_run();
   ASSERT_TRUE(replayed.ok()) << to_string(replayed.errors());

@@ -41,6 +41,8 @@ constexpr ActuatorKey actuator_keys[] = {
     {"velocity", "largest velocity", &Actuator::velocity, {0.0, most}},
     {"stall_effort", "largest effort at rest", &Actuator::stall_effort, {0.0, most, "", true}},
     {"no_load_velocity", "velocity at which no effort is left", &Actuator::no_load_velocity, {0.0, most, "", true}},
+    {"continuous_effort", "largest effort while it is hot", &Actuator::continuous_effort, {0.0, most, "", true}},
+    {"thermal_time", "time constant of its heat [s]", &Actuator::thermal_time, {0.0, 1e5, "[s]", true}, Written::time},
     {"armature", "inertia of the rotor as it acts at the joint", &Actuator::armature, {0.0, most}},
     {"damping", "resistance in proportion to velocity", &Actuator::damping, {0.0, most}},
     {"coulomb", "friction in motion", &Actuator::coulomb, {0.0, most}},
@@ -86,6 +88,7 @@ class ActuatorReader {
   std::optional<double> read_value(const YamlNode& node, const ActuatorKey& key, const Joint& joint);
   void apply_gear(Driven& driven);
   void check_limits(const Driven& driven);
+  void check_pair(const Driven& driven, std::string_view key, std::string_view other, std::string_view why);
   void check_loop(const Driven& driven);
   void check_resistance(const Driven& driven);
   void check_play(const Driven& driven);
@@ -189,16 +192,26 @@ void ActuatorReader::apply_gear(Driven& driven) {
   (**driven.actuator).armature = driven.joint->rotor_inertia * driven.gear * driven.gear;
 }
 
+void ActuatorReader::check_pair(const Driven& driven, std::string_view key, std::string_view other,
+                                std::string_view why) {
+  const YamlNode* first = driven.place(key);
+  const YamlNode* second = driven.place(other);
+  if ((first == nullptr) == (second == nullptr)) return;
+  findings_.error(
+      first ? *first : *second,
+      fmt::format("{} has a '{}' without a '{}'", driven.joint->name, first ? key : other, first ? other : key),
+      std::string(why));
+}
+
 void ActuatorReader::check_limits(const Driven& driven) {
-  const YamlNode* stall = driven.place("stall_effort");
-  const YamlNode* no_load = driven.place("no_load_velocity");
-  if ((stall == nullptr) != (no_load == nullptr))
-    findings_.error(
-        stall ? *stall : *no_load,
-        fmt::format("{} has a '{}' without a '{}'", driven.joint->name, stall ? "stall_effort" : "no_load_velocity",
-                    stall ? "no_load_velocity" : "stall_effort"),
-        "the line from the one to the other needs both");
+  check_pair(driven, "stall_effort", "no_load_velocity", "the line from the one to the other needs both");
+  check_pair(driven, "continuous_effort", "thermal_time", "heat limits an effort by both");
   const Actuator& actuator = **driven.actuator;
+  if (actuator.continuous_effort && actuator.effort && *actuator.continuous_effort > *actuator.effort)
+    findings_.error(*driven.place("continuous_effort"),
+                    fmt::format("the continuous effort of {} is {}, above its largest effort, {}", driven.joint->name,
+                                *actuator.continuous_effort, *actuator.effort),
+                    "expected at most effort");
   if (actuator.jitter > actuator.delay)
     findings_.error(*driven.place("jitter"),
                     fmt::format("the jitter of {} is {} s, above its delay of {} s", driven.joint->name,

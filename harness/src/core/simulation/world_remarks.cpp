@@ -27,6 +27,7 @@ WorldRemarks::WorldRemarks(const Scenario& scenario) : scenario_(scenario) {
     }
   }
   limited_.resize(scenario.bodies.size());
+  hot_.resize(scenario.bodies.size());
   for (const ScenarioBody& body : scenario.bodies) {
     std::vector<Joint>& joints = built_.emplace_back();
     for (std::size_t id = 0; id < body.actuators.size(); ++id) {
@@ -155,21 +156,27 @@ void WorldRemarks::check_drives(std::int64_t tick, const Observation& seen, cons
 
 /// The first of a body is a warning, and so a remark of the run; those of other joints are notes.
 void WorldRemarks::check_actuators(std::int64_t tick, const Observation& seen, std::vector<msg::Event>& events) {
-  constexpr double nearly = 1.0 - 1e-9;  // of the wanted effort
+  constexpr double nearly = 1.0 - 1e-9, about = 1.0 - 1e-6;  // of the wanted effort; of the limit of a hot drive
   for (std::size_t i = 0; i < scenario_.bodies.size(); ++i) {
     const ScenarioBody& body = scenario_.bodies[i];
     for (std::size_t id = 0; id < seen.bodies[i].actuators.size(); ++id) {
       const ActuatorReading& now = seen.bodies[i].actuators[id];
       const bool is_limited = now.wanted > 0.0 ? now.effort < nearly * now.wanted : now.effort > nearly * now.wanted;
-      if (!is_limited || std::exchange(joints_[i][id].limited, true)) continue;
+      const bool is_hot = std::abs(now.effort) >= about * now.thermal_limit;
+      JointRemarks& known = joints_[i][id];
+      if ((!is_limited && !is_hot) || std::exchange(is_hot ? known.hot : known.limited, true)) continue;
       const Joint& joint = body.model->links[static_cast<std::size_t>(body.model->joints[id])].joint;
-      const bool slides = is_linear(joint.type), is_first = !limited_[i];
-      limited_[i] = true;
-      add(tick, is_first ? Severity::warning : Severity::note,
-          fmt::format("the actuator of joint '{}' of '{}' limited {:.4g} {} to {:.4g}, at {:.3g} {}", joint.name,
-                      body.name, now.wanted, slides ? "N" : "N·m", now.effort, seen.bodies[i].joints[id].dq,
-                      slides ? "m/s" : "rad/s"),
+      const bool slides = is_linear(joint.type);
+      const char* const unit = slides ? "N" : "N·m";
+      const std::string how =
+          is_hot ? fmt::format("is hot and exerts its continuous effort, {:.4g} {}", std::abs(now.effort), unit)
+                 : fmt::format("limited {:.4g} {} to {:.4g}", now.wanted, unit, now.effort);
+      std::vector<bool>& told = is_hot ? hot_ : limited_;
+      add(tick, told[i] ? Severity::note : Severity::warning,
+          fmt::format("the actuator of joint '{}' of '{}' {}, at {:.3g} {}", joint.name, body.name, how,
+                      seen.bodies[i].joints[id].dq, slides ? "m/s" : "rad/s"),
           events);
+      told[i] = true;
     }
   }
 }

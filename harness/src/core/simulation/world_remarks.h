@@ -39,6 +39,7 @@ class WorldRemarks {
     bool blocked = false;             // its drive was commanded beyond a stop
     bool at_full_effort = false;
     bool limited = false;  // its actuator gave less than the effort that was commanded
+    bool hot = false;      // likewise, or a drive was at its limit, because of its heat
   };
   /// The joint with the limits of its actuator.
   const Joint& joint_of(std::size_t body, std::size_t id) const;
@@ -65,7 +66,7 @@ class WorldRemarks {
   std::int64_t next_unconverged_report_ = 10;      // at that number
   double unsolved_ = 0.0;                          // the last share that was reported
   std::vector<std::vector<Joint>> built_;          // by body and joint id; empty: the body has no actuators
-  std::vector<bool> limited_;                      // by body: the actuator of any joint
+  std::vector<bool> limited_, hot_;                // by body: the actuator of any joint
   bool crowded_ = false;                           // any island had too many contacts
   std::vector<std::vector<JointRemarks>> joints_;  // by body and joint id
 };
