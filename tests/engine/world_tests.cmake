@@ -24,6 +24,7 @@ rehearse_add_test(world_tests LABEL sim SHARDS 8
     world/joints_test.cpp
     world/kinematic_test.cpp
     world/limits_test.cpp
+    world/mass_faults_test.cpp
     world/material_pairs_test.cpp
     world/mimic_test.cpp
     world/own_contacts_test.cpp

@@ -82,6 +82,23 @@ TEST(ScenarioActuators, WarnOfAGearWithoutRotor) {
   EXPECT_EQ(scenario.warnings[0].message, "gear does nothing for KNEE: the model states no inertia of its rotor");
 }
 
+TEST(ScenarioActuators, GetHotByNumbersThatVary) {
+  const Scenario scenario =
+      loaded(leg_with("      - {joint: KNEE, effort: 20, continuous_effort: 8, thermal_time: 500 ms}\n",
+                      "    faults:\n      - {link: S*, fault: heavier, mass: 1, from: 0.5}\n"
+                      "vary:\n"
+                      "  hot: {path: \"bodies.Leg.actuators[0].continuous_effort\", uniform: [5, 20]}\n"
+                      "  load: {path: \"bodies.Leg.faults[0].mass\", uniform: [1, 3]}\n"));
+  EXPECT_EQ(scenario.bodies[0].actuators.at(1)->thermal_time, 0.5);
+  const auto text = scenario.varied_text({"12", "2.5"});
+  ASSERT_TRUE(text.ok());
+  const Scenario varied = loaded(*text);
+  EXPECT_EQ(varied.bodies[0].actuators.at(1)->continuous_effort, 12.0);
+  ASSERT_EQ(varied.bodies[0].mass_faults.size(), 2u);  // SHIN and SOLE
+  EXPECT_EQ(varied.bodies[0].mass_faults[1].factor, 2.5);
+  EXPECT_EQ(varied.bodies[0].mass_faults[1].from, 0.5);
+}
+
 TEST(ScenarioActuators, AreVariedWithAndWithoutUnits) {
   const Scenario scenario =
       loaded(leg_with("      - {joint: \"*\", delay: 6 ms, armature: 0.01, bandwidth: 40}\n",

@@ -536,6 +536,15 @@ struct MaterialPair {
   std::optional<double> restitution;     // ratio of the speeds after and before a bounce, 0 to 1
 };
 
+/// A rigid part of a body has another mass for a time: from <= t < until. Its inertia changes in proportion, its centre
+/// of mass stays. All its points keep their velocities when it begins and ends.
+struct MassFault {
+  int link = 0;                                            // any of the links that fixed joints join to the part
+  double factor = 1.0;                                     // of the mass, above 0; factors of several faults multiply
+  double from = 0.0;                                       // [s]
+  double until = std::numeric_limits<double>::infinity();  // [s]
+};
+
 /// A joint between two links of any bodies, in addition to the models' own. Two links that it connects don't touch each
 /// other.
 struct Connection {

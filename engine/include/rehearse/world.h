@@ -48,6 +48,7 @@ struct WorldBody {
   bool planar = false;  // a root link that isn't fixed stays in the plane of x and z in which it begins
   /// By joint id; nullopt: the joint is ideal. An empty list: all are. Tracks and joints that follow others have none.
   std::vector<std::optional<Actuator>> actuators = {};
+  std::vector<MassFault> mass_faults = {};  // parts that nothing moves by forces have no use for them
 };
 
 /// A joint, by the link that it moves; `body` -1: none.

@@ -33,12 +33,16 @@ void apply(const ActuatorFault& fault, FaultedCommand& faulted) {
 
 }  // namespace
 
+bool acts(double from, double until, double time, double time_step) {
+  const double margin = rounding * time_step;
+  return time >= from - margin && time < until - margin;
+}
+
 FaultedCommand under_faults(const std::vector<ActuatorFault>& faults, JointCommand command, double time,
                             double time_step) {
   FaultedCommand faulted{command};
-  const double margin = rounding * time_step;
   for (const ActuatorFault& fault : faults)
-    if (time >= fault.from - margin && time < fault.until - margin) apply(fault, faulted);
+    if (acts(fault.from, fault.until, time, time_step)) apply(fault, faulted);
   return faulted;
 }
 

@@ -8,6 +8,10 @@
 
 namespace rehearse {
 
+/// True if a fault of from <= t < until acts in the step that begins at `time`. Times within a billionth of a step of
+/// its ends are at them [s].
+bool acts(double from, double until, double time, double time_step);
+
 /// A command under faults.
 struct FaultedCommand {
   JointCommand command;
@@ -16,7 +20,7 @@ struct FaultedCommand {
   bool is_locked = false;    // the joint stays where it is, whatever the command
 };
 
-/// `time`: of the step's beginning. Times within a billionth of a step of a fault's ends are at them [s].
+/// `time`: of the step's beginning [s].
 FaultedCommand under_faults(const std::vector<ActuatorFault>& faults, JointCommand command, double time,
                             double time_step);
 

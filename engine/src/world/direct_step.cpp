@@ -193,13 +193,14 @@ void DirectStep::load_body(int index, TreeBody& body) {
   const Matrix3d& axes = poses_[index].rotation;
   const Vector3d w = vector(dBodyGetAngularVel(part.body));
   body.parent = parents_[index] < 0 ? -1 : parents_[index] + trees_[trees_of_[index]].offset;
-  body.mass = part.mass;
-  body.inertia = axes * part.inertia * axes.transpose();
+  const double mass = part.weight->mass;
+  body.mass = mass;
+  body.inertia = axes * part.weight->inertia * axes.transpose();
   Vector3d force = vector(dBodyGetForce(part.body));
-  if (dBodyGetGravityMode(part.body)) force += part.mass * gravity_;
+  if (dBodyGetGravityMode(part.body)) force += mass * gravity_;
   const Vector3d momentum =
       dBodyGetGyroscopicMode(part.body) ? turned_momentum(body.inertia, w, law_.time_step) : Vector3d(body.inertia * w);
-  body.momentum = spatial(part.mass * vector(dBodyGetLinearVel(part.body)) + law_.time_step * force,
+  body.momentum = spatial(mass * vector(dBodyGetLinearVel(part.body)) + law_.time_step * force,
                           momentum + law_.time_step * vector(dBodyGetTorque(part.body)));
   body.joint.truncate(0);
 }
@@ -287,7 +288,7 @@ DirectStep::Outcome DirectStep::solve() {
   for (const Tree& tree : trees_) {
     if (tree.island < 0) continue;
     for (int part = tree.first; part < tree.last; ++part)
-      weights[tree.island] += standard_gravity * law_.time_step * parts_[part].mass;
+      weights[tree.island] += standard_gravity * law_.time_step * parts_[part].weight->mass;
   }
   for (std::size_t i = 0; i < island_count_; ++i) {
     const BoundedProblem::Outcome solved = islands_[i].solve(tolerance * weights[i]);

@@ -17,7 +17,7 @@ class KinematicBody final : public SimulatedBody {
  public:
   KinematicBody(dWorldID world, WorldBody description, double time_step);
 
-  void before_step() override {}
+  void before_step(double) override {}
   void drive(const BodyCommand& command) override;
   void add_wrench(int, const Eigen::Vector3d&, const Eigen::Vector3d&) override {}
   Eigen::Vector3d link_point(int link, const Eigen::Vector3d& point_in_link) const override;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "free_rotation.h"
+#include "model/acting_faults.h"
 #include "ode_math.h"
 
 namespace rehearse {
@@ -48,18 +49,48 @@ void OdeBody::create_groups(dWorldID world, const RigidGroups& groups, const std
     group.center = inertial.center;
     group.body = dBodyCreate(world);
     group.numbers = BodyNumbers(group.body);
-    const Matrix3d& inertia = inertial.inertia;
-    group.mass = inertial.mass;
+    group.nominal = {inertial.mass, inertial.inertia};
     moving_mass_ += inertial.mass;
-    group.inertia = inertia;
-    group.inverse_inertia = inertia.inverse();
-    dMass mass;
-    dMassSetParameters(&mass, inertial.mass, 0.0, 0.0, 0.0, inertia(0, 0), inertia(1, 1), inertia(2, 2), inertia(0, 1),
-                       inertia(0, 2), inertia(1, 2));
-    dBodySetMass(group.body, &mass);
+    set_mass(group, 1.0);
   }
   release_weightless();
   set_posture(zero_posture);
+}
+
+void OdeBody::set_mass(RigidGroup& group, double factor) {
+  group.factor = factor;
+  group.weight = {factor * group.nominal.mass, factor * group.nominal.inertia};
+  const Matrix3d& inertia = group.weight.inertia;
+  group.inverse_inertia = inertia.inverse();
+  dMass mass;
+  dMassSetParameters(&mass, group.weight.mass, 0.0, 0.0, 0.0, inertia(0, 0), inertia(1, 1), inertia(2, 2),
+                     inertia(0, 1), inertia(0, 2), inertia(1, 2));
+  dBodySetMass(group.body, &mass);
+}
+
+/// In the step that begins at `time` [s].
+double OdeBody::mass_factor(std::size_t group, double time) const {
+  double factor = 1.0;
+  for (const MassFault& fault : description().mass_faults)
+    if (links_[fault.link].group == static_cast<int>(group) && acts(fault.from, fault.until, time, time_step_))
+      factor *= fault.factor;
+  return factor;
+}
+
+/// The masses follow from the time alone, so they aren't state. ODE's velocities are those of the centres of mass,
+/// which stay.
+void OdeBody::take_masses(double time) {
+  changes_mass_ = false;
+  double added = 0.0;
+  for (std::size_t i = 0; i < groups_.size(); ++i) {
+    RigidGroup& group = groups_[i];
+    if (!group.body) continue;
+    const double factor = mass_factor(i, time);
+    changes_mass_ |= factor != mass_factor(i, time - time_step_);
+    if (factor != group.factor) set_mass(group, factor);
+    added += group.weight.mass - group.nominal.mass;
+  }
+  add_mass(added);
 }
 
 /// ODE disables gravity for bodies, not for parts of them: parts are held up by a force at their common centre.
@@ -89,7 +120,7 @@ bool OdeBody::has_weight(int group) const {
 void OdeBody::hold_up_weightless() {
   for (const RigidGroup& group : groups_) {
     if (group.weightless_mass == 0.0) continue;
-    const Vector3d force = -group.weightless_mass * gravity_;
+    const Vector3d force = -group.factor * group.weightless_mass * gravity_;
     const Vector3d arm = group.weightless_moment / group.weightless_mass;
     dBodyAddForceAtRelPos(group.body, force.x(), force.y(), force.z(), arm.x(), arm.y(), arm.z());
   }
@@ -194,7 +225,8 @@ void OdeBody::set_velocities(const std::vector<LinkMotion>& motions) {
   }
 }
 
-void OdeBody::before_step() {
+void OdeBody::before_step(double time) {
+  if (!description().mass_faults.empty()) take_masses(time);
   for (RigidGroup& group : groups_) {
     if (!group.body) continue;
     group.previous_velocity = vector(dBodyGetLinearVel(group.body));
@@ -277,10 +309,10 @@ void OdeBody::turn_freely() {
     if (!group.body || dBodyIsKinematic(group.body)) continue;
     const Matrix3d axes = rotation(dBodyGetRotation(group.body));
     const Vector3d before = axes.transpose() * vector(dBodyGetAngularVel(group.body));
-    const auto after = rotate_freely(group.inertia, group.inverse_inertia, before, time_step_);
+    const auto after = rotate_freely(group.weight.inertia, group.inverse_inertia, before, time_step_);
     dBodySetGyroscopicMode(group.body, after ? 0 : 1);
     if (!after) continue;
-    const Vector3d torque = axes * (group.inertia * (*after - before)) / time_step_;
+    const Vector3d torque = axes * (group.weight.inertia * (*after - before)) / time_step_;
     dBodyAddTorque(group.body, torque.x(), torque.y(), torque.z());
   }
 }
@@ -310,9 +342,9 @@ std::vector<RigidPart> OdeBody::rigid_parts() const {
     parts[i].moves = body != nullptr;
     if (!body) continue;
     const Matrix3d axes = rotation(dBodyGetRotation(body));
-    parts[i].mass = groups_[i].mass;
+    parts[i].mass = groups_[i].weight.mass;
     parts[i].center = vector(dBodyGetPosition(body));
-    parts[i].inertia = axes * groups_[i].inertia * axes.transpose();
+    parts[i].inertia = axes * groups_[i].weight.inertia * axes.transpose();
   }
   return parts;
 }
@@ -368,7 +400,7 @@ JointErrors OdeBody::residual() const {
     most = missing;
     worst.link = index;
   }
-  if (worst.link >= 0) worst.share = most / (moving_mass_ * standard_gravity * time_step_);
+  if (worst.link >= 0) worst.share = most / ((moving_mass_ + added_mass()) * standard_gravity * time_step_);
   return worst;
 }
 
@@ -430,8 +462,9 @@ void OdeBody::measure_cut(const CutSensor& cut) {
   }
   // the cut transmits the rest of the wrench that the part needs; the part exerts the opposite
   const Wrench needed = wrench_to_move(cut.part, motion, gravity_, origin);
-  wrenches_[cut.device].head<3>() = sensor.linear().transpose() * (force - needed.force);
-  wrenches_[cut.device].tail<3>() = sensor.linear().transpose() * (torque - needed.torque);
+  const double factor = group.factor;
+  wrenches_[cut.device].head<3>() = sensor.linear().transpose() * (force - factor * needed.force);
+  wrenches_[cut.device].tail<3>() = sensor.linear().transpose() * (torque - factor * needed.torque);
 }
 
 void OdeBody::read_link(int index, LinkReading& link) const {
@@ -521,8 +554,7 @@ std::vector<MovingPart> OdeBody::moving_parts() {
     if (!group.body) continue;
     MovingPart& part = parts.emplace_back();
     part.body = group.body;
-    part.mass = group.mass;
-    part.inertia = group.inertia;
+    part.weight = &group.weight;
     if (i == 0 && plane_) part.plane = &*plane_;
     if (group.parent < 0) continue;
     part.parent = groups_[group.parent].body;

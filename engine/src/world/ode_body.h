@@ -24,15 +24,15 @@ struct RigidGroup {
   dBodyID body = nullptr;  // null: fixed to the world
   BodyNumbers numbers;     // of the body
   int first_link = 0;
-  int parent = -1;                                    // the group to which its joint connects it
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();   // of mass, in the group's frame [m]
-  double mass = 0.0;                                  // [kg]
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // about the centre, along the group's axes [kg·m²]
+  int parent = -1;                                   // the group to which its joint connects it
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  // of mass, in the group's frame [m]
+  RigidMass nominal, weight;                         // without faults, and in the step
   Eigen::Matrix3d inverse_inertia = Eigen::Matrix3d::Zero();
-  Eigen::Isometry3d fixed_pose = Eigen::Isometry3d::Identity();    // of the group's frame, when it never moves
-  double weightless_mass = 0.0;                                    // of links on which gravity doesn't act [kg]
-  Eigen::Vector3d weightless_moment = Eigen::Vector3d::Zero();     // that mass times its place from `center` [kg·m]
-  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();          // of the centre, over the last step [m/s²]
+  Eigen::Isometry3d fixed_pose = Eigen::Isometry3d::Identity();  // of the group's frame, when it never moves
+  double factor = 1.0;                                           // of the nominal mass that faults make
+  double weightless_mass = 0.0;                                  // nominal, of links on which gravity doesn't act [kg]
+  Eigen::Vector3d weightless_moment = Eigen::Vector3d::Zero();   // that mass times its place from `center` [kg·m]
+  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();        // of the centre, over the last step [m/s²]
   Eigen::Vector3d angular_acceleration = Eigen::Vector3d::Zero();  // over the last step [rad/s²]
   Eigen::Vector3d previous_velocity = Eigen::Vector3d::Zero();     // before the last step; scratch, not state
   Eigen::Vector3d previous_angular_velocity = Eigen::Vector3d::Zero();
@@ -60,7 +60,8 @@ class OdeBody final : public SimulatedBody {
   /// `description` has passed check_dynamics().
   OdeBody(dWorldID world, WorldBody description, double time_step);
 
-  void before_step() override;
+  void before_step(double time) override;
+  bool changes_mass() const override { return changes_mass_; }
   void drive(const BodyCommand& command) override;
   void add_wrench(int link, const Eigen::Vector3d& force, const Eigen::Vector3d& torque_about_origin) override;
   Eigen::Vector3d link_point(int link, const Eigen::Vector3d& point_in_link) const override;
@@ -99,6 +100,9 @@ class OdeBody final : public SimulatedBody {
   const RigidGroup& group_of(int link) const { return groups_[links_[link].group]; }
   /// False for the root, and for a link that a free joint separates from its parent.
   bool has_joint(int link) const { return link != 0 && model().links[link].joint.type != JointType::free; }
+  double mass_factor(std::size_t group, double time) const;
+  void take_masses(double time);
+  static void set_mass(RigidGroup& group, double factor);
   void create_force_sensors(const RigidGroups& groups);
   void create_cut(const RigidGroups& groups, std::size_t device);
   void measure_force(std::size_t device);
@@ -119,6 +123,7 @@ class OdeBody final : public SimulatedBody {
   std::vector<Slot> slots_;                            // by joint id
   std::vector<OdeJoint> joints_;                       // movable ones, by joint id
   double moving_mass_ = 0.0;                           // of all groups that aren't fixed to the world [kg]
+  bool changes_mass_ = false;                          // with the coming step
   bool has_resistance_ = false;                        // of any joint: damping or rotor inertia
   std::vector<std::optional<ActuatorStage>> stages_;   // by joint id; empty: the body has no actuators
   std::vector<JointCommand> acting_;                   // scratch within a step: the commands behind the actuators

@@ -132,14 +132,19 @@ struct Mount {
 class OdeJoint;
 class PlaneConstraint;
 
+/// Of a rigid body. A fault may change it before a step.
+struct RigidMass {
+  double mass = 0.0;                                  // [kg]
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // about the centre of mass, along its own axes [kg·m²]
+};
+
 /// A rigid body that forces move, with the joint that connects it to its parent.
 struct MovingPart {
   dBodyID body = nullptr;
-  dBodyID parent = nullptr;                           // null: the joint's other side is the world, or there is no joint
-  double mass = 0.0;                                  // [kg]
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // about the centre of mass, along its own axes [kg·m²]
-  OdeJoint* joint = nullptr;                          // null: none
-  const PlaneConstraint* plane = nullptr;             // null: none
+  dBodyID parent = nullptr;  // null: the joint's other side is the world, or there is no joint
+  const RigidMass* weight = nullptr;
+  OdeJoint* joint = nullptr;               // null: none
+  const PlaneConstraint* plane = nullptr;  // null: none
 };
 
 /// The errors of a step at a body's joints, as in Residual; links are indices into the model's, -1: none.
@@ -157,8 +162,11 @@ class SimulatedBody {
   SimulatedBody(const SimulatedBody&) = delete;
   SimulatedBody& operator=(const SimulatedBody&) = delete;
 
-  /// Stores the current velocities, to compute accelerations after the step.
-  virtual void before_step() = 0;
+  /// Takes the masses of the step, which begins at `time` [s], and stores the current velocities, to compute
+  /// accelerations after the step.
+  virtual void before_step(double time) = 0;
+  /// True if a mass in the coming step isn't that of the step before.
+  virtual bool changes_mass() const { return false; }
   /// Adds forces and sets motors, or motions, for the coming step.
   virtual void drive(const BodyCommand& command) = 0;
   virtual void add_wrench(int link, const Eigen::Vector3d& force, const Eigen::Vector3d& torque_about_origin) = 0;
@@ -192,7 +200,7 @@ class SimulatedBody {
   virtual void nudge(std::uint64_t bits) = 0;
 
   const WorldBody& description() const { return description_; }
-  double mass() const { return mass_; }  // of all links [kg]
+  double mass() const { return mass_ + added_mass_; }  // of all links [kg]
   /// In link order, shapes in their link's order.
   const std::vector<BodyShape>& shapes() const { return shapes_; }
   /// Pairs of shapes, by index, that may touch each other; ascending.
@@ -217,6 +225,9 @@ class SimulatedBody {
   bool move_together(int link, int other) const { return groups_[link] == groups_[other]; }
 
  protected:
+  /// That faults add to the model's [kg].
+  void add_mass(double mass) { added_mass_ = mass; }
+  double added_mass() const { return added_mass_; }
   const Model& model() const { return *description_.model; }  // its joints as their actuators make them
   const std::string& name() const { return description_.name; }
   struct AddedGeom {
@@ -260,6 +271,7 @@ class SimulatedBody {
 
   WorldBody description_;
   double mass_;
+  double added_mass_ = 0.0;
   std::vector<int> groups_;  // by link index: its rigid group
   std::vector<BodyShape> shapes_;
   std::vector<std::pair<std::size_t, std::size_t>> own_pairs_;

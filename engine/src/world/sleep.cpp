@@ -101,7 +101,8 @@ void Sleep::wake(const Touches& touches) {
   for (std::size_t i = 0; i < sleepers_.size(); ++i) {
     const dBodyID body = sleepers_[i].body;
     const bool is_moved = !vector(dBodyGetForce(body)).isZero(0.0) || !vector(dBodyGetTorque(body)).isZero(0.0) ||
-                          dBodyGetNumJoints(body) > 0 || dBodyIsKinematic(body) || speed_of(sleepers_[i]) > 0.0;
+                          dBodyGetNumJoints(body) > 0 || dBodyIsKinematic(body) || speed_of(sleepers_[i]) > 0.0 ||
+                          sleepers_[i].owner.changes_mass();
     if (sleepers_[i].asleep == 0 || is_moved) wakes[groups[i]] = true;
   }
   for (const Touches::Contact& touch : touches.contacts()) {

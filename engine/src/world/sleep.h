@@ -18,8 +18,8 @@ namespace rehearse {
 /// A body can sleep if it is one rigid body without joints and devices. It rests while no point of it is faster than
 /// SolverSettings::sleep_speed. Bodies that touch each other sleep together, once all have rested for
 /// SolverSettings::sleep_after and nothing else that moves touches one of them. They wake together: if a force is
-/// applied to one of them, if it is connected or given a motion, or if something that moves or that doesn't sleep
-/// touches it. While they sleep their contacts have the forces of their last step.
+/// applied to one of them, if it is connected, given a motion or another mass, or if something that moves or that
+/// doesn't sleep touches it. While they sleep their contacts have the forces of their last step.
 class Sleep {
  public:
   Sleep(const WorldSettings& settings, const std::vector<std::unique_ptr<SimulatedBody>>& bodies);

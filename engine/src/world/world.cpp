@@ -317,7 +317,7 @@ void World::Impl::step_bodies() {
 
 bool World::step() {
   Impl& impl = *impl_;
-  for (auto& body : impl.bodies) body->before_step();
+  for (auto& body : impl.bodies) body->before_step(time());
   impl.apply_command();
   impl.connections->update(time());
   find_contacts(impl.bodies, *impl.connections, impl.found, impl.touches, impl.friction, impl.touching);

@@ -112,8 +112,9 @@ struct ScenarioBody {
   std::vector<ScenarioController> controllers;
   /// By joint id, without the keys of their random numbers; nullopt: the joint is ideal. An empty list: all are.
   std::vector<std::optional<Actuator>> actuators;
-  BodyErrors errors;  // of its sensors and joints
-  Place place;        // of its name
+  std::vector<MassFault> mass_faults;  // of its links
+  BodyErrors errors;                   // of its sensors and joints
+  Place place;                         // of its name
 };
 
 /// A force and torque on a link over a span of time: from <= t < until.

@@ -304,6 +304,10 @@ TEST_F(ErrorsInTheLoop, FaultsLastFromTheirBeginningToTheirEnd) {
     EXPECT_EQ(dead.at(i), i > 10 && i <= 20 ? 0.0 : 3.0) << i;
     EXPECT_EQ(weak.at(i), i > 10 ? 0.4 * 3.0 : 3.0) << i;
   }
+  const auto moved =
+      faulty("{link: ARM, fault: heavier, mass: 4, from: 10 ms, until: 20 ms}").values("Rig/SHOULDER/ddq");
+  for (std::size_t i = 2; i < 50; ++i)
+    EXPECT_NEAR(moved.at(i), i > 10 && i <= 20 ? 0.25 * moved.at(2) : moved.at(2), 0.05) << i;
   const Trace lost = faulty("{sensor: Gyro, fault: lost, from: 10 ms, until: 20 ms}");
   EXPECT_EQ(lost.find_channel("/Rig/Gyro/imu")->messages(), 40u);
   const Trace late = faulty("{encoder: SHOULDER, fault: delayed, by: 3 ms, from: 20 ms}");

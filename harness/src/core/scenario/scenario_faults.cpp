@@ -1,9 +1,10 @@
-// The `faults` of a body: errors of its sensors and actuators for a time.
+// The `faults` of a body: errors of its sensors and actuators, and masses of its links, for a time.
 #include <rehearse/scenario.h>
 
 #include "body_faults.h"
 #include "core/mcap/glob.h"
 #include "model/names.h"
+#include "model/rigid_groups.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
@@ -25,6 +26,7 @@ namespace rehearse {
 namespace {
 
 constexpr Range any_share{0.0, 1.0};
+constexpr Range any_mass_factor{0.01, 100.0};
 
 /// A fault as it is read.
 struct ReadFault {
@@ -44,12 +46,19 @@ class FaultReader {
  private:
   using ToReading = void (FaultReader::*)(const ReadFault&, std::span<const std::size_t>, bool of_joint);
   using ToActuator = void (FaultReader::*)(const ReadFault&, Actuator&);
-  /// A kind of faults: what it does to readings, or to an actuator.
+  using ToLink = void (FaultReader::*)(const ReadFault&, std::span<const std::size_t>);
+  /// A kind of faults: what it does to readings, to an actuator, or to links.
   struct Kind {
     std::string_view name;
     ToReading to_reading = nullptr;
     ToActuator to_actuator = nullptr;
     std::string_view keys = "";  // that it reads beside those of each fault
+    ToLink to_link = nullptr;
+
+    bool is_of(std::string_view owner) const {
+      if (owner == "actuator") return to_actuator != nullptr;
+      return owner == "link" ? to_link != nullptr : to_reading != nullptr;
+    }
   };
 
   static std::span<const Kind> kinds();
@@ -69,6 +78,8 @@ class FaultReader {
     actuator.faults.push_back({kind, 1.0, fault.when.from, fault.when.until});
   }
   void add_weak(const ReadFault& fault, Actuator& actuator);
+  void add_heavier(const ReadFault& fault, std::span<const std::size_t> links);
+  bool begins_moving_part(std::size_t link) const;
 
   Findings& findings_;
   ScenarioBody& body_;
@@ -83,7 +94,8 @@ std::span<const FaultReader::Kind> FaultReader::kinds() {
                                  {"dead", nullptr, &FaultReader::add_plain<dead>},
                                  {"weak", nullptr, &FaultReader::add_weak, "effort"},
                                  {"locked", nullptr, &FaultReader::add_plain<locked>},
-                                 {"reversed", nullptr, &FaultReader::add_plain<reversed>}};
+                                 {"reversed", nullptr, &FaultReader::add_plain<reversed>},
+                                 {"heavier", nullptr, nullptr, "mass", &FaultReader::add_heavier}};
   return all;
 }
 
@@ -94,14 +106,24 @@ std::vector<std::string> FaultReader::kind_names() {
 }
 
 bool FaultReader::reads(std::string_view kind, std::string_view key) {
-  constexpr std::string_view only_some[] = {"by", "quantity", "effort"};
+  constexpr std::string_view only_some[] = {"by", "quantity", "effort", "mass"};
   if (std::find(std::begin(only_some), std::end(only_some), key) == std::end(only_some)) return true;
   const auto all = kinds();
   const auto found = std::find_if(all.begin(), all.end(), [&](const Kind& each) { return each.name == kind; });
   return found == all.end() || found->keys.find(key) != std::string_view::npos;
 }
 
-/// The devices that measure, or the joints, whose names match; an error if there are none.
+/// A fault of a link is that of its rigid part, which has the name of its first link: it would move the common centre
+/// of mass otherwise.
+bool FaultReader::begins_moving_part(std::size_t link) const {
+  if (body_.kinematic) return false;
+  const Model& model = *body_.model;
+  const RigidGroups groups = group_links(model);
+  if (!groups.links[link].leads_group) return false;
+  return groups.links[link].group != 0 || !(body_.fixed || model.links[0].joint.type == JointType::fixed);
+}
+
+/// The devices that measure, the joints, or the links, whose names match; an error if there are none.
 std::optional<std::vector<std::size_t>> FaultReader::find_owners(const YamlNode& node, std::string_view owner) const {
   const auto pattern = read_text(findings_, node, owner, "a name, or a pattern such as *_KNEE");
   if (!pattern) return std::nullopt;
@@ -115,6 +137,9 @@ std::optional<std::vector<std::size_t>> FaultReader::find_owners(const YamlNode&
   if (owner == "sensor") {
     for (std::size_t i = 0; i < model.devices.size(); ++i)
       if (!quantities_of(model.devices[i]).empty()) take(model.devices[i].name, i);
+  } else if (owner == "link") {
+    for (std::size_t i = 0; i < model.links.size(); ++i)
+      if (begins_moving_part(i)) take(model.links[i].name, i);
   } else {
     for (std::size_t id = 0; id < model.joints.size(); ++id) {
       const Joint& joint = model.links[static_cast<std::size_t>(model.joints[id])].joint;
@@ -122,7 +147,10 @@ std::optional<std::vector<std::size_t>> FaultReader::find_owners(const YamlNode&
     }
   }
   if (!found.empty()) return found;
-  findings_.error(node, fmt::format("{} has no {} '{}'", body_.name, owner, shortened(*pattern)),
+  const char* const which = owner != "link"   ? ""
+                            : body_.kinematic ? " that a force moves"
+                                              : " that begins a moving part";
+  findings_.error(node, fmt::format("{} has no {} '{}'{}", body_.name, owner, shortened(*pattern), which),
                   name_hint(*pattern, names, fmt::format("{}s", owner)));
   return std::nullopt;
 }
@@ -133,12 +161,13 @@ const FaultReader::Kind* FaultReader::find_kind(const Keys& keys, std::string_vi
   if (!name) return nullptr;
   std::vector<std::string> names;
   for (const Kind& kind : kinds()) {
-    if ((owner == "actuator") != (kind.to_actuator != nullptr)) continue;
+    if (!kind.is_of(owner)) continue;
     if (kind.name == *name) return &kind;
     names.emplace_back(kind.name);
   }
   findings_.error(*node,
-                  fmt::format("'{}' is no fault of {} {}", shortened(*name), owner == "sensor" ? "a" : "an", owner),
+                  fmt::format("'{}' is no fault of {} {}", shortened(*name),
+                              owner == "sensor" || owner == "link" ? "a" : "an", owner),
                   name_hint(*name, names, "faults"));
   return nullptr;
 }
@@ -150,7 +179,7 @@ void FaultReader::read(const YamlNode& node) {
                                    [&](std::string_view key) { return keys.find(key) != nullptr; });
   if (count != 1)
     return findings_.error(node, fmt::format("the fault names {} parts of the body", count),
-                           "expected one of sensor, encoder (of a joint) and actuator");
+                           "expected one of sensor, encoder (of a joint), actuator and link");
   const std::string_view owner = *std::find_if(std::begin(fault_owners), std::end(fault_owners),
                                                [&](std::string_view key) { return keys.find(key) != nullptr; });
   const auto found = find_owners(*keys.find(owner), owner);
@@ -158,6 +187,7 @@ void FaultReader::read(const YamlNode& node) {
   const ReadFault fault{keys, node, read_spell_keys(findings_, keys)};
   if (!found || !kind) return;
   if (kind->to_reading) return (this->*kind->to_reading)(fault, *found, owner == "encoder");
+  if (kind->to_link) return (this->*kind->to_link)(fault, *found);
   body_.actuators.resize(body_.model->joints.size());
   for (const std::size_t id : *found) {
     if (!body_.actuators[id]) body_.actuators[id].emplace();
@@ -222,6 +252,14 @@ void FaultReader::add_weak(const ReadFault& fault, Actuator& actuator) {
   if (share) actuator.faults.push_back({ActuatorFault::Kind::weak, *share, fault.when.from, fault.when.until});
 }
 
+void FaultReader::add_heavier(const ReadFault& fault, std::span<const std::size_t> links) {
+  const YamlNode* node = fault.keys.require("mass", "the factor of its mass, as 1.5");
+  const auto factor = node ? read_number(findings_, *node, "mass", any_mass_factor) : std::nullopt;
+  if (!factor) return;
+  for (const std::size_t link : links)
+    body_.mass_faults.push_back({static_cast<int>(link), *factor, fault.when.from, fault.when.until});
+}
+
 }  // namespace
 
 const Form& fault_form() {
@@ -230,15 +268,17 @@ const Form& fault_form() {
                          {{"sensor", types::text(), "a device, or a pattern of devices"},
                           {"encoder", types::text(), "a joint, or a pattern of joints"},
                           {"actuator", types::text(), "a joint, or a pattern of joints"},
+                          {"link", types::text(), "the first link of a rigid part, or a pattern of such links"},
                           {"fault", types::word(FaultReader::kind_names()), "the kind of the fault", required},
                           {"from", types::quantity(time_units, any_time), "when it begins [s]", "0"},
                           {"until", types::quantity(time_units, any_time), "when it ends [s]; default: never"},
                           {"by", types::either({types::text(), types::vector3({-1e6, 1e6})}),
                            "the delay, as 20 ms, or the change of the readings"},
                           {"quantity", types::text(), "the quantity that an offset changes"},
-                          {"effort", types::number(any_share), "share of the effort that is left"}},
+                          {"effort", types::number(any_share), "share of the effort that is left"},
+                          {"mass", types::number(any_mass_factor), "factor of the mass"}},
                          {},
-                         {{"sensor", "encoder", "actuator"}}};
+                         {{"sensor", "encoder", "actuator", "link"}}};
   return form;
 }
 
