@@ -125,6 +125,21 @@ TEST(ScenarioNoise, OfAFaultIsAddedToThatOfARule) {
   EXPECT_EQ(scenario.bodies[0].actuators.at(0)->faults.at(0).share, 0.4);
 }
 
+TEST(ScenarioNoise, ExposesTheCamerasOfAPattern) {
+  write_file("head.urdf", robot);
+  const Scenario scenario = loaded(
+      "rehearse: 1\nduration: 1\nbodies:\n  - {name: Head, model: head.urdf}\n"
+      "noise: [{sensor: \"Head/*\", exposure: 10 ms, subframes: 4, readout: 5 ms}]\n"
+      "vary: {light: {path: \"noise[0].exposure\", uniform: [0, 20]}}\n");
+  const Exposure& eye = scenario.bodies[0].errors.devices.at(2).exposure;
+  EXPECT_EQ(eye.time, 0.01);
+  EXPECT_EQ(eye.frames, 4);
+  EXPECT_EQ(eye.readout, 0.005);
+  const auto text = scenario.varied_text({"3"});
+  ASSERT_TRUE(text.ok());
+  EXPECT_NEAR(loaded(*text).bodies[0].errors.devices.at(2).exposure.time, 0.003, 1e-15);
+}
+
 TEST(ScenarioNoise, IsReachedByVary) {
   write_file("head.urdf", robot);
   const Scenario scenario = loaded(

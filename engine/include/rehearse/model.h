@@ -279,6 +279,18 @@ struct Imu {
   }
 };
 
+/// The time in which light makes a picture. A row is exposed for `time`, from its beginning on; the picture shows the
+/// mean light of `frames` moments that lie evenly in it, each as the tick in which it lies. Rows begin from the top one
+/// after the other: row r of H at the capture plus readout * r / H.
+struct Exposure {
+  static constexpr int most_frames = 64;
+  double time = 0.0;     // [s]; 0: a moment
+  int frames = 8;        // of each row, 1 to most_frames
+  double readout = 0.0;  // [s]; 0: all rows begin together
+
+  bool is_instant() const { return time <= 0.0 && readout <= 0.0; }
+};
+
 /// A pinhole camera. It looks along its device frame's -z with +y up (the convention of OpenGL and of Choreonoid).
 struct Camera {
   int width = 640;                  // [pixels]
@@ -290,6 +302,7 @@ struct Camera {
   bool depth = false;               // the camera also measures depth (a RangeCamera)
   bool shadows = false;             // the sun casts shadows in its pictures
   bool antialiasing = false;        // edges in its pictures are smooth
+  Exposure exposure = {};           // it ends before the picture arrives; depth is that of the capture
 
   constexpr DeviceForm form() const {
     const MeasuredQuantity color{"color", "of 255", 1}, distance{"depth", "m", 1};

@@ -43,11 +43,13 @@ class CaptureCycle {
   bool is_due(std::int64_t tick) const {
     return on_ && tick - first_tick_ >= tick_at_or_after(static_cast<double>(captures_) * period_);
   }
-  void capture(std::int64_t tick, Capture what) {
+  /// Returns the tick at which the capture arrives.
+  std::int64_t capture(std::int64_t tick, Capture what) {
     const double wanted = static_cast<double>(captures_) * period_;
     const std::int64_t arrives = first_tick_ + tick_at_or_after(wanted + std::min(period_, 1.0));
     under_way_.push_back({tick, std::max(tick + 1, arrives), std::move(what)});
     ++captures_;
+    return under_way_.back().arrives;
   }
 
   /// Continues the cycle at this tick, as if the sensor had made all earlier captures of its series; earlier captures

@@ -1,7 +1,10 @@
 #include "vision.h"
 
+#include <algorithm>
+#include <optional>
 #include <string>
 
+#include "exposure.h"
 #include "model/capture_cycle.h"
 
 namespace rehearse {
@@ -20,10 +23,20 @@ struct ShownLight {
   int number = 0;  // in the renderer
 };
 
+/// A picture whose shutter is open.
+struct OpenPicture {
+  std::int64_t captured, last;   // ticks
+  std::shared_ptr<Image> color;  // that of the picture under way, empty until the shutter closes
+  LightSum light;
+  std::size_t next = 0;  // index into the camera's ticks
+};
+
 struct ActiveCamera {
   int body = 0;
   int device = 0;
   CaptureCycle<Picture> cycle;
+  std::vector<ExposedTick> ticks;  // of a capture; empty: it is a moment
+  std::optional<OpenPicture> open = {};
 };
 
 }  // namespace
@@ -42,7 +55,13 @@ struct Vision::Impl {
   void add_shapes();
   Result<void> add_lights();
   void place(const Observation& observation);
+  const Camera& settings_of(const ActiveCamera& camera) const {
+    return std::get<Camera>(models[camera.body]->devices[camera.device].kind);
+  }
+  Frame draw(const ActiveCamera& camera, const Observation& observation, bool with_depth);
   Picture capture(const ActiveCamera& camera, const Observation& observation);
+  void open(ActiveCamera& camera, std::int64_t tick, const Observation& observation);
+  void expose(ActiveCamera& camera, std::int64_t tick, const Observation& observation);
   Quality quality_of(const Camera& camera) const {
     return {camera.shadows || look.shadows, camera.antialiasing || look.antialiasing};
   }
@@ -69,7 +88,10 @@ Result<std::unique_ptr<Vision>> Vision::create(double time_step, std::vector<std
       if (!camera || !active[body][device]) continue;
       if (auto checked = impl.check_size(*camera, impl.models[body]->devices[device].name); !checked)
         return checked.errors();
-      impl.cameras.push_back({static_cast<int>(body), static_cast<int>(device), {camera->frame_rate, time_step}});
+      impl.cameras.push_back({static_cast<int>(body),
+                              static_cast<int>(device),
+                              {camera->frame_rate, time_step},
+                              exposed_ticks(camera->exposure, camera->height, time_step)});
     }
   }
   return vision;
@@ -114,11 +136,16 @@ void Vision::Impl::place(const Observation& observation) {
   }
 }
 
-Picture Vision::Impl::capture(const ActiveCamera& camera, const Observation& observation) {
+Frame Vision::Impl::draw(const ActiveCamera& camera, const Observation& observation, bool with_depth) {
   const Device& device = models[camera.body]->devices[camera.device];
   const Isometry3d pose = pose_of(observation.bodies[camera.body].links[device.link]) * device.pose;
-  const Camera& settings = std::get<Camera>(device.kind);
-  Frame frame = renderer->draw(settings, pose, quality_of(settings));
+  Camera settings = settings_of(camera);
+  settings.depth = settings.depth && with_depth;
+  return renderer->draw(settings, pose, quality_of(settings));
+}
+
+Picture Vision::Impl::capture(const ActiveCamera& camera, const Observation& observation) {
+  Frame frame = draw(camera, observation, true);
   Picture picture;
   picture.color = std::make_shared<const Image>(std::move(frame.color));
   round_to_resolution(frame.depth);
@@ -126,23 +153,59 @@ Picture Vision::Impl::capture(const ActiveCamera& camera, const Observation& obs
   return picture;
 }
 
+/// The picture is on its way from now on, and gets its colours when the shutter closes. Depth is that of this tick.
+void Vision::Impl::open(ActiveCamera& camera, std::int64_t tick, const Observation& observation) {
+  const Camera& settings = settings_of(camera);
+  auto color = std::make_shared<Image>();
+  Picture picture;
+  if (settings.depth) picture.depth = capture(camera, observation).depth;
+  picture.color = color;
+  const std::int64_t arrives = camera.cycle.capture(tick, std::move(picture));
+  camera.open = {tick, arrives - 1, std::move(color), LightSum(settings.width, settings.height)};
+}
+
+/// Adds the light of this tick to the open picture.
+void Vision::Impl::expose(ActiveCamera& camera, std::int64_t tick, const Observation& observation) {
+  OpenPicture& picture = *camera.open;
+  const auto is_due = [&] {
+    return picture.next < camera.ticks.size() &&
+           std::min(picture.captured + camera.ticks[picture.next].after, picture.last) <= tick;
+  };
+  if (!is_due()) return;
+  const Image now = draw(camera, observation, false).color;
+  for (; is_due(); ++picture.next) picture.light.add(now, camera.ticks[picture.next].weights);
+  if (picture.next < camera.ticks.size()) return;
+  *picture.color = picture.light.mean();
+  camera.open.reset();
+}
+
 void Vision::look(std::int64_t tick, Observation& observation) {
   bool placed = false;
+  const auto place = [&] {
+    if (!std::exchange(placed, true)) impl_->place(observation);
+  };
   for (ActiveCamera& camera : impl_->cameras) {
     DeviceReading& reading = observation.bodies[camera.body].devices[camera.device];
     reading.fresh = camera.cycle.deliver(tick);
     reading.measured_at = camera.cycle.captured_at();
     reading.image = camera.cycle.current().color;
     reading.depth = camera.cycle.current().depth;
-    if (!camera.cycle.is_due(tick)) continue;
-    if (!placed) impl_->place(observation);
-    placed = true;
-    camera.cycle.capture(tick, impl_->capture(camera, observation));
+    const bool is_due = camera.cycle.is_due(tick);
+    if (!is_due && !camera.open) continue;
+    place();
+    if (is_due && camera.ticks.empty())
+      camera.cycle.capture(tick, impl_->capture(camera, observation));
+    else if (is_due)
+      impl_->open(camera, tick, observation);
+    if (camera.open) impl_->expose(camera, tick, observation);
   }
 }
 
 void Vision::begin_at(std::int64_t tick) {
-  for (ActiveCamera& camera : impl_->cameras) camera.cycle.begin_at(tick);
+  for (ActiveCamera& camera : impl_->cameras) {
+    camera.cycle.begin_at(tick);
+    camera.open.reset();
+  }
 }
 
 void Vision::obey(std::int64_t tick, const Command& command) {
@@ -154,7 +217,9 @@ void Vision::obey(std::int64_t tick, const Command& command) {
   }
   for (ActiveCamera& camera : impl_->cameras) {
     const DeviceCommand& wanted = command.bodies[camera.body].devices[camera.device];
-    if (wanted.fresh) camera.cycle.switch_to(wanted.on, tick);
+    if (!wanted.fresh) continue;
+    camera.cycle.switch_to(wanted.on, tick);
+    if (!wanted.on) camera.open.reset();
   }
 }
 

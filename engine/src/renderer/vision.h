@@ -3,7 +3,8 @@
 // A camera that is on captures at tick 0 and then at the first tick at or after each multiple of its period; a picture
 // arrives one period later, but no more than a second, at the first tick at or after it (Choreonoid's vision cycle, in
 // its form that always waits). Example: 30 Hz at 1 ms: captured at tick 0, seen by controllers at tick 34, captured
-// again at tick 34. The cycle depends on the tick number alone. Drawing needs OSMesa.
+// again at tick 34. The cycle depends on the tick number alone. A picture with an exposure is drawn in several ticks
+// from its capture on (exposure.h). Drawing needs OSMesa.
 #pragma once
 
 #include <rehearse/diagnostic.h>

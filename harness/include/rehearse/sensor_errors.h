@@ -68,6 +68,7 @@ struct ReadingErrors {
   /// Mean duration of a gap [s]; 0: each reading is lost or not, whatever happened to the last one. Gaps are those of
   /// E. N. Gilbert, Capacity of a Burst-Noise Channel, Bell System Technical Journal 39 (1960): a chain of two states.
   double burst = 0.0;
+  Exposure exposure;                // of a camera; no deviation of a reading: its pictures are drawn so
   std::vector<Spell> stuck;         // the sample before is repeated
   std::vector<Spell> lost;          // there are no samples
   std::vector<ExtraDelay> delayed;  // samples arrive later

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 namespace rehearse {
@@ -280,6 +281,115 @@ TEST_F(VisionTest, ShowsTheSkyOfItsLook) {
   for (int tick = 0; tick < 2; ++tick) (*vision)->look(tick, observation_);
   const std::vector<std::uint8_t>& pixels = reading().image->pixels;
   EXPECT_EQ((std::vector<int>(pixels.begin(), pixels.begin() + 3)), (std::vector<int>{0, 102, 255}));
+}
+
+/// A camera with an exposure, and one that shows each tick, in front of a ball that moves.
+class ExposureTest : public VisionTest {
+ protected:
+  void begin(const Exposure& exposure, bool depth = false) {
+    model_.devices.clear();
+    add_camera("Exposed", 50.0, depth);
+    add_camera("Each", 1000.0);
+    std::get<Camera>(model_.devices[0].kind).exposure = exposure;
+    tick_ = 0;
+    observation_ = {};
+    sharp_.clear();
+    create();
+  }
+  /// Looks until the first picture of the exposed camera arrives, at tick 20.
+  void expose() {
+    for (; tick_ <= 20; ++tick_) {
+      observation_.bodies[0].links[1].position = {0.06 * static_cast<double>(tick_) - 0.4, 0.0, -2.0};
+      vision_->look(tick_, observation_);
+      if (reading(1).image) sharp_.push_back(*reading(1).image);  // of the tick before
+    }
+    ASSERT_TRUE(reading().image);
+  }
+  /// A colour of light that is the mean of these ticks.
+  int mean(std::size_t place, const std::vector<std::size_t>& ticks) const {
+    double light = 0.0;
+    for (const std::size_t tick : ticks) light += std::pow(sharp_.at(tick).pixels[place], 2);
+    return static_cast<int>(std::lround(std::sqrt(light / static_cast<double>(ticks.size()))));
+  }
+
+  std::vector<Image> sharp_;  // by tick
+};
+
+TEST_F(ExposureTest, APictureIsTheMeanLightOfItsTicks) {
+  begin({.time = 0.01, .frames = 10});
+  expose();
+  bool differs = false;
+  for (std::size_t i = 0; i < reading().image->pixels.size(); ++i) {
+    ASSERT_EQ(reading().image->pixels[i], mean(i, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9})) << i;
+    differs |= reading().image->pixels[i] != sharp_[0].pixels[i];
+  }
+  EXPECT_TRUE(differs);
+  EXPECT_EQ(reading().measured_at, 0.0);
+}
+
+TEST_F(ExposureTest, ItsMomentsLieEvenlyInTheExposure) {
+  begin({.time = 0.012, .frames = 3});
+  expose();
+  for (std::size_t i = 0; i < reading().image->pixels.size(); ++i)
+    ASSERT_EQ(reading().image->pixels[i], mean(i, {2, 6, 10})) << i;
+}
+
+// On paper a tick is drawn once, and counts as often as moments lie in it.
+TEST_F(ExposureTest, AnExposureMayHaveMoreMomentsThanTicks) {
+  begin({.time = 0.002, .frames = 8});
+  expose();
+  for (std::size_t i = 0; i < reading().image->pixels.size(); ++i)
+    ASSERT_EQ(reading().image->pixels[i], mean(i, {0, 1})) << i;
+}
+
+// Row r of 6 shows the tick 12 r / 6.
+TEST_F(ExposureTest, RowsBeginOneAfterTheOther) {
+  begin({.readout = 0.012});
+  expose();
+  const std::size_t stride = 8 * 3;
+  for (std::size_t i = 0; i < reading().image->pixels.size(); ++i)
+    ASSERT_EQ(reading().image->pixels[i], sharp_.at(2 * (i / stride)).pixels[i]) << i;
+}
+
+TEST_F(ExposureTest, RowsAreExposedFromTheirBeginningsOn) {
+  begin({.time = 0.004, .frames = 2, .readout = 0.012});
+  expose();
+  const std::size_t stride = 8 * 3;
+  for (std::size_t i = 0; i < reading().image->pixels.size(); ++i) {
+    const std::size_t row = i / stride;
+    ASSERT_EQ(reading().image->pixels[i], mean(i, {2 * row + 1, 2 * row + 3})) << i;
+  }
+}
+
+TEST_F(ExposureTest, OfAPeriodItEndsBeforeThePictureArrives) {
+  begin({.time = 0.02, .frames = 60});
+  expose();
+  for (std::size_t i = 0; i < reading().image->pixels.size(); ++i)
+    ASSERT_EQ(reading().image->pixels[i],
+              mean(i, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19}))
+        << i;
+}
+
+TEST_F(ExposureTest, DepthIsThatOfTheCapture) {
+  begin({.time = 0.01}, true);
+  expose();
+  const DepthImage blurred = *reading().depth;
+  begin({}, true);
+  expose();
+  EXPECT_EQ(blurred.meters, reading().depth->meters);
+}
+
+TEST_F(ExposureTest, ASwitchClosesTheShutter) {
+  begin({.time = 0.01});
+  arrivals(5);
+  switch_camera(false);
+  switch_camera(true);
+  EXPECT_EQ(arrivals(60), (Ticks{26, 46}));
+  begin({.time = 0.01});
+  arrivals(5);
+  vision_->begin_at(20);
+  tick_ = 20;
+  EXPECT_EQ(arrivals(60), (Ticks{40, 60}));
 }
 
 TEST_F(VisionTest, ACameraThatDoesNotRunIsLeftAlone) {

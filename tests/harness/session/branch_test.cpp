@@ -167,7 +167,7 @@ TEST_F(BranchTest, IsItsSourceWithNoiseCamerasVariablesAndJoystick) {
   const std::string noise =
       "noise:\n  - {joint: Rig/SHOULDER, displacement: {stddev: 0.001}}\n"
       "  - {sensor: Rig/Gyro, angular_velocity: {stddev: 0.02}, dropout: 0.2}\n"
-      "  - {sensor: Rig/Camera, depth: {stddev: 0.05}, dropout: 0.3}\n";
+      "  - {sensor: Rig/Camera, depth: {stddev: 0.05}, dropout: 0.3, exposure: 3 ms, readout: 1.5 ms}\n";
   const std::string joystick = "joystick:\n  - {at: 0.05, axes: {L_STICK_V: 0.5}}\n";
   for (const std::string& controller :
        {behaviour("C", "all"), behaviour("C", "variables 0.5"), behaviour("C", "lines")}) {

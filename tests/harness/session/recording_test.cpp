@@ -162,6 +162,27 @@ TEST_F(Recording, ShowsTheSkyThatTheScenarioGives) {
   EXPECT_EQ(sky, (std::array{255, 51, 0}));
 }
 
+TEST_F(Recording, OfACameraWithAnExposureHasOtherPicturesAtTheSameTimes) {
+  const std::string turning = rig(behaviour("C", "drive velocity 60 SHOULDER"), "", "0.05");
+  const auto pictures = [](const Trace& trace) {
+    const auto* channel = trace.find_channel("/Rig/Camera/image");
+    std::vector<std::vector<std::byte>> all;
+    for (std::size_t i = 0; i < channel->messages(); ++i) {
+      const auto payload = trace.payload(*channel, i);
+      all.emplace_back(payload->begin(), payload->end());
+    }
+    return all;
+  };
+  const Trace plain = record_run(turning);
+  const auto sharp = pictures(plain);
+  const Trace exposed =
+      record_run(turning + "noise:\n  - {sensor: Rig/Camera, exposure: 4 ms, subframes: 4, readout: 1 ms}\n");
+  const auto blurred = pictures(exposed);
+  ASSERT_EQ(blurred.size(), sharp.size());
+  EXPECT_NE(blurred, sharp);
+  EXPECT_EQ(exposed.integers("state_hash"), plain.integers("state_hash"));
+}
+
 TEST_F(Recording, WithoutFramesHasTheSameStateAndNoPictures) {
   const Trace with = record_run(with_camera());
   const Trace without = record_run(rig(behaviour("C", "push 1"), "record: {frames: false}\n", "0.05"));

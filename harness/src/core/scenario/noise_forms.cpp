@@ -146,6 +146,9 @@ const Form& noise_form() {
                 {"phase", types::quantity(time_units, any_time), "time of the first reading [s]"},
                 {"latency", types::quantity(time_units, any_latency), "age of readings [s]", "0"},
                 {"jitter", types::quantity(time_units, any_latency), "the latency varies by it [s]"},
+                {"exposure", types::quantity(time_units, any_exposure), "of a camera [s]", "0"},
+                {"subframes", types::whole(1, Exposure::most_frames), "moments of which a picture is the mean", "8"},
+                {"readout", types::quantity(time_units, any_exposure), "of a camera's rows [s]", "0"},
                 {"stuck", types::of(spell_form), "readings don't change in this time"}},
                {},
                {{"sensor", "joint"}}};

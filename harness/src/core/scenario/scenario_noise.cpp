@@ -45,6 +45,7 @@ struct Target {
   bool is_joint = false;
   bool slides = false;        // of a joint
   bool has_own_rate = false;  // a camera or range sensor
+  const Camera* camera = nullptr;
 };
 
 class NoiseReader {
@@ -63,6 +64,7 @@ class NoiseReader {
   std::vector<Given> read_quantities(const Keys& keys, const std::vector<const Target*>& targets) const;
   ReadingErrors read_timing(const Keys& keys, const std::vector<const Target*>& targets) const;
   void read_dropout(const Keys& keys, ReadingErrors& errors) const;
+  Exposure read_exposure(const Keys& keys, const std::vector<const Target*>& targets) const;
   void read_data_sheet(const Keys& keys, const std::vector<const Target*>& targets, std::vector<Given>& given,
                        ReadingErrors& timing) const;
 
@@ -79,7 +81,7 @@ NoiseReader::NoiseReader(Findings& findings, Scenario& scenario) : findings_(fin
       const Device& device = body.model->devices[i];
       if (std::vector<MeasuredQuantity> quantities = quantities_of(device); !quantities.empty())
         sensors_.push_back({body.name + "/" + device.name, std::move(quantities), &body.errors.devices[i], false, false,
-                            value_count(device) == 0});
+                            value_count(device) == 0, std::get_if<Camera>(&device.kind)});
     }
     for (std::size_t id = 0; id < body.model->joints.size(); ++id) {
       const Joint& joint = body.model->links[static_cast<std::size_t>(body.model->joints[id])].joint;
@@ -158,6 +160,43 @@ void NoiseReader::read_dropout(const Keys& keys, ReadingErrors& errors) const {
     findings_.error(*burst, "there is a burst without a dropout", "dropout is the share of readings in bursts");
 }
 
+/// Of the targets that are cameras.
+Exposure NoiseReader::read_exposure(const Keys& keys, const std::vector<const Target*>& targets) const {
+  Exposure exposure;
+  const YamlNode* place = nullptr;
+  const auto read = [&](std::string_view key, double& out) {
+    const YamlNode* value = keys.find(key);
+    if (value) out = read_quantity(findings_, *value, key, time_units, any_exposure).value_or(out);
+    if (!value) keys.set_default(key, {"0"});
+    place = value ? value : place;
+    return value;
+  };
+  const YamlNode* time = read("exposure", exposure.time);
+  read("readout", exposure.readout);
+  keys.integer("subframes", exposure.frames);
+  if (const YamlNode* frames = keys.find("subframes")) {
+    if (!time)
+      findings_.error(*frames, "there are subframes without an exposure",
+                      "they are the moments of which it is the mean");
+    place = place ? place : frames;
+  }
+  if (!place) return exposure;
+  if (std::none_of(targets.begin(), targets.end(), [](const Target* target) { return target->camera != nullptr; }))
+    findings_.error(*place, fmt::format("{} is no camera", targets[0]->name), "only cameras have an exposure");
+  constexpr double rounding = 1e-9;  // [s]: a rate of 30 Hz and an exposure of 33.333333 ms
+  for (const Target* target : targets) {
+    if (!target->camera) continue;
+    const double longest = std::min(1.0 / target->camera->frame_rate, 1.0), given = exposure.time + exposure.readout;
+    if (given <= longest + rounding) continue;
+    findings_.error(
+        *place,
+        fmt::format("{} exposes for {:.4g} s, and its picture arrives after {:.4g} s", target->name, given, longest),
+        "expected exposure and readout of at most a period together");
+    break;
+  }
+  return exposure;
+}
+
 /// The errors of whole readings.
 ReadingErrors NoiseReader::read_timing(const Keys& keys, const std::vector<const Target*>& targets) const {
   ReadingErrors errors;
@@ -185,6 +224,7 @@ ReadingErrors NoiseReader::read_timing(const Keys& keys, const std::vector<const
   if (const YamlNode* stuck = keys.find("stuck"))
     if (const auto spell = read_stuck(findings_, *stuck)) errors.stuck.push_back(*spell);
   read_dropout(keys, errors);
+  errors.exposure = read_exposure(keys, targets);
   return errors;
 }
 

@@ -13,6 +13,7 @@ namespace rehearse {
 
 inline constexpr Range any_time{0.0, Scenario::max_duration, "[s]"};  // in a run
 inline constexpr Range any_latency{0.0, 1.0, "[s]"};
+inline constexpr Range any_exposure{0.0, 1.0, "[s]"};
 
 /// The `bodies` list with its models, each requested once. A body with a mistake is added nevertheless, so that indices
 /// and names of references stay valid. Its model is null if the model is the mistake.

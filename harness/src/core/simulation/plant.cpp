@@ -14,6 +14,21 @@ std::vector<std::shared_ptr<const Model>> models_of(const Scenario& scenario) {
   return models;
 }
 
+/// The models with the exposures that the scenario gives to their cameras.
+std::vector<std::shared_ptr<const Model>> exposed_models(const Scenario& scenario) {
+  std::vector<std::shared_ptr<const Model>> models = models_of(scenario);
+  for (std::size_t b = 0; b < models.size(); ++b) {
+    const std::vector<ReadingErrors>& errors = scenario.bodies[b].errors.devices;
+    if (std::all_of(errors.begin(), errors.end(), [](const auto& each) { return each.exposure.is_instant(); }))
+      continue;
+    Model model = *models[b];
+    for (std::size_t i = 0; i < errors.size(); ++i)
+      if (auto* camera = std::get_if<Camera>(&model.devices[i].kind)) camera->exposure = errors[i].exposure;
+    models[b] = std::make_shared<const Model>(std::move(model));
+  }
+  return models;
+}
+
 /// Null if no camera runs: then no renderer is needed.
 Result<std::unique_ptr<Vision>> make_vision(const Scenario& scenario) {
   if (!scenario.runs_a_camera()) return std::unique_ptr<Vision>();
@@ -23,7 +38,7 @@ Result<std::unique_ptr<Vision>> make_vision(const Scenario& scenario) {
     for (const Device& device : body.model->devices)
       of_body.push_back(std::holds_alternative<Camera>(device.kind) && scenario.runs_camera(body.name, device.name));
   }
-  return Vision::create(scenario.time_step, models_of(scenario), std::move(active), scenario.look);
+  return Vision::create(scenario.time_step, exposed_models(scenario), std::move(active), scenario.look);
 }
 
 }  // namespace
