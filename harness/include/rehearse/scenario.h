@@ -87,7 +87,11 @@ struct ScenarioController {
   bool delay = true;                         // commands act one tick late
   bool optional = false;                     // the run continues without it if it refuses to take part
   std::vector<ScenarioController> children;  // they use their parent's body; one level only
+  std::vector<Spell> lost;                   // faults: its commands of these times don't arrive
   Place place;                               // of its library
+
+  /// Whether its commands of the tick at `time` don't arrive [s].
+  bool loses(double time, double time_step) const;
 };
 
 struct ScenarioBody {

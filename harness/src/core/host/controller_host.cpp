@@ -285,7 +285,9 @@ bool ControllerHost::pass_infos() {
 void ControllerHost::output(Timing timing, Command& command) {
   for (HostedController& hosted : controllers_) {
     const Timing own = hosted.tick.delayed ? Timing::next_step : Timing::same_step;
-    if (own == timing) apply(hosted, command);
+    if (own != timing) continue;
+    const bool is_lost = hosted.specification->loses(time_of(tick_, scenario_->time_step), scenario_->time_step);
+    if (!is_lost) apply(hosted, command);
   }
 }
 

@@ -40,6 +40,7 @@ struct HostedController {
   int body = 0;           // index into Scenario::bodies
   int parent = -1;        // index of the controller whose body it shares; -1: none
   bool optional = false;  // the run continues if it refuses
+  const ScenarioController* specification = nullptr;
 
   std::shared_ptr<ControllerLibrary> library;
   /// Null: the run has no joystick. It contains slots whose code is in the library.
@@ -106,7 +107,7 @@ class ControllerHost {
   bool all_done() const;
   /// Writes the outputs of the controllers without (or with) delay into the command, in order. The last controller
   /// overrides earlier ones, external wrenches are summed. A number that isn't finite is reported once and never passed
-  /// on: the earlier command stays.
+  /// on: the earlier command stays. The earlier commands stay, too, of a controller whose commands are lost.
   void output(Timing timing, Command& command);
   /// Calls stop() of all, children first, and unconfigure(). `end`: the tick after the last step; its time is the time
   /// that they see.

@@ -103,6 +103,7 @@ Result<void> ControllerHost::add(const ScenarioController& specification, int bo
   HostedController& hosted = controllers_.emplace_back();
   const ScenarioBody& owner = scenario_->bodies[body];
   hosted.label = owner.name + "/" + specification.name;
+  hosted.specification = &specification;
   hosted.body = body;
   hosted.parent = parent;
   const auto given = options_.controllers.find(hosted.label);

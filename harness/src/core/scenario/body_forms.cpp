@@ -263,7 +263,8 @@ const Form& body_form() {
        {"actuators", types::list(types::of(actuator_form)), "properties of drives, by joint"},
        {"sensors", types::list(any_sensor), "devices in addition to those of the model"},
        {"belts", types::list(types::of(belt_form)), "links whose surface runs"},
-       {"faults", types::list(types::of(fault_form)), "failures of its sensors, encoders, actuators and links"}},
+       {"faults", types::list(types::of(fault_form)),
+        "failures of its sensors, encoders, actuators, links and controllers"}},
       {},
       {{"model", "box", "sphere", "cylinder", "heightmap"}}};
   return form;

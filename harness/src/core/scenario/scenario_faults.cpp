@@ -1,8 +1,10 @@
-// The `faults` of a body: errors of its sensors and actuators, and masses of its links, for a time.
+// The `faults` of a body: errors of its sensors and actuators, masses of its links, and commands that are lost, for a
+// time.
 #include <rehearse/scenario.h>
 
 #include "body_faults.h"
 #include "core/mcap/glob.h"
+#include "model/acting_faults.h"
 #include "model/names.h"
 #include "model/rigid_groups.h"
 #include "scenario_forms.h"
@@ -46,18 +48,19 @@ class FaultReader {
  private:
   using ToReading = void (FaultReader::*)(const ReadFault&, std::span<const std::size_t>, bool of_joint);
   using ToActuator = void (FaultReader::*)(const ReadFault&, Actuator&);
-  using ToLink = void (FaultReader::*)(const ReadFault&, std::span<const std::size_t>);
-  /// A kind of faults: what it does to readings, to an actuator, or to links.
+  using ToParts = void (FaultReader::*)(const ReadFault&, std::span<const std::size_t>);
+  /// A kind of faults: what it does to readings, to an actuator, or to other parts.
   struct Kind {
     std::string_view name;
     ToReading to_reading = nullptr;
     ToActuator to_actuator = nullptr;
     std::string_view keys = "";  // that it reads beside those of each fault
-    ToLink to_link = nullptr;
+    ToParts to_parts = nullptr;
+    std::string_view parts = "";  // their key
 
     bool is_of(std::string_view owner) const {
       if (owner == "actuator") return to_actuator != nullptr;
-      return owner == "link" ? to_link != nullptr : to_reading != nullptr;
+      return to_parts ? owner == parts : to_reading && (owner == "sensor" || owner == "encoder");
     }
   };
 
@@ -79,7 +82,9 @@ class FaultReader {
   }
   void add_weak(const ReadFault& fault, Actuator& actuator);
   void add_heavier(const ReadFault& fault, std::span<const std::size_t> links);
+  void add_lost_commands(const ReadFault& fault, std::span<const std::size_t> controllers);
   bool begins_moving_part(std::size_t link) const;
+  std::vector<ScenarioController*> controllers() const;
 
   Findings& findings_;
   ScenarioBody& body_;
@@ -95,13 +100,15 @@ std::span<const FaultReader::Kind> FaultReader::kinds() {
                                  {"weak", nullptr, &FaultReader::add_weak, "effort"},
                                  {"locked", nullptr, &FaultReader::add_plain<locked>},
                                  {"reversed", nullptr, &FaultReader::add_plain<reversed>},
-                                 {"heavier", nullptr, nullptr, "mass", &FaultReader::add_heavier}};
+                                 {"heavier", nullptr, nullptr, "mass", &FaultReader::add_heavier, "link"},
+                                 {"lost", nullptr, nullptr, "", &FaultReader::add_lost_commands, "controller"}};
   return all;
 }
 
 std::vector<std::string> FaultReader::kind_names() {
   std::vector<std::string> names;
-  for (const Kind& kind : kinds()) names.emplace_back(kind.name);
+  for (const Kind& kind : kinds())
+    if (std::find(names.begin(), names.end(), kind.name) == names.end()) names.emplace_back(kind.name);
   return names;
 }
 
@@ -123,7 +130,17 @@ bool FaultReader::begins_moving_part(std::size_t link) const {
   return groups.links[link].group != 0 || !(body_.fixed || model.links[0].joint.type == JointType::fixed);
 }
 
-/// The devices that measure, the joints, or the links, whose names match; an error if there are none.
+/// Each before its children.
+std::vector<ScenarioController*> FaultReader::controllers() const {
+  std::vector<ScenarioController*> all;
+  for (ScenarioController& controller : body_.controllers) {
+    all.push_back(&controller);
+    for (ScenarioController& child : controller.children) all.push_back(&child);
+  }
+  return all;
+}
+
+/// The devices that measure, the joints, the links, or the controllers, whose names match; an error if there are none.
 std::optional<std::vector<std::size_t>> FaultReader::find_owners(const YamlNode& node, std::string_view owner) const {
   const auto pattern = read_text(findings_, node, owner, "a name, or a pattern such as *_KNEE");
   if (!pattern) return std::nullopt;
@@ -140,6 +157,9 @@ std::optional<std::vector<std::size_t>> FaultReader::find_owners(const YamlNode&
   } else if (owner == "link") {
     for (std::size_t i = 0; i < model.links.size(); ++i)
       if (begins_moving_part(i)) take(model.links[i].name, i);
+  } else if (owner == "controller") {
+    const std::vector<ScenarioController*> all = controllers();
+    for (std::size_t i = 0; i < all.size(); ++i) take(all[i]->name, i);
   } else {
     for (std::size_t id = 0; id < model.joints.size(); ++id) {
       const Joint& joint = model.links[static_cast<std::size_t>(model.joints[id])].joint;
@@ -167,7 +187,7 @@ const FaultReader::Kind* FaultReader::find_kind(const Keys& keys, std::string_vi
   }
   findings_.error(*node,
                   fmt::format("'{}' is no fault of {} {}", shortened(*name),
-                              owner == "sensor" || owner == "link" ? "a" : "an", owner),
+                              owner == "encoder" || owner == "actuator" ? "an" : "a", owner),
                   name_hint(*name, names, "faults"));
   return nullptr;
 }
@@ -179,7 +199,7 @@ void FaultReader::read(const YamlNode& node) {
                                    [&](std::string_view key) { return keys.find(key) != nullptr; });
   if (count != 1)
     return findings_.error(node, fmt::format("the fault names {} parts of the body", count),
-                           "expected one of sensor, encoder (of a joint), actuator and link");
+                           "expected one of sensor, encoder (of a joint), actuator, link and controller");
   const std::string_view owner = *std::find_if(std::begin(fault_owners), std::end(fault_owners),
                                                [&](std::string_view key) { return keys.find(key) != nullptr; });
   const auto found = find_owners(*keys.find(owner), owner);
@@ -187,7 +207,7 @@ void FaultReader::read(const YamlNode& node) {
   const ReadFault fault{keys, node, read_spell_keys(findings_, keys)};
   if (!found || !kind) return;
   if (kind->to_reading) return (this->*kind->to_reading)(fault, *found, owner == "encoder");
-  if (kind->to_link) return (this->*kind->to_link)(fault, *found);
+  if (kind->to_parts) return (this->*kind->to_parts)(fault, *found);
   body_.actuators.resize(body_.model->joints.size());
   for (const std::size_t id : *found) {
     if (!body_.actuators[id]) body_.actuators[id].emplace();
@@ -260,7 +280,16 @@ void FaultReader::add_heavier(const ReadFault& fault, std::span<const std::size_
     body_.mass_faults.push_back({static_cast<int>(link), *factor, fault.when.from, fault.when.until});
 }
 
+void FaultReader::add_lost_commands(const ReadFault& fault, std::span<const std::size_t> controllers) {
+  for (const std::size_t index : controllers) this->controllers()[index]->lost.push_back(fault.when);
+}
+
 }  // namespace
+
+bool ScenarioController::loses(double time, double time_step) const {
+  return std::any_of(lost.begin(), lost.end(),
+                     [&](const Spell& spell) { return acts(spell.from, spell.until, time, time_step); });
+}
 
 const Form& fault_form() {
   static const Form form{"fault",
@@ -269,6 +298,7 @@ const Form& fault_form() {
                           {"encoder", types::text(), "a joint, or a pattern of joints"},
                           {"actuator", types::text(), "a joint, or a pattern of joints"},
                           {"link", types::text(), "the first link of a rigid part, or a pattern of such links"},
+                          {"controller", types::text(), "a controller, or a pattern of controllers"},
                           {"fault", types::word(FaultReader::kind_names()), "the kind of the fault", required},
                           {"from", types::quantity(time_units, any_time), "when it begins [s]", "0"},
                           {"until", types::quantity(time_units, any_time), "when it ends [s]; default: never"},
@@ -278,7 +308,7 @@ const Form& fault_form() {
                           {"effort", types::number(any_share), "share of the effort that is left"},
                           {"mass", types::number(any_mass_factor), "factor of the mass"}},
                          {},
-                         {{"sensor", "encoder", "actuator", "link"}}};
+                         {{"sensor", "encoder", "actuator", "link", "controller"}}};
   return form;
 }
 

@@ -77,7 +77,7 @@ void read_noise(Findings& findings, const YamlNode& node, Scenario& scenario);
 /// The `faults` of the bodies, a list for each. After the noise. `bodies`: the list of bodies.
 void read_faults(Findings& findings, const YamlNode& bodies, Scenario& scenario);
 /// The keys by which a fault names its part.
-inline constexpr std::string_view fault_owners[] = {"sensor", "encoder", "actuator", "link"};
+inline constexpr std::string_view fault_owners[] = {"sensor", "encoder", "actuator", "link", "controller"};
 /// Makes room for the errors of each sensor and joint. body.model must not be null.
 void give_room(ScenarioBody& body);
 /// The map of a quantity's errors; nullopt: a mistake was reported. `slides`: the quantity is that of a joint that

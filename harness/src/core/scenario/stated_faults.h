@@ -10,7 +10,7 @@
 namespace rehearse {
 
 struct StatedFault {
-  std::string owner;               // the kind of its part: sensor, encoder, actuator or link
+  std::string owner;               // the kind of its part: sensor, encoder, actuator, link or controller
   std::string part, fault;         // as written: "RL_KNEE", "weak"
   std::string body;                // its name
   std::vector<std::string> paths;  // of the entry, as a path of `vary` may begin: "bodies.Dog.faults[0]."

@@ -56,7 +56,7 @@ Result<RecordedCommands> RecordedCommands::find(const Scenario& scenario, const 
       const ChannelName name = ChannelName::parse(channel.topic);
       if (!name.is_of(label, ChannelSide::output) && !name.is_of(label, ChannelSide::acted)) continue;
       if (!taken.insert(channel.topic).second) continue;
-      const auto added = commands.add(name, static_cast<int>(body), delay, i);
+      const auto added = commands.add(name, static_cast<int>(body), controller, delay, i);
       findings.insert(findings.end(), added.errors().begin(), added.errors().end());
     }
   };
@@ -105,13 +105,15 @@ std::vector<bool> RecordedCommands::columns_with_numbers(std::size_t channel) co
   return found;
 }
 
-Result<void> RecordedCommands::add(const ChannelName& name, int body, bool delay, std::size_t at) {
+Result<void> RecordedCommands::add(const ChannelName& name, int body, const ScenarioController& controller, bool delay,
+                                   std::size_t at) {
   const TraceChannel& channel = trace_.channels()[at];
   const ScenarioBody& commanded = scenario_.bodies[body];
   Source source;
   source.channel = at;
   source.is_acted = name.side == ChannelSide::acted;
   source.body = body;
+  source.controller = &controller;
   const auto stated = channel.metadata.find("delay");
   source.delayed = stated == channel.metadata.end() ? delay : stated->second != "false";
   const ChannelName delays = ChannelName::of_controller(name.label(), name.side, ChannelKind::delay);
@@ -212,12 +214,13 @@ void RecordedCommands::put(std::int64_t tick, Timing timing, Command& command) {
   for (Source& source : sources_) {
     if (!is_used(source, tick)) continue;
     if (is_delayed(source, now) != (timing == Timing::next_step)) continue;
+    const bool is_lost = source.controller->loses(time_of(tick, scenario_.time_step), scenario_.time_step);
     const std::size_t earlier = table(source.channel).earlier;
     const std::vector<std::uint64_t>& times = table(source.channel).times;
     std::size_t row = std::max(source.next, earlier) - earlier;
     while (row < times.size() && times[row] < now) ++row;
     for (; row < times.size() && times[row] == now; ++row)
-      if (earlier + row > 0 || !source.before_the_run) put_row(source, row, command);
+      if (!is_lost && (earlier + row > 0 || !source.before_the_run)) put_row(source, row, command);
     source.next = earlier + row;
   }
 }

@@ -30,8 +30,8 @@ class RecordedCommands final : public Commander {
   /// displacement; devices get the settings of initialize().
   Command initial() const;
   /// Writes the commands of a tick by the controllers without (or with) delay into the command. The last controller
-  /// overrides earlier ones, external wrenches are summed, numbers that aren't finite are left out. Ticks must come in
-  /// ascending order.
+  /// overrides earlier ones, external wrenches are summed, numbers that aren't finite are left out, as are
+  /// commands that the scenario's faults lose. Ticks must come in ascending order.
   void put(std::int64_t tick, Timing timing, Command& command);
 
   void act(TickData& now) override { put(now.tick, Timing::same_step, now.command); }
@@ -50,6 +50,7 @@ class RecordedCommands final : public Commander {
     Kind kind = Kind::joints;
     std::size_t channel = 0;  // of the trace
     int body = 0;
+    const ScenarioController* controller = nullptr;
     int target = 0;  // link or device index
     bool delayed = true;
     std::optional<std::size_t> delays = {};  // channel of the trace: the ticks in which `delayed` doesn't hold
@@ -62,7 +63,8 @@ class RecordedCommands final : public Commander {
   RecordedCommands(const Scenario& scenario, const Trace& trace) : scenario_(scenario), trace_(trace) {}
   /// The kind of a channel of a link's commands; nullopt: it moves nothing.
   static std::optional<Kind> link_kind(ChannelKind kind);
-  Result<void> add(const ChannelName& name, int body, bool delay, std::size_t channel);
+  Result<void> add(const ChannelName& name, int body, const ScenarioController& controller, bool delay,
+                   std::size_t channel);
   Result<void> add_joints(Source& source);
   std::vector<bool> columns_with_numbers(std::size_t channel) const;
   void begin();
