@@ -110,6 +110,28 @@ TEST_F(Proof, IsThereOnceACheckHasSimulatedTheGolden) {
   EXPECT_TRUE(check().proved) << "names and tolerances don't change the world";
 }
 
+/// The bytes that this process has read so far, from any file.
+std::uint64_t bytes_read() {
+  std::ifstream counts("/proc/self/io");
+  std::string name;
+  std::uint64_t bytes = 0;
+  counts >> name >> bytes;
+  return name == "rchar:" ? bytes : 0;
+}
+
+TEST_F(Proof, ReadsTheGoldenAndTheControllerOnceAndLittleElse) {
+  ASSERT_TRUE(check().proved);  // it has read what doesn't change in a process
+  const std::uint64_t before = bytes_read();
+  ASSERT_GT(before, 0u);
+  EXPECT_TRUE(check().proved);
+  const std::uintmax_t needed =
+      fs::file_size(robot_.file("golden.mcap")) + fs::file_size(fs::path(VERDICT_CONTROLLERS) / "StandWith_none.so");
+  const std::uintmax_t scenario = fs::file_size(robot_.file("sr1.urdf")) + fs::file_size(robot_.file("scenario.yaml"));
+  constexpr std::uintmax_t little =
+      24 * 1024;  // certificate, headers of the library; a list of the process's memory has 60 kB
+  EXPECT_LT(bytes_read() - before, needed + scenario + little);
+}
+
 TEST_F(Proof, WarnsOfToleranceRulesThatApplyToNothing) {
   robot_.apply({"scenario.yaml", "seed: 7", "seed: 7\ntolerances: [{channel: SR1/*/q, atol: 1}]"});
   EXPECT_TRUE(check().proved);

@@ -121,15 +121,18 @@ std::map<fs::path, Conflict> find_conflicts(const fs::path& goldens) {
 /// compare with the other scenario's run. A repository is searched once for all scenarios.
 Result<void> check_owners(const CheckSettings& settings, const std::vector<std::string>& files) {
   std::map<fs::path, std::map<fs::path, Conflict>> searched;  // by repository
+  std::map<fs::path, std::optional<fs::path>> goldens;        // of the scenarios of a folder; none: check_golden tells
   for (const std::string& file : files) {
     if (!settings.golden.empty() || file.ends_with(".mcap")) continue;
-    const auto folder = find_golden_folder(file);
-    if (!folder) continue;  // check_golden reports it
-    const fs::path repository = normal_path(*folder / ".."), path = normal_path(file);
+    const auto [folder, is_first] = goldens.try_emplace(fs::path(file).parent_path());
+    if (is_first)
+      if (const auto found = find_golden_folder(file)) folder->second = *found;
+    if (!folder->second) continue;
+    const fs::path repository = normal_path(*folder->second / ".."), path = normal_path(file);
     const fs::path inside = path.lexically_relative(repository);
     if (inside.empty() || *inside.begin() == "..") continue;  // the goldens are outside: REHEARSE_GOLDEN_DIR
     const auto [conflicts, is_new] = searched.try_emplace(repository);
-    if (is_new) conflicts->second = find_conflicts(*folder);
+    if (is_new) conflicts->second = find_conflicts(*folder->second);
     const auto found = conflicts->second.find(path);
     if (found == conflicts->second.end()) continue;
     return error_in(
@@ -210,6 +213,7 @@ std::string name_of(const CheckSettings& settings, const Scenario& scenario) {
 void add_page(const CheckSettings& settings, const Scenario& scenario, const fs::path& actual, Checked& checked) {
   if constexpr (has_viewing) {
     if (settings.no_report) return;
+    if (checked.report.within() && !checked.report.failed()) return;
     if (const auto page = report_page(); !page) {
       if (!checked.report.within()) checked.no_page = page.errors()[0].message;
       return;
@@ -238,7 +242,9 @@ void add_page(const CheckSettings& settings, const Scenario& scenario, const fs:
 
 /// A run writes into a separate folder and is moved to the pending runs when it is complete; so other processes in this
 /// folder never read a partial run. Prints the verdict before the report is written, which may wait seconds for gdb.
-Result<Checked> check_beside_others(const CheckSettings& settings, const Scenario& scenario) {
+/// `notes`: on old libraries.
+Result<Checked> check_beside_others(const CheckSettings& settings, const Scenario& scenario,
+                                    const std::vector<std::string>& notes) {
   const std::string name = name_of(settings, scenario);
   const Stopwatch stopwatch;
   auto waiting = WaitingRun::begin(pending_folder(), name);
@@ -252,7 +258,7 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
   checked.scenario = scenario.name;
   checked.file = scenario.file;
   checked.report = *std::move(report);
-  checked.notes = notes_on_old_libraries(scenario, settings.check.run);
+  checked.notes = notes;
   if (!compared_anything(checked.report)) {
     checked.report.verdict = "nothing was compared: " + checked.report.verdict;
     checked.report.codes.insert(checked.report.codes.begin(), VerdictCode::undecided_nothing_compared);
@@ -268,9 +274,10 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
 }
 
 /// Checks one scenario and prints the result.
-Result<CheckOutcome> check_one(const CheckSettings& settings, const Scenario& scenario) {
+Result<CheckOutcome> check_one(const CheckSettings& settings, const Scenario& scenario,
+                               const std::vector<std::string>& notes) {
   tell_warnings(scenario);
-  const auto checked = check_beside_others(settings, scenario);
+  const auto checked = check_beside_others(settings, scenario, notes);
   if (!checked) return checked.errors();
   if (!settings.json) tell_files(*checked);
   tell_missed_deadlines(control_times_of(checked->report), settings.deadline);
@@ -294,7 +301,7 @@ Result<std::optional<CheckOutcome>> check_file(const CheckSettings& settings, co
   const std::vector<std::string> notes = notes_on_old_libraries(*scenario, settings.check.run);
   if (tells) tell_old_libraries(notes);
   const auto ready = virtualise_like_golden(settings, *scenario, true);
-  auto outcome = ready ? check_one(settings, *scenario) : Result<CheckOutcome>(ready.errors());
+  auto outcome = ready ? check_one(settings, *scenario, notes) : Result<CheckOutcome>(ready.errors());
   if (outcome) return std::optional(*std::move(outcome));
   if (interruption() != 0) return outcome.errors();
   std::fputs(to_string(outcome.errors()).c_str(), stderr);
@@ -346,10 +353,11 @@ Exit check_several(const CheckSettings& settings, const std::vector<std::string>
 /// Checks the only scenario, and adds its outcome to `all`.
 Exit check_alone(const CheckSettings& settings, const Scenario& scenario, std::vector<CheckOutcome>& all) {
   if (const auto ready = virtualise_like_golden(settings, scenario, false); !ready) return refuse(ready.errors());
-  tell_old_libraries(notes_on_old_libraries(scenario, settings.check.run));
+  const std::vector<std::string> notes = notes_on_old_libraries(scenario, settings.check.run);
+  tell_old_libraries(notes);
   supervise_process();
   end_runs_on_signals();
-  auto outcome = check_one(settings, scenario);
+  auto outcome = check_one(settings, scenario, notes);
   if (!outcome) return refuse(outcome.errors());
   all.push_back(*std::move(outcome));
   return Exit::done;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/guard/float_mode.h"
+#include "core/guard/process_guard.h"
 #include "runs.h"
 #include "support/printed_by_name.h"
 
@@ -116,6 +117,25 @@ TEST_P(Trespass, IsRepeatedByAReplay) {
   }
   ASSERT_EQ(report->remarks.size(), 1u);
   EXPECT_EQ(report->remarks[0].message, summary_.remarks[0].message);
+}
+
+TEST(ProcessGuard, LeavesAHandlerThatTheProgramSetsBetweenTwoCalls) {
+  ProcessGuard& guard = ProcessGuard::instance();
+  const sighandler_t mine = [](int) {};
+  for (const bool by_signal : {false, true}) {
+    guard.begin(nullptr, true);
+    EXPECT_THAT(guard.put_right(), IsEmpty());
+    struct sigaction action {};
+    action.sa_handler = mine;
+    if (by_signal)
+      signal(SIGUSR2, mine);
+    else
+      sigaction(SIGUSR2, &action, nullptr);
+    guard.begin(nullptr, true);
+    EXPECT_THAT(guard.put_right(), IsEmpty());
+    EXPECT_EQ(Process::handler_of(SIGUSR2), mine);
+    signal(SIGUSR2, SIG_DFL);
+  }
 }
 
 class Guest : public RunTest {

@@ -50,12 +50,23 @@ std::string working_directory() {
   return getcwd(path.data(), path.size()) ? path.data() : "";
 }
 
-std::vector<std::string> variables() {
+/// The environment in its order, each variable with a zero at its end.
+std::string environment_block() {
+  std::string all;
+  for (char** entry = environ; entry && *entry; ++entry) all.append(*entry, std::strlen(*entry) + 1);
+  return all;
+}
+
+/// The variables of such a block, sorted.
+std::vector<std::string> variables_in(const std::string& block) {
   std::vector<std::string> all;
-  for (char** entry = environ; entry && *entry; ++entry) all.emplace_back(*entry);
+  for (std::size_t begin = 0; begin < block.size(); begin += all.back().size() + 1)
+    all.emplace_back(block.c_str() + begin);
   std::sort(all.begin(), all.end());
   return all;
 }
+
+std::vector<std::string> variables() { return variables_in(environment_block()); }
 
 /// The name in "NAME=value".
 std::string name_of_variable(const std::string& variable) { return variable.substr(0, variable.find('=')); }
@@ -110,6 +121,18 @@ Limits limits() {
 
 constexpr int timers[] = {ITIMER_REAL, ITIMER_VIRTUAL, ITIMER_PROF};
 constexpr int signal_count = NSIG;
+using SignalActions = std::array<struct sigaction, signal_count>;
+
+SignalActions signal_actions() {
+  SignalActions actions{};
+  for (int i = 1; i < signal_count; ++i) sigaction(i, nullptr, &actions[i]);
+  return actions;
+}
+
+/// The actions after the last call that was watched closely. They are those before the next one unless the program has
+/// changed one meanwhile, which the replacements of the C library's functions note.
+SignalActions last_actions;
+std::atomic<bool> knows_last_actions{false};
 
 }  // namespace
 
@@ -120,17 +143,16 @@ const Limits* limits_at_start = nullptr;
 /// The state of the whole process at one time.
 struct ProcessGuard::State {
   std::string directory = working_directory();
-  std::array<struct sigaction, signal_count> actions{};
+  SignalActions actions;
   sigset_t blocked{};
   std::array<itimerval, std::size(timers)> armed{};
   std::string locale = c_locale();
   locale_t thread_locale = uselocale(nullptr);
   std::locale cpp_locale;
-  std::vector<std::string> environment = variables();
+  std::string environment = environment_block();
   mode_t file_mask = current_umask();
 
-  State() {
-    for (int i = 1; i < signal_count; ++i) sigaction(i, nullptr, &actions[i]);
+  explicit State(const SignalActions& present) : actions(present) {
     pthread_sigmask(SIG_BLOCK, nullptr, &blocked);
     for (std::size_t i = 0; i < std::size(timers); ++i) getitimer(static_cast<__itimer_which>(timers[i]), &armed[i]);
   }
@@ -197,9 +219,11 @@ struct ProcessGuard::State {
   }
 
   void compare_environment(const State& now, std::vector<Trespass>& found) const {
+    if (now.environment == environment) return;
+    const std::vector<std::string> before = variables_in(environment), after = variables_in(now.environment);
     std::vector<std::string> changed;
-    std::set_symmetric_difference(environment.begin(), environment.end(), now.environment.begin(),
-                                  now.environment.end(), std::back_inserter(changed));
+    std::set_symmetric_difference(before.begin(), before.end(), after.begin(), after.end(),
+                                  std::back_inserter(changed));
     if (changed.empty()) return;
     std::set<std::string> names;
     for (const std::string& variable : changed) names.insert(name_of_variable(variable));
@@ -277,8 +301,12 @@ void ProcessGuard::begin(ThreadCount threads, bool closely) {
   static const Limits at_start = limits();
   limits_at_start = &at_start;
   prepare_guarded_calls();  // so that the host's own handlers don't count as changes by the code
-  if (closely) before_ = std::make_unique<State>();
+  if (!closely) return;
+  static const bool notes_changes = replaces_functions();
+  before_ = std::make_unique<State>(notes_changes && knows_last_actions ? last_actions : signal_actions());
 }
+
+void ProcessGuard::note_change_of_actions() { knows_last_actions = false; }
 
 /// A hard limit that was lowered can't be raised again.
 void ProcessGuard::restore_limits() {
@@ -298,7 +326,7 @@ void ProcessGuard::restore_limits() {
 void ProcessGuard::before_change() {
   if (before_ || looking_ || !in_guarded_call()) return;
   looking_ = true;  // reading the umask means to change it
-  before_ = std::make_unique<State>();
+  before_ = std::make_unique<State>(signal_actions());
   looking_ = false;
 }
 
@@ -363,7 +391,9 @@ std::vector<Trespass> ProcessGuard::put_right() {
   threads_ = nullptr;
   if (const std::unique_ptr<State> before = std::exchange(before_, nullptr)) {
     restore_limits();
-    const State now;
+    knows_last_actions = true;  // before they are read: a thread may change them meanwhile
+    last_actions = signal_actions();
+    const State now(last_actions);
     before->restore_directory(now, found);
     before->restore_actions(now, found);
     before->restore_mask(now, found);

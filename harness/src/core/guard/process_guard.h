@@ -65,6 +65,8 @@ class ProcessGuard {
 
   /// Guarded code will change a state of the process.
   void before_change();
+  /// The program itself, or a thread, changes what happens at a signal.
+  static void note_change_of_actions();
   /// Guarded code tries to close this descriptor. True: it may not.
   bool keeps(int descriptor);
   /// The descriptors from `first` to `last` that guarded code may not close, ascending.

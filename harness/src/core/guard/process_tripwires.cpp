@@ -298,13 +298,17 @@ REHEARSE_CHANGE(int, setitimer, (__itimer_which_t which, const itimerval* value,
 int sigaction(int number, const struct sigaction* action, struct sigaction* before) noexcept {
   if (action && keeps_signal(number)) action = nullptr;
   if (action) look();
-  return REHEARSE_NEXT(sigaction)(number, action, before);
+  const int failed = REHEARSE_NEXT(sigaction)(number, action, before);
+  if (action) ProcessGuard::note_change_of_actions();
+  return failed;
 }
 
 sighandler_t signal(int number, sighandler_t handler) noexcept {
   if (keeps_signal(number)) return SIG_DFL;
   look();
-  return REHEARSE_NEXT(signal)(number, handler);
+  const sighandler_t before = REHEARSE_NEXT(signal)(number, handler);
+  ProcessGuard::note_change_of_actions();
+  return before;
 }
 
 /// A function that changes the mask of signals.

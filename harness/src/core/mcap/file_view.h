@@ -84,13 +84,14 @@ class PassedBytes {
   /// For the view's own bytes; the memory of other bytes isn't released.
   PassedBytes(const FileView& view, Bytes bytes, Progress progress = {})
       : view_(view), bytes_(bytes), progress_(std::move(progress)) {}
-  ~PassedBytes() { let_go(passed_); }
+  ~PassedBytes() {
+    if (bytes_.size() >= step) let_go(passed_);
+  }
   PassedBytes(const PassedBytes&) = delete;
   PassedBytes& operator=(const PassedBytes&) = delete;
 
   /// Reports that all bytes before that offset are passed.
   void pass(std::uint64_t offset) {
-    constexpr std::uint64_t step = std::uint64_t{2} << 20;
     passed_ = offset;
     if (progress_ && offset >= next_progress_) {
       progress_(offset, bytes_.size());
@@ -102,6 +103,8 @@ class PassedBytes {
   bool releases(std::uint64_t offset) const { return offset >= forgotten_; }
 
  private:
+  static constexpr std::uint64_t step = std::uint64_t{2} << 20;  // [bytes]; a smaller file may stay in memory
+
   void let_go(std::uint64_t end) {
     if (end > forgotten_) view_.forget(bytes_.subspan(forgotten_, end - forgotten_));
     forgotten_ = end;

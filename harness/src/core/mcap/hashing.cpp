@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <fstream>
-#include <vector>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
@@ -34,7 +34,7 @@ std::uint64_t RunningHash::value() const { return XXH3_64bits_digest(&state_->xx
 Result<std::uint64_t> hash_of_file(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   RunningHash hash;
-  std::vector<char> block(std::size_t{1} << 18);
+  std::array<char, 1 << 17> block;
   while (stream.read(block.data(), static_cast<std::streamsize>(block.size())) || stream.gcount() > 0)
     hash.add(block.data(), static_cast<std::size_t>(stream.gcount()));
   if (!stream.eof()) return error(fmt::format("{} can't be read", file.string()));

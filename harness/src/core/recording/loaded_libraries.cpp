@@ -149,6 +149,16 @@ std::map<std::string, LoadedLibrary> loaded_libraries() {
   return std::move(found.libraries);
 }
 
+std::map<std::string, std::string> build_ids() {
+  std::map<std::string, std::string> ids;
+  const auto take = [](dl_phdr_info* library, std::size_t, void* into) {
+    static_cast<decltype(ids)*>(into)->emplace(file_name(library->dlpi_name), build_id(*library));
+    return 0;
+  };
+  dl_iterate_phdr(take, &ids);
+  return ids;
+}
+
 Result<std::string> code_hash_of(const LoadedLibrary& library) {
   static std::mutex mutex;
   static auto& known = *new std::map<std::string, std::string>;  // by file: a loaded file stays what it is

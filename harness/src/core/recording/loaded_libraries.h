@@ -25,6 +25,9 @@ struct LoadedLibrary {
 /// The libraries by the names of their files. The program is the entry with the empty name.
 std::map<std::string, LoadedLibrary> loaded_libraries();
 
+/// LoadedLibrary::build_id of each library, by the name of its file. Reads no file.
+std::map<std::string, std::string> build_ids();
+
 /// The library of that name ("libOSMesa.so.8") and all libraries that it needs; they are loaded if necessary. Fails if
 /// a library can't be loaded.
 Result<std::map<std::string, LoadedLibrary>> load_library(const std::string& name);

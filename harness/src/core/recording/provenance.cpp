@@ -25,7 +25,7 @@ static_assert(*REHEARSE_OTHER_FLAGS, "built with flags that change the bits of r
 namespace rehearse {
 namespace {
 
-std::string processor() {
+std::string read_processor() {
   std::ifstream cpus("/proc/cpuinfo");
   for (std::string line; std::getline(cpus, line);) {
     if (!line.starts_with("model name")) continue;
@@ -33,6 +33,11 @@ std::string processor() {
     return colon == std::string::npos ? std::string() : line.substr(colon + 2);
   }
   return "unknown";
+}
+
+const std::string& processor() {
+  static const auto& known = *new std::string(read_processor());
+  return known;
 }
 
 /// Empty: x86-64, which recordings don't state.
@@ -73,12 +78,12 @@ std::string programs(bool draws) {
                                            "libc.",
                                            "libstdc++."};
   std::string all;
-  for (const auto& [name, library] : loaded_libraries()) {
+  for (const auto& [name, id] : build_ids()) {
     const auto names_it = [&name = name](std::string_view prefix) { return name.starts_with(prefix); };
     if (std::none_of(std::begin(deciding), std::end(deciding), names_it)) continue;
     if (!draws && name.starts_with("libOSMesa.")) continue;
-    if (library.build_id.empty()) return {};
-    all += name + '\0' + library.build_id + '\0';
+    if (id.empty()) return {};
+    all += name + '\0' + id + '\0';
   }
   return all.empty() ? all : hash_text(hash_bytes(all.data(), all.size()));
 }

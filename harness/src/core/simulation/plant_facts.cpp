@@ -36,9 +36,9 @@ std::string hash_of(const std::string& text) { return hash_text(hash_bytes(text.
 Result<void> add_libraries(const Scenario& scenario, mcap::StringMap& plant) {
   std::map<std::string, LoadedLibrary> libraries = libraries_at_start;
   if (scenario.runs_a_camera()) {
-    auto renderer = load_library(Renderer::library);
+    static const auto& renderer = *new auto(load_library(Renderer::library));  // they stay loaded
     if (!renderer) return renderer.errors();
-    libraries.merge(*renderer);
+    libraries.insert(renderer->begin(), renderer->end());
   }
   for (const auto& [name, library] : libraries) {
     const bool is_program = name.empty();

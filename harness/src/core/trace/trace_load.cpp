@@ -150,7 +150,7 @@ class TraceLoader {
   bool sorts_ = false;
   std::size_t held_ = 0;  // approximate size of the tables [bytes]
   std::map<std::uint16_t, std::unique_ptr<Source>> sources_;
-  std::vector<Source*> by_id_ = std::vector<Source*>(0x10000, nullptr);
+  std::vector<Source*> by_id_;  // up to the largest id of a message
   Diagnostics problems_;
 };
 
@@ -306,9 +306,10 @@ void TraceLoader::assemble() {
 }
 
 TraceLoader::Source& TraceLoader::source_of(const mcap::Message& message) {
-  Source*& known = by_id_[message.channel->id];
-  if (known != nullptr) return *known;
   const mcap::Channel& channel = *message.channel;
+  if (channel.id >= by_id_.size()) by_id_.resize(std::size_t{channel.id} + 1, nullptr);
+  Source*& known = by_id_[channel.id];
+  if (known != nullptr) return *known;
   auto& source = sources_[channel.id];
   source = std::make_unique<Source>(channel, trace_.reader_->schema_of(channel));
   source->take_samples(trace_.state_samples_.get());
