@@ -27,6 +27,7 @@ std::map<int, Points> points_of(const MeshData& mesh) {
   std::map<int, Points> objects;
   for (const MeshPart& part : mesh.parts) {
     Points& points = objects[part.object];
+    points.reserve(points.size() + 3 * part.triangles.size());
     for (const auto& triangle : part.triangles)
       for (const std::uint32_t vertex : triangle) points.push_back(part.vertices[vertex].cast<double>());
   }
@@ -100,12 +101,14 @@ class Qhull {
   /// The triangles around the points; nullopt if Qhull failed.
   std::optional<std::vector<Triangle>> hull(const Points& points, std::string options) {
     std::vector<double> numbers;
+    numbers.reserve(3 * points.size());
     for (const Vector3d& point : points) numbers.insert(numbers.end(), point.data(), point.data() + 3);
     options = "qhull Pp " + options;
     if (!silence_ || qh_new_qhull(&state_, 3, static_cast<int>(points.size()), numbers.data(), False, options.data(),
                                   nullptr, silence_) != 0)
       return std::nullopt;
     std::vector<Triangle> triangles;
+    triangles.reserve(static_cast<std::size_t>(state_.num_facets));
     for (const facetT* facet = state_.facet_list; facet && facet->next; facet = facet->next) {
       if (qh_setsize(&state_, facet->vertices) != 3) return std::nullopt;
       Triangle triangle{};
@@ -352,7 +355,8 @@ class HullMaker {
  public:
   HullMaker(const std::string& object, Diagnostics& remarks) : object_(object), remarks_(remarks) {}
 
-  Result<ConvexHull> make(Points points) {
+  /// `volume_of_all`: gets the volume of the hull of all points, unless they are moved; null: it isn't wanted.
+  Result<ConvexHull> make(Points points, std::optional<double>* volume_of_all = nullptr) {
     if (points.empty()) return error(object_ + "has no triangles");
     if (!std::all_of(points.begin(), points.end(), [](const Vector3d& point) { return point.allFinite(); }))
       return error(object_ + "has a vertex that is not finite");
@@ -361,10 +365,12 @@ class HullMaker {
     if (spread.extents[1] <= flat * spread.extents[2])
       return error(object_ + (spread.extents[2] == 0.0 ? "is a single point" : "is a line") + " and can't be touched",
                    "take a sphere or a box for its collision");
-    if (spread.extents[0] <= flat * spread.extents[2]) thicken(points, spread.axes.col(0));
+    const bool is_flat = spread.extents[0] <= flat * spread.extents[2];
+    if (is_flat) thicken(points, spread.axes.col(0));
     const double rounding = rounding_of(points);
     auto triangles = triangulated_hull(points);
     if (triangles) {
+      if (volume_of_all && !is_flat) *volume_of_all = volume(points, *triangles) / 6.0;
       points = vertices_of(points, *triangles);
       if (points.size() > max_hull_vertices && !thin(points, rounding)) return no_hull();
       triangles = triangulated_hull(points);
@@ -419,6 +425,7 @@ class HullMaker {
 void sort_points(Points& points) {
   std::sort(points.begin(), points.end(), before);
   points.erase(std::unique(points.begin(), points.end()), points.end());
+  points.shrink_to_fit();  // six triangles share a vertex of a closed mesh
 }
 
 }  // namespace
@@ -432,14 +439,18 @@ std::vector<std::pair<int, std::string>> objects_of(const MeshData& mesh) {
   return objects;
 }
 
-Result<ConvexHulls> convex_hulls(const MeshData& mesh) {
+Result<ConvexHulls> convex_hulls(const MeshData& mesh, std::map<int, double>* volumes) {
   ConvexHulls result;
   std::map<int, Points> points = points_of(mesh);
   if (points.empty()) return error("it has no triangles");
   for (const auto& [number, name] : objects_of(mesh)) {
-    auto hull = convex_hull(std::move(points.at(number)), name, result.remarks);
+    Points& of_object = points.at(number);
+    sort_points(of_object);
+    std::optional<double> volume_of_all;
+    auto hull = HullMaker(name, result.remarks).make(std::move(of_object), &volume_of_all);
     if (!hull) return hull.errors();
     result.hulls.push_back(std::move(*hull));
+    if (volumes && volume_of_all) volumes->emplace(number, *volume_of_all);
   }
   return result;
 }

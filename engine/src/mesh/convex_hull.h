@@ -5,6 +5,7 @@
 #include <rehearse/model.h>
 
 #include <cstddef>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,8 +30,9 @@ struct ConvexHulls {
 /// the hull of the vertices taken before. So it lies inside the true hull, and a remark reports how far a vertex is
 /// outside the thinned hull (about 3 % of the radius for a sphere). An object without thickness gets `sheet_thickness`,
 /// with a remark; an object that is only a line or a point is an error. Messages use "it", or "object 1" if there are
-/// several objects, and don't name the mesh.
-Result<ConvexHulls> convex_hulls(const MeshData& mesh);
+/// several objects, and don't name the mesh. `volumes`: gets, by the number of an object, hull_volume() of all points
+/// of its triangles; not of objects without thickness. Null: they aren't wanted.
+Result<ConvexHulls> convex_hulls(const MeshData& mesh, std::map<int, double>* volumes = nullptr);
 
 /// The convex hull of points, likewise. `object` begins the messages: "it " or "object 1 ".
 Result<ConvexHull> convex_hull(std::vector<Eigen::Vector3d> points, const std::string& object, Diagnostics& remarks);

@@ -137,9 +137,10 @@ struct Judgement {
   std::optional<double> excess() const { return volume ? std::optional(hull / *volume - 1.0) : std::nullopt; }
 };
 
-Judgement judge(const TriangleSoup& solid) {
+/// `hull`: the volume of its convex hull, if it is known.
+Judgement judge(const TriangleSoup& solid, std::optional<double> hull = std::nullopt) {
   Judgement judgement;
-  judgement.hull = hull_volume(solid.vertices);
+  judgement.hull = hull ? *hull : hull_volume(solid.vertices);
   const double inside = is_closed(solid) ? volume(solid) : 0.0;
   constexpr double thin = 1e-6, rounding = 1e-3;
   // objects that overlap themselves or are wound inwards have no volume either
@@ -253,6 +254,13 @@ bool add_parts(const TriangleSoup& solid, const std::string& object, const Judge
   return true;
 }
 
+std::size_t triangles_of(const MeshData& mesh, int object) {
+  std::size_t count = 0;
+  for (const MeshPart& part : mesh.parts)
+    if (part.object == object) count += part.triangles.size();
+  return count;
+}
+
 }  // namespace
 
 bool is_convex(const MeshData& mesh, double excess) {
@@ -264,10 +272,16 @@ bool is_convex(const MeshData& mesh, double excess) {
 }
 
 Result<ConvexHulls> judged_hulls(const MeshData& mesh) {
-  Result<ConvexHulls> hulls = convex_hulls(mesh);
+  std::map<int, double> volumes;
+  Result<ConvexHulls> hulls = convex_hulls(mesh, &volumes);
   if (!hulls) return hulls;
   for (const auto& [number, name] : objects_of(mesh)) {
-    const Judgement judgement = judge(object_of(mesh, number));
+    const TriangleSoup solid = object_of(mesh, number);
+    const auto known = volumes.find(number);
+    // a triangle that is left out may have vertices of its own
+    const bool is_whole = solid.triangles.size() == triangles_of(mesh, number);
+    const Judgement judgement =
+        judge(solid, known != volumes.end() && is_whole ? std::optional(known->second) : std::nullopt);
     if (judgement.volume && *judgement.excess() > tolerated_excess)
       hulls->remarks.push_back(note(excess_text(name, judgement), "collision: parts takes convex parts of it"));
   }

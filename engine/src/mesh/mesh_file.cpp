@@ -104,9 +104,14 @@ Result<MeshReading> read_by_assimp(MeshFormat format, MeshInput& input, const Ei
   return convert(*scene, format, input, scale, selection);
 }
 
-Result<MeshReading> read_vrml(MeshInput& input, const MeshSelection& selection, const Eigen::Vector3d& scale) {
+Result<MeshReading> read(MeshFormat format, MeshInput& input, const Eigen::Vector3d& scale,
+                         const MeshSelection& selection) {
+  const bool is_whole = selection.node.empty() && selection.without.empty();
+  const bool is_plain_stl = format == MeshFormat::stl && is_whole && is_binary_stl(input.bytes());
+  if (format != MeshFormat::vrml && !is_plain_stl) return read_by_assimp(format, input, scale, selection);
   MeshReading reading;
-  Result<std::vector<MeshPart>> parts = read_vrml_parts(input, selection, scale, reading.warnings);
+  Result<std::vector<MeshPart>> parts = is_plain_stl ? read_binary_stl(input.bytes(), scale, selection.z_up)
+                                                     : read_vrml_parts(input, selection, scale, reading.warnings);
   if (!parts) return parts.errors();
   reading.data.parts = *std::move(parts);
   return reading;
@@ -130,11 +135,9 @@ Result<MeshReading> read_mesh(const std::filesystem::path& file, const Eigen::Ve
   Result<std::string> bytes = read_mesh_file(file);
   if (!bytes) return bytes.errors();
   try {
-    MeshInput input(file, *bytes);
-    if (auto checked = check_mesh_bytes(*format, *bytes); !checked) return at(file, checked.errors());
-    input.replace(*std::move(bytes));
-    Result<MeshReading> reading = *format == MeshFormat::vrml ? read_vrml(input, selection, scale)
-                                                              : read_by_assimp(*format, input, scale, selection);
+    MeshInput input(file, *std::move(bytes));
+    if (auto checked = check_mesh_bytes(*format, input.bytes()); !checked) return at(file, checked.errors());
+    Result<MeshReading> reading = read(*format, input, scale, selection);
     if (!reading) return at(file, reading.errors());
     std::error_code ignored;
     reading->data.file = std::filesystem::weakly_canonical(file, ignored).string();

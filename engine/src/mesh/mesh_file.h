@@ -1,4 +1,4 @@
-// Reads a mesh from a file, by assimp and by a reader of VRML.
+// Reads a mesh from a file, by assimp, a reader of VRML and one of binary STL.
 //
 // - STL, binary or ASCII: a file is binary if it has the size of a binary one. Normals are computed per triangle from
 //   the winding, because the file's normals are often wrong or zero. Colours in the file are ignored.

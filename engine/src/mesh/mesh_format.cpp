@@ -11,9 +11,7 @@
 namespace rehearse {
 namespace {
 
-constexpr std::size_t stl_head = 84;      // header and number of triangles [bytes]
-constexpr std::size_t stl_triangle = 50;  // [bytes]
-constexpr std::size_t glb_head = 12;      // magic number, version, length [bytes]
+constexpr std::size_t glb_head = 12;  // magic number, version, length [bytes]
 constexpr std::string_view utf8_mark = "\xEF\xBB\xBF";
 constexpr const char* known_formats = ".stl, .dae, .obj, .gltf, .glb and .wrl are read";
 

@@ -12,6 +12,8 @@ namespace rehearse {
 enum class MeshFormat { stl, dae, obj, gltf, glb, vrml };
 
 inline constexpr std::size_t max_mesh_triangles = 10'000'000;  // of a file
+inline constexpr std::size_t stl_head = 84;      // of a binary STL: header and number of triangles [bytes]
+inline constexpr std::size_t stl_triangle = 50;  // of a binary STL [bytes]
 
 /// The format by the extension of the file's name, in upper or lower case.
 Result<MeshFormat> mesh_format_of(const std::filesystem::path& file);

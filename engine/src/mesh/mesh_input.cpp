@@ -61,8 +61,6 @@ MeshInput::~MeshInput() {
   while (!open_.empty()) delete open_.back();
 }
 
-void MeshInput::replace(std::string bytes) { *own_ = std::move(bytes); }
-
 const std::string* MeshInput::named(const std::string& path) {
   std::string slashes = path;
   std::replace(slashes.begin(), slashes.end(), '\\', '/');

@@ -28,13 +28,12 @@ class MeshInput : public Assimp::IOSystem {
   MeshInput(const MeshInput&) = delete;
   MeshInput& operator=(const MeshInput&) = delete;
 
-  /// Replaces the file's bytes for assimp. The digest stays that of the original bytes.
-  void replace(std::string bytes);
-
   /// The content of a file that the mesh names, relative to the mesh; null if it can't be read.
   const std::string* named(const std::string& path);
 
   const std::string& bytes() const { return *own_; }
+  /// The bytes that assimp gets. The digest stays that of the original bytes.
+  std::string& bytes() { return *own_; }
   const std::filesystem::path& file() const { return file_; }
 
   /// The named files that couldn't be read, in the order of the attempts.

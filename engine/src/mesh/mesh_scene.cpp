@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cstring>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -39,6 +40,17 @@ Matrix placing_of(MeshFormat format, const Eigen::Vector3d& scale, bool z_up) {
 std::string name_text(const aiString& text) { return {text.data, text.length}; }
 
 Eigen::Vector3d vector_of(const aiVector3D& v) { return {v.x, v.y, v.z}; }
+
+/// Adds a vertex of the file. False: it isn't finite.
+bool add_vertex(const Matrix& place, const Eigen::Vector3d& of_file, MeshPart& part) {
+  const Eigen::Vector3d vertex = place.leftCols<3>() * of_file + place.col(3);
+  part.vertices.emplace_back(vertex.cast<float>());
+  return part.vertices.back().allFinite();
+}
+
+Diagnostic not_finite() { return error("a vertex of it isn't finite"); }
+
+bool mirrors(const Matrix& place) { return place.leftCols<3>().determinant() < 0.0; }
 
 /// The transform of normals, up to their length, if vertices are transformed by `linear`: its cofactors, which exist
 /// even if it flattens. A mirror reverses the winding, so the normals are reversed, too.
@@ -136,11 +148,8 @@ std::optional<Diagnostic> read_triangles(const aiMesh& mesh, bool is_mirrored, M
 Result<MeshPart> read_part(const aiMesh& mesh, const Matrix& place, bool wants_flat, const Paint& paint) {
   MeshPart part;
   part.vertices.reserve(mesh.mNumVertices);
-  for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
-    const Eigen::Vector3d vertex = place.leftCols<3>() * vector_of(mesh.mVertices[i]) + place.col(3);
-    part.vertices.emplace_back(vertex.cast<float>());
-    if (!part.vertices.back().allFinite()) return error("a vertex of it isn't finite");
-  }
+  for (unsigned i = 0; i < mesh.mNumVertices; ++i)
+    if (!add_vertex(place, vector_of(mesh.mVertices[i]), part)) return not_finite();
   part.color = paint.color;
   part.has_default_color = paint.is_default;
   if (mesh.HasTextureCoords(paint.channel)) {
@@ -152,8 +161,7 @@ Result<MeshPart> read_part(const aiMesh& mesh, const Matrix& place, bool wants_f
       if (!part.texture_coordinates.back().allFinite()) return error("a texture coordinate of it isn't finite");
     }
   }
-  const bool is_mirrored = place.leftCols<3>().determinant() < 0.0;
-  if (auto problem = read_triangles(mesh, is_mirrored, part)) return *problem;
+  if (auto problem = read_triangles(mesh, mirrors(place), part)) return *problem;
   if (wants_flat || !mesh.HasNormals()) {
     flatten(part);
   } else {
@@ -298,6 +306,32 @@ Result<std::vector<MeshPart>> read_parts(const aiScene& scene, MeshFormat format
   if (!found) return no_such_node(selection.node, names_of_nodes(scene));
   std::vector<MeshPart> parts = reader.take();
   if (parts.empty()) return error("it has no triangles");
+  return parts;
+}
+
+Result<std::vector<MeshPart>> read_binary_stl(const std::string& bytes, const Eigen::Vector3d& scale, bool z_up) {
+  constexpr std::size_t normal = 12, corner = 12, attributes = 2;  // of a triangle [bytes]
+  const Matrix root = matrix_of(aiMatrix4x4());
+  const Matrix place = product(product(placing_of(MeshFormat::stl, scale, z_up), root), root);
+  const std::size_t count = (bytes.size() - stl_head) / stl_triangle;
+  std::vector<MeshPart> parts(1);
+  MeshPart& part = parts.front();
+  const bool mirrors_all = mirrors(place);
+  part.vertices.reserve(3 * count);
+  part.triangles.reserve(count);
+  const char* next = bytes.data() + stl_head;
+  for (std::uint32_t i = 0; i < count; ++i, next += attributes) {
+    next += normal;
+    for (int k = 0; k < 3; ++k, next += corner) {
+      Eigen::Vector3f vertex;
+      std::memcpy(vertex.data(), next, corner);
+      if (!add_vertex(place, vertex.cast<double>(), part)) return not_finite();
+    }
+    const std::uint32_t first = 3 * i;
+    part.triangles.push_back({first, first + 1, first + 2});
+    if (mirrors_all) std::swap(part.triangles.back()[1], part.triangles.back()[2]);
+  }
+  flatten(part);
   return parts;
 }
 

@@ -57,6 +57,17 @@ TEST(ConvexHull, OfABoxHasEightVerticesAndSixSquares) {
   expect_sound(hull, 1e-6);
 }
 
+TEST(ConvexHull, StatesTheVolumeOfAllItsPoints) {
+  MeshPart ball = globe_part(0.3, 24, 16);
+  std::vector<Vector3d> points;
+  for (const Eigen::Vector3f& vertex : ball.vertices) points.push_back(vertex.cast<double>());
+  std::map<int, double> volumes;
+  const auto hulls = convex_hulls(mesh_of({std::move(ball)}), &volumes);
+  ASSERT_TRUE(hulls.ok());
+  EXPECT_LT(volume(hulls->hulls[0]), volumes.at(0)) << "it is thinned";
+  EXPECT_EQ(volumes.at(0), hull_volume(points));
+}
+
 TEST(ConvexHull, TakesFloatsAsTheyAre) {
   const ConvexHulls made = hulls_of(mesh_of({box_part({0.1, 0.1, 0.1})}));
   for (const Vector3d& vertex : made.hulls[0].vertices)

@@ -93,6 +93,42 @@ TEST(StlMesh, HasTheNormalsOfItsWinding) {
   }
 }
 
+/// The bytes of the floats, which differ where 0 has another sign.
+std::string bytes_of(const std::vector<Eigen::Vector3f>& vectors) {
+  return {reinterpret_cast<const char*>(vectors.data()), vectors.size() * sizeof vectors[0]};
+}
+
+/// A selection of nodes is assimp's, so a file without such a node is read by it.
+TEST(StlMesh, HasTheBitsOfAssimp) {
+  const MeshSelection by_assimp{.without = {"no such node"}};
+  test::TemporaryFolder folder;
+  std::string odd = stl("odd", {0, 0, 1}, 3);
+  const float signed_zero = -0.0f, tiny = 1e-42f, huge = 1e38f;
+  std::memcpy(odd.data() + 84 + 12, &signed_zero, sizeof(float));
+  std::memcpy(odd.data() + 84 + 50 + 28, &tiny, sizeof(float));
+  std::memcpy(odd.data() + 84 + 100 + 40, &huge, sizeof(float));
+  for (const std::filesystem::path& file :
+       {arm_meshes / "bracket.stl", arm_meshes / "finger.stl", arm_meshes / "shoulder.stl", folder.write("a.stl", odd)})
+    for (const Eigen::Vector3d& scale :
+         {Eigen::Vector3d(1, 1, 1), Eigen::Vector3d(0.001, 0.3, 1), Eigen::Vector3d(1, -2, 0.5),
+          Eigen::Vector3d(-1, -1, 1), Eigen::Vector3d(1, 0, 1)}) {
+      SCOPED_TRACE(file.filename().string());
+      const MeshReading own = reading_of(file, scale);
+      const auto other = read_mesh(file, scale, by_assimp);
+      ASSERT_TRUE(other.ok()) << to_string(other.errors());
+      EXPECT_EQ(own.warnings, other->warnings);
+      EXPECT_EQ(own.data.digest, other->data.digest);
+      ASSERT_EQ(own.data.parts.size(), other->data.parts.size());
+      const MeshPart &here = own.data.parts[0], &there = other->data.parts[0];
+      EXPECT_EQ(bytes_of(here.vertices), bytes_of(there.vertices));
+      EXPECT_EQ(bytes_of(here.normals), bytes_of(there.normals));
+      EXPECT_EQ(here.triangles, there.triangles);
+      EXPECT_EQ(here.object, there.object);
+      EXPECT_EQ(here.color, there.color);
+      EXPECT_EQ(here.has_default_color, there.has_default_color);
+    }
+}
+
 TEST(StlMesh, MayBeTextOfSeveralSolids) {
   test::TemporaryFolder folder;
   const std::string solid =
