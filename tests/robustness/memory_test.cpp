@@ -147,5 +147,43 @@ TEST(Memory, OfLinesDoesNotGrowWithTheirNumber) {
   for (std::size_t i = 0; i < verbs.size(); ++i) EXPECT_LT(peaks[1][i], peaks[0][i] + growth[i]) << verbs[i];
 }
 
+/// A sheet of so many triangles, as binary STL.
+void write_sheet(const fs::path& file, std::uint32_t triangles) {
+  std::ofstream stream(file, std::ios::binary);
+  const auto put = [&stream](const auto& value) { stream.write(reinterpret_cast<const char*>(&value), sizeof value); };
+  stream << std::string(80, ' ');
+  put(triangles);
+  for (std::uint32_t i = 0; i < triangles; ++i) {
+    const float x = static_cast<float>(i % 1000), y = static_cast<float>(i) / 1000;
+    for (const float number : {0.0F, 0.0F, 1.0F, x, y, 0.0F, x + 1, y, 0.0F, x, y + 1, 0.0F}) put(number);
+    put(std::uint16_t{0});
+  }
+}
+
+TEST(Memory, OfAMeshThatIsReadIsThreeTimesItsFile) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the sanitizer keeps memory of its own";
+#endif
+  const TemporaryFolder scratch;
+  const auto kilobytes = [&](std::uint32_t triangles) {
+    write_sheet(scratch.path() / "sheet.stl", triangles);
+    std::ofstream(scratch.path() / "sheet.urdf")
+        << "<robot name='sheet'><link name='sheet'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' "
+           "ixz='0' iyz='0'/></inertial><visual><geometry><mesh "
+           "filename='sheet.stl'/></geometry></visual></link></robot>";
+    const fs::path scenario = scratch.path() / "sheet.yaml";
+    std::ofstream(scenario) << "rehearse: 1\nduration: 0.001\nbodies: [{name: B, model: sheet.urdf}]\n";
+    const long peak =
+        peak_memory({REHEARSE_COMMAND, "record", scenario.string(), "-o", (scratch.path() / "run.mcap").string()},
+                    scratch.path() / "log");
+    EXPECT_GT(peak, 0) << read_file(scratch.path() / "log");
+    return peak;
+  };
+  constexpr std::uint32_t few = 100'000, many = 400'000;
+  constexpr long more = (many - few) * 50 / 1024;  // of the file [kB]
+  const long brief = kilobytes(few);
+  EXPECT_LT(kilobytes(many), brief + 3 * more);
+}
+
 }  // namespace
 }  // namespace rehearse::test
