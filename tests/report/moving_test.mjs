@@ -54,6 +54,22 @@ function check_all_at(state, tick) {
   assert.equal(state.table['Walker/RIGHT_KNEE/q'].expected, pose_at(tick).joints[4].toFixed(6));
 }
 
+test('a plot leads to its smallest and its largest value', async () => {
+  await with_report(options, { hash: shown }, async ({ page, complaints }) => {
+    const knee = [...Array(options.ticks).keys()].map((tick) => run_at(tick).joints[4]);
+    for (const [which, word] of [
+      ['min', 'smallest'],
+      ['max', 'largest'],
+    ]) {
+      await page.click(`button[aria-label="Go to the ${word} value of Walker/RIGHT_KNEE/q"]`);
+      await settled(page);
+      const { tick } = await state_of(page);
+      assert.equal(tick, knee.indexOf(Math[which](...knee)), `the ${word} value`);
+    }
+    assert.deepEqual(complaints, []);
+  });
+});
+
 test('scrubbing moves robot, plots, pictures and table to the same tick', async () => {
   await with_report(options, { hash: shown }, async ({ page, complaints }) => {
     await page.selectOption('.values select', 'Everything');

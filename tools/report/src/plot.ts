@@ -58,12 +58,23 @@ export class Plot {
         title,
         element('span', { class: 'unit' }, unit ? `[${unit}]` : ''),
         this.readout,
+        this.extreme('min', 'smallest'),
+        this.extreme('max', 'largest'),
         button('×', `Close the plot of ${name}`, () => store.toggle(name), { class: 'quiet' }),
       ),
       this.charts,
     );
     this.charts.style.minHeight = `${this.height}px`;
     this.charts.append(element('p', { class: 'absence' }, 'Decoding…'));
+  }
+
+  /** A button that moves the cursor to the first tick with that value of the run, as the most expensive control(). */
+  private extreme(which: 'min' | 'max', word: string) {
+    const go = async () => {
+      const tick = (await this.series.load()).extreme_tick(which);
+      if (tick !== null) this.store.go(tick);
+    };
+    return button(which, `Go to the ${word} value of ${this.series.name}`, () => void go(), { class: 'quiet' });
   }
 
   private get has_two_states() {

@@ -74,6 +74,18 @@ export class Columns {
     return (this.actual?.numbers.byteLength ?? 0) + (this.same ? 0 : (this.golden?.numbers.byteLength ?? 0));
   }
 
+  /** The first tick with the smallest or largest finite value, of the run, or of the golden if there is no run; null: none. */
+  extreme_tick(which: 'min' | 'max'): number | null {
+    const values = this.actual ?? this.golden;
+    let best = -1;
+    values?.numbers.forEach((value, i) => {
+      if (!Number.isFinite(value)) return;
+      const extreme = best < 0 ? value : values.numbers[best]!;
+      if (best < 0 || (which === 'min' ? value < extreme : value > extreme)) best = i;
+    });
+    return best < 0 ? null : values!.axis.tick(best);
+  }
+
   static sample(values: Values | null, tick: number): Sample | null {
     if (!values) return null;
     const index = values.axis.index_at(tick);
