@@ -46,6 +46,8 @@ struct WatchedLibrary {
 /// Not changed while the code of a watched library runs. A list, because its elements stay at their addresses.
 std::list<WatchedLibrary> libraries;
 
+#if defined(__x86_64__)
+
 void note_first(std::atomic<std::int64_t>& tick) {
   std::int64_t expected = never;
   tick.compare_exchange_strong(expected, watched_tick.load(std::memory_order_relaxed), std::memory_order_relaxed);
@@ -80,8 +82,6 @@ int set_breakpoints(dl_phdr_info* object, std::size_t, void*) {
   }
   return 0;
 }
-
-#if defined(__x86_64__)
 
 /// True: with these flags a jump with this condition is taken.
 bool is_taken(int condition, greg_t flags) {
