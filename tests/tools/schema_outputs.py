@@ -152,6 +152,7 @@ def collect(program, source, folder):
     run("diff", "diff", swing, "spring.mcap")
     run("diff", "diff", swing, standing)
     run("audit", "audit", standing)
+    run("coverage", "audit", standing, "--coverage")
     run("info", "info", swing)
     run("report", "report", swing, "-o", "report.html")
     run("export", "export", swing, "-o", "tables")

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 #include <string_view>
+#include <utility>
 
 #include "code_map.h"
 #include "core/compare/report_json.h"
@@ -63,7 +64,7 @@ void note(std::optional<FirstExecution>& first, const fs::path& recording, std::
 void CoverageSum::add_lines(const fs::path& library, const CodeMap& map) {
   const Symbols symbols(library);
   const std::vector<Execution>& executions = executions_[library];
-  std::map<CoveredLine*, std::set<fs::path>> recordings;
+  std::map<std::pair<int, int>, std::set<fs::path>> recordings;  // by index of the file and line
   const auto line_at = [&](int file, int line, std::uint64_t address) -> CoveredLine& {
     CoveredLine& covered = lines_[map.files[static_cast<std::size_t>(file)]][line];
     covered.line = line;
@@ -76,7 +77,7 @@ void CoverageSum::add_lines(const fs::path& library, const CodeMap& map) {
       const auto found = code.statements.find(statement.address);
       if (found == code.statements.end()) continue;
       note(line.first, recording, found->second);
-      recordings[&line].insert(recording);
+      recordings[{statement.file, statement.line}].insert(recording);
     }
   }
   for (const CodeMap::Jump& jump : map.jumps) {
@@ -92,8 +93,10 @@ void CoverageSum::add_lines(const fs::path& library, const CodeMap& map) {
     if (is_added(symbols.find(jump.address).function)) continue;
     line.ways.insert(line.ways.end(), {taken, passed});
   }
-  for (const auto& [line, executing] : recordings)
-    line->recordings = std::max(line->recordings, static_cast<std::int64_t>(executing.size()));
+  for (const auto& [place, executing] : recordings) {
+    CoveredLine& line = lines_[map.files[static_cast<std::size_t>(place.first)]][place.second];
+    line.recordings = std::max(line.recordings, static_cast<std::int64_t>(executing.size()));
+  }
 }
 
 std::vector<CoveredFile> CoverageSum::files() {
