@@ -43,7 +43,7 @@ struct WatchedLibrary {
   std::atomic<std::uintptr_t> base{0};  // 0: it isn't loaded, or its pages can't be written
 };
 
-/// Not changed while the code of a watched library runs. A list, because its elements stay at their addresses.
+/// A list, because its elements stay at their addresses: threads of a library may run while the next one is added.
 std::list<WatchedLibrary> libraries;
 
 #if defined(__x86_64__)
@@ -116,8 +116,9 @@ void on_breakpoint(int, siginfo_t*, void* context) {
   }
   for (WatchedLibrary& library : libraries) {
     const std::uintptr_t base = library.base;
+    if (base == 0) continue;  // its breakpoints may be under construction
     const auto found = std::ranges::lower_bound(library.breakpoints, address - base, {}, &Breakpoint::address);
-    if (base == 0 || found == library.breakpoints.end() || found->address != address - base) continue;
+    if (found == library.breakpoints.end() || found->address != address - base) continue;
     note_first(found->reached);
     if (found->jump) return execute_jump(*found, base, registers);
     *code_at(address) = found->replaced;
