@@ -117,6 +117,12 @@ class WrappedHelp : public CLI::Formatter {
     const std::string names = make_option_name(option, is_positional) + make_option_opts(option);
     return entry(names, make_option_desc(option));
   }
+  /// CLI11 lists the options that an option needs or excludes in the order of their addresses.
+  std::string make_option_opts(const CLI::Option* option) const override {
+    std::string text = CLI::Formatter::make_option_opts(option);
+    for (const char* word : {" Needs:", " Excludes:"}) text = text.substr(0, text.find(word));
+    return text + list(" Needs:", option->get_needs()) + list(" Excludes:", option->get_excludes());
+  }
   std::string make_subcommand(const CLI::App* verb) const override {
     return entry(verb->get_name(), verb->get_description());
   }
@@ -124,6 +130,14 @@ class WrappedHelp : public CLI::Formatter {
  private:
   static constexpr std::size_t text_column = 26;
   static constexpr std::size_t last_column = 100;
+
+  /// The names of the options by name; empty if there are none.
+  static std::string list(const char* word, const auto& options) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : options) names.push_back(option->get_name());
+    std::sort(names.begin(), names.end());
+    return names.empty() ? "" : fmt::format("{} {}", word, fmt::join(names, " "));
+  }
 
   static std::string entry(const std::string& names, const std::string& text) {
     std::string lines = "  " + names;
