@@ -50,7 +50,7 @@ struct CoveredLine {
 };
 
 struct CoveredFile {
-  std::filesystem::path file;  // as the compiler wrote it
+  std::filesystem::path file;  // absolute, unless the compiler left out its folder
   std::vector<CoveredLine> lines;
 };
 

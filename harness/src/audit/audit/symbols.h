@@ -21,7 +21,7 @@ struct LineTable {
     int line = 0;               // 0: no line has these instructions
     bool is_statement = false;  // a statement of this line begins here
   };
-  std::vector<std::string> files;  // relative paths are relative to the folder of the compiler, if it is unknown
+  std::vector<std::string> files;  // absolute paths, unless the compiler left out its folder
   std::vector<Row> rows;           // by address
 };
 
