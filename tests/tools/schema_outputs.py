@@ -153,6 +153,8 @@ def collect(program, source, folder):
     run("diff", "diff", swing, standing)
     run("audit", "audit", standing)
     run("coverage", "audit", standing, "--coverage")
+    if shutil.which("gdb"):
+        run("beside", "replay", standing, "--until", "0.01", "--beside", "SR1MinimumController")
     run("info", "info", swing)
     run("report", "report", swing, "-o", "report.html")
     run("export", "export", swing, "-o", "tables")

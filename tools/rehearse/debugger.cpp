@@ -27,38 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Diagnostic no_gdb() { return error("--gdb needs gdb, and there is none on the PATH", "apt-get install gdb"); }
-
-/// The folder of Rehearse's gdb commands, in the build folder and installed: share/ is beside bin/ and libexec/.
-Result<fs::path> find_script() {
-  const fs::path own = own_program().parent_path();
-  const fs::path script = fs::path("share/rehearse/gdb/rehearse_gdb.py");
-  for (const char* above : {"..", "../.."}) {
-    const fs::path candidate = (own / above / script).lexically_normal();
-    std::error_code ignored;
-    if (fs::is_regular_file(candidate, ignored)) return candidate;
-  }
-  return error(fmt::format("{} isn't there", (own / ".." / script).lexically_normal().string()),
-               "it is built and installed together with rehearse");
-}
-
-struct NamedController {
-  std::string label;  // BODY/NAME
-  const ScenarioController* controller;
-
-  bool is_called(const std::string& name) const { return name == label || name == controller->name; }
-};
-
-/// The controllers in the order of their calls.
-std::vector<NamedController> controllers_of(const Scenario& scenario) {
-  std::vector<NamedController> all;
-  for (const ScenarioBody& body : scenario.bodies)
-    for (const ScenarioController& controller : body.controllers) {
-      all.push_back({body.name + "/" + controller.name, &controller});
-      for (const ScenarioController& child : controller.children) all.push_back({body.name + "/" + child.name, &child});
-    }
-  return all;
-}
+Diagnostic no_gdb() { return error("there is no gdb on the PATH", "apt-get install gdb"); }
 
 /// The tick and the controller at which gdb should stop.
 struct Interesting {
@@ -130,6 +99,40 @@ Result<void> tell_other_libraries(const mcap::Reader& trace, const Scenario& sce
 
 }  // namespace
 
+Result<fs::path> find_gdb_script() {
+  const fs::path own = own_program().parent_path();
+  const fs::path script = fs::path("share/rehearse/gdb/rehearse_gdb.py");
+  for (const char* above : {"..", "../.."}) {  // share/ is beside bin/ and libexec/
+    const fs::path candidate = (own / above / script).lexically_normal();
+    std::error_code ignored;
+    if (fs::is_regular_file(candidate, ignored)) return candidate;
+  }
+  return error(fmt::format("{} isn't there", (own / ".." / script).lexically_normal().string()),
+               "it is built and installed together with rehearse");
+}
+
+std::vector<NamedController> controllers_of(const Scenario& scenario) {
+  std::vector<NamedController> all;
+  for (const ScenarioBody& body : scenario.bodies)
+    for (const ScenarioController& controller : body.controllers) {
+      all.push_back({body.name + "/" + controller.name, &controller});
+      for (const ScenarioController& child : controller.children) all.push_back({body.name + "/" + child.name, &child});
+    }
+  return all;
+}
+
+Result<Scenario> scenario_for_gdb(const fs::path& trace) {
+  if (find_program("gdb").empty()) return no_gdb();
+  std::error_code ignored;
+  if (fs::exists(trace, ignored) && !fs::is_regular_file(trace, ignored))
+    return error(fmt::format("{} can be read only once, and gdb starts the replay anew", trace.string()),
+                 "write it into a file");
+  const auto reader = mcap::Reader::open(trace);
+  if (!reader) return reader.errors();
+  if (!(*reader)->damage().empty()) return mcap::with_recover_hint((*reader)->damage());
+  return scenario_of(**reader);
+}
+
 void add_debugger_options(CLI::App& options, DebuggerOptions& debugger) {
   options.add_flag("--gdb", debugger.gdb,
                    "in gdb, stopped in control() at --tick; --gdb=NAME: of that controller (NAME or BODY/NAME)");
@@ -192,7 +195,7 @@ Result<void> check_tick(std::int64_t tick, std::int64_t ticks, double time_step)
 
 Exit become_gdb(const DebuggerOptions& debugger, const std::vector<std::string>& words, std::int64_t tick) {
   const fs::path gdb = find_program("gdb");
-  const auto script = find_script();
+  const auto script = find_gdb_script();
   if (!script) return refuse(script.errors());
   std::vector<std::string> line{
       "gdb", "-q", "-x", script->string(), "-ex", fmt::format("rehearse-start {} {}", tick, debugger.controller())};
@@ -206,15 +209,10 @@ Exit become_gdb(const DebuggerOptions& debugger, const std::vector<std::string>&
 
 Exit replay_in_gdb(DebuggerOptions debugger, const fs::path& trace, const HostOptions& host,
                    std::vector<std::string> words, std::optional<std::int64_t> tick) {
-  std::error_code ignored;
-  if (fs::exists(trace, ignored) && !fs::is_regular_file(trace, ignored))
-    return refuse(error(fmt::format("{} can be read only once, and gdb starts the replay anew", trace.string()),
-                        "write it into a file"));
+  const auto scenario = scenario_for_gdb(trace);
+  if (!scenario) return refuse(scenario.errors());
   const auto reader = mcap::Reader::open(trace);
   if (!reader) return refuse(reader.errors());
-  if (!(*reader)->damage().empty()) return refuse(mcap::with_recover_hint((*reader)->damage()));
-  const auto scenario = scenario_of(**reader);
-  if (!scenario) return refuse(scenario.errors());
   if (const auto able = check_debugger(debugger, *scenario); !able) return refuse(able.errors());
   const auto ticks = count_ticks(**reader, controllers_of(*scenario).size());
   if (!ticks) return refuse(ticks.errors());

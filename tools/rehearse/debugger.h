@@ -43,6 +43,23 @@ std::vector<std::string> words_without(const std::vector<std::string_view>& left
 /// The same without the options of the debugger and --tick.
 std::vector<std::string> words_without_debugger(std::string_view verb, const CLI::App& options);
 
+struct NamedController {
+  std::string label;  // BODY/NAME
+  const ScenarioController* controller;
+
+  bool is_called(std::string_view name) const { return name == label || name == controller->name; }
+};
+
+/// The controllers in the order of their calls.
+std::vector<NamedController> controllers_of(const Scenario& scenario);
+
+/// The script that loads Rehearse's commands into gdb, in the build folder and installed.
+Result<std::filesystem::path> find_gdb_script();
+
+/// The scenario of a recording that gdb is to replay. Fails if there is no gdb, or if the recording is damaged or can
+/// be read only once.
+Result<Scenario> scenario_for_gdb(const std::filesystem::path& trace);
+
 /// An error if gdb is not installed, or if the scenario has no controller of that name.
 Result<void> check_debugger(const DebuggerOptions& debugger, const Scenario& scenario);
 /// An error if the run doesn't reach the tick.

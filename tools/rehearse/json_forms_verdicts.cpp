@@ -299,6 +299,40 @@ const Form& coverage_form() {
   return form;
 }
 
+const Form& two_values_form() {
+  static const Form form{
+      "two_values",
+      "a number that differs between two libraries of a controller",
+      {member("name", types::string()), member("old", types::string()), member("new", types::string())}};
+  return form;
+}
+
+const Form& source_place_form() {
+  static const Form form{
+      "source_place",
+      "a line of a controller's source, with the lines around",
+      {member("function", types::string()), member("file", types::string()), member("line", types::count()),
+       member("begin", types::count()), member("source", types::array(types::string()))}};
+  return form;
+}
+
+const Form& beside_form() {
+  static const Form form = [] {
+    const auto place = [](const char* name) { return member(name, types::nullable(types::of(source_place_form))); };
+    const auto values = types::array(types::of(two_values_form));
+    return with_version(
+        {"beside",
+         "replay --beside --json",
+         {member("verdict", types::string()), member("equal", types::flag()), member("controller", types::string()),
+          member("before", values), member("tick", types::nullable(types::count())),
+          member("values", types::nullable(values)), place("new"), place("old"), place("new_next"), place("old_next"),
+          member("numbers", types::count()), member("ticks", types::count()),
+          member("lines", types::nullable(types::count())), member("only_new", types::array(types::string())),
+          member("only_old", types::array(types::string())), member("remarks", findings_type())}});
+  }();
+  return form;
+}
+
 std::vector<FormKey> stamp_members() {
   return {member("commit", types::string()), member("changed", types::flag()), member("date", types::string())};
 }
@@ -387,6 +421,7 @@ std::vector<NamedForm> verdict_objects() {
           object_of("diff", "diff --json", {diff_form}),
           object_of("audit", "audit --json", {audit_form}),
           object_of("coverage", "audit --coverage --json", {coverage_form}),
+          object_of("beside", "replay --beside --json", {beside_form}),
           object_of("history", "history --json", {history_form}),
           {"history-line", "a line of a history", types::of(history_line_form)}};
 }

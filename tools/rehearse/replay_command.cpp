@@ -28,6 +28,7 @@
 #include "core/mcap/replaceable.h"
 #include "core/scenario/trace_scenario.h"
 #include "debugger.h"
+#include "lockstep.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
@@ -42,7 +43,7 @@ struct ReplaySettings {
   std::string trace;
   bool json = false;
   bool instructions = false, coverage = false;
-  std::string lcov;
+  std::string lcov, beside;
   ReplayOptions replay;
   std::optional<double> deadline;  // of control() [s]
   std::string output;
@@ -130,6 +131,11 @@ Result<void> check_usage(const ReplaySettings& settings) {
                  "write the altered run with -o BRANCH, and look at that");
   if (!settings.output.empty() && (settings.ticks.is_asked() || settings.debugger.is_wanted()))
     return error("-o with --tick, --at, --watch, --when or --gdb: these write nothing", "leave one of them out");
+  if (!settings.beside.empty() &&
+      (settings.is_of_a_log() || settings.instructions || settings.coverage || settings.ticks.is_asked() ||
+       settings.debugger.is_wanted() || !settings.output.empty() || settings.span.from))
+    return error("--beside compares two libraries in whole recordings, or with --until in the beginning of one",
+                 "leave out the other options that choose what replay does");
   if (!settings.is_of_a_log()) {
     if (!settings.scenario.empty()) return error("--scenario is for a robot's log, with --model and --map");
     if (!settings.controller.empty())
@@ -194,6 +200,8 @@ Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
   if (const auto usable = check_usage(settings); !usable) return refuse(usable.errors());
   if (settings.instructions) return audit_recording("--instructions", settings, options);
   if (settings.coverage) return audit_recording("--coverage", settings, options);
+  if (!settings.beside.empty())
+    return replay_beside(settings.trace, settings.beside, settings.replay, settings.json, options);
   if (settings.debugger.is_wanted()) return run_in_gdb(settings, options);
   std::vector<std::string> notes;
   if (!settings.is_of_a_log()) {
@@ -256,6 +264,11 @@ std::function<Exit()> declare_replay(CLI::App& options) {
                    "instead: list the lines of the controllers that the recording never executes, as audit --coverage "
                    "does");
   add_lcov_option(options, settings->lcov);
+  options
+      .add_option("--beside", settings->beside,
+                  "instead: find the first number and line in which a controller differs from its old library: a file, "
+                  "a commit that is built, or 'recorded'; by gdb")
+      ->type_name("[NAME=]OLD");
   add_integer(options, "--tick",
               "show this tick: inputs, commands, measurements, messages, changes, differences; with --gdb: stop there",
               0, std::numeric_limits<std::int64_t>::max() / 2, [=](std::int64_t tick) { settings->ticks.tick = tick; });

@@ -1,10 +1,11 @@
 """The commands. Their help is what stands in their docstrings."""
 
+import json
 from typing import Optional
 
 import gdb
 
-from . import place, stack, tables, travel, writes
+from . import lockstep, place, stack, tables, travel, writes
 
 # The controller that the user selected: NAME or BODY/NAME; empty: the first that is called in a tick.
 _chosen = ""
@@ -59,7 +60,7 @@ class Prefix(gdb.Command):
     rehearse-back [N]       to the tick before, or N ticks back, by beginning again
     rehearse-inputs         what the controller sees
     rehearse-commands       what it has commanded so far
-    rehearse-write COMMAND  to the line that changes a command
+    rehearse-write NUMBER   to the line that changes a command or a variable
     rehearse-stack          its call stack with source lines, as JSON
 
     Bodies, links, devices, value trees, and Eigen's vectors and matrices are printed as what they mean; `print /r`
@@ -155,7 +156,8 @@ class Commands(gdb.Command):
 
 
 class Write(gdb.Command):
-    """rehearse-write JOINT/QUANTITY: on to the line of control() that changes a command next, as hinge/u, /q or /dq.
+    """rehearse-write NUMBER: on to the line of control() that changes a number next: a command as hinge/u, /q or /dq, or an
+    expression of C++ as integral_ or legs_[2].phase.
 
     It stops behind that line, or where control() returns. Other breakpoints stop it on the way."""
 
@@ -163,7 +165,7 @@ class Write(gdb.Command):
         super().__init__("rehearse-write", gdb.COMMAND_RUNNING, gdb.COMPLETE_NONE)
 
     def invoke(self, argument: str, from_tty: bool) -> None:
-        writes.to_next(_here(), _one_word(argument))
+        writes.to_next(_here(), argument.strip())
 
 
 class Stack(gdb.Command):
@@ -176,7 +178,23 @@ class Stack(gdb.Command):
 
     def invoke(self, argument: str, from_tty: bool) -> None:
         element, now = _one_word(argument), _here()
-        gdb.write(stack.as_json(writes.last(now, element) if element else stack.frames()) + "\n")
+        gdb.write((stack.as_json(*writes.last(now, element)) if element else stack.as_json(stack.frames())) + "\n")
+
+
+class Lockstep(gdb.Command):
+    """rehearse-lockstep REQUEST RESULT: what `rehearse replay --beside` does; both are files of JSON."""
+
+    def __init__(self) -> None:
+        super().__init__("rehearse-lockstep", gdb.COMMAND_OBSCURE, gdb.COMPLETE_NONE)
+
+    def invoke(self, argument: str, from_tty: bool) -> None:
+        request, result = argument.split()
+        try:
+            found = lockstep.compare(lockstep.Request.read(request))
+        except (gdb.error, gdb.GdbError) as problem:
+            found = {"failure": str(problem)}
+        with open(result, "w", encoding="utf-8") as stream:
+            json.dump(found, stream)
 
 
 class Start(gdb.Command):
@@ -198,7 +216,7 @@ class Start(gdb.Command):
 
 
 def register() -> None:
-    for command in (Prefix, Tick, NextTick, Back, Inputs, Commands, Write, Stack, Start):
+    for command in (Prefix, Tick, NextTick, Back, Inputs, Commands, Write, Stack, Lockstep, Start):
         command()
     # the signal by which the watchdog (guarded_call.cpp) ends a call; it does so only without a debugger
     gdb.execute("handle SIGXCPU nostop noprint pass", to_string=True)

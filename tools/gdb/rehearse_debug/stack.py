@@ -9,7 +9,7 @@ import gdb
 LINES_AROUND = 8
 
 
-def _is_of_the_host(frame: gdb.Frame) -> bool:
+def is_of_the_host(frame: gdb.Frame) -> bool:
     library = os.path.basename(gdb.solib_name(frame.pc()) or "")
     return library == "" or library.startswith("librehearse")
 
@@ -25,11 +25,15 @@ def _source(file: str, line: int) -> Dict[str, Any]:
     return {"begin": begin, "source": lines[begin - 1 : line + LINES_AROUND]}
 
 
-def _described(frame: gdb.Frame, has_executed: bool) -> Dict[str, Any]:
+def _of_frame(frame: gdb.Frame, has_executed: bool) -> Dict[str, Any]:
     """`has_executed`: the line is that of the instruction before."""
     place = gdb.find_pc_line(frame.pc() - 1) if has_executed else frame.find_sal()
-    file = place.symtab.fullname() if place.symtab else ""
-    return {"function": frame.name() or "", "file": file, "line": place.line, **_source(file, place.line)}
+    return described(frame.name() or "", place.symtab.fullname() if place.symtab else "", place.line)
+
+
+def described(function: str, file: str, line: int) -> Dict[str, Any]:
+    """A place with the lines around, as a member of JSON."""
+    return {"function": function, "file": file, "line": line, **_source(file, line)}
 
 
 def frames(has_written: bool = False) -> List[Dict[str, Any]]:
@@ -37,8 +41,8 @@ def frames(has_written: bool = False) -> List[Dict[str, Any]]:
     frame is behind the instruction that a watchpoint has stopped."""
     found: List[Dict[str, Any]] = []
     frame: Optional[gdb.Frame] = gdb.newest_frame()
-    while frame is not None and not _is_of_the_host(frame):
-        found.append(_described(frame, has_written and not found))
+    while frame is not None and not is_of_the_host(frame):
+        found.append(_of_frame(frame, has_written and not found))
         frame = frame.older()
     return found
 
@@ -46,10 +50,11 @@ def frames(has_written: bool = False) -> List[Dict[str, Any]]:
 def host_frame() -> Optional[gdb.Frame]:
     """The frame of Rehearse that has called the controller."""
     frame: Optional[gdb.Frame] = gdb.newest_frame()
-    while frame is not None and not _is_of_the_host(frame):
+    while frame is not None and not is_of_the_host(frame):
         frame = frame.older()
     return frame
 
 
-def as_json(of: List[Dict[str, Any]]) -> str:
-    return json.dumps({"frames": of})
+def as_json(of: List[Dict[str, Any]], reason: str = "") -> str:
+    """`reason`: why there are none."""
+    return json.dumps({"frames": of, "reason": reason})

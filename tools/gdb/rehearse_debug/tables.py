@@ -31,6 +31,7 @@ class Quantity(enum.IntEnum):
 
 # The members of cnoid::Link, as input and as command.
 _READ = {Quantity.Q: "q", Quantity.DQ: "dq", Quantity.DDQ: "ddq", Quantity.U: "u"}
+NAMES = _READ  # of the quantities of joints, in recordings
 _WRITTEN = {Quantity.Q: "q_target", Quantity.DQ: "dq_target", Quantity.DDQ: "ddq", Quantity.U: "u"}
 _OF_LINK = {
     Quantity.TWIST: ("v", "w"),

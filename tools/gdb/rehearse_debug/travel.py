@@ -1,6 +1,6 @@
 """Runs a process to the beginning of control() at a tick: forwards, or by beginning again."""
 
-from typing import Callable, List, NamedTuple, Optional
+from typing import Callable, List, NamedTuple, Optional, Tuple
 
 import gdb
 
@@ -10,7 +10,7 @@ HOOK = "rehearse_at_tick"
 # In the virtual table of cnoid::SimpleController (Itanium ABI), control comes after two destructors, configure,
 # initialize and start.
 _SLOT_OF_CONTROL = 5
-_FOLDERS_OF_LIBRARIES = ("/usr/include/", "/usr/lib/", "/eigen3/", "/include/cnoid/")
+FOLDERS_OF_LIBRARIES = ("/usr/include/", "/usr/lib/", "/eigen3/", "/include/cnoid/")
 _THUNKS = ("non-virtual thunk to ", "virtual thunk to ")
 
 
@@ -49,20 +49,34 @@ class Hook(gdb.Breakpoint):
 def go(target: Target, again: bool) -> None:
     """Runs to the target and returns a message. `again`: from the program's start, without the user's breakpoints."""
     resting = _rest_breakpoints() if again else []
-    hook = _quietly(lambda: Hook(target))  # hides gdb's message "pending"
     try:
-        told = _resume("run" if again or not place.is_running() else "continue", target)
-        if hook.reached:
-            hook.enabled = False
-            told = _enter_control()
+        reached, told = _run_to(target, "run" if again or not place.is_running() else "continue")
     finally:
-        hook.delete()
         for breakpoint_ in resting:
             breakpoint_.enabled = True
-    if hook.reached:
+    if reached:
         _tell_arrival(target, told)
     else:
         _tell_another_end(target, told)
+
+
+def reach(target: Target) -> bool:
+    """Starts the program and runs to the target, without a message; false if the program stops elsewhere or ends."""
+    reached, told = _run_to(target, "run")
+    return reached and not told
+
+
+def _run_to(target: Target, how: str) -> Tuple[bool, str]:
+    """Whether the tick was reached, and what gdb said if it stopped elsewhere then."""
+    hook = quietly(lambda: Hook(target))  # hides gdb's message "pending"
+    try:
+        told = _resume(how, target)
+        if hook.reached:
+            hook.enabled = False
+            told = _enter_control()
+        return hook.reached, told
+    finally:
+        hook.delete()
 
 
 def _resume(how: str, target: Target) -> str:
@@ -76,7 +90,7 @@ _made: List[gdb.Breakpoint] = []
 _make: Optional[Callable[[], gdb.Breakpoint]] = None
 
 
-def _quietly(make: Callable[[], Hook]) -> Hook:
+def quietly(make: Callable[[], gdb.Breakpoint]) -> gdb.Breakpoint:
     """Makes a breakpoint while what gdb says goes nowhere, which it does only while a command is executed."""
     global _make
     _make = make
@@ -85,7 +99,7 @@ def _quietly(make: Callable[[], Hook]) -> Hook:
 
 
 def make_now() -> None:
-    """For _quietly()."""
+    """For quietly()."""
     assert _make is not None
     _made.append(_make())
 
@@ -119,11 +133,11 @@ def _enter_control() -> str:
 def first_lines_of(address: int) -> List[int]:
     """Where the function that begins there (or that it leads to, if it is a thunk) has its first line behind the
     prologue: the first of these that is met. Without debug information: the address itself."""
-    block = _block_of(address)
+    block = block_of(address)
     if block is not None:
         return _lines_of(block)
     for location in _behind_thunk(address):
-        block = _block_of(location)
+        block = block_of(location)
         if block is not None and gdb.solib_name(location) == gdb.solib_name(address):
             return _lines_of(block)
     return [address]
@@ -149,10 +163,10 @@ def _file_of(address: int) -> str:
 
 def _is_in_a_library(address: int) -> bool:
     """What stands there is inlined from a header that isn't the user's."""
-    return any(folder in _file_of(address) for folder in _FOLDERS_OF_LIBRARIES)
+    return any(folder in _file_of(address) for folder in FOLDERS_OF_LIBRARIES)
 
 
-def _block_of(address: int) -> Optional[gdb.Block]:
+def block_of(address: int) -> Optional[gdb.Block]:
     """That of the function, not of what is inlined there."""
     block, outermost = gdb.block_for_pc(address), None
     while block is not None and not block.is_static and not block.is_global:

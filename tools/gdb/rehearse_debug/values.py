@@ -60,11 +60,15 @@ def scalar(value: gdb.Value) -> str:
     kind = value.type.strip_typedefs()
     if kind.code != gdb.TYPE_CODE_FLT:
         return str(value)
-    number = float(value)
-    if kind.sizeof < 8:  # enough digits for a float
+    return shortest(float(value), kind.sizeof)
+
+
+def shortest(number: float, size: int) -> str:
+    """The digits of a floating-point number of that size in bytes."""
+    if size < 8:  # enough digits for a float
         return f"{number:.9g}"
-    shortest = repr(number)
-    return shortest[:-2] if shortest.endswith(".0") else shortest
+    text_of_double = repr(number)
+    return text_of_double[:-2] if text_of_double.endswith(".0") else text_of_double
 
 
 def in_brackets(texts: List[str], count: Optional[int] = None) -> str:

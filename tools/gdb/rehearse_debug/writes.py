@@ -1,17 +1,20 @@
-"""Runs on, within one call of a controller, to the lines that change one of its commands."""
+"""Runs on, within one call of a controller, to the lines that change one of its commands, or any other number."""
 
-from typing import Any, Dict, List, NamedTuple, Optional
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 import gdb
 
 from . import place, stack, tables
 
+_TYPES = {1: "char", 2: "short", 4: "int", 8: "long"}  # by their size in bytes
+
 
 class _Write(gdb.Breakpoint):
-    """A watchpoint on a command. With `stops` false it only stores the frames of the last change."""
+    """A watchpoint on a number. With `stops` false it only stores the frames of the last change."""
 
-    def __init__(self, address: int, stops: bool) -> None:
-        super().__init__(f"*(double*){address:#x}", gdb.BP_WATCHPOINT, gdb.WP_WRITE, internal=True)
+    def __init__(self, number: gdb.Value, stops: bool) -> None:
+        watched = f"*({_TYPES[number.type.sizeof]}*){int(number.address):#x}"
+        super().__init__(watched, gdb.BP_WATCHPOINT, gdb.WP_WRITE, internal=True)
         self.silent = True
         self.stops = stops
         self.last: List[Dict[str, Any]] = []
@@ -57,25 +60,45 @@ class _Run(NamedTuple):
     returned: bool  # it stopped where the call returned
 
 
+def _number(now: place.Place, element: str) -> gdb.Value:
+    """A command as JOINT/QUANTITY, or the number that an expression of C++ names here."""
+    try:
+        return tables.command(now, element)
+    except gdb.GdbError:
+        try:
+            value = gdb.parse_and_eval(element)
+        except gdb.error as problem:
+            raise gdb.GdbError(
+                f"'{element}' is no command of a joint (JOINT/u, /q or /dq; see rehearse-commands), and no expression: "
+                f"{problem}"
+            ) from problem
+    value = value.referenced_value() if value.type.code == gdb.TYPE_CODE_REF else value
+    if value.address is None or value.type.sizeof not in _TYPES:
+        raise gdb.GdbError(f"'{element}' is no number in memory; name a member of it")
+    return value
+
+
 def _run_on(now: place.Place, element: str, stops: bool) -> _Run:
-    address = int(tables.command(now, element).address)
+    number = _number(now, element)
     host = stack.host_frame()
     if host is None or not stack.frames():
         raise gdb.GdbError("gdb isn't in code of a controller here; rehearse-next-tick goes to the next control()")
     end = gdb.Breakpoint(f"*{host.pc():#x}", internal=True)
     end.silent = True
-    write = _Write(address, stops)
+    allowed = gdb.parameter("can-use-hw-watchpoints")
+    gdb.execute(f"set can-use-hw-watchpoints {allowed if _are_reported() else 0}")  # 0: by single steps
+    write = _Write(number, stops)
     try:
         gdb.execute("continue")
         return _Run(write.last, place.is_running() and gdb.newest_frame().pc() == host.pc())
     finally:
         write.delete()
         end.delete()
+        gdb.execute(f"set can-use-hw-watchpoints {allowed}")
 
 
 def to_next(now: place.Place, element: str) -> None:
     """Stops behind the instruction that changes the command next, or at the end of the call."""
-    reported = _are_reported()
     try:
         run = _run_on(now, element, stops=True)
     except gdb.error as problem:
@@ -84,16 +107,13 @@ def to_next(now: place.Place, element: str) -> None:
         gdb.write("{} is written in {function}, {file}:{line}\n".format(element, **run.frames[0]))
         gdb.execute("frame")
     elif run.returned:
-        if reported:
-            gdb.write(f"{element} doesn't change in the rest of this call\n")
-        else:
-            gdb.write(f"unknown whether {element} changes in the rest of this call: this machine reports no watchpoints\n")
+        gdb.write(f"{element} doesn't change in the rest of this call\n")
 
 
-def last(now: place.Place, element: str) -> List[Dict[str, Any]]:
-    """The frames of the last change in this call; those of the present place if there is none, or none can be found."""
-    here = stack.frames()
+def last(now: place.Place, element: str) -> Tuple[List[Dict[str, Any]], str]:
+    """The frames of the last change in this call; if there are none, the reason."""
     try:
-        return _run_on(now, element, stops=False).frames or here
-    except gdb.error:  # no debug information
-        return here
+        frames = _run_on(now, element, stops=False).frames
+    except (gdb.error, gdb.GdbError) as problem:
+        return [], str(problem)
+    return frames, "" if frames else f"no line of control() changes {element} in that tick"

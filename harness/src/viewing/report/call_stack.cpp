@@ -46,6 +46,7 @@ Result<CallStack> call_stack_at(const fs::path& trace, const std::string& contro
     if (!line.starts_with("{")) continue;
     const ReportJson read = ReportJson::parse(line, nullptr, false);
     if (!read.is_object()) continue;
+    if (const std::string reason = read.value("reason", ""); !reason.empty()) return error(reason);
     CallStack stack{controller, command, tick, frames_of(read)};
     if (stack.frames.empty() || stack.frames[0].file.empty())
       return error(controller + " has no debug information", "build it with -g");

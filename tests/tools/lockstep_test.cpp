@@ -1,0 +1,177 @@
+// replay --beside: faults in a controller, found by comparison with its old library.
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <string>
+#include <tuple>
+
+#include "command.h"
+
+namespace rehearse::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+/// "beside.cpp:41": the line with that comment.
+std::string line_with(const std::string& comment) {
+  std::ifstream stream(BESIDE_SOURCE);
+  int number = 0;
+  for (std::string line; std::getline(stream, line);) {
+    ++number;
+    if (line.find("// " + comment) != std::string::npos) return "beside.cpp:" + std::to_string(number);
+  }
+  ADD_FAILURE() << "no line has the comment // " << comment;
+  return "";
+}
+
+class Lockstep : public Command {
+ protected:
+  void SetUp() override {
+    const std::string said = test::run("gdb -nx -batch -ex run -ex 'info program' --args true").text;
+    if (said.find("exited normally") == std::string::npos)
+      GTEST_SKIP() << "gdb is not installed, or may trace nothing here: " << said;
+  }
+
+  static constexpr const char* environment = "ASAN_OPTIONS=detect_leaks=0";  // LeakSanitizer is a debugger itself
+
+  static std::string library(int fault) { return BESIDE_FOLDER "/beside_" + std::to_string(fault) + ".so"; }
+
+  void record() const {
+    const Outcome outcome = rehearse({"record", (fixtures / "scenarios/quadruped.yaml").string(), "--controller",
+                                      "Trot=" + library(0), "--duration", "0.3", "-o", "run.mcap"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+  }
+  Outcome beside(const std::string& changed, const std::string& old) const {
+    return rehearse({"replay", "run.mcap", "--controller", "Trot=" + changed, "--beside", old}, environment);
+  }
+};
+
+/// Number of the fault, the tick, the beginning of the verdict, and the number that differs.
+using Fault = std::tuple<int, const char*, const char*>;
+
+class LockstepOfFault : public Lockstep, public ::testing::WithParamInterface<Fault> {};
+
+TEST_P(LockstepOfFault, NamesTheLineOfTheCause) {
+  const auto [fault, when, what] = GetParam();
+  record();
+  const Outcome outcome = beside(library(fault), library(0));
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  const std::string line = line_with("fault " + std::to_string(fault) + ":");
+  const std::string verdict = outcome.out.substr(0, outcome.out.find('\n'));
+  EXPECT_THAT(verdict, StartsWith(std::string("Quadruped/Trot differs first at tick ") + when));
+  EXPECT_THAT(verdict, AllOf(HasSubstr(" " + line + " "), HasSubstr(what)));
+  EXPECT_THAT(outcome.out, HasSubstr("\n  new  " + line));
+  EXPECT_THAT(outcome.out, HasSubstr("\ncompared: 12 numbers of its object before "));
+  EXPECT_EQ(outcome.err, "");
+}
+
+INSTANTIATE_TEST_SUITE_P(Faults, LockstepOfFault,
+                         ::testing::Values(Fault{2, "1 (0.001 s)", ": gain is 35, not 30"},
+                                           Fault{3, "151 (0.151 s)", ""},
+                                           Fault{4, "1 (0.001 s)", ": share is 0, not 0.002"},
+                                           Fault{5, "3 (0.003 s)", ": rate[0] is "},
+                                           Fault{6, "100 (0.1 s)", ": swing is 0.25"},
+                                           Fault{7, "100 (0.1 s)", ": is_rising is true, not false"},
+                                           Fault{8, "101 (0.101 s)", ": cycles is 0.452, not 0.202"},
+                                           Fault{9, "92 (0.092 s)", ": is_saturated_ is true, not false"}),
+                         [](const auto& info) { return "Number" + std::to_string(std::get<0>(info.param)); });
+
+TEST_F(Lockstep, NamesMembersThatDifferBeforeTheRun) {
+  record();
+  EXPECT_THAT(
+      beside(library(1), library(0)).out,
+      AllOf(StartsWith("Quadruped/Trot differs first before the run: legs_[2].side is -1, not 1; then at tick 100 "),
+            HasSubstr(": wanted is -0.09")));
+  EXPECT_THAT(beside(library(10), library(0)).out,
+              StartsWith("Quadruped/Trot differs first before the run: lean_ is "));
+}
+
+TEST_F(Lockstep, OfEqualLibrariesFindsNothing) {
+  record();
+  const Outcome outcome = beside(library(0), library(0));
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              StartsWith("Quadruped/Trot is equal with both libraries: its commands, and 12 numbers of its "
+                         "object before 300 ticks\n"));
+}
+
+TEST_F(Lockstep, IsAnObjectOfJsonToo) {
+  record();
+  const nlohmann::json object =
+      rehearse({"replay", "run.mcap", "--controller", "Trot=" + library(2), "--beside", "Trot=" + library(0), "--json"},
+               environment)
+          .json();
+  EXPECT_EQ(object["equal"], false);
+  EXPECT_EQ(object["controller"], "Quadruped/Trot");
+  EXPECT_EQ(object["tick"], 1);
+  EXPECT_EQ(object["values"], nlohmann::json::parse(R"([{"name": "gain", "old": "30", "new": "35"}])"));
+  EXPECT_EQ("beside.cpp:" + std::to_string(object["new"]["line"].get<int>()), line_with("fault 2:"));
+  EXPECT_EQ(object["new"]["function"], "(anonymous namespace)::Beside::hold");
+}
+
+TEST_F(Lockstep, OfOptimisedLibrariesNamesTheLastWrite) {
+  record();
+  const Outcome outcome = beside(BESIDE_FOLDER "/beside_optimised.so", library(0));
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.out, AllOf(StartsWith("Quadruped/Trot differs first at tick 1 (0.001 s), after beside.cpp:"),
+                                 HasSubstr(": command FL_ABDUCTION/u is 0.014")));
+  EXPECT_THAT(outcome.err, HasSubstr("warning: the library is optimised: "));
+}
+
+TEST_F(Lockstep, BuildsBothSourcesForACommit) {
+  if (test::run("git --version && cmake --version").status != 0) GTEST_SKIP() << "git or cmake isn't installed";
+  const std::string in_build = "CMAKE_PREFIX_PATH=" BUILD_FOLDER " REHEARSE_CALL_STACK=never ";
+  const auto shell = [&](const std::string& line) {
+    const Outcome outcome = run("/bin/sh", {"-c", line}, in_build);
+    EXPECT_EQ(outcome.status, 0) << line << ": " << outcome.out << outcome.err;
+    return outcome;
+  };
+  const std::string rehearse_word = quoted(command.string());
+  shell(rehearse_word + " new arm");
+  shell("cd arm && cmake -S . -B build && cmake --build build --target Hold && " + rehearse_word +
+        " record scenarios/hold.yaml --duration 0.1 -o run.mcap");
+  shell("cd arm && git init -q . && git add . && git -c user.name=t -c user.email=t@t commit -qm one");
+  shell("cd arm && sed -i 's/damping \\* shoulder/0.5 * damping * shoulder/' hold.cpp");
+  const Outcome outcome =
+      run("/bin/sh", {"-c", "cd arm && " + rehearse_word + " replay run.mcap --beside HEAD"}, in_build + environment);
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_THAT(outcome.out, AllOf(StartsWith("Arm/Hold differs first at tick "),
+                                 HasSubstr(" in Hold::control(): command "
+                                           "SHOULDER/u is "),
+                                 HasSubstr("\n  new  hold.cpp:"), HasSubstr(" - 0.5 * damping * ")));
+}
+
+class LockstepRefusal : public Lockstep {
+ protected:
+  std::string refusal(const std::vector<std::string>& words, const std::string& with = environment) const {
+    const Outcome outcome = rehearse(words, with);
+    EXPECT_EQ(outcome.status, 2) << outcome.out;
+    return outcome.err;
+  }
+};
+
+TEST_F(LockstepRefusal, SaysWhatIsMissing) {
+  record();
+  EXPECT_THAT(refusal({"replay", "run.mcap", "--beside", "nothing"}),
+              AllOf(StartsWith("error: controller library 'nothing' not found"),
+                    HasSubstr("git knows no commit of that name")));
+  EXPECT_EQ(refusal({"replay", "run.mcap", "--beside", "Walk=" + library(0)}),
+            "error: --beside Walk=...: the run has no controller of that name (expected NAME=OLD; controllers: "
+            "Quadruped/Trot)\n");
+  EXPECT_THAT(refusal({"replay", "run.mcap", "--beside", library(0), "--tick", "3"}),
+              StartsWith("error: --beside compares two libraries in whole recordings"));
+  EXPECT_EQ(refusal({"replay", "run.mcap", "--beside", library(0)}, "PATH=/nowhere"),
+            "error: there is no gdb on the PATH (apt-get install gdb)\n");
+}
+
+TEST_F(LockstepRefusal, OfALibraryWithoutDebugInformation) {
+  record();
+  EXPECT_THAT(refusal({"replay", "run.mcap", "--controller", "Trot=" BESIDE_FOLDER "/beside_without_lines.so",
+                       "--beside", library(0)}),
+              HasSubstr("Quadruped/Trot has no debug information: build it with -g"));
+}
+
+}  // namespace
+}  // namespace rehearse::test

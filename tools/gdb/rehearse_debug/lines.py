@@ -1,0 +1,259 @@
+"""The lines that one call of control() executes in the controller's own sources, with the numbers after each."""
+
+from typing import Dict, List, NamedTuple, Optional, Set, Tuple
+
+import gdb
+
+from . import place, stack, tables, travel
+from .state import Layout, State
+
+MOST_LINES = 20_000
+_MOST_LOCALS = 500  # numbers in the variables of a function
+_TABLE = "vtable for "
+_SKIPPED = "^(Eigen|std|__gnu_cxx|cnoid|rehearse|fmt|boost)::"
+
+
+class Line(NamedTuple):
+    """The place of the process: this line is about to be executed, or the rest of it."""
+
+    function: str
+    file: str
+    line: int
+    is_begun: bool  # a part of the line has been executed: a function that it calls has returned
+    call: int  # number of the function's call in the tick
+    locals: Dict[str, str]  # the variables of the function
+    is_set: Set[str]  # of these, those that are set
+    changed: Dict[str, Optional[str]]  # members and commands that the line before has changed
+
+    @property
+    def place(self) -> Tuple[str, int]:
+        return self.file, self.line
+
+
+def commands_of(now: place.Place) -> Dict[str, gdb.Value]:
+    """The commands of the controller that is being called, by their names in recordings; empty without the debug
+    information of Rehearse."""
+    try:
+        io = tables.Io(now)
+        names = {(io.name_of(field), field.quantity) for field in io.fields("outputs_") if field.quantity.is_of_joint}
+        return {
+            f"{joint}/{tables.NAMES[quantity]}": tables.command(now, f"{joint}/{tables.NAMES[quantity]}")
+            for joint, quantity in sorted(names)
+        }
+    except gdb.error:
+        return {}
+
+
+def object_of(now: place.Place) -> gdb.Value:
+    """The controller as an object of its own class. Raises gdb.GdbError without debug information."""
+    word = gdb.lookup_type("long").pointer()
+    table = gdb.Value(now.object).cast(word).dereference()
+    symbol = gdb.execute(f"info symbol {int(table):#x}", to_string=True)
+    name = symbol.partition(" + ")[0].partition(" in section ")[0]
+    without = gdb.GdbError(f"{now.controller} has no debug information: build it with -g, and don't strip it")
+    if not name.startswith(_TABLE):
+        raise without
+    try:
+        kind = gdb.lookup_type(name[len(_TABLE) :])
+    except gdb.error as problem:
+        raise without from problem
+    # the table of a base class states its distance from the object's beginning (Itanium C++ ABI, 2.5.2)
+    offset = int((table.cast(word) - 2).dereference())
+    return gdb.Value(now.object + offset).cast(kind.pointer()).dereference()
+
+
+def numbers_of(now: place.Place) -> State:
+    """The numbers of the controller's object, and with it the commands, each as "command hinge/u"."""
+
+    def add_all(layout: Layout) -> None:
+        layout.add("", object_of(now))
+        for name, value in commands_of(now).items():
+            layout.add(f"command {name}", value)
+
+    return State(add_all)
+
+
+def _is_own(frame: gdb.Frame, library: str) -> bool:
+    """True in a function of the controller's own sources."""
+    symtab = frame.find_sal().symtab
+    if symtab is None or frame.function() is None or gdb.solib_name(frame.pc()) != library:
+        return False
+    return not any(folder in symtab.fullname() for folder in travel.FOLDERS_OF_LIBRARIES)
+
+
+def _locals_of(frame: gdb.Frame, known: Layout) -> Tuple[Dict[str, str], Set[str]]:
+    """The numbers in the variables of the function, but for those which refer to known objects; and the names of those
+    that are set, because they are arguments, or static."""
+    layout, always = Layout(_MOST_LOCALS, apart_from=known), Layout(_MOST_LOCALS, apart_from=known)
+    names: Set[str] = {"this"}
+    try:
+        block: Optional[gdb.Block] = frame.block()
+    except RuntimeError:
+        return {}, set()
+    while block is not None and not block.is_static and not block.is_global:
+        for symbol in block:
+            if symbol.name in names or not (symbol.is_argument or symbol.is_variable):
+                continue
+            names.add(symbol.name)
+            is_set = symbol.is_argument or symbol.addr_class == gdb.SYMBOL_LOC_STATIC
+            try:
+                (always if is_set else layout).add(symbol.name, symbol.value(frame))
+            except (gdb.error, ValueError):
+                pass
+        if block.function is not None:
+            break
+        block = block.superblock
+    set_ = always.read()
+    return {**layout.read(), **set_}, set(set_)
+
+
+class _Call:
+    """A call of a function that has begun. A variable of it isn't set before its number changes."""
+
+    def __init__(self, number: int, function: str) -> None:
+        self.number = number
+        self.function = function
+        self.line = 0  # the last that it executed
+        self.is_set: Set[str] = set()
+        self._first: Dict[str, str] = {}
+
+    def update(self, texts: Dict[str, str], always: Set[str]) -> None:
+        self.is_set |= always
+        for name, text in texts.items():
+            if self._first.setdefault(name, text) != text:
+                self.is_set.add(name)
+
+
+class _Calls:
+    """The calls that have begun, from control() on."""
+
+    def __init__(self) -> None:
+        self._calls: List[_Call] = []
+        self._number = 0
+
+    def at(self, depth: int, function: str) -> _Call:
+        del self._calls[depth + 1 :]
+        if len(self._calls) > depth and self._calls[depth].function != function:
+            del self._calls[depth:]
+        while len(self._calls) <= depth:
+            self._number += 1
+            self._calls.append(_Call(self._number, function))
+        return self._calls[depth]
+
+
+def _depth_of(frame: gdb.Frame) -> int:
+    depth, older = 0, frame.older()
+    while older is not None and not stack.is_of_the_host(older):
+        depth, older = depth + 1, older.older()
+    return depth
+
+
+class _Skips:
+    """gdb steps over functions of libraries."""
+
+    def __enter__(self) -> None:
+        self._known = self._numbers()
+        gdb.execute(f"skip -rfu {_SKIPPED}", to_string=True)
+
+    def __exit__(self, *_: object) -> None:
+        for number in sorted(self._numbers() - self._known):
+            gdb.execute(f"skip delete {number}", to_string=True)
+
+    @staticmethod
+    def _numbers() -> Set[int]:
+        rows = gdb.execute("info skip", to_string=True).splitlines()
+        return {int(row.split()[0]) for row in rows if row[:1].isdigit()}
+
+
+class Walk:
+    """One call of control(), from its beginning to its end, line by line."""
+
+    def __init__(self, now: place.Place) -> None:
+        self.lines: List[Line] = []
+        self.statements: Dict[Tuple[str, str], List[int]] = {}  # the lines of each function, by file and function
+        self.is_complete = False  # false: the call didn't end, or executed more lines than MOST_LINES
+        self.is_optimised = False
+        self._calls = _Calls()
+        self._numbers = numbers_of(now)
+        self._numbers.changes()
+        self.first = dict(self._numbers.texts)  # members and commands at the beginning
+        self.last: Dict[str, Optional[str]] = {}  # those that the last line has changed
+        host = stack.host_frame()
+        if host is None or not stack.frames():
+            raise gdb.GdbError("gdb isn't in code of a controller here")
+        self._library = gdb.solib_name(gdb.newest_frame().pc())
+        self._returns: Dict[int, gdb.Breakpoint] = {}
+        self._stop_at(host.pc())
+        try:
+            with _Skips():
+                self._execute()
+        finally:
+            for stop in self._returns.values():
+                stop.delete()
+
+    def _execute(self) -> None:
+        while len(self.lines) < MOST_LINES and place.is_running():
+            frame = gdb.newest_frame()
+            if stack.is_of_the_host(frame):
+                self.is_complete = True
+                self.last = self._numbers.changes()
+                return
+            is_own = _is_own(frame, self._library)
+            if is_own:
+                self._add(frame)
+            gdb.execute("step" if is_own or not _has_own_caller(frame) else "finish", to_string=True)
+
+    def _stop_at(self, address: int) -> None:
+        """Where a call returns to, gdb stops within a line: so a line ends before the rest of the calling line."""
+        if address not in self._returns:
+            self._returns[address] = stop = gdb.Breakpoint(f"*{address:#x}", internal=True)
+            stop.silent = True
+
+    def last_texts(self) -> Dict[str, str]:
+        """The numbers where the call ended."""
+        return self._numbers.texts
+
+    def last_writes(self) -> Dict[str, int]:
+        """The index behind the line that wrote a number last; those that weren't written have none."""
+        written = [(name, i) for i, step in enumerate(self.lines) for name in step.changed]
+        return dict(written + [(name, len(self.lines)) for name in self.last])
+
+    def _add(self, frame: gdb.Frame) -> None:
+        found = frame.find_sal()
+        changed = self._numbers.changes()
+        function, depth = frame.name() or "", _depth_of(frame)
+        variables, always = _locals_of(frame, self._numbers.layout)
+        call = self._calls.at(depth, function)
+        older = frame.older()
+        if older is not None:
+            self._stop_at(older.pc())
+        call.update(variables, always)
+        has_returned = bool(self.lines) and self.lines[-1].call > call.number
+        is_begun = found.pc != frame.pc() or (has_returned and call.line == found.line)
+        call.line = found.line
+        step = Line(
+            function, found.symtab.fullname(), found.line, is_begun, call.number, variables, set(call.is_set), changed
+        )
+        self.is_optimised = self.is_optimised or _is_optimised(found.symtab)
+        self.lines.append(step)
+        if (step.file, step.function) not in self.statements:
+            self.statements[step.file, step.function] = _statements(frame, step)
+
+
+def _is_optimised(symtab: gdb.Symtab) -> bool:
+    """By the compiler's flags, which its debug information has."""
+    levels = [word for word in (symtab.producer or "").split() if word.startswith("-O")]
+    return bool(levels) and levels[-1] not in ("-O0", "-Og")
+
+
+def _has_own_caller(frame: gdb.Frame) -> bool:
+    older = frame.older()
+    return older is not None and not stack.is_of_the_host(older)
+
+
+def _statements(frame: gdb.Frame, step: Line) -> List[int]:
+    block = travel.block_of(frame.pc())
+    if block is None:
+        return [step.line]
+    rows = frame.find_sal().symtab.linetable() or []
+    return sorted({row.line for row in rows if block.start <= row.pc < block.end and row.line > 0})

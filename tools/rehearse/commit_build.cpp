@@ -1,0 +1,108 @@
+#include "commit_build.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "core/guard/child_process.h"
+#include "output.h"
+
+namespace rehearse::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+Result<ProgramOutput> run(std::vector<std::string> words) {
+  words[0] = find_program(words[0]).string();
+  return output_of({std::move(words), environment_with({}), {}});
+}
+
+/// The last 12 lines.
+std::string end_of(const std::string& text) {
+  std::size_t begin = text.size();
+  for (int lines = 0; lines < 12 && begin > 0 && begin != std::string::npos; ++lines)
+    begin = text.rfind('\n', begin - 1);
+  return begin == std::string::npos || text.empty() ? text : text.substr(begin);
+}
+
+Result<std::string> run_or_fail(std::vector<std::string> words, const std::string& what) {
+  const std::string program = words[0];
+  if (find_program(program).empty()) return error(fmt::format("{}: there is no {} on the PATH", what, program));
+  const auto output = run(std::move(words));
+  if (!output) return output.errors();
+  if (output->status != 0)
+    return error(fmt::format("{} fails: {}", what, plain_text(end_of(output->text))),
+                 "build that commit yourself, and name its library: --beside OLD.so");
+  return output->text;
+}
+
+/// What git rev-parse prints for these words, in the working folder.
+Result<std::string> rev_parse(std::vector<std::string> words) {
+  words.insert(words.begin(), {"git", "rev-parse"});
+  auto text = run_or_fail(std::move(words), "git rev-parse");
+  while (text && !text->empty() && text->back() == '\n') text->pop_back();
+  return text;
+}
+
+/// Builds the project in the new folder `build`, and finds the library there.
+Result<fs::path> build_library(const fs::path& sources, const fs::path& build, const fs::path& library,
+                               const std::string& what) {
+  const std::vector<std::vector<std::string>> steps{
+      {"cmake", "-S", sources.string(), "-B", build.string(), "-DCMAKE_BUILD_TYPE=Debug"},
+      {"cmake", "--build", build.string(), "--parallel"}};
+  for (const std::vector<std::string>& step : steps)
+    if (const auto done = run_or_fail(step, what); !done) return done.errors();
+  std::error_code failed;
+  std::vector<fs::path> found;
+  for (auto file = fs::recursive_directory_iterator(build, failed); !failed && file != fs::end(file);
+       file.increment(failed))
+    if (file->path().filename() == library.filename()) found.push_back(file->path());
+  if (found.empty()) return error(fmt::format("{} made no {}", what, library.filename().string()));
+  return *std::ranges::min_element(found);
+}
+
+/// The folder of the repository that has the user's CMake project: the working folder, if it has a CMakeLists.txt, or
+/// the top folder. Relative to the top folder.
+Result<fs::path> project_below(const fs::path& top) {
+  const auto inner = rev_parse({"--show-prefix"});
+  if (!inner) return inner.errors();
+  std::error_code ignored;
+  return fs::exists(top / *inner / "CMakeLists.txt", ignored) ? fs::path(*inner) : fs::path();
+}
+
+}  // namespace
+
+bool is_commit(const std::string& word) {
+  if (find_program("git").empty() || word.starts_with("-")) return false;
+  const auto output = run({"git", "rev-parse", "--verify", "--quiet", word + "^{commit}"});
+  return output && output->status == 0;
+}
+
+Result<fs::path> build_of_commit(const std::string& commit, const fs::path& library, const fs::path& folder) {
+  const auto top = rev_parse({"--show-toplevel"});
+  if (!top) return top.errors();
+  const auto number = rev_parse({"--verify", commit + "^{commit}"});
+  if (!number) return number.errors();
+  const auto project = project_below(*top);
+  if (!project) return project.errors();
+  const std::string what = "the build of " + commit;
+  const fs::path sources = folder / "old";
+  const std::vector<std::vector<std::string>> steps{
+      {"git", "clone", "--quiet", "--no-checkout", "--shared", *top, sources.string()},
+      {"git", "-C", sources.string(), "checkout", "--quiet", "--detach", *number}};
+  for (const std::vector<std::string>& step : steps)
+    if (const auto done = run_or_fail(step, what); !done) return done.errors();
+  return build_library(sources / *project, folder / "old-build", library, what);
+}
+
+Result<fs::path> build_of_sources(const fs::path& library, const fs::path& folder) {
+  const auto top = rev_parse({"--show-toplevel"});
+  if (!top) return top.errors();
+  const auto project = project_below(*top);
+  if (!project) return project.errors();
+  return build_library(fs::path(*top) / *project, folder / "new-build", library, "the build of the present sources");
+}
+
+}  // namespace rehearse::tool
