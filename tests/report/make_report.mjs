@@ -27,6 +27,7 @@ export const defaults = {
   mesh: true,
   expectations: true,
   call_stack: null,
+  control_times: [],
   fails: false, // expectations are violated without a golden
 };
 
@@ -411,6 +412,7 @@ class Maker {
       worst: this.worst(),
       first: first ? 0 : null,
       call_stack: options.call_stack,
+      control_times: options.control_times,
       spans: this.spans(),
       axes: [{ begin: 0, count: options.ticks }, { ticks: this.blobs.numbers(every_fifth, 'columns') }],
       series: this.series,

@@ -282,6 +282,39 @@ test('the controller’s source line is one click away, if the report has it', a
   });
 });
 
+test('the times of control() have a histogram, and the longest call is one click away', async () => {
+  const times = {
+    controller: 'Walker/Walk',
+    period: 0.001,
+    calls: 1000,
+    median: 5e-6,
+    p999: 2e-5,
+    longest: 0.0012,
+    longest_tick: 640,
+    histogram: [
+      [4.9e-6, 400],
+      [5.0e-6, 500],
+      [2e-5, 99],
+      [0.0012, 1],
+    ],
+  };
+  await with_report({ ...small, control_times: [times] }, {}, async ({ page }) => {
+    await page.click('#tab-times');
+    const text = await page.innerText('#panel-times');
+    assert.match(text, /median 5 µs, 99\.9 % within 20 µs, longest 1200 µs: 120 % of the period/);
+    const rows = page.locator('.times > div');
+    assert.equal(await rows.count(), 25, 'ten bins a decade, from 5.01 µs to 1.26 ms');
+    assert.match(await rows.first().innerText(), /≤ 5\.01 µs\s+900/);
+    assert.equal(await page.locator('.times .late').count(), 1);
+    await page.click('#panel-times button');
+    await settled(page);
+    assert.equal((await state_of(page)).tick, 640);
+  });
+  await with_report(small, {}, async ({ page }) => {
+    assert.equal(await page.locator('#tab-times').count(), 0);
+  });
+});
+
 test('a run alone opens with its root, its contacts and its largest commands', async () => {
   await with_report({ ...small, golden: false, cameras: 0 }, {}, async ({ page }) => {
     await settled(page);

@@ -311,7 +311,9 @@ TEST_F(Gdb, ShowsTheLineInTheReportOfAFailedCheck) {
   const std::string with_page = std::string(environment) + " REHEARSE_REPORT_PAGE=" + page.string();
   const fs::path report = folder() / "rehearse-pending/pendulum.html";
   EXPECT_EQ(rehearse(words, with_page).status, 1);
-  EXPECT_THAT(read_file(report), HasSubstr("\"call_stack\":null"));
+  EXPECT_THAT(read_file(report),
+              AllOf(HasSubstr("\"call_stack\":null"),
+                    ContainsRegex("\"control_times\":\\[\\{\"controller\":\"Pendulum/Swing\",.*\"histogram\":\\[\\[")));
   EXPECT_EQ(rehearse(words, with_page + " REHEARSE_CALL_STACK=").status, 1);
   EXPECT_THAT(read_file(report),
               AllOf(HasSubstr("\"call_stack\":{\"controller\":\"Pendulum/Swing\",\"command\":\"hinge/u\",\"tick\":9,"),

@@ -8,6 +8,7 @@
 #include <rehearse/check.h>
 #include <rehearse/compare.h>
 #include <rehearse/diagnostic.h>
+#include <rehearse/run_options.h>
 #include <rehearse/scenario.h>
 
 #include <cstdint>
@@ -38,8 +39,8 @@ struct StackFrame {
   std::vector<std::string> source;  // the lines around; empty: the file can't be read
 };
 
-/// The call stack of a controller in control() at a tick; the innermost frame comes first. It is the stack at the line
-/// that last changes the command in the tick, or at the beginning of control() if no line changes it.
+/// The call stack of a controller in control() at a tick, at the line that last changes the command in the tick; the
+/// innermost frame comes first.
 struct CallStack {
   std::string controller;  // BODY/NAME
   std::string command;     // JOINT/QUANTITY: hinge/u; empty: a command of no joint
@@ -69,6 +70,8 @@ struct ReportOptions {
   /// Called for the first command that differs, with the members of CallStack; null: the report has no call stack.
   std::function<Result<CallStack>(const std::string& controller, const std::string& command, std::int64_t tick)>
       call_stack;
+  /// The times of control() in the run, by the clock of this machine; empty: the report shows none.
+  std::vector<ControlTimes> control_times = {};
   /// About the largest size of the data; browsers open larger files slowly. A longer run is shown in part: `omitted`
   /// says which [bytes].
   std::uintmax_t max_size = 28'000'000;

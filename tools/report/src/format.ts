@@ -200,6 +200,18 @@ export interface FrameEntry {
   source: string[];
 }
 
+/** The wall times of a controller's control() in the run, in seconds. */
+export interface ControlTimesEntry {
+  controller: string;
+  period: number;
+  calls: number;
+  median: number;
+  p999: number;
+  longest: number;
+  longest_tick: number;
+  histogram: [number, number][]; // upper end of a bin, and its calls
+}
+
 export interface ReportData {
   format: number;
   title: string;
@@ -220,6 +232,7 @@ export interface ReportData {
   first: number | null;
   worst: string[]; // series
   call_stack: { controller: string; command: string; tick: number; frames: FrameEntry[] } | null;
+  control_times: ControlTimesEntry[];
   spans: [number, number][];
   axes: AxisEntry[];
   series: SeriesEntry[];

@@ -5,6 +5,7 @@ import './style/page.css';
 import './style/parts.css';
 import { go_to_place, keep_address, parse_address } from './address';
 import { call_stack, show_source_line } from './call_stack';
+import { control_times } from './control_times';
 import { Cameras } from './cameras';
 import { Channels } from './channels';
 import { Tour } from './divergences';
@@ -172,6 +173,11 @@ function put_together(report: Report) {
       content: new Messages(store, report).root,
     },
     report.data.call_stack && { name: 'source', title: 'Source', content: call_stack(report.data.call_stack) },
+    report.data.control_times.length > 0 && {
+      name: 'times',
+      title: 'Times',
+      content: control_times(store, report.data.control_times),
+    },
     { name: 'provenance', title: 'Provenance', content: provenance(report) },
     report.data.runs.some((run) => run.scenario !== '') && {
       name: 'scenario',

@@ -59,6 +59,7 @@ Result<std::optional<FailureReport>> write_failure_report(const CheckReport& che
   else if (!checked.expectations.empty())
     options.expectations = checked.expectations;
   options.scenario = scenario.file;
+  if (checked.run && trace == actual) options.control_times = checked.run->control_times;
   const std::optional<fs::path> beside = fs::is_regular_file(golden, ignored) ? std::optional(golden) : std::nullopt;
   const fs::path file = fs::path(trace).replace_extension(".html");
   auto written = write_report(trace, beside, file, options);

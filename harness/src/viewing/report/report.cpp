@@ -444,6 +444,7 @@ Result<ReportMaker::Attempt> ReportMaker::write(ReportJson object, std::uint64_t
   if (is_trial && (attempt.fill > 1.0 || (attempt.fill < too_small && series->is_limited))) return attempt;
   write_happenings(object, blobs);
   object["call_stack"] = call_stack_json();
+  object["control_times"] = json_of(options_.control_times);
   object["omitted"] = summary_.omitted;
   if (auto done = file->finish(object); !done) return done.errors();
   summary_.bytes = file->bytes();

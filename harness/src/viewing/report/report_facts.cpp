@@ -27,6 +27,23 @@ ReportJson json_of(const CallStack& stack) {
           {"frames", std::move(frames)}};
 }
 
+ReportJson json_of(const std::vector<ControlTimes>& all) {
+  ReportJson entries = ReportJson::array();
+  for (const ControlTimes& times : all) {
+    ReportJson bins = ReportJson::array();
+    for (const auto& [end, calls] : times.histogram) bins.push_back({end, calls});
+    entries.push_back({{"controller", times.controller},
+                       {"period", times.period},
+                       {"calls", times.calls},
+                       {"median", times.median},
+                       {"p999", times.p999},
+                       {"longest", times.longest},
+                       {"longest_tick", times.longest_tick},
+                       {"histogram", std::move(bins)}});
+  }
+  return entries;
+}
+
 ReportJson run_json(const ReportedRun& run, std::string_view role, const std::filesystem::path& file) {
   const Trace& trace = run.trace;
   const RunFacts stated = RunFacts::of(trace);

@@ -21,6 +21,9 @@ std::string outcome_of(const RunFacts& run);
 
 ReportJson json_of(const CallStack& stack);
 
+/// The entries of `control_times`.
+ReportJson json_of(const std::vector<ControlTimes>& all);
+
 /// The entry of `runs`. `file`: as the user named it.
 ReportJson run_json(const ReportedRun& run, std::string_view role, const std::filesystem::path& file);
 
