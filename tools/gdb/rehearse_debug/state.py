@@ -242,6 +242,8 @@ class Layout:
 
 
 def _member(of: str, name: Optional[str]) -> str:
+    if name and name.startswith("_M_"):  # a member of libstdc++, as of std::array
+        return of
     return f"{of}.{name}" if of and name else of or name or ""
 
 
