@@ -51,11 +51,27 @@ void Forest::load_mass(int body) {
 
 void Forest::factor(int first, int last) {
   nodes_.resize(bodies_.size());
-  for (int body = first; body < last; ++body) load_mass(body);
-  for (int body = last; body-- > first;) factor_body(body);
+  for (int body = first; body < last; ++body) nodes_[body].is_stale = true;
+  refactor(first, last);
 }
 
-/// Eliminates a body and its joint. The parent's mass becomes that of an articulated body.
+void Forest::change_joint(int body) {
+  for (int at = body; at >= 0; at = bodies_[at].parent) nodes_[at].is_stale = true;
+}
+
+/// A parent's mass is the sum over its children in one order, whichever of them are factored again.
+void Forest::refactor(int first, int last) {
+  for (int body = first; body < last; ++body)
+    if (nodes_[body].is_stale) load_mass(body);
+  for (int body = last; body-- > first;) {
+    if (nodes_[body].is_stale) factor_body(body);
+    nodes_[body].is_stale = false;
+    const int parent = bodies_[body].parent;
+    if (parent >= 0 && nodes_[parent].is_stale) add_to_parent(body);
+  }
+}
+
+/// Eliminates a body and its joint.
 void Forest::factor_body(int body) {
   const TreeBody& of = bodies_[body];
   Node& node = nodes_[body];
@@ -93,12 +109,21 @@ void Forest::eliminate_joint(const TreeBody& of, Node& node) {
   for (int k = 0; k < 6; ++k)
     for (int r = 0; r < rows; ++r) node.own_by_row(k, r) = node.own(r, k);
   if (of.parent < 0) return;
-  Block<6, 6>& parent = nodes_[of.parent].mass;
   for (int r = 0; r < rows; ++r) {
     auto line = node.above.row(r);
     line = of.joint[r].second.transpose();
     for (int s = 0; s < r; ++s) line -= node.inner(s, r) * node.above.row(s);
     line *= node.inner(r, r);
+  }
+}
+
+/// The parent's mass becomes that of an articulated body.
+void Forest::add_to_parent(int body) {
+  const Node& node = nodes_[body];
+  Block<6, 6>& parent = nodes_[bodies_[body].parent].mass;
+  const int rows = static_cast<int>(bodies_[body].joint.size());
+  for (int r = 0; r < rows; ++r) {
+    const auto line = node.above.row(r);
     for (int i = 0; i < 6; ++i) parent.row(i) += line[i] * line;
   }
 }

@@ -39,6 +39,11 @@ class Forest {
   /// Factors the matrix of the bodies from `first` to the one before `last`, which are whole trees. A changed joint
   /// needs a new factor; a changed momentum doesn't.
   void factor(int first, int last);
+  /// The joint of a body changes after factor(), its masses don't: refactor() must follow.
+  void change_joint(int body);
+  /// Factors again what depends on changed joints: their bodies, and all from there to the root. Each bit is that of
+  /// factor().
+  void refactor(int first, int last);
   /// Computes velocities and impulses of these bodies.
   void solve(int first, int last);
   /// Adds to the momentum of a body in the last solution. Velocities and impulses change with the next descend().
@@ -49,7 +54,7 @@ class Forest {
   const Impulses& impulses(int body) const { return nodes_[body].impulses; }  // of the rows of its joint
 
   /// Columns are halves of solutions: the effects of unit impulses. They are valid until clear_columns() or the next
-  /// factor(). Both functions return the index of a group of columns.
+  /// factor() or refactor(). Both functions return the index of a group of columns.
   /// Six columns: unit impulses on the linear and angular momentum of a body.
   int add_unit_columns(int body);
   /// One column: an impulse on the momentum of a body and its parent.
@@ -78,6 +83,7 @@ class Forest {
     Rest u = Rest::Zero();
     Vector6d velocity = Vector6d::Zero();
     Impulses impulses{};
+    bool is_stale = true;  // it has to be factored again; so have all from it to the root
   };
   /// What columns leave at a body of their path to the root.
   struct Half {
@@ -98,6 +104,7 @@ class Forest {
   void factor_body(int body);
   template <int Rows>
   void eliminate_joint(const TreeBody& of, Node& node);
+  void add_to_parent(int body);
   /// One body of the way to the root: `t` is its momentum, and becomes a part of the solution like `u`, which is the
   /// right side of the joint. Adds the rest of the momentum to that of the parent, if it isn't null.
   void climb(int body, Vector6d& t, Rest& u, Vector6d* to_parent) const;

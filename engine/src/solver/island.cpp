@@ -77,6 +77,7 @@ bool Island::check_drives() {
       const double missing = drive.row.target - velocity_of(drive) - drive.row.softness * drive.impulse;
       if (drive.state == LimitedDrive::State::at_upper ? missing >= 0.0 : missing <= 0.0) continue;
     }
+    if (drive.state == LimitedDrive::State::holds) forest_.change_joint(drive.body);
     drive.state = LimitedDrive::State::bounded;
     right = false;
   }
@@ -185,10 +186,7 @@ void Island::push(int body, const Vector6d& direction, double impulse) {
 }
 
 BoundedProblem::Outcome Island::solve_once(double tolerance) {
-  for (const auto& [first, last] : trees_) {
-    forest_.factor(first, last);
-    forest_.solve(first, last);
-  }
+  for (const auto& [first, last] : trees_) forest_.solve(first, last);
   add_actions();
   if (all_.empty()) return {0.0, 0};
   set_products();
@@ -207,10 +205,13 @@ BoundedProblem::Outcome Island::solve_once(double tolerance) {
 }
 
 BoundedProblem::Outcome Island::solve(double tolerance) {
+  assume_drives();
+  for (const auto& [first, last] : trees_) forest_.factor(first, last);
   for (;;) {  // each repetition has one more bounded drive
-    assume_drives();
     const BoundedProblem::Outcome outcome = solve_once(tolerance);
     if (check_drives()) return outcome;
+    assume_drives();
+    for (const auto& [first, last] : trees_) forest_.refactor(first, last);
   }
 }
 

@@ -86,5 +86,44 @@ TEST(Forest, SolvesEachTreeByItself) {
   for (int i = 0; i < 20; ++i) EXPECT_EQ(forest.velocity(i), whole[static_cast<std::size_t>(i)]);
 }
 
+/// Whichever joints get or lose a row, the bits are those of a new factor.
+TEST(Forest, FactorsChangedJointsAgainToTheSameBits) {
+  for (std::uint32_t seed = 0; seed < 200; ++seed) {
+    Dice dice(seed);
+    const int count = 1 + dice.below(25);
+    Forest forest;
+    make_trees(dice, count, forest);
+    solve(forest);
+    for (int round = 0; round < 5; ++round) {
+      for (int change = dice.below(4); change-- > 0;) {
+        const int body = dice.below(count);
+        JointRows& joint = forest.bodies()[static_cast<std::size_t>(body)].joint;
+        if (joint.size() == most_joint_rows || (dice.below(2) == 0 && !joint.empty()))
+          joint.truncate(joint.size() - 1);
+        else
+          joint.add() = random_row(dice, 1e-2);
+        forest.change_joint(body);
+      }
+      for (TreeBody& body : forest.bodies()) body.momentum = dice.vector6();
+      forest.refactor(0, count);
+      forest.solve(0, count);
+      Forest other;
+      other.bodies() = forest.bodies();
+      solve(other);
+      for (int body = 0; body < count; ++body) {
+        ASSERT_EQ(forest.velocity(body), other.velocity(body)) << "seed " << seed;
+        for (std::size_t r = 0; r < forest.bodies()[static_cast<std::size_t>(body)].joint.size(); ++r)
+          ASSERT_EQ(forest.impulses(body)[r], other.impulses(body)[r]) << "seed " << seed;
+      }
+      Eigen::Matrix<double, 6, 6> product, expected;
+      const int body = dice.below(count);
+      forest.clear_columns();
+      forest.multiply(forest.add_unit_columns(body), 0, product.data(), 6);
+      other.multiply(other.add_unit_columns(body), 0, expected.data(), 6);
+      ASSERT_EQ(product, expected) << "seed " << seed;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace rehearse
