@@ -76,6 +76,7 @@ double BoundedProblem::error() const {
 void BoundedProblem::classify() {
   places_.resize(rows());
   free_rows_.clear();
+  bounded_rows_.clear();
   for (std::size_t i = 0; i < rows(); ++i) {
     Place& place = places_[i];
     const Bounds& bounds = bounds_[i];
@@ -88,7 +89,7 @@ void BoundedProblem::classify() {
       place = {bounds.normal >= 0 ? At::sliding : At::fixed, bounds.lower, -1};
     else
       place = {At::inside, 0.0, static_cast<int>(free_rows_.size())};
-    if (place.at == At::inside) free_rows_.push_back(i);
+    (place.at == At::inside ? free_rows_ : bounded_rows_).push_back(i);
   }
 }
 
@@ -104,7 +105,7 @@ bool BoundedProblem::newton_step() {
     double* row = &matrix_[r * size];
     for (std::size_t c = 0; c < size; ++c) row[c] = a[free_rows_[c]];
     double right = b_[free_rows_[r]];
-    for (std::size_t j = 0; j < rows(); ++j) {
+    for (const std::size_t j : bounded_rows_) {
       if (places_[j].at == At::fixed) right -= a[j] * places_[j].value;
       if (places_[j].at != At::sliding) continue;
       const int normal = places_[bounds_[j].normal].free_index;

@@ -77,7 +77,7 @@ class BoundedProblem {
   std::vector<Bounds> bounds_;
   // scratch of solve()
   std::vector<Place> places_;
-  std::vector<std::size_t> free_rows_;
+  std::vector<std::size_t> free_rows_, bounded_rows_;  // inside their bounds, and the others
   std::vector<double> matrix_, right_, best_, start_, before_;
   std::vector<double> low_, high_, slacks_, from_, normals_;
 };
