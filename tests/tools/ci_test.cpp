@@ -89,6 +89,8 @@ TEST_F(Ci, AScenarioThatCannotBeReadTakesNoVerdictFromOtherScenarios) {
     ASSERT_EQ(scenarios.size(), 3U) << jobs << ": heap.yaml expects nothing";
     EXPECT_THAT(scenarios[0]["verdict"].get<std::string>(), StartsWith("not judged: ")) << jobs;
     EXPECT_EQ(scenarios[0]["code"], "undecided.bad_input") << jobs;
+    EXPECT_FALSE(scenarios[0].contains("first")) << jobs << ": it has no place";
+    EXPECT_TRUE(outcome.json()["first"].is_null()) << jobs;
     EXPECT_EQ(scenarios[1]["code"], "expectations.hold") << jobs;
     EXPECT_EQ(scenarios[2]["codes"], nlohmann::json({"expectations.violated"})) << jobs;
     EXPECT_EQ(scenarios[1]["within"], true) << jobs;

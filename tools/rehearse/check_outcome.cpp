@@ -325,7 +325,7 @@ Json json_of_checks(const std::vector<CheckOutcome>& all) {
            {{"controller", together(all, &CheckOutcome::controller)},
             {"plant", together(all, &CheckOutcome::plant)},
             {"closed", together(all, &CheckOutcome::closed)}}},
-          {"first", bad == all.end() ? Json() : scenarios[static_cast<std::size_t>(bad - all.begin())]["first"]},
+          {"first", bad == all.end() ? Json() : bad->json.value("first", Json())},
           {"scenarios", scenarios}};
 }
 
