@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -84,12 +83,6 @@ RunFolder::~RunFolder() {
   if (!path_.empty()) ::rmdir(path_.parent_path().c_str());
 }
 
-WaitingRun::Identity WaitingRun::identity_of(const fs::path& file) {
-  struct stat found {};
-  if (::stat(file.c_str(), &found) != 0) return {};
-  return {found.st_dev, found.st_ino, found.st_mtim.tv_sec, found.st_mtim.tv_nsec};
-}
-
 Result<WaitingRun> WaitingRun::begin(const fs::path& pending, const std::string& name) {
   auto folder = RunFolder::make(pending);
   if (!folder) return folder.errors();
@@ -98,7 +91,7 @@ Result<WaitingRun> WaitingRun::begin(const fs::path& pending, const std::string&
 
 Result<std::string> WaitingRun::publish(std::string& text) {
   const FolderLock lock(pending_);
-  const bool written_meanwhile = identity_of(trace_) != before_;
+  const bool written_meanwhile = FileIdentity::of(trace_) != before_;
   std::error_code failed;
   std::string told;
   const fs::path ours = folder() / trace_.filename();

@@ -4,9 +4,11 @@
 #include <rehearse/diagnostic.h>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "core/mcap/file_identity.h"
 #include "model/file_descriptor.h"
 
 namespace rehearse {
@@ -54,24 +56,16 @@ class WaitingRun {
   Result<std::string> publish(std::string& text);
 
  private:
-  /// The identity of a pending file; all 0: none.
-  struct Identity {
-    unsigned long device = 0, inode = 0;
-    long seconds = 0, nanoseconds = 0;
-    bool operator==(const Identity&) const = default;
-  };
-  static Identity identity_of(const std::filesystem::path& file);
-
   WaitingRun(RunFolder folder, std::filesystem::path pending, std::filesystem::path trace)
       : folder_(std::move(folder)),
         pending_(std::move(pending)),
         trace_(std::move(trace)),
-        before_(identity_of(trace_)) {}
+        before_(FileIdentity::of(trace_)) {}
 
   RunFolder folder_;
   std::filesystem::path pending_;
-  std::filesystem::path trace_;  // its future pending path
-  Identity before_;              // the pending file when the run began
+  std::filesystem::path trace_;         // its future pending path
+  std::optional<FileIdentity> before_;  // of the pending file when the run began
 };
 
 }  // namespace rehearse

@@ -3,18 +3,20 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <chrono>
 #include <fstream>
+#include <map>
+#include <mutex>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "file_identity.h"
 #include "model/digest.h"
 
 namespace rehearse {
 
-std::uint64_t hash_bytes(const void* data, std::size_t size, std::uint64_t seed) {
-  return digest_of(data, size, seed);
-}
+std::uint64_t hash_bytes(const void* data, std::size_t size, std::uint64_t seed) { return digest_of(data, size, seed); }
 
 struct RunningHash::State {
   XXH3_state_t xxh;
@@ -44,8 +46,27 @@ Result<std::uint64_t> hash_of_file(const std::filesystem::path& file) {
 std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
 std::string content_hash_of(const std::filesystem::path& file) {
+  struct Kept {
+    FileIdentity identity;
+    std::string hash;
+  };
+  static std::mutex mutex;
+  static auto& kept = *new std::map<std::filesystem::path, Kept>;
+  const auto before = FileIdentity::of(file);
+  if (before) {
+    const std::lock_guard lock(mutex);
+    if (const auto found = kept.find(file); found != kept.end() && found->second.identity == *before)
+      return found->second.hash;
+  }
+  constexpr std::chrono::seconds settled{2};
+  const bool can_be_kept = before && before->is_older_than(settled);
   const auto hash = hash_of_file(file);
-  return hash_text(hash ? *hash : hash_bytes(nullptr, 0));
+  std::string text = hash_text(hash ? *hash : hash_bytes(nullptr, 0));
+  if (can_be_kept && hash && FileIdentity::of(file) == before) {
+    const std::lock_guard lock(mutex);
+    kept.insert_or_assign(file, Kept{*before, text});
+  }
+  return text;
 }
 
 }  // namespace rehearse
