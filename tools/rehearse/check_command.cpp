@@ -76,10 +76,16 @@ Result<std::vector<std::string>> files_of_project() {
     return error("this folder is of no project: no folder above it has a folder 'golden' or a CMakeLists.txt",
                  "name a scenario, or go to a project's folder");
   std::vector<std::string> files;
+  std::map<fs::path, fs::path> seen;  // folders, relative to this one
   std::error_code ignored;
   for (const auto& some : {failure_files(*project), scenario_files(*project)})
-    for (const fs::path& file : some)
-      if (may_be_checked(file)) files.push_back(fs::proximate(file, ignored).string());
+    for (const fs::path& file : some) {
+      if (!may_be_checked(file)) continue;
+      const auto [folder, is_new] = seen.try_emplace(file.parent_path());
+      if (is_new) folder->second = fs::proximate(folder->first, ignored);
+      files.push_back(fs::is_symlink(file, ignored) ? fs::proximate(file, ignored).string()
+                                                    : (folder->second / file.filename()).lexically_normal().string());
+    }
   return files;
 }
 
@@ -108,33 +114,42 @@ struct Conflict {
   std::string owners;
 };
 
-/// The conflicts of a repository, by scenario file.
-std::map<fs::path, Conflict> find_conflicts(const fs::path& goldens) {
-  std::map<fs::path, Conflict> conflicts;
+using Conflicts = std::map<fs::path, Conflict>;  // by scenario file
+
+/// The conflicts of a repository.
+Conflicts find_conflicts(const fs::path& goldens) {
+  Conflicts conflicts;
   for (const auto& [golden, owners] : find_golden_owners(goldens, {goldens / ".."}))
     if (owners.scenarios.size() > 1)
       for (const std::string& file : owners.scenarios) conflicts[normal_path(file)] = {golden, owners.conflict()};
   return conflicts;
 }
 
+/// The conflicts of the repository that has the goldens of a file's folder. `searched`: by repository; each is searched
+/// once. None: there is no such folder, or it is outside (REHEARSE_GOLDEN_DIR).
+const Conflicts* conflicts_around(const std::string& file, std::map<fs::path, Conflicts>& searched) {
+  const auto goldens = find_golden_folder(file);
+  if (!goldens) return nullptr;  // check_golden tells
+  const fs::path repository = normal_path(*goldens / "..");
+  const fs::path inside = normal_path(file).lexically_relative(repository);
+  if (inside.empty() || *inside.begin() == "..") return nullptr;
+  const auto [found, is_new] = searched.try_emplace(repository);
+  if (is_new) found->second = find_conflicts(*goldens);
+  return &found->second;
+}
+
 /// An error if a different scenario names the same golden, anywhere in the golden's repository: each check would
-/// compare with the other scenario's run. A repository is searched once for all scenarios.
+/// compare with the other scenario's run.
 Result<void> check_owners(const CheckSettings& settings, const std::vector<std::string>& files) {
-  std::map<fs::path, std::map<fs::path, Conflict>> searched;  // by repository
-  std::map<fs::path, std::optional<fs::path>> goldens;        // of the scenarios of a folder; none: check_golden tells
+  std::map<fs::path, Conflicts> searched;
+  std::map<fs::path, const Conflicts*> of_folder;
   for (const std::string& file : files) {
     if (!settings.golden.empty() || file.ends_with(".mcap")) continue;
-    const auto [folder, is_first] = goldens.try_emplace(fs::path(file).parent_path());
-    if (is_first)
-      if (const auto found = find_golden_folder(file)) folder->second = *found;
-    if (!folder->second) continue;
-    const fs::path repository = normal_path(*folder->second / ".."), path = normal_path(file);
-    const fs::path inside = path.lexically_relative(repository);
-    if (inside.empty() || *inside.begin() == "..") continue;  // the goldens are outside: REHEARSE_GOLDEN_DIR
-    const auto [conflicts, is_new] = searched.try_emplace(repository);
-    if (is_new) conflicts->second = find_conflicts(*folder->second);
-    const auto found = conflicts->second.find(path);
-    if (found == conflicts->second.end()) continue;
+    const auto [conflicts, is_new] = of_folder.try_emplace(fs::path(file).parent_path());
+    if (is_new) conflicts->second = conflicts_around(file, searched);
+    if (!conflicts->second || conflicts->second->empty()) continue;
+    const auto found = conflicts->second->find(normal_path(file));
+    if (found == conflicts->second->end()) continue;
     return error_in(
         file,
         fmt::format("the golden '{}' isn't this scenario's alone: {}", found->second.golden, found->second.owners),

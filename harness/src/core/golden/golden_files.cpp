@@ -5,10 +5,10 @@
 #include <rehearse/compare.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <string_view>
 #include <vector>
 
@@ -69,7 +69,11 @@ Result<void> write_text(const fs::path& file, const std::string& text) {
 Result<std::string> read_text(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) return can_not("be read", file, std::strerror(errno));
-  return std::string{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  std::string text;
+  std::array<char, 1 << 14> block;
+  while (stream.read(block.data(), block.size()) || stream.gcount() > 0)
+    text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
+  return text;
 }
 
 fs::path verdict_file_of(const fs::path& trace) { return fs::path(trace).replace_extension(".verdict"); }
