@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <fstream>
 #include <map>
@@ -93,7 +94,7 @@ Result<std::string> read_code_hash(const std::string& path, const LoadedLibrary&
   if (found.st_ino != library.inode)
     return error(fmt::format("{} was replaced after this process had loaded it", path));
   RunningHash hash;
-  std::vector<char> block(std::size_t{1} << 20);
+  std::array<char, 1 << 17> block;
   for (const FilePart& part : library.parts) {
     file.seekg(static_cast<std::streamoff>(part.offset));
     for (std::uint64_t left = part.size; left > 0;) {

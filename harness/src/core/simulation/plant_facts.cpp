@@ -31,24 +31,26 @@ const std::map<std::string, LoadedLibrary> libraries_at_start = loaded_libraries
 
 std::string hash_of(const std::string& text) { return hash_text(hash_bytes(text.data(), text.size())); }
 
-/// Adds the program and all libraries, by the hashes of their code: any of them may replace functions of others. If a
-/// camera runs, the renderer's libraries are among them.
-Result<void> add_libraries(const Scenario& scenario, mcap::StringMap& plant) {
-  std::map<std::string, LoadedLibrary> libraries = libraries_at_start;
-  if (scenario.runs_a_camera()) {
-    static const auto& renderer = *new auto(load_library(Renderer::library));  // they stay loaded
-    if (!renderer) return renderer.errors();
-    libraries.insert(renderer->begin(), renderer->end());
-  }
+/// Adds libraries by the hashes of their code, unless one of that name is there.
+Result<void> add_libraries(const std::map<std::string, LoadedLibrary>& libraries, mcap::StringMap& plant) {
   for (const auto& [name, library] : libraries) {
     const bool is_program = name.empty();
     const std::string file = is_program ? own_program().filename().string() : name;
     if (library.file == "linux-vdso.so.1") continue;  // it has no file: the kernel provides it
     const auto code = code_hash_of(library);
     if (!code) return code.errors();
-    plant[fmt::format("{} {}", is_program ? "the program" : "the library", file)] = *code;
+    plant.emplace(fmt::format("{} {}", is_program ? "the program" : "the library", file), *code);
   }
   return {};
+}
+
+/// Adds the program and all libraries, by the hashes of their code: any of them may replace functions of others. If a
+/// camera runs, the renderer's libraries are among them.
+Result<void> add_libraries(const Scenario& scenario, mcap::StringMap& plant) {
+  if (auto added = add_libraries(libraries_at_start, plant); !added || !scenario.runs_a_camera()) return added;
+  static const auto& renderer = *new auto(load_library(Renderer::library));  // they stay loaded
+  if (!renderer) return renderer.errors();
+  return add_libraries(*renderer, plant);
 }
 
 /// The vendor of the processor, and whether a program emulates it. Read by CPUID, which an emulator answers itself.
