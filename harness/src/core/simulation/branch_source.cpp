@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/kinds/channel_name.h"
 #include "core/recording/provenance.h"
 #include "core/replay/recording_source.h"
 #include "core/scenario/trace_scenario.h"
@@ -84,9 +85,15 @@ Result<BranchSource> BranchSource::open(const std::filesystem::path& file, const
   if (!scenario) return scenario.errors();
   source.scenario = *std::move(scenario);
   if (auto taken = take_meshes(source, scenario_file); !taken) return taken.errors();
+  // the hashes of ticks, and what leads the world to the moment
+  const auto is_needed = [](const mcap::Channel& channel) {
+    const ChannelName name = ChannelName::parse(channel.topic);
+    return channel.topic == run_topics::tick || name.kind == ChannelKind::events || name.side == ChannelSide::output ||
+           name.side == ChannelSide::acted;
+  };
   const auto take = [&source](const Trace& piece) { take_ticks(piece, source.state_hashes); };
   auto recording =
-      load_pieces(file, nullptr, take, Trace::usual_piece_size, PieceOrder::of_time, Trace::Damage::tolerate);
+      load_pieces(file, is_needed, take, Trace::usual_piece_size, PieceOrder::of_time, Trace::Damage::tolerate);
   if (!recording) return recording.errors();
   source.recording = *std::move(recording);
   source.origin = RunFacts::of(*source.reader).branch;
