@@ -128,11 +128,39 @@ TEST_F(Project, AControllerThatFailedIsReportedBeforeTheExpectationsThatItsRunVi
   EXPECT_LT(failure, expectation) << outcome.out;
 }
 
+TEST_F(Project, OfPythonHasItsFirstGoldenMadeByCheck) {
+  build("build", MISBEHAVING);
+  fs::remove(folder() / "CMakeLists.txt");
+  for (const char* file : {"pytest.ini", "pyproject.toml"}) {
+    write(file, "");
+    const Outcome first = rehearse({"check"}, "cd scenarios &&");
+    EXPECT_EQ(first.status, 1) << file;
+    EXPECT_THAT(first.out, HasSubstr("there is no golden ../golden/Swing.Swings.mcap")) << file;
+    fs::remove_all(folder() / "rehearse-pending");
+    fs::remove(folder() / file);
+  }
+  write("pytest.ini", "");
+  EXPECT_EQ(rehearse({"check"}, "REHEARSE_GOLDEN=new").status, 0);
+  EXPECT_TRUE(exists("golden/Swing.Swings.mcap"));
+}
+
+TEST_F(Project, AScenarioThatIsALinkIsCheckedInTheFolderOfItsFile) {
+  build("build", MISBEHAVING);
+  fs::create_directories(folder() / "robots/arm");
+  fs::rename(folder() / "scenarios/swing.yaml", folder() / "robots/arm/swing.yaml");
+  fs::create_symlink("../robots/arm/swing.yaml", folder() / "scenarios/swing.yaml");
+  const Outcome outcome = rehearse({"check", "--json"});
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_EQ(outcome.json()["file"], "robots/arm/swing.yaml");
+}
+
 TEST_F(Project, OutsideOfOneCheckSaysTheRule) {
   fs::remove(folder() / "CMakeLists.txt");
   const Outcome outcome = rehearse({"check"});
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("no folder above it has a folder 'golden' or a CMakeLists.txt"));
+  EXPECT_THAT(
+      outcome.err,
+      HasSubstr("no folder above it has a folder 'golden', a CMakeLists.txt, a pyproject.toml or a pytest.ini"));
 }
 
 }  // namespace

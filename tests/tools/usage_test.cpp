@@ -106,7 +106,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{{"check", box, "--level", "open"}, "--level: 'open' is not controller, plant or closed"},
         Case{{"check", box}, "drop_box.yaml: error: the scenario names no golden to compare with"},
         Case{{"check"},
-             "error: this folder is of no project: no folder above it has a folder 'golden' or a CMakeLists.txt"},
+             "error: this folder is of no project: no folder above it has a folder 'golden', a CMakeLists.txt, a "
+             "pyproject.toml or a pytest.ini"},
         Case{{"check", box, box, "--golden", "a.mcap"}, "error: --golden compares one scenario"},
         Case{{"check", box, "--golden", "nowhere.mcap"}, "nowhere.mcap: error: can't read the trace"},
         Case{{"diff", box}, "error: rehearse diff: B is required"},
@@ -123,11 +124,14 @@ INSTANTIATE_TEST_SUITE_P(
              "error: rehearse golden: there is no acept (did you mean accept? see rehearse golden"},
         Case{{"golden", "reject"}, "error: no run is named"},
         Case{{"golden", "review"},
-             "error: ./ belongs to no project: no folder above it has a folder 'golden' or a CMakeLists.txt"},
+             "error: ./ belongs to no project: no folder above it has a folder 'golden', a CMakeLists.txt, a "
+             "pyproject.toml or a pytest.ini"},
         Case{{"golden", "prune"},
-             "error: ./ belongs to no project: no folder above it has a folder 'golden' or a CMakeLists.txt"},
+             "error: ./ belongs to no project: no folder above it has a folder 'golden', a CMakeLists.txt, a "
+             "pyproject.toml or a pytest.ini"},
         Case{{"golden", "list"},
-             "error: ./ belongs to no project: no folder above it has a folder 'golden' or a CMakeLists.txt"},
+             "error: ./ belongs to no project: no folder above it has a folder 'golden', a CMakeLists.txt, a "
+             "pyproject.toml or a pytest.ini"},
         Case{{"info", box}, "drop_box.yaml: error: not an MCAP file"},
         Case{{"info", "nowhere.mcap"}, "nowhere.mcap: error: can't read the trace"},
         Case{{"inspect", "nowhere.urdf"}, "nowhere.urdf: error: "}, Case{{"inspect", "/"}, "/: error: "},

@@ -73,8 +73,10 @@ bool can_be_checked(const Scenario& scenario) { return !scenario.golden.empty() 
 Result<std::vector<std::string>> files_of_project() {
   const auto project = find_project("./");
   if (!project)
-    return error("this folder is of no project: no folder above it has a folder 'golden' or a CMakeLists.txt",
-                 "name a scenario, or go to a project's folder");
+    return error(
+        "this folder is of no project: no folder above it has a folder 'golden', a CMakeLists.txt, a pyproject.toml or "
+        "a pytest.ini",
+        "name a scenario, or go to a project's folder");
   std::vector<std::string> files;
   std::map<fs::path, fs::path> seen;  // folders, relative to this one
   std::error_code ignored;
@@ -487,8 +489,8 @@ std::function<Exit()> declare_check(CLI::App& options) {
       .add_option("SCENARIO", settings->scenarios,
                   "YAML files, or recordings of robots' logs; without one, all of the project that name a golden or "
                   "expect something. A project is the nearest folder above this one that has a folder golden, else a "
-                  "CMakeLists.txt; its scenarios are below scenarios and fixtures/scenarios, its controllers in the "
-                  "newest of the folders build*")
+                  "CMakeLists.txt, a pyproject.toml or a pytest.ini; its scenarios are below scenarios and "
+                  "fixtures/scenarios, its controllers in the newest of the folders build*")
       ->type_name("");
   options.add_option("--golden", settings->golden, "compare with this trace instead of the scenario's golden")
       ->type_name("TRACE");

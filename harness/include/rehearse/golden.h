@@ -132,8 +132,8 @@ Result<GoldenMode> golden_mode();
 std::filesystem::path pending_folder();
 
 /// The folder of REHEARSE_GOLDEN_DIR. Otherwise it is `golden` in the project of the scenario: the nearest folder above
-/// it that has a folder `golden`, else the nearest that has a CMakeLists.txt. In the second case the folder is made
-/// with the first golden. Fails if no folder above has either.
+/// it that has a folder `golden`, else the nearest that has a CMakeLists.txt, a pyproject.toml or a pytest.ini. In the
+/// second case the folder is made with the first golden. Fails if no folder above has one of these.
 Result<std::filesystem::path> find_golden_folder(const std::filesystem::path& scenario);
 
 /// The result of the comparison of a run with its golden.

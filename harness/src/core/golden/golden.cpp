@@ -96,7 +96,8 @@ Result<fs::path> find_golden_folder(const fs::path& scenario) {
   if (!stated.empty()) return fs::path(stated);
   std::error_code ignored;
   if (const auto project = find_project(scenario)) return fs::relative(*project / "golden", ignored);
-  return error(fmt::format("{} belongs to no project: no folder above it has a folder 'golden' or a CMakeLists.txt",
+  return error(fmt::format("{} belongs to no project: no folder above it has a folder 'golden', a CMakeLists.txt, a "
+                           "pyproject.toml or a pytest.ini",
                            scenario.string()),
                "make a folder 'golden', or name one by REHEARSE_GOLDEN_DIR");
 }

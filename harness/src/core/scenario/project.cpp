@@ -10,12 +10,14 @@ namespace rehearse {
 namespace fs = std::filesystem;
 
 std::optional<fs::path> find_project(const fs::path& inside) {
+  constexpr const char* build_files[] = {"CMakeLists.txt", "pyproject.toml", "pytest.ini"};
   std::error_code ignored;
   std::optional<fs::path> with_build;
   const fs::path begin = fs::absolute(inside.empty() ? "./" : inside, ignored);  // absolute() has no result for ""
   for (fs::path folder = begin.lexically_normal().parent_path();; folder = folder.parent_path()) {
     if (fs::is_directory(folder / "golden", ignored)) return folder;
-    if (!with_build && fs::is_regular_file(folder / "CMakeLists.txt", ignored)) with_build = folder;
+    const auto has_it = [&](const char* file) { return fs::is_regular_file(folder / file, ignored); };
+    if (!with_build && std::ranges::any_of(build_files, has_it)) with_build = folder;
     if (folder == folder.parent_path()) return with_build;
   }
 }

@@ -1,10 +1,10 @@
 // A project: the folder of scenarios, their goldens and their controllers.
 //
 // The command, the tests and RehearseControllers.cmake share this rule. The project of a file is the nearest folder
-// above it that has a folder `golden`, else the nearest that has a CMakeLists.txt. Its scenarios are the *.yaml below
-// `scenarios` and `fixtures/scenarios`, its goldens are in `golden`. The failures that it keeps are the *.yaml below
-// `failures` and `fixtures/failures`. Its controllers are in `lib/rehearse/controllers`
-// of its builds, which are the folders `build*`.
+// above it that has a folder `golden`, else the nearest that has a CMakeLists.txt, a pyproject.toml or a pytest.ini.
+// Its scenarios are the *.yaml below `scenarios` and `fixtures/scenarios`, its goldens are in `golden`. The failures
+// that it keeps are the *.yaml below `failures` and `fixtures/failures`. Its controllers are in
+// `lib/rehearse/controllers` of its builds, which are the folders `build*`.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,7 @@
 namespace rehearse {
 
 /// The project of a file, or of a folder: for "walk/" and for "walk/run.yaml" it is `walk` or a folder above it. None:
-/// no folder above has a folder `golden` or a CMakeLists.txt.
+/// no folder above has one of these.
 std::optional<std::filesystem::path> find_project(const std::filesystem::path& inside);
 
 /// All files that may be scenarios of a project, by path.
