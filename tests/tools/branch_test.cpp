@@ -40,6 +40,7 @@ TEST_F(Branch, IsItsSourceWithoutAChange) {
   const Outcome outcome = done({"record", "--from-checkpoint", "sr1.mcap@tick:50"});
   EXPECT_THAT(outcome.out, HasSubstr("\ncontrol() of SR1/SR1Minimum: median "));
   EXPECT_THAT(outcome.out, StartsWith("branched off sr1.mcap at tick 50 (0.05 s): "));
+  EXPECT_EQ(outcome.err, "") << "the recorded commands lead the world to the recorded state";
   EXPECT_THAT(outcome.out,
               HasSubstr("\nbefore it the controllers, on the recorded inputs, repeat their commands bit for bit\n"));
   EXPECT_THAT(outcome.out, HasSubstr("\n50 ticks simulated from there"));
