@@ -9,20 +9,16 @@ namespace rehearse {
 
 namespace fs = std::filesystem;
 
-std::optional<fs::path> find_project(const fs::path& inside) {
-  constexpr const char* build_files[] = {"CMakeLists.txt", "pyproject.toml", "pytest.ini"};
-  std::error_code ignored;
-  std::optional<fs::path> with_build;
-  const fs::path begin = fs::absolute(inside.empty() ? "./" : inside, ignored);  // absolute() has no result for ""
-  for (fs::path folder = begin.lexically_normal().parent_path();; folder = folder.parent_path()) {
-    if (fs::is_directory(folder / "golden", ignored)) return folder;
-    const auto has_it = [&](const char* file) { return fs::is_regular_file(folder / file, ignored); };
-    if (!with_build && std::ranges::any_of(build_files, has_it)) with_build = folder;
-    if (folder == folder.parent_path()) return with_build;
+namespace {
+
+/// The nearest folder, from this one upwards, of which `is_found` holds.
+template <class Predicate>
+std::optional<fs::path> nearest(fs::path folder, const Predicate& is_found) {
+  for (;; folder = folder.parent_path()) {
+    if (is_found(folder)) return folder;
+    if (folder == folder.parent_path()) return std::nullopt;
   }
 }
-
-namespace {
 
 /// The *.yaml below a folder of the project or of its fixtures, by path.
 std::vector<fs::path> yaml_files(const fs::path& project, const std::string& name) {
@@ -38,6 +34,20 @@ std::vector<fs::path> yaml_files(const fs::path& project, const std::string& nam
 }
 
 }  // namespace
+
+std::optional<fs::path> find_project(const fs::path& inside) {
+  constexpr const char* build_files[] = {"CMakeLists.txt", "pyproject.toml", "pytest.ini"};
+  std::error_code ignored;
+  const fs::path begin = fs::absolute(inside.empty() ? "./" : inside, ignored);  // absolute() has no result for ""
+  const fs::path folder = begin.lexically_normal().parent_path();
+  const auto has_goldens = [&](const fs::path& above) { return fs::is_directory(above / "golden", ignored); };
+  const auto is_built = [&](const fs::path& above) {
+    return std::ranges::any_of(build_files,
+                               [&](const char* file) { return fs::is_regular_file(above / file, ignored); });
+  };
+  const auto with_goldens = nearest(folder, has_goldens);
+  return with_goldens ? with_goldens : nearest(folder, is_built);
+}
 
 std::vector<fs::path> scenario_files(const fs::path& project) { return yaml_files(project, "scenarios"); }
 
