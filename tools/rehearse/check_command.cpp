@@ -29,6 +29,7 @@
 #include "core/host/virtualised.h"
 #include "core/scenario/project.h"
 #include "debugger.h"
+#include "golden_conflicts.h"
 #include "golden_verbs.h"
 #include "options.h"
 #include "output.h"
@@ -103,61 +104,6 @@ fs::path named_golden(const CheckSettings& settings, const Scenario& scenario) {
   if (!settings.golden.empty()) return settings.golden;
   const fs::path within = fs::path(scenario.file).parent_path();  // scenario_of() names it RECORDING/scenario.yaml
   return within.extension() == ".mcap" ? within : fs::path();
-}
-
-fs::path normal_path(const fs::path& file) {
-  std::error_code ignored;
-  return fs::absolute(file, ignored).lexically_normal();
-}
-
-/// A golden that several scenarios name.
-struct Conflict {
-  std::string golden;
-  std::string owners;
-};
-
-using Conflicts = std::map<fs::path, Conflict>;  // by scenario file
-
-/// The conflicts of a repository.
-Conflicts find_conflicts(const fs::path& goldens) {
-  Conflicts conflicts;
-  for (const auto& [golden, owners] : find_golden_owners(goldens, {goldens / ".."}))
-    if (owners.scenarios.size() > 1)
-      for (const std::string& file : owners.scenarios) conflicts[normal_path(file)] = {golden, owners.conflict()};
-  return conflicts;
-}
-
-/// The conflicts of the repository that has the goldens of a file's folder. `searched`: by repository; each is searched
-/// once. None: there is no such folder, or it is outside (REHEARSE_GOLDEN_DIR).
-const Conflicts* conflicts_around(const std::string& file, std::map<fs::path, Conflicts>& searched) {
-  const auto goldens = find_golden_folder(file);
-  if (!goldens) return nullptr;  // check_golden tells
-  const fs::path repository = normal_path(*goldens / "..");
-  const fs::path inside = normal_path(file).lexically_relative(repository);
-  if (inside.empty() || *inside.begin() == "..") return nullptr;
-  const auto [found, is_new] = searched.try_emplace(repository);
-  if (is_new) found->second = find_conflicts(*goldens);
-  return &found->second;
-}
-
-/// An error if a different scenario names the same golden, anywhere in the golden's repository: each check would
-/// compare with the other scenario's run.
-Result<void> check_owners(const CheckSettings& settings, const std::vector<std::string>& files) {
-  std::map<fs::path, Conflicts> searched;
-  std::map<fs::path, const Conflicts*> of_folder;
-  for (const std::string& file : files) {
-    if (!settings.golden.empty() || file.ends_with(".mcap")) continue;
-    const auto [conflicts, is_new] = of_folder.try_emplace(fs::path(file).parent_path());
-    if (is_new) conflicts->second = conflicts_around(file, searched);
-    if (!conflicts->second || conflicts->second->empty()) continue;
-    const auto found = conflicts->second->find(normal_path(file));
-    if (found == conflicts->second->end()) continue;
-    return error_in(
-        file,
-        fmt::format("the golden '{}' isn't this scenario's alone: {}", found->second.golden, found->second.owners),
-        "give each a golden of its own");
-  }
-  return {};
 }
 
 /// The trace with which the scenario will be compared; empty: none, or not known yet.
@@ -442,7 +388,8 @@ Exit run_check(CheckSettings& settings, const CLI::App& options) {
     if (settings.debugger.is_wanted()) return run_in_gdb(settings, *scenario, options);
     only = *std::move(scenario);
   }
-  if (const auto own = check_owners(settings, *files); !own) return refuse(own.errors());
+  if (settings.golden.empty())
+    if (const auto own = check_owners(*files); !own) return refuse(own.errors());
   if (!settings.history.file.empty()) {
     auto stamp = stamp_of(settings.history);
     if (!stamp) return refuse(stamp.errors());
