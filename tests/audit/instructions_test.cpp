@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <regex>
+
 namespace rehearse::test {
 namespace {
 
@@ -77,6 +79,95 @@ TEST_F(Audited, ListsTheLinesWithMostInstructions) {
   EXPECT_THAT(outcome.out, StartsWith("control() of Pendulum/Zoo takes at most "));
   EXPECT_THAT(outcome.out, ::testing::ContainsRegex("instructions at tick 150 +line +function"));
   EXPECT_THAT(outcome.out, ::testing::ContainsRegex("lengthy.cpp:[0-9]+ +.*Lengthy::busy_wait"));
+}
+
+/// Counts that are kept beside a golden, and compared with new ones.
+class KeptInstructions : public Audited {
+ protected:
+  void SetUp() override {
+    const fs::path file = scenario("lengthy", "input_loop");
+    write("zoo.yaml", read_file(file) + "golden: Zoo.Lengthy\n");
+    fs::create_directory(folder() / "golden");
+    ASSERT_EQ(rehearse({"check", "zoo.yaml"}, "REHEARSE_GOLDEN=new").status, 0);
+  }
+  Outcome check(const std::string& environment = "") const {
+    return rehearse({"check", "zoo.yaml", "--instructions"}, environment);
+  }
+  void keep() const {
+    const Outcome outcome = check("REHEARSE_GOLDEN=new");
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out,
+                StartsWith("Zoo.Lengthy: kept in golden/Zoo.Lengthy.instructions: control() of Pendulum/Zoo takes "));
+  }
+  std::string kept() const { return read_file(folder() / "golden/Zoo.Lengthy.instructions"); }
+  /// Replaces what the expression finds, which must be there.
+  void change(const std::string& expression, const std::string& by) const {
+    const std::string before = kept();
+    const std::string after = std::regex_replace(before, std::regex(expression), by);
+    ASSERT_NE(before, after) << expression;
+    write("golden/Zoo.Lengthy.instructions", after);
+  }
+};
+
+TEST_F(KeptInstructions, AreEqualInTheNextCheck) {
+  EXPECT_EQ(check().status, 2);
+  EXPECT_THAT(check().err, StartsWith("error: no counts of instructions are kept beside the goldens"));
+  keep();
+  const Outcome outcome = check();
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, "Zoo.Lengthy: control() of Pendulum/Zoo takes the expected instructions in 199 ticks\n");
+  const std::string before = kept();
+  EXPECT_EQ(check("REHEARSE_GOLDEN=accept").status, 0);
+  EXPECT_EQ(kept(), before);
+  EXPECT_EQ(check("REHEARSE_GOLDEN=accept CI=true").status, 2);
+}
+
+TEST_F(KeptInstructions, ThatGrewAreNamedWithTickAndLine) {
+  keep();
+  change("\\[150, [0-9]+\\]", "[150, 1204]");
+  const Outcome outcome = check();
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              ::testing::ContainsRegex(
+                  "Zoo.Lengthy: control\\(\\) of Pendulum/Zoo takes [0-9,]+ instructions at tick 150, 1,204 "
+                  "expected; [0-9]+ % of them in lengthy.cpp:[0-9]+, Lengthy::input_loop\\(\\); over 2 % more "
+                  "in 1 of 199 ticks, from tick 150 on\n"));
+  const nlohmann::json checked = rehearse({"check", "zoo.yaml", "--instructions", "--json"}).json();
+  EXPECT_EQ(checked["within"], false);
+  EXPECT_EQ(checked["recordings"][0]["controllers"][0]["first"]["tick"], 150);
+  EXPECT_EQ(checked["recordings"][0]["controllers"][0]["worst"]["expected"], 1204);
+}
+
+TEST_F(KeptInstructions, ThatAreFewerOrTwoPercentMorePass) {
+  keep();
+  change("\\[150, ([0-9]+)\\]", "[150, 9$1]");
+  EXPECT_THAT(check().out,
+              ::testing::ContainsRegex(": control\\(\\) of Pendulum/Zoo takes [0-9.]+ % fewer instructions "
+                                       "than expected in 199 ticks\n"));
+  EXPECT_EQ(check().status, 0);
+}
+
+TEST_F(KeptInstructions, OfAnotherCompilerOrRecordingAreNotCompared) {
+  keep();
+  const std::string before = kept();
+  change("\"GNU C\\+\\+", "\"Another C++");
+  EXPECT_EQ(check().status, 2);
+  EXPECT_THAT(check().out, HasSubstr("aren't compared: they are kept of a library by 'Another C++"));
+  write("golden/Zoo.Lengthy.instructions", before);
+  change("\"recording\": \"[0-9a-f]+\"", "\"recording\": \"0\"");
+  EXPECT_THAT(check().out, HasSubstr("they are kept of another recording: the golden was accepted anew"));
+  change("glibc [0-9.]+", "glibc 1");
+  change("\"recording\": \"0\"", before.substr(before.find("\"recording\""), 31));
+  EXPECT_THAT(check().out, HasSubstr("they are kept of glibc 1, and this is glibc "));
+}
+
+TEST_F(KeptInstructions, ThatCanNotBeReadAreAnErrorWithTheirFile) {
+  for (const char* text : {"", "[1, 2]", "{\"rehearse_instructions\": 1}", "{\"rehearse_instructions\": 2}"}) {
+    write("golden/Zoo.Lengthy.instructions", text);
+    const Outcome outcome = check();
+    EXPECT_EQ(outcome.status, 2) << text;
+    EXPECT_THAT(outcome.out, StartsWith("Zoo.Lengthy: golden/Zoo.Lengthy.instructions: error: ")) << text;
+  }
 }
 
 TEST_F(Audited, CountsNoInstructionsOfAControllerThatFails) {

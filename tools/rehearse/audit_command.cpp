@@ -15,6 +15,7 @@
 #include "core/guard/interruption.h"
 #include "core/mcap/replaceable.h"
 #include "coverage_text.h"
+#include "instruction_check.h"
 #include "model/write_hint.h"
 #include "options.h"
 #include "output.h"
@@ -32,6 +33,7 @@ struct AuditSettings {
   std::string output;                 // with --virtualise: output file of the recording
   bool json = false;
   bool verbose = false;
+  bool judge = false;  // the counts of instructions are compared with those beside the recordings
   AuditOptions audit;
   AuditedReplay replay;  // the task of this process; without a folder: audit
 };
@@ -198,7 +200,7 @@ Exit examine_and_finish(AuditSettings& settings, const Examine& examine) {
 Exit run_audit(AuditSettings& settings) {
   if (!settings.replay.folder.empty()) return run_replay(settings);
   const std::string& subject = settings.subjects.front();
-  if (settings.subjects.size() > 1 && !settings.audit.coverage)
+  if (settings.subjects.size() > 1 && !settings.audit.coverage && !settings.judge)
     return refuse(error("only --coverage examines several recordings: this examines one", "name it alone"));
   if (!settings.output.empty() && !settings.audit.virtualise)
     return refuse(error("-o is the recording that --virtualise makes", "add --virtualise, or use rehearse record"));
@@ -221,6 +223,7 @@ Exit run_audit(AuditSettings& settings) {
     return examine_and_finish(settings, [&] {
       return coverage({settings.subjects.begin(), settings.subjects.end()}, settings.audit);
     });
+  if (settings.judge) return check_instructions(settings.subjects, settings.audit, settings.json);
   return examine_and_finish(settings, [&] { return audit(subject, settings.audit); });
 }
 
@@ -272,6 +275,7 @@ std::function<Exit()> declare_audit(CLI::App& options) {
   options.add_option("--stack-fill", settings->replay.stack_fill)->group("");
   options.add_flag("--costs", settings->replay.costs)->group("");
   options.add_flag("--executed", settings->replay.coverage)->group("");
+  options.add_flag("--judge", settings->judge)->group("");
   options.add_flag("--profile", settings->replay.instructions)->group("");
   return [settings] { return run_audit(*settings); };
 }

@@ -16,7 +16,7 @@
 namespace rehearse::tool {
 
 Exit continue_in_audit(std::string_view mode, const std::vector<std::filesystem::path>& recordings,
-                       const CLI::App& options) {
+                       const CLI::App& options, const std::vector<std::string>& more) {
   if (!has_audit) return refuse(left_out(mode, "audit"));
   const std::vector<std::string_view> shared{mode,     "--until",        "--controller", "--call-limit",
                                              "--json", "--memory-limit", "--lcov",       "--verbose"};
@@ -32,6 +32,7 @@ Exit continue_in_audit(std::string_view mode, const std::vector<std::filesystem:
   }
   std::vector<std::string> words = words_without({positionals.begin(), positionals.end()}, "audit", options);
   words.insert(words.begin(), "rehearse");
+  words.insert(words.end(), more.begin(), more.end());
   for (const std::filesystem::path& recording : recordings) words.push_back(recording.string());
   std::filesystem::path program = own_program();  // `rehearse`, or a program beside rehearse-audit
   if (program.filename() != "rehearse") program.replace_filename("rehearse-audit");

@@ -55,6 +55,7 @@ struct CheckSettings {
   CheckOptions check;
   bool has_levels = false;         // the user named levels
   bool coverage = false;           // instead, list the lines that no golden executes
+  bool instructions = false;       // instead, compare the instructions of control() with those kept beside goldens
   std::string lcov;                // output file of the tracefile, with `coverage`; empty: none
   bool simulate = false;           // nothing is proved
   bool strict = false;             // goldens without an owner fail, too
@@ -359,23 +360,26 @@ Exit check_strictly() {
   return found.empty() ? Exit::done : Exit::differs;
 }
 
-/// Continues as `audit --coverage` with the goldens of these scenarios.
-Exit cover_goldens(const CheckSettings& settings, const std::vector<std::string>& files, const CLI::App& options) {
+/// Continues as `audit` in this mode with the goldens of these scenarios.
+Exit audit_goldens(std::string_view mode, const CheckSettings& settings, const std::vector<std::string>& files,
+                   const CLI::App& options, const std::vector<std::string>& more = {}) {
   std::vector<fs::path> goldens;
   for (const std::string& file : files) {
     const auto scenario = read_scenario(file);
     if (!scenario) return refuse(scenario.errors());
     if (fs::path golden = golden_of(settings, *scenario); !golden.empty()) goldens.push_back(std::move(golden));
   }
-  if (goldens.empty()) return refuse(error("--coverage replays goldens, and there is none yet", "record one first"));
-  return continue_in_audit("--coverage", goldens, options);
+  if (goldens.empty())
+    return refuse(error(fmt::format("{} replays goldens, and there is none yet", mode), "record one first"));
+  return continue_in_audit(mode, goldens, options, more);
 }
 
 Exit run_check(CheckSettings& settings, const CLI::App& options) {
   const auto files = settings.scenarios.empty() ? files_of_project() : settings.scenarios;
   if (!files) return refuse(files.errors());
   if (files->empty()) return refuse(nothing_to_check());
-  if (settings.coverage) return cover_goldens(settings, *files, options);
+  if (settings.coverage) return audit_goldens("--coverage", settings, *files, options);
+  if (settings.instructions) return audit_goldens("--instructions", settings, *files, options, {"--judge"});
   const bool alone = files->size() == 1;
   if (settings.debugger.is_wanted() && !alone)
     return refuse(error("--gdb stops in one scenario", "name that scenario"));
@@ -457,6 +461,10 @@ std::function<Exit()> declare_check(CLI::App& options) {
       "--simulate", settings->simulate,
       "simulate even if it is proved that the world is the one that made the golden. REHEARSE_PROOF=off has the same "
       "effect; REHEARSE_PROOF=sample:20 in a fifth of the checks");
+  options.add_flag(
+      "--instructions", settings->instructions,
+      "instead: compare the instructions of each control() with those kept beside the goldens, by valgrind; "
+      "REHEARSE_GOLDEN=new keeps them where there are none, and accept in place of others");
   options.add_flag("--coverage", settings->coverage,
                    "instead: list the lines of the controllers that no golden executes, as audit --coverage does");
   add_lcov_option(options, settings->lcov);

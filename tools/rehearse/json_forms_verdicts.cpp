@@ -299,6 +299,44 @@ const Form& coverage_form() {
   return form;
 }
 
+const Form& compared_call_form() {
+  static const Form form{
+      "compared_call",
+      "a call of control() beside the kept one of its tick",
+      {member("tick", types::count()), member("instructions", types::count()), member("expected", types::count())}};
+  return form;
+}
+
+const Form& compared_instructions_form() {
+  static const Form form = [] {
+    const auto call = types::nullable(types::of(compared_call_form));
+    return Form{"compared_instructions",
+                "the instructions of a controller beside the kept ones",
+                {member("controller", types::string()), member("not_compared", types::nullable(types::string())),
+                 member("ticks", types::count()), member("grown", types::count()), member("share", types::real()),
+                 member("first", call), member("worst", call)}};
+  }();
+  return form;
+}
+
+const Form& checked_instructions_form() {
+  static const Form form{
+      "checked_instructions",
+      "the instructions in the replay of a golden",
+      {member("recording", types::string()), member("verdict", types::string()), member("within", types::flag()),
+       member("kept", types::nullable(types::string())),
+       member("controllers", types::array(types::of(compared_instructions_form))), member("remarks", findings_type())}};
+  return form;
+}
+
+const Form& instruction_check_form() {
+  static const Form form = with_version({"instructions",
+                                         "check --instructions --json",
+                                         {member("verdict", types::string()), member("within", types::flag()),
+                                          member("recordings", types::array(types::of(checked_instructions_form)))}});
+  return form;
+}
+
 const Form& two_values_form() {
   static const Form form{
       "two_values",
@@ -421,6 +459,7 @@ std::vector<NamedForm> verdict_objects() {
           object_of("diff", "diff --json", {diff_form}),
           object_of("audit", "audit --json", {audit_form}),
           object_of("coverage", "audit --coverage --json", {coverage_form}),
+          object_of("instructions", "check --instructions --json", {instruction_check_form}),
           object_of("beside", "replay --beside --json", {beside_form}),
           object_of("history", "history --json", {history_form}),
           {"history-line", "a line of a history", types::of(history_line_form)}};

@@ -222,6 +222,9 @@ class GoldenStore {
 /// The file of a golden's measured noise: beside it, with the ending .noise.
 std::filesystem::path noise_file_of(const std::filesystem::path& golden);
 
+/// The file of the instructions that control() takes in a golden's replay: beside it, with the ending .instructions.
+std::filesystem::path instructions_file_of(const std::filesystem::path& golden);
+
 /// The first words of a digest, which name its format.
 inline constexpr const char* digest_form = "digest 2";
 

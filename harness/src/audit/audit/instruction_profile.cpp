@@ -185,14 +185,13 @@ std::map<std::string, InstructionCounts> ProfileReader::finish() {
   return std::move(counts_);
 }
 
-/// 1204: "1,204"
+}  // namespace
+
 std::string grouped(std::uint64_t number) {
   std::string digits = std::to_string(number);
   for (std::size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, ",");
   return digits;
 }
-
-}  // namespace
 
 std::string profile_title(const std::string& controller, std::int64_t tick) {
   return fmt::format("tick {} of {}", tick, controller);

@@ -20,6 +20,9 @@ std::string profile_title(const std::string& controller, std::int64_t tick);
 Result<std::map<std::string, InstructionCounts>> read_instruction_profiles(
     const std::filesystem::path& file, const std::map<std::string, std::filesystem::path>& libraries);
 
+/// 1204: "1,204"
+std::string grouped(std::uint64_t number);
+
 /// "control() of SR1/Walk takes 1204 instructions in the median tick, and at most ..., at tick 500: 96 % of them by
 /// ..."
 std::string instructions_sentence(const std::string& controller, const InstructionCounts& counts);

@@ -5,10 +5,12 @@
 #include <elfutils/libdw.h>
 #include <elfutils/libdwfl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <map>
+#include <set>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -221,6 +223,17 @@ LineTable Symbols::lines() const {
   std::ranges::stable_sort(table.rows, {},
                            [](const LineTable::Row& row) { return std::pair(row.address, row.line > 0); });
   return table;
+}
+
+std::string Symbols::compilers() const {
+  std::set<std::string> found;
+  Dwarf_Addr bias = 0;
+  Dwarf_Die* unit = nullptr;
+  while (module_ && (unit = dwfl_module_nextcu(module_, unit, &bias))) {
+    Dwarf_Attribute attribute;
+    if (const char* producer = dwarf_formstring(dwarf_attr(unit, DW_AT_producer, &attribute))) found.insert(producer);
+  }
+  return fmt::format("{}", fmt::join(found, "; "));
 }
 
 std::string Symbols::describe(std::uint64_t address) const {

@@ -44,6 +44,8 @@ class Symbols {
   std::string address_text(std::uint64_t address) const;
   /// Without rows if there is no debug information.
   LineTable lines() const;
+  /// The compilers and their options, by the debug information: "GNU C++17 12.2.0 -O2 -g -fPIC"; empty without it.
+  std::string compilers() const;
 
  private:
   struct Close {

@@ -107,6 +107,8 @@ GoldenStore::GoldenStore(fs::path folder, fs::path pending)
 
 fs::path noise_file_of(const fs::path& golden) { return fs::path(golden).replace_extension(".noise"); }
 
+fs::path instructions_file_of(const fs::path& golden) { return fs::path(golden).replace_extension(".instructions"); }
+
 fs::path GoldenStore::trace_file(const std::string& name) const { return folder_ / (name + ".mcap"); }
 fs::path GoldenStore::digest_file(const std::string& name) const { return folder_ / (name + ".txt"); }
 fs::path GoldenStore::pending_file(const std::string& name) const { return pending_ / (name + ".mcap"); }

@@ -277,8 +277,9 @@ Result<void> GoldenStore::remove(const std::string& name, const fs::path& to) {
     take_away(file);
     if (failed) return error(fmt::format("{} can't be removed: {}", file.string(), failed.message()));
   }
-  // The noise file has no meaning without its golden.
-  if (fs::exists(noise_file_of(trace), failed)) take_away(noise_file_of(trace));
+  // These files have no meaning without their golden.
+  for (const fs::path& file : {noise_file_of(trace), instructions_file_of(trace)})
+    if (fs::exists(file, failed)) take_away(file);
   return {};
 }
 
