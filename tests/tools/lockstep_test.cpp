@@ -160,6 +160,11 @@ TEST_F(LockstepRefusal, SaysWhatIsMissing) {
   EXPECT_EQ(refusal({"replay", "run.mcap", "--beside", "Walk=" + library(0)}),
             "error: --beside Walk=...: the run has no controller of that name (expected NAME=OLD; controllers: "
             "Quadruped/Trot)\n");
+  write("trot.py", "");
+  EXPECT_EQ(
+      refusal({"replay", "run.mcap", "--controller", "Trot=trot.py:Trot", "--beside", library(0)}),
+      "error: --beside compares controllers in C++, and trot.py:Trot is in Python (replay --tick and --watch show "
+      "commands beside the recorded ones)\n");
   EXPECT_THAT(refusal({"replay", "run.mcap", "--beside", library(0), "--tick", "3"}),
               StartsWith("error: --beside compares two libraries in whole recordings"));
   EXPECT_EQ(refusal({"replay", "run.mcap", "--beside", library(0)}, "PATH=/nowhere"),
@@ -170,7 +175,7 @@ TEST_F(LockstepRefusal, OfALibraryWithoutDebugInformation) {
   record();
   EXPECT_THAT(refusal({"replay", "run.mcap", "--controller", "Trot=" BESIDE_FOLDER "/beside_without_lines.so",
                        "--beside", library(0)}),
-              HasSubstr("Quadruped/Trot has no debug information: build it with -g"));
+              HasSubstr("Quadruped/Trot has no class in its debug information; it has to be C++, built with -g"));
 }
 
 }  // namespace

@@ -68,6 +68,14 @@ Result<fs::path> recorded_library(const fs::path& trace, const NamedController& 
                "name a copy of the old library, or the commit that it was built from");
 }
 
+Result<void> check_language(const fs::path& library) {
+  const auto hosted = hosted_name(library);
+  if (!hosted) return {};
+  return error(fmt::format("--beside compares controllers in C++, and {} is in {}", library.filename().string(),
+                           hosted->language.name),
+               "replay --tick and --watch show commands beside the recorded ones");
+}
+
 Result<Pair> pair_of(const fs::path& trace, const Scenario& scenario, const std::string& beside,
                      const HostOptions& host) {
   const std::size_t sign = beside.find('=');
@@ -84,6 +92,7 @@ Result<Pair> pair_of(const fs::path& trace, const Scenario& scenario, const std:
       given == host.libraries.end() ? present : find_controller_library(given->second, fs::current_path());
   if (!library) return library.errors();
   pair.new_library = *library;
+  if (const auto refused = check_language(pair.new_library); !refused) return refused.errors();
   if (pair.old_name == "recorded") {
     if (!present) return present.errors();
     const auto recorded = recorded_library(trace, *controller, *present);
@@ -94,6 +103,7 @@ Result<Pair> pair_of(const fs::path& trace, const Scenario& scenario, const std:
   const auto old = find_controller_library(pair.old_name, fs::current_path());
   if (old) {
     pair.old_library = *old;
+    if (const auto refused = check_language(*old); !refused) return refused.errors();
     return pair;
   }
   if (!is_commit(pair.old_name)) {

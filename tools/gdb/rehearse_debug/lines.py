@@ -50,7 +50,9 @@ def object_of(now: place.Place) -> gdb.Value:
     table = gdb.Value(now.object).cast(word).dereference()
     symbol = gdb.execute(f"info symbol {int(table):#x}", to_string=True)
     name = symbol.partition(" + ")[0].partition(" in section ")[0]
-    without = gdb.GdbError(f"{now.controller} has no debug information: build it with -g, and don't strip it")
+    without = gdb.GdbError(
+        f"{now.controller} has no class in its debug information; it has to be C++, built with -g and not stripped"
+    )
     if not name.startswith(_TABLE):
         raise without
     try:
