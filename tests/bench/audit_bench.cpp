@@ -41,8 +41,8 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// Work: `rehearse audit` of a recording, without what it takes to start (an audit of two ticks). Base: `rehearse replay`
-/// of it. The processes of an audit run two at a time; `busy` is all that they compute.
+/// Work: `rehearse audit` of a recording, without what it takes to start (an audit of two ticks). Base: `rehearse
+/// replay` of it. The processes of an audit run two at a time; `busy` is all that they compute.
 void over_one_replay(benchmark::State& state, const std::string& verb) {
   const Sr1Run& sr1 = Sr1Run::instance();
   const std::string trace = "'" + sr1.trace().string() + "'";
@@ -68,6 +68,9 @@ BENCHMARK(audit_over_one_replay)->UseManualTime()->Unit(benchmark::kMillisecond)
 
 void instructions_over_one_replay(benchmark::State& state) { over_one_replay(state, "audit --instructions "); }
 BENCHMARK(instructions_over_one_replay)->UseManualTime()->Unit(benchmark::kMillisecond);
+
+void coverage_over_one_replay(benchmark::State& state) { over_one_replay(state, "audit --coverage "); }
+BENCHMARK(coverage_over_one_replay)->UseManualTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace rehearse

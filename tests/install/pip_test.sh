@@ -45,7 +45,8 @@ trace = rehearse.Trace("damp.mcap")
 print(trace, trace["Pendulum/hinge/q"].min())
 assert rehearse.replay("damp.mcap").equal
 END
-environment/bin/python -m pytest --help | grep -q rehearse_golden # the plugin
+environment/bin/python -m pytest --help > help
+grep -q rehearse_golden help # the plugin
 $pip uninstall --quiet --yes rehearse
 find environment -not -name '*.pyc' -not -name __pycache__ | sort > after
 if comm -13 before after | grep -i rehearse; then

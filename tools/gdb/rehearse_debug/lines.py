@@ -1,6 +1,6 @@
 """The lines that one call of control() executes in the controller's own sources, with the numbers after each."""
 
-from typing import Dict, List, NamedTuple, Optional, Set, Tuple
+from typing import Dict, Iterator, List, NamedTuple, Optional, Set, Tuple
 
 import gdb
 
@@ -167,49 +167,71 @@ class _Skips:
         return {int(row.split()[0]) for row in rows if row[:1].isdigit()}
 
 
+class Steps:
+    """Executes the rest of a call of control() in steps: a line of the controller's own sources, or the rest of one where
+    a function has returned. Breakpoints of the user end it."""
+
+    def __init__(self) -> None:
+        host = stack.host_frame()
+        if host is None or not stack.frames():
+            raise gdb.GdbError("gdb isn't in code of a controller here; rehearse-next-tick goes to the next control()")
+        self.has_returned = False  # the call has ended
+        self.hit: Optional[gdb.Breakpoint] = None  # a breakpoint of the user
+        self._library = gdb.solib_name(gdb.newest_frame().pc())
+        self._thread = gdb.selected_thread().global_num
+        self._returns: Dict[int, gdb.Breakpoint] = {}
+        self._stop_at(host.pc())
+
+    def frames(self) -> Iterator[gdb.Frame]:
+        """The innermost frame before each step."""
+        gdb.events.stop.connect(self._remember)
+        try:
+            with _Skips():
+                while place.is_running() and self.hit is None:
+                    frame = gdb.newest_frame()
+                    if stack.is_of_the_host(frame):
+                        self.has_returned = True
+                        return
+                    is_own = _is_own(frame, self._library)
+                    if is_own:
+                        if frame.older() is not None:
+                            self._stop_at(frame.older().pc())
+                        yield frame
+                    gdb.execute("step" if is_own or not _has_own_caller(frame) else "finish", to_string=True)
+        finally:
+            gdb.events.stop.disconnect(self._remember)
+            for stop in self._returns.values():
+                stop.delete()
+
+    def _remember(self, event: gdb.StopEvent) -> None:
+        hit = event.breakpoints if isinstance(event, gdb.BreakpointEvent) else []
+        self.hit = next((known for known in hit if known.number > 0), None)
+
+    def _stop_at(self, address: int) -> None:
+        if address not in self._returns:
+            self._returns[address] = stop = gdb.Breakpoint(f"*{address:#x}", internal=True)
+            stop.silent = True
+            stop.thread = self._thread
+
+
 class Walk:
     """One call of control(), from its beginning to its end, line by line."""
 
     def __init__(self, now: place.Place) -> None:
         self.lines: List[Line] = []
         self.statements: Dict[Tuple[str, str], List[int]] = {}  # the lines of each function, by file and function
-        self.is_complete = False  # false: the call didn't end, or executed more lines than MOST_LINES
         self.is_optimised = False
         self._calls = _Calls()
         self._numbers = numbers_of(now)
         self._numbers.changes()
         self.first = dict(self._numbers.texts)  # members and commands at the beginning
-        self.last: Dict[str, Optional[str]] = {}  # those that the last line has changed
-        host = stack.host_frame()
-        if host is None or not stack.frames():
-            raise gdb.GdbError("gdb isn't in code of a controller here")
-        self._library = gdb.solib_name(gdb.newest_frame().pc())
-        self._returns: Dict[int, gdb.Breakpoint] = {}
-        self._stop_at(host.pc())
-        try:
-            with _Skips():
-                self._execute()
-        finally:
-            for stop in self._returns.values():
-                stop.delete()
-
-    def _execute(self) -> None:
-        while len(self.lines) < MOST_LINES and place.is_running():
-            frame = gdb.newest_frame()
-            if stack.is_of_the_host(frame):
-                self.is_complete = True
-                self.last = self._numbers.changes()
-                return
-            is_own = _is_own(frame, self._library)
-            if is_own:
-                self._add(frame)
-            gdb.execute("step" if is_own or not _has_own_caller(frame) else "finish", to_string=True)
-
-    def _stop_at(self, address: int) -> None:
-        """Where a call returns to, gdb stops within a line: so a line ends before the rest of the calling line."""
-        if address not in self._returns:
-            self._returns[address] = stop = gdb.Breakpoint(f"*{address:#x}", internal=True)
-            stop.silent = True
+        steps = Steps()
+        for frame in steps.frames():
+            self._add(frame)
+            if len(self.lines) >= MOST_LINES:
+                break
+        self.is_complete = steps.has_returned  # false: the call executes more lines than MOST_LINES, or it didn't end
+        self.last = self._numbers.changes() if self.is_complete else {}  # by the last line
 
     def last_texts(self) -> Dict[str, str]:
         """The numbers where the call ended."""
@@ -226,9 +248,6 @@ class Walk:
         function, depth = frame.name() or "", _depth_of(frame)
         variables, always = _locals_of(frame, self._numbers.layout)
         call = self._calls.at(depth, function)
-        older = frame.older()
-        if older is not None:
-            self._stop_at(older.pc())
         call.update(variables, always)
         has_returned = bool(self.lines) and self.lines[-1].call > call.number
         is_begun = found.pc != frame.pc() or (has_returned and call.line == found.line)

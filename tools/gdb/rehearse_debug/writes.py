@@ -4,7 +4,7 @@ from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 import gdb
 
-from . import place, stack, tables
+from . import lines, place, stack, tables
 
 _TYPES = {1: "char", 2: "short", 4: "int", 8: "long"}  # by their size in bytes
 
@@ -83,10 +83,10 @@ def _run_on(now: place.Place, element: str, stops: bool) -> _Run:
     host = stack.host_frame()
     if host is None or not stack.frames():
         raise gdb.GdbError("gdb isn't in code of a controller here; rehearse-next-tick goes to the next control()")
+    if not _are_reported():
+        return _by_lines(number, stops)
     end = gdb.Breakpoint(f"*{host.pc():#x}", internal=True)
     end.silent = True
-    allowed = gdb.parameter("can-use-hw-watchpoints")
-    gdb.execute(f"set can-use-hw-watchpoints {allowed if _are_reported() else 0}")  # 0: by single steps
     write = _Write(number, stops)
     try:
         gdb.execute("continue")
@@ -94,11 +94,31 @@ def _run_on(now: place.Place, element: str, stops: bool) -> _Run:
     finally:
         write.delete()
         end.delete()
-        gdb.execute(f"set can-use-hw-watchpoints {allowed}")
+
+
+def _by_lines(number: gdb.Value, stops: bool) -> _Run:
+    """Without watchpoints: the frames of the line after which the number is another."""
+    memory, address, size = gdb.selected_inferior(), int(number.address), number.type.sizeof
+    held, executed, found = bytes(memory.read_memory(address, size)), stack.frames(), []
+    steps = lines.Steps()
+    for _ in steps.frames():
+        now = bytes(memory.read_memory(address, size))
+        if now != held:
+            held, found = now, executed
+            if stops:
+                return _Run(found, False)
+        executed = stack.frames()
+    if steps.hit is not None:
+        temporary = "Temporary breakpoint" if steps.hit.temporary else "Breakpoint"
+        gdb.write(f"hit {temporary} {steps.hit.number}, ")
+        gdb.execute("frame")
+    elif steps.has_returned and bytes(memory.read_memory(address, size)) != held:
+        found = executed
+    return _Run(found if not stops or steps.has_returned else [], steps.has_returned)
 
 
 def to_next(now: place.Place, element: str) -> None:
-    """Stops behind the instruction that changes the command next, or at the end of the call."""
+    """Stops behind the instruction or line that changes the number next, or at the end of the call."""
     try:
         run = _run_on(now, element, stops=True)
     except gdb.error as problem:
