@@ -97,6 +97,15 @@ TEST_F(Lockstep, OfEqualLibrariesFindsNothing) {
                          "object before 300 ticks\n"));
 }
 
+TEST_F(Lockstep, ComparesLibrariesOfWhichNeitherWasRecorded) {
+  record();
+  const Outcome outcome = beside(library(4), library(2));  // the commands of both differ from the recorded ones at tick 1
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.out, StartsWith("Quadruped/Trot differs first at tick 1 (0.001 s), after "));
+  EXPECT_THAT(outcome.out, HasSubstr(": share is 0, not 0.002"));
+  EXPECT_THAT(outcome.err, HasSubstr("isn't the recorded controller: its commands differ from tick 1 on"));
+}
+
 TEST_F(Lockstep, IsAnObjectOfJsonToo) {
   record();
   const nlohmann::json object =

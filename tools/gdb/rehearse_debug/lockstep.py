@@ -121,8 +121,8 @@ class _States:
         changed = [self._old[now.tick], self._of_new.changes()]
         for texts, changes in zip((old, new), changed):
             _apply(texts, changes)
-        names = [name for name in {**changed[0], **changed[1]} if not name.startswith("command ")]
-        different = {name: (old[name], new[name]) for name in names if name in old and name in new and old[name] != new[name]}
+        names = [name for name in {**changed[0], **changed[1]} if name in old and name in new]
+        different = {name: (old[name], new[name]) for name in names if old[name] != new[name]}
         if now.tick == 0:
             self.before_run = different
             self.only_old = [name for name in old if name not in new]
