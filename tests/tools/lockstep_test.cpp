@@ -63,7 +63,7 @@ TEST_P(LockstepOfFault, NamesTheLineOfTheCause) {
   EXPECT_THAT(verdict, StartsWith(std::string("Quadruped/Trot differs first at tick ") + when));
   EXPECT_THAT(verdict, AllOf(HasSubstr(" " + line + " "), HasSubstr(what)));
   EXPECT_THAT(outcome.out, HasSubstr("\n  new  " + line));
-  EXPECT_THAT(outcome.out, HasSubstr("\ncompared: 12 numbers of its object before "));
+  EXPECT_THAT(outcome.out, HasSubstr("\ncompared: 15 numbers of its object before "));
   EXPECT_EQ(outcome.err, "");
 }
 
@@ -85,7 +85,7 @@ TEST_F(Lockstep, NamesMembersThatDifferBeforeTheRun) {
       AllOf(StartsWith("Quadruped/Trot differs first before the run: legs_[2].side is -1, not 1; then at tick 100 "),
             HasSubstr(": wanted is -0.09")));
   EXPECT_THAT(beside(library(10), library(0)).out,
-              StartsWith("Quadruped/Trot differs first before the run: lean_ is "));
+              StartsWith("Quadruped/Trot differs first before the run: lean_ is never set, not 0"));
 }
 
 TEST_F(Lockstep, OfEqualLibrariesFindsNothing) {
@@ -93,13 +93,14 @@ TEST_F(Lockstep, OfEqualLibrariesFindsNothing) {
   const Outcome outcome = beside(library(0), library(0));
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out,
-              StartsWith("Quadruped/Trot is equal with both libraries: its commands, and 12 numbers of its "
+              StartsWith("Quadruped/Trot is equal with both libraries: its commands, and 15 numbers of its "
                          "object before 300 ticks\n"));
 }
 
 TEST_F(Lockstep, ComparesLibrariesOfWhichNeitherWasRecorded) {
   record();
-  const Outcome outcome = beside(library(4), library(2));  // the commands of both differ from the recorded ones at tick 1
+  const Outcome outcome =
+      beside(library(4), library(2));  // the commands of both differ from the recorded ones at tick 1
   EXPECT_EQ(outcome.status, 1);
   EXPECT_THAT(outcome.out, StartsWith("Quadruped/Trot differs first at tick 1 (0.001 s), after "));
   EXPECT_THAT(outcome.out, HasSubstr(": share is 0, not 0.002"));

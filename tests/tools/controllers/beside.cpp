@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #ifndef FAULT
@@ -18,6 +19,10 @@ struct Leg {
   std::array<cnoid::Link*, 3> joints{};
   double side = 1.0;  // left: 1, right: -1
   double filtered = 0.0;
+};
+
+struct Joint {
+  std::string name;
 };
 
 class Beside : public cnoid::SimpleController {
@@ -49,6 +54,7 @@ class Beside : public cnoid::SimpleController {
   }
 
   bool control() override {
+    for (const Joint& joint : joints_) longest_ = std::max(longest_, joint.name.size());
     lean_ += 0.01 * (imu_->w().x() - lean_);
     const cnoid::Matrix3 turn = cnoid::AngleAxis(0.3, cnoid::Vector3::UnitZ()).toRotationMatrix();
 #if FAULT == 5
@@ -119,7 +125,10 @@ class Beside : public cnoid::SimpleController {
     }
   }
 
+  /// What follows the array in memory is no joint: pointers to its end lead to nothing.
+  std::array<Joint, 2> joints_{{{"hip"}, {"knee"}}};
   std::vector<Leg> legs_;
+  std::size_t longest_ = 0;
   cnoid::Imu* imu_ = nullptr;
   double time_step_ = 0.0;
   double lean_;

@@ -86,7 +86,8 @@ def _is_own(frame: gdb.Frame, library: str) -> bool:
 def _locals_of(frame: gdb.Frame, known: Layout) -> Tuple[Dict[str, str], Set[str]]:
     """The numbers in the variables of the function, but for those which refer to known objects; and the names of those
     that are set, because they are arguments, or static."""
-    layout, always = Layout(_MOST_LOCALS, apart_from=known), Layout(_MOST_LOCALS, apart_from=known)
+    # a pointer may be behind the end of an array
+    layout, always = (Layout(_MOST_LOCALS, apart_from=known, follows_pointers=False) for _ in range(2))
     names: Set[str] = {"this"}
     try:
         block: Optional[gdb.Block] = frame.block()
@@ -94,7 +95,8 @@ def _locals_of(frame: gdb.Frame, known: Layout) -> Tuple[Dict[str, str], Set[str
         return {}, set()
     while block is not None and not block.is_static and not block.is_global:
         for symbol in block:
-            if symbol.name in names or not (symbol.is_argument or symbol.is_variable):
+            is_compilers = symbol.name.startswith("__")  # as the end of a range
+            if symbol.name in names or is_compilers or not (symbol.is_argument or symbol.is_variable):
                 continue
             names.add(symbol.name)
             is_set = symbol.is_argument or symbol.addr_class == gdb.SYMBOL_LOC_STATIC

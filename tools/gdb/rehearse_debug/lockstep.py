@@ -75,6 +75,7 @@ def _set(arguments: List[str]) -> None:
     """The arguments of the next start. Memory that a controller never sets has the same bytes with both libraries."""
     gdb.execute("set args " + shlex.join(arguments) + " >/dev/null 2>&1")
     gdb.execute(f"set environment MALLOC_PERTURB_ {state.FREED}")
+    gdb.execute("set environment GLIBC_TUNABLES glibc.malloc.tcache_count=0")  # its memory would keep old bytes
 
 
 def _end() -> None:

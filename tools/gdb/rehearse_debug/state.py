@@ -68,11 +68,14 @@ def is_foreign(name: str) -> bool:
 class Layout:
     """Where the numbers of some values are. A value that is in no memory, as in a register, is read at once."""
 
-    def __init__(self, most: int = MOST_NUMBERS, apart_from: Optional["Layout"] = None) -> None:
+    def __init__(
+        self, most: int = MOST_NUMBERS, apart_from: Optional["Layout"] = None, follows_pointers: bool = True
+    ) -> None:
         self.numbers: List[Number] = []
         self.fixed: Dict[str, str] = {}
         self.is_complete = True
         self._most = most
+        self._follows_pointers = follows_pointers
         self._guards: List[Tuple[int, bytes]] = []  # changed bytes mean another layout
         self._seen = set(apart_from._seen) if apart_from else set()
 
@@ -124,6 +127,8 @@ class Layout:
     def _add_pointee(self, name: str, value: gdb.Value, kind: gdb.Type, depth: int) -> None:
         target = kind.target().strip_typedefs().unqualified()
         if kind.code == gdb.TYPE_CODE_PTR:
+            if not self._follows_pointers:
+                return
             if target.code not in (gdb.TYPE_CODE_STRUCT, gdb.TYPE_CODE_UNION) or is_foreign(target.name or ""):
                 return
             if value.address is not None:
@@ -142,7 +147,7 @@ class Layout:
             self._add_matrix(name, value)
         elif called.startswith("std::") and gdb.default_visualizer(value) is not None:
             self._add_container(name, value, kind, depth)
-        elif called.startswith(("cnoid::", "rehearse::")):
+        elif called.startswith(("cnoid::", "rehearse::", "__gnu_cxx::")):  # the last: iterators, also behind an end
             return
         else:
             self._add_members(name, value, kind, depth)
