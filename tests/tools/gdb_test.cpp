@@ -6,7 +6,7 @@
 #include <bit>
 #include <cstdint>
 
-#include "command.h"
+#include "gdb_command.h"
 
 namespace rehearse::test {
 namespace {
@@ -42,16 +42,8 @@ std::string arrival(int tick, const std::string& place, const std::string& of = 
   return "tick " + std::to_string(tick) + " [^\n]*, in control\\(\\) of " + of + "\n#0 [^\n]*" + place + "[^\n]*\n";
 }
 
-class Gdb : public Command {
+class Gdb : public GdbCommand {
  protected:
-  void SetUp() override {
-    const std::string said = test::run("gdb -nx -batch -ex run -ex 'info program' --args true").text;
-    if (said.find("exited normally") == std::string::npos)
-      GTEST_SKIP() << "gdb is not installed, or may trace nothing here: " << said;
-  }
-
-  static constexpr const char* environment = "ASAN_OPTIONS=detect_leaks=0";  // LeakSanitizer is a debugger itself
-
   Outcome quiet(const std::vector<std::string>& words) const { return rehearse(words, environment); }
 
   /// `script`: a command of gdb's a line; one that fails doesn't keep the next from being executed.

@@ -5,7 +5,7 @@
 #include <string>
 #include <tuple>
 
-#include "command.h"
+#include "gdb_command.h"
 
 namespace rehearse::test {
 namespace {
@@ -26,16 +26,8 @@ std::string line_with(const std::string& comment) {
   return "";
 }
 
-class Lockstep : public Command {
+class Lockstep : public GdbCommand {
  protected:
-  void SetUp() override {
-    const std::string said = test::run("gdb -nx -batch -ex run -ex 'info program' --args true").text;
-    if (said.find("exited normally") == std::string::npos)
-      GTEST_SKIP() << "gdb is not installed, or may trace nothing here: " << said;
-  }
-
-  static constexpr const char* environment = "ASAN_OPTIONS=detect_leaks=0";  // LeakSanitizer is a debugger itself
-
   static std::string library(int fault) { return BESIDE_FOLDER "/beside_" + std::to_string(fault) + ".so"; }
 
   void record() const {

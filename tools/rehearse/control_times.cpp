@@ -4,6 +4,7 @@
 
 #include <cstdio>
 
+#include "core/host/control_times_json.h"
 #include "options.h"
 
 namespace rehearse::tool {
@@ -72,17 +73,8 @@ const std::vector<ControlTimes>& control_times_of(const CheckReport& report) {
 Json json_of(const std::vector<ControlTimes>& all) {
   Json list = Json::array();
   for (const ControlTimes& times : all) {
-    Json histogram = Json::array();
-    for (const auto& [end, calls] : times.histogram) histogram.push_back({end, calls});
-    list.push_back({{"controller", times.controller},
-                    {"period", times.period},
-                    {"calls", times.calls},
-                    {"median", times.median},
-                    {"p999", times.p999},
-                    {"longest", times.longest},
-                    {"longest_tick", times.longest_tick},
-                    {"histogram", histogram},
-                    {"costs", times.costs ? json_of(*times.costs) : Json(nullptr)}});
+    Json& object = list.emplace_back(rehearse::json_of(times));
+    object["costs"] = times.costs ? json_of(*times.costs) : Json(nullptr);
   }
   return list;
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/host/control_times_json.h"
 #include "core/trace/run_facts.h"
 
 namespace rehearse {
@@ -29,18 +30,7 @@ ReportJson json_of(const CallStack& stack) {
 
 ReportJson json_of(const std::vector<ControlTimes>& all) {
   ReportJson entries = ReportJson::array();
-  for (const ControlTimes& times : all) {
-    ReportJson bins = ReportJson::array();
-    for (const auto& [end, calls] : times.histogram) bins.push_back({end, calls});
-    entries.push_back({{"controller", times.controller},
-                       {"period", times.period},
-                       {"calls", times.calls},
-                       {"median", times.median},
-                       {"p999", times.p999},
-                       {"longest", times.longest},
-                       {"longest_tick", times.longest_tick},
-                       {"histogram", std::move(bins)}});
-  }
+  for (const ControlTimes& times : all) entries.push_back(json_of(times));
   return entries;
 }
 
