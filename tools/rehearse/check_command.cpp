@@ -465,8 +465,10 @@ std::function<Exit()> declare_check(CLI::App& options) {
       "--instructions", settings->instructions,
       "instead: compare the instructions of each control() with those kept beside the goldens, by valgrind; "
       "REHEARSE_GOLDEN=new keeps them where there are none, and accept in place of others");
-  options.add_flag("--coverage", settings->coverage,
-                   "instead: list the lines of the controllers that no golden executes, as audit --coverage does");
+  options
+      .add_flag("--coverage", settings->coverage,
+                "instead: list the lines of the controllers that no golden executes, as audit --coverage does")
+      ->excludes(options.get_option("--instructions"));
   add_lcov_option(options, settings->lcov);
   options.add_flag("-v,--verbose", settings->verbose,
                    "also print the first differences in full, with relative errors and ULPs, and the times of "
