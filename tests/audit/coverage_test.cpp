@@ -8,6 +8,9 @@
 #include <fstream>
 #include <map>
 #include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
 
 namespace rehearse::test {
 namespace {
@@ -185,6 +188,56 @@ TEST_F(Coverage, CountsWhatAFailingControllerExecutes) {
   EXPECT_EQ(outcome.status, 3) << outcome.out;
   EXPECT_THAT(std::string(outcome.json()["failure"]), HasSubstr("fails on purpose"));
   EXPECT_EQ(line(outcome.json(), "fail")["first"]["tick"], 20);
+}
+
+/// The jumps of a destructor that the compiler adds, and of a conversion, are no branches of the source.
+TEST_F(Coverage, HasOnlyBranchesOfTheSource) {
+  const std::string controller = R"(#include <cnoid/SimpleController>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+class Mean : public cnoid::SimpleController {
+  cnoid::Link* joint_ = nullptr;
+  std::unique_ptr<std::vector<double>> last_ = std::make_unique<std::vector<double>>();
+  std::map<std::string, double> gains_{{"a", 1.0}, {"b", 2.0}};
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    joint_ = io->body()->joint(0);
+    joint_->setActuationMode(cnoid::Link::JointEffort);
+    io->enableOutput(joint_);
+    io->enableInput(joint_, cnoid::Link::JointDisplacement);
+    return true;
+  }
+  bool control() override {
+    last_->push_back(joint_->q());
+    joint_->u() = last_->back() / last_->size();
+    if (last_->size() == 7)
+      last_->shrink_to_fit();
+    return true;
+  }
+};
+CNOID_IMPLEMENT_SIMPLE_CONTROLLER_FACTORY(Mean)
+)";
+  write("mean.cpp", controller);
+  const std::string compile = fmt::format(
+      "{} -std=c++17 -O2 -g -fPIC -shared -DEIGEN_MAX_ALIGN_BYTES=16 {} mean.cpp -o mean.so -L{} "
+      "-lrehearse_cnoid",
+      quoted(CXX_COMPILER), CNOID_INCLUDES, quoted(LIBRARIES));
+  ASSERT_EQ(run("/bin/sh", {"-c", compile}).status, 0);
+  done({"record", scenario("partly").string(), "--controller", "Zoo=./mean.so", "-o", "mean.mcap"});
+  const Outcome outcome = done({"audit", "mean.mcap", "--coverage", "--json", "--controller", "Zoo=./mean.so"});
+  std::vector<std::string> source_lines;
+  std::istringstream stream(controller);
+  for (std::string line; std::getline(stream, line);) source_lines.push_back(line);
+  int branches = 0;
+  const json report = outcome.json();
+  for (const json& file : report["files"])
+    for (const json& line : file["lines"]) {
+      if (line["ways"].empty()) continue;
+      EXPECT_THAT(source_lines.at(line["line"].get<std::size_t>() - 1), HasSubstr("if (")) << line;
+      ++branches;
+    }
+  EXPECT_EQ(branches, 1) << report;
 }
 
 TEST_F(Coverage, NeedsDebugInformation) {

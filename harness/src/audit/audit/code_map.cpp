@@ -46,6 +46,32 @@ const CodeSection* section_with(const ElfLibrary& library, std::uint64_t address
   return found == library.code.end() ? nullptr : &*found;
 }
 
+bool converts_integer(const cs_insn& instruction) {
+  return instruction.id == X86_INS_CVTSI2SD || instruction.id == X86_INS_CVTSI2SS ||
+         instruction.id == X86_INS_VCVTSI2SD || instruction.id == X86_INS_VCVTSI2SS;
+}
+
+/// True if a number is halved and then converted to a floating one at the address.
+bool converts_half(const CodeSection& section, std::uint64_t address) {
+  constexpr int most = 8;  // instructions
+  Disassembler disassembler;
+  bool is_halved = false, converts = false;
+  int count = 0;
+  disassembler.each(section, address, [&](const cs_insn& instruction) {
+    is_halved = is_halved || instruction.id == X86_INS_SHR;
+    converts = is_halved && converts_integer(instruction);
+    return !converts && ++count < most;
+  });
+  return converts;
+}
+
+/// True for a jump that the source doesn't contain: gcc converts an unsigned number as a signed one, or its half if the
+/// highest bit is set.
+bool is_of_conversion(const CodeSection& section, const CodeMap::Jump& jump) {
+  constexpr int sign = 8;  // the condition of JS
+  return jump.condition == sign && converts_half(section, jump.target);
+}
+
 }  // namespace
 
 Result<CodeMap> map_code(const fs::path& file) {
@@ -69,9 +95,12 @@ Result<CodeMap> map_code(const fs::path& file) {
     disassembler.each(*section, row->address, [&](const cs_insn& instruction) {
       if (instruction.address >= next->address) return false;
       const std::uint64_t end = instruction.address + instruction.size;
-      if (const auto condition = condition_of(instruction); condition && instruction.id != 0)
-        map.jumps.push_back({instruction.address, end, end + static_cast<std::uint64_t>(distance_of(instruction)),
-                             *condition, row->file, row->line});
+      if (const auto condition = condition_of(instruction); condition && instruction.id != 0 && !row->is_implicit) {
+        const CodeMap::Jump jump{
+            instruction.address, end,       end + static_cast<std::uint64_t>(distance_of(instruction)),
+            *condition,          row->file, row->line};
+        if (!is_of_conversion(*section, jump)) map.jumps.push_back(jump);
+      }
       return end < next->address;
     });
   }

@@ -10,7 +10,9 @@
 
 namespace rehearse {
 
-/// The code of the controller's own sources: headers of the system, of other packages and of the API are left out.
+/// The code of the controller's own sources: headers of the system, of other packages and of the API are left out. So
+/// are jumps without a branch in the source: in functions that the compiler adds, such as a destructor without a
+/// definition, and in conversions of unsigned numbers.
 struct CodeMap {
   struct Statement {
     std::uint64_t address = 0;  // virtual

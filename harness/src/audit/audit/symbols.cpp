@@ -8,7 +8,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdlib>
+#include <iterator>
 #include <map>
 #include <set>
 #include <string_view>
@@ -128,6 +130,22 @@ char* no_debug_path = nullptr;
 const Dwfl_Callbacks callbacks{dwfl_build_id_find_elf, dwfl_standard_find_debuginfo, dwfl_offline_section_address,
                                &no_debug_path};
 
+/// Calls `found` with the first address of each piece of the code of functions in `parent` whose declaration in their
+/// class is the compiler's own, and with the address behind the piece.
+template <class Found>
+void find_implicit(Dwarf_Die& parent, const Found& found) {
+  Dwarf_Die child;
+  for (int end = dwarf_child(&parent, &child); end == 0; end = dwarf_siblingof(&child, &child)) {
+    const int tag = dwarf_tag(&child);
+    if (tag == DW_TAG_namespace) find_implicit(child, found);
+    if (tag != DW_TAG_subprogram) continue;
+    Dwarf_Die declaration = declaration_of(child);
+    if (declaration.addr == child.addr || !dwarf_hasattr(&declaration, DW_AT_artificial)) continue;
+    Dwarf_Addr base = 0, first = 0, last = 0;
+    for (std::ptrdiff_t at = 0; (at = dwarf_ranges(&child, at, &base, &first, &last)) > 0;) found(first, last);
+  }
+}
+
 /// Appends the rows of a unit. `bias`: of the file's addresses from the unit's.
 void append_rows(Dwarf_Die& unit, std::uint64_t bias, std::map<std::string, int>& files, LineTable& table) {
   Dwarf_Lines* lines = nullptr;
@@ -135,6 +153,8 @@ void append_rows(Dwarf_Die& unit, std::uint64_t bias, std::map<std::string, int>
   if (dwarf_getsrclines(&unit, &lines, &count) != 0) return;
   Dwarf_Attribute attribute;
   const char* const folder = dwarf_formstring(dwarf_attr(&unit, DW_AT_comp_dir, &attribute));
+  std::map<Dwarf_Addr, Dwarf_Addr> implicit;  // the end of each piece, by its begin
+  find_implicit(unit, [&](Dwarf_Addr first, Dwarf_Addr last) { implicit[first] = last; });
   for (std::size_t i = 0; i < count; ++i) {
     Dwarf_Line* line = dwarf_onesrcline(lines, i);
     Dwarf_Addr address = 0;
@@ -149,6 +169,8 @@ void append_rows(Dwarf_Die& unit, std::uint64_t bias, std::map<std::string, int>
     if (is_new) table.files.push_back(file->first);
     row.file = file->second;
     row.address = address + bias;
+    const auto piece = implicit.upper_bound(address);
+    row.is_implicit = piece != implicit.begin() && address < std::prev(piece)->second;
     if (ends) row.line = 0;
     row.is_statement = row.is_statement && row.line > 0;
     table.rows.push_back(row);

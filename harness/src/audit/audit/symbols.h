@@ -20,6 +20,7 @@ struct LineTable {
     int file = 0;               // index in `files`
     int line = 0;               // 0: no line has these instructions
     bool is_statement = false;  // a statement of this line begins here
+    bool is_implicit = false;   // it belongs to a member function that the source doesn't define
   };
   std::vector<std::string> files;  // absolute paths, unless the compiler left out its folder
   std::vector<Row> rows;           // by address
