@@ -152,7 +152,14 @@ TEST_F(KeptInstructions, OfAnotherCompilerOrRecordingAreNotCompared) {
   const std::string before = kept();
   change("\"GNU C\\+\\+", "\"Another C++");
   EXPECT_EQ(check().status, 2);
-  EXPECT_THAT(check().out, HasSubstr("aren't compared: they are kept of a library by 'Another C++"));
+  EXPECT_THAT(check().out,
+              HasSubstr("aren't compared: their library was compiled with 'Another', the present one with 'GNU'\n"));
+  write("golden/Zoo.Lengthy.instructions", before);
+  change("(\"compilers\": \"[^\"]*)", "$1 -O7");
+  EXPECT_THAT(check().out, HasSubstr("compiled with '-O7', the present one without '-O7'\n"));
+  write("golden/Zoo.Lengthy.instructions", before);
+  change("(\"compilers\": )\"[^\"]*", "$1\"");
+  EXPECT_THAT(check().out, HasSubstr(": their library has no debug information, which names the compiler"));
   write("golden/Zoo.Lengthy.instructions", before);
   change("\"recording\": \"[0-9a-f]+\"", "\"recording\": \"0\"");
   EXPECT_THAT(check().out, HasSubstr("they are kept of another recording: the golden was accepted anew"));

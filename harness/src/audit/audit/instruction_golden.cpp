@@ -1,6 +1,7 @@
 #include "instruction_golden.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gnu/libc-version.h>
 #include <rehearse/golden.h>
 
@@ -8,8 +9,10 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <utility>
 
 #include "core/mcap/hashing.h"
@@ -96,6 +99,33 @@ Result<KeptInstructions> read(const fs::path& file) {
   return kept;
 }
 
+std::vector<std::string> options_in(const std::string& text) {
+  std::istringstream stream(text);
+  return {std::istream_iterator<std::string>(stream), {}};
+}
+
+/// The words of `text` that `other` doesn't have.
+std::string own_words(const std::string& text, const std::string& other) {
+  std::vector<std::string> words = options_in(text);
+  const std::vector<std::string> others = options_in(other);
+  std::erase_if(words, [&](const std::string& word) { return std::ranges::count(others, word) > 0; });
+  return fmt::format("{}", fmt::join(words, " "));
+}
+
+/// The difference between the compilers of the kept counts and of the present library.
+std::string difference_of(const std::string& before, const std::string& now) {
+  if (before.empty() || now.empty())
+    return fmt::format("{} has no debug information, which names the compiler and its options",
+                       now.empty() ? "the present library" : "their library");
+  const std::string only_before = own_words(before, now), only_now = own_words(now, before);
+  if (only_before.empty() && only_now.empty()) return "their library was compiled with the options in another order";
+  const auto with = [](const std::string& own, const std::string& other) {
+    return own.empty() ? fmt::format("without '{}'", other) : fmt::format("with '{}'", own);
+  };
+  return fmt::format("their library was compiled {}, the present one {}", with(only_before, only_now),
+                     with(only_now, only_before));
+}
+
 std::string reason_not_to_compare(const KeptInstructions& kept, const KeptInstructions& present,
                                   const std::string& controller) {
   const auto before = kept.controllers.find(controller);
@@ -104,9 +134,7 @@ std::string reason_not_to_compare(const KeptInstructions& kept, const KeptInstru
   if (kept.c_library != present.c_library)
     return fmt::format("they are kept of {}, and this is {}", kept.c_library, present.c_library);
   const std::string& now = present.controllers.at(controller).compilers;
-  if (before->second.compilers != now)
-    return fmt::format("they are kept of a library by '{}', and this one is by '{}'", before->second.compilers, now);
-  return {};
+  return before->second.compilers == now ? "" : difference_of(before->second.compilers, now);
 }
 
 ComparedInstructions compare(const KeptInstructions& kept, const KeptInstructions& present,
