@@ -12,6 +12,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 /// "beside.cpp:41": the line with that comment.
@@ -122,27 +123,35 @@ TEST_F(Lockstep, OfOptimisedLibrariesNamesTheLastWrite) {
   EXPECT_THAT(outcome.err, HasSubstr("warning: the library is optimised: "));
 }
 
-TEST_F(Lockstep, BuildsBothSourcesForACommit) {
+/// `check` names the commit of the golden, and the command that it prints finds the line.
+TEST_F(Lockstep, BuildsBothSourcesForTheCommitOfTheGolden) {
   if (test::run("git --version && cmake --version").status != 0) GTEST_SKIP() << "git or cmake isn't installed";
   const std::string in_build = "CMAKE_PREFIX_PATH=" BUILD_FOLDER " REHEARSE_CALL_STACK=never ";
-  const auto shell = [&](const std::string& line) {
-    const Outcome outcome = run("/bin/sh", {"-c", line}, in_build);
-    EXPECT_EQ(outcome.status, 0) << line << ": " << outcome.out << outcome.err;
+  const auto shell = [&](const std::string& line, const std::string& more = "CI=", int status = 0) {
+    const Outcome outcome = run("/bin/sh", {"-c", "cd arm && " + line}, in_build + more);
+    EXPECT_EQ(outcome.status, status) << line << ": " << outcome.out << outcome.err;
     return outcome;
   };
   const std::string rehearse_word = quoted(command.string());
-  shell(rehearse_word + " new arm");
-  shell("cd arm && cmake -S . -B build && cmake --build build --target Hold && " + rehearse_word +
-        " record scenarios/hold.yaml --duration 0.1 -o run.mcap");
-  shell("cd arm && git init -q . && git add . && git -c user.name=t -c user.email=t@t commit -qm one");
-  shell("cd arm && sed -i 's/damping \\* shoulder/0.5 * damping * shoulder/' hold.cpp");
-  const Outcome outcome =
-      run("/bin/sh", {"-c", "cd arm && " + rehearse_word + " replay run.mcap --beside HEAD"}, in_build + environment);
-  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  ASSERT_EQ(rehearse({"new", "arm"}).status, 0);
+  shell("cmake -S . -B build && cmake --build build --target Hold");
+  shell(rehearse_word + " check --no-report", "CI= REHEARSE_GOLDEN=new");
+  const std::string commit = "git add . && git -c user.name=t -c user.email=t@t commit -qm ";
+  shell("git init -q . && " + commit + "golden && echo >> hold.cpp && " + commit + "later");
+  shell("sed -i 's/damping \\* shoulder/0.5 * damping * shoulder/' hold.cpp && cmake --build build --target Hold");
+  std::string golden_commit = shell("git rev-parse --short HEAD~1").out;
+  golden_commit.pop_back();
+  const std::string words = " replay golden/Hold.ComesBackAfterAPush.mcap --beside " + golden_commit;
+  const std::string check = rehearse_word + " check --no-report";
+  EXPECT_THAT(shell(check, "CI=", 1).out, HasSubstr("\nwhich line: rehearse" + words + "\n"));
+  EXPECT_THAT(shell(check, "CI=true", 1).out, Not(HasSubstr("which line"))) << "a clone there may have one commit";
+  const Outcome outcome = shell(rehearse_word + words, environment, 1);
   EXPECT_THAT(outcome.out, AllOf(StartsWith("Arm/Hold differs first at tick "),
                                  HasSubstr(" in Hold::control(): command "
                                            "SHOULDER/u is "),
                                  HasSubstr("\n  new  hold.cpp:"), HasSubstr(" - 0.5 * damping * ")));
+  shell("git rm -q --cached golden/Hold.ComesBackAfterAPush.mcap");
+  EXPECT_THAT(shell(check, "CI=", 1).out, Not(HasSubstr("which line"))) << "no commit has this golden";
 }
 
 class LockstepRefusal : public Lockstep {

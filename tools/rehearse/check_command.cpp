@@ -31,6 +31,7 @@
 #include "debugger.h"
 #include "golden_conflicts.h"
 #include "golden_verbs.h"
+#include "line_advice.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
@@ -233,6 +234,8 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
   const auto told = waiting->publish(checked.report.message);
   if (!told) return told.errors();
   if (!told->empty()) checked.report.remarks.push_back(*told);
+  if (!settings.json)
+    checked.line_advice = line_advice(scenario, checked.report, golden_of(settings, scenario), settings.check.run);
   if (checked.page) checked.page->file = pending_folder() / checked.page->file.lexically_relative(waiting->folder());
   return checked;
 }

@@ -216,6 +216,7 @@ void tell_files(const Checked& checked) {
   const CheckReport& report = checked.report;
   for (const std::string& remark : report.remarks) fmt::print("  note: {}\n", remark);
   if (!report.message.empty()) fmt::print("{}\n", report.message);
+  if (!checked.line_advice.empty()) fmt::print("which line: {}\n", checked.line_advice);
   if (checked.page && is_ci()) fmt::print("report: {}\n", checked.page->file.string());
   if (checked.page && !is_ci())
     if constexpr (has_viewing)

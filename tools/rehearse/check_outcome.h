@@ -27,6 +27,7 @@ struct Checked {
   CheckReport report;
   std::vector<std::string> notes;     // on libraries that are out of date; they were printed before the run
   std::optional<FailureReport> page;  // the report for a browser
+  std::string line_advice;            // a command that finds the line at fault; empty: none is known
   std::string no_page;                // the reason why there is no report although one was requested
   double seconds = 0.0;               // wall time of the check, without its report [s]
 };

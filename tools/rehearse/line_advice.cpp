@@ -1,0 +1,65 @@
+#include "line_advice.h"
+
+#include <fmt/format.h>
+#include <rehearse/golden.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/guard/child_process.h"
+#include "core/host/hosted_language.h"
+#include "debugger.h"
+#include "output.h"
+
+namespace rehearse::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The commit in which the file got its present content; empty: git has none.
+std::string commit_of(const fs::path& file) {
+  const fs::path git = find_program("git");
+  if (git.empty()) return {};
+  const auto run = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), git.string());
+    words.insert(words.end(), {"--", file.string()});
+    return output_of({std::move(words), environment_with({}), {}, ChildProcess::Errors::discarded});
+  };
+  const auto changed = run({"diff", "--quiet", "HEAD"});
+  if (!changed || changed->status != 0) return {};
+  const auto commit = run({"log", "-1", "--format=%h"});
+  return commit && commit->status == 0 ? commit->text.substr(0, commit->text.find('\n')) : "";
+}
+
+/// The controller that a channel belongs to.
+std::optional<NamedController> controller_with(const std::string& channel, const Scenario& scenario) {
+  for (const NamedController& known : controllers_of(scenario))
+    if (channel.starts_with("/" + known.label + "/")) return known;
+  return std::nullopt;
+}
+
+bool is_native(const NamedController& controller, const HostOptions& host) {
+  const auto given =
+      std::ranges::find_if(host.libraries, [&](const auto& entry) { return controller.is_called(entry.first); });
+  return !hosted_name(given == host.libraries.end() ? controller.controller->library : given->second);
+}
+
+}  // namespace
+
+std::string line_advice(const Scenario& scenario, const CheckReport& report, const fs::path& golden,
+                        const HostOptions& host) {
+  if (is_ci()) return {};  // a clone there may have one commit
+  if (report.controller != LevelState::differs || !report.first || report.failed()) return {};
+  const auto controller = controller_with(report.first->channel, scenario);
+  if (!controller || !is_native(*controller, host) || find_program("gdb").empty()) return {};
+  const std::string commit = commit_of(golden);
+  if (commit.empty()) return {};
+  std::string command = fmt::format("rehearse replay {}", golden.string());
+  for (const auto& [name, library] : host.libraries) command += fmt::format(" --controller {}={}", name, library);
+  const std::string old = controllers_of(scenario).size() > 1 ? controller->label + "=" : "";
+  return fmt::format("{} --beside {}{}", command, old, commit);
+}
+
+}  // namespace rehearse::tool

@@ -1,0 +1,19 @@
+// The command that finds the line by which a controller's commands differ from those of a golden.
+#pragma once
+
+#include <rehearse/check.h>
+#include <rehearse/run_options.h>
+#include <rehearse/scenario.h>
+
+#include <filesystem>
+#include <string>
+
+namespace rehearse::tool {
+
+/// "rehearse replay GOLDEN --beside COMMIT", with the commit in which the golden was accepted. Empty if the commands of
+/// no controller differ, if that controller isn't in C++, if there is no gdb, or if git doesn't have the golden as it
+/// is. Empty in continuous integration, too, where a clone may have one commit.
+std::string line_advice(const Scenario& scenario, const CheckReport& report, const std::filesystem::path& golden,
+                        const HostOptions& host);
+
+}  // namespace rehearse::tool
