@@ -123,26 +123,36 @@ TEST_F(Lockstep, OfOptimisedLibrariesNamesTheLastWrite) {
   EXPECT_THAT(outcome.err, HasSubstr("warning: the library is optimised: "));
 }
 
-/// `check` names the commit of the golden, and the command that it prints finds the line.
-TEST_F(Lockstep, BuildsBothSourcesForTheCommitOfTheGolden) {
-  if (test::run("git --version && cmake --version").status != 0) GTEST_SKIP() << "git or cmake isn't installed";
-  const std::string in_build = "CMAKE_PREFIX_PATH=" BUILD_FOLDER " REHEARSE_CALL_STACK=never ";
-  const auto shell = [&](const std::string& line, const std::string& more = "CI=", int status = 0) {
+/// A project of `rehearse new` whose golden is in the last but one commit, and whose sources have changed since.
+class Committed : public Lockstep {
+ protected:
+  const std::string rehearse_word = quoted(command.string()), check = rehearse_word + " check --no-report";
+
+  Outcome shell(const std::string& line, const std::string& more = "CI=", int status = 0) const {
+    const std::string in_build = "CMAKE_PREFIX_PATH=" BUILD_FOLDER " REHEARSE_CALL_STACK=never ";
     const Outcome outcome = run("/bin/sh", {"-c", "cd arm && " + line}, in_build + more);
     EXPECT_EQ(outcome.status, status) << line << ": " << outcome.out << outcome.err;
     return outcome;
-  };
-  const std::string rehearse_word = quoted(command.string());
-  ASSERT_EQ(rehearse({"new", "arm"}).status, 0);
-  shell("cmake -S . -B build && cmake --build build --target Hold");
-  shell(rehearse_word + " check --no-report", "CI= REHEARSE_GOLDEN=new");
-  const std::string commit = "git add . && git -c user.name=t -c user.email=t@t commit -qm ";
-  shell("git init -q . && " + commit + "golden && echo >> hold.cpp && " + commit + "later");
-  shell("sed -i 's/damping \\* shoulder/0.5 * damping * shoulder/' hold.cpp && cmake --build build --target Hold");
+  }
+  /// `change`: an expression of sed.
+  void make(const std::string& language, const std::string& source, const std::string& change) const {
+    ASSERT_EQ(rehearse({"new", "--language", language, "arm"}).status, 0);
+    const std::string build = "cmake --build build --target Hold";
+    const std::string commit = "git add . && git -c user.name=t -c user.email=t@t commit -qm ";
+    shell("cmake -S . -B build && " + build);
+    shell(check, "CI= REHEARSE_GOLDEN=new");
+    shell("git init -q . && " + commit + "golden && echo >> " + source + " && " + commit + "later");
+    shell("sed -i " + quoted(change) + " " + source + " && " + build);
+  }
+};
+
+/// `check` names the commit of the golden, and the command that it prints finds the line.
+TEST_F(Committed, SourcesAreBuiltForTheCommandThatCheckPrints) {
+  if (test::run("git --version && cmake --version").status != 0) GTEST_SKIP() << "git or cmake isn't installed";
+  make("c++", "hold.cpp", "s/damping \\* shoulder/0.5 * damping * shoulder/");
   std::string golden_commit = shell("git rev-parse --short HEAD~1").out;
   golden_commit.pop_back();
   const std::string words = " replay golden/Hold.ComesBackAfterAPush.mcap --beside " + golden_commit;
-  const std::string check = rehearse_word + " check --no-report";
   EXPECT_THAT(shell(check, "CI=", 1).out, HasSubstr("\nwhich line: rehearse" + words + "\n"));
   EXPECT_THAT(shell(check, "CI=true", 1).out, Not(HasSubstr("which line"))) << "a clone there may have one commit";
   const Outcome outcome = shell(rehearse_word + words, environment, 1);
@@ -152,6 +162,12 @@ TEST_F(Lockstep, BuildsBothSourcesForTheCommitOfTheGolden) {
                                  HasSubstr("\n  new  hold.cpp:"), HasSubstr(" - 0.5 * damping * ")));
   shell("git rm -q --cached golden/Hold.ComesBackAfterAPush.mcap");
   EXPECT_THAT(shell(check, "CI=", 1).out, Not(HasSubstr("which line"))) << "no commit has this golden";
+}
+
+TEST_F(Committed, ControllerInCHasNoClassToCompare) {
+  if (test::run("git --version && cmake --version").status != 0) GTEST_SKIP() << "git or cmake isn't installed";
+  make("c", "hold.c", "s/60/59/");
+  EXPECT_THAT(shell(check, "CI=", 1).out, AllOf(HasSubstr("the controller changed"), Not(HasSubstr("which line"))));
 }
 
 class LockstepRefusal : public Lockstep {

@@ -8,8 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "core/golden/golden_files.h"
 #include "core/guard/child_process.h"
+#include "core/host/controller_library.h"
 #include "core/host/hosted_language.h"
+#include "core/scenario/trace_scenario.h"
 #include "debugger.h"
 #include "output.h"
 
@@ -40,10 +43,16 @@ std::optional<NamedController> controller_with(const std::string& channel, const
   return std::nullopt;
 }
 
-bool is_native(const NamedController& controller, const HostOptions& host) {
+/// True for a library with the factory of a C++ controller. One in C or Rust has no class that could be compared.
+bool is_of_cpp(const NamedController& controller, const Scenario& scenario, const HostOptions& host) {
   const auto given =
       std::ranges::find_if(host.libraries, [&](const auto& entry) { return controller.is_called(entry.first); });
-  return !hosted_name(given == host.libraries.end() ? controller.controller->library : given->second);
+  const auto file = given == host.libraries.end()
+                        ? find_controller_library(controller.controller->library, folder_of(scenario))
+                        : find_controller_library(given->second, fs::current_path());
+  if (!file || hosted_name(*file)) return false;
+  const auto bytes = read_text(*file);
+  return bytes && bytes->find("createSimpleController") != std::string::npos;
 }
 
 }  // namespace
@@ -53,7 +62,7 @@ std::string line_advice(const Scenario& scenario, const CheckReport& report, con
   if (is_ci()) return {};  // a clone there may have one commit
   if (report.controller != LevelState::differs || !report.first || report.failed()) return {};
   const auto controller = controller_with(report.first->channel, scenario);
-  if (!controller || !is_native(*controller, host) || find_program("gdb").empty()) return {};
+  if (!controller || !is_of_cpp(*controller, scenario, host) || find_program("gdb").empty()) return {};
   const std::string commit = commit_of(golden);
   if (commit.empty()) return {};
   std::string command = fmt::format("rehearse replay {}", golden.string());
