@@ -46,14 +46,18 @@ Result<std::string> rev_parse(std::vector<std::string> words) {
   return text;
 }
 
-/// Builds the project in the new folder `build`, and finds the library there.
+/// Builds the project in the new folder `build`, and finds the library there. Its target usually has its name, and
+/// tests then aren't built.
 Result<fs::path> build_library(const fs::path& sources, const fs::path& build, const fs::path& library,
                                const std::string& what) {
-  const std::vector<std::vector<std::string>> steps{
-      {"cmake", "-S", sources.string(), "-B", build.string(), "-DCMAKE_BUILD_TYPE=Debug"},
-      {"cmake", "--build", build.string(), "--parallel"}};
-  for (const std::vector<std::string>& step : steps)
-    if (const auto done = run_or_fail(step, what); !done) return done.errors();
+  const std::vector<std::string> compile{"cmake", "--build", build.string(), "--parallel"};
+  std::vector<std::string> compile_target = compile;
+  compile_target.insert(compile_target.end(), {"--target", library.stem().string()});
+  const auto configured =
+      run_or_fail({"cmake", "-S", sources.string(), "-B", build.string(), "-DCMAKE_BUILD_TYPE=Debug"}, what);
+  if (!configured) return configured.errors();
+  if (!run_or_fail(compile_target, what))
+    if (const auto compiled = run_or_fail(compile, what); !compiled) return compiled.errors();
   std::error_code failed;
   std::vector<fs::path> found;
   for (auto file = fs::recursive_directory_iterator(build, failed); !failed && file != fs::end(file);
