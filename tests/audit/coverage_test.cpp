@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <fstream>
 #include <map>
 #include <optional>
@@ -12,10 +13,13 @@
 #include <string>
 #include <vector>
 
+#include "../harness/report/decoded_report.h"
+
 namespace rehearse::test {
 namespace {
 
 using nlohmann::json;
+using rehearse::testing::DecodedReport;
 using ::testing::ContainsRegex;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
@@ -34,12 +38,13 @@ class Coverage : public Audited {
     ADD_FAILURE() << "no line has the mark " << mark;
     return 0;
   }
-  static json lines_of(const json& report) {
+  static json file_of(const json& report) {
     for (const json& file : report["files"])
-      if (std::string(file["file"]).ends_with("/partly.cpp")) return file["lines"];
+      if (std::string(file["file"]).ends_with("/partly.cpp")) return file;
     ADD_FAILURE() << report;
     return {};
   }
+  static json lines_of(const json& report) { return file_of(report)["lines"]; }
   static json line_at(const json& report, int number) {
     for (const json& line : lines_of(report))
       if (line["line"] == number) return line;
@@ -47,6 +52,37 @@ class Coverage : public Audited {
     return {};
   }
   static json line(const json& report, const std::string& mark) { return line_at(report, line_of(mark)); }
+  /// `partly.so`, compiled from a copy of the controller's source with these lines at its end.
+  void compile_copy(const std::string& more) const {
+    write("partly.cpp", read_file(source) + more);
+    const std::string compile = fmt::format(
+        "{} -std=c++17 -O0 -g -fPIC -shared -DEIGEN_MAX_ALIGN_BYTES=16 -I{} {} partly.cpp -o partly.so -L{} "
+        "-lrehearse_cnoid",
+        quoted(CXX_COMPILER), quoted(ZOO_SOURCES), CNOID_INCLUDES, quoted(LIBRARIES));
+    ASSERT_EQ(run("/bin/sh", {"-c", compile}).status, 0);
+  }
+  /// The coverage in a page or a report, which was written with page().
+  json coverage_in(const std::string& file) const {
+    const DecodedReport report(folder() / file);
+    const std::vector<std::uint8_t> bytes = report.bytes(report["coverage"]);
+    json coverage = json::parse(bytes.begin(), bytes.end());
+    EXPECT_EQ(report["coverage"]["lines"], coverage["lines"]);
+    EXPECT_EQ(report["coverage"]["lines_executed"], coverage["lines_executed"]);
+    return coverage;
+  }
+  /// The environment with an empty page, so that no npm is needed.
+  std::string page() const {
+    return "REHEARSE_REPORT_PAGE=" + rehearse::testing::plain_page(folder() / "page.html").string();
+  }
+  /// The object that --json prints.
+  static json without_sources(json coverage) {
+    coverage["schema"] = 1;
+    for (json& file : coverage["files"]) {
+      file.erase("source");
+      file.erase("unread");
+    }
+    return coverage;
+  }
   json coverage(std::vector<std::string> recordings) const {
     recordings.insert(recordings.begin(), {"audit", "--coverage", "--json"});
     const Outcome outcome = rehearse(recordings);
@@ -149,6 +185,85 @@ TEST_F(Coverage, WritesATracefile) {
   EXPECT_THAT(text, EndsWith("end_of_record\n"));
 }
 
+TEST_F(Coverage, WritesAPageOfRecordings) {
+  done({"record", scenario("partly").string(), "-o", "near.mcap"});
+  done({"record", scenario("partly", "far").string(), "-o", "far.mcap"});
+  const Outcome outcome = rehearse({"audit", "near.mcap", "far.mcap", "--coverage", "--html", "lines.html"}, page());
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, ContainsRegex("\nin a browser: file:///.*/lines.html\n$"));
+  const json shown = coverage_in("lines.html");
+  EXPECT_EQ(without_sources(shown), coverage({"near.mcap", "far.mcap"}));
+  EXPECT_EQ(line(shown, "far")["first"]["recording"], "far.mcap");
+  EXPECT_EQ(line(shown, "late")["first"]["recording"], "near.mcap");
+  EXPECT_EQ(line(shown, "late")["first"]["time"], 0.1);
+  EXPECT_TRUE(line(shown, "begin")["first"]["time"].is_null());
+  const DecodedReport report(folder() / "lines.html");
+  EXPECT_EQ(report["verdict"]["state"], "coverage");
+  EXPECT_EQ(report["verdict"]["sentence"], shown["verdict"]);
+  EXPECT_TRUE(report["runs"].empty());
+  EXPECT_THAT(std::string(file_of(shown)["source"][line_of("late") - 1]), HasSubstr("return 2.0;  // late"));
+}
+
+TEST_F(Coverage, IsInTheReportOfARun) {
+  done({"record", scenario("partly").string(), "-o", "near.mcap"});
+  const Outcome outcome = rehearse({"report", "near.mcap", "--coverage", "-o", "run.html"}, page());
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(without_sources(coverage_in("run.html")), coverage({"near.mcap"}));
+  EXPECT_EQ(rehearse({"report", "near.mcap", "-o", "plain.html"}, page()).status, 0);
+  EXPECT_TRUE(DecodedReport(folder() / "plain.html")["coverage"].is_null());
+  EXPECT_EQ(rehearse({"report", "near.mcap", "--coverage", "--until", "0.05", "-o", "run.html"}, page()).status, 0);
+  EXPECT_TRUE(line(coverage_in("run.html"), "late")["first"].is_null());
+}
+
+TEST_F(Coverage, IsInTheReportUntilTheControllerFails) {
+  EXPECT_EQ(rehearse({"record", scenario("partly", "throw").string(), "-o", "failed.mcap"}).status, 3);
+  EXPECT_EQ(rehearse({"report", "failed.mcap", "--coverage", "-o", "failed.html"}, page()).status, 0);
+  const json shown = coverage_in("failed.html");
+  EXPECT_THAT(std::string(shown["failure"]), HasSubstr("fails on purpose"));
+  EXPECT_EQ(line(shown, "fail")["first"]["tick"], 20);
+}
+
+TEST_F(Coverage, EndsNoElementOfThePageByASource) {
+  compile_copy("// </script><script>alert(1)</script>\n");
+  done({"record", scenario("partly").string(), "-o", "near.mcap"});
+  const std::vector<std::string> words{"audit",           "near.mcap", "--coverage", "--controller",
+                                       "Zoo=./partly.so", "--html",    "partly.html"};
+  ASSERT_EQ(rehearse(words, page()).status, 0);
+  const DecodedReport report(folder() / "partly.html");
+  EXPECT_THAT(report.text(), ::testing::Not(HasSubstr("alert(1)")));
+  const json shown = coverage_in("partly.html");
+  EXPECT_EQ(file_of(shown)["source"].back(), "// </script><script>alert(1)</script>");
+  fs::remove(folder() / "partly.cpp");
+  ASSERT_EQ(rehearse(words, page()).status, 0);
+  const json unread = file_of(coverage_in("partly.html"));
+  EXPECT_TRUE(unread["source"].is_null());
+  EXPECT_THAT(std::string(unread["unread"]), EndsWith("/partly.cpp can't be read: No such file or directory"));
+  EXPECT_EQ(unread["lines"], lines_of(shown));
+}
+
+TEST_F(Coverage, RemarksThatTheSourceIsNewer) {
+  fs::create_directories(folder() / "golden");  // a project
+  compile_copy("");
+  done({"record", scenario("partly").string(), "-o", "near.mcap"});
+  const std::vector<std::string> words{"audit", "near.mcap", "--coverage", "--json", "--controller", "Zoo=./partly.so"};
+  EXPECT_TRUE(done(words).json()["remarks"].empty());
+  write("partly.cpp", "// another line\n" + read_file(source));
+  fs::last_write_time(folder() / "partly.cpp", fs::file_time_type::clock::now() + std::chrono::seconds(10));
+  const json remarks = done(words).json()["remarks"];
+  ASSERT_EQ(remarks.size(), 1u);
+  EXPECT_THAT(std::string(remarks[0]["message"]), HasSubstr("partly.cpp is newer than partly.so"));
+}
+
+TEST_F(Coverage, OverwritesNoOtherFileByAPage) {
+  done({"record", scenario("partly").string(), "-o", "near.mcap"});
+  write("notes.html", "<p>mine</p>");
+  const Outcome outcome = rehearse({"replay", "near.mcap", "--coverage", "--html", "notes.html"}, page());
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_TRUE(outcome.out.empty()) << "before the replay";
+  EXPECT_THAT(outcome.err, HasSubstr("notes.html"));
+  EXPECT_EQ(read_file(folder() / "notes.html"), "<p>mine</p>");
+}
+
 TEST_F(Coverage, ListsLinesWithTheirSource) {
   done({"record", scenario("partly").string(), "-o", "near.mcap"});
   const Outcome outcome = done({"replay", "near.mcap", "--coverage"});
@@ -248,6 +363,47 @@ TEST_F(Coverage, NeedsDebugInformation) {
   EXPECT_EQ(outcome.err,
             "error: controller library 'stripped.so' has no lines in its debug information (compile it with -g; "
             "CMake's RelWithDebInfo has it)\n");
+}
+
+TEST_F(Coverage, OfAReportNeedsDebugInformation) {
+  done({"record", scenario("partly").string(), "-o", "near.mcap"});
+  ASSERT_EQ(run("/bin/sh", {"-c", "strip -o stripped.so " ZOO "/zoo_partly.so"}).status, 0);
+  const Outcome outcome =
+      rehearse({"report", "near.mcap", "--coverage", "--controller", "Zoo=./stripped.so", "-o", "run.html"}, page());
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err,
+            "error: controller library 'stripped.so' has no lines in its debug information (compile it with -g; "
+            "CMake's RelWithDebInfo has it)\n");
+  EXPECT_FALSE(fs::exists(folder() / "run.html"));
+  EXPECT_EQ(rehearse({"report", "near.mcap", "--controller", "Zoo=./stripped.so", "-o", "run.html"}).err,
+            "error: --controller is of a replay, and this report needs none (--call-stack and --coverage replay the "
+            "recording)\n");
+}
+
+TEST_F(Coverage, OfOneControllerSaysWhyOthersHaveNone) {
+  ASSERT_EQ(run("/bin/sh", {"-c", "strip -o stripped.so " ZOO "/zoo_partly.so"}).status, 0);
+  const std::string two = read_file(scenario("partly")) + "      - {name: Other, library: ./stripped.so}\n";
+  done({"record", write("two.yaml", two).string(), "-o", "two.mcap"});
+  const json report = coverage({"two.mcap"});
+  EXPECT_FALSE(line(report, "late")["first"].is_null());
+  ASSERT_EQ(report["remarks"].size(), 1u) << report["remarks"];
+  EXPECT_THAT(std::string(report["remarks"][0]["message"]),
+              ContainsRegex("stripped.so' has no lines in its debug information: its lines aren't known"));
+}
+
+TEST_F(Coverage, RefusesControllersInPython) {
+  if (!fs::exists(LIBRARIES "/rehearse/librehearse_python.so")) GTEST_SKIP() << "no controllers in Python";
+  done({"record", scenario("partly").string(), "-o", "near.mcap"});
+  write("hold.py",
+        "import rehearse\n\nclass Hold(rehearse.Controller):\n    def control(self):\n        return True\n");
+  const char* expected =
+      "error: controller 'hold.py:Hold' is written in Python: it has no machine code, in which lines are watched "
+      "(Python's own package coverage lists its lines)\n";
+  for (const char* verb : {"audit", "report"}) {
+    const Outcome outcome = rehearse({verb, "near.mcap", "--coverage", "--controller", "Zoo=./hold.py:Hold"}, page());
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_EQ(outcome.err, expected);
+  }
 }
 
 TEST_F(Coverage, IsTheOnlyModeWithSeveralRecordings) {

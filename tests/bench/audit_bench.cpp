@@ -1,4 +1,5 @@
-// The cost of an audit with all its replays, and of one that counts instructions, relative to one replay.
+// The cost of an audit with all its replays, of one that counts instructions, and of one that finds executed lines,
+// relative to one replay.
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
 

@@ -47,7 +47,8 @@ struct Reference {
   double seconds = 0.0;  // that are simulated
   bool whole = true;     // not only the first part of the run
   RecordingContent content;
-  std::uint64_t file_hash = 0;  // of the plain run
+  std::uint64_t file_hash = 0;             // of the plain run
+  std::vector<ChannelContent> costs = {};  // of a plain run that counts them; empty: none of the rows does
 };
 
 struct Outcome {
@@ -55,6 +56,7 @@ struct Outcome {
   std::uint64_t hash = 0;
   int differing = 0;                      // scenarios
   std::string verdict;                    // "same", or where not
+  std::size_t counted = 0;                // controllers whose costs are compared
   std::vector<std::string> of_scenarios;  // lines of a row from another architecture
   bool unexpected = false;                // a scenario has other bits there, and had equal ones, or the reverse
 };
@@ -73,8 +75,8 @@ class Matrix {
  public:
   Matrix(const Options& options, fs::path folder) : options_(options), folder_(std::move(folder)) {}
 
-  /// The reference: goldens and plain runs.
-  Result<void> prepare();
+  /// The reference: goldens and plain runs. `with_costs`: also a plain run that counts the costs of control().
+  Result<void> prepare(bool with_costs);
   Result<Outcome> make(const Row& row) const;
   Outcome reference() const;
   std::size_t scenarios() const { return references_.size(); }
@@ -83,6 +85,7 @@ class Matrix {
 
  private:
   Result<void> find_scenarios();
+  Result<void> count_costs();
   Result<void> record(const Row& row, const fs::path& folder) const;
   Result<void> judge_elsewhere(const Reference& reference, const fs::path& file, bool is_equal, const Row& row,
                                Outcome& outcome) const;
@@ -133,6 +136,7 @@ Result<void> Matrix::record(const Row& row, const fs::path& folder) const {
                                    options_.first > 0.0 ? fmt::format("{}", options_.first) : "all"};
   if (!row.pins_itself) command.push_back("--not-pinned");
   if (row.nudged) command.push_back("--nudge");
+  if (row.counts_costs) command.push_back("--costs");
   if (row.order == Order::beside_another) command.push_back("--beside");
   const auto start = [&](const std::vector<std::string>& files) {
     std::vector<std::string> words = command;
@@ -162,7 +166,25 @@ Result<std::string> Matrix::made_by(const Row& row, const fs::path& folder) cons
   return processor + "; " + compiler;
 }
 
-Result<void> Matrix::prepare() {
+/// Counting changes no other message.
+Result<void> Matrix::count_costs() {
+  const fs::path folder = folder_ / "plain_run_with_costs";
+  fs::create_directories(folder);
+  Row row = rows({}).front();
+  row.counts_costs = true;
+  if (auto done = record(row, folder); !done) return done;
+  for (Reference& reference : references_) {
+    auto counted = content_of(folder / (reference.name + ".mcap"), end_of(reference));
+    if (!counted) return counted.errors();
+    if (const std::string other = first_difference(reference.content, *counted, reference.time_step); !other.empty())
+      return error(fmt::format("{}: a run whose costs are counted differs: {}", reference.name, other));
+    reference.costs = std::move(counted->costs);
+  }
+  if (options_.keep.empty()) fs::remove_all(folder);
+  return {};
+}
+
+Result<void> Matrix::prepare(bool with_costs) {
   if (auto found = find_scenarios(); !found) return found;
   const fs::path folder = plain_folder();
   if (options_.plain.empty() || !fs::exists(folder)) {
@@ -183,7 +205,7 @@ Result<void> Matrix::prepare() {
     // a changed comment in a source file changes an attachment
     reference.content.channels = std::move(golden->channels);
   }
-  return {};
+  return with_costs ? count_costs() : Result<void>();
 }
 
 Outcome Matrix::reference() const {
@@ -238,6 +260,10 @@ Result<Outcome> Matrix::make(const Row& row) const {
       if (!hash) return hash.errors();
       if (*hash != reference.file_hash) difference = "the same messages in another file";
     }
+    if (difference.empty() && row.counts_costs) {
+      difference = first_difference(reference.costs, content->costs, reference.time_step);
+      outcome.counted += content->costs.size();
+    }
     if (row.equal_elsewhere)
       if (auto judged = judge_elsewhere(reference, file, difference.empty(), row, outcome); !judged)
         return judged.errors();
@@ -245,6 +271,8 @@ Result<Outcome> Matrix::make(const Row& row) const {
     if (outcome.differing++ == 0) first = fmt::format("{}: {}", reference.name, difference);
   }
   outcome.verdict = first.empty() ? "same" : fmt::format("{} differ; {}", outcome.differing, first);
+  if (first.empty() && row.counts_costs)
+    outcome.verdict += fmt::format(", with the costs of {} controllers", outcome.counted);
   if (options_.keep.empty()) fs::remove_all(folder);
   return outcome;
 }
@@ -311,7 +339,9 @@ int print_matrix(const Options& options, const fs::path& folder) {
     return as_expected;
   }
   Matrix matrix(options, folder);
-  if (auto done = matrix.prepare(); !done) return refuse(done.errors());
+  const bool with_costs = std::any_of(chosen->begin(), chosen->end(),
+                                      [](const Row& row) { return row.counts_costs && row.impossible.empty(); });
+  if (auto done = matrix.prepare(with_costs); !done) return refuse(done.errors());
   fmt::print("{:<48} {:<63} {}\n", "", "made by", "scenarios, simulated; hash of all messages");
   const Outcome reference = matrix.reference();
   print_line("the reference", reference.made_by, matrix, reference.hash, reference.verdict);

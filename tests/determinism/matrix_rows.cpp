@@ -64,6 +64,7 @@ Row emulated(const std::string& processor, const std::string& word_in_its_name, 
   made.pins_itself = false;
   made.same_file = false;
   made.has_to_differ = !pinned;
+  made.counts_costs = pinned;
   made.processor = word_in_its_name;
   if (pinned)
     for (const auto& [variable, value] : pinned_environment()) made.surroundings.variables[variable] = value;

@@ -27,6 +27,7 @@ struct Row {
   bool pins_itself = true;     // else it depends on the environment
   bool same_file = true;       // the file is the same byte for byte: same program, same pinning
   bool nudged = false;         // the start position differs by a last bit
+  bool counts_costs = false;   // of control(): each count is equal, too
   bool has_to_differ = false;  // a control: the recording must differ
   /// Made by a processor of another architecture, which rounds otherwise: each scenario is compared within its
   /// tolerances, and gets a line. The scenarios of this list have equal bits all the same, and must keep them.

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rehearse/mcap.h>
+#include <rehearse/messages.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -28,7 +29,8 @@ class Content : public ::testing::Test {
   struct Recording {
     std::string topic = "/Box/joints", unit = "rad", note = "a scenario", outcome = "true", provenance = "gcc";
     std::vector<std::string> messages{"zero", "one", "two"};
-    std::uint64_t delay = 0;  // [ns]
+    std::uint64_t delay = 0;         // [ns]
+    std::vector<std::string> costs;  // of a controller; empty: they aren't counted
   };
 
   RecordingContent content(const Recording& recording, std::optional<std::uint64_t> before = std::nullopt) const {
@@ -44,6 +46,12 @@ class Content : public ::testing::Test {
       const std::uint64_t time = tick * 1'000'000 + recording.delay;
       EXPECT_TRUE((*writer)->write(channel, time, time, bytes(recording.messages[tick])).ok());
       EXPECT_TRUE((*writer)->write(ticks, tick * 1'000'000, tick * 1'000'000, bytes("tick")).ok());
+    }
+    if (!recording.costs.empty()) {
+      const auto schema = (*writer)->add_schema(msg::ControlCost::type_name, "ros2msg", "uint64 allocations");
+      const auto costs = (*writer)->add_channel(schema, "/Box/Hold/cost", "cdr");
+      for (std::size_t tick = 0; tick < recording.costs.size(); ++tick)
+        EXPECT_TRUE((*writer)->write(costs, tick * 1'000'000, tick * 1'000'000, bytes(recording.costs[tick])).ok());
     }
     EXPECT_TRUE((*writer)->add_metadata("rehearse.outcome", {{"complete", recording.outcome}}).ok());
     EXPECT_TRUE((*writer)->close().ok());
@@ -100,6 +108,20 @@ TEST_F(Content, DiffersByChannelsAttachmentsAndOutcome) {
   other = {};
   other.outcome = "false";
   EXPECT_THAT(difference(other), HasSubstr("the outcome"));
+}
+
+TEST_F(Content, HasTheCostsBesideTheRest) {
+  Recording counted, other;
+  counted.costs = {"0", "3", "0"};
+  other.costs = {"0", "3", "1"};
+  EXPECT_EQ(difference(counted), "") << "counting changes no other message";
+  const auto first = [this](const Recording& a, const Recording& b) {
+    return first_difference(content(a).costs, content(b).costs, time_step);
+  };
+  EXPECT_EQ(first(counted, counted), "");
+  EXPECT_EQ(first(counted, other), "tick 2 (0.002 s), /Box/Hold/cost");
+  EXPECT_EQ(first(counted, {}), "channel /Box/Hold/cost isn't there");
+  EXPECT_EQ(first({}, counted), "channel /Box/Hold/cost is new");
 }
 
 TEST_F(Content, OfAFirstPartIsThatOfAShorterRun) {

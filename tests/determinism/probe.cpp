@@ -1,10 +1,10 @@
 // Runs scenarios of the fixtures in a process of its own:
-//   determinism_probe record FOLDER SECONDS [--not-pinned] [--beside] [--nudge] SCENARIO...
+//   determinism_probe record FOLDER SECONDS [--not-pinned] [--beside] [--nudge] [--costs] SCENARIO...
 //     records each, one after the other, its first SECONDS (or "all"), as FOLDER/<name>.mcap; a name that is there
 //     twice is recorded twice, and the later one counts. FOLDER/made_by.txt then tells the processor, the compiler,
 //     whether the process is pinned, and what fresh memory is full of.
 //     --not-pinned: as the environment has it. --beside: tick by tick in turns with the scenario behind it, which is
-//     not kept. --nudge: from a place that is off by a last bit.
+//     not kept. --nudge: from a place that is off by a last bit. --costs: with the costs of control().
 //   determinism_probe go-on SCENARIO SOLVER TRACE RECORDING TICK
 //     goes on from a checkpoint of a recording, under its commands
 #include <fmt/format.h>
@@ -179,6 +179,8 @@ int run(const std::vector<std::string_view>& words) {
       order.beside = true;
     else if (words[i] == "--nudge")
       order.options.nudge = 1;
+    else if (words[i] == "--costs")
+      order.options.counts_costs = true;
     else if (words[i] != "--not-pinned")
       order.scenarios.emplace_back(words[i]);
   }

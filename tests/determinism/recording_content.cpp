@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <rehearse/mcap.h>
+#include <rehearse/messages.h>
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
@@ -58,10 +59,15 @@ std::optional<std::uint64_t> first_difference(const ChannelContent& expected, co
   return std::min(a->time, b->time);
 }
 
-const ChannelContent* find(const RecordingContent& in, const std::string& topic) {
-  const auto found = std::find_if(in.channels.begin(), in.channels.end(),
-                                  [&](const ChannelContent& channel) { return channel.topic == topic; });
-  return found == in.channels.end() ? nullptr : &*found;
+const ChannelContent* find(const std::vector<ChannelContent>& in, const std::string& topic) {
+  const auto found =
+      std::find_if(in.begin(), in.end(), [&](const ChannelContent& channel) { return channel.topic == topic; });
+  return found == in.end() ? nullptr : &*found;
+}
+
+bool has_costs(const mcap::Reader& reader, const mcap::Channel& channel) {
+  const mcap::Schema* schema = reader.schema_of(channel);
+  return schema && schema->name == msg::ControlCost::type_name;
 }
 
 }  // namespace
@@ -80,16 +86,22 @@ Result<RecordingContent> content_of(const fs::path& recording, std::optional<std
   const auto reader = mcap::Reader::open(recording);
   if (!reader) return reader.errors();
   RecordingContent content;
-  std::map<std::uint16_t, std::size_t> places;
+  struct Target {
+    std::vector<ChannelContent>& channels;
+    std::size_t index;
+  };
+  std::map<std::uint16_t, Target> targets;
   for (const auto& [id, channel] : (*reader)->channels()) {
-    places[id] = content.channels.size();
-    content.channels.push_back({channel.topic, definition_of(**reader, channel), {}});
+    auto& channels = has_costs(**reader, channel) ? content.costs : content.channels;
+    targets.emplace(id, Target{channels, channels.size()});
+    channels.push_back({channel.topic, definition_of(**reader, channel), {}});
   }
   const auto read = (*reader)->for_each_message([&](const mcap::Message& message) {
     if (before && message.log_time >= *before) return true;
     Hash hash;
     hash.add(message.sequence).add(message.publish_time).add(message.data.data(), message.data.size());
-    content.channels[places.at(message.channel->id)].messages.push_back({message.log_time, hash.value()});
+    const Target& target = targets.at(message.channel->id);
+    target.channels[target.index].messages.push_back({message.log_time, hash.value()});
     return true;
   });
   if (!read) return read.errors();
@@ -101,21 +113,25 @@ Result<RecordingContent> content_of(const fs::path& recording, std::optional<std
   return content;
 }
 
-std::string first_difference(const RecordingContent& expected, const RecordingContent& actual, double time_step) {
+std::string first_difference(const std::vector<ChannelContent>& expected, const std::vector<ChannelContent>& actual,
+                             double time_step) {
   std::optional<Place> first;
-  for (const ChannelContent& channel : expected.channels) {
+  for (const ChannelContent& channel : expected) {
     const ChannelContent* other = find(actual, channel.topic);
     if (!other) return fmt::format("channel {} isn't there", channel.topic);
     if (other->definition != channel.definition) return fmt::format("channel {} is defined otherwise", channel.topic);
     const std::optional<std::uint64_t> time = first_difference(channel, *other);
     if (time && (!first || *time < first->time)) first = Place{*time, channel.topic};
   }
-  for (const ChannelContent& channel : actual.channels)
+  for (const ChannelContent& channel : actual)
     if (!find(expected, channel.topic)) return fmt::format("channel {} is new", channel.topic);
-  if (first) {
-    const double seconds = static_cast<double>(first->time) * 1e-9;
-    return fmt::format("tick {} ({} s), {}", std::llround(seconds / time_step), seconds, first->topic);
-  }
+  if (!first) return {};
+  const double seconds = static_cast<double>(first->time) * 1e-9;
+  return fmt::format("tick {} ({} s), {}", std::llround(seconds / time_step), seconds, first->topic);
+}
+
+std::string first_difference(const RecordingContent& expected, const RecordingContent& actual, double time_step) {
+  if (std::string found = first_difference(expected.channels, actual.channels, time_step); !found.empty()) return found;
   for (const auto& [name, content] : expected.attachments) {
     const auto other = actual.attachments.find(name);
     if (other == actual.attachments.end()) return fmt::format("attachment {} isn't there", name);

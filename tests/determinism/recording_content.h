@@ -1,5 +1,6 @@
 // The content that must be equal in two recordings with the same bits: each message of each channel, including pictures
-// and hashes of states, the attachments and the outcome. Provenance and compression are not part of it.
+// and hashes of states, the attachments and the outcome. Provenance and compression are not part of it. The costs of
+// control() stand beside it, because only some rows count them.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -29,6 +30,7 @@ struct RecordingContent {
   std::vector<ChannelContent> channels;              // in the order of their definition
   std::map<std::string, std::uint64_t> attachments;  // hashes of their contents
   std::uint64_t outcome = 0;                         // hash of the outcome; 0 for the first part of a run
+  std::vector<ChannelContent> costs;                 // of control(), a channel of each controller; not in the hash
 
   std::uint64_t hash() const;
 };
@@ -39,6 +41,10 @@ Result<RecordingContent> content_of(const std::filesystem::path& recording,
 
 /// The first difference between two recordings, as "tick 12 (0.012 s), /SR1/joints"; empty: none. `time_step` [s].
 std::string first_difference(const RecordingContent& expected, const RecordingContent& actual, double time_step);
+
+/// The same of some of their channels.
+std::string first_difference(const std::vector<ChannelContent>& expected, const std::vector<ChannelContent>& actual,
+                             double time_step);
 
 /// Hash of all the bytes of a file.
 Result<std::uint64_t> hash_of_file(const std::filesystem::path& file);

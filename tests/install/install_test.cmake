@@ -63,6 +63,39 @@ run(${prefix}/bin/rehearse record ${project}/scenarios/swing.yaml -o ${project}/
 run(${prefix}/bin/rehearse replay ${project}/swing.mcap
     --controller Swing=${project}/build/lib/rehearse/controllers/Swing.so)
 
+# With COVERAGE each statement of a controller has a line, whatever the build type.
+run(${CMAKE_COMMAND} -S ${project} -B ${project}/release -G ${GENERATOR}
+    -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_BUILD_TYPE=Release)
+run(${CMAKE_COMMAND} --build ${project}/release --target Swing CoveredSwing)
+function(audit_coverage controller)
+  execute_process(
+    COMMAND ${prefix}/bin/rehearse audit ${project}/swing.mcap --coverage --lcov ${WORK}/swing.info
+      --controller Swing=${project}/release/lib/rehearse/controllers/${controller}.so
+    RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  set(status ${status} PARENT_SCOPE)
+  set(output ${output} PARENT_SCOPE)
+endfunction()
+audit_coverage(Swing)
+if(NOT status EQUAL 2 OR NOT output MATCHES "no lines in its debug information")
+  message(FATAL_ERROR "the coverage of a Release without COVERAGE ended in ${status}:\n${output}")
+endif()
+audit_coverage(CoveredSwing)
+file(READ ${WORK}/swing.info lines)
+file(STRINGS ${project}/swing.cpp source)
+set(line 0)
+set(statements 0)
+foreach(text IN LISTS source)
+  math(EXPR line "${line} + 1")
+  if(text MATCHES "^    [a-z]" AND NOT lines MATCHES "DA:${line},1\n")
+    message(FATAL_ERROR "line ${line} of swing.cpp isn't executed with COVERAGE: ${output}\n${lines}")
+  elseif(text MATCHES "^    [a-z]")
+    math(EXPR statements "${statements} + 1")
+  endif()
+endforeach()
+if(NOT status EQUAL 0 OR NOT statements EQUAL 8)
+  message(FATAL_ERROR "the coverage with COVERAGE ended in ${status}, and has ${statements} statements:\n${output}")
+endif()
+
 # A new project goes from its golden to a passing test in each language.
 set(languages c++ c)
 find_program(cargo cargo)

@@ -28,6 +28,8 @@ export const defaults = {
   expectations: true,
   call_stack: null,
   control_times: [],
+  coverage: null, // the object that its blob contains
+  coverage_alone: false, // without a run
   fails: false, // expectations are violated without a golden
 };
 
@@ -370,7 +372,29 @@ class Maker {
     };
   }
 
+  coverage() {
+    const { coverage } = this.options;
+    if (!coverage) return null;
+    const { lines, lines_executed } = coverage;
+    return this.blobs.text(JSON.stringify(coverage), { lines, lines_executed });
+  }
+
+  /** A page of the coverage of recordings. */
+  coverage_object() {
+    const sentence = this.options.coverage.verdict;
+    return {
+      format: 1,
+      title: `${this.options.coverage.recordings.length} recordings`,
+      rehearse: '0.1.0',
+      verdict: { sentence, besides: sentence, state: 'coverage', notes: [] },
+      ...{ time_step: 1, begin: 0, end: 0, first: null, call_stack: null, coverage: this.coverage() },
+      ...{ runs: [], expectations: [], divergences: [], worst: [], control_times: [], spans: [], axes: [], series: [] },
+      ...{ cameras: [], events: [], contacts: [], robots: [], meshes: [], omitted: [] },
+    };
+  }
+
   object() {
+    if (this.options.coverage_alone) return this.coverage_object();
     const { options } = this;
     const with_series = options.channels > 0;
     if (with_series && options.robot) this.add_walker_series();
@@ -413,6 +437,7 @@ class Maker {
       first: first ? 0 : null,
       call_stack: options.call_stack,
       control_times: options.control_times,
+      coverage: this.coverage(),
       spans: this.spans(),
       axes: [{ begin: 0, count: options.ticks }, { ticks: this.blobs.numbers(every_fifth, 'columns') }],
       series: this.series,

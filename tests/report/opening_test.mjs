@@ -2,6 +2,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { page_text, report_file, settled, state_of, with_file, with_report, write_file } from './bench.mjs';
+import { contrasts } from './contrasts.mjs';
 import { readFileSync } from 'node:fs';
 
 const small = { ticks: 1500, channels: 40, picture_every: 100 };
@@ -80,33 +81,6 @@ test('the address follows cursor and plots', async () => {
     await page.waitForFunction(() => location.hash === '#tick=321&series=Walker/LEFT_HIP/q');
   });
 });
-
-// WCAG's contrast of text with its background.
-function contrasts() {
-  const channel = (value) => (value <= 0.03928 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4);
-  const numbers = (color) => color.match(/[\d.]+/g).map(Number);
-  const luminance = ([r, g, b]) => 0.2126 * channel(r / 255) + 0.7152 * channel(g / 255) + 0.0722 * channel(b / 255);
-  const ground_of = (element) => {
-    for (let at = element; at; at = at.parentElement) {
-      const color = numbers(getComputedStyle(at).backgroundColor);
-      if (color.length < 4 || color[3] > 0.99) return color;
-    }
-    return [255, 255, 255];
-  };
-  const found = [];
-  for (const element of document.querySelectorAll(
-    'button, span, h1, h2, h3, p, th, td, label, output, select, input',
-  )) {
-    const text = [...element.childNodes]
-      .filter((node) => node.nodeType === 3)
-      .map((node) => node.textContent.trim())
-      .join('');
-    if (!text || element.disabled || element.offsetParent === null) continue;
-    const [a, b] = [luminance(numbers(getComputedStyle(element).color)), luminance(ground_of(element))];
-    found.push({ text, contrast: (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05) });
-  }
-  return found;
-}
 
 for (const dark of [false, true]) {
   test(`is readable in ${dark ? 'dark' : 'light'}`, async () => {

@@ -108,6 +108,9 @@ TEST_F(ReportPage, LooksAsApprovedOnATelephone) { expect_as_approved("narrow_lig
 TEST_F(ReportPage, LooksAsApprovedOnATelephoneInDark) { expect_as_approved("narrow_dark"); }
 TEST_F(ReportPage, LooksAsApprovedOfOneRunWithoutCameras) { expect_as_approved("alone"); }
 
+TEST_F(ReportPage, LooksAsApprovedWithACoverage) { expect_as_approved("coverage_light"); }
+TEST_F(ReportPage, LooksAsApprovedWithACoverageInDark) { expect_as_approved("coverage_dark"); }
+
 // A button of the page, painted over.
 TEST_F(Screenshots, ThatLackAButtonAreFound) {
   const Image expected = approved("light");

@@ -1,17 +1,19 @@
-# rehearse_add_simple_controller(NAME sources...): a controller's library, NAME.so, to be named in a scenario.
+# rehearse_add_simple_controller(NAME sources... [COVERAGE]): a controller's library, NAME.so, to be named in a scenario.
 #
 # The library is a module without a prefix, C++17, and links Rehearse::cnoid only. Its folder is the one in which the
 # harness searches controllers of the build: lib/rehearse/controllers in the build folder. Add other libraries with
 # target_link_libraries(NAME PRIVATE ...). choreonoid_add_simple_controller is a synonym, so that a CMakeLists.txt
-# written for Choreonoid needs no change.
+# written for Choreonoid needs no change. With COVERAGE it is compiled with -g -O0 whatever the build type, so that each
+# line and each branch has code of its own, which `rehearse check --coverage` watches.
 
 include(${CMAKE_CURRENT_LIST_DIR}/RehearseBits.cmake)
 
 function(rehearse_add_simple_controller name)
-  if(NOT ARGN)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "COVERAGE" "" "")
+  if(NOT arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "rehearse_add_simple_controller(${name}): name at least one source file")
   endif()
-  add_library(${name} MODULE ${ARGN})
+  add_library(${name} MODULE ${arg_UNPARSED_ARGUMENTS})
   set_target_properties(${name} PROPERTIES
     PREFIX ""
     CXX_STANDARD 17
@@ -24,6 +26,9 @@ function(rehearse_add_simple_controller name)
   target_compile_options(${name} PRIVATE -ffp-contract=off)
   # control() that ends in a call of another library keeps its frame, by which an audit attributes the call.
   target_compile_options(${name} PRIVATE $<$<COMPILE_LANGUAGE:C>:-fno-optimize-sibling-calls>)
+  if(arg_COVERAGE)  # behind the options of the build type, which they override
+    target_compile_options(${name} PRIVATE -g -O0)
+  endif()
   target_link_libraries(${name} PRIVATE Rehearse::cnoid)
   rehearse_warn_of_other_flags(${name})
 endfunction()

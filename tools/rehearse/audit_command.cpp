@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <rehearse/audit.h>
 #include <rehearse/coverage.h>
+#include <rehearse/report.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -12,6 +13,7 @@
 
 #include "audit_mode.h"
 #include "command.h"
+#include "core/golden/stale_report.h"
 #include "core/guard/interruption.h"
 #include "core/mcap/replaceable.h"
 #include "coverage_text.h"
@@ -21,6 +23,7 @@
 #include "output.h"
 #include "progress.h"
 #include "scratch_folder.h"
+#include "wings.h"
 
 namespace rehearse::tool {
 namespace {
@@ -29,8 +32,8 @@ namespace fs = std::filesystem;
 
 struct AuditSettings {
   std::vector<std::string> subjects;  // one, or several with --coverage
-  std::string lcov;                   // with --coverage: output file of the tracefile; empty: none
-  std::string output;                 // with --virtualise: output file of the recording
+  CoverageFiles coverage_files;
+  std::string output;  // with --virtualise: output file of the recording
   bool json = false;
   bool verbose = false;
   bool judge = false;  // the counts of instructions are compared with those beside the recordings
@@ -158,14 +161,20 @@ Result<void> keep_recording(const AuditSettings& settings) {
   return {};
 }
 
-/// Prints the report of --coverage, and writes its tracefile.
+/// Prints the report of --coverage, and writes its files.
 Exit finish(const AuditSettings& settings, const CoverageReport& report) {
-  if (!settings.lcov.empty())
-    if (const auto written = write_text(settings.lcov, to_lcov(report)); !written) return refuse(written.errors());
+  const auto& [lcov, html] = settings.coverage_files;
+  if (!lcov.empty())
+    if (const auto written = write_text(lcov, to_lcov(report)); !written) return refuse(written.errors());
+  if constexpr (has_viewing)
+    if (!html.empty())
+      if (const auto written = write_coverage_page(to_json(report), html); !written) return refuse(written.errors());
   if (settings.json)
     print(Json::parse(to_json(report)));
   else
     tell_coverage(report, settings.verbose);
+  if constexpr (has_viewing)
+    if (!html.empty() && !settings.json) fmt::print("in a browser: {}\n", report_link(html));
   return report.failure ? Exit::controller_failed : Exit::done;
 }
 
@@ -182,6 +191,17 @@ Exit finish(const AuditSettings& settings, const AuditReport& report) {
   if (settings.audit.instructions) return Exit::done;
   if (settings.audit.realtime) return report.realtime_safe.value_or(false) ? Exit::done : Exit::differs;
   return report.deterministic ? Exit::done : Exit::differs;
+}
+
+/// Fails before the replays if the page of --html can't be written.
+Result<void> check_page(const std::string& html) {
+  if (html.empty()) return {};
+  if constexpr (!has_viewing) {
+    return left_out("--html", "viewing");
+  } else {
+    if (const auto page = report_page(); !page) return page.errors();
+    return check_replaceable(html, report_magic, "report");
+  }
 }
 
 /// Calls `examine`, which is interrupted by signals, and finishes with its report.
@@ -210,6 +230,7 @@ Exit run_audit(AuditSettings& settings) {
   if (!settings.output.empty())
     if (const auto allowed = check_replaceable(settings.output, mcap_magic, "trace"); !allowed)
       return refuse(allowed.errors());
+  if (const auto able = check_page(settings.coverage_files.html); !able) return refuse(able.errors());
   end_runs_on_signals();
   const ScratchFolder scratch = ScratchFolder::temporary();
   if (scratch.path().empty())
@@ -255,7 +276,7 @@ std::function<Exit()> declare_audit(CLI::App& options) {
       ->excludes(options.get_option("--valgrind"))
       ->excludes(options.get_option("--realtime"))
       ->excludes(options.get_option("--instructions"));
-  add_lcov_option(options, settings->lcov);
+  add_coverage_files(options, settings->coverage_files);
   options.add_flag("--virtualise", settings->audit.virtualise,
                    "give the controllers simulated time and seeded random numbers instead of the system's");
   options.add_option("-o,--output", settings->output, "with --virtualise: the trace to write")->type_name("TRACE");

@@ -18,8 +18,8 @@ namespace rehearse::tool {
 Exit continue_in_audit(std::string_view mode, const std::vector<std::filesystem::path>& recordings,
                        const CLI::App& options, const std::vector<std::string>& more) {
   if (!has_audit) return refuse(left_out(mode, "audit"));
-  const std::vector<std::string_view> shared{mode,     "--until",        "--controller", "--call-limit",
-                                             "--json", "--memory-limit", "--lcov",       "--verbose"};
+  const std::vector<std::string_view> shared{
+      mode, "--until", "--controller", "--call-limit", "--json", "--memory-limit", "--lcov", "--html", "--verbose"};
   std::vector<std::string> positionals;
   for (const CLI::Option* option : options.get_options()) {
     const std::string name = option->get_name();
@@ -40,8 +40,11 @@ Exit continue_in_audit(std::string_view mode, const std::vector<std::filesystem:
   return refuse(error(fmt::format("can't start {}: {}", program.string(), std::strerror(errno))));
 }
 
-void add_lcov_option(CLI::App& options, std::string& file) {
-  options.add_option("--lcov", file, "with --coverage: also write a tracefile for lcov's genhtml")
+void add_coverage_files(CLI::App& options, CoverageFiles& files) {
+  options.add_option("--lcov", files.lcov, "with --coverage: also write a tracefile for lcov's genhtml")
+      ->type_name("FILE")
+      ->needs(options.get_option("--coverage"));
+  options.add_option("--html", files.html, "with --coverage: also write a page for a browser, with the sources")
       ->type_name("FILE")
       ->needs(options.get_option("--coverage"));
 }

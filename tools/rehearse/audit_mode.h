@@ -17,7 +17,13 @@ namespace rehearse::tool {
 Exit continue_in_audit(std::string_view mode, const std::vector<std::filesystem::path>& recordings,
                        const CLI::App& options, const std::vector<std::string>& more = {});
 
-/// Declares --lcov of a verb that has --coverage.
-void add_lcov_option(CLI::App& options, std::string& file);
+/// Output files of --coverage; empty: none.
+struct CoverageFiles {
+  std::string lcov;  // a tracefile
+  std::string html;  // a page for a browser
+};
+
+/// Declares --lcov and --html of a verb that has --coverage.
+void add_coverage_files(CLI::App& options, CoverageFiles& files);
 
 }  // namespace rehearse::tool

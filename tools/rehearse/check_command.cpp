@@ -54,10 +54,10 @@ struct CheckSettings {
   std::string junit;  // output file; empty: none
   bool github = is_github();
   CheckOptions check;
-  bool has_levels = false;         // the user named levels
-  bool coverage = false;           // instead, list the lines that no golden executes
-  bool instructions = false;       // instead, compare the instructions of control() with those kept beside goldens
-  std::string lcov;                // output file of the tracefile, with `coverage`; empty: none
+  bool has_levels = false;    // the user named levels
+  bool coverage = false;      // instead, list the lines that no golden executes
+  bool instructions = false;  // instead, compare the instructions of control() with those kept beside goldens
+  CoverageFiles coverage_files;
   bool simulate = false;           // nothing is proved
   bool strict = false;             // goldens without an owner fail, too
   bool verbose = false;            // the first differences are also printed in full
@@ -472,7 +472,7 @@ std::function<Exit()> declare_check(CLI::App& options) {
       .add_flag("--coverage", settings->coverage,
                 "instead: list the lines of the controllers that no golden executes, as audit --coverage does")
       ->excludes(options.get_option("--instructions"));
-  add_lcov_option(options, settings->lcov);
+  add_coverage_files(options, settings->coverage_files);
   options.add_flag("-v,--verbose", settings->verbose,
                    "also print the first differences in full, with relative errors and ULPs, and the times of "
                    "control()");

@@ -257,8 +257,10 @@ const Form& audit_form() {
 }
 
 const Form& execution_form() {
-  static const Form form{
-      "execution", "a first execution", {member("recording", types::string()), member("tick", types::whole(-1, 1e15))}};
+  static const Form form{"execution",
+                         "a first execution",
+                         {member("recording", types::string()), member("tick", types::whole(-1, 1e15)),
+                          member("time", types::nullable(types::real()))}};
   return form;
 }
 

@@ -43,7 +43,8 @@ struct ReplaySettings {
   std::string trace;
   bool json = false;
   bool instructions = false, coverage = false;
-  std::string lcov, beside;
+  CoverageFiles coverage_files;
+  std::string beside;
   ReplayOptions replay;
   std::optional<double> deadline;  // of control() [s]
   std::string output;
@@ -263,7 +264,7 @@ std::function<Exit()> declare_replay(CLI::App& options) {
   options.add_flag("--coverage", settings->coverage,
                    "instead: list the lines of the controllers that the recording never executes, as audit --coverage "
                    "does");
-  add_lcov_option(options, settings->lcov);
+  add_coverage_files(options, settings->coverage_files);
   options
       .add_option("--beside", settings->beside,
                   "instead: find the first number and line in which a controller differs from its old library: a file, "

@@ -1,18 +1,24 @@
 // rehearse report: writes an HTML page of a run for a browser, with its golden.
 #include <fmt/format.h>
+#include <rehearse/pin.h>
 #include <rehearse/report.h>
 
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "command.h"
+#include "core/guard/child_process.h"
+#include "core/guard/interruption.h"
 #include "options.h"
 #include "output.h"
 #include "output_file.h"
 #include "progress.h"
 #include "viewing/report/call_stack.h"
+#include "wings.h"
 
 namespace rehearse::tool {
 namespace {
@@ -28,7 +34,8 @@ struct ReportSettings {
   bool json = false;
   std::optional<double> megabytes;
   bool call_stack = false;
-  HostOptions host;  // of the replay in gdb
+  bool coverage = false;
+  HostOptions host;  // of the replay in gdb, and of that for the coverage
 };
 
 Json json_of_report(const fs::path& file, const ReportSummary& summary) {
@@ -44,7 +51,33 @@ Json json_of_report(const fs::path& file, const ReportSummary& summary) {
           {"omitted", summary.omitted}};
 }
 
-Exit run_report(ReportSettings& settings) {
+/// The coverage of the run, made by `rehearse audit --coverage`, which prints its errors. `exit`: its status.
+Result<std::string> coverage_of(const ReportSettings& settings, Exit& exit) {
+  std::vector<std::string> words{own_program().string(), "audit", settings.trace, "--coverage", "--json"};
+  for (const auto& [name, library] : settings.host.libraries)
+    words.push_back(fmt::format("--controller={}={}", name, library));
+  words.push_back(fmt::format("--call-limit={}", settings.host.call_limit));
+  if (settings.host.memory_limit > 0.0) words.push_back(fmt::format("--memory-limit={}", settings.host.memory_limit));
+  if (settings.options.until) words.push_back(fmt::format("--until={}", *settings.options.until));
+  const auto output = output_of({std::move(words), environment_with({}), {}, ChildProcess::Errors::shown});
+  if (!output) return output.errors();
+  if (interruption() != 0) throw Interrupted();
+  exit = static_cast<Exit>(output->status.value_or(static_cast<int>(Exit::bad_input)));
+  return output->text;
+}
+
+/// Checks options that only a replay needs.
+Result<void> check_usage(const ReportSettings& settings, const CLI::App& options) {
+  for (const char* option : {"--controller", "--call-limit", "--memory-limit"})
+    if (options.count(option) > 0 && !settings.call_stack && !settings.coverage)
+      return error(fmt::format("{} is of a replay, and this report needs none", option),
+                   "--call-stack and --coverage replay the recording");
+  if (settings.coverage && !has_audit) return left_out("--coverage", "audit");
+  return {};
+}
+
+Exit run_report(ReportSettings& settings, const CLI::App& options) {
+  if (const auto usable = check_usage(settings, options); !usable) return refuse(usable.errors());
   if (!settings.tolerances.empty()) {
     auto rules = load_tolerances(settings.tolerances);
     if (!rules) return refuse(rules.errors());
@@ -66,6 +99,13 @@ Exit run_report(ReportSettings& settings) {
     settings.options.call_stack = [&](const std::string& controller, const std::string& command, std::int64_t tick) {
       return call_stack_at(settings.trace, controller, command, tick, settings.host);
     };
+  if (settings.coverage) {
+    Exit audited = Exit::done;
+    auto coverage = coverage_of(settings, audited);
+    if (!coverage) return refuse(coverage.errors());
+    if (audited != Exit::done && audited != Exit::controller_failed) return audited;
+    settings.options.coverage = *std::move(coverage);
+  }
   const auto written = [&] {
     StoppableProgress progress("reporting");
     settings.options.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
@@ -110,16 +150,16 @@ std::function<Exit()> declare_report(CLI::App& options) {
   options.add_flag("--call-stack", settings->call_stack,
                    "with the source line that writes the command that differs first: replays TRACE in gdb, a minute "
                    "at most");
+  options.add_flag("--coverage", settings->coverage,
+                   "with the controllers' sources, and the tick in which each line runs first: replays TRACE");
   options
       .add_option("--max-size", settings->megabytes,
                   "about the largest size of the data in MB; a longer run is shown in part (28)")
       ->type_name("MB")
       ->check(CLI::Range(1.0, 2000.0));
   add_host_options(options, settings->host);
-  options.get_option("--controller")->needs("--call-stack");
-  options.get_option("--call-limit")->needs("--call-stack");
   add_json_flag(options, settings->json);
-  return [settings] { return run_report(*settings); };
+  return [settings, &options] { return run_report(*settings, options); };
 }
 
 }  // namespace
@@ -127,6 +167,7 @@ std::function<Exit()> declare_report(CLI::App& options) {
 const Verb report_verb{"report",
                        "  rehearse report walk.mcap\n"
                        "  rehearse report today.mcap golden/SR1.Stands.mcap -o stands.html\n"
+                       "  rehearse report walk.mcap --coverage\n"
                        "  rehearse report long.mcap --from 12 --until 20 --topics '/SR1/*'\n",
                        declare_report};
 

@@ -156,7 +156,8 @@ struct AuditReport {
   std::int64_t ticks = 0;     // number of ticks of a replay
   std::int64_t commands = 0;  // number of commanded numbers of a replay
   int replays = 0;
-  double time = 0.0;  // simulated time of a replay [s]
+  double time = 0.0;       // simulated time of a replay [s]
+  double time_step = 0.0;  // [s]
   std::vector<ControllerAudit> controllers;
   std::vector<std::string> memory_errors;  // errors that valgrind reported; sentences
   Diagnostics remarks;                     // changes that controllers made to the process, and similar remarks

@@ -32,7 +32,8 @@ struct ExecutedCode {
 /// The first time that code was executed.
 struct FirstExecution {
   std::filesystem::path recording;
-  std::int64_t tick = 0;  // -1: before the run
+  std::int64_t tick = 0;       // -1: before the run
+  std::optional<double> time;  // of that tick in the recording [s]; none: before the run
 };
 
 /// One of the two ways of a conditional jump in the library. A condition of the source may need several jumps.
@@ -63,7 +64,7 @@ struct CoverageReport {
 };
 
 /// Replays each recording once, and adds up what their controllers execute. `options`: as for audit(). Fails if a
-/// recording can't be read, if a controller can't be loaded, or if no library has lines.
+/// recording can't be read, if a controller can't be loaded, or if no library has lines, as of controllers in Python.
 Result<CoverageReport> coverage(const std::vector<std::filesystem::path>& recordings, const AuditOptions& options);
 
 /// A JSON object with the members of the report.

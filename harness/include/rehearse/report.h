@@ -72,6 +72,9 @@ struct ReportOptions {
       call_stack;
   /// The times of control() in the run, by the clock of this machine; empty: the report shows none.
   std::vector<ControlTimes> control_times = {};
+  /// The coverage of the run's controllers as to_json(CoverageReport) writes it (coverage.h); empty: the report has
+  /// none.
+  std::string coverage = {};
   /// About the largest size of the data; browsers open larger files slowly. A longer run is shown in part: `omitted`
   /// says which [bytes].
   std::uintmax_t max_size = 28'000'000;
@@ -98,10 +101,17 @@ Result<std::filesystem::path> report_page();
 /// clickable.
 std::string report_link(const std::filesystem::path& report, std::optional<std::int64_t> tick = std::nullopt);
 
+/// Writes a page without a run: the coverage of one or more recordings beside the source of the controllers, with the
+/// recording and the tick in which each line is executed first. `coverage`: as ReportOptions::coverage. `page`: as
+/// ReportOptions::page. Returns the size of the file [bytes]. Fails if `file` exists and isn't a report, if it can't be
+/// written, if the page wasn't built, or if `coverage` isn't such a text.
+Result<std::uintmax_t> write_coverage_page(const std::string& coverage, const std::filesystem::path& file,
+                                           const std::filesystem::path& page = {});
+
 /// Writes the report of `trace`, beside `golden` if there is one, under a temporary name until it is complete. A
-/// recording that is cut or damaged is reported up to the damage. The memory that it takes doesn't depend on the length of
-/// the run. Fails, and writes nothing, in these cases: `trace` or `golden` is no recording of Rehearse, the page was not
-/// built, or `report` exists and isn't a report.
+/// recording that is cut or damaged is reported up to the damage. The memory that it takes doesn't depend on the length
+/// of the run. Fails, and writes nothing, in these cases: `trace` or `golden` is no recording of Rehearse, the page was
+/// not built, or `report` exists and isn't a report.
 Result<ReportSummary> write_report(const std::filesystem::path& trace,
                                    const std::optional<std::filesystem::path>& golden,
                                    const std::filesystem::path& report, const ReportOptions& options = {});

@@ -27,7 +27,7 @@ export interface ConstantArray {
 
 export type NumberArray = StoredArray | ConstantArray;
 
-export type VerdictState = 'alone' | 'equal' | 'within' | 'bits' | 'beyond' | 'violated' | 'failed';
+export type VerdictState = 'coverage' | 'alone' | 'equal' | 'within' | 'bits' | 'beyond' | 'violated' | 'failed';
 
 export interface Run {
   role: 'actual' | 'golden';
@@ -212,6 +212,51 @@ export interface ControlTimesEntry {
   histogram: [number, number][]; // upper end of a bin, and its calls
 }
 
+/** The first execution of code; tick -1 and no time: before the run. */
+export interface ExecutionEntry {
+  recording: string;
+  tick: number;
+  time: number | null;
+}
+
+/** A way of a branch; known: false if it may have been taken after it was no longer watched. */
+export interface WayEntry {
+  first: ExecutionEntry | null;
+  known: boolean;
+}
+
+export interface CoveredLineEntry {
+  line: number;
+  function: string;
+  recordings: number;
+  first: ExecutionEntry | null;
+  ways: WayEntry[];
+}
+
+export interface CoveredFileEntry {
+  file: string;
+  lines: CoveredLineEntry[];
+  source: string[] | null;
+  unread: string;
+}
+
+/** The object of `rehearse audit --coverage --json`, with sources. */
+export interface CoverageData {
+  verdict: string;
+  lines: number;
+  lines_executed: number;
+  recordings: string[];
+  files: CoveredFileEntry[];
+  failure: string | null;
+  remarks: { severity: string; message: string }[];
+}
+
+/** Its blob. */
+export interface CoverageEntry extends BlobReference {
+  lines: number;
+  lines_executed: number;
+}
+
 export interface ReportData {
   format: number;
   title: string;
@@ -233,6 +278,7 @@ export interface ReportData {
   worst: string[]; // series
   call_stack: { controller: string; command: string; tick: number; frames: FrameEntry[] } | null;
   control_times: ControlTimesEntry[];
+  coverage: CoverageEntry | null;
   spans: [number, number][];
   axes: AxisEntry[];
   series: SeriesEntry[];

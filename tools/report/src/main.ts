@@ -6,6 +6,7 @@ import './style/parts.css';
 import { go_to_place, keep_address, parse_address } from './address';
 import { call_stack, show_source_line } from './call_stack';
 import { control_times } from './control_times';
+import { Coverage } from './coverage';
 import { Cameras } from './cameras';
 import { Channels } from './channels';
 import { Tour } from './divergences';
@@ -37,8 +38,14 @@ function keys_of(
   channels: Channels,
   help: () => void,
   ghost: () => void,
+  unexecuted: Key[],
 ): Key[] {
   const by = (event: KeyboardEvent) => (event.shiftKey ? 10 : 1);
+  const look: Key[] = [
+    { keys: ['t'], shown: 't', does: 'light or dark', action: toggle_theme },
+    { keys: ['?'], shown: '?', does: 'this help', action: help },
+  ];
+  if (report.data.runs.length === 0) return [...unexecuted, ...look];
   return [
     { keys: ['d'], shown: 'd', does: 'the first divergence', action: () => tour.go_to_first() },
     { keys: ['v'], shown: 'v', does: 'the first violated expectation', action: () => tour.go_to_violation() },
@@ -67,8 +74,21 @@ function keys_of(
     { keys: ['a'], shown: 'a', does: 'show all of the run', action: () => store.look_at_all() },
     { keys: ['g'], shown: 'g', does: 'the golden’s ghost on or off', action: ghost },
     { keys: ['/'], shown: '/', does: 'search channels to plot', action: () => channels.focus() },
-    { keys: ['t'], shown: 't', does: 'light or dark', action: toggle_theme },
-    { keys: ['?'], shown: '?', does: 'this help', action: help },
+    ...unexecuted,
+    ...look,
+  ];
+}
+
+/** The keys that lead from one place to another that never runs; none without a coverage. */
+function unexecuted_keys(coverage: Coverage | null, open: () => void): Key[] {
+  if (!coverage) return [];
+  const go = (step: () => Promise<void>) => () => {
+    open();
+    void step();
+  };
+  return [
+    { keys: ['u'], shown: 'u', does: 'the next lines that never run', action: go(() => coverage.next()) },
+    { keys: ['U'], shown: 'U', does: 'the lines before that never run', action: go(() => coverage.previous()) },
   ];
 }
 
@@ -151,7 +171,9 @@ function put_together(report: Report) {
     channels = new Channels(store, report),
     table = new Table(store, report);
   const { tools, set_ghost } = scene_tools(store, report, scene);
-  const keys = keys_of(store, report, tour, transport, channels, () => dialog.showModal(), set_ghost);
+  const coverage = report.data.coverage ? new Coverage(store, report, report.data.coverage) : null;
+  const unexecuted = unexecuted_keys(coverage, () => tabs.open('coverage'));
+  const keys = keys_of(store, report, tour, transport, channels, () => dialog.showModal(), set_ghost, unexecuted);
   const dialog = help_dialog(keys);
   const count = report.data.divergences.length;
   const { expectations, events } = report.data;
@@ -178,7 +200,8 @@ function put_together(report: Report) {
       title: 'Times',
       content: control_times(store, report.data.control_times),
     },
-    { name: 'provenance', title: 'Provenance', content: provenance(report) },
+    coverage && { name: 'coverage', title: coverage.title, content: coverage.root },
+    report.data.runs.length > 0 && { name: 'provenance', title: 'Provenance', content: provenance(report) },
     report.data.runs.some((run) => run.scenario !== '') && {
       name: 'scenario',
       title: 'Scenario',

@@ -7,6 +7,7 @@ import type { Store } from './store';
 import { toggle_theme } from './theme';
 
 const words = {
+  coverage: 'Coverage',
   alone: 'One run',
   equal: 'Equal',
   within: 'Within tolerance',
@@ -44,7 +45,7 @@ export function verdict(store: Store, report: Report, help: () => void): HTMLEle
       { class: 'heading' },
       element('span', { class: 'state' }, words[state] ?? state),
       element('h1', {}, data.title || 'Report'),
-      element('p', { class: 'runs' }, ...runs, element('span', {}, length), ...outcomes),
+      data.runs.length > 0 && element('p', { class: 'runs' }, ...runs, element('span', {}, length), ...outcomes),
       levels &&
         element(
           'p',

@@ -179,7 +179,7 @@ Result<void> Audit::prepare() {
   if (!(*reader)->damage().empty()) return (*reader)->damage();
   const auto scenario = scenario_of(**reader);
   if (!scenario) return scenario.errors();
-  evidence_.time_step = scenario->time_step;
+  evidence_.time_step = report_.time_step = scenario->time_step;
   evidence_.virtualised = options_.virtualise;
   if (const auto seed = virtualised_seed(**reader)) {
     options_.virtualise = evidence_.virtualised = true;  // as in the recording

@@ -6,9 +6,13 @@
 #include <set>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "code_map.h"
 #include "core/compare/report_json.h"
+#include "core/host/hosted_language.h"
+#include "core/host/source_age.h"
+#include "model/clock.h"
 #include "symbols.h"
 
 namespace rehearse {
@@ -27,15 +31,20 @@ bool is_added(std::string_view function) {
 /// The executed code of one library in one recording.
 struct Execution {
   const fs::path& recording;
+  double time_step;  // [s]
   const ExecutedCode& code;
 };
 
 /// Adds up what recordings execute, line by line.
 class CoverageSum {
  public:
-  /// Adds a library of which a replay executed nothing yet. Fails as map_code().
+  /// Adds a library of which a replay executed nothing yet. Fails as map_code(), and for a controller in Python.
   Result<void> add_library(const fs::path& file) {
     if (maps_.contains(file)) return {};
+    if (const auto hosted = hosted_name(file))
+      return error(fmt::format("controller '{}' is written in {}: it has no machine code, in which lines are watched",
+                               file.filename().string(), hosted->language.name),
+                   fmt::format("{}'s own package coverage lists its lines", hosted->language.name));
     auto map = map_code(file);
     if (!map) return map.errors();
     maps_.emplace(file, *std::move(map));
@@ -45,6 +54,11 @@ class CoverageSum {
 
   std::vector<CoveredFile> files();
   bool is_empty() const { return maps_.empty(); }
+  std::vector<fs::path> libraries() const {
+    std::vector<fs::path> files;
+    for (const auto& [library, map] : maps_) files.push_back(library);
+    return files;
+  }
 
  private:
   void add_lines(const fs::path& library, const CodeMap& map);
@@ -54,11 +68,10 @@ class CoverageSum {
   std::map<std::string, std::map<int, CoveredLine>> lines_;  // by file and line
 };
 
-void note(std::optional<FirstExecution>& first, const fs::path& recording, std::optional<std::int64_t> tick) {
-  if (tick && !first)
-    first = FirstExecution{recording, *tick};
-  else if (tick && first->recording == recording)
-    first->tick = std::min(first->tick, *tick);
+void note(std::optional<FirstExecution>& first, const Execution& execution, std::optional<std::int64_t> tick) {
+  if (!tick || (first && (first->recording != execution.recording || first->tick <= *tick))) return;
+  first = FirstExecution{execution.recording, *tick, std::nullopt};
+  if (*tick >= 0) first->time = time_of(*tick, execution.time_step);
 }
 
 void CoverageSum::add_lines(const fs::path& library, const CodeMap& map) {
@@ -73,20 +86,20 @@ void CoverageSum::add_lines(const fs::path& library, const CodeMap& map) {
   };
   for (const CodeMap::Statement& statement : map.statements) {
     CoveredLine& line = line_at(statement.file, statement.line, statement.address);
-    for (const auto& [recording, code] : executions) {
-      const auto found = code.statements.find(statement.address);
-      if (found == code.statements.end()) continue;
-      note(line.first, recording, found->second);
-      recordings[{statement.file, statement.line}].insert(recording);
+    for (const Execution& execution : executions) {
+      const auto found = execution.code.statements.find(statement.address);
+      if (found == execution.code.statements.end()) continue;
+      note(line.first, execution, found->second);
+      recordings[{statement.file, statement.line}].insert(execution.recording);
     }
   }
   for (const CodeMap::Jump& jump : map.jumps) {
     CoveredWay taken, passed;
-    for (const auto& [recording, code] : executions) {
-      const auto found = code.jumps.find(jump.address);
-      if (found == code.jumps.end()) continue;
-      note(taken.first, recording, found->second.taken);
-      note(passed.first, recording, found->second.passed);
+    for (const Execution& execution : executions) {
+      const auto found = execution.code.jumps.find(jump.address);
+      if (found == execution.code.jumps.end()) continue;
+      note(taken.first, execution, found->second.taken);
+      note(passed.first, execution, found->second.passed);
       taken.is_known = passed.is_known = taken.is_known && found->second.is_complete;
     }
     CoveredLine& line = line_at(jump.file, jump.line, jump.address);
@@ -148,7 +161,9 @@ std::string verdict_of(const CoverageReport& report) {
 
 CoverageJson object_of(const std::optional<FirstExecution>& first) {
   if (!first) return nullptr;
-  return {{"recording", first->recording.string()}, {"tick", first->tick}};
+  return {{"recording", first->recording.string()},
+          {"tick", first->tick},
+          {"time", first->time ? CoverageJson(*first->time) : CoverageJson(nullptr)}};
 }
 
 }  // namespace
@@ -181,13 +196,15 @@ Result<CoverageReport> coverage(const std::vector<fs::path>& recordings, const A
       if (const auto added = sum.add_library(controller.library); !added)
         unwatched.emplace(controller.library, added.errors()[0]);
       else if (controller.executed)
-        sum.add(controller.library, {recordings[i], *controller.executed});
+        sum.add(controller.library, {recordings[i], replayed.time_step, *controller.executed});
     }
   }
   for (const auto& [library, why] : unwatched) {
     if (sum.is_empty()) return why;
     report.remarks.push_back(warning(why.message + ": its lines aren't known", why.hint));
   }
+  for (const fs::path& library : sum.libraries())
+    for (std::string& sentence : notes_on_old_library(library)) report.remarks.push_back(warning(std::move(sentence)));
   report.files = sum.files();
   report.verdict = verdict_of(report);
   return report;

@@ -20,6 +20,7 @@
 #include "core/mcap/glob.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
+#include "report_coverage.h"
 #include "report_facts.h"
 #include "report_findings.h"
 #include "report_messages.h"
@@ -108,6 +109,7 @@ class ReportMaker {
   std::optional<Comparison> comparison_;
   std::optional<JudgedValues> judged_;
   std::vector<ExpectationResult> expectations_;  // of the run
+  ReportJson coverage_;                          // null: none
   RowFocus focus_;
   std::vector<std::string> omitted_;           // before anything is written
   std::future<Result<CallStack>> call_stack_;  // while the series are written, as a debugger takes seconds
@@ -373,6 +375,9 @@ void ReportMaker::omit_damage() {
 
 /// Judges the run, and makes all of the report's object except its series, pictures and messages.
 Result<ReportJson> ReportMaker::head(const fs::path& actual_file, const fs::path& golden_file) {
+  auto coverage = coverage_with_sources(options_.coverage);
+  if (!coverage) return coverage.errors();
+  coverage_ = *std::move(coverage);
   omit_damage();
   const auto read_scenario = [&](const ReportedRun& run, std::optional<Scenario>& scenario) {
     auto read = recorded_scenario(run.trace);
@@ -445,6 +450,7 @@ Result<ReportMaker::Attempt> ReportMaker::write(ReportJson object, std::uint64_t
   write_happenings(object, blobs);
   object["call_stack"] = call_stack_json();
   object["control_times"] = json_of(options_.control_times);
+  object["coverage"] = coverage_entry(blobs, coverage_);
   object["omitted"] = summary_.omitted;
   if (auto done = file->finish(object); !done) return done.errors();
   summary_.bytes = file->bytes();
