@@ -188,6 +188,7 @@ void add_page(const CheckSettings& settings, const Scenario& scenario, const fs:
     const fs::path golden = golden_of(settings, scenario);
     ReportOptions options;
     options.notes = checked.notes;
+    if (!checked.line_advice.empty()) options.notes.push_back("this command finds the line: " + checked.line_advice);
     if (checked.report.controller == LevelState::differs)
       options.call_stack = call_stack_of(golden, settings.check.run);
     auto written = allowed ? write_failure_report(checked.report, scenario, golden, actual, std::move(options))
@@ -230,12 +231,11 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
   }
   checked.seconds = stopwatch.seconds();
   if (!settings.json) tell_verdict(checked, settings.verbose);
+  checked.line_advice = line_advice(scenario, checked.report, golden_of(settings, scenario), settings.check.run);
   add_page(settings, scenario, waiting->folder() / (name + ".mcap"), checked);
   const auto told = waiting->publish(checked.report.message);
   if (!told) return told.errors();
   if (!told->empty()) checked.report.remarks.push_back(*told);
-  if (!settings.json)
-    checked.line_advice = line_advice(scenario, checked.report, golden_of(settings, scenario), settings.check.run);
   if (checked.page) checked.page->file = pending_folder() / checked.page->file.lexically_relative(waiting->folder());
   return checked;
 }
