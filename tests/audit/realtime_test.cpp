@@ -183,7 +183,19 @@ TEST_F(GoldenCosts, AreNotCountedBeforeAnotherAllocator) {
   const Outcome outcome = rehearse({"record", scenario("costs", "branch").string(), "--realtime"},
                                    "REHEARSE_PIN=off LD_PRELOAD=" ZOO "/libother_allocator.so");
   EXPECT_EQ(outcome.status, 0);
-  EXPECT_THAT(outcome.err, HasSubstr("the costs of control() can't be counted here"));
+  EXPECT_THAT(outcome.err, HasSubstr("the costs of control() can't be counted here: another allocator is loaded"));
+}
+
+// As on another processor: the golden has costs, and this process can't count them.
+TEST_F(GoldenCosts, AreNotComparedWhereTheyCantBeCounted) {
+  EXPECT_EQ(rehearse({"check", yaml_with("costs_lean")}, "REHEARSE_GOLDEN=new").status, 0);
+  const std::string other = "REHEARSE_PIN=off LD_PRELOAD=" ZOO "/libother_allocator.so";
+  const Outcome checked = rehearse({"check", "zoo.yaml", "--json"}, other);
+  EXPECT_EQ(checked.status, 0) << checked.out << checked.err;
+  EXPECT_EQ(checked.json()["code"], "same") << checked.json()["verdict"];
+  EXPECT_THAT(checked.json()["remarks"].dump(), HasSubstr("the run has no costs: /Pendulum/Zoo/cost is not compared"));
+  const Outcome replayed = rehearse({"replay", "golden/Zoo.Waits.mcap"}, other);
+  EXPECT_EQ(replayed.status, 0) << replayed.out << replayed.err;
 }
 
 }  // namespace

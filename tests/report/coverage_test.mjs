@@ -131,8 +131,8 @@ test('a page of recordings names the one that executes a line first', async () =
     await page.waitForSelector('.lines .line');
     assert.equal(await page.textContent('.state'), 'Coverage');
     assert.equal(await page.textContent('.sentence'), coverage.verdict);
-    assert.equal(await row(page, 5).locator('.when').innerText(), 'Near: tick 0, 0.000 s');
-    assert.equal(await row(page, 6).locator('.when').innerText(), 'Far: tick 100, 0.100 s');
+    assert.equal(await row(page, 5).locator('.when').innerText(), 'tick 0, 0.000 s in Near');
+    assert.equal(await row(page, 6).locator('.when').innerText(), 'tick 100, 0.100 s in Far');
     assert.match(await row(page, 5).getAttribute('title'), /in 2 of 2 recordings/);
     await page.click('.coverage summary');
     assert.deepEqual(await page.locator('.coverage li').allInnerTexts(), coverage.recordings);

@@ -80,6 +80,26 @@ TEST_F(OtherProcessor, IsNotMentionedIfAllBitsAreEqual) {
   EXPECT_THAT(report.verdict, Not(HasSubstr("arm64")));
 }
 
+TEST_F(OtherProcessor, IsTheReasonWhereItRecordsNoCosts) {
+  make_golden("arm64");
+  const auto counted = load("realtime: counts\n" + scenario("step 0.1 20"));
+  const auto report = check_scenario(counted, path("golden.mcap"), path("actual.mcap"), {}, {record, run_plant});
+  ASSERT_TRUE(report) << to_string(report.errors());
+  EXPECT_TRUE(report->equal()) << report->verdict;
+  EXPECT_THAT(report->codes, ElementsAre(VerdictCode::same));
+  EXPECT_THAT(
+      report->comparison->remarks,
+      ::testing::Contains("the golden is of arm64, a processor on which the costs of control() aren't recorded: "
+                          "/Rig/C/cost is not compared"));
+  record_run("realtime: counts\n" + scenario("step 0.1 20"), "counted.mcap");
+  const auto compared = compare(path("counted.mcap"), path("golden.mcap"), {});
+  ASSERT_TRUE(compared) << to_string(compared.errors());
+  EXPECT_TRUE(compared->within) << verdict(*compared);
+  EXPECT_THAT(compared->remarks,
+              ::testing::Contains("the run is of arm64, a processor on which the costs of control() aren't recorded: "
+                                  "/Rig/C/cost is not compared"));
+}
+
 TEST_F(OtherProcessor, ExplainsNoCrash) {
   make_golden("arm64");
   const CheckReport report = checked("fail throw control 7");

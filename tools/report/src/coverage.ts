@@ -239,11 +239,12 @@ class CoveragePanel {
     );
   }
 
+  /** The tick comes first: a long name may be cut. */
   private when(first: ExecutionEntry): string {
-    const recording = this.data.recordings.length > 1 ? `${name_of(first.recording).replace(/\.mcap$/, '')}: ` : '';
-    if (first.tick < 0 || first.time === null) return `${recording}before the run`;
+    const where = this.data.recordings.length > 1 ? ` in ${name_of(first.recording).replace(/\.mcap$/, '')}` : '';
+    if (first.tick < 0 || first.time === null) return `before the run${where}`;
     const own = this.report.data.runs.length > 0 ? this.report.data.time_step : first.time / Math.max(1, first.tick);
-    return `${recording}tick ${first.tick}, ${time_text(first.time, own || 0.001)}`;
+    return `tick ${first.tick}, ${time_text(first.time, own || 0.001)}${where}`;
   }
 
   private way_text(way: WayEntry): string {

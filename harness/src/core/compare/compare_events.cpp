@@ -13,6 +13,7 @@
 #include "channel_findings.h"
 #include "compare_structure.h"
 #include "core/kinds/channel_name.h"
+#include "core/kinds/cost_fields.h"
 #include "core/mcap/glob.h"
 #include "core/trace/event_stream.h"
 #include "event_sequences.h"
@@ -61,7 +62,7 @@ bool is_mere_word(const msg::Event& event, const std::vector<ToleranceRule>& rul
 
 enum class MessageKind { judged, words };  // a difference of words fails nothing
 
-/// The messages of one kind of a run, in their order.
+/// The messages of one kind of a run, in their order. That costs aren't counted is none: it follows from the process.
 class MessageSequence {
  public:
   MessageSequence(const Trace& trace, MessageKind kind, const std::vector<ToleranceRule>& rules)
@@ -75,7 +76,8 @@ class MessageSequence {
   void advance() {
     do {
       now_ = stream_.next();
-    } while (now_ && is_mere_word(*now_, rules_) != (kind_ == MessageKind::words));
+    } while (now_ &&
+             (now_->source == uncounted_costs_source || is_mere_word(*now_, rules_) != (kind_ == MessageKind::words)));
   }
   /// True if the present message or one after it says the same.
   bool comes_to(const msg::Event& event) {

@@ -206,6 +206,14 @@ std::string other_inputs_sentence(const std::vector<std::string>& names) {
 
 namespace {
 
+/// "has no costs", or the processor as the reason.
+std::string why_without_costs(const Trace& trace) {
+  const auto provenance = RunFacts::of(trace).provenance;
+  const std::string architecture = provenance ? architecture_of(*provenance) : "x86-64";
+  if (architecture == "x86-64") return "has no costs";
+  return fmt::format("is of {}, a processor on which the costs of control() aren't recorded", architecture);
+}
+
 /// The compared channels that only one of the traces has.
 class LoneChannels {
  public:
@@ -232,8 +240,8 @@ class LoneChannels {
         continue;
       }
       if (stage_of(channel.topic) == Stage::costs) {
-        remarks.push_back(
-            fmt::format("the {} has no costs: {} is not compared", missing_ ? "run" : "golden", channel.topic));
+        remarks.push_back(fmt::format("the {} {}: {} is not compared", missing_ ? "run" : "golden",
+                                      why_without_costs(other_), channel.topic));
         lone_.erase(lone_.begin());
         continue;
       }

@@ -47,6 +47,13 @@ void count_message_bytes(std::uint64_t bytes);
 /// True if the calls of this process reach the counters. They don't with another allocator that is loaded earlier
 /// (LD_PRELOAD, valgrind), or on other processors than x86-64.
 bool can_count_costs();
+/// The reason if they don't.
+inline constexpr std::string_view why_no_costs =
+#if defined(__x86_64__)
+    "another allocator is loaded before Rehearse's libraries";
+#else
+    "they aren't recorded on this processor, which isn't an x86-64";
+#endif
 
 /// Called for each counted call, on its thread, while nothing is counted; null: nothing is called. `function`: its name
 /// in the C library.

@@ -9,6 +9,7 @@
 #include "controller_watch.h"
 #include "core/guard/cost_counter.h"
 #include "core/guard/supervisor.h"
+#include "core/kinds/cost_fields.h"
 #include "core/scenario/trace_scenario.h"
 #include "debug_hook.h"
 #include "usable_outputs.h"
@@ -53,10 +54,8 @@ Result<std::unique_ptr<ControllerHost>> ControllerHost::create(const Scenario& s
   host->counts_costs_ = options.counts_costs || scenario.counts_costs;
   if (host->counts_costs_ && !can_count_costs()) {
     host->counts_costs_ = false;
-    host->event(
-        Severity::warning, "process",
-        "the costs of control() can't be counted here: another allocator is loaded before Rehearse's libraries, "
-        "or the processor isn't an x86-64; they aren't recorded");
+    host->event(Severity::warning, std::string(uncounted_costs_source),
+                fmt::format("the costs of control() can't be counted here: {}", why_no_costs));
   }
   Diagnostics findings;
   for (std::size_t b = 0; b < scenario.bodies.size(); ++b) {

@@ -15,6 +15,10 @@ struct CostField {
   std::string_view one = {}, many = {};  // "allocation", "allocations"; empty: the count is no fault
 };
 
+/// The source of the event that a run doesn't count the costs that its scenario asks for. No comparison judges it: it
+/// follows from the process, as the missing channels do.
+inline constexpr std::string_view uncounted_costs_source = "costs";
+
 inline constexpr CostField cost_fields[] = {
     {"allocations", "", &msg::ControlCost::allocations, "allocation", "allocations"},
     {"allocated_bytes", "B", &msg::ControlCost::allocated_bytes},

@@ -7,13 +7,15 @@
 #include <utility>
 
 #include "core/kinds/channel_name.h"
+#include "core/kinds/cost_fields.h"
 
 namespace rehearse {
 namespace {
 
-/// Adds an event of the host or its controllers; ignores events of the world and of a log.
+/// Adds an event of the host or its controllers; ignores events of the world and of a log, and that costs aren't
+/// counted.
 void add_event(RunningHash& events, const msg::Event& event) {
-  if (msg::is_of_observations(event)) return;
+  if (msg::is_of_observations(event) || event.source == uncounted_costs_source) return;
   CdrWriter cdr;
   msg::encode(event, cdr);
   events.add(cdr.bytes().data(), cdr.bytes().size());

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/guard/cost_counter.h"
 #include "core/kinds/channel_name.h"
 #include "core/kinds/cost_fields.h"
 #include "model/clock.h"
@@ -43,10 +44,8 @@ TestVerdict judge_realtime(const std::vector<ControlTimes>& all) {
     if (control.costs && control.costs->is_realtime_safe()) continue;
     verdict.passed = false;
     verdict.message += control.costs ? realtime_sentence(control)
-                                     : fmt::format(
-                                           "the costs of control() of {} can't be counted here: another "
-                                           "allocator is loaded before Rehearse's libraries",
-                                           control.controller);
+                                     : fmt::format("the costs of control() of {} can't be counted here: {}",
+                                                   control.controller, why_no_costs);
     verdict.message += "\n";
   }
   return verdict;
