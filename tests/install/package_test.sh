@@ -83,7 +83,7 @@ test -f build/check.xml
 man -w rehearse-record > /dev/null 2>&1 || test -f /usr/share/man/man1/rehearse-record.1.gz
 echo "from the packages to an accepted change in $((SECONDS - began)) s"
 
-cd / && rm -r /home/new /kept /origin
+cd / && rm -r /home/new /kept /origin ~/.cache/rehearse # of the user
 apt-get purge --yes rehearse rehearse-dev > /log 2>&1
 apt-get autoremove --purge --yes > /log 2>&1
 find / -xdev -not -path '/proc/*' -not -path '/var/*' -not -path '/etc/*' | sort > /after

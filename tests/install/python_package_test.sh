@@ -38,7 +38,7 @@ python3 -m pytest > /log 2>&1 || { tail -n 40 /log; exit 1; }
 python3 -c 'import rehearse; t = rehearse.Trace("golden/Hold.ComesBackAfterAPush.mcap"); print(t, t["Arm/SHOULDER/q"].min())'
 echo "from the packages to an accepted change in $((SECONDS - began)) s"
 
-cd / && rm -r /home/new
+cd / && rm -r /home/new ~/.cache/rehearse # the user's project and cache
 apt-get purge --yes rehearse python3-rehearse > /log 2>&1
 apt-get autoremove --purge --yes > /log 2>&1
 find / -xdev -not -path '/proc/*' -not -path '/var/*' -not -path '/etc/*' | sort > /after

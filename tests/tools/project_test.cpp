@@ -1,7 +1,13 @@
 // A project's scenarios, goldens and controllers are found without an argument and without the environment.
 #include <gmock/gmock.h>
 
+#include <sys/inotify.h>
+#include <unistd.h>
+
+#include <array>
+
 #include "command.h"
+#include "model/file_descriptor.h"
 
 namespace rehearse::test {
 namespace {
@@ -152,6 +158,48 @@ TEST_F(Project, AScenarioThatIsALinkIsCheckedInTheFolderOfItsFile) {
   const Outcome outcome = rehearse({"check", "--json"});
   EXPECT_EQ(outcome.status, 1) << outcome.err;
   EXPECT_EQ(outcome.json()["file"], "robots/arm/swing.yaml");
+}
+
+/// The number of folders that the command makes in a folder.
+class MadeFolders {
+ public:
+  explicit MadeFolders(const fs::path& folder) : events_(::inotify_init1(IN_NONBLOCK | IN_CLOEXEC)) {
+    EXPECT_GE(::inotify_add_watch(events_, folder.c_str(), IN_CREATE), 0) << folder;
+  }
+  int count() const {
+    int folders = 0;
+    alignas(inotify_event) std::array<char, 1 << 16> block;
+    for (ssize_t size = 0; (size = ::read(events_, block.data(), block.size())) > 0;)
+      for (ssize_t at = 0; at < size;) {
+        const auto* event = reinterpret_cast<const inotify_event*>(block.data() + at);
+        folders += (event->mask & IN_ISDIR) != 0;
+        at += static_cast<ssize_t>(sizeof *event) + event->len;
+      }
+    return folders;
+  }
+
+ private:
+  const FileDescriptor events_;
+};
+
+TEST_F(Project, OfManyProvedScenariosIsCheckedInOneFolderForEachProcess) {
+  build("build", MISBEHAVING);
+  const std::string text = read_file(folder() / "scenarios/swing.yaml");
+  for (const char* name : {"A", "B", "C", "D"})
+    write(std::string("scenarios/") + name + ".yaml",
+          std::string("golden: Swing.") + name + text.substr(text.find('\n')));
+  fs::remove(folder() / "scenarios/swing.yaml");
+  EXPECT_EQ(rehearse({"check"}, "REHEARSE_GOLDEN=new").status, 0);
+  done({"check"});
+  for (const int jobs : {1, 2}) {
+    const MadeFolders made(folder() / "rehearse-pending");
+    const Outcome outcome = done({"check", "-j", std::to_string(jobs)});
+    for (const char* name : {"A", "B", "C", "D"})
+      EXPECT_THAT(outcome.out, HasSubstr(std::string(name) + ": proved without simulating"));
+    EXPECT_EQ(made.count(), jobs);
+  }
+  for (const auto& entry : fs::directory_iterator(folder() / "rehearse-pending"))
+    EXPECT_EQ(entry.path().filename(), "proofs") << "nothing else is left";
 }
 
 TEST_F(Project, OutsideOfOneCheckSaysTheRule) {

@@ -213,9 +213,11 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
                                     const std::vector<std::string>& notes) {
   const std::string name = name_of(settings, scenario);
   const Stopwatch stopwatch;
-  auto waiting = WaitingRun::begin(pending_folder(), name);
-  if (!waiting) return waiting.errors();
-  auto report = check(settings, scenario, waiting->folder());
+  // of this process, which makes one run at a time: most are proved, and write nothing there
+  static const auto own_folder = RunFolder::make(pending_folder());
+  if (!own_folder) return own_folder.errors();
+  WaitingRun waiting(*own_folder, name);
+  auto report = check(settings, scenario, waiting.folder());
   end_if_reader_is_gone();
   if (interruption() != 0)
     return error(fmt::format("interrupted by SIG{}: {} was not judged", sigabbrev_np(interruption()), scenario.name));
@@ -232,11 +234,11 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
   checked.seconds = stopwatch.seconds();
   if (!settings.json) tell_verdict(checked, settings.verbose);
   checked.line_advice = line_advice(scenario, checked.report, golden_of(settings, scenario), settings.check.run);
-  add_page(settings, scenario, waiting->folder() / (name + ".mcap"), checked);
-  const auto told = waiting->publish(checked.report.message);
+  add_page(settings, scenario, waiting.folder() / (name + ".mcap"), checked);
+  const auto told = waiting.publish(checked.report.message);
   if (!told) return told.errors();
   if (!told->empty()) checked.report.remarks.push_back(*told);
-  if (checked.page) checked.page->file = pending_folder() / checked.page->file.lexically_relative(waiting->folder());
+  if (checked.page) checked.page->file = pending_folder() / checked.page->file.lexically_relative(waiting.folder());
   return checked;
 }
 

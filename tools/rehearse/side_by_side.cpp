@@ -64,10 +64,9 @@ void end_worker_of(WorkerPool::Answer& part, WorkerPool& pool) {
 }
 
 /// Ends the workers. A library may fail when it is unloaded, at the end of its process.
-Exit end_of(WorkerPool& pool, std::size_t jobs) {
+Exit end_of(WorkerPool& pool) {
   auto worst = static_cast<int>(Exit::done);
-  for (std::size_t i = 0; i < jobs; ++i) {
-    const WorkerPool::Answer answer = pool.renew(i);
+  for (const WorkerPool::Answer& answer : pool.renew_all()) {
     print_output(answer);
     worst = std::max(worst, answer.status);
   }
@@ -107,7 +106,7 @@ Exit work_side_by_side(std::size_t count, std::size_t jobs, const Work& work,
     print_output(answer);
     if (!answer.text) return static_cast<Exit>(answer.status);
   }
-  return end_of(pool, std::min(jobs, count));
+  return end_of(pool);
 }
 
 }  // namespace rehearse::tool

@@ -3,11 +3,9 @@
 
 #include <fmt/format.h>
 #include <libqhull_r/qhull_ra.h>
-#include <unistd.h>
 #include <xxhash.h>
 
 #include <array>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -16,22 +14,13 @@
 #include <string>
 #include <vector>
 
+#include "model/user_cache.h"
+
 namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
 using Numbers = std::vector<double>;  // hulls: counts, coordinates [m] and numbers of vertices
-
-fs::path caches_of_user() {
-  const auto folder = [](const char* variable) {
-    const char* value = std::getenv(variable);
-    return fs::path(value ? value : "");
-  };
-  if (const fs::path stated = folder("REHEARSE_CACHE"); !stated.empty()) return stated == "off" ? fs::path() : stated;
-  if (const fs::path caches = folder("XDG_CACHE_HOME"); caches.is_absolute()) return caches / "rehearse";
-  if (const fs::path home = folder("HOME"); home.is_absolute()) return home / ".cache/rehearse";
-  return {};
-}
 
 template <typename T, std::size_t extent>
 std::uint64_t hash_of(std::span<T, extent> values, std::uint64_t seed = 0) {
@@ -122,7 +111,7 @@ std::optional<ConvexHulls> read(const fs::path& file) {
 }  // namespace
 
 HullStore HullStore::of_user() {
-  const fs::path caches = caches_of_user();
+  const fs::path caches = user_cache();
   return caches.empty() ? HullStore() : HullStore(caches / "hulls");
 }
 
@@ -146,20 +135,12 @@ std::optional<ConvexHulls> HullStore::find(const MeshData& mesh, MeshContact con
 
 void HullStore::keep(const MeshData& mesh, MeshContact contact, const ConvexHulls& hulls) const {
   if (folder_.empty()) return;
-  std::error_code failed;
-  fs::create_directories(folder_, failed);
   const Numbers numbers = numbers_of(hulls.hulls);
   const std::string remarks = text_of(hulls.remarks);
   const Header header{hash_of_content(numbers, remarks), numbers.size()};
-  const fs::path file = file_of(mesh, contact), whole = fs::path(file).concat(fmt::format(".{}", getpid()));
-  std::ofstream stream(whole, std::ios::binary);
-  stream.write(reinterpret_cast<const char*>(&header), sizeof header);
-  stream.write(reinterpret_cast<const char*>(numbers.data()),
-               static_cast<std::streamsize>(numbers.size() * sizeof(double)));
-  stream.write(remarks.data(), static_cast<std::streamsize>(remarks.size()));
-  stream.close();
-  if (stream) fs::rename(whole, file, failed);
-  if (!stream || failed) fs::remove(whole, failed);
+  std::string bytes(reinterpret_cast<const char*>(&header), sizeof header);
+  bytes.append(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double));
+  keep_in_cache(file_of(mesh, contact), bytes + remarks);
 }
 
 }  // namespace rehearse

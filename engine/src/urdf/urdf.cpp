@@ -1,5 +1,6 @@
 #include <rehearse/urdf.h>
 
+#include "known_robots.h"
 #include "urdf_draft.h"
 #include "urdf_materials.h"
 #include "urdf_meshes.h"
@@ -169,6 +170,11 @@ Result<Model> load_urdf(const std::filesystem::path& file, const UrdfOptions& op
 
 Result<Model> parse_urdf(const std::string& text, const std::string& name, const UrdfOptions& options) {
   REHEARSE_ASSERT(options.default_mass.value_or(1.0) > 0.0, "a default mass is above 0");
+  auto& known = urdf::KnownRobots::of_process();
+  const bool can_keep = known.can_keep(text, options);
+  if (can_keep)
+    if (auto robot = known.find(text, name, options)) return *std::move(robot);
+  urdf::count_robot();
   Findings findings(name, options.strict);
   urdf::Meshes meshes(name, options, findings);
   std::optional<Model> model;
@@ -178,6 +184,7 @@ Result<Model> parse_urdf(const std::string& text, const std::string& name, const
   model->source_file = name;
   model->source_text = text;
   model->report = findings.report();
+  if (can_keep) known.keep(*model, options);
   return std::move(*model);
 }
 

@@ -6,9 +6,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <string>
+#include <variant>
 #include <vector>
+
+#include "support/temporary_folder.h"
+#include "urdf/known_robots.h"
 
 namespace rehearse {
 namespace {
@@ -417,6 +423,40 @@ TEST(UrdfFile, IsKeptByteForByte) {
   const Model model = load(text);
   EXPECT_EQ(model.source_text, text);
   EXPECT_EQ(model.source_file, "test.urdf");
+}
+
+TEST(UrdfFile, IsReadOnceForTheSameNameAndOptions) {
+  const std::string text = still("<visual><geometry><sphere radius='0.123'/></geometry></visual>");
+  const std::uint64_t before = urdf::robots_read();
+  const Model first = load(text), second = load(text);
+  EXPECT_EQ(urdf::robots_read(), before + 1);
+  EXPECT_EQ(second.source_text, first.source_text);
+  EXPECT_EQ(std::get<Sphere>(second.links[0].visuals[0].geometry).radius, 0.123);
+
+  EXPECT_EQ(parse_urdf(text, "other.urdf")->source_file, "other.urdf");
+  EXPECT_EQ(urdf::robots_read(), before + 2);
+  EXPECT_EQ(load(text, {.fixed_root = true}).source_text, text);
+  EXPECT_EQ(urdf::robots_read(), before + 3);
+}
+
+TEST(UrdfFile, IsReadAgainIfItNamesOtherFiles) {
+  const std::string shape = "<visual><geometry><mesh filename='part.stl'/></geometry></visual>";
+  const test::TemporaryFolder folder;
+  const std::string name = (folder / "robot.urdf").string();
+  const UrdfOptions lenient{.allow_missing_meshes = true};
+  EXPECT_EQ(parse_urdf(still(shape), name, lenient)->links[0].visuals.size(), 0u);
+  std::filesystem::copy_file(FIXTURES_DIR "/broken/meshes/triangle.stl", folder / "part.stl");
+  EXPECT_EQ(parse_urdf(still(shape), name, lenient)->links[0].visuals.size(), 1u);
+}
+
+TEST(UrdfFile, OfManyIsForgottenAtLast) {
+  const auto numbered = [](int i) { return still("<!-- " + std::to_string(i) + " -->"); };
+  for (int i = 0; i < 100; ++i) load(numbered(i));
+  const std::uint64_t before = urdf::robots_read();
+  load(numbered(99));
+  EXPECT_EQ(urdf::robots_read(), before);
+  load(numbered(0));
+  EXPECT_EQ(urdf::robots_read(), before + 1);
 }
 
 TEST(UrdfFile, SaysWhenItIsNotThereOrNotAFile) {

@@ -75,9 +75,10 @@ void find_in_file(const fs::path& file, Owners& owners) {
   if (const auto text = read_text(file)) find_in_scenario(*text, file.string(), owners);
 }
 
-/// Hidden folders, folders of builds, and folders of npm contain no scenarios of the project.
+/// Hidden folders, folders of builds, of npm and of pending runs contain no scenarios of the project.
 bool is_left_out(const std::string& folder) {
-  return folder.starts_with('.') || folder.starts_with("build") || folder == "node_modules";
+  return folder.starts_with('.') || folder.starts_with("build") || folder == "node_modules" ||
+         folder == "rehearse-pending";
 }
 
 std::set<fs::path> scenario_files_in(const std::vector<fs::path>& sources) {

@@ -83,10 +83,18 @@ RunFolder::~RunFolder() {
   if (!path_.empty()) ::rmdir(path_.parent_path().c_str());
 }
 
-Result<WaitingRun> WaitingRun::begin(const fs::path& pending, const std::string& name) {
-  auto folder = RunFolder::make(pending);
-  if (!folder) return folder.errors();
-  return WaitingRun(std::move(*folder), pending, pending / (name + ".mcap"));
+WaitingRun::WaitingRun(const RunFolder& folder, const std::string& name)
+    : folder_(folder.path()),
+      pending_(folder_.parent_path()),
+      trace_(pending_ / (name + ".mcap")),
+      before_(FileIdentity::of(trace_)) {}
+
+WaitingRun::~WaitingRun() {
+  std::vector<fs::path> left;
+  std::error_code ignored;
+  for (fs::directory_iterator entry(folder_, ignored), end; !ignored && entry != end; entry.increment(ignored))
+    left.push_back(entry->path());
+  for (const fs::path& file : left) fs::remove_all(file, ignored);
 }
 
 Result<std::string> WaitingRun::publish(std::string& text) {

@@ -23,8 +23,8 @@ class FolderLock {
   FileDescriptor descriptor_;
 };
 
-/// A folder inside another folder for one run; it is removed with its contents. The next run there removes the folder
-/// of a killed process.
+/// A folder inside another folder for one run at a time; it is removed with its contents. The next process there
+/// removes the folder of a killed one.
 class RunFolder {
  public:
   static Result<RunFolder> make(const std::filesystem::path& parent);
@@ -45,10 +45,14 @@ class RunFolder {
 /// pictures, a report) are moved to the pending folder.
 class WaitingRun {
  public:
-  /// `pending`: the pending folder. `name`: name of the golden.
-  static Result<WaitingRun> begin(const std::filesystem::path& pending, const std::string& name);
+  /// `folder`: in the pending folder; no other run has it at the same time. `name`: name of the golden.
+  WaitingRun(const RunFolder& folder, const std::string& name);
+  /// Empties the folder.
+  ~WaitingRun();
+  WaitingRun(const WaitingRun&) = delete;
+  WaitingRun& operator=(const WaitingRun&) = delete;
 
-  const std::filesystem::path& folder() const { return folder_.path(); }
+  const std::filesystem::path& folder() const { return folder_; }
 
   /// Moves the files in the folder. If there is no trace, removes the pending trace from before the run, which is out
   /// of date. Paths in `text` are adapted. Returns a message if another run of this golden wrote there meanwhile; else
@@ -56,13 +60,7 @@ class WaitingRun {
   Result<std::string> publish(std::string& text);
 
  private:
-  WaitingRun(RunFolder folder, std::filesystem::path pending, std::filesystem::path trace)
-      : folder_(std::move(folder)),
-        pending_(std::move(pending)),
-        trace_(std::move(trace)),
-        before_(FileIdentity::of(trace_)) {}
-
-  RunFolder folder_;
+  std::filesystem::path folder_;
   std::filesystem::path pending_;
   std::filesystem::path trace_;         // its future pending path
   std::optional<FileIdentity> before_;  // of the pending file when the run began

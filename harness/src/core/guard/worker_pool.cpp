@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -60,20 +61,18 @@ std::optional<std::int64_t> receive_job(int socket) {
   }
 }
 
-/// The text of a file that another process may append to.
-std::string text_of_file(std::FILE* file) {
-  struct stat status {};
-  if (!file || ::fstat(fileno(file), &status) != 0) return {};
-  std::string text(static_cast<std::size_t>(status.st_size), '\0');
-  const ssize_t size = ::pread(fileno(file), text.data(), text.size(), 0);
-  text.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
-  return text;
-}
+/// A file in memory for the output of a worker.
+FileDescriptor output_file() { return FileDescriptor(::memfd_create("output of a worker", MFD_CLOEXEC)); }
 
-/// The worker's stream has the same place in the file.
-void empty_file(std::FILE* file) {
-  if (!file || ::ftruncate(fileno(file), 0) != 0) return;
-  ::lseek(fileno(file), 0, SEEK_SET);
+/// Takes the text out of a file that another process may append to. That process's stream has the same place in it.
+std::string take_text(int file) {
+  struct stat status {};
+  if (file < 0 || ::fstat(file, &status) != 0 || status.st_size == 0) return {};
+  std::string text(static_cast<std::size_t>(status.st_size), '\0');
+  const ssize_t size = ::pread(file, text.data(), text.size(), 0);
+  text.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
+  if (::ftruncate(file, 0) == 0) ::lseek(file, 0, SEEK_SET);
+  return text;
 }
 
 Diagnostic not_started(const char* why) { return error(fmt::format("a worker can't be started: {}", why)); }
@@ -112,8 +111,6 @@ Result<void> WorkerPool::give(std::int64_t job) {
     if (auto started = start(*free); !started) return started;
   free->job = job;
   free->since = Clock::now();
-  empty_file(free->out.get());
-  empty_file(free->errors.get());
   // a worker that has ended meanwhile is noticed by wait()
   static_cast<void>(send_all(free->socket, &job, sizeof job));
   return {};
@@ -124,8 +121,8 @@ Result<void> WorkerPool::start(Worker& worker) {
   if (!worker.folder.empty()) std::filesystem::create_directories(worker.folder, failed);
   if (failed) return error_in(worker.folder.string(), fmt::format("it can't be made: {}", failed.message()));
   if (setup_.kind == Kind::supervised)
-    for (ScratchFile* file : {&worker.out, &worker.errors})
-      if (file->reset(std::tmpfile()); !*file) return not_started("a temporary file can't be made");
+    for (FileDescriptor* file : {&worker.out, &worker.errors})
+      if (*file = output_file(); *file < 0) return not_started(std::strerror(errno));
   std::array<int, 2> sockets{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets.data()) != 0)
     return not_started(std::strerror(errno));
@@ -160,8 +157,8 @@ void WorkerPool::prepare(const Worker& worker, int socket) const {
   } else {
     for (const Worker& other : workers_)
       if (other.socket >= 0) ::close(other.socket);
-    ::dup2(fileno(worker.out.get()), STDOUT_FILENO);
-    ::dup2(fileno(worker.errors.get()), STDERR_FILENO);
+    ::dup2(worker.out, STDOUT_FILENO);
+    ::dup2(worker.errors, STDERR_FILENO);
     supervise_process();
     end_runs_on_signals();
   }
@@ -173,7 +170,9 @@ void WorkerPool::serve(int socket, const std::filesystem::path& folder) const no
     const std::string answer = work_(*job, folder);
     std::fflush(nullptr);
     const std::uint64_t size = answer.size();
-    if (!send_all(socket, &size, sizeof size) || !send_all(socket, answer.data(), answer.size())) break;
+    std::string message(reinterpret_cast<const char*>(&size), sizeof size);  // in one piece: the pool wakes up once
+    message += answer;
+    if (!send_all(socket, message.data(), message.size())) break;
   }
   if (setup_.kind == Kind::supervised) std::exit(EXIT_SUCCESS);  // as the program itself: the libraries clean up
   leave_process(EXIT_SUCCESS);
@@ -215,8 +214,8 @@ WorkerPool::Answer WorkerPool::answer_of(Worker& worker) const {
   answer.job = std::exchange(worker.job, std::nullopt).value_or(0);
   answer.worker = static_cast<std::size_t>(&worker - workers_.data());
   answer.folder = worker.folder;
-  answer.out = text_of_file(worker.out.get());
-  answer.errors = text_of_file(worker.errors.get());
+  answer.out = take_text(worker.out);
+  answer.errors = take_text(worker.errors);
   return answer;
 }
 
@@ -229,7 +228,7 @@ WorkerPool::Answer WorkerPool::end_of(Worker& worker, std::optional<Answer::Limi
 /// Ends a worker, and returns how it ended.
 WorkerPool::Answer WorkerPool::stop(Worker& worker, Ending ending) const {
   if (worker.process == 0) return answer_of(worker);
-  if (ending == Ending::is_asked) ::close(std::exchange(worker.socket, -1));
+  if (ending == Ending::is_asked) ask_to_end(worker);
   constexpr int patience_ms = 1000;
   int ended = 0;
   pid_t found = 0;
@@ -255,16 +254,24 @@ WorkerPool::Answer WorkerPool::stop(Worker& worker, Ending ending) const {
   return answer;
 }
 
+void WorkerPool::ask_to_end(Worker& worker) {
+  if (worker.socket >= 0) ::close(std::exchange(worker.socket, -1));
+}
+
 WorkerPool::Answer WorkerPool::renew(std::size_t worker) {
   REHEARSE_ASSERT(!workers_.at(worker).job, "the worker has no job");
-  empty_file(workers_[worker].out.get());
-  empty_file(workers_[worker].errors.get());
+  take_text(workers_[worker].out);
+  take_text(workers_[worker].errors);
   return stop(workers_[worker], setup_.kind == Kind::bare ? Ending::is_killed : Ending::is_asked);
 }
 
-void WorkerPool::renew_all() {
+std::vector<WorkerPool::Answer> WorkerPool::renew_all() {
   REHEARSE_ASSERT(is_idle(), "no worker has a job");
-  for (std::size_t i = 0; i < workers_.size(); ++i) renew(i);
+  std::vector<Answer> ends;
+  if (setup_.kind == Kind::supervised)
+    for (Worker& worker : workers_) ask_to_end(worker);  // they end at the same time
+  for (std::size_t i = 0; i < workers_.size(); ++i) ends.push_back(renew(i));
+  return ends;
 }
 
 void WorkerPool::tell(int signal) const {

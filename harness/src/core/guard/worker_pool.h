@@ -7,14 +7,14 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "model/file_descriptor.h"
 
 namespace rehearse {
 
@@ -68,8 +68,8 @@ class WorkerPool {
   std::optional<Answer> wait();
   /// The next job of that worker, which has none, is made by a new process. Returns how the present one ended.
   Answer renew(std::size_t worker);
-  /// As renew(), for all workers.
-  void renew_all();
+  /// As renew(), for all workers, which end at the same time. None of them has a job.
+  std::vector<Answer> renew_all();
   /// Sends the signal to all workers.
   void tell(int signal) const;
   /// The number of workers that were started.
@@ -77,7 +77,6 @@ class WorkerPool {
 
  private:
   using Clock = std::chrono::steady_clock;
-  using ScratchFile = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
   struct Worker {
     pid_t process = 0;  // 0: none
     int socket = -1;
@@ -85,12 +84,13 @@ class WorkerPool {
     std::optional<std::int64_t> job;
     Clock::time_point since{};
     std::string received;  // a part of an answer
-    ScratchFile out{nullptr, std::fclose}, errors{nullptr, std::fclose};
+    FileDescriptor out, errors;
   };
   enum class Ending { has_closed, is_asked, is_killed };
   Result<void> start(Worker& worker);
   void prepare(const Worker& worker, int socket) const;
   [[noreturn]] void serve(int socket, const std::filesystem::path& folder) const noexcept;
+  static void ask_to_end(Worker& worker);
   Answer stop(Worker& worker, Ending ending) const;
   Answer end_of(Worker& worker, std::optional<Answer::Limit> exceeded);
   Answer answer_of(Worker& worker) const;

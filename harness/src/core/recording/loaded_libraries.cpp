@@ -10,7 +10,6 @@
 #include <cstring>
 #include <fstream>
 #include <map>
-#include <mutex>
 #include <set>
 #include <sstream>
 #include <string_view>
@@ -87,27 +86,6 @@ std::uint64_t inode_of(const dl_phdr_info& library, const std::map<std::uint64_t
   return 0;
 }
 
-Result<std::string> read_code_hash(const std::string& path, const LoadedLibrary& library) {
-  struct stat found = {};
-  std::ifstream file(path, std::ios::binary);
-  if (!file || stat(path.c_str(), &found) != 0) return error(fmt::format("{} can't be read", path));
-  if (found.st_ino != library.inode)
-    return error(fmt::format("{} was replaced after this process had loaded it", path));
-  RunningHash hash;
-  std::array<char, 1 << 17> block;
-  for (const FilePart& part : library.parts) {
-    file.seekg(static_cast<std::streamoff>(part.offset));
-    for (std::uint64_t left = part.size; left > 0;) {
-      const std::uint64_t size = std::min<std::uint64_t>(left, block.size());
-      if (!file.read(block.data(), static_cast<std::streamsize>(size)))
-        return error(fmt::format("{} can't be read", path));
-      hash.add(block.data(), size);
-      left -= size;
-    }
-  }
-  return hash_text(hash.value());
-}
-
 /// Adds the file names of a library and of the libraries that its dynamic section names.
 Result<void> add_needed(const char* library, std::set<std::string>& names) {
   void* handle = ::dlopen(library, RTLD_NOW | RTLD_LOCAL);  // stays loaded
@@ -161,14 +139,25 @@ std::map<std::string, std::string> build_ids() {
 }
 
 Result<std::string> code_hash_of(const LoadedLibrary& library) {
-  static std::mutex mutex;
-  static auto& known = *new std::map<std::string, std::string>;  // by file: a loaded file stays what it is
-  const std::lock_guard lock(mutex);
-  const auto before = known.find(library.file);
-  if (before != known.end()) return before->second;
-  auto hash = read_code_hash(library.file.empty() ? "/proc/self/exe" : library.file, library);
-  if (hash) known.emplace(library.file, *hash);
-  return hash;
+  const std::string path = library.file.empty() ? "/proc/self/exe" : library.file;
+  struct stat found = {};
+  std::ifstream file(path, std::ios::binary);
+  if (!file || stat(path.c_str(), &found) != 0) return error(fmt::format("{} can't be read", path));
+  if (found.st_ino != library.inode)
+    return error(fmt::format("{} was replaced after this process had loaded it", path));
+  RunningHash hash;
+  std::array<char, 1 << 17> block;
+  for (const FilePart& part : library.parts) {
+    file.seekg(static_cast<std::streamoff>(part.offset));
+    for (std::uint64_t left = part.size; left > 0;) {
+      const std::uint64_t size = std::min<std::uint64_t>(left, block.size());
+      if (!file.read(block.data(), static_cast<std::streamsize>(size)))
+        return error(fmt::format("{} can't be read", path));
+      hash.add(block.data(), size);
+      left -= size;
+    }
+  }
+  return hash_text(hash.value());
 }
 
 }  // namespace rehearse

@@ -15,6 +15,7 @@
 
 #include "core/host/virtualised.h"
 #include "core/mcap/hashing.h"
+#include "core/recording/code_hashes.h"
 #include "core/recording/loaded_libraries.h"
 #include "core/recording/provenance.h"
 #include "core/recording/recorder.h"
@@ -31,30 +32,39 @@ const std::map<std::string, LoadedLibrary> libraries_at_start = loaded_libraries
 
 std::string hash_of(const std::string& text) { return hash_text(hash_bytes(text.data(), text.size())); }
 
-/// Adds libraries by the hashes of their code, unless one of that name is there.
-Result<void> add_libraries(const std::map<std::string, LoadedLibrary>& libraries, mcap::StringMap& plant) {
-  for (const auto& [name, library] : libraries) {
-    const bool is_program = name.empty();
-    const std::string file = is_program ? own_program().filename().string() : name;
-    if (library.file == "linux-vdso.so.1") continue;  // it has no file: the kernel provides it
-    const auto code = code_hash_of(library);
-    if (!code) return code.errors();
-    plant.emplace(fmt::format("{} {}", is_program ? "the program" : "the library", file), *code);
-  }
-  return {};
+/// The facts of libraries: the hashes of their code.
+Result<mcap::StringMap> facts_of(std::map<std::string, LoadedLibrary> libraries) {
+  // it has no file: the kernel provides it
+  std::erase_if(libraries, [](const auto& entry) { return entry.second.file == "linux-vdso.so.1"; });
+  const auto hashes = code_hashes_of(libraries);
+  if (!hashes) return hashes.errors();
+  mcap::StringMap facts;
+  for (const auto& [name, hash] : *hashes)
+    facts.emplace(name.empty() ? "the program " + own_program().filename().string() : "the library " + name, hash);
+  return facts;
+}
+
+/// The facts of the renderer's libraries, which are loaded here and stay loaded.
+Result<mcap::StringMap> facts_of_renderer() {
+  auto libraries = load_library(Renderer::library);
+  return libraries ? facts_of(*std::move(libraries)) : Result<mcap::StringMap>(libraries.errors());
 }
 
 /// Adds the program and all libraries, by the hashes of their code: any of them may replace functions of others. If a
-/// camera runs, the renderer's libraries are among them.
+/// camera runs, the renderer's libraries are among them. A loaded file stays what it is, so each is looked at once.
 Result<void> add_libraries(const Scenario& scenario, mcap::StringMap& plant) {
-  if (auto added = add_libraries(libraries_at_start, plant); !added || !scenario.runs_a_camera()) return added;
-  static const auto& renderer = *new auto(load_library(Renderer::library));  // they stay loaded
+  static const auto& at_start = *new auto(facts_of(libraries_at_start));
+  if (!at_start) return at_start.errors();
+  plant.insert(at_start->begin(), at_start->end());
+  if (!scenario.runs_a_camera()) return {};
+  static const auto& renderer = *new auto(facts_of_renderer());
   if (!renderer) return renderer.errors();
-  return add_libraries(*renderer, plant);
+  plant.insert(renderer->begin(), renderer->end());
+  return {};
 }
 
 /// The vendor of the processor, and whether a program emulates it. Read by CPUID, which an emulator answers itself.
-Result<std::string> processor() {
+Result<std::string> read_processor() {
 #if defined(__x86_64__)
   unsigned a = 0, registers[3] = {};
   char vendor[13] = {}, hypervisor[13] = {}, brand[49] = {};
@@ -109,9 +119,9 @@ Result<mcap::StringMap> describe_plant(const Scenario& scenario) {
   if (!virtualisation().empty()) return error("the controllers have simulated time and seeded random numbers");
   for (const char* fact : {facts::compiler, facts::build, facts::physics, facts::pinned_mathematics, facts::solver})
     if (const std::string value = stated(here, fact); !value.empty()) plant[fact] = value;
-  const auto vendor = processor();
-  if (!vendor) return vendor.errors();
-  plant["the processor"] = *vendor;
+  static const auto& processor = *new auto(read_processor());  // a virtual machine takes 30 µs for it
+  if (!processor) return processor.errors();
+  plant["the processor"] = *processor;
   plant["the renderer's environment"] = environment_of_renderer();
   if (auto added = add_libraries(scenario, plant); !added) return added.errors();
   if (auto added = add_scenario(scenario, plant); !added) return added.errors();

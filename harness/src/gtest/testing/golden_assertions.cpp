@@ -250,9 +250,10 @@ TestVerdict match_golden(const Trace& trace, const std::string& test, const Matc
   if (const std::string conflict = reported_owners_of(goldens, test).conflict(); !conflict.empty())
     return {false, to_string(error(fmt::format("the golden '{}' isn't this test's alone: {}", test, conflict),
                                    "give each test a name of its own"))};
-  auto waiting = WaitingRun::begin(goldens.where_runs_wait(), test);
-  if (!waiting) return {false, to_string(waiting.errors())};
-  GoldenStore store(goldens.folder(), waiting->folder());
+  const auto folder = RunFolder::make(goldens.where_runs_wait());
+  if (!folder) return {false, to_string(folder.errors())};
+  WaitingRun waiting(*folder, test);
+  GoldenStore store(goldens.folder(), waiting.folder());
   ComparedTest compared;
   TestVerdict verdict = judge(trace, test, options, store, compared);
   if (compared.golden.empty()) return verdict;  // nothing was compared, because the options were wrong
@@ -264,7 +265,7 @@ TestVerdict match_golden(const Trace& trace, const std::string& test, const Matc
   if (!verdict.passed && fs::exists(store.pending_file(test)))
     if (auto kept = store.keep_pending_verdict(test, verdict.message.substr(0, verdict.message.find('\n'))); !kept)
       verdict.message += "\n" + to_string(kept.errors());
-  const auto beside = waiting->publish(verdict.message);
+  const auto beside = waiting.publish(verdict.message);
   if (!beside) return {false, verdict.message + "\n" + to_string(beside.errors())};
   if (!beside->empty() && !verdict.passed) verdict.message += "\n" + *beside;
   const std::string told = keep_test_report(trace, test, "golden", verdict, compared);
