@@ -182,6 +182,16 @@ TEST_F(BranchTest, IsItsSourceWithNoiseCamerasVariablesAndJoystick) {
   }
 }
 
+TEST_F(BranchTest, CallsControllersThatRepeatTheirCommandsOnce) {
+  record_run(rig(behaviour("C", "lines"), "", "0.25"));
+  int lines = 0;
+  BranchOptions options;
+  options.on_message = [&lines](const std::string&, const std::string&) { ++lines; };
+  EXPECT_TRUE(branched(249, options).before.equal());
+  EXPECT_EQ(lines, std::ssize(lines_and_warnings("branch.mcap")));
+  EXPECT_GT(lines, 5);
+}
+
 TEST_F(BranchTest, APushMovesTheWorldFromItsTickOnAndTheBranchRepeatsItself) {
   record_hinge();
   BranchOptions options;

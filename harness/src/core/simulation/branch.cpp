@@ -41,7 +41,9 @@ class Branch {
   Result<void> find_moment();
   Result<void> set_end();
   Result<void> add_pushes();
-  Result<void> replay_before();
+  Result<std::vector<std::string>> altered_before() const;
+  std::optional<BranchSummary> go_on_in_one_pass();
+  Result<void> replay_before(const std::vector<std::string>& altered);
   Result<void> create(ClosedLoop& loop);
   Result<void> lead_world(ClosedLoop& loop);
   Result<void> choose_checkpoint();
@@ -58,6 +60,7 @@ class Branch {
   std::int64_t checkpoint_ = 0;  // tick at which the world begins
   Command moved_;                // the commands that moved the world before the moment
   BranchSummary summary_;
+  bool is_assumed_ = false;  // that the controllers repeat their commands before the moment
 };
 
 Result<void> Branch::open() {
@@ -133,18 +136,24 @@ Result<void> Branch::choose_checkpoint() {
   return {};
 }
 
-/// Replays the controllers before the moment, and compares with the recorded outputs.
-Result<void> Branch::replay_before() {
-  ReplayOptions replaying;
-  static_cast<HostOptions&>(replaying) = options_;
-  replaying.until = origin_.time;
+/// The alterations of inputs that begin before the moment.
+Result<std::vector<std::string>> Branch::altered_before() const {
   std::vector<std::string> before;
   for (const std::string& text : options_.set) {
     const auto altered = AlteredInputs::parse({text}, *scenario_);
     if (!altered) return altered.errors();
     if (altered->begins() < origin_.tick) before.push_back(text);
   }
-  replaying.set = before;
+  return before;
+}
+
+/// Replays the controllers before the moment, and compares with the recorded outputs.
+Result<void> Branch::replay_before(const std::vector<std::string>& altered) {
+  ReplayOptions replaying;
+  static_cast<HostOptions&>(replaying) = options_;
+  replaying.on_message = nullptr;  // the lines come again
+  replaying.until = origin_.time;
+  replaying.set = altered;
   auto report = replay_recording(*source_->reader, *scenario_, replaying);
   if (!report) return report.errors();
   summary_.before = *std::move(report);
@@ -161,6 +170,7 @@ Result<void> Branch::create(ClosedLoop& loop) {
   const RunFacts source = RunFacts::of(source_->recording);
   for (const auto& [fact, library] : controller_facts(*loop.host))
     if (source.stated(fact) != library) origin_.controllers.push_back(fact.substr(fact.find('.') + 1) + " " + library);
+  if (is_assumed_ && !origin_.controllers.empty()) return error("the controllers aren't the recorded ones");
   if (!summary_.before.equal() || !summary_.before.same_controllers)
     origin_.acted_until = origin_.tick;
   else if (source_->origin && source_->origin->acted_until)
@@ -197,6 +207,7 @@ Result<void> Branch::copy_source(ClosedLoop& loop) {
   loop.run->change(inputs, copy, origin_.tick);
   if (auto done = copy.copy(inputs, *loop.run, origin_.tick); !done) return done;
   if (loop.host->failure()) return error_in(file_, "before the moment, " + loop.host->failure()->message);
+  if (is_assumed_ && !copy.same_outputs()) return error("the controllers don't repeat their commands");
   return {};
 }
 
@@ -212,7 +223,11 @@ Result<BranchSummary> Branch::make() {
   auto hash = name_and_hash(from_.trace);
   if (!hash) return hash.errors();
   origin_.source = *std::move(hash);
-  if (auto replayed = replay_before(); !replayed) return replayed.errors();
+  const auto altered = altered_before();
+  if (!altered) return altered.errors();
+  if (altered->empty())
+    if (auto run = go_on_in_one_pass()) return *std::move(run);
+  if (auto replayed = replay_before(*altered); !replayed) return replayed.errors();
 
   auto run = go_on();
   if (run) return run;
@@ -220,7 +235,24 @@ Result<BranchSummary> Branch::make() {
   return run.errors();
 }
 
-/// Runs the branch itself; its source was checked.
+/// Assumes that the controllers repeat their commands before the moment, as they do unless they were changed. None:
+/// they don't, and a replay has to find the differences first, because the recording begins with them.
+std::optional<BranchSummary> Branch::go_on_in_one_pass() {
+  const BranchOrigin origin = origin_;
+  const BranchSummary summary = summary_;
+  is_assumed_ = true;
+  summary_.before.ticks = origin_.tick;
+  summary_.before.same_controllers = true;
+  if (auto run = go_on()) return *std::move(run);
+  is_assumed_ = false;
+  origin_ = origin;
+  summary_ = summary;
+  std::error_code ignored;
+  fs::remove(trace_, ignored);
+  return std::nullopt;
+}
+
+/// Runs the branch itself; its source was checked, or is assumed to be repeated.
 Result<BranchSummary> Branch::go_on() {
   ClosedLoop loop(*scenario_);
   if (auto created = create(loop); !created) return created.errors();
