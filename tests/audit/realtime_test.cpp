@@ -162,6 +162,15 @@ TEST_F(GoldenCosts, AreCompared) {
   EXPECT_EQ(accepted.status, 0) << accepted.out << accepted.err;
 }
 
+TEST_F(GoldenCosts, AreEqualInTenRuns) {
+  EXPECT_EQ(rehearse({"check", yaml_with("costs")}, "REHEARSE_GOLDEN=new").status, 0);
+  for (int run = 1; run <= 10; ++run) {
+    const nlohmann::json report = rehearse({"check", "zoo.yaml", "--json"}).json();
+    EXPECT_EQ(report["equal"], true) << "run " << run << ": " << report["verdict"];
+    EXPECT_EQ(report["proved"], false) << "a run that counts is simulated";
+  }
+}
+
 TEST_F(GoldenCosts, AreUnknownWhereOnlyOneHasThem) {
   EXPECT_EQ(rehearse({"check", yaml_with("costs", "")}, "REHEARSE_GOLDEN=new").status, 0);
   yaml_with("costs");
