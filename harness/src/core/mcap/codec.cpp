@@ -59,16 +59,10 @@ LZ4F_dctx* create_lz4_context() {
   REHEARSE_ASSERT(!LZ4F_isError(status), "lz4 has no memory for a context");
   return context;
 }
-
-/// A context for all files that this thread reads. zstd asks for the processor's features to make one, for which a
-/// virtual machine takes 10 µs.
-ZSTD_DCtx* zstd_of_thread() {
-  thread_local const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context{ZSTD_createDCtx(), &ZSTD_freeDCtx};
-  return context.get();
-}
 }  // namespace
 
 struct Decompressor::State {
+  std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> zstd{ZSTD_createDCtx(), &ZSTD_freeDCtx};
   std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> lz4{create_lz4_context(),
                                                                            &LZ4F_freeDecompressionContext};
 };
@@ -118,7 +112,7 @@ Result<Bytes> Decompressor::decompress(std::string_view compression, Bytes compr
     if (compressed.size() != size) return wrong_size(size, compressed.size());
     return compressed;
   }
-  if (compression == "zstd") return decompress_zstd(zstd_of_thread(), compressed, size, out);
+  if (compression == "zstd") return decompress_zstd(state_->zstd.get(), compressed, size, out);
   if (compression == "lz4") return decompress_lz4(state_->lz4.get(), compressed, size, out);
   return error(fmt::format("its compression \"{}\" isn't one of zstd, lz4 and none", printable(compression)));
 }
@@ -126,7 +120,7 @@ Result<Bytes> Decompressor::decompress(std::string_view compression, Bytes compr
 Result<Bytes> Decompressor::decompress_frame(Bytes compressed, std::uint64_t most, RawBuffer& out) {
   const std::uint64_t size = ZSTD_getFrameContentSize(compressed.data(), compressed.size());
   if (size > most) return error("its zstd frame states no size, or one that is too large");
-  return decompress_zstd(zstd_of_thread(), compressed, size, out);
+  return decompress_zstd(state_->zstd.get(), compressed, size, out);
 }
 
 Result<void> decompress_frames(Bytes compressed, const std::function<bool(Bytes)>& take) {
@@ -186,7 +180,7 @@ Bytes Decompressor::decompress_front(std::string_view compression, Bytes compres
   if (compression.empty()) return compressed.first(std::min<std::uint64_t>(size, compressed.size()));
   if (compression != "zstd" && compression != "lz4") return {};
   std::byte* target = out.reserve(size);
-  const std::size_t got = compression == "zstd" ? front_of_zstd(zstd_of_thread(), compressed, target, size)
+  const std::size_t got = compression == "zstd" ? front_of_zstd(state_->zstd.get(), compressed, target, size)
                                                 : front_of_lz4(state_->lz4.get(), compressed, target, size);
   return Bytes(target, got);
 }
