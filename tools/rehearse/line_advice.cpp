@@ -4,11 +4,12 @@
 #include <rehearse/golden.h>
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 #include <optional>
 #include <utility>
 #include <vector>
 
-#include "core/golden/golden_files.h"
 #include "core/guard/child_process.h"
 #include "core/host/controller_library.h"
 #include "core/host/hosted_language.h"
@@ -51,8 +52,9 @@ bool is_of_cpp(const NamedController& controller, const Scenario& scenario, cons
                         ? find_controller_library(controller.controller->library, folder_of(scenario))
                         : find_controller_library(given->second, fs::current_path());
   if (!file || hosted_name(*file)) return false;
-  const auto bytes = read_text(*file);
-  return bytes && bytes->find("createSimpleController") != std::string::npos;
+  std::ifstream stream(*file, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  return bytes.find("createSimpleController") != std::string::npos;
 }
 
 }  // namespace

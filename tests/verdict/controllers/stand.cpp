@@ -39,7 +39,7 @@ double* used_memory() {
   volatile std::size_t size = count * sizeof(double);
   auto* garbage = static_cast<double*>(std::malloc(size));
   for (std::size_t i = 0; i < count; ++i)
-    garbage[i] = static_cast<double>(std::chrono::steady_clock::now().time_since_epoch().count() % 1000003) * 1e-9;
+    garbage[i] = static_cast<double>(std::chrono::steady_clock::now().time_since_epoch().count() % 1000003) * 1e-6;
   std::free(garbage);
   return static_cast<double*>(std::malloc(size));
 }
