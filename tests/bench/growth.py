@@ -238,7 +238,9 @@ def main():
     curves, over = [], 0
     print(f"{'of':<10} {'curve':<24} {'n':>9} {'s':>9} {'MB':>7} {'at most':>7} {'exponent':>8} {'at most':>7}")
     for name, verb, sizes, seconds, megabytes in measure(asked.build.resolve(), asked.small):
-        curves.append({"of": name, "verb": verb, "n": sizes, "seconds": seconds, "megabytes": megabytes})
+        curves.append({"of": name, "verb": verb, "n": sizes})
+        curves[-1]["seconds"] = [float(f"{s:.3g}") for s in seconds]
+        curves[-1]["megabytes"] = [round(mb) for mb in megabytes]
         bounds = next(bounds for curve, (_, bounds) in CURVES.items() if curve.__name__ == name)
         most, steepest = bounds[verb]
         power = exponent(sizes[-2], sizes[-1], seconds[-2], seconds[-1])
@@ -249,7 +251,7 @@ def main():
         print(f"{name:<10} {verb:<24} {sizes[-1]:>9} {seconds[-1]:>9.3f} {megabytes[-1]:>7.0f} {most or '-':>7} "
               f"{power:>8.2f} {steepest or '-':>7}{'  OVER' if is_over else ''}", flush=True)
     if asked.json:
-        asked.json.write_text(json.dumps(curves, indent=1) + "\n")
+        asked.json.write_text("[\n " + ",\n ".join(map(json.dumps, curves)) + "\n]\n")
     return 1 if over else 0
 
 
