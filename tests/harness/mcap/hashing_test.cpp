@@ -13,6 +13,7 @@
 #include <string>
 
 #include "core/mcap/file_identity.h"
+#include "support/bytes_read.h"
 #include "support/temporary_folder.h"
 
 namespace rehearse {
@@ -20,16 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using std::chrono::seconds;
-
-/// The bytes that this process has read so far, of files and of others.
-std::int64_t bytes_read() {
-  std::ifstream counters("/proc/self/io");
-  std::string name;
-  std::int64_t count = 0;
-  counters >> name >> count;
-  EXPECT_EQ(name, "rchar:");
-  return count;
-}
 
 class ContentHash : public ::testing::Test {
  protected:
@@ -47,13 +38,13 @@ TEST_F(ContentHash, AnUnchangedFileIsReadOnce) {
   const std::string text(1 << 20, 'a');
   write(text);
   wait_until_settled();
-  const std::int64_t before = bytes_read();
+  const std::int64_t before = test::bytes_read();
   const std::string hash = content_hash_of(file_);
-  const std::int64_t once = bytes_read();
+  const std::int64_t once = test::bytes_read();
   EXPECT_EQ(content_hash_of(file_), hash);
   EXPECT_EQ(hash, hash_text(hash_bytes(text.data(), text.size())));
   EXPECT_GT(once - before, std::ssize(text));
-  EXPECT_LT(bytes_read() - once, std::ssize(text) / 100);
+  EXPECT_LT(test::bytes_read() - once, std::ssize(text) / 100);
 }
 
 TEST_F(ContentHash, AChangeOfAKeptFileIsNoticedThoughItsSizeAndItsTimeAreThoseFromBefore) {

@@ -17,22 +17,13 @@
 
 #include "core/mcap/file_identity.h"
 #include "core/mcap/hashing.h"
+#include "support/bytes_read.h"
 #include "support/temporary_folder.h"
 
 namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// The bytes that this process has read so far, of files and of others.
-std::int64_t all_bytes_read() {
-  std::ifstream counters("/proc/self/io");
-  std::string name;
-  std::int64_t count = 0;
-  counters >> name >> count;
-  EXPECT_EQ(name, "rchar:");
-  return count;
-}
 
 /// A file that counts as a library of this process.
 class CodeHashes : public ::testing::Test {
@@ -72,12 +63,12 @@ class CodeHashes : public ::testing::Test {
 TEST_F(CodeHashes, OfAnUnchangedFileAreReadOnce) {
   const std::string code(1 << 20, 'a');
   write(code);
-  const std::int64_t before = all_bytes_read();
+  const std::int64_t before = test::bytes_read();
   EXPECT_EQ(hash(), hash_of(code));
-  const std::int64_t once = all_bytes_read();
+  const std::int64_t once = test::bytes_read();
   EXPECT_EQ(hash(), hash_of(code));
   EXPECT_GT(once - before, std::ssize(code));
-  EXPECT_LT(all_bytes_read() - once, std::ssize(code) / 100);
+  EXPECT_LT(test::bytes_read() - once, std::ssize(code) / 100);
 }
 
 TEST_F(CodeHashes, NoticeAChangeThatKeepsSizeAndTime) {
