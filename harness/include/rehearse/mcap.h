@@ -89,6 +89,23 @@ struct Chunk {
   std::uint64_t size = 0;         // decompressed [bytes]
 };
 
+/// A chunk as a file contains it, with the message indexes after it: a copy of it needs no decompression.
+struct StoredChunk {
+  /// The index of one channel's messages.
+  struct Index {
+    std::uint16_t channel = 0;
+    std::uint64_t count = 0;   // of messages
+    std::uint64_t offset = 0;  // offset of its record in `bytes`
+  };
+  Chunk chunk;
+  Bytes bytes;  // the Chunk record, then its MessageIndex records
+  std::vector<Index> indexes;
+
+  /// Parses the chunk at `offset` of `file`. nullopt: there is none, or it or an index is shorter than its fields
+  /// state.
+  static std::optional<StoredChunk> parse(Bytes file, std::uint64_t offset = 0);
+};
+
 /// Counts, as the file's summary states them.
 struct Statistics {
   std::uint64_t message_count = 0;
@@ -181,6 +198,11 @@ class Writer {
   virtual Result<void> write_later(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns,
                                    std::size_t held, std::vector<std::byte> raw, Compose compose) = 0;
 
+  /// Copies a chunk of another file behind the finished chunks; the ids of its channels must be those of this file. The
+  /// messages written next on these channels are numbered after its messages. A kill loses copies that wait in the
+  /// queue.
+  virtual Result<void> copy_chunk(const StoredChunk& chunk) = 0;
+
   /// Adds an attachment. Unknown times are 0, never the wall clock's time.
   virtual Result<void> add_attachment(std::string_view name, std::string_view media_type, Bytes data,
                                       std::uint64_t log_time_ns = 0, std::uint64_t create_time_ns = 0) = 0;
@@ -272,6 +294,12 @@ class Reader {
 
   /// Reads one message again. Its data is valid until the next call of any function of this Reader.
   Result<Message> message_at(const Location& location);
+
+  /// True if chunks may be copied without a look at their messages: the file isn't damaged, the CRC of its data section
+  /// matches, and its message indexes list as many messages as its statistics. Reads the whole file once.
+  bool can_copy_chunks();
+  /// A chunk of chunks(), as it is stored. Its bytes are valid until the next call. nullopt: it is damaged.
+  std::optional<StoredChunk> stored_chunk(const Chunk& chunk);
 
   class Impl;
   Impl& impl() const { return *impl_; }  // internal

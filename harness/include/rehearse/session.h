@@ -121,6 +121,9 @@ struct BranchSummary {
   std::string world;      // a sentence: how the state of the world was restored
   /// Differences of the controllers' outputs before the moment from the source's.
   ReplayReport before;
+  /// The number of the source's chunks that were copied as they are stored, because the controllers repeat what they
+  /// did; 0: messages were written anew.
+  std::int64_t copied_chunks = 0;
 };
 
 /// Writes the branch into `trace`. Fails, and writes nothing, if the source is no recording of a simulation, doesn't

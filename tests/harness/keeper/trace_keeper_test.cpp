@@ -65,6 +65,28 @@ TEST_F(Kept, HasTheBytesOfARecordingThatTheProcessWritesItself) {
   EXPECT_TRUE(sent.read() == own.read());
 }
 
+TEST_F(Kept, HasTheChunksThatAreCopiedAndCountsTheirTicks) {
+  const TempFile source, copy;
+  const auto add_channel = [](mcap::Writer& writer) { return writer.add_channel(0, "/tick", "cdr"); };
+  {
+    auto writer = std::move(*mcap::Writer::create(source.path()));
+    const auto ticks = add_channel(*writer);
+    for (std::int64_t tick = 0; tick < 50; ++tick)
+      ASSERT_TRUE(writer->write(ticks, static_cast<std::uint64_t>(tick) * 1000, 0, tick_message(tick)));
+    ASSERT_TRUE(writer->close());
+  }
+  const auto reader = std::move(*mcap::Reader::open(source.path()));
+  const auto writer = create(copy.path());
+  add_channel(*writer);
+  for (const mcap::Chunk& chunk : reader->chunks()) EXPECT_TRUE(writer->copy_chunk(*reader->stored_chunk(chunk)));
+  keeper_.finish();
+  keeper_.close_failed({"Rig/C", "controller 'Rig/C' crashed", 50, 0.05});
+  const auto copied = *mcap::Reader::open(copy.path());
+  EXPECT_THAT(copied->damage(), SizeIs(0));
+  EXPECT_EQ(copied->statistics()->message_count, 50u);
+  for (const mcap::Metadata& record : copied->metadata()) EXPECT_EQ(RunOutcome::of(record.values).ticks, 50);
+}
+
 TEST_F(Kept, IsClosedWithTheFailureAndTheTickThatWasUnderWay) {
   const TempFile file;
   const auto writer = create(file.path());

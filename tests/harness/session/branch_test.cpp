@@ -182,6 +182,21 @@ TEST_F(BranchTest, IsItsSourceWithNoiseCamerasVariablesAndJoystick) {
   }
 }
 
+TEST_F(BranchTest, CopiesChunksOfControllersThatRepeatThemselvesAlone) {
+  record_run(rig(behaviour("C", "all"), "cameras: [Rig/Camera]\n", "4.5"));
+  const BranchSummary repeated = branched(4100);
+  EXPECT_GE(repeated.copied_chunks, 4) << "one each second, at least";
+  EXPECT_EQ(repeated.before.ticks, 4100);
+  const auto source = *mcap::Reader::open(path("run.mcap")), branch = *mcap::Reader::open(path("branch.mcap"));
+  EXPECT_TRUE(branch->can_copy_chunks());
+  EXPECT_EQ(branch->statistics()->message_count, source->statistics()->message_count);
+  EXPECT_EQ(branch->statistics()->channel_message_counts, source->statistics()->channel_message_counts);
+  EXPECT_EQ(branch->chunks().size(), source->chunks().size());
+  BranchOptions altering;
+  altering.set = {"Rig/SHOULDER/q+=0.001@tick:10"};
+  EXPECT_EQ(branched(4100, altering).copied_chunks, 0);
+}
+
 TEST_F(BranchTest, CallsControllersThatRepeatTheirCommandsOnce) {
   record_run(rig(behaviour("C", "lines"), "", "0.25"));
   int lines = 0;

@@ -87,6 +87,11 @@ class RemoteWriter final : public mcap::Writer {
     return status(log_time);
   }
 
+  Result<void> copy_chunk(const mcap::StoredChunk& chunk) override {
+    send({.kind = Kind::copy_chunk}, chunk.bytes);
+    return status();
+  }
+
   Result<void> add_attachment(std::string_view name, std::string_view media_type, Bytes data, std::uint64_t log_time,
                               std::uint64_t create_time) override {
     const auto* first = reinterpret_cast<const std::uint8_t*>(data.data());

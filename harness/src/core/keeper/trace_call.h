@@ -21,6 +21,7 @@ enum class Kind : std::uint8_t {
   write_later,
   begin_pending,
   write_pending,  // like write, if the process ends before the next message on /tick
+  copy_chunk,
   add_attachment,
   add_metadata,
   add_at_failure,  // metadata, if the process ends without close()

@@ -58,8 +58,10 @@ struct TraceKeeper::Kept {
   /// Carries out a call. False: no such call.
   bool call(const Head& head, Bytes rest, Result<void>& result);
   bool add_channel(Bytes rest);
-  bool has_channel(const Head& head) const { return static_cast<std::uint16_t>(head.channel - 1) < channels; }
-  bool count(const Head& head);
+  bool has_channel(std::uint16_t id) const { return static_cast<std::uint16_t>(id - 1) < channels; }
+  bool count(const Head& head) { return count(head.channel, 1, head.log_time); }
+  bool count(std::uint16_t channel, std::uint64_t messages, std::uint64_t last);
+  bool copy_chunk(Bytes rest, Result<void>& result);
   void write_pending();
 };
 
@@ -86,14 +88,23 @@ bool TraceKeeper::Kept::add_channel(Bytes rest) {
   return true;
 }
 
-/// Counts a message; false: it has no channel.
-bool TraceKeeper::Kept::count(const Head& head) {
-  if (!has_channel(head)) return false;
-  if (head.channel == tick_channel) {
-    ++ticks;
+/// Counts messages of a channel, whose last has that log time [ns]; false: there is no such channel.
+bool TraceKeeper::Kept::count(std::uint16_t channel, std::uint64_t messages, std::uint64_t last) {
+  if (!has_channel(channel)) return false;
+  if (channel == tick_channel) {
+    ticks += static_cast<std::int64_t>(messages);
     pending_count = 0;
   }
-  last_time = std::max(last_time, head.log_time);
+  last_time = std::max(last_time, last);
+  return true;
+}
+
+bool TraceKeeper::Kept::copy_chunk(Bytes rest, Result<void>& result) {
+  const auto stored = mcap::StoredChunk::parse(rest);
+  if (!stored || stored->bytes.size() != rest.size()) return false;
+  for (const mcap::StoredChunk::Index& index : stored->indexes)
+    if (!count(index.channel, index.count, stored->chunk.end_time)) return false;
+  result = writer->copy_chunk(*stored);
   return true;
 }
 
@@ -126,11 +137,12 @@ bool TraceKeeper::Kept::call(const Head& head, Bytes rest, Result<void>& result)
       return true;
     case Kind::begin_pending: pending_count = 0; return true;
     case Kind::write_pending:
-      if (!has_channel(head)) return false;
+      if (!has_channel(head.channel)) return false;
       if (pending_count == pending.size()) pending.emplace_back();
       pending[pending_count].head = head;
       pending[pending_count++].data.assign(rest.begin(), rest.end());
       return true;
+    case Kind::copy_chunk: return copy_chunk(rest, result);
     case Kind::add_attachment: {
       trace_call::AddAttachment call;
       if (!read(rest, call)) return false;

@@ -86,6 +86,7 @@ void Output::stop() {
 void Output::process(Job& job) {
   if (failed()) return;
   if (const auto* raw = std::get_if<RawJob>(&job)) return process_raw(*raw);
+  if (const auto* stored = std::get_if<StoredJob>(&job)) return process_stored(*stored);
   auto& chunk = std::get<ChunkData>(job);
   compose(chunk);
   process_chunk(chunk);
@@ -151,19 +152,34 @@ void Output::process_chunk(const ChunkData& chunk) {
   out.put(static_cast<std::uint64_t>(compressed->size()));
   out.put_bytes(*compressed);
   out.end_record();
-  ChunkIndex index;
-  index.chunk = {
-      offset_, chunk.start_time, chunk.end_time, std::string(compression), compressed->size(), chunk.records.size()};
-  index.length = out.size();
+  const std::size_t size = out.size();
   std::vector<std::byte> places;
   ByteWriter out_places(places);
   put_message_indexes(chunk, out, out_places);
-  index.indexes_length = out.size() - index.length;
-  index.places = places;
+  add_index({0, chunk.start_time, chunk.end_time, std::string(compression), compressed->size(), chunk.records.size()},
+            size, out.size() - size, places);
+  write_data(scratch_);
+}
+
+void Output::process_stored(const StoredJob& job) {
+  std::vector<std::byte> places;
+  ByteWriter out(places);
+  for (const StoredChunk::Index& index : job.indexes) {
+    out.put(index.channel);
+    out.put(offset_ + index.offset);
+  }
+  const std::uint64_t size = job.indexes.empty() ? job.bytes.size() : job.indexes.front().offset;
+  add_index(job.chunk, size, job.bytes.size() - size, places);
+  write_data(job.bytes);
+}
+
+/// Adds the index of a chunk that is written next. `size`: of its record; `places`: of its message indexes, which have
+/// `indexes_size` bytes.
+void Output::add_index(const Chunk& chunk, std::uint64_t size, std::uint64_t indexes_size, Bytes places) {
+  ChunkIndex index{chunk, size, indexes_size, places};
+  index.chunk.offset = offset_;
   ++counts_.chunk_count;
   chunk_indexes_.add(index);
-
-  write_data(scratch_);
 }
 
 /// Writes one MessageIndex record per channel, by ascending channel; `places` gets channel and file offset of each.

@@ -57,7 +57,14 @@ struct RawJob {
   std::string metadata_name;    // kind metadata
 };
 
-using Job = std::variant<RawJob, ChunkData>;
+/// A chunk of another file.
+struct StoredJob {
+  std::vector<std::byte> bytes;  // StoredChunk::bytes
+  Chunk chunk;
+  std::vector<StoredChunk::Index> indexes;
+};
+
+using Job = std::variant<RawJob, ChunkData, StoredJob>;
 
 class Output {
  public:
@@ -93,8 +100,10 @@ class Output {
   void stop();
   void process(Job& job);
   void process_raw(const RawJob& job);
+  void process_stored(const StoredJob& job);
   void compose(ChunkData& chunk);
   void process_chunk(const ChunkData& chunk);
+  void add_index(const Chunk& chunk, std::uint64_t size, std::uint64_t indexes_size, Bytes places);
   void put_message_indexes(const ChunkData& chunk, ByteWriter& out, ByteWriter& places) const;
   void write_data(Bytes bytes);  // bytes of the data section: included in its CRC
   void write_file(Bytes bytes);

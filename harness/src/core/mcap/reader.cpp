@@ -197,6 +197,20 @@ Result<Message> Reader::Impl::message_at(const Location& location) {
   return message;
 }
 
+bool Reader::Impl::can_copy_chunks() {
+  walk_if_not_yet();
+  if (was_cut(bytes_) || !damage_.list().empty() || loose_messages_ || !indexes_list_all_messages()) return false;
+  DamageLog ignored(name_);  // a pass over the messages reports it
+  return check_data_crc(ignored);
+}
+
+std::optional<StoredChunk> Reader::Impl::stored_chunk(const Chunk& chunk) {
+  file_.forget(std::exchange(stored_, {}));
+  auto stored = StoredChunk::parse(bytes_.first(frame_.data_end), chunk.offset);
+  if (stored) stored_ = stored->bytes;
+  return stored;
+}
+
 Result<std::unique_ptr<Reader>> Reader::open(const std::filesystem::path& file, ReaderOptions options) {
   auto view = FileView::open(file);
   if (!view) return view.errors();
@@ -243,5 +257,8 @@ Result<void> Reader::for_each_message(const OnMessage& callback, std::span<const
 }
 
 Result<Message> Reader::message_at(const Location& location) { return impl_->message_at(location); }
+
+bool Reader::can_copy_chunks() { return impl_->can_copy_chunks(); }
+std::optional<StoredChunk> Reader::stored_chunk(const Chunk& chunk) { return impl_->stored_chunk(chunk); }
 
 }  // namespace rehearse::mcap

@@ -51,6 +51,8 @@ class Reader::Impl {
   // reader.cpp
   Result<void> for_each_message(const OnMessage& callback, const ChannelSet& channels);
   Result<Message> message_at(const Location& location);
+  bool can_copy_chunks();
+  std::optional<StoredChunk> stored_chunk(const Chunk& chunk);
 
   FileView file_;
   Bytes bytes_;
@@ -112,6 +114,7 @@ class Reader::Impl {
   Bytes at_records_;
   Bytes at_body_;               // body of that chunk's record
   std::uint64_t at_chunk_ = 0;  // offset of that chunk; 0: none
+  Bytes stored_;                // bytes of the chunk that stored_chunk() returned last
   std::optional<bool> data_crc_matches_;
 };
 

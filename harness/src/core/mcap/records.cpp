@@ -141,6 +141,32 @@ std::optional<ChunkHead> parse_chunk(Bytes body) {
   return head;
 }
 
+std::optional<StoredChunk> StoredChunk::parse(Bytes file, std::uint64_t offset) {
+  if (offset > file.size()) return std::nullopt;
+  RecordWalker walker(file, offset);
+  Record record;
+  if (!walker.next(record) || record.opcode != op::chunk) return std::nullopt;
+  const auto head = parse_chunk(record.body);
+  if (!head) return std::nullopt;
+  StoredChunk stored;
+  stored.chunk = {offset,
+                  head->start_time,
+                  head->end_time,
+                  std::string(head->compression),
+                  head->records.size(),
+                  head->uncompressed_size};
+  std::uint64_t end = walker.offset();
+  for (; walker.next(record) && record.opcode == op::message_index; end = walker.offset()) {
+    ByteReader in(record.body);
+    const auto channel = in.get<std::uint16_t>();
+    const auto size = in.get<std::uint32_t>();  // size of the entries [bytes]
+    if (!in.ok() || size > in.left() || size % index_entry_size != 0) return std::nullopt;
+    stored.indexes.push_back({channel, size / index_entry_size, record.offset - offset});
+  }
+  stored.bytes = file.subspan(offset, end - offset);
+  return stored;
+}
+
 std::optional<AttachmentRecord> parse_attachment(Bytes body) {
   ByteReader in(body);
   AttachmentRecord record;

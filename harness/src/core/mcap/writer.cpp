@@ -35,6 +35,7 @@ class FileWriter final : public Writer {
                      std::optional<std::uint32_t> sequence) override;
   Result<void> write_later(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time, std::size_t held,
                            std::vector<std::byte> raw, Compose compose) override;
+  Result<void> copy_chunk(const StoredChunk& stored) override;
   Result<void> add_attachment(std::string_view name, std::string_view media_type, Bytes data, std::uint64_t log_time,
                               std::uint64_t create_time) override;
   Result<void> add_metadata(std::string_view name, const StringMap& values) override;
@@ -185,6 +186,22 @@ void FileWriter::finish_chunk(Group& group) {
   next_deadline_ = std::min(next_deadline_, unwritten_deadline_);
   ChunkData next = output_.take_chunk();
   output_.push(std::exchange(group.open, std::move(next)));
+}
+
+Result<void> FileWriter::copy_chunk(const StoredChunk& stored) {
+  REHEARSE_ASSERT(!closed_, "nothing is copied to a closed trace");
+  const Chunk& chunk = stored.chunk;
+  if (chunk.end_time >= next_deadline_) finish_old_chunks(chunk.end_time);
+  for (const StoredChunk::Index& index : stored.indexes) {
+    REHEARSE_ASSERT(definitions_.has_channel(index.channel), "a copied chunk's channels are added before it");
+    states_[index_of(index.channel)].count += index.count;
+    message_count_ += index.count;
+    if (index.count == 0) continue;
+    start_time_ = std::min(start_time_, chunk.start_time);
+    end_time_ = std::max(end_time_, chunk.end_time);
+  }
+  output_.push(StoredJob{{stored.bytes.begin(), stored.bytes.end()}, chunk, stored.indexes});
+  return output_.status();
 }
 
 /// Finishes the chunks whose first message is chunk_span or more before `now`, in the order of their groups. Waits

@@ -84,6 +84,13 @@ class Recorder {
 
   /// Copies the bytes of a message to a topic. A missing topic is added like the topic of the other recording.
   Result<void> copy(const mcap::Message& message, const mcap::Schema& schema, const std::string& topic);
+  /// True if the channels so far are the first of the other recording, so that its chunks can be copied.
+  bool begins_like(const mcap::Reader& other) const;
+  /// Copies a chunk of the other recording, which begins_like() this one. Its missing topics are added. Pictures in it
+  /// must be passed to count_pictures().
+  Result<void> copy_chunk(const mcap::StoredChunk& chunk, const mcap::Reader& other);
+  /// Counts the message in size() if it contains a picture.
+  void count_pictures(const mcap::Message& message, const mcap::Schema& schema);
   // Record readings that differ from the other recording, instead of copies of its messages.
   Result<void> record_measured_joints(std::int64_t tick, int body, const std::vector<JointReading>& joints);
   Result<void> record_reading(std::int64_t tick, int body, int device, const DeviceReading& reading);

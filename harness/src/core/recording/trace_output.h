@@ -46,9 +46,11 @@ struct TraceOutput {
     return channel(name, std::move(metadata));
   }
 
+  /// A channel that was added before, as one of a copied recording, isn't added again.
   std::uint16_t channel(const ChannelName& name, mcap::StringMap metadata = {}) {
     const ChannelForm& form = form_of(name.kind);
     const std::string topic = name.topic();
+    if (const auto known = by_topic.find(topic); known != by_topic.end()) return known->second;
     metadata.merge(unit_metadata(name.kind));
     if (!writer) {
       listed[topic] = std::move(metadata);

@@ -14,8 +14,10 @@
 #include "closed_loop.h"
 #include "core/guard/float_mode.h"
 #include "core/recording/provenance.h"
+#include "core/replay/chunk_copy.h"
 #include "core/replay/copying_sink.h"
 #include "core/replay/recording_source.h"
+#include "core/replay/replay_comparison.h"
 #include "core/replay/replay_recording.h"
 #include "core/scenario/branch_origin.h"
 #include "core/trace/run_facts.h"
@@ -42,11 +44,12 @@ class Branch {
   Result<void> set_end();
   Result<void> add_pushes();
   Result<std::vector<std::string>> altered_before() const;
-  std::optional<BranchSummary> go_on_in_one_pass();
+  std::optional<BranchSummary> go_on_as_recorded();
   Result<void> replay_before(const std::vector<std::string>& altered);
   Result<void> create(ClosedLoop& loop);
   Result<void> lead_world(ClosedLoop& loop);
   Result<void> choose_checkpoint();
+  Result<void> repeat_source(ClosedLoop& loop);
   Result<void> copy_source(ClosedLoop& loop);
   Result<BranchSummary> go_on();
 
@@ -60,7 +63,7 @@ class Branch {
   std::int64_t checkpoint_ = 0;  // tick at which the world begins
   Command moved_;                // the commands that moved the world before the moment
   BranchSummary summary_;
-  bool is_assumed_ = false;  // that the controllers repeat their commands before the moment
+  bool repeats_ = false;  // the controllers are assumed to repeat the recording before the moment
 };
 
 Result<void> Branch::open() {
@@ -170,7 +173,7 @@ Result<void> Branch::create(ClosedLoop& loop) {
   const RunFacts source = RunFacts::of(source_->recording);
   for (const auto& [fact, library] : controller_facts(*loop.host))
     if (source.stated(fact) != library) origin_.controllers.push_back(fact.substr(fact.find('.') + 1) + " " + library);
-  if (is_assumed_ && !origin_.controllers.empty()) return error("the controllers aren't the recorded ones");
+  if (repeats_ && !origin_.controllers.empty()) return error("the controllers aren't the recorded ones");
   if (!summary_.before.equal() || !summary_.before.same_controllers)
     origin_.acted_until = origin_.tick;
   else if (source_->origin && source_->origin->acted_until)
@@ -190,9 +193,8 @@ Result<void> Branch::lead_world(ClosedLoop& loop) {
                                   *loop.recorder);
   if (!led) return led.errors();
   moved_ = std::move(led->command);
-  const auto moment = static_cast<std::size_t>(origin_.tick);
-  const auto& hashes = source_->state_hashes;
-  if (moment >= hashes.size() || loop.plant->world().state_hash() == hashes[moment]) return {};
+  const auto recorded = source_->state_hash(origin_.tick);
+  if (!recorded || loop.plant->world().state_hash() == *recorded) return {};
   summary_.run.remarks.push_back(
       warning(fmt::format("led by the recorded commands, the world at tick {} isn't the recorded one, bit for bit",
                           origin_.tick),
@@ -200,6 +202,40 @@ Result<void> Branch::lead_world(ClosedLoop& loop) {
   return {};
 }
 
+/// Copies the source up to the moment as it is stored, and replays its inputs into the controllers. Fails if they don't
+/// repeat everything that they did in the source.
+Result<void> Branch::repeat_source(ClosedLoop& loop) {
+  mcap::Reader& reader = *source_->reader;
+  const std::uint64_t moment = nanoseconds_of(origin_.tick, scenario_->time_step);
+  ChunkCopy copy(reader, *loop.recorder, moment);
+  if (!copy.is_possible()) return in_recording(reader, error("its chunks can't be copied"));
+  ReplayOptions replaying;
+  static_cast<HostOptions&>(replaying) = options_;
+  RecordingSource inputs(*scenario_, reader, *loop.host, loop.altered);
+  ReplayReport& before = summary_.before;
+  before.controllers = static_cast<int>(loop.host->controllers().size());
+  ReplayComparison comparison(replaying, scenario_->tolerances, *scenario_, reader, *loop.host, inputs,
+                              scales_of(reader.name(), scenario_->tolerances), before);
+  std::vector<std::uint16_t> channels = inputs.channels();
+  for (const auto& more : {comparison.channels(), copy.picture_channels()})
+    channels.insert(channels.end(), more.begin(), more.end());
+  const auto take = [&](const mcap::Message& message) {
+    auto copied = copy.take(message);
+    return copied ? comparison.take(message) : copied;
+  };
+  comparison.take_events();
+  loop.run->change(inputs, comparison, origin_.tick);
+  if (auto driven = inputs.drive(*loop.run, take, channels, moment); !driven) return driven;
+  comparison.end_lines();
+  if (auto judged = comparison.finish(); !judged) return judged;
+  if (loop.run->tick() < origin_.tick || !comparison.repeats_all() || !before.equal() || before.words.different > 0)
+    return error("the controllers don't repeat the recording");
+  if (auto copied = copy.finish(); !copied) return copied;
+  summary_.copied_chunks = static_cast<std::int64_t>(copy.chunks());
+  return {};
+}
+
+/// Copies the observations of the source up to the moment, and records what the controllers do with them.
 Result<void> Branch::copy_source(ClosedLoop& loop) {
   RecordingSource inputs(*scenario_, *source_->reader, *loop.host, loop.altered);
   CopyingSink copy(*scenario_, *source_->reader, *loop.host, *loop.recorder, loop.altered);
@@ -207,7 +243,6 @@ Result<void> Branch::copy_source(ClosedLoop& loop) {
   loop.run->change(inputs, copy, origin_.tick);
   if (auto done = copy.copy(inputs, *loop.run, origin_.tick); !done) return done;
   if (loop.host->failure()) return error_in(file_, "before the moment, " + loop.host->failure()->message);
-  if (is_assumed_ && !copy.same_outputs()) return error("the controllers don't repeat their commands");
   return {};
 }
 
@@ -226,7 +261,7 @@ Result<BranchSummary> Branch::make() {
   const auto altered = altered_before();
   if (!altered) return altered.errors();
   if (altered->empty())
-    if (auto run = go_on_in_one_pass()) return *std::move(run);
+    if (auto run = go_on_as_recorded()) return *std::move(run);
   if (auto replayed = replay_before(*altered); !replayed) return replayed.errors();
 
   auto run = go_on();
@@ -235,16 +270,16 @@ Result<BranchSummary> Branch::make() {
   return run.errors();
 }
 
-/// Assumes that the controllers repeat their commands before the moment, as they do unless they were changed. None:
-/// they don't, and a replay has to find the differences first, because the recording begins with them.
-std::optional<BranchSummary> Branch::go_on_in_one_pass() {
+/// Assumes that the controllers repeat the recording before the moment, as they do unless they were changed. None: they
+/// don't, or the recording can't be copied as it is stored. Then a replay has to find the differences first, because
+/// the branch states them before its messages.
+std::optional<BranchSummary> Branch::go_on_as_recorded() {
   const BranchOrigin origin = origin_;
   const BranchSummary summary = summary_;
-  is_assumed_ = true;
-  summary_.before.ticks = origin_.tick;
+  repeats_ = true;
   summary_.before.same_controllers = true;
   if (auto run = go_on()) return *std::move(run);
-  is_assumed_ = false;
+  repeats_ = false;
   origin_ = origin;
   summary_ = summary;
   std::error_code ignored;
@@ -257,7 +292,7 @@ Result<BranchSummary> Branch::go_on() {
   ClosedLoop loop(*scenario_);
   if (auto created = create(loop); !created) return created.errors();
   if (auto led = lead_world(loop); !led) return led.errors();
-  if (auto copied = copy_source(loop); !copied) return copied.errors();
+  if (auto copied = repeats_ ? repeat_source(loop) : copy_source(loop); !copied) return copied.errors();
   auto run = loop.go_on(std::move(moved_), source_->checkpoint_interval(), options_.progress);
   if (!run) return run.errors();
   run->remarks.insert(run->remarks.begin(), summary_.run.remarks.begin(), summary_.run.remarks.end());

@@ -1,10 +1,12 @@
 #include "branch_source.h"
 
 #include <fmt/format.h>
+#include <rehearse/cdr.h>
 #include <rehearse/messages.h>
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "core/kinds/channel_name.h"
@@ -13,19 +15,22 @@
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
 #include "core/trace/trace_windows.h"
+#include "model/clock.h"
 #include "recorded_checkpoints.h"
 
 namespace rehearse {
 namespace {
 
-/// Adds the hashes of the ticks of a piece.
-void take_ticks(const Trace& piece, std::vector<std::uint64_t>& state_hashes) {
-  const TraceChannel* channel = piece.find_channel(run_topics::tick);
-  if (!channel) return;
-  for (std::size_t column = 0; column < channel->columns.size(); ++column) {
-    if (channel->columns[column].element != "state_hash") continue;
-    for (std::size_t row = 0; row < channel->rows(); ++row) state_hashes.push_back(channel->bits(row, column));
-  }
+/// The recording without messages. Damage is tolerated, and found by a pass over what leads the world to the moment.
+Result<Trace> load_without_messages(mcap::Reader& reader, const std::filesystem::path& file) {
+  if (reader.can_copy_chunks()) return load_sizes(file);
+  const auto is_needed = [](const mcap::Channel& channel) {
+    const ChannelName name = ChannelName::parse(channel.topic);
+    return channel.topic == run_topics::tick || name.kind == ChannelKind::events || name.side == ChannelSide::output ||
+           name.side == ChannelSide::acted;
+  };
+  return load_pieces(
+      file, is_needed, [](const Trace&) {}, Trace::usual_piece_size, PieceOrder::of_time, Trace::Damage::tolerate);
 }
 
 /// Loads the models with their meshes, from the scenario's files.
@@ -85,15 +90,7 @@ Result<BranchSource> BranchSource::open(const std::filesystem::path& file, const
   if (!scenario) return scenario.errors();
   source.scenario = *std::move(scenario);
   if (auto taken = take_meshes(source, scenario_file); !taken) return taken.errors();
-  // the hashes of ticks, and what leads the world to the moment
-  const auto is_needed = [](const mcap::Channel& channel) {
-    const ChannelName name = ChannelName::parse(channel.topic);
-    return channel.topic == run_topics::tick || name.kind == ChannelKind::events || name.side == ChannelSide::output ||
-           name.side == ChannelSide::acted;
-  };
-  const auto take = [&source](const Trace& piece) { take_ticks(piece, source.state_hashes); };
-  auto recording =
-      load_pieces(file, is_needed, take, Trace::usual_piece_size, PieceOrder::of_time, Trace::Damage::tolerate);
+  auto recording = load_without_messages(*source.reader, file);
   if (!recording) return recording.errors();
   source.recording = *std::move(recording);
   source.origin = RunFacts::of(*source.reader).branch;
@@ -102,11 +99,26 @@ Result<BranchSource> BranchSource::open(const std::filesystem::path& file, const
       std::any_of(source.recording.channels().begin(), source.recording.channels().end(),
                   [](const TraceChannel& channel) { return channel.type == msg::CompressedImage::type_name; });
   source.scenario.record_frames = source.scenario.record_frames && has_pictures;
-  source.whole_ticks = std::ssize(source.state_hashes);
+  const TraceChannel* ticks = source.recording.find_channel(run_topics::tick);
+  source.whole_ticks = ticks ? static_cast<std::int64_t>(ticks->earlier + ticks->messages()) : 0;
   const auto outcome = RunFacts::of(source.recording).outcome;
   if (outcome && outcome->complete) --source.whole_ticks;  // the last one is the final state
   if (source.whole_ticks > 0) return source;
   return in_recording(*source.reader, error("it has no ticks: nothing of the run was recorded"));
+}
+
+std::optional<std::uint64_t> BranchSource::state_hash(std::int64_t tick) const {
+  const auto& channels = reader->channels();
+  const auto channel =
+      std::ranges::find_if(channels, [](const auto& entry) { return entry.second.topic == run_topics::tick; });
+  if (channel == channels.end()) return std::nullopt;
+  const std::uint64_t time = nanoseconds_of(tick, scenario.time_step);
+  mcap::OrderedMessages messages(*reader, std::span(&channel->first, 1), time);
+  const mcap::Message* message = messages.next();
+  msg::Tick found;
+  if (!message || message->log_time != time) return std::nullopt;
+  CdrReader cdr(message->data);
+  return msg::decode(cdr, found) ? std::optional(found.state_hash) : std::nullopt;
 }
 
 std::int64_t BranchSource::checkpoint_interval() const {

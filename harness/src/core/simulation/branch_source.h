@@ -22,14 +22,13 @@ struct BranchSource {
   Scenario scenario;                   // with the models' meshes
   std::optional<BranchOrigin> origin;  // none: it is no branch itself
   std::int64_t whole_ticks = 0;        // number of complete ticks in the recording, at least one
-  /// The hash of the state at the beginning of each of these ticks, and after the last if it is recorded.
-  std::vector<std::uint64_t> state_hashes;
-
   /// `scenario_file`: the recorded scenario, for its meshes; empty: the recording is sufficient if there are no meshes.
   /// Fails if that is a different scenario, if meshes are missing, or if no simulation can continue from the recording.
   static Result<BranchSource> open(const std::filesystem::path& file, const std::filesystem::path& scenario_file);
 
   std::int64_t checkpoint_interval() const;  // [ticks]; 0: none are saved
+  /// The hash of the state at the beginning of a whole tick, or after the last; none: it isn't recorded.
+  std::optional<std::uint64_t> state_hash(std::int64_t tick) const;
 };
 
 }  // namespace rehearse

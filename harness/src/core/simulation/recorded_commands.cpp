@@ -76,31 +76,81 @@ Result<RecordedCommands> RecordedCommands::find(const Scenario& scenario, const 
   return commands;
 }
 
-/// Reads the first window, which contains the commands of initialize().
-void RecordedCommands::begin() {
+/// The channels that are read, by their indices in the trace.
+std::vector<std::size_t> RecordedCommands::channels_read() const {
   std::set<std::size_t> read;
   for (const Source& source : sources_) {
     read.insert(source.channel);
     if (source.delays) read.insert(*source.delays);
   }
-  const std::vector<std::size_t> channels(read.begin(), read.end());
+  return {read.begin(), read.end()};
+}
+
+/// Reads the first window, which contains the commands of initialize().
+void RecordedCommands::begin() {
+  const std::vector<std::size_t> channels = channels_read();
   if (channels.empty() || !is_without_messages(trace_)) return;
   windows_ = std::make_unique<TraceWindows>(trace_, channels);
   windows_->move(0, window_end_);
+}
+
+/// True if the rows of the table set every number that the source ever sets. A device's settings come once.
+bool RecordedCommands::replaces_all(const Source& source, const TraceChannel& table) const {
+  const auto any_row = [&](const auto& sets) {
+    for (std::size_t row = 0; row < table.rows(); ++row) {
+      const double time = static_cast<double>(table.times[row]) * 1e-9;
+      if (!source.controller->loses(time, scenario_.time_step) && sets(row)) return true;
+    }
+    return false;
+  };
+  switch (source.kind) {
+    case Kind::device: return false;
+    case Kind::wrench: return true;  // acts in one step only
+    case Kind::place:
+    case Kind::twist: return any_row([&](std::size_t row) { return !finite_row(table, row).empty(); });
+    case Kind::joints: break;
+  }
+  return std::ranges::all_of(source.cells, [&](const JointCell& cell) {
+    return any_row([&](std::size_t row) { return std::isfinite(table.number(row, cell.column)); });
+  });
+}
+
+std::int64_t RecordedCommands::pass_over(std::int64_t tick) {
+  const std::int64_t first = tick - std::llround(1.0 / scenario_.time_step);  // a second before
+  if (!windows_ || first <= 0) return 0;
+  for (const Source& source : sources_)
+    if (!is_used(source, first) || !is_used(source, tick)) return 0;
+  const std::vector<std::size_t> channels = channels_read();
+  const std::uint64_t begin = nanoseconds_of(first, scenario_.time_step);
+  const std::uint64_t end = nanoseconds_of(tick - 1, scenario_.time_step);
+  // a channel whose first message came in initialize() has earlier messages, of others their number doesn't matter
+  auto late = std::make_unique<TraceWindows>(trace_, channels,
+                                             WindowsStart{begin, std::vector<std::uint64_t>(channels.size(), 1)});
+  late->move(begin, end);
+  for (const Source& source : sources_)
+    if (!replaces_all(source, late->window().channels()[source.channel])) return 0;
+  windows_ = std::move(late);
+  window_end_ = end;
+  return first;
 }
 
 const TraceChannel& RecordedCommands::table(std::size_t channel) const {
   return (windows_ ? windows_->window() : trace_).channels()[channel];
 }
 
-std::vector<bool> RecordedCommands::columns_with_numbers(std::size_t channel) const {
-  std::vector<bool> found(trace_.channels()[channel].columns.size(), false);
+/// The columns of the channel; those without any number are empty.
+std::vector<TraceColumn> RecordedCommands::columns_with_numbers(std::size_t channel) const {
+  std::vector<TraceColumn> found;
   for_each_window(trace_, {channel}, [&](const Trace& window) {
     const TraceChannel& table = window.channels()[channel];
-    for (std::size_t column = 0; column < found.size(); ++column)
-      for (std::size_t row = 0; row < table.rows() && !found[column]; ++row)
-        found[column] = !std::isnan(table.number(row, column));
-    return !std::ranges::all_of(found, std::identity());
+    found.resize(std::max(found.size(), table.columns.size()));
+    bool all = !found.empty();
+    for (std::size_t column = 0; column < table.columns.size(); ++column) {
+      for (std::size_t row = 0; row < table.rows() && found[column].element.empty(); ++row)
+        if (!std::isnan(table.number(row, column))) found[column] = table.columns[column];
+      all = all && !found[column].element.empty();
+    }
+    return !all;
   });
   return found;
 }
@@ -143,13 +193,12 @@ Result<void> RecordedCommands::add(const ChannelName& name, int body, const Scen
 
 Result<void> RecordedCommands::add_joints(Source& source) {
   const Model& model = *scenario_.bodies[source.body].model;
-  const std::vector<TraceColumn>& columns = trace_.channels()[source.channel].columns;
-  const std::vector<bool> with_numbers = columns_with_numbers(source.channel);
+  const std::vector<TraceColumn> columns = columns_with_numbers(source.channel);
   Diagnostics findings;
   for (std::size_t column = 0; column < columns.size(); ++column) {
     const std::string& element = columns[column].element;
     const std::size_t slash = element.rfind('/');
-    if (slash == std::string::npos || !with_numbers[column]) continue;
+    if (slash == std::string::npos) continue;
     JointCell cell;
     cell.column = column;
     const std::string quantity = element.substr(slash + 1), joint = element.substr(0, slash);

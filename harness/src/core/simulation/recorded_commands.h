@@ -29,6 +29,9 @@ class RecordedCommands final : public Commander {
   /// The command before the first tick: joints have the drives of the controllers, and stay at their initial
   /// displacement; devices get the settings of initialize().
   Command initial() const;
+  /// Passes over the commands before some tick whose effect on the command at `tick` later ones replace: every number
+  /// of joints and links in the last second before it. Returns the first tick whose commands have to be put; 0: all.
+  std::int64_t pass_over(std::int64_t tick);
   /// Writes the commands of a tick by the controllers without (or with) delay into the command. The last controller
   /// overrides earlier ones, external wrenches are summed, numbers that aren't finite are left out, as are
   /// commands that the scenario's faults lose. Ticks must come in ascending order.
@@ -66,8 +69,10 @@ class RecordedCommands final : public Commander {
   Result<void> add(const ChannelName& name, int body, const ScenarioController& controller, bool delay,
                    std::size_t channel);
   Result<void> add_joints(Source& source);
-  std::vector<bool> columns_with_numbers(std::size_t channel) const;
+  std::vector<TraceColumn> columns_with_numbers(std::size_t channel) const;
   void begin();
+  std::vector<std::size_t> channels_read() const;
+  bool replaces_all(const Source& source, const TraceChannel& table) const;
   const TraceChannel& table(std::size_t channel) const;
   bool is_used(const Source& source, std::int64_t tick) const;
   bool is_delayed(const Source& source, std::uint64_t now) const;

@@ -50,7 +50,7 @@ Result<bool> begin_at_checkpoint(std::int64_t tick, Plant& plant, RecordedCheckp
                                  RecordedCommands& commands, Command& command) {
   command = commands.initial();
   plant.obey(-1, command);
-  for (std::int64_t past = 0; past < tick; ++past) {
+  for (std::int64_t past = commands.pass_over(tick); past < tick; ++past) {
     commands.put(past, Timing::same_step, command);
     use_up_wrenches(command);
     commands.put(past, Timing::next_step, command);

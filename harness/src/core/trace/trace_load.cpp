@@ -124,6 +124,7 @@ class TraceLoader {
   /// `wanted`: the channels whose messages are read; null: all.
   Result<Trace> load(const std::function<bool(const mcap::Channel&)>& wanted = {});
   Result<Trace> outline();
+  Result<Trace> sizes();
   static Trace overlap(const Trace& whole, const Trace& part);
 
  private:
@@ -430,6 +431,21 @@ Result<Trace> TraceLoader::outline() {
   assemble();
   return std::move(trace_);
 }
+
+Result<Trace> TraceLoader::sizes() {
+  if (auto opened = open({}); !opened) return opened.errors();
+  assemble();
+  const auto& statistics = trace_.reader_->statistics();
+  REHEARSE_ASSERT(statistics, "a file whose chunks can be copied has statistics");
+  std::size_t next = 0;
+  for (const auto& [id, channel] : trace_.reader_->channels()) {
+    const auto count = statistics->channel_message_counts.find(id);
+    trace_.channels_[next++].earlier = count == statistics->channel_message_counts.end() ? 0 : count->second;
+  }
+  return std::move(trace_);
+}
+
+Result<Trace> load_sizes(const std::filesystem::path& file) { return TraceLoader(file, Trace::Damage::refuse).sizes(); }
 
 Result<Trace> Trace::outline(const std::filesystem::path& file) { return TraceLoader(file, Damage::refuse).outline(); }
 

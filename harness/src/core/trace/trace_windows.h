@@ -51,7 +51,8 @@ struct WindowsStart {
 class TraceWindows {
  public:
   /// `whole`: the result of Trace::load_in_pieces() or load_samples(), whose tables have all columns from the
-  /// beginning. The messages of `channels`, given by their indices in the trace, are read; at least one channel.
+  /// beginning, or of load_sizes(), whose tables get columns with their first messages. The messages of `channels`,
+  /// given by their indices in the trace, are read; at least one channel.
   TraceWindows(const Trace& whole, std::span<const std::size_t> channels, const WindowsStart& start = {});
 
   /// Removes the messages before `keep_from` and reads the messages up to `until`, inclusive [ns].
@@ -91,6 +92,10 @@ enum class PieceOrder {
 Result<Trace> load_pieces(const std::filesystem::path& file, const std::function<bool(const mcap::Channel&)>& wanted,
                           const Trace::OnPiece& on_piece, std::size_t piece_size, PieceOrder order,
                           Trace::Damage damage = Trace::Damage::refuse);
+
+/// As Trace::load_in_pieces(), but no message is read: the tables have no columns, and their sizes are those of the
+/// file's statistics, which must be right (mcap::Reader::can_copy_chunks()).
+Result<Trace> load_sizes(const std::filesystem::path& file);
 
 /// The messages of `whole` at whose time `part` has messages of the same topic. Both contain their messages.
 Trace overlap(const Trace& whole, const Trace& part);
