@@ -193,19 +193,19 @@ def boxes(bench, n):
     yield "a tick, asleep", tick("solver: {sleep_after: 0.02}\n", 200, 50)
 
 
-# Curve: sizes, and the bounds of its largest size by verb: MB, exponent of time. None: not bounded. Exponents have room
-# for other load on the machine.
+# Curve: sizes, and the bounds of its largest size by verb: MB, exponent of time, and if it has one, the ratio of its time
+# to that of another verb. None: not bounded. Exponents and ratios have room for other load on the machine.
 CURVES = {
     ticks: ((10_000, 100_000, 1_000_000), {
         "record": (100, 1.3), "replay": (100, 1.3), "diff of equal traces": (100, 1.3),
         "report": (120, 1.3), "report beside a golden": (120, 1.3),
-        "branch from its end": (120, 1.3), "check, proved": (100, 1.3),
+        "branch from its end": (120, 1.3, "replay", 2.5), "check, proved": (100, 1.3),
     }),
     lines: ((10_000, 100_000, 1_000_000), {
         "info --full": (100, 1.3), "diff": (100, 1.3), "report": (100, 1.3),
         "report beside a golden": (100, 1.3),
     }),
-    scenarios: ((50, 200, 1000), {"check -j1": (60, 1.3), "check -j2": (60, 1.3)}),
+    scenarios: ((50, 200, 1000), {"check -j1": (60, 1.3), "check -j2": (60, 1.3, "check -j1", 0.8)}),
     triangles: ((10_000, 100_000, 1_000_000), {"first load": (500, 1.3), "second load": (200, 1.3)}),  # first: aimed at 200
     boxes: ((100, 300, 900), {"a tick": (None, None), "a tick, asleep": (None, None)}),
 }  # fmt: skip
@@ -235,21 +235,28 @@ def main():
     options.add_argument("--json", type=Path, help="also write the curves to this file")
     options.add_argument("--small", action="store_true")
     asked = options.parse_args()
-    curves, over = [], 0
+    curves, over, times = [], 0, {}
     print(f"{'of':<10} {'curve':<24} {'n':>9} {'s':>9} {'MB':>7} {'at most':>7} {'exponent':>8} {'at most':>7}")
     for name, verb, sizes, seconds, megabytes in measure(asked.build.resolve(), asked.small):
         curves.append({"of": name, "verb": verb, "n": sizes})
         curves[-1]["seconds"] = [float(f"{s:.3g}") for s in seconds]
         curves[-1]["megabytes"] = [round(mb) for mb in megabytes]
         bounds = next(bounds for curve, (_, bounds) in CURVES.items() if curve.__name__ == name)
-        most, steepest = bounds[verb]
+        most, steepest, *of_other = bounds[verb]
+        times[verb] = seconds[-1]
         power = exponent(sizes[-2], sizes[-1], seconds[-2], seconds[-1])
         is_over = not asked.small and ((most and megabytes[-1] > most) or (steepest and power > steepest))
+        ratio = ""
+        if of_other:
+            other, limit = of_other
+            value = seconds[-1] / times[other]
+            ratio = f"  {value:.2f} of {other}, at most {limit}"
+            is_over = is_over or (not asked.small and value > limit)
         over += bool(is_over)
         for n, s, mb in list(zip(sizes, seconds, megabytes))[:-1]:
             print(f"{name:<10} {verb:<24} {n:>9} {s:>9.3f} {mb:>7.0f}")
         print(f"{name:<10} {verb:<24} {sizes[-1]:>9} {seconds[-1]:>9.3f} {megabytes[-1]:>7.0f} {most or '-':>7} "
-              f"{power:>8.2f} {steepest or '-':>7}{'  OVER' if is_over else ''}", flush=True)
+              f"{power:>8.2f} {steepest or '-':>7}{ratio}{'  OVER' if is_over else ''}", flush=True)
     if asked.json:
         asked.json.write_text("[\n " + ",\n ".join(map(json.dumps, curves)) + "\n]\n")
     return 1 if over else 0

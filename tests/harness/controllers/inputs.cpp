@@ -1,5 +1,6 @@
 // Controllers that print their inputs and outputs.
 
+#include <limits>
 #include <random>
 
 #include "behaviours.h"
@@ -107,6 +108,17 @@ class Chance : public Pusher {
   std::random_device device_;
 };
 const Add<Chance> chance("chance");
+
+/// once EFFORT: commands SHOULDER that effort in the first ten ticks, then none, so that it stays in force.
+class Once : public Pusher {
+ public:
+  explicit Once(const Words& words) : Pusher(std::stod(words.at(0))) {}
+  bool control() override {
+    if (tick_ == 10) effort_ = std::numeric_limits<double>::quiet_NaN();
+    return Pusher::control();
+  }
+};
+const Add<Once> once("once");
 
 /// Enables no inputs. Commands SHOULDER one more than its last command, and RAIL the q in its body.
 class Stale : public cnoid::SimpleController {

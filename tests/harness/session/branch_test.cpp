@@ -197,6 +197,14 @@ TEST_F(BranchTest, CopiesChunksOfControllersThatRepeatThemselvesAlone) {
   EXPECT_EQ(branched(4100, altering).copied_chunks, 0);
 }
 
+TEST_F(BranchTest, KnowsCommandsInForceThatWereGivenLongBeforeTheCheckpoint) {
+  record_run(rig(behaviour("C", "once 0.2"), "cameras: none\n", "2.5"));
+  const BranchSummary branch = branched(2300);
+  EXPECT_THAT(branch.world, HasSubstr("checkpoint of tick 2200"));
+  EXPECT_THAT(branch.run.remarks, IsEmpty()) << "the world is the recorded one";
+  EXPECT_TRUE(compare(loaded("run.mcap"), loaded("branch.mcap"), {}).equal);
+}
+
 TEST_F(BranchTest, CallsControllersThatRepeatTheirCommandsOnce) {
   record_run(rig(behaviour("C", "lines"), "", "0.25"));
   int lines = 0;

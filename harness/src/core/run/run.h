@@ -7,7 +7,7 @@
 //   recording         WorldSource             HostedCommands         RecordingSink
 //   plant level       WorldSource             RecordedCommands       RecordingSink
 //   replay            RecordingSource         HostedCommands         ReplayComparison
-//   branch            RecordingSource, then   HostedCommands         CopyingSink, then
+//   branch            RecordingSource, then   HostedCommands         ReplayComparison or CopyingSink, then
 //                     WorldSource                                    RecordingSink
 //   log               LogObservations         HostedCommands         LogSink
 //   ControllerBench   set by the test         HostedCommands         read by the test
