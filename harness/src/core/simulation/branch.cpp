@@ -60,6 +60,7 @@ class Branch {
   std::optional<BranchSource> source_;
   Scenario* scenario_ = nullptr;  // the source's, with the branch's own end and pushes
   BranchOrigin origin_;
+  std::optional<RecordedCheckpoints> checkpoints_;
   std::int64_t checkpoint_ = 0;  // tick at which the world begins
   Command moved_;                // the commands that moved the world before the moment
   BranchSummary summary_;
@@ -124,10 +125,10 @@ Result<void> Branch::add_pushes() {
 }
 
 Result<void> Branch::choose_checkpoint() {
-  const RecordedCheckpoints checkpoints(source_->recording, *scenario_);
-  const auto objection = checkpoints.objection();
+  checkpoints_.emplace(checkpoints_before(source_->recording, *scenario_, origin_.tick));
+  const auto objection = checkpoints_->objection();
   if (!objection) return objection.errors();
-  checkpoint_ = objection->empty() ? latest_checkpoint(checkpoints, *scenario_, origin_.tick) : 0;
+  checkpoint_ = objection->empty() ? latest_checkpoint(*checkpoints_, *scenario_, origin_.tick) : 0;
   origin_.checkpoint = checkpoint_ > 0 ? fmt::format("tick {}", checkpoint_) : "none, from the start";
   summary_.world = checkpoint_ > 0
                        ? fmt::format(
@@ -189,8 +190,8 @@ Result<void> Branch::create(ClosedLoop& loop) {
 
 /// Moves the world to its state at the moment, with all pending captures.
 Result<void> Branch::lead_world(ClosedLoop& loop) {
-  auto led = rehearse::lead_world(*scenario_, source_->recording, checkpoint_, origin_.tick, *loop.plant, *loop.world,
-                                  *loop.recorder);
+  auto led = rehearse::lead_world(*scenario_, source_->recording, *checkpoints_, checkpoint_, origin_.tick, *loop.plant,
+                                  *loop.world, *loop.recorder);
   if (!led) return led.errors();
   moved_ = std::move(led->command);
   const auto recorded = source_->state_hash(origin_.tick);
@@ -293,7 +294,7 @@ Result<BranchSummary> Branch::go_on() {
   if (auto created = create(loop); !created) return created.errors();
   if (auto led = lead_world(loop); !led) return led.errors();
   if (auto copied = repeats_ ? repeat_source(loop) : copy_source(loop); !copied) return copied.errors();
-  auto run = loop.go_on(std::move(moved_), source_->checkpoint_interval(), options_.progress);
+  auto run = loop.go_on(std::move(moved_), source_->checkpoint_interval(*checkpoints_), options_.progress);
   if (!run) return run.errors();
   run->remarks.insert(run->remarks.begin(), summary_.run.remarks.begin(), summary_.run.remarks.end());
   for (Diagnostic& remark : loop.altered.unused()) run->remarks.push_back(std::move(remark));

@@ -16,7 +16,6 @@
 #include "core/trace/run_facts.h"
 #include "core/trace/trace_windows.h"
 #include "model/clock.h"
-#include "recorded_checkpoints.h"
 
 namespace rehearse {
 namespace {
@@ -121,8 +120,8 @@ std::optional<std::uint64_t> BranchSource::state_hash(std::int64_t tick) const {
   return msg::decode(cdr, found) ? std::optional(found.state_hash) : std::nullopt;
 }
 
-std::int64_t BranchSource::checkpoint_interval() const {
-  const std::vector<std::int64_t> at = RecordedCheckpoints(recording, scenario).ticks();
+std::int64_t BranchSource::checkpoint_interval(const RecordedCheckpoints& checkpoints) const {
+  const std::vector<std::int64_t> at = checkpoints.ticks();
   if (at.size() >= 2) return at[1] - at[0];
   if (at.empty()) return 0;
   constexpr double usual = 0.1;  // [s]

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/scenario/branch_origin.h"
+#include "recorded_checkpoints.h"
 
 namespace rehearse {
 
@@ -26,7 +27,8 @@ struct BranchSource {
   /// Fails if that is a different scenario, if meshes are missing, or if no simulation can continue from the recording.
   static Result<BranchSource> open(const std::filesystem::path& file, const std::filesystem::path& scenario_file);
 
-  std::int64_t checkpoint_interval() const;  // [ticks]; 0: none are saved
+  /// Between the recording's checkpoints [ticks]; 0: none are saved.
+  std::int64_t checkpoint_interval(const RecordedCheckpoints& checkpoints) const;
   /// The hash of the state at the beginning of a whole tick, or after the last; none: it isn't recorded.
   std::optional<std::uint64_t> state_hash(std::int64_t tick) const;
 };

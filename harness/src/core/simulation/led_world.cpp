@@ -45,6 +45,17 @@ std::int64_t lead_of(const Scenario& scenario) {
 
 }  // namespace
 
+RecordedCheckpoints checkpoints_before(const Trace& recording, const Scenario& scenario, std::int64_t moment) {
+  const std::int64_t latest = moment - lead_of(scenario);
+  const std::int64_t from = latest - std::llround(1.0 / scenario.time_step);  // a second before
+  if (from > 0) {
+    RecordedCheckpoints near(recording, scenario, from, moment);
+    const std::vector<std::int64_t> ticks = near.ticks();
+    if (ticks.size() > 1 && ticks.front() <= latest) return near;
+  }
+  return {recording, scenario};
+}
+
 std::int64_t latest_checkpoint(const RecordedCheckpoints& checkpoints, const Scenario& scenario, std::int64_t moment) {
   std::int64_t latest = 0;
   for (const std::int64_t tick : checkpoints.ticks())
@@ -52,14 +63,14 @@ std::int64_t latest_checkpoint(const RecordedCheckpoints& checkpoints, const Sce
   return latest;
 }
 
-Result<LedWorld> lead_world(const Scenario& scenario, const Trace& recording, std::int64_t checkpoint,
-                            std::int64_t moment, Plant& plant, WorldSource& world, Recorder& recorder) {
+Result<LedWorld> lead_world(const Scenario& scenario, const Trace& recording, RecordedCheckpoints& checkpoints,
+                            std::int64_t from, std::int64_t moment, Plant& plant, WorldSource& world,
+                            Recorder& recorder) {
   auto commands = RecordedCommands::find(scenario, recording);
   if (!commands) return commands.errors();
   ContactsSink sink(recorder);
-  Run leading(scenario.time_step, world, *commands, sink, checkpoint, moment);
-  RecordedCheckpoints checkpoints(recording, scenario);
-  const auto restored = begin_at_checkpoint(checkpoint, plant, checkpoints, *commands, leading.command);
+  Run leading(scenario.time_step, world, *commands, sink, from, moment);
+  const auto restored = begin_at_checkpoint(from, plant, checkpoints, *commands, leading.command);
   if (!restored) return restored.errors();
   REHEARSE_ASSERT(*restored, "the checkpoint was chosen from the recorded ones");
   if (auto led = leading.go(); !led) return led.errors();

@@ -21,12 +21,15 @@
 
 namespace rehearse {
 
-RecordedCheckpoints::RecordedCheckpoints(const Trace& recording, const Scenario& scenario)
+RecordedCheckpoints::RecordedCheckpoints(const Trace& recording, const Scenario& scenario, std::int64_t from,
+                                         std::int64_t to)
     : recording_(recording), scenario_(scenario), channel_(recording.find_channel(run_topics::checkpoint)) {
   if (!channel_ || !is_without_messages(recording)) return;
   const auto at = static_cast<std::size_t>(channel_ - recording.channels().data());
-  messages_ = std::make_unique<TraceWindows>(recording, std::vector{at});
-  messages_->move(0, std::numeric_limits<std::uint64_t>::max());
+  const std::uint64_t begin = nanoseconds_of(from, scenario.time_step);
+  messages_ = std::make_unique<TraceWindows>(recording, std::vector{at}, WindowsStart{begin});
+  messages_->move(begin,
+                  to == no_end ? std::numeric_limits<std::uint64_t>::max() : nanoseconds_of(to, scenario.time_step));
   channel_ = &messages_->window().channels()[at];
 }
 

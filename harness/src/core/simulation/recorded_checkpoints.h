@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -19,8 +20,12 @@ namespace rehearse {
 
 class RecordedCheckpoints {
  public:
+  static constexpr std::int64_t no_end = std::numeric_limits<std::int64_t>::max();
+
   /// The states are for worlds of `scenario`, which may differ from the recording's scenario. Both must outlive this.
-  RecordedCheckpoints(const Trace& recording, const Scenario& scenario);
+  /// Of a recording whose messages stay in its file, those of the ticks `from` to `to` are read.
+  RecordedCheckpoints(const Trace& recording, const Scenario& scenario, std::int64_t from = 0,
+                      std::int64_t to = no_end);
 
   /// A sentence: why none of them can be used; empty: they can be used.
   Result<std::string> objection() const;

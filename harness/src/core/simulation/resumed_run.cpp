@@ -18,17 +18,17 @@ namespace rehearse {
 namespace {
 
 /// The latest checkpoint from which the world can be led to the moment; 0: the start.
-Result<std::int64_t> checkpoint_before(std::int64_t moment, const Trace& golden, const Scenario& scenario) {
-  const RecordedCheckpoints checkpoints(golden, scenario);
+Result<std::int64_t> checkpoint_before(std::int64_t moment, const RecordedCheckpoints& checkpoints,
+                                       const Scenario& scenario) {
   const auto objection = checkpoints.objection();
   if (!objection) return objection.errors();
   return objection->empty() ? latest_checkpoint(checkpoints, scenario, moment) : 0;
 }
 
 /// None: the part before the moment can't be taken from the golden as it is.
-Result<std::optional<RunSummary>> resume(const Scenario& scenario, const Trace& golden, std::int64_t checkpoint,
-                                         std::int64_t moment, const std::filesystem::path& trace,
-                                         const RecordOptions& options) {
+Result<std::optional<RunSummary>> resume(const Scenario& scenario, const Trace& golden,
+                                         RecordedCheckpoints& checkpoints, std::int64_t checkpoint, std::int64_t moment,
+                                         const std::filesystem::path& trace, const RecordOptions& options) {
   auto reader = mcap::Reader::open(golden.file());
   if (!reader) return reader.errors();
   ClosedLoop loop(scenario);
@@ -36,7 +36,7 @@ Result<std::optional<RunSummary>> resume(const Scenario& scenario, const Trace& 
   loop.initialize();
   loop.start();
   if (auto done = loop.sink->record_events(loop.host->take_events()); !done) return done.errors();
-  auto led = lead_world(scenario, golden, checkpoint, moment, *loop.plant, *loop.world, *loop.recorder);
+  auto led = lead_world(scenario, golden, checkpoints, checkpoint, moment, *loop.plant, *loop.world, *loop.recorder);
   if (!led) return led.errors();
   RecordingSource inputs(scenario, **reader, *loop.host, loop.altered);
   CopyingSink copy(scenario, **reader, *loop.host, *loop.recorder, loop.altered, &loop.summary.remarks);
@@ -64,10 +64,11 @@ bool has_events_of_world(const Trace& golden) {
 Result<ResumedRun> record_from(const Scenario& scenario, const Trace& golden, std::int64_t moment,
                                const std::filesystem::path& trace, const RecordOptions& options) {
   const StandardFloatMode float_mode;
-  const auto checkpoint = checkpoint_before(moment, golden, scenario);
+  RecordedCheckpoints checkpoints = checkpoints_before(golden, scenario, moment);
+  const auto checkpoint = checkpoint_before(moment, checkpoints, scenario);
   if (!checkpoint) return checkpoint.errors();
   if (*checkpoint > 0 && options.checkpoint_period > 0.0 && !has_events_of_world(golden)) {
-    auto resumed = resume(scenario, golden, *checkpoint, moment, trace, options);
+    auto resumed = resume(scenario, golden, checkpoints, *checkpoint, moment, trace, options);
     if (!resumed) return resumed.errors();
     if (*resumed) return ResumedRun{**std::move(resumed), *checkpoint};
   }
