@@ -100,6 +100,7 @@ const Exception allowed[] = {
      "whether a signal came twice at once: decides how a process ends"},
     {"harness/src/core/guard/interruption.cpp", "identity", "who sent the signal: decides how a process ends"},
     {"harness/src/core/guard/pin.cpp", "environment", "how a process is pinned"},
+    {"harness/src/core/guard/pinned_environment.cpp", "environment", "how a process is pinned"},
     {"harness/src/core/host/call_clock.cpp", "clock", "how long control() takes; no recording contains it"},
     {"harness/src/core/guard/supervisor.cpp", "clock",
      "the parent process: decides when a child is killed, never what is in a run"},
