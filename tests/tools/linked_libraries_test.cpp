@@ -68,7 +68,7 @@ TEST_F(LinkedLibraries, OfTheCommandAreThoseOfC) {
 TEST_F(LinkedLibraries, OfTheReaderHaveNeitherPhysicsNorRenderer) {
   const std::string names = everything(REHEARSE_READ);
   EXPECT_THAT(names, HasSubstr("librehearse_harness"));
-  for (const char* absent : {"libode", "libOSMesa", "libGL", "libLLVM", "librehearse_world",
+  for (const char* absent : {"libode", "libOSMesa", "libGL", "libLLVM", "libassimp", "librehearse_world",
                              "librehearse_renderer", "librehearse_simulation"})
     EXPECT_THAT(names, Not(HasSubstr(absent)));
 }
@@ -87,6 +87,7 @@ TEST_F(LinkedLibraries, OfTheSimulatorHavePhysics) {  // so that the test above 
   const std::string names = everything(REHEARSE_SIMULATE);
   EXPECT_THAT(names, HasSubstr("libode"));
   EXPECT_THAT(names, Not(HasSubstr("libOSMesa")));  // it would take longer to load than all other libraries
+  EXPECT_THAT(names, Not(HasSubstr("libassimp")));  // it has more relocations than all other libraries
 }
 
 TEST_F(LinkedLibraries, LoadedWhileItRecordsHaveARendererOnlyIfACameraRuns) {
@@ -97,6 +98,19 @@ TEST_F(LinkedLibraries, LoadedWhileItRecordsHaveARendererOnlyIfACameraRuns) {
   };
   EXPECT_THAT(loaded(sr1_without_cameras()), Not(HasSubstr("libOSMesa")));
   EXPECT_THAT(loaded(fixtures / "scenarios/tank.yaml"), HasSubstr("libOSMesa"));
+}
+
+TEST_F(LinkedLibraries, LoadedWhileItRecordsHaveAReaderOfMeshesOnlyIfAModelHasAMeshFile) {
+  const auto loaded = [this](const fs::path& scenario) {
+    const Outcome outcome =
+        rehearse({"record", scenario.string(), "--duration", "0.1", "-o", "run.mcap"}, "LD_DEBUG=files");
+    EXPECT_EQ(outcome.status, 0);
+    return outcome.err;
+  };
+  EXPECT_THAT(loaded(sr1_without_cameras()), Not(HasSubstr("libassimp")));
+  const std::string files = loaded(fixtures / "scenarios/mesh_arm.yaml");
+  EXPECT_THAT(files, HasSubstr("librehearse_assimp"));
+  EXPECT_THAT(files, HasSubstr("libassimp"));
 }
 
 /// `rehearse` and the program of the verb, which is pinned when it begins.
