@@ -34,7 +34,9 @@
 namespace rehearse {
 namespace {
 
-constexpr int interval_ms = 200;  // of looks at limits and signals
+constexpr int interval_ms = 200;              // of looks at limits and signals
+constexpr std::size_t places_per_worker = 4;  // for the job at work, and for those that are next
+constexpr useconds_t reading_pause_us = 1500;
 
 /// The sockets and locks of this process must end with it.
 void close_all_but(int socket) {
@@ -106,6 +108,11 @@ struct WorkerPool::Shared {
     ++changes;
     ::syscall(SYS_futex, &changes, FUTEX_WAKE, workers, nullptr, nullptr, 0);
   }
+  /// The number of jobs that no worker has taken.
+  std::size_t waiting(std::size_t count) {
+    return static_cast<std::size_t>(
+        std::count_if(places(), places() + count, [](const Place& place) { return place.owner == waiting_job; }));
+  }
   std::optional<std::size_t> take_first(std::size_t count, std::int32_t owner);
   std::optional<std::size_t> wait_for_job(std::size_t count, std::int32_t owner);
 };
@@ -141,7 +148,7 @@ WorkerPool::WorkerPool(Setup setup, Work work)
       }()),
       work_(std::move(work)),
       workers_(setup_.size),
-      places_(2 * setup_.size) {
+      places_(places_per_worker * setup_.size) {
   static_assert(std::atomic<std::int64_t>::is_always_lock_free && sizeof(std::atomic<std::uint32_t>) == 4);
   if (setup_.folder.empty()) return;
   for (std::size_t i = 0; i < places_.size(); ++i) places_[i].folder = setup_.folder / fmt::format("job-{}", i + 1);
@@ -262,6 +269,8 @@ Result<std::optional<WorkerPool::Answer>> WorkerPool::wait() {
   for (Worker& worker : workers_)
     if (auto answer = next_received(worker)) return answer;
   if (auto started = start_missing(); !started) return started.errors();
+  // workers that have a next job need no answer: several are read at a time, because each time interrupts a worker
+  if (shared_ && shared_->waiting(places_.size()) >= workers_.size()) ::usleep(reading_pause_us);
   std::vector<pollfd> sockets;
   for (const Worker& worker : workers_) sockets.push_back({worker.socket, POLLIN, 0});  // poll() ignores -1
   const int found = ::poll(sockets.data(), sockets.size(), interval_ms);

@@ -65,7 +65,7 @@ class WorkerPool {
   WorkerPool& operator=(const WorkerPool&) = delete;
 
   bool is_idle() const { return given_ == 0; }  // each job has its answer
-  /// True if fewer jobs than two for each worker wait for their answers: those at work, and as many that are next.
+  /// True if fewer jobs than four for each worker are without an answer: those at work, and those that are next.
   bool has_room() const { return given_ < places_.size(); }
   /// Adds a job. Fails if no process can be started.
   Result<void> give(std::int64_t job);
