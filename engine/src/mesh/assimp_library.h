@@ -1,4 +1,4 @@
-// The library that reads meshes by assimp. It is loaded when the first file needs it, because assimp has nine tenths of
+// The library that reads meshes by assimp. It is loaded when the first file needs it, because assimp has five sixths of
 // the addresses that the dynamic linker would set at the start of each program.
 #pragma once
 
