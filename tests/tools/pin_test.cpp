@@ -13,7 +13,7 @@ using ::testing::Not;
 const std::string unpinned = "env -u GLIBC_TUNABLES -u GALLIUM_OVERRIDE_CPU_CAPS -u LP_NUM_THREADS -u REHEARSE_PIN ";
 const std::string pinned_from_outside =
     "env GLIBC_TUNABLES=glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-AVX GALLIUM_OVERRIDE_CPU_CAPS=sse4.1 LP_NUM_THREADS=1 ";
-const fs::path simulator = REHEARSE_SIMULATE;
+const fs::path simulator = REHEARSE_SIMULATE, reader = REHEARSE_READ;
 
 bool can_run(const std::string& line) { return std::system((line + " > /dev/null 2>&1").c_str()) == 0; }
 
@@ -97,11 +97,11 @@ TEST_F(Pin, FromOutsideStartsNothingAgain) {
   if (is_sanitized) GTEST_SKIP() << sanitizer_needs;
   if (!can_run("qemu-x86_64 --version")) GTEST_SKIP() << "qemu-user is not installed";
   const std::vector<std::string> words{"inspect", (fixtures / "models/pendulum.urdf").string()};
-  const Outcome inside = run(command, words, pinned_from_outside + "qemu-x86_64 -strace ");
+  const Outcome inside = run(reader, words, pinned_from_outside + "qemu-x86_64 -strace ");
   EXPECT_EQ(inside.status, 0) << inside.err;
   EXPECT_THAT(inside.err, HasSubstr("exit_group("));
   EXPECT_THAT(inside.err, Not(HasSubstr("execve(")));
-  const Outcome leaves = run(command, words, unpinned + "qemu-x86_64 -strace ");
+  const Outcome leaves = run(reader, words, unpinned + "qemu-x86_64 -strace ");
   EXPECT_THAT(leaves.err, HasSubstr("execve(")) << "or this test would see nothing";
 }
 
@@ -109,7 +109,7 @@ TEST_F(Pin, IsNotOfVerbsThatOnlyReadFiles) {
   if (is_sanitized) GTEST_SKIP() << sanitizer_needs;
   if (!can_run("qemu-x86_64 --version")) GTEST_SKIP() << "qemu-user is not installed";
   EXPECT_EQ(recorded(unpinned), "yes");
-  const Outcome info = run(command, {"info", "pendulum.mcap"}, unpinned + "qemu-x86_64 -strace ");
+  const Outcome info = run(reader, {"info", "pendulum.mcap"}, unpinned + "qemu-x86_64 -strace ");
   EXPECT_EQ(info.status, 0) << info.err;
   EXPECT_THAT(info.err, Not(HasSubstr("execve("))) << "it would take twice as long";
 }

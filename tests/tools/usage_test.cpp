@@ -51,6 +51,21 @@ TEST_F(Usage, TheProgramBehindItIsNotStartedByHand) {
   const Outcome outcome = run(REHEARSE_SIMULATE, {});
   EXPECT_EQ(outcome.status, 2);
   EXPECT_THAT(outcome.err, StartsWith("error: rehearse-simulate is a part of rehearse"));
+  EXPECT_THAT(run(REHEARSE_READ, {"check"}).err, StartsWith("error: rehearse-read is a part of rehearse"));
+}
+
+TEST_F(Usage, WithoutTheProgramBehindItSaysWhichOneIsMissing) {
+  fs::create_directories(folder() / "bin");
+  fs::copy_file(command, folder() / "bin/rehearse");
+  const Outcome outcome = run(folder() / "bin/rehearse", {"info", "a.mcap"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err, "error: can't start " + (fs::canonical(folder()) / "libexec/rehearse/rehearse-read").string() +
+                             ": No such file or directory (it is built and installed together with rehearse)\n");
+}
+
+TEST_F(Usage, HelpOfAVerbIsThatOfItsOption) {
+  for (const char* verb : {"info", "check", "step"}) EXPECT_EQ(done({"help", verb}).out, done({verb, "--help"}).out);
+  EXPECT_EQ(done({"help"}).out, done({"--help"}).out);
 }
 
 TEST_P(RefusedUsage, WithOneLineAndNothingWritten) {

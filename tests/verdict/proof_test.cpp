@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 const Simulation simulation{record, run_plant, describe_plant, record_from};
@@ -249,9 +250,11 @@ TEST_F(Proof, ThatWasWrongFailsLoudlyIfTheCheckIsInTheSample) {
 /// `rehearse check` of one scenario, which an earlier check has simulated.
 class ProvedByCommand : public test::Command {
  protected:
-  ProvedByCommand() : ProvedByCommand(false) {}
-  explicit ProvedByCommand(bool with_camera)
-      : scenario_(with_camera ? test::fixtures / "scenarios/tank.yaml" : sr1_without_cameras()) {
+  enum class Of { sr1_without_cameras, a_camera, a_mesh };
+  explicit ProvedByCommand(Of what = Of::sr1_without_cameras)
+      : scenario_(what == Of::a_camera ? test::fixtures / "scenarios/tank.yaml"
+                  : what == Of::a_mesh ? arm_of_meshes()
+                                       : sr1_without_cameras()) {
     done({"record", scenario().string(), "-o", "golden.mcap"});
     EXPECT_EQ(check()["proved"], false);
     EXPECT_EQ(check()["proved"], true);
@@ -269,16 +272,39 @@ class ProvedByCommand : public test::Command {
     EXPECT_EQ(report["levels"]["plant"], "equal");
     EXPECT_THAT(report["not_proved"].get<std::string>(), HasSubstr(reason));
   }
-  /// A check with a copy of a library of this process in which a text differs by one bit.
-  void expect_simulated_with_other(const std::string& library, const std::string& text) const;
+  /// A check with a copy of a library of this process in which a text differs by one bit. `below`: of the test's
+  /// folder.
+  void expect_simulated_with_other(const std::string& library, const std::string& text,
+                                   const fs::path& below = {}) const;
 
  private:
+  /// The beginning of the fixture mesh_arm, before the arm touches anything.
+  fs::path arm_of_meshes() const {
+    std::string text = test::read_file(test::fixtures / "scenarios/mesh_arm.yaml");
+    const auto replace = [&text](std::string_view old, const std::string& with) {
+      const std::size_t at = text.find(old);
+      EXPECT_NE(at, std::string::npos) << old;
+      if (at != std::string::npos) text.replace(at, old.size(), with);
+    };
+    replace("golden: Grasp.CarriesABlockAside\n", "");
+    replace("duration: 3.2 ", "duration: 0.1 ");
+    replace("../models", (test::fixtures / "models").string());
+    return write("arm.yaml", text.substr(0, text.find("\nhorizon: ")));
+  }
+
   fs::path scenario_;
 };
 
 class ProvedWithACamera : public ProvedByCommand {
  protected:
-  ProvedWithACamera() : ProvedByCommand(true) {}
+  ProvedWithACamera() : ProvedByCommand(Of::a_camera) {}
+};
+
+class ProvedWithAMesh : public ProvedByCommand {
+ protected:
+  ProvedWithAMesh() : ProvedByCommand(Of::a_mesh) {
+    EXPECT_TRUE(Scenario::load(scenario()).ok());  // loads the reader into this process
+  }
 };
 
 /// This process passes its own pinned environment on.
@@ -310,13 +336,15 @@ std::string loaded(const std::string& name) {
   return found.second;
 }
 
-void ProvedByCommand::expect_simulated_with_other(const std::string& library, const std::string& text) const {
+void ProvedByCommand::expect_simulated_with_other(const std::string& library, const std::string& text,
+                                                  const fs::path& below) const {
   const fs::path original = loaded(library);
   std::string bytes = test::read_file(original);
   const std::size_t at = bytes.find(text);
   ASSERT_NE(at, std::string::npos) << text << " isn't in " << original;
   bytes[at] ^= 1;
-  write(original.filename().string(), bytes);
+  fs::create_directories(folder() / below);
+  write((below / original.filename()).string(), bytes);
   expect_simulated(check("LD_LIBRARY_PATH=" + folder().string()), "the library " + original.filename().string());
 }
 
@@ -338,6 +366,23 @@ TEST_F(ProvedByCommand, IsNoneWithAnotherLibraryThatIsNamedLikeOneOfRehearse) {
 TEST_F(ProvedWithACamera, IsNoneWithAChangedRenderer) {
   ASSERT_NE(dlopen(Renderer::library, RTLD_NOW), nullptr) << dlerror();  // that drawing loads
   expect_simulated_with_other(Renderer::library, "Mesa: User error");
+}
+
+TEST_F(ProvedWithAMesh, IsNoneWithAChangedAssimp) {
+  expect_simulated_with_other("libassimp.so", "Open Asset Import Library (Assimp)");
+}
+
+TEST_F(ProvedWithAMesh, IsNoneWithAChangedReader) {
+  const fs::path model = loaded("librehearse_model.so");  // which loads the reader that is beside itself
+  fs::copy_file(model, folder() / model.filename());
+  expect_simulated_with_other("librehearse_assimp.so", "a node of it refers to a mesh", "rehearse");
+}
+
+TEST_F(ProvedByCommand, WithoutAMeshDependsOnNoReader) {
+  const auto plant = describe_plant(*Scenario::load(scenario()));
+  ASSERT_TRUE(plant.ok()) << to_string(plant.errors());
+  EXPECT_EQ(plant->count("the library librehearse_model.so.0.1"), 1U);
+  for (const auto& [fact, value] : *plant) EXPECT_THAT(fact, Not(HasSubstr("assimp")));
 }
 
 TEST_F(ProvedByCommand, IsNoneAfterAChangeThatTheCheckTellsInWords) {

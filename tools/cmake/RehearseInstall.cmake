@@ -21,6 +21,7 @@ if(TARGET rehearse_interposer)
   # no target links it: audit passes its name to the dynamic linker
   install(TARGETS rehearse_interposer LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 endif()
+install(TARGETS rehearse_assimp LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/rehearse)  # the model library loads it
 install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/rehearse COMPONENT development)
 install(TARGETS ${REHEARSE_SAMPLES}
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/rehearse/controllers COMPONENT samples OPTIONAL)
@@ -57,7 +58,7 @@ if(REHEARSE_HELP2MAN)
   set(pages ${CMAKE_BINARY_DIR}/share/man/man1/rehearse.1.gz)
   add_custom_command(OUTPUT ${pages}
     COMMAND ${PROJECT_SOURCE_DIR}/tools/pages $<TARGET_FILE:rehearse> ${CMAKE_BINARY_DIR}/share
-    DEPENDS tools/pages rehearse rehearse-simulate ${audit}
+    DEPENDS tools/pages rehearse rehearse-read rehearse-simulate ${audit}
     COMMENT "Writing man pages and completions" VERBATIM)
   add_custom_target(rehearse_pages ALL DEPENDS ${pages})
   foreach(folder man bash-completion zsh fish)
@@ -68,7 +69,7 @@ else()
 endif()
 
 # Everything that is installed, except the samples: tools/demo builds only this.
-add_custom_target(rehearse_installed DEPENDS ${libraries} rehearse rehearse-simulate)
+add_custom_target(rehearse_installed DEPENDS ${libraries} rehearse_assimp rehearse rehearse-read rehearse-simulate)
 foreach(target rehearse_interposer rehearse-audit rehearse_pages)
   if(TARGET ${target})
     add_dependencies(rehearse_installed ${target})

@@ -1,7 +1,6 @@
 #include "audit_mode.h"
 
 #include <fmt/format.h>
-#include <rehearse/pin.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -34,8 +33,7 @@ Exit continue_in_audit(std::string_view mode, const std::vector<std::filesystem:
   words.insert(words.begin(), "rehearse");
   words.insert(words.end(), more.begin(), more.end());
   for (const std::filesystem::path& recording : recordings) words.push_back(recording.string());
-  std::filesystem::path program = own_program();  // `rehearse`, or a program beside rehearse-audit
-  if (program.filename() != "rehearse") program.replace_filename("rehearse-audit");
+  const std::filesystem::path program = program_beside("rehearse-audit");
   execv(program.c_str(), pointers_to(words).data());
   return refuse(error(fmt::format("can't start {}: {}", program.string(), std::strerror(errno))));
 }

@@ -8,8 +8,10 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include "control_times.h"
@@ -170,6 +172,64 @@ std::string figures_of(const CheckReport& report) {
   return text;
 }
 
+template <class Outcome, class Each>
+void each_member(Outcome& outcome, Each& each) {
+  each(outcome.scenario), each(outcome.file), each(outcome.kind), each(outcome.exit), each(outcome.verdict);
+  each(outcome.code), each(outcome.equal), each(outcome.within), each(outcome.proved), each(outcome.controller);
+  each(outcome.plant), each(outcome.closed), each(outcome.report), each(outcome.tick), each(outcome.line);
+  each(outcome.seconds), each(outcome.notes), each(outcome.details), each(outcome.history), each(outcome.json);
+}
+
+/// Writes values as this machine stores them, and before each text and each list its size.
+struct FormWriter {
+  std::string form;
+
+  template <class Value>
+  requires std::is_trivially_copyable_v<Value>
+  void operator()(const Value& value) { form.append(reinterpret_cast<const char*>(&value), sizeof value); }
+  void operator()(const std::string& text) {
+    (*this)(text.size());
+    form += text;
+  }
+  void operator()(const std::vector<std::string>& list) {
+    (*this)(list.size());
+    for (const std::string& text : list) (*this)(text);
+  }
+  void operator()(const Json& json) {
+    (*this)(json.is_null() ? std::string() : json.dump(-1, ' ', false, Json::error_handler_t::replace));
+  }
+};
+
+/// Takes the same values from the beginning of the form.
+struct FormReader {
+  std::string_view form;
+
+  std::string_view take(std::size_t size) {
+    REHEARSE_ASSERT(size <= form.size(), "another process of this program wrote the form");
+    const std::string_view bytes = form.substr(0, size);
+    form.remove_prefix(size);
+    return bytes;
+  }
+  template <class Value>
+  requires std::is_trivially_copyable_v<Value>
+  void operator()(Value& value) { std::memcpy(&value, take(sizeof value).data(), sizeof value); }
+  void operator()(std::string& text) {
+    std::size_t size = 0;
+    (*this)(size);
+    text = take(size);
+  }
+  void operator()(std::vector<std::string>& list) {
+    std::size_t size = 0;
+    (*this)(size);
+    for (list.clear(); list.size() < size;) (*this)(list.emplace_back());
+  }
+  void operator()(Json& json) {
+    std::string text;
+    (*this)(text);
+    json = text.empty() ? Json() : Json::parse(text);
+  }
+};
+
 }  // namespace
 
 Result<Scenario> read_scenario(const std::string& file) {
@@ -269,43 +329,16 @@ CheckOutcome outcome_without_verdict(const std::string& scenario, const std::str
 }
 
 std::string form_of(const CheckOutcome& outcome) {
-  const Json form{{"scenario", outcome.scenario}, {"file", outcome.file},
-                  {"kind", outcome.kind},         {"exit", outcome.exit},
-                  {"verdict", outcome.verdict},   {"code", outcome.code},
-                  {"equal", outcome.equal},       {"within", outcome.within},
-                  {"proved", outcome.proved},     {"controller", outcome.controller},
-                  {"plant", outcome.plant},       {"closed", outcome.closed},
-                  {"report", outcome.report},     {"tick", outcome.tick ? Json(*outcome.tick) : Json()},
-                  {"line", outcome.line},         {"seconds", outcome.seconds},
-                  {"notes", outcome.notes},       {"details", outcome.details},
-                  {"history", outcome.history},   {"json", outcome.json}};
-  return form.dump(-1, ' ', false, Json::error_handler_t::replace);
+  FormWriter writer;
+  each_member(outcome, writer);
+  return std::move(writer.form);
 }
 
-CheckOutcome outcome_in(const std::string& text) {
-  const Json form = Json::parse(text);
+CheckOutcome outcome_in(const std::string& form) {
   CheckOutcome outcome;
-  const auto take = [&](const char* name, auto& member) { form.at(name).get_to(member); };
-  take("scenario", outcome.scenario);
-  take("file", outcome.file);
-  take("kind", outcome.kind);
-  take("exit", outcome.exit);
-  take("verdict", outcome.verdict);
-  take("code", outcome.code);
-  take("equal", outcome.equal);
-  take("within", outcome.within);
-  take("proved", outcome.proved);
-  take("controller", outcome.controller);
-  take("plant", outcome.plant);
-  take("closed", outcome.closed);
-  take("report", outcome.report);
-  if (!form.at("tick").is_null()) outcome.tick = form.at("tick").get<std::int64_t>();
-  take("line", outcome.line);
-  take("seconds", outcome.seconds);
-  take("notes", outcome.notes);
-  take("details", outcome.details);
-  take("history", outcome.history);
-  outcome.json = form.at("json");
+  FormReader reader{form};
+  each_member(outcome, reader);
+  REHEARSE_ASSERT(reader.form.empty(), "another process of this program wrote the form");
   return outcome;
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <rehearse/pin.h>
 
 #include <algorithm>
 #include <csignal>
@@ -25,54 +26,6 @@
 
 namespace rehearse::tool {
 namespace {
-
-constexpr std::string_view every_day = "Every day";
-constexpr std::string_view campaigns_and_audits = "Campaigns and audits";
-constexpr std::string_view files = "Recordings and logs as files";
-constexpr std::string_view models = "Models and projects";
-
-constexpr VerbSummary verbs[] = {
-    {"new", every_day, "begin a repository of your own: a controller, its scenario, its tests", Program::rehearse,
-     Rounding::is_none},
-    {"check", every_day, "run scenarios and compare them with their goldens", Program::simulate},
-    {"golden", every_day, "list the goldens; review, accept or reject the runs that wait to be one; measure noise",
-     Program::simulate},
-    {"record", every_day, "run a scenario in closed loop and record the whole run", Program::simulate},
-    {"replay", every_day, "feed a recording's inputs to its controllers, without physics, and compare commands",
-     Program::rehearse},
-    {"step", every_day, "go through a recording tick by tick, backwards as well, and look at all of it",
-     Program::rehearse, Rounding::matters, has_viewing, "viewing"},
-    {"report", every_day, "one HTML file of a run for a browser: robot, plots, pictures, and its golden beside it",
-     Program::rehearse, Rounding::is_none, has_viewing, "viewing"},
-    {"history", every_day, "how near to their bounds checks came, commit by commit: what drifts, jumps or is flaky",
-     Program::rehearse, Rounding::matters, has_viewing, "viewing"},
-    {"doc", every_day, "show a page of the manual", Program::rehearse, Rounding::is_none},
-    {"sweep", campaigns_and_audits,
-     "run many variations of a scenario, report which fail and why, and shrink a failing one", Program::simulate,
-     Rounding::matters, has_campaigns, "campaigns"},
-    {"audit", campaigns_and_audits, "is a controller a function of its inputs, and if not, what else does it depend on",
-     Program::audit, Rounding::matters, has_audit, "audit"},
-    {"info", files, "print duration, channels, metadata and events of a trace", Program::rehearse, Rounding::is_none},
-    {"cat", files, "print the messages of a trace, one a line", Program::rehearse, Rounding::is_none},
-    {"diff", files, "compare two traces and list their differences, the first one first", Program::rehearse},
-    {"export", files, "write a trace as tables (CSV), pictures or a video", Program::rehearse, Rounding::is_none,
-     has_viewing, "viewing"},
-    {"filter", files, "write a part of a trace: topics, a span of time, of ticks", Program::rehearse,
-     Rounding::is_none},
-    {"merge", files, "write several traces into one, in the order of time", Program::rehearse, Rounding::is_none},
-    {"recover", files, "save the readable messages of a trace that is cut or damaged", Program::rehearse,
-     Rounding::is_none},
-    {"doctor", files, "find all that is wrong with trace files, each with its place", Program::rehearse,
-     Rounding::is_none},
-    {"map", files, "write a first map from a robot's log to the inputs of a controller", Program::rehearse,
-     Rounding::is_none, has_logs, "logs"},
-    {"inspect", models, "load a robot model and report its contents and findings", Program::rehearse},
-    {"actuators", models, "print the drives of a MuJoCo model as the actuators of a scenario", Program::rehearse,
-     Rounding::is_none},
-    {"render", models, "draw a picture of a scenario or a model", Program::simulate},
-    {"import", models, "write the scenario that a project of Choreonoid (.cnoid) runs", Program::rehearse,
-     Rounding::is_none, has_choreonoid, "choreonoid"},
-};
 
 Exit usage_error(const std::string& verb, const std::string& what) {
   return refuse(error(fmt::format("rehearse {}: {}", verb, what), fmt::format("see rehearse {} --help", verb)));
@@ -149,14 +102,6 @@ class WrappedHelp : public CLI::Formatter {
 
 }  // namespace
 
-std::span<const VerbSummary> all_verbs() { return verbs; }
-
-const VerbSummary* find_verb(std::string_view name) {
-  const auto found =
-      std::find_if(std::begin(verbs), std::end(verbs), [&](const auto& verb) { return verb.name == name; });
-  return found == std::end(verbs) ? nullptr : found;
-}
-
 bool is_option(std::string_view word) {
   return word.size() > 1 && word[0] == '-' && word != "--" && (word[1] < '0' || word[1] > '9');
 }
@@ -171,6 +116,10 @@ Diagnostic left_out(std::string_view asked, std::string_view wing) {
                fmt::format("it is in a build whose REHEARSE_WINGS has {}", wing));
 }
 
+std::filesystem::path program_tree() { return own_program().parent_path().parent_path().parent_path(); }
+
+std::filesystem::path program_beside(std::string_view name) { return own_program().parent_path() / name; }
+
 std::string overview() {
   std::string text =
       "Rehearse records robot controllers in a deterministic simulation, and replays and judges the recordings.\n"
@@ -179,7 +128,7 @@ std::string overview() {
       "       rehearse VERB --help | rehearse help VERB\n"
       "       rehearse --version\n";
   std::string_view group;
-  for (const VerbSummary& verb : verbs) {
+  for (const VerbSummary& verb : all_verbs()) {
     if (!verb.is_built) continue;
     if (verb.group != group) text += fmt::format("\n{}:\n", group = verb.group);
     text += fmt::format("  {:<11}{}\n", verb.name, verb.summary);

@@ -1,8 +1,8 @@
 // A verb of the command: its options, its work, and its exit status.
 //
-// Each verb is one file, VERB_command.cpp, with one Verb object. Three programs contain them. `rehearse` simulates
-// nothing and links neither physics nor renderer. It starts `rehearse-simulate`, which links both, and
-// `rehearse-audit`, which reads machine code and debug information.
+// Each verb is one file, VERB_command.cpp, with one Verb object. Three programs contain them, and `rehearse` executes
+// one of these (verbs.h). `rehearse-read` links neither physics nor renderer, `rehearse-simulate` links both, and
+// `rehearse-audit` reads machine code and debug information.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -10,11 +10,14 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <filesystem>
 #include <functional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "verbs.h"
 
 namespace rehearse::tool {
 
@@ -40,34 +43,17 @@ std::span<const Verb* const> own_verbs();
 /// Runs the verb that the first argument names. For a program that only `rehearse` starts.
 Exit run_own_verb(std::string_view program, int argc, char** argv);
 
-/// The programs that contain verbs.
-enum class Program { rehearse, simulate, audit };
-
-/// Whether the results of a verb depend on rounding, so that it must compute with pinned arithmetic (pin.h). Pinning
-/// starts the process twice, which takes 20 ms.
-enum class Rounding { matters, is_none };
-
-/// The entry of a verb in the list of all verbs.
-struct VerbSummary {
-  std::string_view name;
-  std::string_view group;  // its title in the list; the verbs of a group follow each other
-  std::string_view summary;
-  Program program;
-  Rounding rounding = Rounding::matters;
-  bool is_built = true;        // false: this build leaves out its wing
-  std::string_view wing = {};  // empty: it is of the core
-};
-
-/// All verbs, in the order of `rehearse --help`, also those that this build leaves out.
-std::span<const VerbSummary> all_verbs();
-/// Null if no verb has this name.
-const VerbSummary* find_verb(std::string_view name);
 /// True for words as -o and --json, false for numbers and --.
 bool is_option(std::string_view word);
 /// "did you mean --seed? ", for a word that is none of the names; empty if none is similar.
 std::string spelling_hint(std::string_view word, const std::vector<std::string>& names);
 /// The error for a verb or an option of a wing that this build leaves out. `asked`: "the verb map".
 Diagnostic left_out(std::string_view asked, std::string_view wing);
+
+/// The folder with bin/, libexec/ and share/: of the build, or of the installation.
+std::filesystem::path program_tree();
+/// A program that contains verbs, beside this one.
+std::filesystem::path program_beside(std::string_view name);
 
 /// The text of `rehearse --help`.
 std::string overview();

@@ -100,15 +100,10 @@ Result<void> tell_other_libraries(const mcap::Reader& trace, const Scenario& sce
 }  // namespace
 
 Result<fs::path> find_gdb_script() {
-  const fs::path own = own_program().parent_path();
-  const fs::path script = fs::path("share/rehearse/gdb/rehearse_gdb.py");
-  for (const char* above : {"..", "../.."}) {  // share/ is beside bin/ and libexec/
-    const fs::path candidate = (own / above / script).lexically_normal();
-    std::error_code ignored;
-    if (fs::is_regular_file(candidate, ignored)) return candidate;
-  }
-  return error(fmt::format("{} isn't there", (own / ".." / script).lexically_normal().string()),
-               "it is built and installed together with rehearse");
+  const fs::path script = program_tree() / "share/rehearse/gdb/rehearse_gdb.py";
+  std::error_code ignored;
+  if (fs::is_regular_file(script, ignored)) return script;
+  return error(fmt::format("{} isn't there", script.string()), "it is built and installed together with rehearse");
 }
 
 std::vector<NamedController> controllers_of(const Scenario& scenario) {

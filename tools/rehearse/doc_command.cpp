@@ -1,7 +1,6 @@
 // rehearse doc: opens the site that was installed with the command, or prints the pages that it is made of. It also
 // prints the JSON Schemas.
 #include <fmt/format.h>
-#include <rehearse/pin.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -77,11 +76,11 @@ constexpr Topic topics[] = {
 };
 
 /// The folder of the manual's pages, in the build folder or installed.
-fs::path manual() { return (own_program().parent_path() / "../share/doc/rehearse").lexically_normal(); }
+fs::path manual() { return program_tree() / "share/doc/rehearse"; }
 
 /// The site: installed beside the manual, or built by tools/docs in the build folder; empty if there is none.
 fs::path site() {
-  for (const fs::path& folder : {manual() / "site", (own_program().parent_path() / "../docs").lexically_normal()})
+  for (const fs::path& folder : {manual() / "site", program_tree() / "docs"})
     if (std::error_code ignored; fs::exists(folder / "index.html", ignored)) return folder;
   return {};
 }

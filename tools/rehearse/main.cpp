@@ -1,45 +1,45 @@
-// rehearse: the command. Verbs that simulate are in a separate program, so that this one links neither physics nor
-// renderer.
-#include <fmt/format.h>
-#include <rehearse/logs.h>
+// rehearse: the command. It executes the program that contains the verb (verbs.h), and links no other library than that
+// of C, because each library that it links would be loaded twice. rehearse-read answers all that names no verb.
 #include <rehearse/pin.h>
+#include <sys/auxv.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <climits>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "command.h"
-#include "output.h"
-#include "wings.h"
+#include "verbs.h"
 
 namespace rehearse::tool {
 namespace {
 
-/// Executes a different program of Rehearse, at a fixed place relative to this one. Returns only on failure.
-Exit become(const char* program, char** argv) {
-  const std::filesystem::path other =
-      (own_program().parent_path() / PROGRAMS_BESIDE_COMMAND / program).lexically_normal();
-  if (!is_pinning_off()) set_pinned_environment();
-  execv(other.c_str(), argv);
-  return refuse(error(fmt::format("can't start {}: {}", other.string(), std::strerror(errno)),
-                      "it is built and installed together with rehearse"));
+constexpr int bad_input = 2;  // Exit::bad_input
+
+const char* name_of(Program program) {
+  constexpr const char* names[] = {"rehearse-read", "rehearse-simulate", "rehearse-audit"};
+  return names[static_cast<std::size_t>(program)];
 }
 
-/// A verb with a similar name or beginning, for a hint.
-std::string hint_for(std::string_view word) {
-  std::vector<std::string> names;
-  for (const VerbSummary& verb : all_verbs()) names.emplace_back(verb.name);
-  std::string hint = spelling_hint(word, names);
-  for (const std::string& name : names)
-    if (hint.empty() && word.size() >= 2 && name.starts_with(word.substr(0, 2)))
-      hint = fmt::format("did you mean {}? ", name);
-  return hint + "rehearse --help lists all verbs";
+/// The file of this program; without /proc, the name by which it was started.
+std::string own_file() {
+  std::array<char, PATH_MAX> file{};
+  const ssize_t size = readlink("/proc/self/exe", file.data(), file.size());
+  if (size > 0) return {file.data(), static_cast<std::size_t>(size)};
+  const auto* started_as = reinterpret_cast<const char*>(getauxval(AT_EXECFN));
+  return started_as && realpath(started_as, file.data()) ? file.data() : "";
+}
+
+/// The file of a program that contains verbs. It has no ".." in it: ps and debuggers show it.
+std::string file_of(Program program) {
+  const std::string own = own_file();
+  const std::size_t name = own.rfind('/'), folder = name == std::string::npos ? name : own.rfind('/', name - 1);
+  return (folder == std::string::npos ? "" : own.substr(0, folder)) + "/" PROGRAMS_IN_TREE "/" + name_of(program);
 }
 
 /// Removes --no-pin from the arguments, at any position: it applies to the process, not to a verb.
@@ -52,35 +52,23 @@ int take_no_pin(int argc, char** argv) {
   return static_cast<int>(end - argv);
 }
 
-Exit run(int argc, char** argv) {
+/// Returns only if the program can't be executed.
+int run(int argc, char** argv) {
   argc = take_no_pin(argc, argv);
   std::string help = "--help";
   char* help_of_verb[] = {argv[0], argc > 2 ? argv[2] : nullptr, help.data(), nullptr};
   if (argc == 3 && std::string_view(argv[1]) == "help") argv = help_of_verb;  // rehearse help VERB
-  const std::string_view word = argc < 2 ? "" : argv[1];
-  if (word == "--help" || word == "-h" || word == "help") {
-    fmt::print("{}", overview());
-    return Exit::done;
-  }
-  if (word == "--version") {
-    fmt::print("rehearse {}\n", REHEARSE_VERSION);
-    return Exit::done;
-  }
-  if (word.empty()) return refuse(error("no verb given", "rehearse --help lists all verbs"));
-  if (is_option(word))
-    return refuse(error(fmt::format("there is no option {} before the verb", plain_text(word)),
-                        spelling_hint(word, {"--help", "--no-pin", "--version"}) + "see rehearse --help"));
-  const VerbSummary* known = find_verb(word);
-  if (!known) return refuse(error(fmt::format("there is no verb '{}'", word), hint_for(word)));
-  if (!known->is_built) return refuse(left_out(fmt::format("the verb {}", word), known->wing));
-  if (known->program == Program::simulate) return become("rehearse-simulate", argv);
-  if (known->program == Program::audit) return become("rehearse-audit", argv);
-  if (known->rounding == Rounding::matters) pin_process(argv);
-  if constexpr (has_logs) read_rosbag2_logs();
-  return run_own_verb("rehearse", argc, argv);
+  const VerbSummary* verb = argc < 2 ? nullptr : find_verb(argv[1]);
+  const bool runs = verb && verb->is_built;
+  if (runs && verb->rounding == Rounding::matters && !is_pinning_off()) set_pinned_environment();
+  const std::string file = file_of(runs ? verb->program : Program::read);
+  execv(file.c_str(), argv);
+  std::fprintf(stderr, "error: can't start %s: %s (it is built and installed together with rehearse)\n", file.c_str(),
+               std::strerror(errno));
+  return bad_input;
 }
 
 }  // namespace
 }  // namespace rehearse::tool
 
-int main(int argc, char** argv) { return static_cast<int>(rehearse::tool::run(argc, argv)); }
+int main(int argc, char** argv) { return rehearse::tool::run(argc, argv); }

@@ -1,6 +1,5 @@
 // rehearse new: writes a new project of the user, ready to build.
 #include <fmt/format.h>
-#include <rehearse/pin.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -127,9 +126,7 @@ Result<void> check_origin(const std::string& origin) {
 }
 
 /// The schema of scenarios, which is installed with the command.
-std::string scenario_schema() {
-  return (own_program().parent_path() / "../share/rehearse/schemas/scenario.json").lexically_normal().string();
-}
+std::string scenario_schema() { return (program_tree() / "share/rehearse/schemas/scenario.json").string(); }
 
 /// What the files of this project are filled in with. The commit is known only of this build's own repository.
 Replacements replacements_of(const NewSettings& settings) {
@@ -167,10 +164,9 @@ Result<void> write(const fs::path& file, const std::string& text) {
 /// The installation prefix for CMake's search; empty if CMake searches there anyway, or if the command isn't installed.
 std::string prefix() {
   std::error_code problem;
-  const fs::path self = fs::read_symlink("/proc/self/exe", problem);
-  const fs::path above = self.parent_path().parent_path();
-  if (problem || above == "/usr" || above == "/usr/local" || !fs::exists(above / PACKAGE_BELOW_PREFIX)) return "";
-  return above.string();
+  const fs::path tree = program_tree();
+  if (tree == "/usr" || tree == "/usr/local" || !fs::exists(tree / PACKAGE_BELOW_PREFIX, problem)) return "";
+  return tree.string();
 }
 
 /// Writes the workflow into a project that exists.

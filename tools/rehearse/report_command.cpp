@@ -1,6 +1,5 @@
 // rehearse report: writes an HTML page of a run for a browser, with its golden.
 #include <fmt/format.h>
-#include <rehearse/pin.h>
 #include <rehearse/report.h>
 
 #include <filesystem>
@@ -53,7 +52,8 @@ Json json_of_report(const fs::path& file, const ReportSummary& summary) {
 
 /// The coverage of the run, made by `rehearse audit --coverage`, which prints its errors. `exit`: its status.
 Result<std::string> coverage_of(const ReportSettings& settings, Exit& exit) {
-  std::vector<std::string> words{own_program().string(), "audit", settings.trace, "--coverage", "--json"};
+  std::vector<std::string> words{program_beside("rehearse-audit").string(), "audit", settings.trace, "--coverage",
+                                 "--json"};
   for (const auto& [name, library] : settings.host.libraries)
     words.push_back(fmt::format("--controller={}={}", name, library));
   words.push_back(fmt::format("--call-limit={}", settings.host.call_limit));

@@ -22,14 +22,12 @@ namespace {
 
 using Work = std::function<Result<MadePart>(std::size_t)>;
 
-constexpr char spoils = '!', keeps = ' ';  // the first character of a worker's answer
-
 /// Makes a part in a worker. A part that fails ends the worker.
-std::string make(std::size_t number, const Work& work) {
+WorkerPool::Made make(std::size_t number, const Work& work) {
   auto status = static_cast<int>(Exit::bad_input);
   try {
-    const auto made = work(number);
-    if (made && interruption() == 0) return (made->spoils_process ? spoils : keeps) + made->text;
+    auto made = work(number);
+    if (made && interruption() == 0) return *std::move(made);
     if (!made) refuse(made.errors());
   } catch (const Interrupted&) {
     // the status says it
@@ -47,20 +45,13 @@ void print_output(const WorkerPool::Answer& answer) {
 }
 
 /// Waits for an answer, and passes a signal of this process on, once.
-WorkerPool::Answer next_answer(WorkerPool& pool, int& told) {
+Result<WorkerPool::Answer> next_answer(WorkerPool& pool, int& told) {
   for (;;) {
     if (interruption() != 0 && told == 0) pool.tell(told = interruption());
-    if (auto answer = pool.wait()) return *std::move(answer);
+    auto answer = pool.wait();
+    if (!answer) return answer.errors();
+    if (*answer) return **std::move(answer);
   }
-}
-
-/// Ends the worker that made the part. If it doesn't end well, the part has failed.
-void end_worker_of(WorkerPool::Answer& part, WorkerPool& pool) {
-  const WorkerPool::Answer end = pool.renew(part.worker);
-  part.out += end.out;
-  part.errors += end.errors;
-  part.status = end.status;
-  if (end.status != EXIT_SUCCESS) part.text.reset();
 }
 
 /// Ends the workers. A library may fail when it is unloaded, at the end of its process.
@@ -94,15 +85,15 @@ Exit work_side_by_side(std::size_t count, std::size_t jobs, const Work& work,
     const auto first = finished.find(next);
     if (first == finished.end()) {
       if (next == given) return Exit::done;  // a signal came before it began
-      WorkerPool::Answer answer = next_answer(pool, told);
-      if (answer.text && answer.text->front() == spoils) end_worker_of(answer, pool);
-      finished.emplace(static_cast<std::size_t>(answer.job), std::move(answer));
+      auto answer = next_answer(pool, told);
+      if (!answer) return refuse(answer.errors());
+      finished.emplace(static_cast<std::size_t>(answer->job), *std::move(answer));
       continue;
     }
     const WorkerPool::Answer answer = std::move(first->second);
     finished.erase(first);
     ++next;
-    if (answer.text) take(answer.text->substr(1));
+    if (answer.text) take(*answer.text);
     print_output(answer);
     if (!answer.text) return static_cast<Exit>(answer.status);
   }

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "command.h"
+#include "core/guard/worker_pool.h"
 
 namespace rehearse::tool {
 
@@ -15,10 +16,7 @@ namespace rehearse::tool {
 std::size_t processors();
 
 /// The result of one part.
-struct MadePart {
-  std::string text;
-  bool spoils_process = false;  // interrupted code may have left anything in its memory
-};
+using MadePart = WorkerPool::Made;
 
 /// Calls `work` for 0 to `count` - 1 in at most `jobs` supervised forks of this process. A fork works on one part after
 /// the other, until one spoils it. The output of a part to stdout and stderr appears here when all parts before it are

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
-#include <assimp/MemoryIOWrapper.h>
 #include <algorithm>
 #include <fstream>
 #include <system_error>
@@ -12,23 +11,6 @@
 #include "mesh_paths.h"
 
 namespace rehearse {
-namespace {
-
-/// A stream of bytes in memory. It is in the list of open streams during its lifetime.
-class Stream : public Assimp::MemoryIOStream {
- public:
-  Stream(const std::string& bytes, std::vector<Assimp::IOStream*>& open)
-      : MemoryIOStream(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()), open_(open) {
-    open_.push_back(this);
-  }
-  ~Stream() override { open_.erase(std::find(open_.begin(), open_.end(), this)); }
-
- private:
-  std::vector<Assimp::IOStream*>& open_;
-};
-
-}  // namespace
-
 Result<std::string> read_mesh_file(const std::filesystem::path& file) {
   std::error_code problem;
   const auto status = std::filesystem::status(file, problem);
@@ -57,10 +39,6 @@ MeshInput::MeshInput(const std::filesystem::path& file, std::string bytes)
       own_(std::make_unique<std::string>(std::move(bytes))),
       hash_(XXH3_64bits(own_->data(), own_->size())) {}
 
-MeshInput::~MeshInput() {
-  while (!open_.empty()) delete open_.back();
-}
-
 const std::string* MeshInput::named(const std::string& path) {
   std::string slashes = path;
   std::replace(slashes.begin(), slashes.end(), '\\', '/');
@@ -80,22 +58,17 @@ const std::string* MeshInput::read(const std::filesystem::path& path) {
   return others_.emplace(key, std::make_unique<std::string>(*std::move(bytes))).first->second.get();
 }
 
-bool MeshInput::Exists(const char* path) const {
+bool MeshInput::exists(const std::string& path) const {
   std::error_code ignored;
   return path == file_.string() || std::filesystem::is_regular_file(path, ignored);
 }
 
-Assimp::IOStream* MeshInput::Open(const char* path, const char* mode) {
-  if (std::string_view(mode).find_first_of("wa+") != std::string_view::npos) return nullptr;
+const std::string* MeshInput::open(const std::string& path) {
   const std::string* bytes = path == file_.string() ? own_.get() : read(path);
   if (bytes == nullptr) bytes = read(percent_decoded(path));
-  if (bytes == nullptr) {
+  if (bytes == nullptr)
     missing_.push_back(std::filesystem::path(path).lexically_relative(file_.parent_path()).string());
-    return nullptr;
-  }
-  return new Stream(*bytes, open_);
+  return bytes;
 }
-
-void MeshInput::Close(Assimp::IOStream* stream) { delete stream; }
 
 }  // namespace rehearse

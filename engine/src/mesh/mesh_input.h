@@ -3,7 +3,6 @@
 
 #include <rehearse/diagnostic.h>
 
-#include <assimp/IOSystem.hpp>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -18,13 +17,12 @@ inline constexpr std::size_t max_mesh_bytes = std::size_t{512} << 20;  // 512 Mi
 /// The bytes of a regular file. Errors contain the path as their file.
 Result<std::string> read_mesh_file(const std::filesystem::path& file);
 
-/// The only files that assimp may open. Each file is read once and as a whole, and only if it is a regular file of at
+/// The only files that a reader may open. Each file is read once and as a whole, and only if it is a regular file of at
 /// most max_mesh_bytes.
-class MeshInput : public Assimp::IOSystem {
+class MeshInput {
  public:
   /// `bytes`: the content of `file`, whatever is on the disk.
   MeshInput(const std::filesystem::path& file, std::string bytes);
-  ~MeshInput() override;
   MeshInput(const MeshInput&) = delete;
   MeshInput& operator=(const MeshInput&) = delete;
 
@@ -32,7 +30,7 @@ class MeshInput : public Assimp::IOSystem {
   const std::string* named(const std::string& path);
 
   const std::string& bytes() const { return *own_; }
-  /// The bytes that assimp gets. The digest stays that of the original bytes.
+  /// The bytes that the reader gets. The digest stays that of the original bytes.
   std::string& bytes() { return *own_; }
   const std::filesystem::path& file() const { return file_; }
 
@@ -45,10 +43,10 @@ class MeshInput : public Assimp::IOSystem {
   /// as the seed. 16 hexadecimal digits.
   std::string digest() const;
 
-  bool Exists(const char* path) const override;
-  char getOsSeparator() const override { return '/'; }
-  Assimp::IOStream* Open(const char* path, const char* mode) override;
-  void Close(Assimp::IOStream* stream) override;
+  /// True if the reader may open the file of that path.
+  bool exists(const std::string& path) const;
+  /// The content of the file that the reader opens; null: it is missing from now on.
+  const std::string* open(const std::string& path);
 
  private:
   const std::string* read(const std::filesystem::path& path);
@@ -56,7 +54,6 @@ class MeshInput : public Assimp::IOSystem {
   std::filesystem::path file_;
   std::unique_ptr<std::string> own_;
   std::map<std::string, std::unique_ptr<std::string>> others_;
-  std::vector<Assimp::IOStream*> open_;  // assimp closes a stream, deletes it or, when it fails, forgets it
   std::vector<std::string> missing_;
   std::uint64_t hash_;
 };

@@ -9,11 +9,15 @@
 
 #include <array>
 #include <chrono>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <string>
 
+#include "core/mcap/file_identity.h"
+#include "support/bytes_read.h"
 #include "support/shell.h"
 #include "support/temporary_folder.h"
 
@@ -51,13 +55,28 @@ class SourceAge : public ::testing::Test {
     fs::last_write_time(file, fs::file_time_type::clock::now() - std::chrono::hours(hours));
   }
   fs::path library() const { return folder_ / "build/Walk.so"; }
+  /// The bytes that a new process reads to look at the library.
+  std::int64_t bytes_read_for_note() const {
+    const std::string counted = in_a_process([this] {
+      const std::int64_t before = test::bytes_read();
+      EXPECT_TRUE(notes_on_old_library(library()).empty());
+      return std::to_string(test::bytes_read() - before);
+    });
+    return std::stoll(counted);
+  }
   /// The library is looked at in a new process, as by each command. Several notes are separated by line ends.
   std::string note() const {
+    return in_a_process([this] {
+      std::string text;
+      for (const std::string& note : notes_on_old_library(library())) text += (text.empty() ? "" : "\n") + note;
+      return text;
+    });
+  }
+  static std::string in_a_process(const std::function<std::string()>& work) {
     std::array<int, 2> ends{};
     EXPECT_EQ(::pipe(ends.data()), 0);
     if (::fork() == 0) {
-      std::string text;
-      for (const std::string& note : notes_on_old_library(library())) text += (text.empty() ? "" : "\n") + note;
+      const std::string text = work();
       _exit(::write(ends[1], text.data(), text.size()) == static_cast<ssize_t>(text.size()) ? 0 : 1);
     }
     ::close(ends[1]);
@@ -89,6 +108,21 @@ TEST_F(SourceAge, OfAnEditedHeaderIsTold) {
   EXPECT_THAT(note(), HasSubstr("gait.h is newer than Walk.so"));
   write("walk.cpp", "#include \"gait.h\"\nint walk(int tick) { return -phase(tick); }\n");
   EXPECT_THAT(note(), HasSubstr("gait.h and 1 more are newer than Walk.so"));
+}
+
+TEST_F(SourceAge, OfALibraryThatNobodyChangesIsLookedUpWithoutReadingIt) {
+  constexpr std::int64_t size = 4 << 20;
+  write("walk.cpp", "extern const char data[" + std::to_string(size) + "];\nconst char data[" + std::to_string(size) +
+                        "] = {1};\nint walk(int tick) { return data[tick]; }\n");
+  build();
+  EXPECT_GT(bytes_read_for_note(), size);
+  while (!FileIdentity::of(library())->is_older_than(std::chrono::seconds(2))) usleep(10'000);
+  EXPECT_GT(bytes_read_for_note(), size) << "it had just been built";
+  EXPECT_LT(bytes_read_for_note(), size / 100);
+  write("walk.cpp", "int walk(int) { return 7; }\n");
+  EXPECT_THAT(note(), HasSubstr("walk.cpp is newer than Walk.so"));
+  build();
+  EXPECT_EQ(note(), "") << "it was built again";
 }
 
 TEST_F(SourceAge, OfASourceWithEqualContentIsNotTold) {

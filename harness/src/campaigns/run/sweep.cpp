@@ -58,6 +58,12 @@ Result<CaseRun> timed_case(const fs::path& file, const std::string& text, const 
   return run;
 }
 
+/// False: the controller's code was interrupted, and may have left anything in the memory.
+bool leaves_memory_sound(const CaseResult& result) {
+  return result.passed() || result.verdict == CaseVerdict::violated || result.verdict == CaseVerdict::differs ||
+         result.verdict == CaseVerdict::exploded;
+}
+
 /// The environment prevented a case in two processes. The case has no result, so that it is run again.
 Diagnostic hindered(const Campaign& campaign, std::int64_t number, const std::string& why) {
   return error_in(
@@ -153,7 +159,6 @@ Result<void> Work::take(const WorkerPool::Answer& answer, Phase phase) {
     return {};
   }
   if (answer.text && answer.text->starts_with(hindrance)) {
-    pool_.renew(answer.worker);  // an earlier case may have changed the limits of its process
     if (!lost_.insert(answer.job).second) return hindered(campaign_, answer.job, answer.text->substr(hindrance.size()));
     queue_.push_front(answer.job);
     return {};
@@ -167,10 +172,6 @@ Result<void> Work::take(const WorkerPool::Answer& answer, Phase phase) {
   ++progress_.done;
   ++progress_.here;
   if (!result.passed() && !result.again) ++progress_.failed;
-  // interrupted code may have left anything in the memory
-  const bool is_sound = result.passed() || result.verdict == CaseVerdict::violated ||
-                        result.verdict == CaseVerdict::differs || result.verdict == CaseVerdict::exploded;
-  if (!is_sound) pool_.renew(answer.worker);
   return {};
 }
 
@@ -187,8 +188,9 @@ Result<void> Work::run_queue(Phase phase) {
     }
     if (pool_.is_idle() && queue_.empty()) return {};
     const auto answer = pool_.wait();
-    if (!answer) continue;
-    if (auto taken = take(*answer, phase); !taken) return taken;
+    if (!answer) return answer.errors();
+    if (!*answer) continue;
+    if (auto taken = take(**answer, phase); !taken) return taken;
   }
 }
 
@@ -217,14 +219,18 @@ Result<CaseRun> run_alone(const fs::path& campaign, const CampaignOptions& optio
   if (!scratch) return scratch.errors();
   WorkerPool pool(workers(options, 1, scratch->path()), [&](std::int64_t, const fs::path& folder) {
     const auto run = timed_case(file, text, options, folder / trace_name, simulation);
-    if (!run) return hindrance + run.errors().front().message;
+    if (!run) return WorkerPool::Made{hindrance + run.errors().front().message};
     const Json answer{
         {"result", json_of_result(run->result)}, {"expectations", run->expectations}, {"libraries", run->libraries}};
-    return answer.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return WorkerPool::Made{answer.dump(-1, ' ', false, Json::error_handler_t::replace)};
   });
   if (auto given = pool.give(0); !given) return given.errors();
   std::optional<WorkerPool::Answer> answer;
-  while (!answer && interruption() == 0) answer = pool.wait();
+  while (!answer && interruption() == 0) {
+    auto next = pool.wait();
+    if (!next) return next.errors();
+    answer = *std::move(next);
+  }
   if (!answer) return interrupted();
   if (answer->text && answer->text->starts_with(hindrance))
     return error_in(file.string(), "it can't be run here: " + answer->text->substr(hindrance.size()));
@@ -296,6 +302,20 @@ Result<void> check_nominal(const Campaign& campaign, const Simulation& simulatio
       "campaign in a new folder");
 }
 
+/// The answer of a worker to a case.
+WorkerPool::Made made_case(const Campaign& campaign, std::int64_t number, const fs::path& trace,
+                           const Simulation& simulation) {
+  const auto text = campaign.text_of(number);
+  if (!text) return {line_of(ended_case(number, CaseVerdict::invalid, text.errors().front().message))};
+  auto run = timed_case(campaign.scenario().file, *text, campaign.options(), trace, simulation);
+  // an earlier case may have changed the limits of its process
+  if (!run) return {hindrance + run.errors().front().message, true};
+  if (const auto changed = changed_in_case(campaign, run->libraries); !changed.empty())
+    return {refusal + change_of(changed.front())};
+  run->result.number = number;
+  return {line_of(run->result), !leaves_memory_sound(run->result)};
+}
+
 }  // namespace
 
 Result<Campaign> create_campaign(const fs::path& scenario, const fs::path& folder, const CampaignOptions& options,
@@ -336,15 +356,7 @@ Result<void> run_cases(Campaign& campaign, const SweepOptions& options, const Si
   fs::create_directories(trace_folder(own_folder), ignored);
   WorkerPool pool(workers(campaign.options(), std::max<std::size_t>(options.jobs, 1), scratch->path()),
                   [&](std::int64_t number, const fs::path& folder) {
-                    const auto text = campaign.text_of(number);
-                    if (!text) return line_of(ended_case(number, CaseVerdict::invalid, text.errors().front().message));
-                    auto run = timed_case(campaign.scenario().file, *text, campaign.options(), folder / trace_name,
-                                          simulation);
-                    if (!run) return hindrance + run.errors().front().message;
-                    if (const auto changed = changed_in_case(campaign, run->libraries); !changed.empty())
-                      return refusal + change_of(changed.front());
-                    run->result.number = number;
-                    return line_of(run->result);
+                    return made_case(campaign, number, folder / trace_name, simulation);
                   });
   Work work(campaign, options, *file, pool);
   if (auto done = work.run(); !done || !work.ended_by_failures()) return done;

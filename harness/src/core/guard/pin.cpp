@@ -10,31 +10,11 @@
 namespace rehearse {
 namespace {
 
-constexpr const char* tunables = "GLIBC_TUNABLES";
-/// glibc 2.36 chooses its variants of sin, cos, exp, log, pow, ... by these; without them every x86-64 uses the SSE2
-/// ones.
-constexpr const char* plain_mathematics = "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-AVX";
 /// Set for the second start, so that a program that loses its environment is not started for ever.
 constexpr const char* started_again = "REHEARSE_PINNED";
-constexpr const char* own_switch = "REHEARSE_PIN";
 
 /// Why this process isn't pinned; null: it was not tried.
 const char* why_not = nullptr;
-
-/// The user's tunables stay; those of Rehearse come last, so glibc uses them.
-std::string with_own_tunables() {
-  const char* own = std::getenv(tunables);
-  if (!own || !*own || std::strstr(own, plain_mathematics)) return own && *own ? own : plain_mathematics;
-  return std::string(own) + ":" + plain_mathematics;
-}
-
-}  // namespace
-
-std::vector<std::pair<std::string, std::string>> pinned_environment() {
-  return {{tunables, with_own_tunables()}, {"GALLIUM_OVERRIDE_CPU_CAPS", "sse4.1"}, {"LP_NUM_THREADS", "1"}};
-}
-
-namespace {
 
 bool has_pinned_environment() {
   for (const auto& [name, value] : pinned_environment()) {
@@ -61,11 +41,6 @@ std::string pinned_fact() {
   return std::string("no (") + (why_not ? why_not : "the program didn't pin itself") + ")";
 }
 
-bool is_pinning_off() {
-  const char* set = std::getenv(own_switch);
-  return set && std::strcmp(set, "off") == 0;
-}
-
 std::filesystem::path own_program() {
   std::error_code failed;
   const std::filesystem::path file = std::filesystem::read_symlink("/proc/self/exe", failed);
@@ -77,12 +52,8 @@ std::filesystem::path own_program() {
   return failed ? std::filesystem::path(started_as) : resolved;
 }
 
-void set_pinned_environment() {
-  for (const auto& [name, value] : pinned_environment()) setenv(name.c_str(), value.c_str(), 1);
-}
-
 void pin_process(char** argv) {
-  if (const char* set = std::getenv(own_switch); set && *set && !is_pinning_off() && std::strcmp(set, "on") != 0) {
+  if (const char* set = std::getenv("REHEARSE_PIN"); set && *set && !is_pinning_off() && std::strcmp(set, "on") != 0) {
     std::fprintf(stderr, "error: REHEARSE_PIN is '%s': it may be 'on' (as if it weren't set) or 'off'\n", set);
     std::exit(2);
   }

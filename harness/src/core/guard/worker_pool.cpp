@@ -2,20 +2,26 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <linux/futex.h>
 #include <poll.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
+#include <chrono>
+#include <climits>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <new>
 #include <utility>
 
 #include "c_library.h"
@@ -28,7 +34,9 @@
 namespace rehearse {
 namespace {
 
-constexpr int interval_ms = 200;  // of looks at limits and signals
+constexpr int interval_ms = 200;              // of looks at limits and signals
+constexpr std::size_t places_per_worker = 4;  // for the job at work, and for those that are next
+constexpr useconds_t reading_pause_us = 1500;
 
 /// The sockets and locks of this process must end with it.
 void close_all_but(int socket) {
@@ -51,16 +59,6 @@ bool send_all(int socket, const void* data, std::size_t size) {
   return true;
 }
 
-/// The next job; none: the pool has closed its socket.
-std::optional<std::int64_t> receive_job(int socket) {
-  std::int64_t job = 0;
-  for (;;) {
-    const ssize_t size = ::recv(socket, &job, sizeof job, MSG_WAITALL);
-    if (size == static_cast<ssize_t>(sizeof job)) return job;
-    if (size >= 0 || errno != EINTR) return std::nullopt;
-  }
-}
-
 /// A file in memory for the output of a worker.
 FileDescriptor output_file() { return FileDescriptor(::memfd_create("output of a worker", MFD_CLOEXEC)); }
 
@@ -77,7 +75,71 @@ std::string take_text(int file) {
 
 Diagnostic not_started(const char* why) { return error(fmt::format("a worker can't be started: {}", why)); }
 
+/// Who has the job of a place: nobody, no worker yet, or the worker of index i (1 + i).
+constexpr std::int32_t free_place = -1, waiting_job = 0;
+
+std::int32_t owner_of(std::size_t worker) { return static_cast<std::int32_t>(worker) + 1; }
+
+std::int64_t now_ns() { return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+/// The head of an answer. After it come its text, and the output and errors of the job.
+struct MessageHead {
+  std::uint64_t place = 0, text = 0, out = 0, errors = 0;  // the last three: sizes [bytes]
+  std::uint64_t spoils_process = 0;
+
+  std::uint64_t size() const { return text + out + errors; }
+};
+
 }  // namespace
+
+/// The memory that this process and its workers share. This process writes the job of a free place, and a worker takes
+/// a job by writing itself as the owner. A controller may write here: what this process relies on is in places_.
+struct WorkerPool::Shared {
+  struct Place {
+    std::atomic<std::int32_t> owner{free_place};
+    std::atomic<std::int64_t> job{0}, order{0}, since{0};  // since: when a worker took it [ns]
+  };
+  std::atomic<std::uint32_t> changes{0};  // a futex: idle workers wait for its change
+  std::atomic<bool> ends{false};          // idle workers end
+  Place* places() { return reinterpret_cast<Place*>(this + 1); }
+
+  static std::size_t bytes(std::size_t places) { return sizeof(Shared) + places * sizeof(Place); }
+  void tell_change(int workers) {
+    ++changes;
+    ::syscall(SYS_futex, &changes, FUTEX_WAKE, workers, nullptr, nullptr, 0);
+  }
+  /// The number of jobs that no worker has taken.
+  std::size_t waiting(std::size_t count) {
+    return static_cast<std::size_t>(
+        std::count_if(places(), places() + count, [](const Place& place) { return place.owner == waiting_job; }));
+  }
+  std::optional<std::size_t> take_first(std::size_t count, std::int32_t owner);
+  std::optional<std::size_t> wait_for_job(std::size_t count, std::int32_t owner);
+};
+
+/// Takes the job that was given first among those that wait.
+std::optional<std::size_t> WorkerPool::Shared::take_first(std::size_t count, std::int32_t owner) {
+  for (;;) {
+    std::optional<std::size_t> first;
+    for (std::size_t i = 0; i < count; ++i)
+      if (places()[i].owner == waiting_job && (!first || places()[i].order < places()[*first].order)) first = i;
+    if (!first) return std::nullopt;
+    std::int32_t waiting = waiting_job;
+    if (!places()[*first].owner.compare_exchange_strong(waiting, owner)) continue;
+    places()[*first].since = now_ns();
+    return first;
+  }
+}
+
+/// None: the worker has to end.
+std::optional<std::size_t> WorkerPool::Shared::wait_for_job(std::size_t count, std::int32_t owner) {
+  for (;;) {
+    const std::uint32_t before = changes;
+    if (ends) return std::nullopt;
+    if (const auto place = take_first(count, owner)) return place;
+    ::syscall(SYS_futex, &changes, FUTEX_WAIT, before, nullptr, nullptr, 0);
+  }
+}
 
 WorkerPool::WorkerPool(Setup setup, Work work)
     : setup_([&] {
@@ -85,41 +147,62 @@ WorkerPool::WorkerPool(Setup setup, Work work)
         return std::move(setup);
       }()),
       work_(std::move(work)),
-      workers_(setup_.size) {
+      workers_(setup_.size),
+      places_(places_per_worker * setup_.size) {
+  static_assert(std::atomic<std::int64_t>::is_always_lock_free && sizeof(std::atomic<std::uint32_t>) == 4);
   if (setup_.folder.empty()) return;
-  for (std::size_t i = 0; i < workers_.size(); ++i)
-    workers_[i].folder = setup_.folder / fmt::format("worker-{}", i + 1);
+  for (std::size_t i = 0; i < places_.size(); ++i) places_[i].folder = setup_.folder / fmt::format("job-{}", i + 1);
 }
 
 WorkerPool::~WorkerPool() {
   if (setup_.kind == Kind::supervised) tell(SIGTERM);  // all at the same time
+  if (shared_) shared_->ends = true;
+  if (shared_) shared_->tell_change(INT_MAX);
   for (Worker& worker : workers_) stop(worker, setup_.kind == Kind::bare ? Ending::is_killed : Ending::is_asked);
+  if (shared_) ::munmap(shared_, Shared::bytes(places_.size()));
 }
 
-bool WorkerPool::is_idle() const {
-  return std::none_of(workers_.begin(), workers_.end(), [](const Worker& worker) { return worker.job.has_value(); });
-}
-
-bool WorkerPool::has_room() const {
-  return std::any_of(workers_.begin(), workers_.end(), [](const Worker& worker) { return !worker.job; });
+Result<void> WorkerPool::share() {
+  const std::size_t bytes = Shared::bytes(places_.size());
+  void* memory = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) return not_started(std::strerror(errno));
+  shared_ = new (memory) Shared;
+  for (std::size_t i = 0; i < places_.size(); ++i) new (shared_->places() + i) Shared::Place;
+  return {};
 }
 
 Result<void> WorkerPool::give(std::int64_t job) {
-  const auto free = std::find_if(workers_.begin(), workers_.end(), [](const Worker& worker) { return !worker.job; });
-  REHEARSE_ASSERT(free != workers_.end(), "a job needs a worker without a job");
-  if (free->process == 0)
-    if (auto started = start(*free); !started) return started;
-  free->job = job;
-  free->since = Clock::now();
-  // a worker that has ended meanwhile is noticed by wait()
-  static_cast<void>(send_all(free->socket, &job, sizeof job));
+  const auto place = std::find_if(places_.begin(), places_.end(), [](const Place& known) { return !known.job; });
+  REHEARSE_ASSERT(place != places_.end(), "a job needs a place");
+  if (!shared_)
+    if (auto shared = share(); !shared) return shared;
+  std::error_code failed;
+  if (!place->folder.empty()) std::filesystem::create_directories(place->folder, failed);
+  if (failed) return error_in(place->folder.string(), fmt::format("it can't be made: {}", failed.message()));
+  Shared::Place& shared = shared_->places()[place - places_.begin()];
+  place->job = job;
+  ++given_;
+  shared.job = job;
+  shared.order = order_++;
+  shared.since = 0;
+  shared.owner = waiting_job;
+  shared_->tell_change(1);
+  return start_missing();
+}
+
+/// Starts workers until there is one for each job without an answer, or all are there.
+Result<void> WorkerPool::start_missing() {
+  std::size_t missing = std::min(given_, workers_.size());
+  for (Worker& worker : workers_) {
+    if (missing == 0) break;
+    if (worker.process == 0)
+      if (auto started = start(worker); !started) return started;
+    --missing;
+  }
   return {};
 }
 
 Result<void> WorkerPool::start(Worker& worker) {
-  std::error_code failed;
-  if (!worker.folder.empty()) std::filesystem::create_directories(worker.folder, failed);
-  if (failed) return error_in(worker.folder.string(), fmt::format("it can't be made: {}", failed.message()));
   if (setup_.kind == Kind::supervised)
     for (FileDescriptor* file : {&worker.out, &worker.errors})
       if (*file = output_file(); *file < 0) return not_started(std::strerror(errno));
@@ -134,7 +217,7 @@ Result<void> WorkerPool::start(Worker& worker) {
     ::prctl(PR_SET_PDEATHSIG, setup_.kind == Kind::bare ? SIGKILL : SIGTERM);
     if (::getppid() != here) leave_process(EXIT_FAILURE);
     prepare(worker, sockets[1]);
-    serve(sockets[1], worker.folder);
+    serve(worker, sockets[1]);
   }
   const int reason = errno;
   ::close(sockets[1]);
@@ -165,70 +248,139 @@ void WorkerPool::prepare(const Worker& worker, int socket) const {
   ProcessGuard::instance().protect(socket, "the socket of a worker");
 }
 
-void WorkerPool::serve(int socket, const std::filesystem::path& folder) const noexcept {
-  while (const auto job = receive_job(socket)) {
-    const std::string answer = work_(*job, folder);
+void WorkerPool::serve(const Worker& worker, int socket) const noexcept {
+  bool is_sound = true;
+  while (is_sound) {
+    const auto place = shared_->wait_for_job(places_.size(), owner_of(number_of(worker)));
+    if (!place) break;
+    const Made made = work_(shared_->places()[*place].job, places_[*place].folder);
     std::fflush(nullptr);
-    const std::uint64_t size = answer.size();
-    std::string message(reinterpret_cast<const char*>(&size), sizeof size);  // in one piece: the pool wakes up once
-    message += answer;
-    if (!send_all(socket, message.data(), message.size())) break;
+    const std::string out = take_text(worker.out), errors = take_text(worker.errors);
+    const MessageHead head{*place, made.text.size(), out.size(), errors.size(), made.spoils_process};
+    std::string message(reinterpret_cast<const char*>(&head), sizeof head);  // in one piece: the pool wakes up once
+    message.append(made.text).append(out).append(errors);
+    is_sound = send_all(socket, message.data(), message.size()) && !made.spoils_process;
   }
   if (setup_.kind == Kind::supervised) std::exit(EXIT_SUCCESS);  // as the program itself: the libraries clean up
   leave_process(EXIT_SUCCESS);
 }
 
-std::optional<WorkerPool::Answer> WorkerPool::wait() {
+Result<std::optional<WorkerPool::Answer>> WorkerPool::wait() {
+  for (Worker& worker : workers_)
+    if (auto answer = next_received(worker)) return answer;
+  if (auto started = start_missing(); !started) return started.errors();
+  // workers that have a next job need no answer: several are read at a time, because each time interrupts a worker
+  if (shared_ && shared_->waiting(places_.size()) >= workers_.size()) ::usleep(reading_pause_us);
   std::vector<pollfd> sockets;
-  for (const Worker& worker : workers_)
-    sockets.push_back({worker.job ? worker.socket : -1, POLLIN, 0});  // poll() ignores -1
-  if (::poll(sockets.data(), sockets.size(), interval_ms) < 0) return std::nullopt;
+  for (const Worker& worker : workers_) sockets.push_back({worker.socket, POLLIN, 0});  // poll() ignores -1
+  const int found = ::poll(sockets.data(), sockets.size(), interval_ms);
+  if (found < 0) return std::optional<Answer>();
+  if (found == 0) offer_lost_places();
   for (std::size_t i = 0; i < workers_.size(); ++i) {
     Worker& worker = workers_[i];
-    if (!worker.job) continue;
     if (sockets[i].revents != 0) {
-      std::array<char, 1 << 16> block;
-      const ssize_t size = ::recv(worker.socket, block.data(), block.size(), MSG_DONTWAIT);
-      if (size < 0 && (errno == EINTR || errno == EAGAIN)) continue;
-      if (size <= 0) return end_of(worker, std::nullopt);
-      worker.received.append(block.data(), static_cast<std::size_t>(size));
-      std::uint64_t whole = 0;
-      if (worker.received.size() < sizeof whole) continue;
-      std::memcpy(&whole, worker.received.data(), sizeof whole);
-      if (worker.received.size() - sizeof whole < whole) continue;
-      Answer answer = answer_of(worker);
-      answer.text = std::exchange(worker.received, {}).substr(sizeof whole);
-      return answer;
+      if (auto answer = receive(worker)) return answer;
+      continue;
     }
-    if (setup_.kind == Kind::supervised) continue;
-    if (std::chrono::duration<double>(Clock::now() - worker.since).count() > setup_.limits.time)
+    const auto place = place_of(worker);
+    if (setup_.kind == Kind::supervised || worker.process == 0 || !place) continue;
+    const std::int64_t since = shared_->places()[*place].since;
+    if (since != 0 && 1e-9 * static_cast<double>(now_ns() - since) > setup_.limits.time)
       return end_of(worker, Answer::Limit::time);
     if (memory_of(worker.process) > setup_.limits.memory) return end_of(worker, Answer::Limit::memory);
   }
+  return std::optional<Answer>();
+}
+
+/// Reads from the worker's socket. The answer that is whole then, or the end of the worker.
+std::optional<WorkerPool::Answer> WorkerPool::receive(Worker& worker) {
+  std::array<char, 1 << 16> block;
+  const ssize_t size = ::recv(worker.socket, block.data(), block.size(), MSG_DONTWAIT);
+  if (size < 0 && (errno == EINTR || errno == EAGAIN)) return std::nullopt;
+  if (size <= 0) return end_of(worker, std::nullopt);
+  worker.received.append(block.data(), static_cast<std::size_t>(size));
+  return next_received(worker);
+}
+
+/// The first answer in the received bytes, if it is whole. A worker that its job spoiled has ended then.
+std::optional<WorkerPool::Answer> WorkerPool::next_received(Worker& worker) {
+  MessageHead head;
+  if (worker.received.size() < sizeof head) return std::nullopt;
+  std::memcpy(&head, worker.received.data(), sizeof head);
+  const std::string& bytes = worker.received;
+  if (bytes.size() - sizeof head < head.size()) return std::nullopt;
+  std::size_t at = sizeof head;
+  const auto part = [&](std::uint64_t size) { return bytes.substr(std::exchange(at, at + size), size); };
+  std::string text = part(head.text), out = part(head.out), errors = part(head.errors);
+  worker.received.erase(0, at);
+  const bool is_known = head.place < places_.size() && places_[head.place].job.has_value();
+  std::optional<Answer> answer;
+  if (is_known) {
+    answer = take(head.place);
+    answer->text = std::move(text);
+    answer->out = std::move(out);
+    answer->errors = std::move(errors);
+  }
+  if (head.spoils_process == 0) return answer;
+  const Answer end = stop(worker, setup_.kind == Kind::bare ? Ending::is_killed : Ending::has_closed);
+  if (!answer || setup_.kind == Kind::bare) return answer;
+  answer->out += end.out;
+  answer->errors += end.errors;
+  answer->status = end.status;
+  if (end.status != EXIT_SUCCESS) answer->text.reset();  // a part whose worker doesn't end well has failed
+  return answer;
+}
+
+/// The place whose job the worker has.
+std::optional<std::size_t> WorkerPool::place_of(const Worker& worker) const {
+  for (std::size_t i = 0; i < places_.size(); ++i)
+    if (places_[i].job && shared_->places()[i].owner == owner_of(number_of(worker))) return i;
   return std::nullopt;
 }
 
-/// Takes the worker's job from it.
-WorkerPool::Answer WorkerPool::answer_of(Worker& worker) const {
+/// Lets workers take the jobs of places whose owner is none of them: something wrote into the shared memory.
+void WorkerPool::offer_lost_places() {
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const std::int32_t owner = shared_->places()[i].owner;
+    const bool is_worker = owner > 0 && static_cast<std::size_t>(owner) <= workers_.size() &&
+                           workers_[static_cast<std::size_t>(owner) - 1].process != 0;
+    if (!places_[i].job || owner == waiting_job || is_worker) continue;
+    shared_->places()[i].job = *places_[i].job;
+    shared_->places()[i].owner = waiting_job;
+    shared_->tell_change(INT_MAX);
+  }
+}
+
+/// Takes the job from its place.
+WorkerPool::Answer WorkerPool::take(std::size_t place) {
   Answer answer;
-  answer.job = std::exchange(worker.job, std::nullopt).value_or(0);
-  answer.worker = static_cast<std::size_t>(&worker - workers_.data());
-  answer.folder = worker.folder;
-  answer.out = take_text(worker.out);
-  answer.errors = take_text(worker.errors);
+  answer.job = *std::exchange(places_[place].job, std::nullopt);
+  answer.folder = places_[place].folder;
+  shared_->places()[place].owner = free_place;
+  --given_;
   return answer;
 }
 
-WorkerPool::Answer WorkerPool::end_of(Worker& worker, std::optional<Answer::Limit> exceeded) {
-  Answer answer = stop(worker, exceeded ? Ending::is_killed : Ending::has_closed);
-  answer.exceeded = exceeded;
-  return answer;
+/// Ends a worker whose answers are all received. The end of its job; none: it had none.
+std::optional<WorkerPool::Answer> WorkerPool::end_of(Worker& worker, std::optional<Answer::Limit> exceeded) {
+  const auto place = place_of(worker);
+  Answer end = stop(worker, exceeded ? Ending::is_killed : Ending::has_closed);
+  if (!place) {
+    ended_.push_back(std::move(end));
+    return std::nullopt;
+  }
+  const Answer taken = take(*place);
+  end.job = taken.job;
+  end.folder = taken.folder;
+  end.exceeded = exceeded;
+  return end;
 }
 
 /// Ends a worker, and returns how it ended.
-WorkerPool::Answer WorkerPool::stop(Worker& worker, Ending ending) const {
-  if (worker.process == 0) return answer_of(worker);
-  if (ending == Ending::is_asked) ask_to_end(worker);
+WorkerPool::Answer WorkerPool::stop(Worker& worker, Ending ending) {
+  Answer answer;
+  if (worker.process == 0) return answer;
+  if (ending == Ending::is_asked) ::close(std::exchange(worker.socket, -1));  // it sends nothing more
   constexpr int patience_ms = 1000;
   int ended = 0;
   pid_t found = 0;
@@ -247,30 +399,24 @@ WorkerPool::Answer WorkerPool::stop(Worker& worker, Ending ending) const {
   if (worker.socket >= 0) ::close(std::exchange(worker.socket, -1));
   worker.process = 0;
   worker.received.clear();
-  Answer answer = answer_of(worker);
+  answer.out = take_text(worker.out);
+  answer.errors = take_text(worker.errors);
   answer.status = WIFEXITED(ended) ? WEXITSTATUS(ended) : 128 + WTERMSIG(ended);
   answer.end = WIFEXITED(ended) ? fmt::format("with exit status {}", WEXITSTATUS(ended))
                                 : fmt::format("by SIG{}", sigabbrev_np(WTERMSIG(ended)));
   return answer;
 }
 
-void WorkerPool::ask_to_end(Worker& worker) {
-  if (worker.socket >= 0) ::close(std::exchange(worker.socket, -1));
-}
-
-WorkerPool::Answer WorkerPool::renew(std::size_t worker) {
-  REHEARSE_ASSERT(!workers_.at(worker).job, "the worker has no job");
-  take_text(workers_[worker].out);
-  take_text(workers_[worker].errors);
-  return stop(workers_[worker], setup_.kind == Kind::bare ? Ending::is_killed : Ending::is_asked);
-}
-
 std::vector<WorkerPool::Answer> WorkerPool::renew_all() {
-  REHEARSE_ASSERT(is_idle(), "no worker has a job");
-  std::vector<Answer> ends;
-  if (setup_.kind == Kind::supervised)
-    for (Worker& worker : workers_) ask_to_end(worker);  // they end at the same time
-  for (std::size_t i = 0; i < workers_.size(); ++i) ends.push_back(renew(i));
+  REHEARSE_ASSERT(is_idle(), "no job is without an answer");
+  std::vector<Answer> ends = std::exchange(ended_, {});
+  if (!shared_) return ends;
+  shared_->ends = true;  // they end at the same time
+  shared_->tell_change(INT_MAX);
+  for (Worker& worker : workers_)
+    if (worker.process != 0)
+      ends.push_back(stop(worker, setup_.kind == Kind::bare ? Ending::is_killed : Ending::is_asked));
+  shared_->ends = false;
   return ends;
 }
 

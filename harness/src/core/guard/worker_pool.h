@@ -4,7 +4,6 @@
 #include <rehearse/diagnostic.h>
 #include <sys/types.h>
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -19,16 +18,21 @@
 namespace rehearse {
 
 /// The workers are forks of this process, made when a job needs them. They end with this process, even if it is killed.
+/// A worker takes the first job that no other has taken, and doesn't wait for this process before the next one.
 class WorkerPool {
  public:
-  /// Makes a job, in a worker, and returns its answer. `folder`: of this worker alone.
-  using Work = std::function<std::string(std::int64_t job, const std::filesystem::path& folder)>;
+  /// The answer of a job.
+  struct Made {
+    std::string text;
+    bool spoils_process = false;  // interrupted code may have left anything in memory: the worker's last job
+  };
+  /// Makes a job, in a worker. `folder`: of this job alone.
+  using Work = std::function<Made(std::int64_t job, const std::filesystem::path& folder)>;
 
   /// The end of a job.
   struct Answer {
     std::int64_t job = 0;
-    std::size_t worker = 0;           // its index
-    std::filesystem::path folder;     // of its worker, which doesn't use it until the next job
+    std::filesystem::path folder;     // of the job; the next give() may give it to another one
     std::optional<std::string> text;  // none: the worker ended
     enum class Limit { time, memory };
     std::optional<Limit> exceeded;  // it was killed for that
@@ -51,7 +55,7 @@ class WorkerPool {
     Kind kind = Kind::bare;
     std::size_t size = 1;               // number of workers
     Limits limits = {};                 // of bare workers; supervisors have limits of their own
-    std::filesystem::path folder = {};  // for the folders of the workers; empty: they have none
+    std::filesystem::path folder = {};  // for the folders of the jobs; empty: they have none
   };
   /// Supervised workers: this process must not have threads.
   WorkerPool(Setup setup, Work work);
@@ -60,15 +64,16 @@ class WorkerPool {
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
-  bool is_idle() const;   // no worker has a job
-  bool has_room() const;  // a worker has no job
-  /// Gives the job to a worker without one. Fails if no process can be started.
+  bool is_idle() const { return given_ == 0; }  // each job has its answer
+  /// True if fewer jobs than four for each worker are without an answer: those at work, and those that are next.
+  bool has_room() const { return given_ < places_.size(); }
+  /// Adds a job. Fails if no process can be started.
   Result<void> give(std::int64_t job);
-  /// The next answer; none: there was none for some tenths of a second, or a signal came.
-  std::optional<Answer> wait();
-  /// The next job of that worker, which has none, is made by a new process. Returns how the present one ended.
-  Answer renew(std::size_t worker);
-  /// As renew(), for all workers, which end at the same time. None of them has a job.
+  /// The next answer; none: there was none for some tenths of a second, or a signal came. Fails if a worker has to be
+  /// replaced, and no process can be started.
+  Result<std::optional<Answer>> wait();
+  /// The next jobs are made by new processes. Each job has its answer. Returns how the present ones ended, and those
+  /// that ended between two jobs.
   std::vector<Answer> renew_all();
   /// Sends the signal to all workers.
   void tell(int signal) const;
@@ -76,28 +81,41 @@ class WorkerPool {
   std::int64_t started() const { return started_; }
 
  private:
-  using Clock = std::chrono::steady_clock;
+  struct Shared;
+  /// A job that has no answer yet. The same index as in the shared memory.
+  struct Place {
+    std::optional<std::int64_t> job;
+    std::filesystem::path folder;
+  };
   struct Worker {
     pid_t process = 0;  // 0: none
     int socket = -1;
-    std::filesystem::path folder;
-    std::optional<std::int64_t> job;
-    Clock::time_point since{};
-    std::string received;  // a part of an answer
+    std::string received;  // answers, the last of them perhaps a part
     FileDescriptor out, errors;
   };
   enum class Ending { has_closed, is_asked, is_killed };
+  Result<void> share();
+  Result<void> start_missing();
   Result<void> start(Worker& worker);
   void prepare(const Worker& worker, int socket) const;
-  [[noreturn]] void serve(int socket, const std::filesystem::path& folder) const noexcept;
-  static void ask_to_end(Worker& worker);
-  Answer stop(Worker& worker, Ending ending) const;
-  Answer end_of(Worker& worker, std::optional<Answer::Limit> exceeded);
-  Answer answer_of(Worker& worker) const;
+  [[noreturn]] void serve(const Worker& worker, int socket) const noexcept;
+  std::size_t number_of(const Worker& worker) const { return static_cast<std::size_t>(&worker - workers_.data()); }
+  std::optional<Answer> next_received(Worker& worker);
+  std::optional<Answer> receive(Worker& worker);
+  std::optional<std::size_t> place_of(const Worker& worker) const;
+  void offer_lost_places();
+  Answer take(std::size_t place);
+  Answer stop(Worker& worker, Ending ending);
+  std::optional<Answer> end_of(Worker& worker, std::optional<Answer::Limit> exceeded);
 
   const Setup setup_;
   const Work work_;
   std::vector<Worker> workers_;
+  std::vector<Place> places_;
+  Shared* shared_ = nullptr;
+  std::size_t given_ = 0;      // jobs without an answer
+  std::int64_t order_ = 0;     // of the next job
+  std::vector<Answer> ended_;  // workers that ended between two jobs
   std::int64_t started_ = 0;
 };
 

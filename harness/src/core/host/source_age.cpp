@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <map>
@@ -12,6 +13,7 @@
 #include <utility>
 
 #include "controller_host.h"
+#include "core/mcap/file_identity.h"
 #include "core/mcap/hashing.h"
 #include "core/scenario/project.h"
 #include "library_origin.h"
@@ -61,9 +63,11 @@ std::set<fs::path> linked_in(const LibraryOrigin& origin, const fs::path& librar
 /// The sources of a library, what is known of their content when it was built, and the libraries that it links.
 struct BuiltSources {
   static constexpr const char* unknown = "-";
-  static constexpr const char* link = "+";  // in place of a hash: the file is a library
+  static constexpr const char* link = "+";   // in place of a hash: the file is a library
+  static constexpr const char* state = "=";  // in place of a hash: identity_text() of the library follows
 
   std::string library;                     // its hash and the time of its file
+  std::string identity;                    // of its file, which then has that hash; empty: it may have another one
   std::map<fs::path, std::string> hashes;  // unknown: the source was newer already
   std::set<fs::path> linked;
 
@@ -74,6 +78,8 @@ struct BuiltSources {
     for (std::string hash, path; stream >> hash && std::getline(stream >> std::ws, path);) {
       if (hash == link)
         known.linked.insert(path);
+      else if (hash == state)
+        known.identity = path;
       else
         known.hashes[path] = hash;
     }
@@ -85,6 +91,7 @@ struct BuiltSources {
     const fs::path whole = fs::path(file).concat(fmt::format(".{}", ::getpid()));
     std::ofstream stream(whole);
     stream << library << '\n';
+    if (!identity.empty()) stream << state << ' ' << identity << '\n';
     for (const auto& [path, hash] : hashes) stream << hash << ' ' << path.string() << '\n';
     for (const fs::path& path : linked) stream << link << ' ' << path.string() << '\n';
     stream.close();
@@ -93,14 +100,30 @@ struct BuiltSources {
   }
 };
 
-/// What is known of the library; looked up, or else found out now and stored.
+/// The state of a file in one line. Empty: a later change might leave it as it is.
+std::string identity_text(const fs::path& file) {
+  constexpr std::chrono::seconds settled{2};
+  const auto known = FileIdentity::of(file);
+  if (!known || !known->is_older_than(settled)) return {};
+  return fmt::format("{} {} {} {} {}", known->device, known->inode, known->size, known->modified, known->changed);
+}
+
+/// What is known of the library; looked up, or else found out now and stored. The library is read only if its file has
+/// changed.
 BuiltSources built_sources(const fs::path& library, fs::file_time_type built, const fs::path& project) {
   const fs::path build = build_of(library);
   const fs::path file = build / "rehearse-sources" / hash_text(hash_bytes(library.c_str(), library.native().size()));
-  BuiltSources now;
+  BuiltSources before, now;
+  if (!build.empty()) before = BuiltSources::read(file);
+  now.identity = identity_text(library);
+  if (!now.identity.empty() && before.identity == now.identity) return before;
   now.library = fmt::format("{} {}", content_hash_of(library), built.time_since_epoch().count());
-  if (!build.empty())
-    if (BuiltSources before = BuiltSources::read(file); before.library == now.library) return before;
+  if (identity_text(library) != now.identity) now.identity.clear();  // it was changed meanwhile
+  if (before.library == now.library) {
+    before.identity = now.identity;
+    if (!before.identity.empty()) before.write(file);
+    return before;
+  }
   const LibraryOrigin origin = origin_of(library);
   now.linked = linked_in(origin, library, project, build);
   for (const fs::path& source : sources_in(origin.sources, project, build)) {

@@ -7,11 +7,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cinttypes>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <map>
 #include <set>
-#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -69,10 +70,8 @@ std::map<std::uint64_t, std::uint64_t> mapped_inodes() {
   std::map<std::uint64_t, std::uint64_t> inodes;
   std::ifstream maps("/proc/self/maps");
   for (std::string line; std::getline(maps, line);) {
-    std::istringstream words(line);
-    std::string range, permissions, offset, device;
-    std::uint64_t inode = 0;
-    if (words >> range >> permissions >> offset >> device >> inode) inodes[std::stoull(range, nullptr, 16)] = inode;
+    std::uint64_t begin = 0, inode = 0;  // BEGIN-END PERMISSIONS OFFSET DEVICE INODE
+    if (std::sscanf(line.c_str(), "%" SCNx64 "-%*s %*s %*s %*s %" SCNu64, &begin, &inode) == 2) inodes[begin] = inode;
   }
   return inodes;
 }

@@ -13,6 +13,7 @@
 
 #include "core/host/virtualised.h"
 #include "core/mcap/hashing.h"
+#include "core/scenario/plant_text.h"
 #include "core/trace/run_facts.h"
 #include "loaded_libraries.h"
 
@@ -60,9 +61,9 @@ std::string compiler() {
 }
 
 /// A hash over the loaded libraries whose code influences bits: Rehearse's libraries, and the libraries that they
-/// compute with. OSMesa is included only if it draws, because an earlier run may have loaded it. Empty if a library has
-/// no build identifier.
-std::string programs(bool draws) {
+/// compute with. OSMesa is included only if it draws, and the reader of mesh files only if there is one, because an
+/// earlier run may have loaded them. Empty if a library has no build identifier.
+std::string programs(bool draws, bool has_mesh_files) {
   constexpr std::string_view deciding[] = {"librehearse_model.",
                                            "librehearse_world.",
                                            "librehearse_renderer.",
@@ -74,6 +75,7 @@ std::string programs(bool draws) {
                                            "librehearse_simulation.",
                                            "libode.",
                                            "libOSMesa.",
+                                           "librehearse_assimp.",
                                            "libm.",
                                            "libc.",
                                            "libstdc++."};
@@ -82,6 +84,7 @@ std::string programs(bool draws) {
     const auto names_it = [&name = name](std::string_view prefix) { return name.starts_with(prefix); };
     if (std::none_of(std::begin(deciding), std::end(deciding), names_it)) continue;
     if (!draws && name.starts_with("libOSMesa.")) continue;
+    if (!has_mesh_files && name.starts_with("librehearse_assimp.")) continue;
     if (id.empty()) return {};
     all += name + '\0' + id + '\0';
   }
@@ -137,7 +140,8 @@ mcap::StringMap provenance(const Scenario& scenario, const ControllerHost* host,
   };
   if (*other_architecture()) stated[facts::architecture] = other_architecture();
   if (!renderer.empty()) stated[facts::renderer] = renderer;
-  if (const std::string mark = programs(!renderer.empty()); !mark.empty()) stated[facts::programs] = mark;
+  if (const std::string mark = programs(!renderer.empty(), has_mesh_files(scenario)); !mark.empty())
+    stated[facts::programs] = mark;
   if (const std::string given = virtualisation(); !given.empty()) stated[facts::virtualised] = given;
   if (*REHEARSE_OTHER_FLAGS) stated[facts::build] = "other flags: " REHEARSE_OTHER_FLAGS;
   if (host) stated.merge(controller_facts(*host));

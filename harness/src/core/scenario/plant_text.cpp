@@ -75,6 +75,18 @@ Result<std::string> plant_text(const Scenario& scenario) {
   return text;
 }
 
+bool has_mesh_files(const Scenario& scenario) {
+  const auto is_mesh_file = [](const Shape& shape) {
+    const auto* mesh = std::get_if<Mesh>(&shape.geometry);
+    return mesh != nullptr && !mesh->heightmap && !mesh->file.empty();
+  };
+  return std::ranges::any_of(scenario.bodies, [&](const ScenarioBody& body) {
+    return std::ranges::any_of(body.model->links, [&](const Link& link) {
+      return std::ranges::any_of(link.visuals, is_mesh_file) || std::ranges::any_of(link.collisions, is_mesh_file);
+    });
+  });
+}
+
 bool always_simulates(const Scenario& scenario) {
   // most texts have no such word, and no escape that may stand for its letters
   if (scenario.text.find("simulate") == std::string::npos && scenario.text.find('\\') == std::string::npos)

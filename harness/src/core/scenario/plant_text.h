@@ -12,6 +12,9 @@ namespace rehearse {
 /// behave equally under equal commands.
 Result<std::string> plant_text(const Scenario& scenario);
 
+/// True if a shape of any body was read from a mesh file.
+bool has_mesh_files(const Scenario& scenario);
+
 /// True if the scenario has `simulate: always`: a check simulates the run even if it could prove the result.
 bool always_simulates(const Scenario& scenario);
 

@@ -21,14 +21,16 @@
 #include "core/recording/recorder.h"
 #include "core/scenario/plant_text.h"
 #include "core/trace/run_facts.h"
+#include "mesh/assimp_library.h"
 
 extern char** environ;
 
 namespace rehearse {
 namespace {
 
-/// The libraries with which the program began. Controllers are loaded later, and no other code uses their symbols.
-const std::map<std::string, LoadedLibrary> libraries_at_start = loaded_libraries();
+/// The libraries with which the program began, by their names. Controllers are loaded later, and no other code uses
+/// their symbols.
+const std::map<std::string, std::string> libraries_at_start = build_ids();
 
 std::string hash_of(const std::string& text) { return hash_text(hash_bytes(text.data(), text.size())); }
 
@@ -44,20 +46,34 @@ Result<mcap::StringMap> facts_of(std::map<std::string, LoadedLibrary> libraries)
   return facts;
 }
 
-/// The facts of the renderer's libraries, which are loaded here and stay loaded.
-Result<mcap::StringMap> facts_of_renderer() {
-  auto libraries = load_library(Renderer::library);
+/// The facts of the libraries with which the program began. One that came later with the same name is later in the
+/// linker's list, and doesn't count.
+Result<mcap::StringMap> facts_of_start() {
+  auto libraries = loaded_libraries();
+  std::erase_if(libraries, [](const auto& entry) { return !libraries_at_start.contains(entry.first); });
+  return facts_of(std::move(libraries));
+}
+
+/// The facts of a library and of those that it needs, which are loaded here and stay loaded.
+Result<mcap::StringMap> facts_of_library(const std::string& name) {
+  auto libraries = load_library(name);
   return libraries ? facts_of(*std::move(libraries)) : Result<mcap::StringMap>(libraries.errors());
 }
 
 /// Adds the program and all libraries, by the hashes of their code: any of them may replace functions of others. If a
-/// camera runs, the renderer's libraries are among them. A loaded file stays what it is, so each is looked at once.
+/// model has a mesh file, the libraries that read it are among them, and if a camera runs, those of the renderer. A
+/// loaded file stays what it is, so each is looked at once.
 Result<void> add_libraries(const Scenario& scenario, mcap::StringMap& plant) {
-  static const auto& at_start = *new auto(facts_of(libraries_at_start));
+  static const auto& at_start = *new auto(facts_of_start());
   if (!at_start) return at_start.errors();
   plant.insert(at_start->begin(), at_start->end());
+  if (has_mesh_files(scenario)) {
+    static const auto& reader = *new auto(facts_of_library(assimp_library().string()));
+    if (!reader) return reader.errors();
+    plant.insert(reader->begin(), reader->end());
+  }
   if (!scenario.runs_a_camera()) return {};
-  static const auto& renderer = *new auto(facts_of_renderer());
+  static const auto& renderer = *new auto(facts_of_library(Renderer::library));
   if (!renderer) return renderer.errors();
   plant.insert(renderer->begin(), renderer->end());
   return {};

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "picture_file.h"
+#include "mesh/picture_file.h"
 
 namespace rehearse {
 namespace {

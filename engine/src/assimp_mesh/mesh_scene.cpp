@@ -5,52 +5,22 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cstring>
 #include <map>
 #include <optional>
 #include <tuple>
 
-#include "model/names.h"
-#include "model/text.h"
+#include "mesh/mesh_part.h"
 
 namespace rehearse {
 namespace {
 
-using Matrix = Eigen::Matrix<double, 3, 4>;  // an affine map
-
-Matrix matrix_of(const aiMatrix4x4& m) {
-  return (Matrix() << m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4).finished();
-}
-
-Matrix product(const Matrix& outer, const Matrix& inner) {
-  Matrix product = outer.leftCols<3>() * inner;
-  product.col(3) += outer.col(3);
-  return product;
-}
-
-/// The transform from the file's frame to the shape's.
-Matrix placing_of(MeshFormat format, const Eigen::Vector3d& scale, bool z_up) {
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  if (!z_up && (format == MeshFormat::gltf || format == MeshFormat::glb)) turn << 1, 0, 0, 0, 0, -1, 0, 1, 0;
-  Matrix placing = Matrix::Zero();
-  placing.leftCols<3>() = scale.asDiagonal() * turn;
-  return placing;
+MeshMatrix matrix_of(const aiMatrix4x4& m) {
+  return (MeshMatrix() << m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4).finished();
 }
 
 std::string name_text(const aiString& text) { return {text.data, text.length}; }
 
 Eigen::Vector3d vector_of(const aiVector3D& v) { return {v.x, v.y, v.z}; }
-
-/// Adds a vertex of the file. False: it isn't finite.
-bool add_vertex(const Matrix& place, const Eigen::Vector3d& of_file, MeshPart& part) {
-  const Eigen::Vector3d vertex = place.leftCols<3>() * of_file + place.col(3);
-  part.vertices.emplace_back(vertex.cast<float>());
-  return part.vertices.back().allFinite();
-}
-
-Diagnostic not_finite() { return error("a vertex of it isn't finite"); }
-
-bool mirrors(const Matrix& place) { return place.leftCols<3>().determinant() < 0.0; }
 
 /// The transform of normals, up to their length, if vertices are transformed by `linear`: its cofactors, which exist
 /// even if it flattens. A mirror reverses the winding, so the normals are reversed, too.
@@ -58,51 +28,6 @@ Eigen::Matrix3d normal_matrix(const Eigen::Matrix3d& linear) {
   Eigen::Matrix3d cofactors;
   for (int i = 0; i < 3; ++i) cofactors.col(i) = linear.col((i + 1) % 3).cross(linear.col((i + 2) % 3));
   return linear.determinant() < 0.0 ? Eigen::Matrix3d(-cofactors) : cofactors;
-}
-
-/// The normal of a triangle, by its winding; z if it has no area.
-Eigen::Vector3f normal_of(const MeshPart& part, const std::array<std::uint32_t, 3>& triangle) {
-  const Eigen::Vector3d a = part.vertices[triangle[0]].cast<double>();
-  const Eigen::Vector3d b = part.vertices[triangle[1]].cast<double>();
-  const Eigen::Vector3d c = part.vertices[triangle[2]].cast<double>();
-  const Eigen::Vector3d normal = (b - a).cross(c - a).stableNormalized();
-  return normal.squaredNorm() > 0.5 ? Eigen::Vector3f(normal.cast<float>()) : Eigen::Vector3f::UnitZ();
-}
-
-/// True if each triangle has separate vertices, in the order of the triangles, as in an STL.
-bool is_flat(const MeshPart& part) {
-  if (part.vertices.size() != 3 * part.triangles.size()) return false;
-  std::uint32_t next = 0;
-  for (const std::array<std::uint32_t, 3>& triangle : part.triangles)
-    for (const std::uint32_t corner : triangle)
-      if (corner != next++) return false;
-  return true;
-}
-
-/// Gives each triangle separate vertices, with its normal.
-void flatten(MeshPart& part) {
-  const std::size_t corners = 3 * part.triangles.size();
-  if (is_flat(part)) {
-    part.normals.reserve(corners);
-    for (const std::array<std::uint32_t, 3>& triangle : part.triangles)
-      part.normals.insert(part.normals.end(), 3, normal_of(part, triangle));
-    return;
-  }
-  MeshPart flat;
-  flat.vertices.reserve(corners);
-  flat.normals.reserve(corners);
-  for (std::array<std::uint32_t, 3>& triangle : part.triangles) {
-    const Eigen::Vector3f normal = normal_of(part, triangle);
-    for (std::uint32_t& corner : triangle) {
-      flat.vertices.push_back(part.vertices[corner]);
-      flat.normals.push_back(normal);
-      if (!part.texture_coordinates.empty()) flat.texture_coordinates.push_back(part.texture_coordinates[corner]);
-      corner = static_cast<std::uint32_t>(flat.vertices.size() - 1);
-    }
-  }
-  part.vertices = std::move(flat.vertices);
-  part.normals = std::move(flat.normals);
-  part.texture_coordinates = std::move(flat.texture_coordinates);
 }
 
 /// Sets the triangles' normals at vertices without a usable normal in the file; those are zero so far.
@@ -118,7 +43,7 @@ void mend_normals(MeshPart& part) {
   }
 }
 
-void read_normals(const aiMesh& mesh, const Matrix& place, MeshPart& part) {
+void read_normals(const aiMesh& mesh, const MeshMatrix& place, MeshPart& part) {
   const Eigen::Matrix3d turn = normal_matrix(place.leftCols<3>());
   part.normals.reserve(mesh.mNumVertices);
   for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
@@ -145,7 +70,7 @@ std::optional<Diagnostic> read_triangles(const aiMesh& mesh, bool is_mirrored, M
 }
 
 /// The triangles of one of assimp's meshes, transformed by `place`.
-Result<MeshPart> read_part(const aiMesh& mesh, const Matrix& place, bool wants_flat, const Paint& paint) {
+Result<MeshPart> read_part(const aiMesh& mesh, const MeshMatrix& place, bool wants_flat, const Paint& paint) {
   MeshPart part;
   part.vertices.reserve(mesh.mNumVertices);
   for (unsigned i = 0; i < mesh.mNumVertices; ++i)
@@ -181,7 +106,7 @@ class PartReader {
       : scene_(scene), format_(format), materials_(materials) {}
 
   /// Adds the meshes of a node; with a name only the first mesh of that name. An error if one of them can't be used.
-  std::optional<Diagnostic> read(const aiNode& node, const Matrix& place, const std::string* only = nullptr) {
+  std::optional<Diagnostic> read(const aiNode& node, const MeshMatrix& place, const std::string* only = nullptr) {
     for (unsigned i = 0; i < node.mNumMeshes; ++i) {
       if (node.mMeshes[i] >= scene_.mNumMeshes) return error("a node of it refers to a mesh that isn't there");
       if (only != nullptr && *only != name_text(scene_.mMeshes[node.mMeshes[i]]->mName)) continue;
@@ -249,17 +174,11 @@ std::vector<std::string> names_of_nodes(const aiScene& scene) {
 /// A node that is still to be read.
 struct Waiting {
   const aiNode* node;
-  Matrix parent;   // from the parent node's frame to the shape's
-  bool is_within;  // the selected node
+  MeshMatrix parent;  // from the parent node's frame to the shape's
+  bool is_within;     // the selected node
 };
 
 }  // namespace
-
-Diagnostic no_such_node(const std::string& wanted, const std::vector<std::string>& names) {
-  constexpr std::size_t most = 20;
-  return error(fmt::format("it has no node {}", in_quotes(wanted)),
-               names.empty() ? "none of its nodes has a name" : "its nodes: " + listed(names, most));
-}
 
 bool has_node(const aiScene& scene, const std::string& name) {
   std::vector<const aiNode*> waiting;
@@ -285,11 +204,11 @@ Result<std::vector<MeshPart>> read_parts(const aiScene& scene, MeshFormat format
     waiting.pop_back();
     const std::string name = name_text(node->mName);
     if (is_within && selection.without.contains(name)) continue;
-    Matrix place = product(parent, matrix_of(node->mTransformation));
+    MeshMatrix place = product(parent, matrix_of(node->mTransformation));
     if (!is_within && !found && (name == selection.node || has_mesh(scene, *node, selection.node))) {
       const bool is_whole = name == selection.node;
       found = true;
-      Matrix turned = place;  // as in Choreonoid: only rotations and scales remain
+      MeshMatrix turned = place;  // as in Choreonoid: only rotations and scales remain
       if (node != scene.mRootNode) turned.col(3).setZero();
       if (!is_whole) {
         if (auto problem = reader.read(*node, turned, &selection.node)) return *problem;
@@ -306,32 +225,6 @@ Result<std::vector<MeshPart>> read_parts(const aiScene& scene, MeshFormat format
   if (!found) return no_such_node(selection.node, names_of_nodes(scene));
   std::vector<MeshPart> parts = reader.take();
   if (parts.empty()) return error("it has no triangles");
-  return parts;
-}
-
-Result<std::vector<MeshPart>> read_binary_stl(const std::string& bytes, const Eigen::Vector3d& scale, bool z_up) {
-  constexpr std::size_t normal = 12, corner = 12, attributes = 2;  // of a triangle [bytes]
-  const Matrix root = matrix_of(aiMatrix4x4());
-  const Matrix place = product(product(placing_of(MeshFormat::stl, scale, z_up), root), root);
-  const std::size_t count = (bytes.size() - stl_head) / stl_triangle;
-  std::vector<MeshPart> parts(1);
-  MeshPart& part = parts.front();
-  const bool mirrors_all = mirrors(place);
-  part.vertices.reserve(3 * count);
-  part.triangles.reserve(count);
-  const char* next = bytes.data() + stl_head;
-  for (std::uint32_t i = 0; i < count; ++i, next += attributes) {
-    next += normal;
-    for (int k = 0; k < 3; ++k, next += corner) {
-      Eigen::Vector3f vertex;
-      std::memcpy(vertex.data(), next, corner);
-      if (!add_vertex(place, vertex.cast<double>(), part)) return not_finite();
-    }
-    const std::uint32_t first = 3 * i;
-    part.triangles.push_back({first, first + 1, first + 2});
-    if (mirrors_all) std::swap(part.triangles.back()[1], part.triangles.back()[2]);
-  }
-  flatten(part);
   return parts;
 }
 

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "mesh_format.h"
-#include "mesh_input.h"
+#include "mesh/mesh_format.h"
+#include "mesh/mesh_input.h"
 
 struct aiMaterial;
 struct aiScene;

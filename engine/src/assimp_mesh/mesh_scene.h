@@ -1,4 +1,4 @@
-// Converts assimp's scene to the parts of a mesh, and a binary STL without assimp.
+// Converts assimp's scene to the parts of a mesh.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "mesh_file.h"
-#include "mesh_format.h"
+#include "mesh/mesh_file.h"
+#include "mesh/mesh_format.h"
 #include "mesh_materials.h"
 
 struct aiScene;
@@ -19,10 +19,6 @@ namespace rehearse {
 /// in the order of their first triangles. With a selection only those of the selected node; an error if there is none.
 Result<std::vector<MeshPart>> read_parts(const aiScene& scene, MeshFormat format, const MeshMaterials& materials,
                                          const Eigen::Vector3d& scale, const MeshSelection& selection);
-
-/// The triangles of a binary STL that check_mesh_bytes() accepted: bit for bit those of assimp's scene, whose copies
-/// need five times the memory of the file.
-Result<std::vector<MeshPart>> read_binary_stl(const std::string& bytes, const Eigen::Vector3d& scale, bool z_up);
 
 /// True if a node of the scene, or a mesh of a node, has that name.
 bool has_node(const aiScene& scene, const std::string& name);

@@ -1,0 +1,54 @@
+// rehearse-read: the verbs that need neither physics nor renderer, and all that names no verb. Only `rehearse` starts
+// it.
+#include <fmt/format.h>
+#include <rehearse/logs.h>
+#include <rehearse/pin.h>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "command.h"
+#include "output.h"
+#include "wings.h"
+
+namespace rehearse::tool {
+namespace {
+
+/// A verb with a similar name or beginning, for a hint.
+std::string hint_for(std::string_view word) {
+  std::vector<std::string> names;
+  for (const VerbSummary& verb : all_verbs()) names.emplace_back(verb.name);
+  std::string hint = spelling_hint(word, names);
+  for (const std::string& name : names)
+    if (hint.empty() && word.size() >= 2 && name.starts_with(word.substr(0, 2)))
+      hint = fmt::format("did you mean {}? ", name);
+  return hint + "rehearse --help lists all verbs";
+}
+
+Exit run(int argc, char** argv) {
+  const std::string_view word = argc < 2 ? "" : argv[1];
+  if (word == "--help" || word == "-h" || word == "help") {
+    fmt::print("{}", overview());
+    return Exit::done;
+  }
+  if (word == "--version") {
+    fmt::print("rehearse {}\n", REHEARSE_VERSION);
+    return Exit::done;
+  }
+  if (word.empty()) return refuse(error("no verb given", "rehearse --help lists all verbs"));
+  if (is_option(word))
+    return refuse(error(fmt::format("there is no option {} before the verb", plain_text(word)),
+                        spelling_hint(word, {"--help", "--no-pin", "--version"}) + "see rehearse --help"));
+  const VerbSummary* known = find_verb(word);
+  if (!known) return refuse(error(fmt::format("there is no verb '{}'", word), hint_for(word)));
+  if (!known->is_built) return refuse(left_out(fmt::format("the verb {}", word), known->wing));
+  if (known->rounding == Rounding::matters) pin_process(argv);
+  if constexpr (has_logs) read_rosbag2_logs();
+  return run_own_verb("rehearse-read", argc, argv);
+}
+
+}  // namespace
+}  // namespace rehearse::tool
+
+int main(int argc, char** argv) { return static_cast<int>(rehearse::tool::run(argc, argv)); }
