@@ -291,9 +291,13 @@ Exit check_side_by_side(const CheckSettings& settings, const std::vector<std::st
     return MadePart{form_of(**outcome), (*outcome)->exit == Exit::controller_failed};
   };
   const auto take = [&](const std::string& form) {
-    ++done;
+    const std::string& file = files[done++];
     if (form.empty()) return;
-    all.push_back(outcome_in(form));
+    auto outcome = outcome_in(form);
+    if (!outcome)
+      outcome = outcome_without_verdict(fs::path(file).stem().string(), file, true,
+                                        {error("its process passed a damaged outcome", "check it alone: -j1")});
+    all.push_back(*std::move(outcome));
     tell_old_libraries(all.back().notes);
   };
   const Exit ended = work_side_by_side(files.size(), jobs, make, take);

@@ -2,14 +2,15 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <rehearse/cdr.h>
 #include <tinyxml2.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <fstream>
+#include <span>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -172,63 +173,59 @@ std::string figures_of(const CheckReport& report) {
   return text;
 }
 
+/// The members in the order of their form.
 template <class Outcome, class Each>
-void each_member(Outcome& outcome, Each& each) {
+void each_member(Outcome& outcome, const Each& each) {
   each(outcome.scenario), each(outcome.file), each(outcome.kind), each(outcome.exit), each(outcome.verdict);
   each(outcome.code), each(outcome.equal), each(outcome.within), each(outcome.proved), each(outcome.controller);
   each(outcome.plant), each(outcome.closed), each(outcome.report), each(outcome.tick), each(outcome.line);
   each(outcome.seconds), each(outcome.notes), each(outcome.details), each(outcome.history), each(outcome.json);
 }
 
-/// Writes values as this machine stores them, and before each text and each list its size.
-struct FormWriter {
-  std::string form;
+template <class Value>
+void put(const Value& value, CdrWriter& form) {
+  if constexpr (CdrNumber<Value>) {
+    form.put(value);
+  } else if constexpr (std::is_enum_v<Value>) {
+    form.put(static_cast<std::int32_t>(value));
+  } else {
+    form.put(std::string_view(value));
+  }
+}
+void put(const std::optional<std::int64_t>& tick, CdrWriter& form) {
+  put(tick.has_value(), form);
+  put(tick.value_or(0), form);
+}
+void put(const std::vector<std::string>& lines, CdrWriter& form) {
+  put(std::ssize(lines), form);
+  for (const std::string& line : lines) put(line, form);
+}
+void put(const Json& json, CdrWriter& form) {
+  put(json.is_null() ? std::string() : json.dump(-1, ' ', false, Json::error_handler_t::replace), form);
+}
 
-  template <class Value>
-  requires std::is_trivially_copyable_v<Value>
-  void operator()(const Value& value) { form.append(reinterpret_cast<const char*>(&value), sizeof value); }
-  void operator()(const std::string& text) {
-    (*this)(text.size());
-    form += text;
+template <class Value>
+void take(Value& value, CdrReader& form) {
+  if constexpr (CdrNumber<Value>) {
+    value = form.get<Value>();
+  } else if constexpr (std::is_enum_v<Value>) {
+    value = static_cast<Value>(form.get<std::int32_t>());
+  } else {
+    value = form.get_string();
   }
-  void operator()(const std::vector<std::string>& list) {
-    (*this)(list.size());
-    for (const std::string& text : list) (*this)(text);
-  }
-  void operator()(const Json& json) {
-    (*this)(json.is_null() ? std::string() : json.dump(-1, ' ', false, Json::error_handler_t::replace));
-  }
-};
-
-/// Takes the same values from the beginning of the form.
-struct FormReader {
-  std::string_view form;
-
-  std::string_view take(std::size_t size) {
-    REHEARSE_ASSERT(size <= form.size(), "another process of this program wrote the form");
-    const std::string_view bytes = form.substr(0, size);
-    form.remove_prefix(size);
-    return bytes;
-  }
-  template <class Value>
-  requires std::is_trivially_copyable_v<Value>
-  void operator()(Value& value) { std::memcpy(&value, take(sizeof value).data(), sizeof value); }
-  void operator()(std::string& text) {
-    std::size_t size = 0;
-    (*this)(size);
-    text = take(size);
-  }
-  void operator()(std::vector<std::string>& list) {
-    std::size_t size = 0;
-    (*this)(size);
-    for (list.clear(); list.size() < size;) (*this)(list.emplace_back());
-  }
-  void operator()(Json& json) {
-    std::string text;
-    (*this)(text);
-    json = text.empty() ? Json() : Json::parse(text);
-  }
-};
+}
+void take(std::optional<std::int64_t>& tick, CdrReader& form) {
+  const bool is_there = form.get<bool>();
+  const auto value = form.get<std::int64_t>();
+  tick = is_there ? std::optional(value) : std::nullopt;
+}
+void take(std::vector<std::string>& lines, CdrReader& form) {
+  for (auto left = form.get<std::ptrdiff_t>(); left > 0 && form.ok(); --left) take(lines.emplace_back(), form);
+}
+void take(Json& json, CdrReader& form) {
+  const std::string_view text = form.get_string();
+  json = text.empty() ? Json() : Json::parse(text, nullptr, false);
+}
 
 }  // namespace
 
@@ -329,17 +326,17 @@ CheckOutcome outcome_without_verdict(const std::string& scenario, const std::str
 }
 
 std::string form_of(const CheckOutcome& outcome) {
-  FormWriter writer;
-  each_member(outcome, writer);
-  return std::move(writer.form);
+  CdrWriter form;
+  each_member(outcome, [&form](const auto& member) { put(member, form); });
+  return {reinterpret_cast<const char*>(form.bytes().data()), form.bytes().size()};
 }
 
-CheckOutcome outcome_in(const std::string& form) {
+std::optional<CheckOutcome> outcome_in(std::string_view form) {
   CheckOutcome outcome;
-  FormReader reader{form};
-  each_member(outcome, reader);
-  REHEARSE_ASSERT(reader.form.empty(), "another process of this program wrote the form");
-  return outcome;
+  CdrReader reader(std::as_bytes(std::span(form)));
+  each_member(outcome, [&reader](auto& member) { take(member, reader); });
+  const bool is_whole = reader.ok() && reader.left() == 0 && !outcome.json.is_discarded();
+  return is_whole ? std::optional(std::move(outcome)) : std::nullopt;
 }
 
 Json json_of_checks(const std::vector<CheckOutcome>& all) {

@@ -64,9 +64,9 @@ CheckOutcome outcome_of(const Scenario& scenario, const Checked& checked, bool j
 /// Of a scenario that can't be read, or whose golden can't be used: status 2, and the errors as its verdict.
 CheckOutcome outcome_without_verdict(const std::string& scenario, const std::string& file, bool has_golden,
                                      const Diagnostics& errors);
-/// The form in which a process passes an outcome to another, and back.
+/// The form in which a process passes an outcome to another, and back. None: a controller damaged the form.
 std::string form_of(const CheckOutcome& outcome);
-CheckOutcome outcome_in(const std::string& form);
+std::optional<CheckOutcome> outcome_in(std::string_view form);
 
 /// One object for several scenarios: the same members as for one, and each scenario in `scenarios`.
 Json json_of_checks(const std::vector<CheckOutcome>& all);

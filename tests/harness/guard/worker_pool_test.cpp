@@ -2,6 +2,7 @@
 #include "core/guard/worker_pool.h"
 
 #include <gtest/gtest.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -164,6 +165,33 @@ TEST_P(WorkerPoolOf, TheJobAfterTheLastOfAWorkerIsMadeByAnother) {
   }
   EXPECT_EQ(answers.at(0).end, "by SIGKILL");
   EXPECT_EQ(answers.at(1).text, "1");
+}
+
+TEST_P(WorkerPoolOf, AnIdleWorkerEndsWithTheProcessOfItsPoolEvenIfThatIsKilled) {
+  ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // orphans become children of this process
+  int ends[2] = {};
+  ASSERT_EQ(::pipe(ends), 0);
+  const pid_t process = fork();
+  if (process == 0) {
+    WorkerPool pool({.kind = GetParam()}, [](std::int64_t, const auto&) { return made(std::to_string(getpid())); });
+    const std::string worker = all_of(pool, 1).at(0).text.value_or("");
+    const bool is_told = ::write(ends[1], worker.data(), worker.size()) == std::ssize(worker);
+    kill(getpid(), is_told ? SIGKILL : SIGTERM);
+  }
+  ::close(ends[1]);
+  char text[16] = {};
+  ASSERT_GT(::read(ends[0], text, sizeof text - 1), 0);
+  ::close(ends[0]);
+  int status = 0;
+  ASSERT_EQ(waitpid(process, &status, 0), process);
+  EXPECT_EQ(WTERMSIG(status), SIGKILL);
+  const auto worker = static_cast<pid_t>(std::stoi(text));
+  const auto is_there = [worker] {
+    while (waitpid(-1, nullptr, WNOHANG) > 0) continue;
+    return kill(worker, 0) == 0;
+  };
+  for (int i = 0; i < 1000 && is_there(); ++i) usleep(10'000);
+  EXPECT_FALSE(is_there());
 }
 
 TEST(SupervisedWorker, KeepsTheOutputOfEachJob) {

@@ -84,7 +84,9 @@ std::int64_t now_ns() { return std::chrono::nanoseconds(std::chrono::steady_cloc
 
 /// The head of an answer. After it come its text, and the output and errors of the job.
 struct MessageHead {
-  std::uint64_t place = 0, text = 0, out = 0, errors = 0;  // the last three: sizes [bytes]
+  std::uint64_t place = 0;
+  std::int64_t job = 0;
+  std::uint64_t text = 0, out = 0, errors = 0;  // sizes [bytes]
   std::uint64_t spoils_process = 0;
 
   std::uint64_t size() const { return text + out + errors; }
@@ -131,13 +133,14 @@ std::optional<std::size_t> WorkerPool::Shared::take_first(std::size_t count, std
   }
 }
 
-/// None: the worker has to end.
+/// None: the worker has to end, because the pool says so or a signal came, as when the pool's process is gone.
 std::optional<std::size_t> WorkerPool::Shared::wait_for_job(std::size_t count, std::int32_t owner) {
+  constexpr timespec longest{0, interval_ms * 1'000'000};  // a signal may come just before the wait
   for (;;) {
     const std::uint32_t before = changes;
-    if (ends) return std::nullopt;
+    if (ends || interruption() != 0) return std::nullopt;
     if (const auto place = take_first(count, owner)) return place;
-    ::syscall(SYS_futex, &changes, FUTEX_WAIT, before, nullptr, nullptr, 0);
+    ::syscall(SYS_futex, &changes, FUTEX_WAIT, before, &longest, nullptr, 0);
   }
 }
 
@@ -253,10 +256,11 @@ void WorkerPool::serve(const Worker& worker, int socket) const noexcept {
   while (is_sound) {
     const auto place = shared_->wait_for_job(places_.size(), owner_of(number_of(worker)));
     if (!place) break;
-    const Made made = work_(shared_->places()[*place].job, places_[*place].folder);
+    const std::int64_t job = shared_->places()[*place].job;
+    const Made made = work_(job, places_[*place].folder);
     std::fflush(nullptr);
     const std::string out = take_text(worker.out), errors = take_text(worker.errors);
-    const MessageHead head{*place, made.text.size(), out.size(), errors.size(), made.spoils_process};
+    const MessageHead head{*place, job, made.text.size(), out.size(), errors.size(), made.spoils_process};
     std::string message(reinterpret_cast<const char*>(&head), sizeof head);  // in one piece: the pool wakes up once
     message.append(made.text).append(out).append(errors);
     is_sound = send_all(socket, message.data(), message.size()) && !made.spoils_process;
@@ -313,7 +317,9 @@ std::optional<WorkerPool::Answer> WorkerPool::next_received(Worker& worker) {
   const auto part = [&](std::uint64_t size) { return bytes.substr(std::exchange(at, at + size), size); };
   std::string text = part(head.text), out = part(head.out), errors = part(head.errors);
   worker.received.erase(0, at);
-  const bool is_known = head.place < places_.size() && places_[head.place].job.has_value();
+  // of another job: something wrote into the shared memory, and offer_lost_places() has the right one made
+  const bool is_known = head.place < places_.size() && places_[head.place].job == head.job;
+  if (!is_known && head.place < places_.size()) shared_->places()[head.place].owner = free_place;
   std::optional<Answer> answer;
   if (is_known) {
     answer = take(head.place);
