@@ -65,6 +65,14 @@ void read_all(mcap::Bytes bytes, bool check_crcs) {
   }));
   if (last && !reader.message_at(*last)) std::abort();  // a message that a pass delivered can be read again
   for (const auto& attachment : reader.attachments()) static_cast<void>(sum(attachment.data));
+  static_cast<void>(reader.can_copy_chunks());
+  for (const mcap::Chunk& chunk : reader.chunks()) {
+    const auto stored = reader.stored_chunk(chunk);
+    if (!stored) continue;
+    static_cast<void>(sum(stored->bytes));
+    for (const auto& index : stored->indexes)
+      if (index.offset >= stored->bytes.size() || index.count > stored->bytes.size()) std::abort();
+  }
   decode_all(reader);
 }
 
