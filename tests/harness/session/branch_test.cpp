@@ -3,7 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "core/simulation/led_world.h"
+#include "core/simulation/recorded_commands.h"
+#include "core/trace/trace_windows.h"
 #include "runs.h"
 
 namespace rehearse {
@@ -195,6 +199,23 @@ TEST_F(BranchTest, CopiesChunksOfControllersThatRepeatThemselvesAlone) {
   BranchOptions altering;
   altering.set = {"Rig/SHOULDER/q+=0.001@tick:10"};
   EXPECT_EQ(branched(4100, altering).copied_chunks, 0);
+}
+
+TEST_F(BranchTest, ReadsCheckpointsAndCommandsNearItsMomentAlone) {
+  const std::string drive = behaviour("C", "push 0.1"), once = behaviour("C", "once 0.1");
+  for (const auto& [controller, first] : {std::pair(drive, 3000), std::pair(once, 0)}) {
+    record_run(rig(controller, "cameras: none\n", "4.5"));
+    const auto scenario = Scenario::load(path("run.yaml"));
+    const auto sizes = load_sizes(path("run.mcap"));
+    ASSERT_TRUE(scenario.ok() && sizes.ok());
+    const std::vector<std::int64_t> ticks = checkpoints_before(*sizes, *scenario, 4100).ticks();
+    ASSERT_FALSE(ticks.empty());
+    EXPECT_GE(ticks.front(), 2500) << "of 45 checkpoints";
+    EXPECT_LE(ticks.back(), 4100);
+    auto commands = RecordedCommands::find(*scenario, *sizes);
+    ASSERT_TRUE(commands.ok());
+    EXPECT_EQ(commands->pass_over(4000), first);
+  }
 }
 
 TEST_F(BranchTest, KnowsCommandsInForceThatWereGivenLongBeforeTheCheckpoint) {

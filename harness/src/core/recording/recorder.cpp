@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -12,6 +11,7 @@
 #include <utility>
 
 #include "contact_recorder.h"
+#include "copied_recording.h"
 #include "core/keeper/remote_writer.h"
 #include "core/kinds/vector_messages.h"
 #include "device_recorder.h"
@@ -496,67 +496,18 @@ Result<void> Recorder::Impl::write_cost(std::int64_t tick, const HostedControlle
 
 void Recorder::measure_joints(int body) { impl_->measured_bodies.insert(body); }
 
-namespace {
-
-/// The id of a topic, which is added like the other recording's channel if it is missing.
-std::uint16_t topic_like(const mcap::Channel& channel, const mcap::Schema& schema, const std::string& topic,
-                         TraceOutput& output) {
-  if (const auto known = output.by_topic.find(topic); known != output.by_topic.end()) return known->second;
-  const std::uint16_t schema_id = output.writer->add_schema(schema.name, schema.encoding, schema.data);
-  ++output.size.channels;
-  return output.by_topic[topic] =
-             output.writer->add_channel(schema_id, topic, channel.message_encoding, channel.metadata);
-}
-
-}  // namespace
-
 Result<void> Recorder::copy(const mcap::Message& message, const mcap::Schema& schema, const std::string& topic) {
-  const std::uint16_t to = topic_like(*message.channel, schema, topic, *impl_);
-  ++impl_->size.messages;
-  if (to == impl_->tick_channel) ++impl_->size.ticks;
-  count_pictures(message, schema);
-  return impl_->writer->write(to, message.log_time, message.publish_time, message.data);
-}
-
-void Recorder::count_pictures(const mcap::Message& message, const mcap::Schema& schema) {
-  if (schema.name == msg::CompressedImage::type_name) {
-    CdrReader reader(message.data);
-    msg::CompressedImage picture;
-    if (msg::decode(reader, picture) && !picture.data.empty()) ++impl_->size.pictures;
-  } else if (schema.name == msg::Image::type_name) {
-    ++impl_->size.pictures;
-  }
-}
-
-bool Recorder::begins_like(const mcap::Reader& other) const {
-  if (other.channels().size() < impl_->by_topic.size()) return false;
-  std::uint16_t next = 1;
-  for (const auto& [id, channel] : other.channels()) {
-    const mcap::Schema* schema = other.schema_of(channel);
-    if (id != next++ || !schema) return false;
-    const auto known = impl_->by_topic.find(channel.topic);
-    if (known == impl_->by_topic.end()) {
-      if (id <= impl_->by_topic.size()) return false;
-    } else if (known->second != id || schema->data != form_of(ChannelName::parse(channel.topic).kind).schema()) {
-      return false;
-    }
-  }
-  return true;
+  return copy_message(message, schema, topic, *impl_);
 }
 
 Result<void> Recorder::copy_chunk(const mcap::StoredChunk& chunk, const mcap::Reader& other) {
-  std::uint16_t last = 0;
-  for (const mcap::StoredChunk::Index& index : chunk.indexes) {
-    last = std::max(last, index.channel);
-    impl_->size.messages += static_cast<std::int64_t>(index.count);
-    if (index.channel == impl_->tick_channel) impl_->size.ticks += static_cast<std::int64_t>(index.count);
-  }
-  for (const auto& [id, channel] : other.channels()) {
-    if (id > last) break;
-    const std::uint16_t here = topic_like(channel, *other.schema_of(channel), channel.topic, *impl_);
-    REHEARSE_ASSERT(here == id, "the channels of both recordings have the same ids");
-  }
-  return impl_->writer->copy_chunk(chunk);
+  return rehearse::copy_chunk(chunk, other, *impl_);
+}
+
+bool Recorder::begins_like(const mcap::Reader& other) const { return rehearse::begins_like(*impl_, other); }
+
+void Recorder::count_pictures(const mcap::Message& message, const mcap::Schema& schema) {
+  rehearse::count_pictures(message, schema, impl_->size);
 }
 
 Result<void> Recorder::record_measured_joints(std::int64_t tick, int body, const std::vector<JointReading>& joints) {
