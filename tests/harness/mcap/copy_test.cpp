@@ -176,6 +176,8 @@ TEST(McapCopy, ChunksOfADamagedFileAreNotCopied) {
     chunks = reader->chunks();
     const auto stored = reader->stored_chunk(chunks.front());
     ASSERT_TRUE(stored);
+    const auto by_summary = std::move(*mcap::Reader::open(source.path(), {.opening = mcap::Opening::by_summary}));
+    EXPECT_TRUE(by_summary->stored_chunk(by_summary->chunks().front()).has_value());
     const mcap::Bytes bytes = stored->bytes;
     for (std::size_t size = 0; size < bytes.size(); ++size) {  // a record that is cut is no record
       const auto cut = mcap::StoredChunk::parse(bytes.first(size));

@@ -205,8 +205,10 @@ bool Reader::Impl::can_copy_chunks() {
 }
 
 std::optional<StoredChunk> Reader::Impl::stored_chunk(const Chunk& chunk) {
+  const std::uint64_t offset = chunk.offset;  // the walk lists the chunks again
+  walk_if_not_yet();
   file_.forget(std::exchange(stored_, {}));
-  auto stored = StoredChunk::parse(bytes_.first(frame_.data_end), chunk.offset);
+  auto stored = StoredChunk::parse(bytes_.first(frame_.data_end), offset);
   if (stored) stored_ = stored->bytes;
   return stored;
 }
