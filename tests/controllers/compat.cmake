@@ -45,6 +45,6 @@ target_compile_definitions(vnoid_checkout_test PRIVATE VNOID_SOURCE="${REHEARSE_
 
 # Projects and bodies of others: cmake -DREHEARSE_OUTSIDE_PROJECTS=DIR, a folder of checkouts.
 rehearse_add_test(outside_checkout_test LABEL compat TIMEOUT 900 SOURCES outside_checkout_test.cpp
-                  LIBRARIES Rehearse::scenario Rehearse::choreonoid)
+                  LIBRARIES Rehearse::harness Rehearse::choreonoid)
 target_compile_definitions(outside_checkout_test PRIVATE OUTSIDE_PROJECTS="${REHEARSE_OUTSIDE_PROJECTS}"
   CHOREONOID_SOURCE="${REHEARSE_CHOREONOID_SOURCE}")

@@ -9,13 +9,13 @@ rehearse_add_test(model_tests LABEL unit SHARDS 4
           model/urdf_joint_parts_test.cpp
           model/urdf_lenient_test.cpp model/urdf_masses_test.cpp model/urdf_mesh_up_test.cpp model/urdf_meshes_test.cpp model/urdf_referee_test.cpp
           model/urdf_sensor_dialects_test.cpp model/urdf_surfaces_test.cpp model/urdf_test.cpp
-  LIBRARIES Rehearse::model tinyxml2::tinyxml2 PNG::PNG JPEG::JPEG)
+  LIBRARIES Rehearse::harness tinyxml2::tinyxml2 PNG::PNG JPEG::JPEG)
 
-rehearse_add_test(mjcf_tests LABEL unit SHARDS 1 SOURCES mjcf/mjcf_test.cpp LIBRARIES Rehearse::model)
+rehearse_add_test(mjcf_tests LABEL unit SHARDS 1 SOURCES mjcf/mjcf_test.cpp LIBRARIES Rehearse::harness)
 
 rehearse_add_test(body_tests LABEL unit SHARDS 1
   SOURCES model/body_broken_test.cpp model/body_test.cpp model/mesh_nodes_test.cpp model/vrml_body_test.cpp model/vrml_test.cpp
-  LIBRARIES Rehearse::model)
+  LIBRARIES Rehearse::harness)
 
-rehearse_add_test(body_checkout_test LABEL compat TIMEOUT 300 SOURCES model/body_checkout_test.cpp LIBRARIES Rehearse::model)
+rehearse_add_test(body_checkout_test LABEL compat TIMEOUT 300 SOURCES model/body_checkout_test.cpp LIBRARIES Rehearse::harness)
 target_compile_definitions(body_checkout_test PRIVATE CHOREONOID_SOURCE="${REHEARSE_CHOREONOID_SOURCE}")

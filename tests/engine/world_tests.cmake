@@ -1,6 +1,6 @@
 rehearse_add_test(solver_tests LABEL sim SHARDS 1
   SOURCES solver/bounded_problem_test.cpp solver/forest_test.cpp solver/island_test.cpp
-  LIBRARIES Rehearse::world)
+  LIBRARIES Rehearse::simulation)
 
 rehearse_add_test(world_tests LABEL sim SHARDS 8
   SOURCES
@@ -45,11 +45,11 @@ rehearse_add_test(world_tests LABEL sim SHARDS 8
     world/trimesh_test.cpp
     world/weightless_links_test.cpp
     world/wrenches_test.cpp
-  LIBRARIES Rehearse::world)
+  LIBRARIES Rehearse::simulation)
 
 rehearse_add_test(vision_tests LABEL render SHARDS 1
   SOURCES vision/pinhole_test.cpp vision/vision_test.cpp
-  LIBRARIES Rehearse::renderer)
+  LIBRARIES Rehearse::simulation)
 
 # These compute their expected values, which takes long.
 set_source_files_properties(world/hull_contacts_test.cpp world/range_sensor_meshes_test.cpp PROPERTIES

@@ -5,5 +5,5 @@ find_package(nlohmann_json 3.11 REQUIRED)
 
 rehearse_add_test(mcap_conformance_test LABEL compat
   SOURCES mcap/conformance_test.cpp
-  LIBRARIES Rehearse::mcap nlohmann_json::nlohmann_json)
+  LIBRARIES Rehearse::harness nlohmann_json::nlohmann_json)
 target_compile_definitions(mcap_conformance_test PRIVATE MCAP_CONFORMANCE_DIR="${REHEARSE_MCAP_CONFORMANCE}")

@@ -14,4 +14,4 @@ rehearse_add_test(mcap_test LABEL unit SHARDS 3
     mcap/select_test.cpp
     mcap/writer_forms_test.cpp
     mcap/writer_test.cpp
-  LIBRARIES Rehearse::trace lz4 zstd)
+  LIBRARIES Rehearse::harness lz4 zstd)

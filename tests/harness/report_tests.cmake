@@ -7,7 +7,7 @@ rehearse_add_test(report_test LABEL unit SHARDS 2
     report/report_robots_test.cpp
     report/long_report_test.cpp
     report/report_test.cpp
-  LIBRARIES Rehearse::viewing Rehearse::simulation Rehearse::trace nlohmann_json::nlohmann_json PkgConfig::LIBDEFLATE)
+  LIBRARIES Rehearse::viewing Rehearse::simulation Rehearse::harness nlohmann_json::nlohmann_json PkgConfig::LIBDEFLATE)
 rehearse_add_test(history_test LABEL unit
   SOURCES history/history_test.cpp history/trends_test.cpp
   LIBRARIES Rehearse::viewing nlohmann_json::nlohmann_json)

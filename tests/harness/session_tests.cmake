@@ -48,7 +48,7 @@ rehearse_add_test(session_tests LABEL sim SHARDS 6
     session/traps_test.cpp
     session/words_test.cpp
     session/world_remarks_test.cpp
-  LIBRARIES Rehearse::simulation Rehearse::harness Rehearse::logs Rehearse::world Rehearse::cnoid)
+  LIBRARIES Rehearse::simulation Rehearse::harness Rehearse::logs Rehearse::simulation Rehearse::cnoid)
 target_include_directories(session_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(session_tests PRIVATE
   CXX_COMPILER="${CMAKE_CXX_COMPILER}" TEST_CONTROLLERS="${test_controllers}"
@@ -75,10 +75,10 @@ target_link_libraries(FastMath PRIVATE $<1:-ffast-math>)  # on purpose: not to b
 find_package(fmt REQUIRED)
 set(REHEARSE_EXAMPLE_ROBOTS "" CACHE PATH "A checkout of example-robot-data, whose robots are to be simulated")
 rehearse_add_test(robots_checkout_test LABEL compat TIMEOUT 300 SOURCES robots_checkout_test.cpp
-                  LIBRARIES Rehearse::simulation Rehearse::world fmt::fmt)
+                  LIBRARIES Rehearse::simulation fmt::fmt)
 target_compile_definitions(robots_checkout_test PRIVATE EXAMPLE_ROBOTS="${REHEARSE_EXAMPLE_ROBOTS}"
                            TEST_CONTROLLERS="${test_controllers}")
 add_dependencies(robots_checkout_test Behaviours)
 
 rehearse_add_test(allocations_test LABEL sim SHARDS 1 SOURCES allocations_test.cpp
-                  LIBRARIES Rehearse::simulation Rehearse::world Rehearse::renderer Rehearse::cnoid)
+                  LIBRARIES Rehearse::simulation Rehearse::cnoid)

@@ -12,4 +12,4 @@ rehearse_add_test(trace_test LABEL unit SHARDS 1
     trace/ros2msg_test.cpp
     trace/run_facts_test.cpp
     trace/trace_test.cpp
-  LIBRARIES Rehearse::trace nlohmann_json::nlohmann_json fmt::fmt)
+  LIBRARIES Rehearse::harness nlohmann_json::nlohmann_json fmt::fmt)

@@ -51,14 +51,10 @@ install(FILES
 find_program(REHEARSE_HELP2MAN help2man)
 mark_as_advanced(REHEARSE_HELP2MAN)
 if(REHEARSE_HELP2MAN)
-  set(audit "")
-  if(TARGET rehearse-audit)
-    set(audit rehearse-audit)
-  endif()
   set(pages ${CMAKE_BINARY_DIR}/share/man/man1/rehearse.1.gz)
   add_custom_command(OUTPUT ${pages}
     COMMAND ${PROJECT_SOURCE_DIR}/tools/pages $<TARGET_FILE:rehearse> ${CMAKE_BINARY_DIR}/share
-    DEPENDS tools/pages rehearse rehearse-read rehearse-simulate ${audit}
+    DEPENDS tools/pages rehearse ${REHEARSE_PROGRAMS}
     COMMENT "Writing man pages and completions" VERBATIM)
   add_custom_target(rehearse_pages ALL DEPENDS ${pages})
   foreach(folder man bash-completion zsh fish)
@@ -68,9 +64,12 @@ else()
   message(STATUS "Man pages and completions are left out: help2man isn't installed")
 endif()
 
-# Everything that is installed, except the samples: tools/demo builds only this.
-add_custom_target(rehearse_installed DEPENDS ${libraries} rehearse_assimp rehearse rehearse-read rehearse-simulate)
-foreach(target rehearse_interposer rehearse-audit rehearse_pages)
+# What tools/demo builds: the core and the wing viewing.
+add_custom_target(rehearse_core DEPENDS rehearse rehearse-read rehearse-simulate rehearse_assimp)
+
+# Everything that is installed, except the samples.
+add_custom_target(rehearse_installed DEPENDS ${libraries} rehearse_assimp rehearse ${REHEARSE_PROGRAMS})
+foreach(target rehearse_interposer rehearse_pages)
   if(TARGET ${target})
     add_dependencies(rehearse_installed ${target})
   endif()

@@ -7,15 +7,40 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 set(CMAKE_LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
 set(CMAKE_INSTALL_RPATH "$ORIGIN;$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
 
-# Unity builds: several sources of a target are compiled together, because half of a unit's time is spent in headers
-# that the others include as well. With -DCMAKE_UNITY_BUILD=OFF each source is compiled separately: better for editing
-# one.
+# Unity builds: several sources of a target are compiled together, because much of a unit's time is spent in templates that
+# the others instantiate as well. rehearse_unite() forms the groups of rooms and tests. With -DCMAKE_UNITY_BUILD=OFF each
+# source is compiled separately.
 if(PROJECT_IS_TOP_LEVEL AND NOT DEFINED CMAKE_UNITY_BUILD)
   set(CMAKE_UNITY_BUILD ON)
 endif()
 if(NOT DEFINED CMAKE_UNITY_BUILD_BATCH_SIZE)
   set(CMAKE_UNITY_BUILD_BATCH_SIZE 40)
 endif()
+set(REHEARSE_UNITY_KB 120 CACHE STRING "About so much of a target's sources is compiled together [KB]; ten seconds for a fast core")
+
+# rehearse_unite(TARGET SOURCES...): divides the sources of a unity build into groups of similar size, in their order.
+function(rehearse_unite target)
+  set(all 0)
+  foreach(source IN LISTS ARGN)
+    cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} OUTPUT_VARIABLE file)
+    set(size_of_${source} 0)
+    if(EXISTS ${file})
+      file(SIZE ${file} size_of_${source})
+    endif()
+    math(EXPR all "${all} + ${size_of_${source}}")
+  endforeach()
+  math(EXPR groups "(${all} + 500 * ${REHEARSE_UNITY_KB}) / (1000 * ${REHEARSE_UNITY_KB})")
+  if(groups LESS 1)
+    set(groups 1)
+  endif()
+  set(before 0)
+  foreach(source IN LISTS ARGN)
+    math(EXPR group "(${before} + ${size_of_${source}} / 2) * ${groups} / (${all} + 1)")
+    math(EXPR before "${before} + ${size_of_${source}}")
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${target}_${group})
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
+endfunction()
 
 # Packages have the same bytes from whatever folder they are built: debug information has this prefix in the place of the
 # checkout, and programs find the build's libraries relative to themselves. gdb then needs `set substitute-path`.
@@ -34,8 +59,6 @@ endif()
 include(RehearseBits)
 rehearse_refuse_other_flags()
 
-find_package(Eigen3 3.4 REQUIRED NO_MODULE)
-
 add_library(rehearse_flags INTERFACE)
 target_compile_options(rehearse_flags INTERFACE
   -ffp-contract=off  # a fused multiply-add rounds once where two instructions round twice: other bits on other CPUs
@@ -44,6 +67,8 @@ target_compile_options(rehearse_flags INTERFACE
   $<$<NOT:$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wshadow>
   -Wall -Wextra -Wpedantic -Wnon-virtual-dtor -Woverloaded-virtual -Wimplicit-fallthrough
   $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>  # it takes the sources of a unity build for headers
+  # the compiler's garbage collection takes a tenth of its time; most units end below this size [KB]
+  $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1000000>
   $<$<BOOL:${REHEARSE_WERROR}>:-Werror>
   # Line numbers are enough to debug our own code; types take a third of the compiler's time, and seconds of gdb's. gdb
   # shows controllers by the types of controllers, and of the sources given to rehearse_types_for_gdb().
@@ -58,11 +83,16 @@ add_library(rehearse_cold_flags INTERFACE)
 target_link_libraries(rehearse_cold_flags INTERFACE rehearse_flags)
 target_compile_options(rehearse_cold_flags INTERFACE $<$<CONFIG:RelWithDebInfo>:${REHEARSE_COLD_FLAGS}>)
 
+# For code whose types gdb shows: all of them, not only those that the source uses.
+add_library(rehearse_gdb_flags INTERFACE)
+target_link_libraries(rehearse_gdb_flags INTERFACE rehearse_flags)
+target_compile_options(rehearse_gdb_flags INTERFACE
+  "$<$<CONFIG:RelWithDebInfo>:-g;$<IF:$<CXX_COMPILER_ID:GNU>,-femit-class-debug-always,-fstandalone-debug>>")
+
 # For code that takes most of a tick's time. GCC leaves products of Eigen's 3 x 3 matrices as calls, which are a tenth of
 # a step of the direct solver.
-add_library(rehearse_hot_flags INTERFACE)
-target_link_libraries(rehearse_hot_flags INTERFACE rehearse_flags)
-target_compile_definitions(rehearse_hot_flags INTERFACE
+add_library(rehearse_inlined_eigen INTERFACE)
+target_compile_definitions(rehearse_inlined_eigen INTERFACE
   "EIGEN_STRONG_INLINE=inline __attribute__((always_inline))")
 
 if(REHEARSE_SANITIZE)
@@ -77,49 +107,83 @@ if(REHEARSE_SANITIZE)
   endif()
 endif()
 
-find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
-add_library(rehearse_xxhash INTERFACE)
-target_include_directories(rehearse_xxhash INTERFACE ${XXHASH_INCLUDE_DIR})
-
-# rehearse_types_for_gdb(SOURCES...): these sources are compiled separately, with all the types that they use.
-function(rehearse_types_for_gdb)
-  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON COMPILE_OPTIONS
-    "$<$<CONFIG:RelWithDebInfo>:-g;$<IF:$<CXX_COMPILER_ID:GNU>,-femit-class-debug-always,-fstandalone-debug>>")
-endfunction()
-
 # For tests, which may include headers of all rooms, and for programs, which may include those after DOOR.
 add_library(rehearse_private_headers INTERFACE)
 target_include_directories(rehearse_private_headers INTERFACE ${PROJECT_SOURCE_DIR}/engine/src ${PROJECT_SOURCE_DIR}/harness/src)
 
-# rehearse_room(NAME [HOT|COLD] SOURCES... PUBLIC headers... DOOR headers... MAY_USE rooms... LIBRARIES targets...): a folder
-# below engine/src or harness/src as a separate target, rehearse_room_NAME. Without sources it is a folder of headers.
-# HOT, COLD: the room takes most or little of a tick's time (rehearse_hot_flags, rehearse_cold_flags).
+# Eigen and fmt, and macros on which their headers depend: the same for all that reuse the precompiled ones.
+add_library(rehearse_parsed INTERFACE)
+target_link_libraries(rehearse_parsed INTERFACE Eigen3::Eigen fmt::fmt)
+# Eigen's alignment is part of the layout of public types: it must not depend on a user's -m flags.
+target_compile_definitions(rehearse_parsed INTERFACE EIGEN_MAX_ALIGN_BYTES=16)
+
+# Headers that most sources of the rooms and of the command include are parsed once for all. GCC stores the level of
+# optimisation with them, so there is one target for each. The preset clang parses them in each source, and so finds a
+# source that lacks an include.
+function(rehearse_precompile name flags)  # and more headers
+  set(empty ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp)
+  file(CONFIGURE OUTPUT ${empty} CONTENT "")
+  add_library(${name} OBJECT ${empty})
+  target_compile_features(${name} PRIVATE cxx_std_20)
+  target_link_libraries(${name} PRIVATE ${flags} rehearse_parsed)
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/engine/include ${PROJECT_SOURCE_DIR}/harness/include)
+  target_precompile_headers(${name} PRIVATE
+    <algorithm> <array> <bit> <charconv> <chrono> <cmath> <cstdint> <cstring> <deque> <filesystem> <fstream> <functional>
+    <iterator> <limits> <map> <memory> <numbers> <numeric> <optional> <set> <span> <sstream> <string> <string_view>
+    <tuple> <utility> <variant> <vector> <Eigen/Core> <Eigen/Geometry> <fmt/format.h> <fmt/ranges.h>
+    <nlohmann/json.hpp> <rehearse/io.h> <rehearse/mcap.h> <rehearse/messages.h> <rehearse/model.h>
+    <rehearse/run_options.h> <rehearse/scenario.h> <rehearse/trace.h> ${ARGN})
+endfunction()
+rehearse_precompile(rehearse_cold_headers rehearse_cold_flags)
+rehearse_precompile(rehearse_hot_headers rehearse_flags)
+
+# rehearse_add_part(TARGET KIND SOURCES...): objects of sources with the same options. KIND cold: code that takes little
+# of a tick's time; hot: it takes much; gdb: gdb shows its types.
+function(rehearse_add_part target kind)
+  set(flags_cold rehearse_cold_flags)
+  set(flags_hot rehearse_flags)
+  set(flags_gdb rehearse_gdb_flags)
+  add_library(${target} OBJECT ${ARGN})
+  target_link_libraries(${target} PRIVATE ${flags_${kind}} rehearse_parsed)
+  rehearse_unite(${target} ${ARGN})
+endfunction()
+
+# rehearse_room(NAME SOURCES... [HOT sources...] [GDB sources...] PUBLIC headers... DOOR headers... MAY_USE rooms...
+# LIBRARIES targets...): a folder below engine/src or harness/src as a separate target, rehearse_room_NAME. Without
+# sources it is a folder of headers. HOT: sources that take much of a tick's time. GDB: sources with the types that gdb
+# shows of controllers.
 #
 # A file of the room may include the room's own headers and those of the rooms after MAY_USE, no others: headers in
 # their folders, by their paths below src, and their installed headers (PUBLIC, in include/rehearse). Programs in tools/
 # may include installed headers, and the headers after DOOR. tests/determinism/rooms_test.cpp reads all this from the
 # targets. LIBRARIES are targets of other projects, and Rehearse::cnoid.
 function(rehearse_room name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "HOT;COLD" "" "SOURCES;PUBLIC;DOOR;MAY_USE;LIBRARIES")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;HOT;GDB;PUBLIC;DOOR;MAY_USE;LIBRARIES")
   list(TRANSFORM arg_MAY_USE PREPEND rehearse_room_)
   set(room rehearse_room_${name})
   string(REGEX MATCH "^${PROJECT_SOURCE_DIR}/[a-z]+" part ${CMAKE_CURRENT_SOURCE_DIR})
-  if(arg_SOURCES)
-    add_library(${room} OBJECT ${arg_SOURCES})
-    target_compile_features(${room} PRIVATE cxx_std_20)
-    target_include_directories(${room} PUBLIC ${part}/include ${part}/src)
-    set(flags rehearse_flags)
-    if(arg_COLD)
-      set(flags rehearse_cold_flags)
-    elseif(arg_HOT)
-      set(flags rehearse_hot_flags)
-    endif()
-    target_link_libraries(${room} PUBLIC ${arg_MAY_USE} ${arg_LIBRARIES} PRIVATE ${flags})
-  else()
-    add_library(${room} INTERFACE)
-    target_include_directories(${room} INTERFACE ${part}/src)
-    target_link_libraries(${room} INTERFACE ${arg_MAY_USE})
+  add_library(${room} INTERFACE)
+  target_include_directories(${room} INTERFACE ${part}/src)
+  if(EXISTS ${part}/include)
+    target_include_directories(${room} INTERFACE ${part}/include)
   endif()
+  target_link_libraries(${room} INTERFACE ${arg_MAY_USE} ${arg_LIBRARIES} rehearse_parsed)
+  set(kind_of_SOURCES cold)
+  set(kind_of_HOT hot)
+  set(kind_of_GDB gdb)
+  foreach(key SOURCES HOT GDB)
+    if(arg_${key})
+      set(kind ${kind_of_${key}})
+      rehearse_add_part(${room}_${kind} ${kind} ${arg_${key}})
+      target_compile_features(${room}_${kind} PRIVATE cxx_std_20)
+      target_link_libraries(${room}_${kind} PRIVATE ${room})
+      set(headers rehearse_hot_headers)
+      if(kind STREQUAL cold)
+        set(headers rehearse_cold_headers)
+      endif()
+      target_precompile_headers(${room}_${kind} REUSE_FROM ${headers})
+    endif()
+  endforeach()
   set_target_properties(${room} PROPERTIES
     REHEARSE_FOLDER "${CMAKE_CURRENT_SOURCE_DIR}" REHEARSE_PUBLIC "${arg_PUBLIC}" REHEARSE_DOOR "${arg_DOOR}"
     REHEARSE_LIBRARIES "${arg_LIBRARIES}")
@@ -134,12 +198,8 @@ function(rehearse_write_rooms file)
   get_property(rooms GLOBAL PROPERTY REHEARSE_ROOMS)
   set(lines "")
   foreach(room IN LISTS rooms)
-    get_target_property(type ${room} TYPE)
-    set(links "$<TARGET_PROPERTY:${room},LINK_LIBRARIES>")
-    if(type STREQUAL INTERFACE_LIBRARY)
-      set(links "$<TARGET_PROPERTY:${room},INTERFACE_LINK_LIBRARIES>")
-    endif()
-    string(APPEND lines "${room}|$<TARGET_PROPERTY:${room},REHEARSE_FOLDER>|${links}"
+    string(APPEND lines "${room}|$<TARGET_PROPERTY:${room},REHEARSE_FOLDER>"
+      "|$<TARGET_PROPERTY:${room},INTERFACE_LINK_LIBRARIES>"
       "|$<TARGET_PROPERTY:${room},REHEARSE_PUBLIC>|$<TARGET_PROPERTY:${room},REHEARSE_DOOR>\n")
   endforeach()
   file(GENERATE OUTPUT ${file} CONTENT "${lines}")
@@ -154,19 +214,26 @@ function(rehearse_add_library name)
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   target_compile_features(rehearse_${name} PUBLIC cxx_std_20)
   target_link_libraries(rehearse_${name} PRIVATE $<BUILD_INTERFACE:rehearse_flags>)
-  # The library's own functions are bound when it is linked, not by name at every start.
+  # The library's own names are bound when it is linked, not by name at every start.
   set(exports ${PROJECT_SOURCE_DIR}/tools/cmake/exports.map)
-  target_link_options(rehearse_${name} PRIVATE -Wl,-Bsymbolic-functions -Wl,--version-script=${exports})
+  target_link_options(rehearse_${name} PRIVATE -Wl,-Bsymbolic -Wl,--version-script=${exports})
   set_target_properties(rehearse_${name} PROPERTIES LINK_DEPENDS ${exports})
+  # Of an inline function that several objects contain, the linker takes the first: that of sources that are optimised.
+  foreach(kind hot gdb cold)
+    foreach(room IN LISTS arg_ROOMS)
+      if(TARGET rehearse_room_${room}_${kind})
+        target_sources(rehearse_${name} PRIVATE $<TARGET_OBJECTS:rehearse_room_${room}_${kind}>)
+      endif()
+    endforeach()
+  endforeach()
   foreach(room IN LISTS arg_ROOMS)
-    target_sources(rehearse_${name} PRIVATE $<TARGET_OBJECTS:rehearse_room_${room}>)
     get_target_property(libraries rehearse_room_${room} REHEARSE_LIBRARIES)
     target_link_libraries(rehearse_${name} PRIVATE ${libraries})
   endforeach()
   if(arg_ROOMS)
-    string(REGEX MATCH "^${PROJECT_SOURCE_DIR}/[a-z]+" part ${CMAKE_CURRENT_SOURCE_DIR})
     target_include_directories(rehearse_${name} PUBLIC
-      $<BUILD_INTERFACE:${part}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+      $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/engine/include> $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/harness/include>
+      $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   endif()
   set_property(GLOBAL APPEND PROPERTY REHEARSE_LIBRARIES rehearse_${name})
 endfunction()

@@ -51,6 +51,6 @@ std::function<Exit()> declare_actuators(CLI::App& options) {
 
 }  // namespace
 
-const Verb actuators_verb{"actuators", "  rehearse actuators go2.xml >> scenario.yaml\n", declare_actuators};
+extern const Verb actuators_verb{"actuators", "  rehearse actuators go2.xml >> scenario.yaml\n", declare_actuators};
 
 }  // namespace rehearse::tool

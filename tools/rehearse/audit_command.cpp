@@ -303,7 +303,7 @@ std::function<Exit()> declare_audit(CLI::App& options) {
 
 }  // namespace
 
-const Verb audit_verb{"audit",
+extern const Verb audit_verb{"audit",
                       "  rehearse audit fixtures/scenarios/sr1_minimum.yaml\n"
                       "  rehearse audit walk.mcap --controller Walker=build/MyWalker.so --valgrind\n"
                       "  rehearse audit walk.mcap --realtime\n"

@@ -10,13 +10,13 @@
 
 #include "core/guard/child_process.h"
 #include "debugger.h"
-#include "wings.h"
 
 namespace rehearse::tool {
 
 Exit continue_in_audit(std::string_view mode, const std::vector<std::filesystem::path>& recordings,
                        const CLI::App& options, const std::vector<std::string>& more) {
-  if (!has_audit) return refuse(left_out(mode, "audit"));
+  const auto program = program_of_wing("audit", mode);
+  if (!program) return refuse(program.errors());
   const std::vector<std::string_view> shared{
       mode, "--until", "--controller", "--call-limit", "--json", "--memory-limit", "--lcov", "--html", "--verbose"};
   std::vector<std::string> positionals;
@@ -33,9 +33,8 @@ Exit continue_in_audit(std::string_view mode, const std::vector<std::filesystem:
   words.insert(words.begin(), "rehearse");
   words.insert(words.end(), more.begin(), more.end());
   for (const std::filesystem::path& recording : recordings) words.push_back(recording.string());
-  const std::filesystem::path program = program_beside("rehearse-audit");
-  execv(program.c_str(), pointers_to(words).data());
-  return refuse(error(fmt::format("can't start {}: {}", program.string(), std::strerror(errno))));
+  execv(program->c_str(), pointers_to(words).data());
+  return refuse(error(fmt::format("can't start {}: {}", program->string(), std::strerror(errno))));
 }
 
 void add_coverage_files(CLI::App& options, CoverageFiles& files) {

@@ -507,7 +507,7 @@ std::function<Exit()> declare_check(CLI::App& options) {
 
 }  // namespace
 
-const Verb check_verb{"check",
+extern const Verb check_verb{"check",
                       "  rehearse check\n"
                       "  rehearse check fixtures/scenarios/sr1_minimum.yaml --level controller\n"
                       "  rehearse check walk.yaml --golden yesterday.mcap --controller Walker=build/MyWalker.so\n",

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <rehearse/pin.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
@@ -52,6 +54,9 @@ std::optional<Diagnostic> unknown_word(const CLI::App& options, const std::strin
   }
   return std::nullopt;
 }
+
+/// Those with which this program was started.
+char** own_arguments = nullptr;
 
 /// True if the verb was called with --json: then an error is also printed as an object on stdout.
 bool errors_as_json = false;
@@ -118,7 +123,21 @@ Diagnostic left_out(std::string_view asked, std::string_view wing) {
 
 std::filesystem::path program_tree() { return own_program().parent_path().parent_path().parent_path(); }
 
-std::filesystem::path program_beside(std::string_view name) { return own_program().parent_path() / name; }
+Result<std::filesystem::path> program_of_wing(std::string_view wing, std::string_view asked) {
+  const std::string name = fmt::format("rehearse-{}", wing);
+  std::filesystem::path program = own_program().parent_path() / name;
+  if (!is_in_this_build(wing)) return left_out(asked, wing);
+  if (::access(program.c_str(), X_OK) == 0) return program;
+  return error(fmt::format("{} is in {}, which can't be started: {}", asked, program.string(), std::strerror(errno)),
+               fmt::format("tools/build release {} builds it", name));
+}
+
+Exit continue_in_wing(std::string_view wing, std::string_view asked) {
+  const auto program = program_of_wing(wing, asked);
+  if (!program) return refuse(program.errors());
+  ::execv(program->c_str(), own_arguments);
+  return refuse(error(fmt::format("can't start {}: {}", program->string(), std::strerror(errno))));
+}
 
 std::string overview() {
   std::string text =
@@ -129,7 +148,7 @@ std::string overview() {
       "       rehearse --version\n";
   std::string_view group;
   for (const VerbSummary& verb : all_verbs()) {
-    if (!verb.is_built) continue;
+    if (!verb.wing_adds && !is_in_this_build(verb.wing)) continue;
     if (verb.group != group) text += fmt::format("\n{}:\n", group = verb.group);
     text += fmt::format("  {:<11}{}\n", verb.name, verb.summary);
   }
@@ -144,11 +163,13 @@ std::string overview() {
   return text;
 }
 
-Exit run_own_verb(std::string_view program, int argc, char** argv) {
+Exit run_own_verb(int argc, char** argv) {
+  own_arguments = argv;
   const std::string_view word = argc < 2 ? "" : argv[1];
   for (const Verb* verb : own_verbs())
     if (verb->name == word) return run_verb(*verb, argc, argv);
-  return refuse(error(fmt::format("{} is a part of rehearse and not meant to be started by hand", program),
+  return refuse(error(fmt::format("{} is a part of rehearse and not meant to be started by hand",
+                                  own_program().filename().string()),
                       "rehearse --help lists all verbs"));
 }
 

@@ -1,8 +1,8 @@
 // A verb of the command: its options, its work, and its exit status.
 //
-// Each verb is one file, VERB_command.cpp, with one Verb object. Three programs contain them, and `rehearse` executes
-// one of these (verbs.h). `rehearse-read` links neither physics nor renderer, `rehearse-simulate` links both, and
-// `rehearse-audit` reads machine code and debug information.
+// Each verb is one file, VERB_command.cpp, with one Verb object. Several programs contain them, and `rehearse` executes
+// one of these (verbs.h). `rehearse-read` links neither physics nor renderer, `rehearse-simulate` links both, and the
+// verbs of a wing are in the program of its name, as `rehearse-audit`.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -41,7 +41,7 @@ struct Verb {
 /// The verbs of this program. The build lists them; NAME_command.cpp defines NAME_verb.
 std::span<const Verb* const> own_verbs();
 /// Runs the verb that the first argument names. For a program that only `rehearse` starts.
-Exit run_own_verb(std::string_view program, int argc, char** argv);
+Exit run_own_verb(int argc, char** argv);
 
 /// True for words as -o and --json, false for numbers and --.
 bool is_option(std::string_view word);
@@ -52,8 +52,11 @@ Diagnostic left_out(std::string_view asked, std::string_view wing);
 
 /// The folder with bin/, libexec/ and share/: of the build, or of the installation.
 std::filesystem::path program_tree();
-/// A program that contains verbs, beside this one.
-std::filesystem::path program_beside(std::string_view name);
+/// The program of a wing, beside this one; an error if the build leaves out the wing, or hasn't built the program.
+/// `asked`: "the option --coverage".
+Result<std::filesystem::path> program_of_wing(std::string_view wing, std::string_view asked);
+/// Executes the program of a wing with the arguments of this one. Returns only if it can't.
+Exit continue_in_wing(std::string_view wing, std::string_view asked);
 
 /// The text of `rehearse --help`.
 std::string overview();

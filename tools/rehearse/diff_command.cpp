@@ -137,7 +137,7 @@ std::function<Exit()> declare_diff(CLI::App& options) {
 
 }  // namespace
 
-const Verb diff_verb{"diff",
+extern const Verb diff_verb{"diff",
                      "  rehearse diff golden/SR1.Stands.mcap today.mcap\n"
                      "  rehearse diff a.mcap b.mcap --tolerances loose.yaml --json\n"
                      "  rehearse diff a.mcap b.mcap --pictures\n"

@@ -179,7 +179,7 @@ std::function<Exit()> declare_doc(CLI::App& options) {
 
 }  // namespace
 
-const Verb doc_verb{"doc",
+extern const Verb doc_verb{"doc",
                     "  rehearse doc\n  rehearse doc scenarios\n  rehearse doc scenarios --text\n  rehearse doc "
                     "--schema scenario > scenario.json\n",
                     declare_doc};

@@ -11,11 +11,10 @@
 
 #include "command.h"
 #include "core/trace/trace_doctor.h"
-#include "logs/bag/bag_doctor.h"
+#include "log_verbs.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
-#include "wings.h"
 
 namespace rehearse::tool {
 namespace {
@@ -67,41 +66,35 @@ Visit visit(const std::string& file) {
     visit.examination = std::move(*examination);
   else
     visit.unreadable = examination.errors();
-  if constexpr (has_logs) {
-    if (auto findings = examine_container(file)) {
-      visit.is_mcap = false;
-      visit.container = *std::move(findings);
-    }
+  if (auto findings = findings_of_container(file)) {
+    visit.is_mcap = false;
+    visit.container = *std::move(findings);
   }
   return visit;
 }
 
 /// The visits of a rosbag2 folder: its metadata.yaml, then its files.
 std::vector<Visit> visit_folder(const std::string& path) {
-  if constexpr (has_logs) {
-    const auto folder = bag::read_folder(path);
-    if (!folder) return {{path, folder.errors(), {}, true, {}}};
-    std::vector<Visit> visits;
-    bool readable = true;
-    for (const std::filesystem::path& file : folder->files) {
-      visits.push_back(visit(file.string()));
-      readable = readable && visits.back().unreadable.empty();
-    }
-    Visit metadata{folder->metadata.empty() ? path : folder->metadata.string(), {}, {}, false, {}};
-    std::error_code ignored;
-    if (folder->metadata.empty()) {
-      metadata.container = {error_in(path, "it has no metadata.yaml", "ros2 bag reindex makes it from the files")};
-      metadata.container.back().severity = Severity::warning;
-      visits.insert(visits.begin(), std::move(metadata));
-      return visits;
-    }
-    metadata.examination.size = std::filesystem::file_size(folder->metadata, ignored);
-    if (readable) metadata.container = examine_metadata(*folder, path);
+  const auto folder = read_folder_of_log(path);
+  if (!folder) return {{path, folder.errors(), {}, true, {}}};
+  std::vector<Visit> visits;
+  bool readable = true;
+  for (const std::filesystem::path& file : folder->files) {
+    visits.push_back(visit(file.string()));
+    readable = readable && visits.back().unreadable.empty();
+  }
+  Visit metadata{folder->metadata.empty() ? path : folder->metadata.string(), {}, {}, false, {}};
+  std::error_code ignored;
+  if (folder->metadata.empty()) {
+    metadata.container = {error_in(path, "it has no metadata.yaml", "ros2 bag reindex makes it from the files")};
+    metadata.container.back().severity = Severity::warning;
     visits.insert(visits.begin(), std::move(metadata));
     return visits;
-  } else {
-    return {visit(path)};
   }
+  metadata.examination.size = std::filesystem::file_size(folder->metadata, ignored);
+  if (readable) metadata.container = findings_of_metadata(*folder, path);
+  visits.insert(visits.begin(), std::move(metadata));
+  return visits;
 }
 
 std::string place_text(const mcap::Place& place) {
@@ -185,8 +178,7 @@ Exit run_doctor(const DoctorSettings& settings) {
   std::vector<Visit> visits;
   Exit exit = Exit::done;
   for (const std::string& file : settings.files) {
-    std::string folder;
-    if constexpr (has_logs) folder = bag::folder_of(file).string();
+    const std::string folder = folder_of_log(file).string();
     for (Visit& one : folder.empty() ? std::vector{visit(file)} : visit_folder(folder)) {
       exit = worse(exit, one.exit());
       if (!settings.json) tell(one);
@@ -208,7 +200,7 @@ std::function<Exit()> declare_doctor(CLI::App& options) {
 
 }  // namespace
 
-const Verb doctor_verb{
+extern const Verb doctor_verb{
     "doctor",
     "  rehearse doctor walk.mcap\n"
     "  rehearse doctor golden/*.mcap --json\n"

@@ -178,7 +178,7 @@ std::function<Exit()> declare_export(CLI::App& options) {
 
 }  // namespace
 
-const Verb export_verb{"export",
+extern const Verb export_verb{"export",
                        "  rehearse export sr1.mcap -o tables\n"
                        "  rehearse export sr1.mcap -o sr1.csv --joined --ticks 0..999\n"
                        "  rehearse export bag -o log.csv --joined --clock /joint_states\n"

@@ -99,7 +99,7 @@ std::function<Exit()> declare_filter(CLI::App& options) {
 
 }  // namespace
 
-const Verb filter_verb{"filter",
+extern const Verb filter_verb{"filter",
                        "  rehearse filter walk.mcap -o fall.mcap --from 3.1 --until 3.4\n"
                        "  rehearse filter walk.mcap -o numbers.mcap --exclude '*/image' '*/depth'\n"
                        "  rehearse filter walk.mcap -o joints.mcap --topics '/SR1/*joints' --ticks 0..99\n"

@@ -64,7 +64,7 @@ Result<void> check_choice(const std::vector<std::string>& names, bool all) {
   return {};
 }
 
-const Verb golden_verb{"golden",
+extern const Verb golden_verb{"golden",
                        "  rehearse golden list\n"
                        "  rehearse golden review\n"
                        "  rehearse golden accept SR1.StandsUnderItsMinimumController\n"

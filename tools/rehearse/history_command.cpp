@@ -70,7 +70,7 @@ std::function<Exit()> declare_history(CLI::App& options) {
 
 }  // namespace
 
-const Verb history_verb{"history",
+extern const Verb history_verb{"history",
                         "  rehearse check --history history.jsonl --date 2026-11-27\n"
                         "  rehearse history history.jsonl\n"
                         "  rehearse history history.jsonl --fail-on-drift --html build/history.html\n",

@@ -171,7 +171,7 @@ std::function<Exit()> declare_import(CLI::App& options) {
 
 }  // namespace
 
-const Verb import_verb{
+extern const Verb import_verb{
     "import",
     "  rehearse import choreonoid/sample/SimpleController/SR1Walk.cnoid -o walk\n"
     "  rehearse record walk/SR1Walk.yaml --controller SR1WalkController=build/SR1WalkPattern.so\n"

@@ -395,7 +395,7 @@ std::function<Exit()> declare_info(CLI::App& options) {
 
 }  // namespace
 
-const Verb info_verb{"info",
+extern const Verb info_verb{"info",
                      "  rehearse info sr1.mcap\n"
                      "  rehearse info sr1.mcap --json\n"
                      "  rehearse info log.bag --schemas\n"

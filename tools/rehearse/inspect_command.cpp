@@ -289,7 +289,7 @@ std::function<Exit()> declare_inspect(CLI::App& options) {
 
 }  // namespace
 
-const Verb inspect_verb{"inspect",
+extern const Verb inspect_verb{"inspect",
                         "  rehearse inspect fixtures/models/sr1.urdf\n"
                         "  rehearse inspect robot.urdf --strict --json\n"
                         "  rehearse inspect SR1.body\n"

@@ -21,11 +21,6 @@ namespace {
 
 constexpr int bad_input = 2;  // Exit::bad_input
 
-const char* name_of(Program program) {
-  constexpr const char* names[] = {"rehearse-read", "rehearse-simulate", "rehearse-audit"};
-  return names[static_cast<std::size_t>(program)];
-}
-
 /// The file of this program; without /proc, the name by which it was started.
 std::string own_file() {
   std::array<char, PATH_MAX> file{};
@@ -35,11 +30,11 @@ std::string own_file() {
   return started_as && realpath(started_as, file.data()) ? file.data() : "";
 }
 
-/// The file of a program that contains verbs. It has no ".." in it: ps and debuggers show it.
-std::string file_of(Program program) {
+/// The file of a program that contains verbs, as "rehearse-read". It has no ".." in it: ps and debuggers show it.
+std::string file_of(const std::string& program) {
   const std::string own = own_file();
   const std::size_t name = own.rfind('/'), folder = name == std::string::npos ? name : own.rfind('/', name - 1);
-  return (folder == std::string::npos ? "" : own.substr(0, folder)) + "/" PROGRAMS_IN_TREE "/" + name_of(program);
+  return (folder == std::string::npos ? "" : own.substr(0, folder)) + "/" PROGRAMS_IN_TREE "/" + program;
 }
 
 /// Removes --no-pin from the arguments, at any position: it applies to the process, not to a verb.
@@ -59,12 +54,18 @@ int run(int argc, char** argv) {
   char* help_of_verb[] = {argv[0], argc > 2 ? argv[2] : nullptr, help.data(), nullptr};
   if (argc == 3 && std::string_view(argv[1]) == "help") argv = help_of_verb;  // rehearse help VERB
   const VerbSummary* verb = argc < 2 ? nullptr : find_verb(argv[1]);
-  const bool runs = verb && verb->is_built;
-  if (runs && verb->rounding == Rounding::matters && !is_pinning_off()) set_pinned_environment();
-  const std::string file = file_of(runs ? verb->program : Program::read);
+  std::string program = "rehearse-read";
+  if (verb && (verb->wing_adds || is_in_this_build(verb->wing))) {
+    if (verb->rounding == Rounding::matters && !is_pinning_off()) set_pinned_environment();
+    const std::string of_the_wing = "rehearse-" + std::string(verb->wing);
+    if (verb->program == Program::simulate) program = "rehearse-simulate";
+    if (verb->program == Program::of_the_wing || (verb->wing_adds && access(file_of(of_the_wing).c_str(), X_OK) == 0))
+      program = of_the_wing;
+  }
+  const std::string file = file_of(program);
   execv(file.c_str(), argv);
-  std::fprintf(stderr, "error: can't start %s: %s (it is built and installed together with rehearse)\n", file.c_str(),
-               std::strerror(errno));
+  std::fprintf(stderr, "error: can't start %s: %s (in a checkout, tools/build release %s builds it)\n", file.c_str(),
+               std::strerror(errno), program.c_str());
   return bad_input;
 }
 

@@ -65,7 +65,7 @@ std::function<Exit()> declare_map(CLI::App& options) {
 
 }  // namespace
 
-const Verb map_verb{"map",
+extern const Verb map_verb{"map",
                     "  rehearse map friday/ --model robot.urdf -o friday.map.yaml\n"
                     "  rehearse replay friday/ --controller LIB --model robot.urdf --map friday.map.yaml\n"
                     "\n"

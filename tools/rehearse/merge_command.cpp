@@ -84,7 +84,7 @@ std::function<Exit()> declare_merge(CLI::App& options) {
 
 }  // namespace
 
-const Verb merge_verb{
+extern const Verb merge_verb{
     "merge",
     "  rehearse merge walk.mcap cameras.mcap -o all.mcap\n"
     "  rehearse merge left.mcap right.mcap --prefix left.mcap=/left --prefix right.mcap=/right -o both.mcap\n"

@@ -254,7 +254,7 @@ std::function<Exit()> declare_new(CLI::App& options) {
 
 }  // namespace
 
-const Verb new_verb{"new",
+extern const Verb new_verb{"new",
                     "  rehearse new my_walker\n  rehearse new --language rust my_arm\n  rehearse new --workflow "
                     "--origin https://github.com/OWNER/NAME .\n",
                     declare_new};

@@ -1,7 +1,6 @@
 // rehearse-read: the verbs that need neither physics nor renderer, and all that names no verb. Only `rehearse` starts
 // it.
 #include <fmt/format.h>
-#include <rehearse/logs.h>
 #include <rehearse/pin.h>
 
 #include <string>
@@ -9,8 +8,8 @@
 #include <vector>
 
 #include "command.h"
+#include "log_library.h"
 #include "output.h"
-#include "wings.h"
 
 namespace rehearse::tool {
 namespace {
@@ -42,10 +41,10 @@ Exit run(int argc, char** argv) {
                         spelling_hint(word, {"--help", "--no-pin", "--version"}) + "see rehearse --help"));
   const VerbSummary* known = find_verb(word);
   if (!known) return refuse(error(fmt::format("there is no verb '{}'", word), hint_for(word)));
-  if (!known->is_built) return refuse(left_out(fmt::format("the verb {}", word), known->wing));
+  if (!known->wing_adds && !is_in_this_build(known->wing)) return refuse(left_out(fmt::format("the verb {}", word), known->wing));
   if (known->rounding == Rounding::matters) pin_process(argv);
-  if constexpr (has_logs) read_rosbag2_logs();
-  return run_own_verb("rehearse-read", argc, argv);
+  open_logs_when_needed();
+  return run_own_verb(argc, argv);
 }
 
 }  // namespace

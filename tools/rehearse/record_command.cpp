@@ -416,7 +416,7 @@ std::function<Exit()> declare_record(CLI::App& options) {
 
 }  // namespace
 
-const Verb record_verb{
+extern const Verb record_verb{
     "record",
     "  rehearse record fixtures/scenarios/sr1_minimum.yaml -o sr1.mcap\n"
     "  rehearse record --model robot.urdf --controller build/MyWalker.so --save-scenario walk.yaml\n"

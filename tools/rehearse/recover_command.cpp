@@ -112,7 +112,7 @@ std::function<Exit()> declare_recover(CLI::App& options) {
 
 }  // namespace
 
-const Verb recover_verb{
+extern const Verb recover_verb{
     "recover",
     "  rehearse recover killed.mcap -o saved.mcap\n"
     "  rehearse recover damaged.mcap -o saved.mcap --json\n"

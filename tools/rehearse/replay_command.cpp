@@ -29,10 +29,10 @@
 #include "core/scenario/trace_scenario.h"
 #include "debugger.h"
 #include "lockstep.h"
+#include "log_verbs.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
-#include "replay_log.h"
 #include "replay_ticks.h"
 #include "wings.h"
 
@@ -166,10 +166,7 @@ Exit run_log(const ReplaySettings& settings) {
   log.replay.map = settings.map;
   log.replay.from = settings.span.from;
   log.replay.until = settings.span.until;
-  if constexpr (has_logs)
-    return replay_log_of(std::move(log));
-  else
-    return refuse(left_out("the replay of a robot's log", "logs"));
+  return replay_log_of(std::move(log));
 }
 
 Exit run_ticks(ReplaySettings& settings) {
@@ -214,9 +211,9 @@ Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
     notes = notes_on_libraries_of(settings);
     tell_old_libraries(notes);
   }
+  if (settings.is_of_a_log()) return settings.ticks.is_asked() ? run_ticks(settings) : run_log(settings);
   supervise_process();
   end_runs_on_signals();
-  if (settings.is_of_a_log()) return settings.ticks.is_asked() ? run_ticks(settings) : run_log(settings);
   InterposerWatch watch;
   if (is_interposed()) settings.replay.watch = &watch;
   if (settings.ticks.is_asked() || settings.ticks.every != 1 || settings.ticks.full) return run_ticks(settings);
@@ -303,7 +300,7 @@ std::function<Exit()> declare_replay(CLI::App& options) {
 
 }  // namespace
 
-const Verb replay_verb{
+extern const Verb replay_verb{
     "replay",
     "  rehearse replay sr1.mcap\n"
     "  rehearse replay failed.mcap --controller Walker=build/MyWalker.so --from 3.0 --until 3.5\n"

@@ -1,4 +1,4 @@
-#include "replay_log.h"
+#include "log_verbs.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "control_times.h"
+#include "core/guard/interruption.h"
+#include "core/guard/supervise.h"
 #include "core/host/controller_library.h"
 #include "core/host/source_age.h"
 #include "core/host/virtualised.h"
@@ -384,6 +386,8 @@ Exit exit_of_all(const LogReplayReport& report) {
 }  // namespace
 
 Exit replay_log_of(LogSettings settings) {
+  supervise_process();
+  end_runs_on_signals();
   if (settings.trace.empty()) {
     const std::filesystem::path log = settings.log;  // of a folder, perhaps with a / at its end
     settings.trace = (log.has_filename() ? log : log.parent_path()).stem().string() + ".replay.mcap";

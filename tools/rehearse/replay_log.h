@@ -19,6 +19,4 @@ struct LogSettings {
   LogReplayOptions replay;
 };
 
-Exit replay_log_of(LogSettings settings);
-
 }  // namespace rehearse::tool

@@ -52,8 +52,9 @@ Json json_of_report(const fs::path& file, const ReportSummary& summary) {
 
 /// The coverage of the run, made by `rehearse audit --coverage`, which prints its errors. `exit`: its status.
 Result<std::string> coverage_of(const ReportSettings& settings, Exit& exit) {
-  std::vector<std::string> words{program_beside("rehearse-audit").string(), "audit", settings.trace, "--coverage",
-                                 "--json"};
+  const auto program = program_of_wing("audit", "--coverage");
+  if (!program) return program.errors();
+  std::vector<std::string> words{program->string(), "audit", settings.trace, "--coverage", "--json"};
   for (const auto& [name, library] : settings.host.libraries)
     words.push_back(fmt::format("--controller={}={}", name, library));
   words.push_back(fmt::format("--call-limit={}", settings.host.call_limit));
@@ -72,7 +73,6 @@ Result<void> check_usage(const ReportSettings& settings, const CLI::App& options
     if (options.count(option) > 0 && !settings.call_stack && !settings.coverage)
       return error(fmt::format("{} is of a replay, and this report needs none", option),
                    "--call-stack and --coverage replay the recording");
-  if (settings.coverage && !has_audit) return left_out("--coverage", "audit");
   return {};
 }
 
@@ -164,7 +164,7 @@ std::function<Exit()> declare_report(CLI::App& options) {
 
 }  // namespace
 
-const Verb report_verb{"report",
+extern const Verb report_verb{"report",
                        "  rehearse report walk.mcap\n"
                        "  rehearse report today.mcap golden/SR1.Stands.mcap -o stands.html\n"
                        "  rehearse report walk.mcap --coverage\n"

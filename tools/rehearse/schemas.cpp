@@ -5,8 +5,7 @@
 
 #include "core/check/noise_floor.h"
 #include "core/scenario/scenario_forms.h"
-#include "logs/map/map_forms.h"
-#include "wings.h"
+#include "log_verbs.h"
 
 namespace rehearse::tool {
 
@@ -14,8 +13,7 @@ std::vector<NamedForm> all_schemas() {
   std::vector<NamedForm> all{{"scenario", "a scenario of Rehearse, also of a campaign", types::of(scenario_form)},
                              {"tolerances", "a file with tolerances alone", types::of(tolerances_file_form)},
                              {"noise", "the noise floor beside a golden", types::of(noise_file_form)}};
-  if constexpr (has_logs) all.push_back({"map", "a map from a robot's log to a model", types::of(map_form)});
-  for (auto objects : {verdict_objects(), log_objects(), file_objects(), golden_objects(), campaign_objects()})
+  for (auto objects : {forms_of_logs(), verdict_objects(), log_objects(), file_objects(), golden_objects(), campaign_objects()})
     all.insert(all.end(), std::make_move_iterator(objects.begin()), std::make_move_iterator(objects.end()));
   return all;
 }

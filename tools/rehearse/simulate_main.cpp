@@ -1,12 +1,11 @@
 // rehearse-simulate: the verbs that need physics or a renderer. Only `rehearse` starts it.
-#include <rehearse/logs.h>
 #include <rehearse/pin.h>
 
 #include "command.h"
-#include "wings.h"
+#include "log_library.h"
 
 int main(int argc, char** argv) {
   rehearse::pin_process(argv);
-  if constexpr (rehearse::tool::has_logs) rehearse::read_rosbag2_logs();
-  return static_cast<int>(rehearse::tool::run_own_verb("rehearse-simulate", argc, argv));
+  rehearse::tool::open_logs_when_needed();
+  return static_cast<int>(rehearse::tool::run_own_verb(argc, argv));
 }

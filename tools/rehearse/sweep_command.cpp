@@ -405,7 +405,7 @@ std::function<Exit()> declare_sweep(CLI::App& options) {
 
 Simulation simulation() { return {record, run_plant, describe_plant, record_from}; }
 
-const Verb sweep_verb{"sweep",
+extern const Verb sweep_verb{"sweep",
                       "  rehearse sweep fixtures/campaigns/push.yaml --cases 200 -o pushed\n"
                       "  rehearse sweep status pushed\n"
                       "  rehearse sweep case 17 pushed\n"

@@ -18,7 +18,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -232,8 +231,14 @@ class CdrReader {
 /// Types of fields: numbers, bool, std::string, message structs, std::vector of these, std::array of numbers.
 #define REHEARSE_FIELDS(...)                                    \
   static constexpr std::string_view field_names = #__VA_ARGS__; \
-  auto tied() { return std::tie(__VA_ARGS__); }                 \
-  auto tied() const { return std::tie(__VA_ARGS__); }
+  template <class Call>                                         \
+  constexpr decltype(auto) with_fields(Call&& call) {           \
+    return call(__VA_ARGS__);                                   \
+  }                                                             \
+  template <class Call>                                         \
+  constexpr decltype(auto) with_fields(Call&& call) const {     \
+    return call(__VA_ARGS__);                                   \
+  }
 
 namespace rehearse::msg {
 
@@ -274,8 +279,14 @@ constexpr std::array<std::string_view, count> names_in(std::string_view list) {
   return names;
 }
 
+constexpr std::size_t count_of_names(std::string_view list) {
+  std::size_t count = list.empty() ? 0 : 1;
+  for (const char character : list) count += character == ',' ? 1 : 0;
+  return count;
+}
+
 template <MessageStruct T>
-inline constexpr auto field_names = names_in<std::tuple_size_v<decltype(std::declval<T&>().tied())>>(T::field_names);
+inline constexpr auto field_names = names_in<count_of_names(T::field_names)>(T::field_names);
 
 template <CdrNumber T>
 void encode_value(T value, CdrWriter& writer) {
@@ -341,10 +352,12 @@ void decode_value(CdrReader& reader, std::vector<T>& values) {
 template <class T, class Visit>
 void for_each_field(T& message, Visit&& visit) {
   const auto visit_all = [&visit](auto&... field) {
-    [[maybe_unused]] auto name = detail::field_names<std::remove_const_t<T>>.begin();
+    constexpr auto& names = detail::field_names<std::remove_const_t<T>>;
+    static_assert(names.size() == sizeof...(field));
+    [[maybe_unused]] auto name = names.begin();
     (visit(*name++, field), ...);
   };
-  std::apply(visit_all, message.tied());
+  message.with_fields(visit_all);
 }
 
 template <MessageStruct T>
@@ -368,7 +381,7 @@ class SchemaComposer {
     add<T>();
     std::string text;
     for (const Definition& definition : definitions_) {
-      if (!text.empty()) text += separator + "MSG: " + short_name(definition.type) + "\n";
+      if (!text.empty()) text.append(80, '=').append("\nMSG: ").append(short_name(definition.type)).append("\n");
       text += definition.fields;
     }
     return text;
@@ -429,7 +442,6 @@ class SchemaComposer {
     return text.erase(text.find("/msg/"), 4);
   }
 
-  inline static const std::string separator = std::string(80, '=') + "\n";
   std::vector<Definition> definitions_;
 };
 

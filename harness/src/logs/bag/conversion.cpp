@@ -384,4 +384,7 @@ void read_rosbag2_logs() {
   mcap::set_container_reader(reader);
 }
 
+/// For programs that load the library with the first log that needs it.
+extern "C" void rehearse_read_logs() { read_rosbag2_logs(); }
+
 }  // namespace rehearse
