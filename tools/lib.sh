@@ -174,17 +174,22 @@ project_version() { sed -nE 's/^project\(Rehearse VERSION ([0-9.]+).*/\1/p' CMak
 # Options of cmake, besides those of the preset.
 configure_options=()
 
-# configure_and_build PRESET [TARGET...]: everything, or only the targets; a few seconds if nothing changed.
-configure_and_build() {
-  local preset=$1 folder launcher=()
-  shift
-  folder=$(build_folder "$preset")
+configure() {
+  local preset=$1 launcher=()
   if command -v ccache > /dev/null; then
     launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
     # In CI every run is a new checkout: let all runs share a compiler cache, whatever the folder of the checkout.
     if [[ ${CI:-} == true ]]; then export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1; fi
   fi
-  quietly "$folder/configure.log" cmake --preset "$preset" "${launcher[@]}" "${configure_options[@]}"
+  quietly "$(build_folder "$preset")/configure.log" cmake --preset "$preset" "${launcher[@]}" "${configure_options[@]}"
+}
+
+# configure_and_build PRESET [TARGET...]: everything, or only the targets; a few seconds if nothing changed.
+configure_and_build() {
+  local folder
+  folder=$(build_folder "$1")
+  configure "$1"
+  shift
   quietly "$folder/build.log" with_estimates "$folder" "$@" 3>&1
 }
 
@@ -195,8 +200,7 @@ with_estimates() {
   jobs=$(nproc)
   if (($# > 0)); then targets=(--target "$@"); fi
   mkdir -p "$folder/estimate"
-  touch "$folder/.ninja_log"
-  cp "$folder/.ninja_log" "$folder/estimate/before"
+  cat "$folder/.ninja_log" > "$folder/estimate/before" 2> /dev/null || true
   planned "$folder" "$build_costs" "$@" > "$folder/estimate/plan"
   show_estimates "$folder" "$jobs" >&3 &
   shower=$!
