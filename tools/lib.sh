@@ -70,15 +70,15 @@ planned() {
         return (output ~ /^tests\// ? "test " : "") \
           (output ~ /\.o$/ ? "object" : output ~ /\.gch$/ ? "header" : output ~ /^bin\/|\.so[.0-9]*$|\.a$/ ? "program" : "other")
       }
-      function median(kind, n, i, j, x) {
-        if (kind in medians) return medians[kind]
-        n = count[kind]
+      function median(of, n, i, j, x) {
+        if (of in medians) return medians[of]
+        n = count[of]
         for (i = 2; i <= n; ++i) {
-          x = seconds[kind, i]
-          for (j = i; j > 1 && seconds[kind, j - 1] > x; --j) seconds[kind, j] = seconds[kind, j - 1]
-          seconds[kind, j] = x
+          x = seconds[of, i]
+          for (j = i; j > 1 && seconds[of, j - 1] > x; --j) seconds[of, j] = seconds[of, j - 1]
+          seconds[of, j] = x
         }
-        return medians[kind] = n ? seconds[kind, int((n + 1) / 2)] : 1
+        return medians[of] = n ? seconds[of, int((n + 1) / 2)] : 1
       }
       BEGIN {
         while ((getline < costs) > 0)
@@ -202,6 +202,11 @@ with_estimates() {
   mkdir -p "$folder/estimate"
   cat "$folder/.ninja_log" > "$folder/estimate/before" 2> /dev/null || true
   planned "$folder" "$build_costs" "$@" > "$folder/estimate/plan"
+  if [[ -f $build_costs ]]; then
+    awk -v jobs="$jobs" '{ seconds += $1 / jobs } END { if (seconds > 60)
+      printf "build: %d units, about %.0f min on %d cores if no compiler cache helps\n", NR, seconds / 60, jobs
+    }' "$folder/estimate/plan" >&3
+  fi
   show_estimates "$folder" "$jobs" >&3 &
   shower=$!
   NINJA_STATUS="[%f/%t] " cmake --build "$folder" --parallel "$jobs" "${targets[@]}" || status=$?

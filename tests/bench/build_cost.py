@@ -132,8 +132,8 @@ def headers(build):
              "-ftime-trace-granularity=1000", "-o", target], build.log, cwd=commands[unit]["directory"])  # fmt: skip
         of_unit = set()
         for event in json.loads(target.with_suffix(".json").read_text())["traceEvents"]:
-            if event["name"] == "Source":
-                file = os.path.normpath(event["args"]["detail"]).removeprefix(f"{build.source}/")
+            file = os.path.normpath(event.get("args", {}).get("detail", "")).removeprefix(f"{build.source}/")
+            if event["name"] == "Source" and not file.endswith((".cpp", ".cxx")):
                 seconds[file] += event["dur"] / 1e6
                 of_unit.add(file)
         counts.update(of_unit)
