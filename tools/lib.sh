@@ -55,7 +55,7 @@ progress() {
 # shellcheck disable=SC2034  # for scripts that source this
 demo_targets=(rehearse_installed SR1MinimumController)
 
-# The processor time of each output of a build, which tools/bench --build --costs measures.
+# The processor time of each output of a build, which tools/bench --build --costs measures; without it no time left is shown.
 build_costs=tools/build_costs.txt
 
 # planned FOLDER COSTS TARGET...: a line "SECONDS OUTPUT" for each unit that ninja is going to make, with its processor
@@ -121,17 +121,26 @@ estimate() {
       if (!units) exit
       # until something has ended, the machine is taken for as fast as that which measured the costs
       slowness = (weighted_busy + 5) / (weighted_cost + 5)
+      # The first units of the plan that are left are running: the one in the n-th place since n - jobs units had ended. What
+      # costs less than a second is left out, as it may wait for others. In the beginning, a unit that takes longer than
+      # expected counts as if it had ended.
+      for (i = 1; i <= units && running < jobs; ++i) {
+        if (unit[i] in is_done || cost[unit[i]] < 1) continue
+        ++running
+        ran[i] = elapsed - (i > jobs ? end[i - jobs < finished ? i - jobs : finished] : 0)
+        if (done < 0.1 * total && cost[unit[i]] > 5 && ran[i] > slowness * cost[unit[i]]) {
+          weighted_busy += ran[i]
+          weighted_cost += cost[unit[i]]
+        }
+      }
+      if (done < 0.1 * total) slowness = (weighted_busy + 5) / (weighted_cost + 5)
       unfinished = units - finished
-      if (remaining != "" && remaining > 0 && remaining < unfinished) slowness *= remaining / unfinished
-      # The rest goes to the cores in the order of the plan. Its first units are running: the one in the n-th place of the
-      # plan since n - jobs units had ended.
+      if (remaining > 0 && remaining < unfinished) slowness *= remaining / unfinished
+      # the rest goes to the cores in the order of the plan
       for (i = 1; i <= units; ++i) {
         if (unit[i] in is_done) continue
         seconds = slowness * cost[unit[i]]
-        if (++started <= jobs) {
-          since = i > jobs ? end[i - jobs < finished ? i - jobs : finished] : 0
-          seconds -= (elapsed - since < 0.9 * seconds) ? elapsed - since : 0.9 * seconds
-        }
+        if (i in ran) seconds -= ran[i] < 0.9 * seconds ? ran[i] : 0.9 * seconds
         first = 1
         for (j = 2; j <= jobs; ++j) if (core[j] + 0 < core[first] + 0) first = j
         core[first] += seconds
@@ -154,10 +163,10 @@ show_estimates() {
     remaining=$(tail -c 4000 "$folder/build.log" | awk -F '[][/]' '/^\[[0-9]+\/[0-9]+\]/ { n = $3 - $2 } END { print n }')
     read -r finished units percent left output < <(estimate "$folder"/estimate/{plan,before} "$folder/.ninja_log" \
       $((SECONDS - begin)) "$jobs" "$remaining") || continue
-    printf -v line 'build: %d %%, %d of %d units, about %d:%02d min left' \
-      "$percent" "$finished" "$units" $((left / 60)) $((left % 60))
+    line="build: $percent %, $finished of $units units"
+    if [[ -f $build_costs ]]; then line+=", about $((left / 60)):$(printf %02d $((left % 60))) min left"; fi
     if [[ $clear ]]; then
-      line="$line; ${output/CMakeFiles\//}"
+      line+="; ${output/CMakeFiles\//}"
       printf "$clear%s" "${line:0:$(($(tput cols 2> /dev/null || echo 80) - 1))}"
     else
       echo "$line"
