@@ -78,7 +78,7 @@ class CommandedWorld {
 void over_ideal_actuators(benchmark::State& state, const BuiltParts& parts) {
   CommandedWorld built(built_bodies(parts)), ideal(Sr1Run::instance().bodies());
   Pairs pairs;
-  for (auto _ : state) {
+  for (auto _ : Repeated(state)) {
     built.prepare();
     ideal.prepare();
     state.SetIterationTime(pairs.measure([&] { built.run(); }, [&] { ideal.run(); }));
@@ -109,7 +109,7 @@ void errors_of_sensors_over_none(benchmark::State& state) {
   Observation read;
   CommandedWorld with(sr1.bodies()), without(sr1.bodies());
   Pairs pairs;
-  for (auto _ : state) {
+  for (auto _ : Repeated(state)) {
     if (with.prepare()) errors.emplace(scenario);
     without.prepare();
     const auto disturb = [&](const World& world) {

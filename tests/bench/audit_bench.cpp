@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "pairs.h"
 #include "sr1_run.h"
 
 namespace rehearse {
@@ -49,7 +50,7 @@ void over_one_replay(benchmark::State& state, const std::string& verb) {
   const std::string trace = "'" + sr1.trace().string() + "'";
   const auto ticks = static_cast<double>(sr1.ticks());
   std::vector<double> ratios, busy_ratios, works, bases;
-  for (auto _ : state) {
+  for (auto _ : Repeated(state)) {
     const Cost audit = cost_of(state, verb + trace), start = cost_of(state, verb + "--until 0.002 " + trace);
     const Cost replay = cost_of(state, "replay " + trace);
     state.SetIterationTime(audit.wall);

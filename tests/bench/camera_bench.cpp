@@ -113,7 +113,7 @@ class Cameras {
 void measure_recorded_frames(benchmark::State& state, bool meshes) {
   Cameras cameras(meshes);
   Pairs pairs(CLOCK_PROCESS_CPUTIME_ID);  // OSMesa draws in a thread of its own
-  for (auto _ : state) {
+  for (auto _ : Repeated(state)) {
     cameras.begin_file();
     state.SetIterationTime(pairs.measure([&] { cameras.record(); }, [&] { cameras.draw_only(); }));
   }

@@ -69,7 +69,7 @@ void case_over_record(benchmark::State& state) {
   constexpr std::int64_t cases = 6;
   Sweeps sweeps("one_worker", cases);
   Pairs pairs(CLOCK_MONOTONIC);
-  for (auto _ : state) {
+  for (auto _ : Repeated(state)) {
     Campaign campaign = sweeps.prepare();
     std::int64_t runs = cases;
     for (std::int64_t number = 0; number < cases; ++number) runs += campaign.runs_twice(number) ? 1 : 0;
@@ -87,7 +87,7 @@ void two_workers_over_one(benchmark::State& state) {
   constexpr std::int64_t cases = 24;  // the second runs come after all first ones
   Sweeps two("two_workers", cases), one("one_worker", cases);
   Pairs pairs(CLOCK_MONOTONIC);
-  for (auto _ : state) {
+  for (auto _ : Repeated(state)) {
     Campaign by_two = two.prepare(), by_one = one.prepare();
     state.SetIterationTime(pairs.measure([&] { Sweeps::run(by_two, 2); }, [&] { Sweeps::run(by_one, 1); }));
   }

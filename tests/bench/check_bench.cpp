@@ -19,7 +19,7 @@ void plant_level_over_closed_level(benchmark::State& state) {
   const Trace golden = must(Trace::load(sr1.trace()));
   const Simulation simulation{record, run_plant};
   Pairs pairs(CLOCK_PROCESS_CPUTIME_ID);  // a writer compresses in a thread of its own
-  for (auto _ : state) {
+  for (auto _ : Repeated(state)) {
     const auto plant = [&] {
       const PlantLevel level = must(compare_plant(simulation, sr1.scenario(), golden, sr1.folder() / "plant.mcap", {}));
       if (!level.comparison.equal) state.SkipWithError("the plant level differs");
@@ -49,7 +49,7 @@ void check_over_record(benchmark::State& state, const Scenario& scenario, const 
   };
   if (check(sr1.scenario()).proved) state.SkipWithError("nothing was certified yet");
   Pairs pairs(CLOCK_PROCESS_CPUTIME_ID);
-  for (auto _ : state) {
+  for (auto _ : Repeated(state)) {
     const auto work = [&] {
       if (!is_expected(check(scenario))) state.SkipWithError("the check has a different result");
     };
@@ -83,7 +83,7 @@ void checkpoints_over_none(benchmark::State& state) {
   without.checkpoint_period = 0.0;
   const std::filesystem::path with_file = sr1.folder() / "with.mcap", without_file = sr1.folder() / "without.mcap";
   Pairs pairs(CLOCK_PROCESS_CPUTIME_ID);
-  for (auto _ : state)
+  for (auto _ : Repeated(state))
     state.SetIterationTime(pairs.measure([&] { must(record(sr1.scenario(), with_file)); },
                                          [&] { must(record(sr1.scenario(), without_file, without)); }));
   pairs.report(state, static_cast<double>(sr1.ticks()), static_cast<double>(sr1.ticks()));

@@ -54,7 +54,7 @@ void closed_loop_over_bare_loop(benchmark::State& state) {
   EndlessSession session;
   BareLoop bare;
   Pairs pairs;
-  for (auto _ : state) {
+  for (auto _ : Repeated(state)) {
     session.prepare(slice);
     bare.prepare(slice);
     state.SetIterationTime(pairs.measure([&] { session.run(slice); }, [&] { bare.run(slice); }));
@@ -68,7 +68,7 @@ void replay_over_closed_loop(benchmark::State& state) {
   const Sr1Run& sr1 = Sr1Run::instance();
   EndlessSession session;
   Pairs pairs;
-  for (auto _ : state) {
+  for (auto _ : Repeated(state)) {
     session.prepare(slice);
     const auto replay_all = [&] {
       if (!must(replay(sr1.trace())).equal()) state.SkipWithError("the replay differs from the recording");

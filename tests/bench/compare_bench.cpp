@@ -32,7 +32,7 @@ void diff_over_reading(benchmark::State& state, bool same) {
   const std::filesystem::path& second = same ? minutes.golden : minutes.other;
   const std::vector<ToleranceRule>& rules = Sr1Run::instance().scenario().tolerances;
   Pairs pairs;
-  for (auto _ : state) {
+  for (auto _ : Repeated(state)) {
     const auto diff = [&] {
       const Trace golden = must(Trace::load(minutes.golden)), actual = must(Trace::load(second));
       if (compare(golden, actual, rules).equal != same) state.SkipWithError("the traces are not what they should be");

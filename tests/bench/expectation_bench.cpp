@@ -50,7 +50,7 @@ void expectations_over_reading(benchmark::State& state) {
   for (const ExpectationResult& result : must(judge_expectations(expectations, file)))
     if (!result.holds) state.SkipWithError(result.sentence.c_str());
   Pairs pairs;
-  for (auto _ : state)
+  for (auto _ : Repeated(state))
     state.SetIterationTime(
         pairs.measure([&] { benchmark::DoNotOptimize(must(judge_expectations(expectations, file)).size()); },
                       [&] { benchmark::DoNotOptimize(must(Trace::load(file)).ticks()); }));

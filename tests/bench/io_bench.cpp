@@ -27,7 +27,7 @@ void copying_over_bare_loop(benchmark::State& state) {
   const BodyObservation seen = world->sense().bodies[1];
   std::size_t tick = 0;
   Pairs pairs;
-  for (auto _ : state) {
+  for (auto _ : Repeated(state)) {
     const auto copy = [&] {
       for (std::int64_t i = 0; i < copies; ++i) {
         io.input(seen);

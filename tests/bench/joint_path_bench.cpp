@@ -61,7 +61,7 @@ void inverse_over_forward_kinematics(benchmark::State& state) {
   Pairs pairs;
   double solved = 0.0;
   double asked = 0.0;
-  for (auto _ : state) {
+  for (auto _ : Repeated(state)) {
     const auto solve = [&] {
       for (int i = 0; i < rounds; ++i) solved += arm.solve_all();
     };

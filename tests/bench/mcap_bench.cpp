@@ -62,7 +62,7 @@ void writing_over_compressing(benchmark::State& state) {
   for (const Buffer& message : messages) all.insert(all.end(), message.begin(), message.end());
   mcap::Compressor compressor(1, 0);
   Pairs pairs(CLOCK_PROCESS_CPUTIME_ID);
-  for (auto _ : state) {
+  for (auto _ : Repeated(state)) {
     const auto write = [&] { write_file(nowhere, messages); };
     const auto compress = [&] {
       for (std::size_t at = 0; at < all.size(); at += chunk_size) {
@@ -88,7 +88,7 @@ void small_messages_over_copying(benchmark::State& state) {
   const Buffer records(count * (mcap::record_head + mcap::message_head + data.size()), std::byte{7});
   copy.resize(records.size());
   Pairs pairs(CLOCK_PROCESS_CPUTIME_ID);
-  for (auto _ : state) {
+  for (auto _ : Repeated(state)) {
     const auto write = [&] {
       const auto writer = std::move(*mcap::Writer::create(nowhere, options));
       const auto channel = writer->add_channel(0, "/small", "cdr");
@@ -104,7 +104,6 @@ void small_messages_over_copying(benchmark::State& state) {
     state.SetIterationTime(pairs.measure(write, copy_records));
   }
   pairs.report(state, 1, 1);
-  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(count));
 }
 BENCHMARK(small_messages_over_copying)->UseManualTime()->Unit(benchmark::kMillisecond);
 
@@ -125,7 +124,7 @@ void reading_over_decompressing(benchmark::State& state) {
   mcap::Decompressor decompressor;
   mcap::RawBuffer buffer;
   Pairs pairs;
-  for (auto _ : state) {
+  for (auto _ : Repeated(state)) {
     std::uint64_t sum = 0;
     const auto read = [&] {
       const auto opened = mcap::Reader::open_bytes(file, "joints");
@@ -156,7 +155,7 @@ void info_of_10_gigabytes(benchmark::State& state) {
     REHEARSE_ASSERT(std::system(line.c_str()) == 0, "it is a whole file");
   };
   Pairs pairs;
-  for (auto _ : state)
+  for (auto _ : Repeated(state))
     state.SetIterationTime(pairs.measure([&] { run("info " + file.string()); }, [&] { run("--version"); }));
   pairs.report(state, 1, 1);
 }

@@ -5,10 +5,57 @@
 #include <time.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
 namespace rehearse {
+
+/// The range of a benchmark's loop, as the library's `state`, whose iterations each repeat it until
+/// $REHEARSE_BENCH_SECONDS of the clock have passed since the program began: what comes before the loop counts, too. It
+/// is repeated at least `fewest` times. Without that variable it is repeated once, and the library decides on
+/// iterations.
+class Repeated {
+  using Clock = std::chrono::steady_clock;
+  static inline const Clock::time_point program_began = Clock::now();
+  static constexpr int fewest = 3;
+
+ public:
+  explicit Repeated(benchmark::State& state) : state_(state) {
+    if (const char* seconds = std::getenv("REHEARSE_BENCH_SECONDS"))
+      end_ = program_began +
+             std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::atof(seconds)));
+  }
+
+  class Iterator {
+   public:
+    Iterator(const Repeated* range, benchmark::State::StateIterator iteration) : range_(range), iteration_(iteration) {}
+    bool operator!=(const Iterator& end) const { return iteration_ != end.iteration_; }
+    auto operator*() const { return *iteration_; }
+    Iterator& operator++() {
+      ++count_;
+      // a repetition that won't end in time isn't begun
+      const Clock::time_point now = Clock::now();
+      const bool again = count_ < fewest || now + (now - began_) / count_ < range_->end_;
+      if (range_->end_ == Clock::time_point{} || range_->state_.error_occurred() || !again) ++iteration_;
+      return *this;
+    }
+
+   private:
+    const Repeated* range_;
+    benchmark::State::StateIterator iteration_;
+    Clock::time_point began_ = Clock::now();
+    int count_ = 0;
+  };
+
+  Iterator begin() { return {this, state_.begin()}; }
+  Iterator end() { return {this, state_.end()}; }
+
+ private:
+  benchmark::State& state_;
+  Clock::time_point end_{};  // of the repetitions
+};
 
 class Pairs {
  public:

@@ -85,7 +85,7 @@ class Child {
 void measure(benchmark::State& state, const char* work, double units) {
   Child pinned(work, true), unpinned(work, false);
   Pairs pairs(pinned.clock(), unpinned.clock());
-  for (auto _ : state)
+  for (auto _ : Repeated(state))
     state.SetIterationTime(pairs.measure([&] { pinned.work_once(); }, [&] { unpinned.work_once(); }));
   pairs.report(state, units, units);
 }

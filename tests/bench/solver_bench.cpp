@@ -99,7 +99,8 @@ class Standing {
 void direct_over_quick(benchmark::State& state, Standing::Held held) {
   Standing direct(SolverSettings::Method::direct, held), quick(SolverSettings::Method::quick, held);
   Pairs pairs;
-  for (auto _ : state) state.SetIterationTime(pairs.measure([&] { direct.steps(slice); }, [&] { quick.steps(slice); }));
+  for (auto _ : Repeated(state))
+    state.SetIterationTime(pairs.measure([&] { direct.steps(slice); }, [&] { quick.steps(slice); }));
   if (direct.height() < 0.7) state.SkipWithError("SR1 fell");
   pairs.report(state, slice, slice);
 }
@@ -128,7 +129,7 @@ void direct_record_over_quick(benchmark::State& state) {
   direct.solver.method = SolverSettings::Method::direct;
   const std::filesystem::path file = Sr1Run::instance().folder() / "second.mcap";
   Pairs pairs;
-  for (auto _ : state)
+  for (auto _ : Repeated(state))
     state.SetIterationTime(pairs.measure([&] { must(record(direct, file)); }, [&] { must(record(quick, file)); }));
   pairs.report(state, quick.ticks(), quick.ticks());
 }
@@ -170,7 +171,7 @@ void direct_step_per_link(benchmark::State& state) {
       if (!world.step()) std::abort();
   };
   Pairs pairs;
-  for (auto _ : state)
+  for (auto _ : Repeated(state))
     state.SetIterationTime(pairs.measure([&] { steps(*longer, slice); }, [&] { steps(*shorter, slice * many / few); }));
   pairs.report(state, slice * many, slice * many);
 }

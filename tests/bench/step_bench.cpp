@@ -40,7 +40,7 @@ void step_back_by_one_tick(benchmark::State& state) {
     tick = tick > trace.first_tick() ? tick - 1 : trace.last_tick();
   }
 }
-BENCHMARK(step_back_by_one_tick)->Unit(benchmark::kMillisecond);
+BENCHMARK(step_back_by_one_tick)->MinTime(1)->Unit(benchmark::kMillisecond);
 
 /// Places far from each other, so that none is in memory: at most 500 ms.
 void go_to_any_tick(benchmark::State& state) {
@@ -52,13 +52,13 @@ void go_to_any_tick(benchmark::State& state) {
     tick = (tick + 22'801) % ticks;  // has no divisor in common with the number of ticks
   }
 }
-BENCHMARK(go_to_any_tick)->Unit(benchmark::kMillisecond);
+BENCHMARK(go_to_any_tick)->MinTime(1)->Unit(benchmark::kMillisecond);
 
 /// Work: a SteppedTrace of a minute, replayed. Base: Trace::load() of it.
 void open_over_reading(benchmark::State& state) {
   const std::filesystem::path& file = Minute::instance().file;
   Pairs pairs;
-  for (auto _ : state)
+  for (auto _ : Repeated(state))
     state.SetIterationTime(pairs.measure([&] { benchmark::DoNotOptimize(must(SteppedTrace::open(file)).get()); },
                                          [&] { benchmark::DoNotOptimize(must(Trace::load(file)).ticks()); }));
   pairs.report(state, 1.0, 1.0);
@@ -71,7 +71,7 @@ void search_over_reading(benchmark::State& state) {
   const Expression expression =
       must(Expression::parse("abs(delta(output/RLEG_KNEE/u)) > 1e9 && contact(RLEG_ANKLE_R)", trace));
   Pairs pairs;
-  for (auto _ : state)
+  for (auto _ : Repeated(state))
     state.SetIterationTime(pairs.measure(
         [&] {
           if (find_tick(expression, trace, trace.first_tick(), Direction::forwards))

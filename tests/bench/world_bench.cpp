@@ -116,7 +116,7 @@ void world_step_over_bare_ode(benchmark::State& state) {
     bare.step();
   }
   Pairs pairs;
-  for (auto _ : state) {
+  for (auto _ : Repeated(state)) {
     state.SetIterationTime(pairs.measure(
         [&] {
           for (int i = 0; i < slice; ++i) world->step();
