@@ -187,6 +187,8 @@ configure() {
   local preset=$1 launcher=()
   if command -v ccache > /dev/null; then
     launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+    # Of precompiled headers it compares the contents, not their times.
+    export CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
     # In CI every run is a new checkout: let all runs share a compiler cache, whatever the folder of the checkout.
     if [[ ${CI:-} == true ]]; then export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1; fi
   fi

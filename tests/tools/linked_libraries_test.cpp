@@ -68,14 +68,13 @@ TEST_F(LinkedLibraries, OfTheCommandAreThoseOfC) {
 TEST_F(LinkedLibraries, OfTheReaderHaveNeitherPhysicsNorRenderer) {
   const std::string names = everything(REHEARSE_READ);
   EXPECT_THAT(names, HasSubstr("librehearse_harness"));
-  for (const char* absent : {"libode", "libOSMesa", "libGL", "libLLVM", "libassimp", "librehearse_world",
-                             "librehearse_renderer", "librehearse_simulation"})
+  for (const char* absent : {"libode", "libOSMesa", "libGL", "libLLVM", "libassimp", "librehearse_simulation"})
     EXPECT_THAT(names, Not(HasSubstr(absent)));
 }
 
 TEST_F(LinkedLibraries, OfTheAuditHaveNeitherAndThoseOfTheReaderHaveNoDisassembler) {
   const std::string audit = everything(command.parent_path() / "../libexec/rehearse/rehearse-audit");
-  for (const char* absent : {"libode", "libOSMesa", "librehearse_world", "librehearse_simulation"})
+  for (const char* absent : {"libode", "libOSMesa", "librehearse_simulation"})
     EXPECT_THAT(audit, Not(HasSubstr(absent)));
   for (const char* own : {"libcapstone", "libdw"}) {
     EXPECT_THAT(audit, HasSubstr(own));

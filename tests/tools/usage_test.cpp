@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace rehearse::test {
 namespace {
@@ -57,10 +58,28 @@ TEST_F(Usage, TheProgramBehindItIsNotStartedByHand) {
 TEST_F(Usage, WithoutTheProgramBehindItSaysWhichOneIsMissing) {
   fs::create_directories(folder() / "bin");
   fs::copy_file(command, folder() / "bin/rehearse");
-  const Outcome outcome = run(folder() / "bin/rehearse", {"info", "a.mcap"});
-  EXPECT_EQ(outcome.status, 2);
-  EXPECT_EQ(outcome.err, "error: can't start " + (fs::canonical(folder()) / "libexec/rehearse/rehearse-read").string() +
-                             ": No such file or directory (it is built and installed together with rehearse)\n");
+  const std::string programs = (fs::canonical(folder()) / "libexec/rehearse/rehearse-").string();
+  for (const auto& [verb, program] : {std::pair("info", "read"), std::pair("check", "simulate"),
+                                      std::pair("map", "logs"), std::pair("sweep", "campaigns"),
+                                      std::pair("audit", "audit"), std::pair("import", "choreonoid")}) {
+    const Outcome outcome = run(folder() / "bin/rehearse", {verb, "a"});
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_EQ(outcome.err, "error: can't start " + programs + program +
+                               ": No such file or directory (in a checkout, tools/build release rehearse-" + program +
+                               " builds it)\n");
+  }
+}
+
+TEST_F(Usage, ADemoHasNoProgramsOfWingsAndSaysHowTheyAreBuilt) {
+  fs::create_directories(folder() / "bin");
+  fs::create_directories(folder() / "libexec/rehearse");
+  fs::copy_file(command, folder() / "bin/rehearse");
+  fs::copy_file(REHEARSE_READ, folder() / "libexec/rehearse/rehearse-read");  // its libraries are those of the build
+  const fs::path reader = folder() / "bin/rehearse";
+  EXPECT_EQ(run(reader, {"doctor", "none.mcap"}).status, 2);  // without logs
+  const Outcome log = run(reader, {"replay", "a.mcap", "--model", "a.urdf", "--map", "a.yaml", "--controller", "A"});
+  EXPECT_EQ(log.status, 2);
+  EXPECT_THAT(log.err, HasSubstr("tools/build release rehearse-logs builds it"));
 }
 
 TEST_F(Usage, HelpOfAVerbIsThatOfItsOption) {

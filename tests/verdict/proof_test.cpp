@@ -351,7 +351,7 @@ void ProvedByCommand::expect_simulated_with_other(const std::string& library, co
 TEST_F(ProvedByCommand, IsNoneWithAChangedEngine) { expect_simulated_with_other("libode.so", "ODE"); }
 
 TEST_F(ProvedByCommand, IsNoneWithAChangedLibraryOfRehearse) {
-  expect_simulated_with_other("librehearse_world.so", "is not positive definite");
+  expect_simulated_with_other("librehearse_simulation.so", "is not positive definite");
 }
 
 TEST_F(ProvedByCommand, IsNoneWithAnotherLibraryThatIsNamedLikeOneOfRehearse) {
@@ -373,15 +373,15 @@ TEST_F(ProvedWithAMesh, IsNoneWithAChangedAssimp) {
 }
 
 TEST_F(ProvedWithAMesh, IsNoneWithAChangedReader) {
-  const fs::path model = loaded("librehearse_model.so");  // which loads the reader that is beside itself
-  fs::copy_file(model, folder() / model.filename());
+  const fs::path harness = loaded("librehearse_harness.so");  // which loads the reader that is beside itself
+  fs::copy_file(harness, folder() / harness.filename());
   expect_simulated_with_other("librehearse_assimp.so", "a node of it refers to a mesh", "rehearse");
 }
 
 TEST_F(ProvedByCommand, WithoutAMeshDependsOnNoReader) {
   const auto plant = describe_plant(*Scenario::load(scenario()));
   ASSERT_TRUE(plant.ok()) << to_string(plant.errors());
-  EXPECT_EQ(plant->count("the library librehearse_model.so.0.1"), 1U);
+  EXPECT_EQ(plant->count("the library librehearse_harness.so.0.1"), 1U);
   for (const auto& [fact, value] : *plant) EXPECT_THAT(fact, Not(HasSubstr("assimp")));
 }
 

@@ -67,6 +67,7 @@ target_compile_options(rehearse_flags INTERFACE
   $<$<NOT:$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wshadow>
   -Wall -Wextra -Wpedantic -Wnon-virtual-dtor -Woverloaded-virtual -Wimplicit-fallthrough
   $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>  # it takes the sources of a unity build for headers
+  $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>  # ccache needs it
   # the compiler's garbage collection takes a tenth of its time; most units end below this size [KB]
   $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1000000>
   $<$<BOOL:${REHEARSE_WERROR}>:-Werror>
@@ -205,6 +206,16 @@ function(rehearse_write_rooms file)
   file(GENERATE OUTPUT ${file} CONTENT "${lines}")
 endfunction()
 
+# rehearse_find_libraries_in(TARGET FOLDER): the linker finds Rehearse's libraries in this folder alone, relative to the
+# target, in the build folder as installed. CMake's own list for the build folder has empty entries, and each is searched
+# for each library.
+function(rehearse_find_libraries_in target folder)
+  set_target_properties(${target} PROPERTIES INSTALL_RPATH "${folder}")
+  if(CMAKE_INSTALL_LIBDIR STREQUAL lib)  # the name of the folder in the build folder
+    set_target_properties(${target} PROPERTIES BUILD_WITH_INSTALL_RPATH ON)
+  endif()
+endfunction()
+
 # rehearse_add_library(NAME SOURCES... ROOMS rooms...): the shared library librehearse_NAME.so, target Rehearse::NAME.
 function(rehearse_add_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "ROOMS")
@@ -214,6 +225,7 @@ function(rehearse_add_library name)
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   target_compile_features(rehearse_${name} PUBLIC cxx_std_20)
   target_link_libraries(rehearse_${name} PRIVATE $<BUILD_INTERFACE:rehearse_flags>)
+  rehearse_find_libraries_in(rehearse_${name} $ORIGIN)
   # The library's own names are bound when it is linked, not by name at every start.
   set(exports ${PROJECT_SOURCE_DIR}/tools/cmake/exports.map)
   target_link_options(rehearse_${name} PRIVATE -Wl,-Bsymbolic -Wl,--version-script=${exports})

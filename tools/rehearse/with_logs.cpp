@@ -10,7 +10,7 @@ std::vector<NamedForm> forms_of_logs() {
 
 std::optional<Diagnostics> findings_of_container(const std::filesystem::path& file) { return examine_container(file); }
 
-std::filesystem::path folder_of_log(const std::filesystem::path& log) { return mcap::folder_of(log); }
+std::filesystem::path folder_of_log(const std::filesystem::path& log) { return bag::folder_of(log); }
 
 Result<bag::Folder> read_folder_of_log(const std::filesystem::path& folder) { return bag::read_folder(folder); }
 
