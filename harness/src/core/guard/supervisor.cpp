@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <malloc.h>
 #include <pthread.h>
 #include <rehearse/pin.h>
 #include <signal.h>
@@ -375,6 +376,12 @@ void supervise_process() {
     notes = nullptr;  // fork failed: continue without a parent
   }
   sigprocmask(SIG_SETMASK, &before, nullptr);
+}
+
+void keep_freed_memory() {
+  constexpr int trimmed = 32 << 20, mapped = 8 << 20;  // [bytes]
+  mallopt(M_TRIM_THRESHOLD, trimmed);
+  mallopt(M_MMAP_THRESHOLD, mapped);
 }
 
 void note_task(const char* name, int left) {
