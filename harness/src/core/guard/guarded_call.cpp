@@ -354,7 +354,10 @@ void run_catching(const std::function<void()>& code, CallOutcome& outcome) {
 
 }  // namespace
 
-void prepare_guarded_calls() { install_handlers(); }
+void prepare_guarded_calls() {
+  install_handlers();
+  provide_signal_stack();
+}
 
 void watch_calls_after_fork() { Watchdog::forget(); }
 
@@ -385,8 +388,7 @@ void take_thread_failure(CallOutcome& outcome) {
 
 CallOutcome guarded_call(const std::function<void()>& code, double limit) {
   REHEARSE_ASSERT(!guarding, "guarded calls don't nest");
-  install_handlers();
-  provide_signal_stack();
+  prepare_guarded_calls();
   guarded_thread = pthread_self();
   *unforked = 1;
   const FloatMode standard, mode_before = float_mode();

@@ -15,6 +15,7 @@
 
 #include "c_library.h"
 #include "core/mcap/hashing.h"
+#include "guarded_call.h"
 #include "interruption.h"
 #include "model/file_descriptor.h"
 #include "process_guard.h"
@@ -77,7 +78,10 @@ bool take_answer(int file, AnswerHead& head, std::string& text) {
 
 }  // namespace
 
-void begin_own_processes() { forks = is_supervised(); }
+void begin_own_processes() {
+  forks = is_supervised();
+  if (forks) prepare_guarded_calls();  // once, not in each fork
+}
 
 bool has_own_processes() { return forks; }
 
