@@ -2,8 +2,6 @@
 
 #include <set>
 #include <string>
-#include <string_view>
-#include <type_traits>
 #include <utility>
 
 #include "core/guard/answer.h"
@@ -15,14 +13,11 @@ namespace rehearse {
 
 // The members of results. A member that is missing here is lost between two processes.
 
-template <class Value, class Like>
-concept Same = std::is_same_v<std::remove_const_t<Value>, Like>;
-
-void each_member(Same<Diagnostic> auto& value, auto& each) {
+void each_member(Passed<Diagnostic> auto& value, auto& each) {
   each(value.severity), each(value.file), each(value.line), each(value.column), each(value.message), each(value.hint);
 }
 
-void each_member(Same<Divergence> auto& value, auto& each) {
+void each_member(Passed<Divergence> auto& value, auto& each) {
   each(value.tick), each(value.time), each(value.channel), each(value.element), each(value.expected);
   each(value.actual), each(value.difference), each(value.ulps), each(value.tolerance);
   each(value.distance_from_envelope), each(value.unit), each(value.note), each(value.stage);
@@ -40,26 +35,26 @@ void each_member(ControlCosts::Count& value, AnswerReader& each) {
   value.name = *names.insert(std::move(name)).first;
 }
 
-void each_member(Same<ControlCosts> auto& value, auto& each) { each(value.counts), each(value.page_faults); }
+void each_member(Passed<ControlCosts> auto& value, auto& each) { each(value.counts), each(value.page_faults); }
 
-void each_member(Same<ControlTimes> auto& value, auto& each) {
+void each_member(Passed<ControlTimes> auto& value, auto& each) {
   each(value.controller), each(value.period), each(value.calls), each(value.median), each(value.p999);
   each(value.longest), each(value.longest_tick), each(value.histogram), each(value.costs);
 }
 
-void each_member(Same<RunSummary> auto& value, auto& each) {
+void each_member(Passed<RunSummary> auto& value, auto& each) {
   each(value.ticks), each(value.channels), each(value.pictures), each(value.bytes), each(value.failure);
   each(value.end), each(value.trace_changed), each(value.controller_refused), each(value.remarks);
   each(value.control_times);
 }
 
-void each_member(Same<ResumedRun> auto& value, auto& each) { each(value.summary), each(value.from); }
+void each_member(Passed<ResumedRun> auto& value, auto& each) { each(value.summary), each(value.from); }
 
-void each_member(Same<ReplayedWords> auto& value, auto& each) {
+void each_member(Passed<ReplayedWords> auto& value, auto& each) {
   each(value.lines), each(value.variables), each(value.different), each(value.first);
 }
 
-void each_member(Same<ReplayReport> auto& value, auto& each) {
+void each_member(Passed<ReplayReport> auto& value, auto& each) {
   each(value.values), each(value.values_different), each(value.first), each(value.worst), each(value.beyond);
   each(value.controllers), each(value.ticks), each(value.ticks_different), each(value.same_commands);
   each(value.other_inputs), each(value.failure), each(value.words), each(value.explanation);

@@ -1,6 +1,6 @@
 // Answers: values that a process passes to another process of the same program, as bytes.
 //
-// A struct is passed by its members: a function each_member(value, each) beside it calls `each` for every one.
+// A struct is passed by its members: a function each_member(value, each) in its namespace calls `each` for every one.
 #pragma once
 
 #include <rehearse/cdr.h>
@@ -31,6 +31,10 @@ inline constexpr bool is_pair = false;
 template <class A, class B>
 inline constexpr bool is_pair<std::pair<A, B>> = true;
 }  // namespace detail
+
+/// For the parameter of each_member(): a struct that is written, or read.
+template <class Value, class Struct>
+concept Passed = std::is_same_v<std::remove_const_t<Value>, Struct>;
 
 class AnswerWriter {
  public:
