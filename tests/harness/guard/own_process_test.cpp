@@ -44,7 +44,8 @@ TEST(OwnProcess, HasEachCall) {
     const pid_t here = getpid();
     std::string all;
     for (int i = 0; i < 3; ++i)
-      all += text_of(call_in_own_process([here] { return std::to_string(++calls) + (getpid() == here ? "here " : " "); }));
+      all +=
+          text_of(call_in_own_process([here] { return std::to_string(++calls) + (getpid() == here ? "here " : " "); }));
     return all + std::to_string(calls);
   });
   EXPECT_EQ(answer.text, "1 1 1 0") << answer.end << answer.errors;
@@ -157,7 +158,11 @@ TEST(Watchdog, SleepsWhileNoCallIsMade) {
   const long before = sleeps_of_other_threads();
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   EXPECT_EQ(sleeps_of_other_threads(), before);
-  const CallOutcome hung = guarded_call([] { for (;;) pause(); }, 0.1);
+  const CallOutcome hung = guarded_call(
+      [] {
+        for (;;) pause();
+      },
+      0.1);
   EXPECT_EQ(hung.end, CallEnd::hung) << "it wakes up";
 }
 

@@ -64,7 +64,8 @@ bool read_all(int file, void* data, std::size_t size, std::size_t at) {
   end_if_reader_is_gone();
   head.size = text.size();
   head.hash = hash_bytes(text.data(), text.size());
-  const bool is_whole = write_all(file, text.data(), text.size(), sizeof head) && write_all(file, &head, sizeof head, 0);
+  const bool is_whole =
+      write_all(file, text.data(), text.size(), sizeof head) && write_all(file, &head, sizeof head, 0);
   leave_process(is_whole ? EXIT_SUCCESS : EXIT_FAILURE);  // nothing of this process is destroyed twice
 }
 

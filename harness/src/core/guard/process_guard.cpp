@@ -124,8 +124,8 @@ Limits limits() {
 constexpr int timers[] = {ITIMER_REAL, ITIMER_VIRTUAL, ITIMER_PROF};
 constexpr int signal_count = NSIG;
 
-/// The action of a signal as the kernel has it. The C library's form has five times the size, and 62 are read after each
-/// call that is watched closely.
+/// The action of a signal as the kernel has it. The C library's form has five times the size, and 62 are read after
+/// each call that is watched closely.
 struct SignalAction {
   void (*handler)(int) = SIG_DFL;
   unsigned long flags = 0;

@@ -82,9 +82,9 @@ struct Notes {
   std::atomic<std::int32_t> run{0};    // the process of the present run, a child of the child; 0: the child makes it
 };
 
-Notes* notes = nullptr;     // null: this process has no supervisor
-bool forks_run = false;     // the present fork has this process's supervisor
-pid_t present_run = 0;      // a child of this process; 0: none
+Notes* notes = nullptr;  // null: this process has no supervisor
+bool forks_run = false;  // the present fork has this process's supervisor
+pid_t present_run = 0;   // a child of this process; 0: none
 
 /// The files behind stdin, stdout and stderr when the process began: device and inode.
 struct Streams {
