@@ -4,5 +4,7 @@ rehearse_add_test(keeper_test LABEL unit SHARDS 1
     keeper/trace_keeper_test.cpp
   LIBRARIES Rehearse::harness)
 rehearse_add_test(guard_test LABEL unit SHARDS 1
-  SOURCES guard/worker_pool_test.cpp
+  SOURCES
+    guard/own_process_test.cpp
+    guard/worker_pool_test.cpp
   LIBRARIES Rehearse::harness)

@@ -24,6 +24,7 @@
 #include "core/golden/run_folder.h"
 #include "core/golden/stale_report.h"
 #include "core/guard/interruption.h"
+#include "core/guard/own_process.h"
 #include "core/guard/supervise.h"
 #include "core/host/source_age.h"
 #include "core/host/virtualised.h"
@@ -285,6 +286,7 @@ Exit check_side_by_side(const CheckSettings& settings, const std::vector<std::st
                         std::vector<CheckOutcome>& all) {
   std::size_t done = 0;
   const auto make = [&](std::size_t i) -> Result<MadePart> {
+    begin_own_processes();
     const auto outcome = check_file(settings, files[i], false);
     if (!outcome) return outcome.errors();
     if (!*outcome) return MadePart{};
@@ -314,6 +316,7 @@ Exit check_several(const CheckSettings& settings, const std::vector<std::string>
   const std::size_t jobs = settings.jobs > 0 ? static_cast<std::size_t>(settings.jobs) : processors();
   if (jobs > 1) return check_side_by_side(settings, files, jobs, all);
   supervise_process();
+  begin_own_processes();
   end_runs_on_signals();
   for (const std::string& file : files) {
     auto outcome = check_file(settings, file, true);
@@ -329,6 +332,7 @@ Exit check_alone(const CheckSettings& settings, const Scenario& scenario, std::v
   const std::vector<std::string> notes = notes_on_old_libraries(scenario, settings.check.run);
   tell_old_libraries(notes);
   supervise_process();
+  begin_own_processes();
   end_runs_on_signals();
   auto outcome = check_one(settings, scenario, notes);
   if (!outcome) return refuse(outcome.errors());

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <rehearse/cdr.h>
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -10,9 +9,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
-#include <span>
 #include <string_view>
-#include <type_traits>
 #include <utility>
 
 #include "control_times.h"
@@ -20,6 +17,7 @@
 #include "core/check/compared.h"
 #include "core/compare/divergence_text.h"
 #include "core/golden/run_folder.h"
+#include "core/guard/answer.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/simulation/recorded_view.h"
 #include "core/trace/run_facts.h"
@@ -173,61 +171,15 @@ std::string figures_of(const CheckReport& report) {
   return text;
 }
 
-/// The members in the order of their form.
-template <class Outcome, class Each>
-void each_member(Outcome& outcome, const Each& each) {
+}  // namespace
+
+/// The members that answers pass, but `json`.
+void each_member(Passed<CheckOutcome> auto& outcome, auto& each) {
   each(outcome.scenario), each(outcome.file), each(outcome.kind), each(outcome.exit), each(outcome.verdict);
   each(outcome.code), each(outcome.equal), each(outcome.within), each(outcome.proved), each(outcome.controller);
   each(outcome.plant), each(outcome.closed), each(outcome.report), each(outcome.tick), each(outcome.line);
-  each(outcome.seconds), each(outcome.notes), each(outcome.details), each(outcome.history), each(outcome.json);
+  each(outcome.seconds), each(outcome.notes), each(outcome.details), each(outcome.history);
 }
-
-template <class Value>
-void put(const Value& value, CdrWriter& form) {
-  if constexpr (CdrNumber<Value>) {
-    form.put(value);
-  } else if constexpr (std::is_enum_v<Value>) {
-    form.put(static_cast<std::int32_t>(value));
-  } else {
-    form.put(std::string_view(value));
-  }
-}
-void put(const std::optional<std::int64_t>& tick, CdrWriter& form) {
-  put(tick.has_value(), form);
-  put(tick.value_or(0), form);
-}
-void put(const std::vector<std::string>& lines, CdrWriter& form) {
-  put(std::ssize(lines), form);
-  for (const std::string& line : lines) put(line, form);
-}
-void put(const Json& json, CdrWriter& form) {
-  put(json.is_null() ? std::string() : json.dump(-1, ' ', false, Json::error_handler_t::replace), form);
-}
-
-template <class Value>
-void take(Value& value, CdrReader& form) {
-  if constexpr (CdrNumber<Value>) {
-    value = form.get<Value>();
-  } else if constexpr (std::is_enum_v<Value>) {
-    value = static_cast<Value>(form.get<std::int32_t>());
-  } else {
-    value = form.get_string();
-  }
-}
-void take(std::optional<std::int64_t>& tick, CdrReader& form) {
-  const bool is_there = form.get<bool>();
-  const auto value = form.get<std::int64_t>();
-  tick = is_there ? std::optional(value) : std::nullopt;
-}
-void take(std::vector<std::string>& lines, CdrReader& form) {
-  for (auto left = form.get<std::ptrdiff_t>(); left > 0 && form.ok(); --left) take(lines.emplace_back(), form);
-}
-void take(Json& json, CdrReader& form) {
-  const std::string_view text = form.get_string();
-  json = text.empty() ? Json() : Json::parse(text, nullptr, false);
-}
-
-}  // namespace
 
 Result<Scenario> read_scenario(const std::string& file) {
   if (!file.ends_with(".mcap")) return Scenario::load(file);
@@ -326,16 +278,21 @@ CheckOutcome outcome_without_verdict(const std::string& scenario, const std::str
 }
 
 std::string form_of(const CheckOutcome& outcome) {
-  CdrWriter form;
-  each_member(outcome, [&form](const auto& member) { put(member, form); });
-  return {reinterpret_cast<const char*>(form.bytes().data()), form.bytes().size()};
+  AnswerWriter form;
+  form(outcome);
+  const Json& json = outcome.json;
+  form(json.is_null() ? std::string() : json.dump(-1, ' ', false, Json::error_handler_t::replace));
+  return form.text();
 }
 
 std::optional<CheckOutcome> outcome_in(std::string_view form) {
   CheckOutcome outcome;
-  CdrReader reader(std::as_bytes(std::span(form)));
-  each_member(outcome, [&reader](auto& member) { take(member, reader); });
-  const bool is_whole = reader.ok() && reader.left() == 0 && !outcome.json.is_discarded();
+  std::string json;
+  AnswerReader reader(form);
+  reader(outcome);
+  reader(json);
+  if (!json.empty()) outcome.json = Json::parse(json, nullptr, false);
+  const bool is_whole = reader.is_whole() && !outcome.json.is_discarded();
   return is_whole ? std::optional(std::move(outcome)) : std::nullopt;
 }
 

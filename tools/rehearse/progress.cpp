@@ -1,10 +1,12 @@
 #include "progress.h"
 
 #include <fmt/format.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <new>
 
 #include "core/guard/interruption.h"
 #include "core/guard/supervise.h"
@@ -20,13 +22,19 @@ constexpr std::chrono::milliseconds interval{100};
 
 bool is_terminal(std::FILE* stream) { return isatty(fileno(stream)) == 1; }
 
-Progress::Progress(std::string what, int parts)
-    : what_(std::move(what)), on_terminal_(isatty(STDERR_FILENO) == 1 && !is_traced()), parts_(parts) {}
+Progress::Progress(std::string what, int parts) : what_(std::move(what)), parts_(parts) {
+  if (isatty(STDERR_FILENO) != 1 || is_traced()) return;
+  void* shared = mmap(nullptr, sizeof(Shown), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (shared != MAP_FAILED) shown_ = new (shared) Shown;
+}
 
-Progress::~Progress() { hide(); }
+Progress::~Progress() {
+  hide();
+  if (shown_) munmap(shown_, sizeof(Shown));
+}
 
 void Progress::hide() {
-  if (std::exchange(drawn_, false)) fmt::print(stderr, "\r\x1b[K");
+  if (shown_ && std::exchange(shown_->drawn, false)) fmt::print(stderr, "\r\x1b[K");
 }
 
 StoppableProgress::StoppableProgress(std::string what) : Progress(std::move(what)) { end_runs_on_signals(); }
@@ -37,15 +45,15 @@ void StoppableProgress::show(std::int64_t done, std::int64_t all) {
 }
 
 void Progress::show(std::int64_t done, std::int64_t all) {
-  if (!on_terminal_ || all <= 0) return;
-  if (done < done_) ++part_;
-  done_ = done;
+  if (!shown_ || all <= 0) return;
+  if (done < shown_->done) ++shown_->part;
+  shown_->done = done;
   const Clock::time_point now = Clock::now();
-  if (now - begin_ < patience || (drawn_ && now - last_ < interval)) return;
-  last_ = now;
-  drawn_ = true;
+  if (now - begin_ < patience || (shown_->drawn && now - shown_->last < interval)) return;
+  shown_->last = now;
+  shown_->drawn = true;
   const double of_part = std::clamp(static_cast<double>(done) / static_cast<double>(all), 0.0, 1.0);
-  const double share = std::min((part_ + of_part) / parts_, 1.0);
+  const double share = std::min((shown_->part + of_part) / parts_, 1.0);
   const double elapsed = std::chrono::duration<double>(now - begin_).count();
   const double left = share > 0.0 ? elapsed / share - elapsed : 0.0;
   const int filled = static_cast<int>(share * bar_width);

@@ -28,14 +28,17 @@ class Progress {
 
  private:
   using Clock = std::chrono::steady_clock;
+  /// In memory that forks of this process share: parts of the work may be done there.
+  struct Shown {
+    int part = 0;           // index of the current part
+    std::int64_t done = 0;  // progress of the current part
+    bool drawn = false;
+    Clock::time_point last = {};
+  };
   std::string what_;
-  bool on_terminal_;
   int parts_;
-  int part_ = 0;           // index of the current part
-  std::int64_t done_ = 0;  // progress of the current part
-  bool drawn_ = false;
+  Shown* shown_ = nullptr;  // null: no person sees it
   Clock::time_point begin_ = Clock::now();
-  Clock::time_point last_ = begin_;
 };
 
 /// Thrown by StoppableProgress.

@@ -9,6 +9,7 @@
 #include <array>
 #include <fstream>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <sstream>
 #include <string_view>
@@ -217,10 +218,25 @@ Result<YamlDocument> parse_yaml_document(const std::string& text, const std::str
   return document;
 }
 
+/// The last text is kept with its tree: a scenario is parsed for the run, for its proof and for its golden.
 Result<YamlNodePtr> parse_yaml(const std::string& text, const std::string& file) {
+  struct Kept {
+    std::mutex mutex;
+    std::string text;
+    YamlNodePtr root;
+  };
+  static auto& kept = *new Kept;
+  {
+    const std::lock_guard lock(kept.mutex);
+    if (kept.root && kept.text == text) return kept.root;
+  }
   TreeBuilder builder;
   if (auto problem = build(text, file, false, 0, builder)) return *problem;
-  return builder.root() ? builder.root() : std::make_shared<YamlNode>();
+  YamlNodePtr root = builder.root() ? builder.root() : std::make_shared<YamlNode>();
+  const std::lock_guard lock(kept.mutex);
+  kept.text = text;
+  kept.root = root;
+  return root;
 }
 
 std::string yaml_text(std::string_view text) {

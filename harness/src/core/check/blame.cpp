@@ -14,34 +14,23 @@
 #include "check_run.h"
 #include "core/compare/divergence_text.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/hashing.h"
 #include "core/replay/plant_level.h"
 #include "core/scenario/structure_change.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
 #include "model/clock.h"
 #include "other_processor.h"
+#include "own_run.h"
 
 namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// A hash of the outputs of each tick.
-Result<std::vector<std::uint64_t>> replayed_outputs(const fs::path& recording, const HostOptions& host) {
-  std::vector<std::uint64_t> hashes;
-  ReplayOptions options = as_here(host);
-  options.on_outputs = [&hashes](std::int64_t, const std::vector<std::uint64_t>& row) {
-    hashes.push_back(hash_bytes(row.data(), row.size() * sizeof(row[0])));
-  };
-  if (auto replayed = replay(recording, options); !replayed) return replayed.errors();
-  return hashes;
-}
-
 /// The first tick in which two replays of the recording have different outputs; none: they have equal bits in all
 /// ticks. Fails if the recording can't be replayed.
 Result<std::optional<std::int64_t>> first_unrepeated_tick(const fs::path& recording, const HostOptions& host) {
-  const auto once = replayed_outputs(recording, host), again = replayed_outputs(recording, host);
+  const auto once = replayed_outputs(recording, as_here(host)), again = replayed_outputs(recording, as_here(host));
   if (!once) return once.errors();
   if (!again) return again.errors();
   if (*once == *again) return std::optional<std::int64_t>();

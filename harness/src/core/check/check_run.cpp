@@ -7,6 +7,7 @@
 #include "core/recording/provenance.h"
 #include "core/replay/plant_level.h"
 #include "core/trace/run_facts.h"
+#include "own_run.h"
 
 namespace rehearse {
 
@@ -22,13 +23,15 @@ Result<ResumedRun> make_run(const Scenario& scenario, const Trace& golden, const
     return ResumedRun{*std::move(whole), 0};
   }
   if (auto made = make_folder_of(actual); !made) return made.errors();
-  return simulation.record_from(scenario, golden, *replayed->first_other_hash, actual, options);
+  return own_run([&]() -> Result<ResumedRun> {
+    return simulation.record_from(scenario, golden, *replayed->first_other_hash, actual, options);
+  });
 }
 
 Result<RunSummary> make_run(const Scenario& scenario, const fs::path& actual, const RecordOptions& options,
                             const Simulation& simulation) {
   if (auto made = make_folder_of(actual); !made) return made.errors();
-  return simulation.record(scenario, actual, options);
+  return own_run([&]() -> Result<RunSummary> { return simulation.record(scenario, actual, options); });
 }
 
 HostOptions with_controllers_of(const Scenario& scenario, const HostOptions& given) {
@@ -76,7 +79,7 @@ LevelState state_of(const ReplayReport& replayed, bool computes_alike) {
 Result<ControllerLevel> replay_golden(const Scenario& scenario, const Trace& golden, const HostOptions& host) {
   ReplayOptions replaying = as_here(host);
   replaying.tolerances = scenario.tolerances;
-  auto replayed = replay(golden.file(), replaying);
+  auto replayed = own_replay(golden.file(), replaying);
   if (!replayed) return replayed.errors();
   const LevelState state = state_of(*replayed, computes_alike(scenario, golden));
   return ControllerLevel{*std::move(replayed), state};

@@ -12,6 +12,7 @@
 #include "core/kinds/channel_name.h"
 #include "core/replay/plant_level.h"
 #include "core/trace/trace_windows.h"
+#include "own_run.h"
 
 namespace rehearse {
 namespace {
@@ -54,7 +55,7 @@ struct Trial {
 
 Result<void> Trial::replay_controllers() {
   const ReplayOptions replaying = as_here(options);
-  const auto replayed = replay(recording.file(), replaying);
+  const auto replayed = own_replay(recording.file(), replaying);
   if (!replayed) return replayed.errors();
   result.replayed = replayed->ticks;
   result.failure = replayed->failure;

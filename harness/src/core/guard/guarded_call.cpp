@@ -5,12 +5,14 @@
 #include <fmt/format.h>
 #include <gnu/lib-names.h>
 #include <link.h>
+#include <linux/futex.h>
 #include <pthread.h>
 #include <rehearse/c_controller.h>
 #include <rehearse/diagnostic.h>
 #include <setjmp.h>
 #include <signal.h>
 #include <sys/mman.h>
+#include <sys/syscall.h>
 #include <ucontext.h>
 #include <unistd.h>
 
@@ -199,7 +201,8 @@ extern "C" void leave_guarded_code(int signal_number, siginfo_t* fault, void* in
 
 /// A separate thread that ends guarded calls which exceed their limit, unless a debugger has stopped the process. It
 /// uses wall time on purpose: this decides only whether a run continues, never its contents. The thread calls no
-/// function that takes a lock, and runs until the process ends.
+/// function that takes a lock, and runs until the process ends. It looks at a tenth of the limit, at most every tenth
+/// of a second, and sleeps while no calls are made.
 class Watchdog {
  public:
   static Watchdog& instance() {
@@ -211,11 +214,14 @@ class Watchdog {
 
   void begin(double limit) {
     limit_.store(limit, std::memory_order_relaxed);
-    calls_.fetch_add(1, std::memory_order_release);  // odd: a call is running
+    calls_.fetch_add(1);  // odd: a call is running
+    if (sleeps_.load() != 0) wake();
   }
   void end() { calls_.fetch_add(1, std::memory_order_release); }
 
  private:
+  using clock = std::chrono::steady_clock;
+
   /// Signals are for the guarded thread, so the new thread begins with all of them blocked.
   Watchdog() {
     sigset_t all, before;
@@ -225,21 +231,40 @@ class Watchdog {
     pthread_sigmask(SIG_SETMASK, &before, nullptr);
   }
 
+  void wake() {
+    if (sleeps_.exchange(0) != 0) ::syscall(SYS_futex, &sleeps_, FUTEX_WAKE, 1, nullptr, nullptr, 0);
+  }
+
+  /// Returns when a call has begun after the number `calls`.
+  void sleep_after(std::uint64_t calls) {
+    sleeps_.store(1);
+    while (calls_.load() == calls && sleeps_.load() != 0)
+      ::syscall(SYS_futex, &sleeps_, FUTEX_WAIT, 1, nullptr, nullptr, 0);
+    sleeps_.store(0);
+  }
+
+  std::chrono::duration<double> look_period() const {
+    constexpr double shortest = 0.01, longest = 0.1;  // [s]
+    return std::chrono::duration<double>(std::clamp(limit_.load(std::memory_order_relaxed) / 10, shortest, longest));
+  }
+
   [[noreturn]] void watch() {
-    using clock = std::chrono::steady_clock;
     std::uint64_t seen = 0;
     clock::time_point since = clock::now();
     for (;;) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      std::this_thread::sleep_for(look_period());
       const std::uint64_t calls = calls_.load(std::memory_order_acquire);
       if (calls != seen) {
         seen = calls;
         since = clock::now();
         continue;
       }
-      const bool under_way = calls % 2 == 1;
+      if (calls % 2 == 0) {
+        sleep_after(calls);
+        continue;
+      }
       const std::chrono::duration<double> age = clock::now() - since;
-      if (under_way && age.count() > limit_.load(std::memory_order_relaxed)) {
+      if (age.count() > limit_.load(std::memory_order_relaxed)) {
         if (!is_traced()) pthread_kill(guarded_thread, hang_signal);
         since = clock::now();
       }
@@ -249,6 +274,7 @@ class Watchdog {
   static inline Watchdog* watchdog_ = nullptr;
   std::atomic<std::uint64_t> calls_{0};
   std::atomic<double> limit_{0.0};
+  std::atomic<std::uint32_t> sleeps_{0};  // a futex: 1: no calls are made, and begin() has to wake the thread
 };
 
 /// The signal stack of the thread that makes the calls. It exists as long as the process, because exit() destroys a
@@ -328,7 +354,10 @@ void run_catching(const std::function<void()>& code, CallOutcome& outcome) {
 
 }  // namespace
 
-void prepare_guarded_calls() { install_handlers(); }
+void prepare_guarded_calls() {
+  install_handlers();
+  provide_signal_stack();
+}
 
 void watch_calls_after_fork() { Watchdog::forget(); }
 
@@ -359,8 +388,7 @@ void take_thread_failure(CallOutcome& outcome) {
 
 CallOutcome guarded_call(const std::function<void()>& code, double limit) {
   REHEARSE_ASSERT(!guarding, "guarded calls don't nest");
-  install_handlers();
-  provide_signal_stack();
+  prepare_guarded_calls();
   guarded_thread = pthread_self();
   *unforked = 1;
   const FloatMode standard, mode_before = float_mode();

@@ -33,7 +33,8 @@ struct CallOutcome {
 /// Runs `code` in the standard floating-point mode, at most `limit` seconds of wall time [s].
 CallOutcome guarded_call(const std::function<void()>& code, double limit);
 
-/// Installs the signal handlers that end calls. The first guarded_call() does so at the latest.
+/// Installs the signal handlers that end calls, and their stack for this thread, which forks have, too. The first
+/// guarded_call() of a thread does so at the latest.
 void prepare_guarded_calls();
 
 /// Must be called outside of a guarded call in a process that was forked to make guarded calls of its own. The thread

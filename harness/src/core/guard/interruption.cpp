@@ -10,6 +10,7 @@
 
 #include "guarded_call.h"
 #include "model/clock.h"
+#include "supervisor.h"
 
 namespace rehearse {
 namespace {
@@ -45,6 +46,7 @@ extern "C" void take_broken_pipe(int number) {
 
 /// A signal may arrive twice at the same time: from a terminal's or a time limit's process group, and from the parent.
 extern "C" void take_interruption(int number, siginfo_t* sent, void*) {
+  if (sent->si_code <= 0 && is_own_run(sent->si_pid)) return;       // a controller sent it to its parent
   const bool own = sent->si_code <= 0 && sent->si_pid == getpid();  // a controller sent it to its own process
   if (own || is_forked_by_guest()) {
     end_by(number);

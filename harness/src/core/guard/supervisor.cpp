@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <malloc.h>
 #include <pthread.h>
 #include <rehearse/pin.h>
 #include <signal.h>
@@ -12,6 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -26,6 +28,7 @@
 #include <string_view>
 #include <utility>
 
+#include "c_library.h"
 #include "child_process.h"
 #include "core/keeper/remote_writer.h"
 #include "core/keeper/ring.h"
@@ -76,9 +79,12 @@ struct Notes {
   char task[512] = {};
   char deed[256] = {};                 // after the controller's name: how its call failed
   std::atomic<std::uint32_t> hung{0};  // 1: the call exceeded its limit
+  std::atomic<std::int32_t> run{0};    // the process of the present run, a child of the child; 0: the child makes it
 };
 
 Notes* notes = nullptr;  // null: this process has no supervisor
+bool forks_run = false;  // the present fork has this process's supervisor
+pid_t present_run = 0;   // a child of this process; 0: none
 
 /// The files behind stdin, stdout and stderr when the process began: device and inode.
 struct Streams {
@@ -126,6 +132,7 @@ class Parent {
 
  private:
   bool has_ended();
+  pid_t runner() const;
   void give_terminal();
   void pass_on(const siginfo_t& signal);
   void stop_with_child();
@@ -211,9 +218,17 @@ void Parent::give_terminal() {
 /// The child is in a process group of its own, so that a controller's signal to its group doesn't reach this process.
 /// So signals of the terminal don't reach the child.
 void Parent::pass_on(const siginfo_t& signal) {
-  if (signal.si_code <= 0 && signal.si_pid == child_) return;
+  const pid_t runner = this->runner();
+  if (signal.si_code <= 0 && (signal.si_pid == child_ || signal.si_pid == runner)) return;
   sigaddset(&received_, signal.si_signo);
   kill(child_, signal.si_signo);
+  if (runner != child_) kill(runner, signal.si_signo);
+}
+
+/// The process that runs the controllers: the child, or a child of its own. A guest may have written into the notes.
+pid_t Parent::runner() const {
+  const pid_t run = notes->run;
+  return run > 0 && getpgid(run) == child_ ? run : child_;
 }
 
 /// The shell waits until this process has stopped, and continues it.
@@ -250,14 +265,14 @@ void Parent::look_for_hang() {
     looked_ = now;
   }
   if (!look_at_call() || seconds_since(since_) < call_.limit + patience) return;
-  if (is_traced_by_other(child_)) return;
+  if (is_traced_by_other(child_) || is_traced_by_other(runner())) return;
   hung_ = true;
   kill_child();
 }
 
 void Parent::look_at_memory() {
   const double stated = notes->memory_limit, limit = stated > 0.0 ? stated : default_memory_limit_;
-  if (memory_limit_ > 0.0 || memory_of(child_) <= limit) return;
+  if (memory_limit_ > 0.0 || memory_of(runner()) <= limit) return;
   memory_limit_ = limit;
   kill_child();
 }
@@ -285,18 +300,8 @@ void Parent::leave(int status) {
 
 /// Ends in the same way as the child.
 void Parent::mirror() {
-  if (WIFEXITED(ended_)) leave(WEXITSTATUS(ended_));
   keeper_.drop_traces();
-  const int number = WTERMSIG(ended_);
-  const rlimit no_core{};
-  setrlimit(RLIMIT_CORE, &no_core);
-  signal(number, SIG_DFL);
-  sigset_t one;
-  sigemptyset(&one);
-  sigaddset(&one, number);
-  sigprocmask(SIG_UNBLOCK, &one, nullptr);
-  raise(number);
-  _exit(128 + number);
+  end_as(ended_);
 }
 
 std::string Parent::sentence() const {
@@ -364,11 +369,19 @@ void supervise_process() {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(controller_failed);
     on_exit(announce, nullptr);
-    pthread_atfork(nullptr, nullptr, [] { notes = nullptr; });  // children of this process don't write into the notes
+    pthread_atfork(nullptr, nullptr, [] {
+      if (!forks_run) notes = nullptr;  // other children of this process don't write into the notes
+    });
   } else {
     notes = nullptr;  // fork failed: continue without a parent
   }
   sigprocmask(SIG_SETMASK, &before, nullptr);
+}
+
+void keep_freed_memory() {
+  constexpr int trimmed = 32 << 20, mapped = 8 << 20;  // [bytes]
+  mallopt(M_TRIM_THRESHOLD, trimmed);
+  mallopt(M_MMAP_THRESHOLD, mapped);
 }
 
 void note_task(const char* name, int left) {
@@ -436,6 +449,52 @@ void announce_end(int status) {
   if (!notes || notes->calls % 2 == 1 || in_controllers_code()) return;
   notes->status = status;
   notes->announced = regular_end;
+}
+
+bool is_supervised() { return notes != nullptr; }
+
+pid_t fork_run() {
+  std::fflush(nullptr);  // or both would print it
+  const pid_t here = getpid();
+  forks_run = true;
+  share_recordings_with_forks(true);
+  const pid_t run = fork();
+  const int reason = errno;
+  share_recordings_with_forks(false);
+  forks_run = false;
+  if (run == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != here) leave_process(controller_failed);
+    watch_calls_after_fork();
+  }
+  present_run = std::max(run, 0);
+  if (notes && run > 0) notes->run = run;
+  errno = reason;
+  return run;
+}
+
+int end_of_run(pid_t run) {
+  int ended = 0;
+  while (waitpid(run, &ended, 0) < 0 && errno == EINTR) continue;
+  present_run = 0;
+  if (notes) notes->run = 0;
+  return ended;
+}
+
+bool is_own_run(pid_t process) { return present_run != 0 && process == present_run; }
+
+void end_as(int ended) {
+  if (WIFEXITED(ended)) leave_process(WEXITSTATUS(ended));
+  const int number = WTERMSIG(ended);
+  const rlimit no_core{};
+  setrlimit(RLIMIT_CORE, &no_core);
+  signal(number, SIG_DFL);
+  sigset_t one;
+  sigemptyset(&one);
+  sigaddset(&one, number);
+  sigprocmask(SIG_UNBLOCK, &one, nullptr);
+  raise(number);
+  leave_process(128 + number);
 }
 
 }  // namespace rehearse

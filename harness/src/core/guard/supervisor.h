@@ -6,6 +6,8 @@
 // was not announced is a failed controller: the parent closes the recordings with that failure.
 #pragma once
 
+#include <sys/types.h>
+
 #include <cstdint>
 
 namespace rehearse {
@@ -34,5 +36,18 @@ void fail_process_by_thread(const char* deed);
 
 /// Announces that the process will regularly end with this exit status.
 void announce_end(int status);
+
+/// True if this process has a supervisor.
+bool is_supervised();
+
+/// Forks this process for a run. Unlike other forks it has the supervisor of this process: its calls are noted, and its
+/// recordings are sent there. It ends with this process. As fork().
+pid_t fork_run();
+/// Waits for the end of that process. Returns it as waitpid().
+int end_of_run(pid_t run);
+/// True if this is the process of the present run, a child of this one.
+bool is_own_run(pid_t process);
+/// Ends this process in the same way, without announcing it.
+[[noreturn]] void end_as(int ended);
 
 }  // namespace rehearse

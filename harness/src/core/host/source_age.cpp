@@ -16,6 +16,7 @@
 #include "core/mcap/file_identity.h"
 #include "core/mcap/hashing.h"
 #include "core/scenario/project.h"
+#include "hosted_language.h"
 #include "library_origin.h"
 
 namespace rehearse {
@@ -191,7 +192,10 @@ std::vector<std::string> notes_on_old_libraries(const Scenario& scenario, const 
   std::vector<std::string> notes;
   const auto look = [&](const ScenarioBody& body, const ScenarioController& controller) {
     const auto library = library_of(scenario, controller, body.name + "/" + controller.name, options);
-    if (library) add_notes(*library, seen, notes);  // a run reports a library that is missing
+    if (!library) return;  // a run reports a library that is missing
+    add_notes(*library, seen, notes);
+    // runs in forks of this process find the hash that they need of it
+    if (!hosted_name(*library)) static_cast<void>(content_hash_of(fs::absolute(*library)));
   };
   for (const ScenarioBody& body : scenario.bodies)
     for (const ScenarioController& controller : body.controllers) {

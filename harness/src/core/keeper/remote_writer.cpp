@@ -19,7 +19,8 @@ using trace_call::Head;
 using trace_call::Kind;
 
 std::optional<RingWriter> to_parent;  // none: this process writes its recordings itself
-std::uint32_t traces = 0;             // number of Writers so far
+std::uint32_t traces = 0;             // the number of the next Writer
+bool shares_with_forks = false;
 
 Bytes bytes_of(const Head& head) { return std::as_bytes(std::span(&head, 1)); }
 
@@ -190,8 +191,19 @@ class RemoteWriter final : public mcap::Writer {
 
 void send_recordings_through(Ring& ring) {
   to_parent.emplace(ring);
-  to_parent->hide_from_forks();
-  pthread_atfork(nullptr, nullptr, [] { to_parent.reset(); });
+  to_parent->set_hidden_from_forks(true);
+  pthread_atfork(nullptr, nullptr, [] {
+    if (!shares_with_forks) to_parent.reset();
+  });
+}
+
+/// The Writers of a fork have other numbers than those of this process and of earlier forks.
+void share_recordings_with_forks(bool shared) {
+  constexpr std::uint32_t numbers = 0x1'0000;  // of a process
+  if (!to_parent) return;
+  shares_with_forks = shared;
+  to_parent->set_hidden_from_forks(!shared);
+  if (shared) traces = (traces / numbers + 1) * numbers;
 }
 
 Result<std::unique_ptr<mcap::Writer>> create_recording(const std::filesystem::path& file) {

@@ -18,6 +18,9 @@ struct Ring;
 /// threads.
 void send_recordings_through(Ring& ring);
 
+/// True: the next fork can send recordings, too, while this process sends none. False: forks can't, as before.
+void share_recordings_with_forks(bool shared);
+
 /// Creates a recording, as mcap::Writer::create() does. A supervisor writes it if there is one, else this process.
 Result<std::unique_ptr<mcap::Writer>> create_recording(const std::filesystem::path& file);
 

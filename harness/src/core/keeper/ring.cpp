@@ -56,7 +56,9 @@ Ring* Ring::create() {
   return static_cast<Ring*>(memory);
 }
 
-void RingWriter::hide_from_forks() { madvise(&ring_, sizeof(Ring), MADV_DONTFORK); }
+void RingWriter::set_hidden_from_forks(bool hidden) {
+  madvise(&ring_, sizeof(Ring), hidden ? MADV_DONTFORK : MADV_DOFORK);
+}
 
 /// Waits until `come` is true.
 template <class Condition>

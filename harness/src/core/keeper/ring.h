@@ -49,8 +49,8 @@ class RingWriter {
   Bytes ask(std::initializer_list<Bytes> parts);
   /// Number of failures that the reader has reported.
   std::uint32_t failures() const { return ring_.failures.load(std::memory_order_acquire); }
-  /// Processes that this one forks don't get the memory.
-  void hide_from_forks();
+  /// Whether processes that this one forks get the memory.
+  void set_hidden_from_forks(bool hidden);
 
  private:
   std::byte* begin_piece(std::size_t size);

@@ -180,7 +180,7 @@ void TraceKeeper::finish() {
 }
 
 void TraceKeeper::run() {
-  constexpr std::chrono::milliseconds rest{10};
+  constexpr std::chrono::milliseconds rest{10}, rest_without_traces{500};  // the first call of a trace ends both
   std::vector<std::byte> message;
   for (;;) {
     const bool is_last_look = child_ended_;
@@ -191,7 +191,7 @@ void TraceKeeper::run() {
       case RingReader::Got::damaged: damaged_ = true; return;
       case RingReader::Got::nothing:
         if (is_last_look) return;
-        from_child_.wait(rest);
+        from_child_.wait(traces_.empty() ? rest_without_traces : rest);
     }
   }
 }

@@ -61,10 +61,19 @@ LZ4F_dctx* create_lz4_context() {
 }
 }  // namespace
 
+/// Of both formats, made when they are needed: most files have one at most, and their memory is large.
 struct Decompressor::State {
-  std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> zstd{ZSTD_createDCtx(), &ZSTD_freeDCtx};
-  std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> lz4{create_lz4_context(),
-                                                                           &LZ4F_freeDecompressionContext};
+  std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> zstd{nullptr, &ZSTD_freeDCtx};
+  std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> lz4{nullptr, &LZ4F_freeDecompressionContext};
+
+  ZSTD_DCtx* for_zstd() {
+    if (!zstd) zstd.reset(ZSTD_createDCtx());
+    return zstd.get();
+  }
+  LZ4F_dctx* for_lz4() {
+    if (!lz4) lz4.reset(create_lz4_context());
+    return lz4.get();
+  }
 };
 
 Decompressor::Decompressor() : state_(std::make_unique<State>()) {}
@@ -112,15 +121,15 @@ Result<Bytes> Decompressor::decompress(std::string_view compression, Bytes compr
     if (compressed.size() != size) return wrong_size(size, compressed.size());
     return compressed;
   }
-  if (compression == "zstd") return decompress_zstd(state_->zstd.get(), compressed, size, out);
-  if (compression == "lz4") return decompress_lz4(state_->lz4.get(), compressed, size, out);
+  if (compression == "zstd") return decompress_zstd(state_->for_zstd(), compressed, size, out);
+  if (compression == "lz4") return decompress_lz4(state_->for_lz4(), compressed, size, out);
   return error(fmt::format("its compression \"{}\" isn't one of zstd, lz4 and none", printable(compression)));
 }
 
 Result<Bytes> Decompressor::decompress_frame(Bytes compressed, std::uint64_t most, RawBuffer& out) {
   const std::uint64_t size = ZSTD_getFrameContentSize(compressed.data(), compressed.size());
   if (size > most) return error("its zstd frame states no size, or one that is too large");
-  return decompress_zstd(state_->zstd.get(), compressed, size, out);
+  return decompress_zstd(state_->for_zstd(), compressed, size, out);
 }
 
 Result<void> decompress_frames(Bytes compressed, const std::function<bool(Bytes)>& take) {
@@ -180,8 +189,8 @@ Bytes Decompressor::decompress_front(std::string_view compression, Bytes compres
   if (compression.empty()) return compressed.first(std::min<std::uint64_t>(size, compressed.size()));
   if (compression != "zstd" && compression != "lz4") return {};
   std::byte* target = out.reserve(size);
-  const std::size_t got = compression == "zstd" ? front_of_zstd(state_->zstd.get(), compressed, target, size)
-                                                : front_of_lz4(state_->lz4.get(), compressed, target, size);
+  const std::size_t got = compression == "zstd" ? front_of_zstd(state_->for_zstd(), compressed, target, size)
+                                                : front_of_lz4(state_->for_lz4(), compressed, target, size);
   return Bytes(target, got);
 }
 

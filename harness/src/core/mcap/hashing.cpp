@@ -33,7 +33,9 @@ void RunningHash::add(const void* data, std::size_t size) { XXH3_64bits_update(&
 
 std::uint64_t RunningHash::value() const { return XXH3_64bits_digest(&state_->xxh); }
 
-Result<std::uint64_t> hash_of_file(const std::filesystem::path& file) {
+namespace {
+
+Result<std::uint64_t> hash_of_bytes_in(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   RunningHash hash;
   std::array<char, 1 << 17> block;
@@ -43,12 +45,12 @@ Result<std::uint64_t> hash_of_file(const std::filesystem::path& file) {
   return hash.value();
 }
 
-std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
+}  // namespace
 
-std::string content_hash_of(const std::filesystem::path& file) {
+Result<std::uint64_t> hash_of_file(const std::filesystem::path& file) {
   struct Kept {
     FileIdentity identity;
-    std::string hash;
+    std::uint64_t hash = 0;
   };
   static std::mutex mutex;
   static auto& kept = *new std::map<std::filesystem::path, Kept>;
@@ -60,13 +62,19 @@ std::string content_hash_of(const std::filesystem::path& file) {
   }
   constexpr std::chrono::seconds settled{2};
   const bool can_be_kept = before && before->is_older_than(settled);
-  const auto hash = hash_of_file(file);
-  std::string text = hash_text(hash ? *hash : hash_bytes(nullptr, 0));
+  const auto hash = hash_of_bytes_in(file);
   if (can_be_kept && hash && FileIdentity::of(file) == before) {
     const std::lock_guard lock(mutex);
-    kept.insert_or_assign(file, Kept{*before, text});
+    kept.insert_or_assign(file, Kept{*before, *hash});
   }
-  return text;
+  return hash;
+}
+
+std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
+
+std::string content_hash_of(const std::filesystem::path& file) {
+  const auto hash = hash_of_file(file);
+  return hash_text(hash ? *hash : hash_bytes(nullptr, 0));
 }
 
 }  // namespace rehearse

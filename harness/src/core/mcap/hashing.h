@@ -27,14 +27,14 @@ class RunningHash {
   std::unique_ptr<State> state_;
 };
 
-/// hash_bytes() of a file. Fails if it can't be read.
+/// hash_bytes() of a file. Fails if it can't be read. A file is read once in a process, until its FileIdentity is
+/// another; one that was changed just now is read each time.
 Result<std::uint64_t> hash_of_file(const std::filesystem::path& file);
 
 /// 16 hexadecimal digits.
 std::string hash_text(std::uint64_t hash);
 
-/// The hash of a library's file in the provenance: hash_text() of its bytes; of no bytes if it can't be read. A file is
-/// read once in a process, until its FileIdentity is another; one that was changed just now is read each time.
+/// The hash of a library's file in the provenance: hash_text() of its bytes; of no bytes if it can't be read.
 std::string content_hash_of(const std::filesystem::path& file);
 
 }  // namespace rehearse

@@ -86,6 +86,7 @@ class MessageOrder {
   std::size_t next_chunk_ = 0;
   std::size_t next_ahead_ = 0;                      // index of the next chunk to open ahead
   bool has_advanced_ = false;                       // a message after the first is requested
+  bool has_worker_ = false;                         // chunks are opened ahead: they take longer than to start a thread
   std::vector<std::unique_ptr<MessageRun>> heap_;   // the earliest on top
   std::vector<std::unique_ptr<MessageRun>> spare_;  // kept for their memory
   std::uint64_t held_ = 0;                          // bytes of open chunks
@@ -130,6 +131,10 @@ MessageOrder::MessageOrder(Reader::Impl& reader, const ChannelSet& channels, Dam
   }
   std::stable_sort(chunks_.begin(), chunks_.end(),
                    [](const Chunk& a, const Chunk& b) { return a.start_time < b.start_time; });
+  constexpr std::uint64_t small = std::uint64_t{1} << 18;  // [bytes]
+  std::uint64_t all = 0;
+  for (const Chunk& chunk : chunks_) all += chunk.size;
+  has_worker_ = all > small;
   if (reader.loose_messages_) collect_loose();
 }
 
@@ -166,6 +171,7 @@ void MessageOrder::choose_ahead() {
 
 void MessageOrder::read_ahead() {
   constexpr std::uint64_t large = std::uint64_t{16} << 20;  // larger chunks are opened one at a time [bytes]
+  if (!has_worker_) return;
   while (next_ahead_ < std::min(next_chunk_ + ahead_.size(), chunks_.size())) {
     if (worker_.pending() > 0 && chunks_[next_ahead_].size > large) return;
     choose_ahead();

@@ -121,13 +121,19 @@ Result<ReplayReport> replay_recording(mcap::Reader& recording, const Scenario& s
   return report;
 }
 
-Result<ReplayReport> replay(const std::filesystem::path& trace, const ReplayOptions& options) {
+Result<ReplayReport> replay_by(
+    const std::filesystem::path& trace, const ReplayOptions& options,
+    const std::function<Result<ReplayReport>(const std::function<Result<ReplayReport>()>& part)>& run) {
   auto reader = mcap::Reader::open(trace);
   if (!reader) return reader.errors();
   if (!(*reader)->damage().empty()) return mcap::with_recover_hint((*reader)->damage());
   const auto scenario = scenario_of(**reader);
   if (!scenario) return scenario.errors();
-  return replay_recording(**reader, *scenario, options);
+  return run([&] { return replay_recording(**reader, *scenario, options); });
+}
+
+Result<ReplayReport> replay(const std::filesystem::path& trace, const ReplayOptions& options) {
+  return replay_by(trace, options, [](const auto& part) { return part(); });
 }
 
 }  // namespace rehearse

@@ -5,6 +5,9 @@
 #include <rehearse/replay.h>
 #include <rehearse/scenario.h>
 
+#include <filesystem>
+#include <functional>
+
 namespace rehearse {
 
 /// The treatment of a recording that is cut or damaged.
@@ -16,5 +19,10 @@ enum class Damage {
 /// Replays like replay(). `scenario`: the recording's scenario.
 Result<ReplayReport> replay_recording(mcap::Reader& recording, const Scenario& scenario, const ReplayOptions& options,
                                       Damage damage = Damage::refuse);
+
+/// As replay(). `run` gets the part that calls the controllers, when the recording is open, and returns its result.
+Result<ReplayReport> replay_by(
+    const std::filesystem::path& trace, const ReplayOptions& options,
+    const std::function<Result<ReplayReport>(const std::function<Result<ReplayReport>()>& part)>& run);
 
 }  // namespace rehearse

@@ -1,0 +1,24 @@
+// Own processes: calls that run controllers, each in a process that has run no controller.
+//
+// Such a process is a fork of this one, which has loaded our libraries and no guest. It has the supervisor of this
+// process: a recording goes there, and a failed controller is reported by it, as if this process had made the call.
+#pragma once
+
+#include <rehearse/diagnostic.h>
+
+#include <functional>
+#include <string>
+
+namespace rehearse {
+
+/// From now on call_in_own_process() forks. Without a supervisor, as under a debugger, it has no effect.
+void begin_own_processes();
+
+/// Calls `work` in a fork and returns its answer; before begin_own_processes(), and in such a fork, it only calls it.
+/// A fork that a controller ends lets this process end in the same way. Fails if no process can be started.
+Result<std::string> call_in_own_process(const std::function<std::string()>& work);
+
+/// True if call_in_own_process() forks.
+bool has_own_processes();
+
+}  // namespace rehearse
