@@ -186,9 +186,9 @@ TEST(Matrix, RefusesARowAndABuildThatAreNone) {
   EXPECT_EQ(status("--list"), 0);
 }
 
-#ifdef ROWS  // not under sanitizers
+#ifdef MATRIX_ROWS  // not under sanitizers
 TEST(Matrix, HasATestForEveryRow) {
-  std::ifstream stream(ROWS);
+  std::ifstream stream(MATRIX_ROWS);
   std::vector<std::string> tested, listed;
   for (std::string name; std::getline(stream, name);) tested.push_back(name);
   for (const Row& row : rows({})) listed.push_back(row.name);

@@ -53,4 +53,4 @@ rehearse_add_test(vision_tests LABEL render SHARDS 1
 
 # These compute their expected values, which takes long.
 set_source_files_properties(world/hull_contacts_test.cpp world/range_sensor_meshes_test.cpp PROPERTIES
-  COMPILE_OPTIONS "-O2;-fno-sanitize=all")
+  COMPILE_OPTIONS "-O2;-fno-sanitize=all" SKIP_PRECOMPILE_HEADERS ON)

@@ -115,12 +115,11 @@ TEST_F(LinkedLibraries, LoadedWhileItRecordsHaveAReaderOfMeshesOnlyIfAModelHasAM
 /// `rehearse` and the program of the verb, which is pinned when it begins.
 TEST_F(LinkedLibraries, AreLoadedForTwoPrograms) {
   done({"record", sr1_without_cameras().string(), "-o", "run.mcap"});
-  for (const std::vector<std::string>& words :
-       {std::vector<std::string>{"record", "sr1.yaml", "-o", "again.mcap"},
-        {"replay", "run.mcap"},
-        {"info", "run.mcap"},
-        {"--version"},
-        {"help", "check"}}) {
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"record", "sr1.yaml", "-o", "again.mcap"},
+                                                {"replay", "run.mcap"},
+                                                {"info", "run.mcap"},
+                                                {"--version"},
+                                                {"help", "check"}}) {
     const Outcome outcome = rehearse(words, "env -u GLIBC_TUNABLES -u REHEARSE_PIN LD_DEBUG=files");
     EXPECT_EQ(outcome.status, 0) << words[0] << outcome.out;
     EXPECT_EQ(count_of("initialize program: ", outcome.err), 2) << words[0];

@@ -59,9 +59,9 @@ TEST_F(Usage, WithoutTheProgramBehindItSaysWhichOneIsMissing) {
   fs::create_directories(folder() / "bin");
   fs::copy_file(command, folder() / "bin/rehearse");
   const std::string programs = (fs::canonical(folder()) / "libexec/rehearse/rehearse-").string();
-  for (const auto& [verb, program] : {std::pair("info", "read"), std::pair("check", "simulate"),
-                                      std::pair("map", "logs"), std::pair("sweep", "campaigns"),
-                                      std::pair("audit", "audit"), std::pair("import", "choreonoid")}) {
+  for (const auto& [verb, program] :
+       {std::pair("info", "read"), std::pair("check", "simulate"), std::pair("map", "logs"),
+        std::pair("sweep", "campaigns"), std::pair("audit", "audit"), std::pair("import", "choreonoid")}) {
     const Outcome outcome = run(folder() / "bin/rehearse", {verb, "a"});
     EXPECT_EQ(outcome.status, 2);
     EXPECT_EQ(outcome.err, "error: can't start " + programs + program +

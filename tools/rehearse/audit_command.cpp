@@ -304,12 +304,12 @@ std::function<Exit()> declare_audit(CLI::App& options) {
 }  // namespace
 
 extern const Verb audit_verb{"audit",
-                      "  rehearse audit fixtures/scenarios/sr1_minimum.yaml\n"
-                      "  rehearse audit walk.mcap --controller Walker=build/MyWalker.so --valgrind\n"
-                      "  rehearse audit walk.mcap --realtime\n"
-                      "  rehearse audit walk.mcap --instructions\n"
-                      "  rehearse audit golden/*.mcap --coverage\n"
-                      "  rehearse audit walk.yaml --virtualise -o walk.mcap\n",
-                      declare_audit};
+                             "  rehearse audit fixtures/scenarios/sr1_minimum.yaml\n"
+                             "  rehearse audit walk.mcap --controller Walker=build/MyWalker.so --valgrind\n"
+                             "  rehearse audit walk.mcap --realtime\n"
+                             "  rehearse audit walk.mcap --instructions\n"
+                             "  rehearse audit golden/*.mcap --coverage\n"
+                             "  rehearse audit walk.yaml --virtualise -o walk.mcap\n",
+                             declare_audit};
 
 }  // namespace rehearse::tool

@@ -105,9 +105,9 @@ std::function<Exit()> declare_cat(CLI::App& options) {
 }  // namespace
 
 extern const Verb cat_verb{"cat",
-                    "  rehearse cat sr1.mcap --topics /tick --limit 3\n"
-                    "  rehearse cat bag.mcap --topics '/imu*' --from +2 --until +2.5 --json\n"
-                    "  zstd -dc bag.mcap.zst | rehearse cat - | less\n",
-                    declare_cat};
+                           "  rehearse cat sr1.mcap --topics /tick --limit 3\n"
+                           "  rehearse cat bag.mcap --topics '/imu*' --from +2 --until +2.5 --json\n"
+                           "  zstd -dc bag.mcap.zst | rehearse cat - | less\n",
+                           declare_cat};
 
 }  // namespace rehearse::tool

@@ -511,10 +511,11 @@ std::function<Exit()> declare_check(CLI::App& options) {
 
 }  // namespace
 
-extern const Verb check_verb{"check",
-                      "  rehearse check\n"
-                      "  rehearse check fixtures/scenarios/sr1_minimum.yaml --level controller\n"
-                      "  rehearse check walk.yaml --golden yesterday.mcap --controller Walker=build/MyWalker.so\n",
-                      declare_check};
+extern const Verb check_verb{
+    "check",
+    "  rehearse check\n"
+    "  rehearse check fixtures/scenarios/sr1_minimum.yaml --level controller\n"
+    "  rehearse check walk.yaml --golden yesterday.mcap --controller Walker=build/MyWalker.so\n",
+    declare_check};
 
 }  // namespace rehearse::tool

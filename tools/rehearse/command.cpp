@@ -168,9 +168,9 @@ Exit run_own_verb(int argc, char** argv) {
   const std::string_view word = argc < 2 ? "" : argv[1];
   for (const Verb* verb : own_verbs())
     if (verb->name == word) return run_verb(*verb, argc, argv);
-  return refuse(error(fmt::format("{} is a part of rehearse and not meant to be started by hand",
-                                  own_program().filename().string()),
-                      "rehearse --help lists all verbs"));
+  return refuse(error(
+      fmt::format("{} is a part of rehearse and not meant to be started by hand", own_program().filename().string()),
+      "rehearse --help lists all verbs"));
 }
 
 Exit run_verb(const Verb& verb, int argc, char** argv) {

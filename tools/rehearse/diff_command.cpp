@@ -138,10 +138,10 @@ std::function<Exit()> declare_diff(CLI::App& options) {
 }  // namespace
 
 extern const Verb diff_verb{"diff",
-                     "  rehearse diff golden/SR1.Stands.mcap today.mcap\n"
-                     "  rehearse diff a.mcap b.mcap --tolerances loose.yaml --json\n"
-                     "  rehearse diff a.mcap b.mcap --pictures\n"
-                     "  rehearse diff monday/ friday/ --align l_knee/q\n",
-                     declare_diff};
+                            "  rehearse diff golden/SR1.Stands.mcap today.mcap\n"
+                            "  rehearse diff a.mcap b.mcap --tolerances loose.yaml --json\n"
+                            "  rehearse diff a.mcap b.mcap --pictures\n"
+                            "  rehearse diff monday/ friday/ --align l_knee/q\n",
+                            declare_diff};
 
 }  // namespace rehearse::tool

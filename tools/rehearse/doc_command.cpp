@@ -180,8 +180,8 @@ std::function<Exit()> declare_doc(CLI::App& options) {
 }  // namespace
 
 extern const Verb doc_verb{"doc",
-                    "  rehearse doc\n  rehearse doc scenarios\n  rehearse doc scenarios --text\n  rehearse doc "
-                    "--schema scenario > scenario.json\n",
-                    declare_doc};
+                           "  rehearse doc\n  rehearse doc scenarios\n  rehearse doc scenarios --text\n  rehearse doc "
+                           "--schema scenario > scenario.json\n",
+                           declare_doc};
 
 }  // namespace rehearse::tool

@@ -179,13 +179,13 @@ std::function<Exit()> declare_export(CLI::App& options) {
 }  // namespace
 
 extern const Verb export_verb{"export",
-                       "  rehearse export sr1.mcap -o tables\n"
-                       "  rehearse export sr1.mcap -o sr1.csv --joined --ticks 0..999\n"
-                       "  rehearse export bag -o log.csv --joined --clock /joint_states\n"
-                       "  rehearse export sr1.mcap -o pictures --frames --topics '*Camera*'\n"
-                       "  rehearse export sr1.mcap --viewer sr1.viewer.mcap --layout sr1.json\n"
-                       "  rehearse export sr1.mcap --robot sr1_files\n"
-                       "  rehearse export sr1.mcap -o walk.mp4 --video --topics '/SR1/LeftCamera/image'\n",
-                       declare_export};
+                              "  rehearse export sr1.mcap -o tables\n"
+                              "  rehearse export sr1.mcap -o sr1.csv --joined --ticks 0..999\n"
+                              "  rehearse export bag -o log.csv --joined --clock /joint_states\n"
+                              "  rehearse export sr1.mcap -o pictures --frames --topics '*Camera*'\n"
+                              "  rehearse export sr1.mcap --viewer sr1.viewer.mcap --layout sr1.json\n"
+                              "  rehearse export sr1.mcap --robot sr1_files\n"
+                              "  rehearse export sr1.mcap -o walk.mp4 --video --topics '/SR1/LeftCamera/image'\n",
+                              declare_export};
 
 }  // namespace rehearse::tool

@@ -100,10 +100,10 @@ std::function<Exit()> declare_filter(CLI::App& options) {
 }  // namespace
 
 extern const Verb filter_verb{"filter",
-                       "  rehearse filter walk.mcap -o fall.mcap --from 3.1 --until 3.4\n"
-                       "  rehearse filter walk.mcap -o numbers.mcap --exclude '*/image' '*/depth'\n"
-                       "  rehearse filter walk.mcap -o joints.mcap --topics '/SR1/*joints' --ticks 0..99\n"
-                       "  rehearse filter bag.mcap -o small.mcap --compression zstd --level 19\n",
-                       declare_filter};
+                              "  rehearse filter walk.mcap -o fall.mcap --from 3.1 --until 3.4\n"
+                              "  rehearse filter walk.mcap -o numbers.mcap --exclude '*/image' '*/depth'\n"
+                              "  rehearse filter walk.mcap -o joints.mcap --topics '/SR1/*joints' --ticks 0..99\n"
+                              "  rehearse filter bag.mcap -o small.mcap --compression zstd --level 19\n",
+                              declare_filter};
 
 }  // namespace rehearse::tool

@@ -65,12 +65,12 @@ Result<void> check_choice(const std::vector<std::string>& names, bool all) {
 }
 
 extern const Verb golden_verb{"golden",
-                       "  rehearse golden list\n"
-                       "  rehearse golden review\n"
-                       "  rehearse golden accept SR1.StandsUnderItsMinimumController\n"
-                       "  rehearse golden accept SR1.Walks --channel '/SR1/LeftCamera/*'\n"
-                       "  rehearse golden reject --all\n"
-                       "  rehearse golden noise fixtures/scenarios/sr1_minimum.yaml\n",
-                       declare_golden};
+                              "  rehearse golden list\n"
+                              "  rehearse golden review\n"
+                              "  rehearse golden accept SR1.StandsUnderItsMinimumController\n"
+                              "  rehearse golden accept SR1.Walks --channel '/SR1/LeftCamera/*'\n"
+                              "  rehearse golden reject --all\n"
+                              "  rehearse golden noise fixtures/scenarios/sr1_minimum.yaml\n",
+                              declare_golden};
 
 }  // namespace rehearse::tool

@@ -71,9 +71,9 @@ std::function<Exit()> declare_history(CLI::App& options) {
 }  // namespace
 
 extern const Verb history_verb{"history",
-                        "  rehearse check --history history.jsonl --date 2026-11-27\n"
-                        "  rehearse history history.jsonl\n"
-                        "  rehearse history history.jsonl --fail-on-drift --html build/history.html\n",
-                        declare_history};
+                               "  rehearse check --history history.jsonl --date 2026-11-27\n"
+                               "  rehearse history history.jsonl\n"
+                               "  rehearse history history.jsonl --fail-on-drift --html build/history.html\n",
+                               declare_history};
 
 }  // namespace rehearse::tool

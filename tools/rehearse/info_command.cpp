@@ -396,10 +396,10 @@ std::function<Exit()> declare_info(CLI::App& options) {
 }  // namespace
 
 extern const Verb info_verb{"info",
-                     "  rehearse info sr1.mcap\n"
-                     "  rehearse info sr1.mcap --json\n"
-                     "  rehearse info log.bag --schemas\n"
-                     "  ssh robot cat log.mcap | rehearse info -\n",
-                     declare_info};
+                            "  rehearse info sr1.mcap\n"
+                            "  rehearse info sr1.mcap --json\n"
+                            "  rehearse info log.bag --schemas\n"
+                            "  ssh robot cat log.mcap | rehearse info -\n",
+                            declare_info};
 
 }  // namespace rehearse::tool

@@ -290,11 +290,11 @@ std::function<Exit()> declare_inspect(CLI::App& options) {
 }  // namespace
 
 extern const Verb inspect_verb{"inspect",
-                        "  rehearse inspect fixtures/models/sr1.urdf\n"
-                        "  rehearse inspect robot.urdf --strict --json\n"
-                        "  rehearse inspect SR1.body\n"
-                        "  rehearse inspect --scenario fixtures/scenarios/rover.yaml\n"
-                        "  rehearse inspect arm.urdf --package arm_description=../arm_description\n",
-                        declare_inspect};
+                               "  rehearse inspect fixtures/models/sr1.urdf\n"
+                               "  rehearse inspect robot.urdf --strict --json\n"
+                               "  rehearse inspect SR1.body\n"
+                               "  rehearse inspect --scenario fixtures/scenarios/rover.yaml\n"
+                               "  rehearse inspect arm.urdf --package arm_description=../arm_description\n",
+                               declare_inspect};
 
 }  // namespace rehearse::tool

@@ -35,7 +35,8 @@ class LateReader : public mcap::ContainerReader {
     void* library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);  // stays loaded
     void* function = library ? ::dlsym(library, "rehearse_read_logs") : nullptr;
     if (!function)
-      return error_in(log, fmt::format("it needs the wing logs: {}", ::dlerror()), "tools/build release rehearse-logs builds it");
+      return error_in(log, fmt::format("it needs the wing logs: {}", ::dlerror()),
+                      "tools/build release rehearse-logs builds it");
     reinterpret_cast<void (*)()>(function)();
     return mcap::container_reader();
   }

@@ -3,8 +3,9 @@
 
 namespace rehearse::tool {
 
-/// From now on this process opens such logs by librehearse_logs, which it loads with the first of them: SQLite alone has
-/// a sixth of the names that the start of a program looks up. Without the library the log is refused, with the reason.
+/// From now on this process opens such logs by librehearse_logs, which it loads with the first of them: SQLite alone
+/// has a sixth of the names that the start of a program looks up. Without the library the log is refused, with the
+/// reason.
 void open_logs_when_needed();
 
 }  // namespace rehearse::tool

@@ -65,12 +65,13 @@ std::function<Exit()> declare_map(CLI::App& options) {
 
 }  // namespace
 
-extern const Verb map_verb{"map",
-                    "  rehearse map friday/ --model robot.urdf -o friday.map.yaml\n"
-                    "  rehearse replay friday/ --controller LIB --model robot.urdf --map friday.map.yaml\n"
-                    "\n"
-                    "Topics are assigned by their types, frames and names, joints by theirs. Each guess has a comment; "
-                    "\"unsure\" marks those to check.\n",
-                    declare_map};
+extern const Verb map_verb{
+    "map",
+    "  rehearse map friday/ --model robot.urdf -o friday.map.yaml\n"
+    "  rehearse replay friday/ --controller LIB --model robot.urdf --map friday.map.yaml\n"
+    "\n"
+    "Topics are assigned by their types, frames and names, joints by theirs. Each guess has a comment; "
+    "\"unsure\" marks those to check.\n",
+    declare_map};
 
 }  // namespace rehearse::tool

@@ -255,8 +255,8 @@ std::function<Exit()> declare_new(CLI::App& options) {
 }  // namespace
 
 extern const Verb new_verb{"new",
-                    "  rehearse new my_walker\n  rehearse new --language rust my_arm\n  rehearse new --workflow "
-                    "--origin https://github.com/OWNER/NAME .\n",
-                    declare_new};
+                           "  rehearse new my_walker\n  rehearse new --language rust my_arm\n  rehearse new --workflow "
+                           "--origin https://github.com/OWNER/NAME .\n",
+                           declare_new};
 
 }  // namespace rehearse::tool

@@ -41,7 +41,8 @@ Exit run(int argc, char** argv) {
                         spelling_hint(word, {"--help", "--no-pin", "--version"}) + "see rehearse --help"));
   const VerbSummary* known = find_verb(word);
   if (!known) return refuse(error(fmt::format("there is no verb '{}'", word), hint_for(word)));
-  if (!known->wing_adds && !is_in_this_build(known->wing)) return refuse(left_out(fmt::format("the verb {}", word), known->wing));
+  if (!known->wing_adds && !is_in_this_build(known->wing))
+    return refuse(left_out(fmt::format("the verb {}", word), known->wing));
   if (known->rounding == Rounding::matters) pin_process(argv);
   open_logs_when_needed();
   return run_own_verb(argc, argv);

@@ -253,8 +253,8 @@ std::function<Exit()> declare_render(CLI::App& options) {
 }  // namespace
 
 extern const Verb render_verb{"render",
-                       "  rehearse render fixtures/scenarios/sr1_minimum.yaml -o sr1.png\n"
-                       "  rehearse render robot.urdf -o hand.png --eye 0.6,0.2,1.1 --target 0,0.3,0.9\n",
-                       declare_render};
+                              "  rehearse render fixtures/scenarios/sr1_minimum.yaml -o sr1.png\n"
+                              "  rehearse render robot.urdf -o hand.png --eye 0.6,0.2,1.1 --target 0,0.3,0.9\n",
+                              declare_render};
 
 }  // namespace rehearse::tool

@@ -165,10 +165,10 @@ std::function<Exit()> declare_report(CLI::App& options) {
 }  // namespace
 
 extern const Verb report_verb{"report",
-                       "  rehearse report walk.mcap\n"
-                       "  rehearse report today.mcap golden/SR1.Stands.mcap -o stands.html\n"
-                       "  rehearse report walk.mcap --coverage\n"
-                       "  rehearse report long.mcap --from 12 --until 20 --topics '/SR1/*'\n",
-                       declare_report};
+                              "  rehearse report walk.mcap\n"
+                              "  rehearse report today.mcap golden/SR1.Stands.mcap -o stands.html\n"
+                              "  rehearse report walk.mcap --coverage\n"
+                              "  rehearse report long.mcap --from 12 --until 20 --topics '/SR1/*'\n",
+                              declare_report};
 
 }  // namespace rehearse::tool

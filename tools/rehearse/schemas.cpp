@@ -13,7 +13,8 @@ std::vector<NamedForm> all_schemas() {
   std::vector<NamedForm> all{{"scenario", "a scenario of Rehearse, also of a campaign", types::of(scenario_form)},
                              {"tolerances", "a file with tolerances alone", types::of(tolerances_file_form)},
                              {"noise", "the noise floor beside a golden", types::of(noise_file_form)}};
-  for (auto objects : {forms_of_logs(), verdict_objects(), log_objects(), file_objects(), golden_objects(), campaign_objects()})
+  for (auto objects :
+       {forms_of_logs(), verdict_objects(), log_objects(), file_objects(), golden_objects(), campaign_objects()})
     all.insert(all.end(), std::make_move_iterator(objects.begin()), std::make_move_iterator(objects.end()));
   return all;
 }

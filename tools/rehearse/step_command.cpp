@@ -82,9 +82,9 @@ std::function<Exit()> declare_step(CLI::App& options) {
 }  // namespace
 
 extern const Verb step_verb{"step",
-                     "  rehearse step failed.mcap --from 3.0\n"
-                     "  rehearse step failed.mcap --controller Walker=build/MyWalker.so\n"
-                     "  printf 'goto 3.2s\\ninfo\\n' | rehearse step failed.mcap\n",
-                     declare_step};
+                            "  rehearse step failed.mcap --from 3.0\n"
+                            "  rehearse step failed.mcap --controller Walker=build/MyWalker.so\n"
+                            "  printf 'goto 3.2s\\ninfo\\n' | rehearse step failed.mcap\n",
+                            declare_step};
 
 }  // namespace rehearse::tool

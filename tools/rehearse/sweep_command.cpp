@@ -76,8 +76,7 @@ void tell_faults(const CampaignSummary& summary) {
     for (const FaultCell& cell : fault.cells) row.push_back(plain_text(to_string(cell)));
   }
   print_table(rows);
-  for (std::size_t i = 0; i < columns.size(); ++i)
-    fmt::print("({}) {}\n", i + 1, plain_text(columns[i].expectation));
+  for (std::size_t i = 0; i < columns.size(); ++i) fmt::print("({}) {}\n", i + 1, plain_text(columns[i].expectation));
 }
 
 void tell_errors(const CampaignSummary& summary) {
@@ -406,11 +405,11 @@ std::function<Exit()> declare_sweep(CLI::App& options) {
 Simulation simulation() { return {record, run_plant, describe_plant, record_from}; }
 
 extern const Verb sweep_verb{"sweep",
-                      "  rehearse sweep fixtures/campaigns/push.yaml --cases 200 -o pushed\n"
-                      "  rehearse sweep status pushed\n"
-                      "  rehearse sweep case 17 pushed\n"
-                      "  rehearse sweep shrink 17 pushed -o smallest.yaml\n"
-                      "  rehearse sweep report after --against before\n",
-                      declare_sweep};
+                             "  rehearse sweep fixtures/campaigns/push.yaml --cases 200 -o pushed\n"
+                             "  rehearse sweep status pushed\n"
+                             "  rehearse sweep case 17 pushed\n"
+                             "  rehearse sweep shrink 17 pushed -o smallest.yaml\n"
+                             "  rehearse sweep report after --against before\n",
+                             declare_sweep};
 
 }  // namespace rehearse::tool

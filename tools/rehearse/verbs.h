@@ -7,8 +7,8 @@
 
 namespace rehearse::tool {
 
-/// The programs that contain verbs of the core, in libexec/rehearse: rehearse-read and rehearse-simulate. Verbs of a wing
-/// are in rehearse-WING, but for those of `viewing`, which are few and in rehearse-read.
+/// The programs that contain verbs of the core, in libexec/rehearse: rehearse-read and rehearse-simulate. Verbs of a
+/// wing are in rehearse-WING, but for those of `viewing`, which are few and in rehearse-read.
 enum class Program { read, simulate, of_the_wing };
 
 /// Whether the results of a verb depend on rounding, so that it must compute with pinned arithmetic (pin.h). The

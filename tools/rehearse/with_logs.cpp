@@ -4,9 +4,7 @@
 
 namespace rehearse::tool {
 
-std::vector<NamedForm> forms_of_logs() {
-  return {{"map", "a map from a robot's log to a model", types::of(map_form)}};
-}
+std::vector<NamedForm> forms_of_logs() { return {{"map", "a map from a robot's log to a model", types::of(map_form)}}; }
 
 std::optional<Diagnostics> findings_of_container(const std::filesystem::path& file) { return examine_container(file); }
 

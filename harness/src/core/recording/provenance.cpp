@@ -64,9 +64,15 @@ std::string compiler() {
 /// compute with. OSMesa is included only if it draws, and the reader of mesh files only if there is one, because an
 /// earlier run may have loaded them. Empty if a library has no build identifier.
 std::string programs(bool draws, bool has_mesh_files) {
-  constexpr std::string_view deciding[] = {
-      "librehearse_harness.", "librehearse_simulation.", "librehearse_cnoid.", "librehearse_assimp.", "libode.",
-      "libOSMesa.",           "libm.",                   "libc.",              "libstdc++."};
+  constexpr std::string_view deciding[] = {"librehearse_harness.",
+                                           "librehearse_simulation.",
+                                           "librehearse_cnoid.",
+                                           "librehearse_assimp.",
+                                           "libode.",
+                                           "libOSMesa.",
+                                           "libm.",
+                                           "libc.",
+                                           "libstdc++."};
   std::string all;
   for (const auto& [name, id] : build_ids()) {
     const auto names_it = [&name = name](std::string_view prefix) { return name.starts_with(prefix); };
