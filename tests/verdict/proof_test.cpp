@@ -375,6 +375,11 @@ TEST_F(ProvedWithAMesh, IsNoneWithAChangedAssimp) {
 TEST_F(ProvedWithAMesh, IsNoneWithAChangedReader) {
   const fs::path harness = loaded("librehearse_harness.so");  // which loads the reader that is beside itself
   fs::copy_file(harness, folder() / harness.filename());
+  // it finds these beside itself, too
+  const fs::path cnoid = loaded("librehearse_cnoid.so");
+  fs::create_symlink(cnoid, folder() / cnoid.filename());
+  fs::create_directories(folder() / "rehearse");
+  fs::create_directory_symlink(harness.parent_path() / "rehearse/controllers", folder() / "rehearse/controllers");
   expect_simulated_with_other("librehearse_assimp.so", "a node of it refers to a mesh", "rehearse");
 }
 

@@ -207,16 +207,6 @@ function(rehearse_write_rooms file)
   file(GENERATE OUTPUT ${file} CONTENT "${lines}")
 endfunction()
 
-# rehearse_find_libraries_in(TARGET FOLDER): the linker finds Rehearse's libraries in this folder alone, relative to the
-# target, in the build folder as installed. CMake's own list for the build folder has empty entries, and each is searched
-# for each library.
-function(rehearse_find_libraries_in target folder)
-  set_target_properties(${target} PROPERTIES INSTALL_RPATH "${folder}")
-  if(CMAKE_INSTALL_LIBDIR STREQUAL lib)  # the name of the folder in the build folder
-    set_target_properties(${target} PROPERTIES BUILD_WITH_INSTALL_RPATH ON)
-  endif()
-endfunction()
-
 # rehearse_add_library(NAME SOURCES... ROOMS rooms...): the shared library librehearse_NAME.so, target Rehearse::NAME.
 function(rehearse_add_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "ROOMS")
@@ -226,7 +216,9 @@ function(rehearse_add_library name)
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   target_compile_features(rehearse_${name} PUBLIC cxx_std_20)
   target_link_libraries(rehearse_${name} PRIVATE $<BUILD_INTERFACE:rehearse_flags>)
-  rehearse_find_libraries_in(rehearse_${name} $ORIGIN)
+  # It finds the other libraries beside itself, also in the build folder: CMake's own path there has empty entries, each of
+  # which is searched for each library.
+  set_target_properties(rehearse_${name} PROPERTIES INSTALL_RPATH $ORIGIN BUILD_WITH_INSTALL_RPATH ON)
   # The library's own names are bound when it is linked, not by name at every start.
   set(exports ${PROJECT_SOURCE_DIR}/tools/cmake/exports.map)
   target_link_options(rehearse_${name} PRIVATE -Wl,-Bsymbolic -Wl,--version-script=${exports})

@@ -89,8 +89,7 @@ std::string start_interpreter() {
   PyPreConfig_InitIsolatedConfig(&texts);
   texts.utf8_mode = 1;  // whatever the locale
   PyStatus status = Py_PreInitialize(&texts);
-  if (!PyStatus_Exception(status))
-    status = PyConfig_SetBytesString(&config, &config.program_name, PYTHON_PROGRAM);
+  if (!PyStatus_Exception(status)) status = PyConfig_SetBytesString(&config, &config.program_name, PYTHON_PROGRAM);
   if (!PyStatus_Exception(status)) status = Py_InitializeFromConfig(&config);
   PyConfig_Clear(&config);
   if (!PyStatus_Exception(status)) Py_XDECREF(PyImport_ImportModule("_signal"));
@@ -101,6 +100,9 @@ std::string start_interpreter() {
     py::list path = py::module_::import("sys").attr("path");
     path.insert(0, folder);
   }
+  // On a processor without some of the features that the environment disables, numpy would say so on stdout.
+  py::module_::import("warnings")
+      .attr("filterwarnings")("ignore", "During parsing environment variable 'NPY_DISABLE_CPU_FEATURES'");
   provide_io_module();
   own_module().attr("print_to_recordings")();
   PyEval_SaveThread();
