@@ -11,49 +11,63 @@
 
 namespace rehearse {
 
-// The members of results. A member that is missing here is lost between two processes.
+// The members of results. They are bound by structured bindings, so that a struct with one more doesn't compile here:
+// its value would be lost between two processes.
 
 void each_member(Passed<Diagnostic> auto& value, auto& each) {
-  each(value.severity), each(value.file), each(value.line), each(value.column), each(value.message), each(value.hint);
+  auto& [severity, file, line, column, message, hint] = value;
+  each(severity), each(file), each(line), each(column), each(message), each(hint);
 }
 
 void each_member(Passed<Divergence> auto& value, auto& each) {
-  each(value.tick), each(value.time), each(value.channel), each(value.element), each(value.expected);
-  each(value.actual), each(value.difference), each(value.ulps), each(value.tolerance);
-  each(value.distance_from_envelope), each(value.unit), each(value.note), each(value.stage);
+  auto& [tick, time, channel, element, expected, actual, difference, ulps, tolerance, distance, unit, note, stage] =
+      value;
+  each(tick), each(time), each(channel), each(element), each(expected), each(actual), each(difference), each(ulps);
+  each(tolerance), each(distance), each(unit), each(note), each(stage);
 }
 
 void each_member(const ControlCosts::Count& value, AnswerWriter& each) {
-  each(value.name), each(value.total), each(value.ticks), each(value.first_tick);
+  auto& [name, total, ticks, first_tick] = value;
+  each(name), each(total), each(ticks), each(first_tick);
 }
 
 /// Names of counts are constants of the program.
 void each_member(ControlCosts::Count& value, AnswerReader& each) {
   static auto& names = *new std::set<std::string>;
-  std::string name;
-  each(name), each(value.total), each(value.ticks), each(value.first_tick);
-  value.name = *names.insert(std::move(name)).first;
+  auto& [name, total, ticks, first_tick] = value;
+  std::string passed;
+  each(passed), each(total), each(ticks), each(first_tick);
+  name = *names.insert(std::move(passed)).first;
 }
 
-void each_member(Passed<ControlCosts> auto& value, auto& each) { each(value.counts), each(value.page_faults); }
+void each_member(Passed<ControlCosts> auto& value, auto& each) {
+  auto& [counts, page_faults] = value;
+  each(counts), each(page_faults);
+}
 
 void each_member(Passed<ControlTimes> auto& value, auto& each) {
-  each(value.controller), each(value.period), each(value.calls), each(value.median), each(value.p999);
-  each(value.longest), each(value.longest_tick), each(value.histogram), each(value.costs);
+  auto& [controller, period, calls, median, p999, longest, longest_tick, histogram, costs] = value;
+  each(controller), each(period), each(calls), each(median), each(p999), each(longest), each(longest_tick);
+  each(histogram), each(costs);
 }
 
 void each_member(Passed<RunSummary> auto& value, auto& each) {
-  each(value.ticks), each(value.channels), each(value.pictures), each(value.bytes), each(value.failure);
-  each(value.end), each(value.trace_changed), each(value.controller_refused), each(value.remarks);
-  each(value.control_times);
+  auto& [ticks, channels, pictures, bytes, failure, end, trace_changed, refused, remarks, control_times] = value;
+  each(ticks), each(channels), each(pictures), each(bytes), each(failure), each(end), each(trace_changed);
+  each(refused), each(remarks), each(control_times);
 }
 
-void each_member(Passed<ResumedRun> auto& value, auto& each) { each(value.summary), each(value.from); }
+void each_member(Passed<ResumedRun> auto& value, auto& each) {
+  auto& [summary, from] = value;
+  each(summary), each(from);
+}
 
 void each_member(Passed<ReplayedWords> auto& value, auto& each) {
-  each(value.lines), each(value.variables), each(value.different), each(value.first);
+  auto& [lines, variables, different, first] = value;
+  each(lines), each(variables), each(different), each(first);
 }
 
+/// Its members can't be bound, because it has a base with members.
 void each_member(Passed<ReplayReport> auto& value, auto& each) {
   each(value.values), each(value.values_different), each(value.first), each(value.worst), each(value.beyond);
   each(value.controllers), each(value.ticks), each(value.ticks_different), each(value.same_commands);
