@@ -60,6 +60,7 @@ endif()
 include(RehearseBits)
 rehearse_refuse_other_flags()
 
+set(has_types $<OR:$<STREQUAL:$<TARGET_PROPERTY:TYPE>,MODULE_LIBRARY>,$<BOOL:$<TARGET_PROPERTY:REHEARSE_HAS_TYPES>>>)
 add_library(rehearse_flags INTERFACE)
 target_compile_options(rehearse_flags INTERFACE
   -ffp-contract=off  # a fused multiply-add rounds once where two instructions round twice: other bits on other CPUs
@@ -73,8 +74,8 @@ target_compile_options(rehearse_flags INTERFACE
   $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1000000>
   $<$<BOOL:${REHEARSE_WERROR}>:-Werror>
   # Line numbers are enough to debug our own code; types take a third of the compiler's time, and seconds of gdb's. gdb
-  # shows controllers by the types of controllers, and of the sources given to rehearse_types_for_gdb().
-  $<$<AND:$<CONFIG:RelWithDebInfo>,$<NOT:$<STREQUAL:$<TARGET_PROPERTY:TYPE>,MODULE_LIBRARY>>>:-g1>)
+  # shows controllers by the types of controllers, and of parts of the kind gdb.
+  $<$<AND:$<CONFIG:RelWithDebInfo>,$<NOT:${has_types}>>:-g1>)
 
 # For code that takes little of a tick's time (most of it runs once per verb, file or verdict): the compiler needs two
 # thirds of the time. Builds with flags of their own compile everything with them, unless REHEARSE_COLD_FLAGS is set.
@@ -89,7 +90,7 @@ target_compile_options(rehearse_cold_flags INTERFACE $<$<CONFIG:RelWithDebInfo>:
 add_library(rehearse_gdb_flags INTERFACE)
 target_link_libraries(rehearse_gdb_flags INTERFACE rehearse_flags)
 target_compile_options(rehearse_gdb_flags INTERFACE
-  "$<$<CONFIG:RelWithDebInfo>:-g;$<IF:$<CXX_COMPILER_ID:GNU>,-femit-class-debug-always,-fstandalone-debug>>")
+  $<$<CONFIG:RelWithDebInfo>:$<IF:$<CXX_COMPILER_ID:GNU>,-femit-class-debug-always,-fstandalone-debug>>)
 
 # For code that takes most of a tick's time. GCC leaves products of Eigen's 3 x 3 matrices as calls, which are a tenth of
 # a step of the direct solver.
@@ -121,7 +122,8 @@ target_compile_definitions(rehearse_parsed INTERFACE EIGEN_MAX_ALIGN_BYTES=16)
 
 # Headers that most sources of the rooms and of the command include are parsed once for all. GCC stores the level of
 # optimisation with them, so there is one target for each. The preset clang parses them in each source, and so finds a
-# source that lacks an include.
+# source that lacks an include. GCC stores the level of debug information, too, so the parts of the kind gdb, which have
+# all types, parse these headers themselves.
 function(rehearse_precompile name flags)  # and more headers
   set(empty ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp)
   file(CONFIGURE OUTPUT ${empty} CONTENT "")
@@ -147,6 +149,9 @@ function(rehearse_add_part target kind)
   set(flags_gdb rehearse_gdb_flags)
   add_library(${target} OBJECT ${ARGN})
   target_link_libraries(${target} PRIVATE ${flags_${kind}} rehearse_parsed)
+  if(kind STREQUAL gdb)
+    set_target_properties(${target} PROPERTIES REHEARSE_HAS_TYPES ON)
+  endif()
   rehearse_unite(${target} ${ARGN})
 endfunction()
 
@@ -179,11 +184,9 @@ function(rehearse_room name)
       rehearse_add_part(${room}_${kind} ${kind} ${arg_${key}})
       target_compile_features(${room}_${kind} PRIVATE cxx_std_20)
       target_link_libraries(${room}_${kind} PRIVATE ${room})
-      set(headers rehearse_hot_headers)
-      if(kind STREQUAL cold)
-        set(headers rehearse_cold_headers)
+      if(TARGET rehearse_${kind}_headers)
+        target_precompile_headers(${room}_${kind} REUSE_FROM rehearse_${kind}_headers)
       endif()
-      target_precompile_headers(${room}_${kind} REUSE_FROM ${headers})
     endif()
   endforeach()
   set_target_properties(${room} PROPERTIES
