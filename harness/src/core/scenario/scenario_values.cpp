@@ -316,14 +316,14 @@ Keys::Keys(Findings& findings, const YamlNode& node, const Form& form) : finding
     return;
   }
   entries_ = read_entries(findings_, node);
+  const std::vector<std::string_view> keys = form.key_names();
+  const std::vector<std::string> names(keys.begin(), keys.end());
   for (const NamedEntry& entry : entries_) {
     if (form.find(entry.name) != nullptr) continue;
-    std::vector<std::string> names;
-    for (const std::string_view name : form.key_names()) names.emplace_back(name);
-    findings_.error(*entry.key, fmt::format("unknown key '{}' in {}", shortened(entry.name), form.owner),
-                    name_hint(entry.name, names, "keys"));
     has_unknown_ = true;
     const std::vector<std::string> near = near_names(entry.name, names);
+    findings_.error(*entry.key, fmt::format("unknown key '{}' in {}", shortened(entry.name), form.owner),
+                    near_hint(near, names, "keys"));
     misspelt_.insert(misspelt_.end(), near.begin(), near.end());
   }
 }
