@@ -1,9 +1,7 @@
 // rehearse cat: prints the messages of a trace, or of any MCAP file, one per line.
 #include <fmt/format.h>
 
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -32,30 +30,19 @@ class Lines {
   explicit Lines(const CatSettings& settings)
       : limit_(settings.limit), printer_(settings.json ? MessagePrinter::Form::json : MessagePrinter::Form::line) {}
 
-  /// Returns false if no more lines are needed: the limit is reached, or the reader has closed the pipe.
+  /// Returns false if no more lines are needed: the limit is reached, or stdout takes none.
   bool print(const mcap::Message& message, const mcap::Schema* schema) {
     const std::string_view line = printer_.print(message, schema);
-    if (std::fwrite(line.data(), 1, line.size(), stdout) != line.size()) return note_failure(), false;
+    if (std::fwrite(line.data(), 1, line.size(), stdout) != line.size()) return false;
     return ++printed_ < limit_;
   }
 
   std::uint64_t printed() const { return printed_; }
 
-  /// The exit status; `read` is the result of reading.
-  Exit end(const Result<void>& read) {
-    if (!problem_ && std::fflush(stdout) != 0) note_failure();
-    if (problem_ == EPIPE) return Exit::done;  // the reader has closed the pipe, as `head` does
-    if (problem_) return refuse(error(fmt::format("can't write to stdout: {}", std::strerror(*problem_))));
-    return read ? Exit::done : refuse(read.errors());
-  }
-
  private:
-  void note_failure() { problem_ = errno; }
-
   const std::uint64_t limit_;
   MessagePrinter printer_;
   std::uint64_t printed_ = 0;
-  std::optional<int> problem_;  // errno
 };
 
 Exit run_cat(const CatSettings& settings) {
@@ -82,7 +69,7 @@ Exit run_cat(const CatSettings& settings) {
   progress.reset();
   if (read && lines.printed() == 0)
     if (const auto refused = selector->refusal_of_empty(reader)) return refuse(*refused);
-  return lines.end(read);
+  return read ? Exit::done : refuse(read.errors());
 }
 
 std::function<Exit()> declare_cat(CLI::App& options) {

@@ -163,11 +163,23 @@ std::string overview() {
   return text;
 }
 
+Exit after_output(Exit exit) {
+  errno = 0;
+  const bool is_lost = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
+  int cause = errno;
+  if (is_lost && cause == 0 && ::write(STDOUT_FILENO, "", 0) < 0) cause = errno;  // an earlier flush failed
+  end_if_reader_is_gone();
+  if (!is_lost || static_cast<int>(exit) >= 128) return exit;
+  std::clearerr(stdout);
+  errors_as_json = false;  // the object would be lost, too
+  return refuse(error(fmt::format("can't write to stdout{}{}", cause ? ": " : "", cause ? std::strerror(cause) : "")));
+}
+
 Exit run_own_verb(int argc, char** argv) {
   own_arguments = argv;
   const std::string_view word = argc < 2 ? "" : argv[1];
   for (const Verb* verb : own_verbs())
-    if (verb->name == word) return run_verb(*verb, argc, argv);
+    if (verb->name == word) return after_output(run_verb(*verb, argc, argv));
   return refuse(error(
       fmt::format("{} is a part of rehearse and not meant to be started by hand", own_program().filename().string()),
       "rehearse --help lists all verbs"));
@@ -199,12 +211,13 @@ Exit run_verb(const Verb& verb, int argc, char** argv) {
                sigabbrev_np(interruption()));
     return static_cast<Exit>(128 + interruption());
   } catch (const CLI::CallForHelp&) {
-    fmt::print("{}", options.help());
+    std::fputs(options.help().c_str(), stdout);  // fmt would throw out of the handler on a full disk
     return Exit::done;
   } catch (const CLI::ParseError& problem) {
     if (auto unknown = unknown_word(options, name)) return refuse(std::move(*unknown));
     return usage_error(name, one_line(problem.what()));
   } catch (const std::exception& problem) {
+    if (std::ferror(stdout)) return Exit::bad_input;  // fmt throws if it can't write; after_output() reports it
     return refuse(error(fmt::format("internal error: {}", problem.what())));
   }
 }

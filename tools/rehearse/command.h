@@ -65,6 +65,10 @@ std::string overview();
 /// on stderr and result in Exit::bad_input.
 Exit run_verb(const Verb& verb, int argc, char** argv);
 
+/// Writes what is left of stdout, and returns `exit`. Output that can't be written, as on a full disk or with a closed
+/// stdout, is reported on stderr and results in Exit::bad_input.
+Exit after_output(Exit exit);
+
 /// Prints the diagnostics to stderr, one per line; returns Exit::bad_input.
 Exit refuse(const Diagnostics& diagnostics);
 Exit refuse(Diagnostic diagnostic);

@@ -1,5 +1,6 @@
 // rehearse: the command. It executes the program that contains the verb (verbs.h), and links no other library than that
 // of C, because each library that it links would be loaded twice. rehearse-read answers all that names no verb.
+#include <fcntl.h>
 #include <rehearse/pin.h>
 #include <sys/auxv.h>
 #include <unistd.h>
@@ -47,8 +48,15 @@ int take_no_pin(int argc, char** argv) {
   return static_cast<int>(end - argv);
 }
 
+/// Opens what the caller has closed of stdin, stdout and stderr, so that no file takes its number. Writing to it fails.
+void open_standard_streams() {
+  for (int stream = 0; stream <= STDERR_FILENO; ++stream)
+    if (fcntl(stream, F_GETFD) < 0) open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+}
+
 /// Returns only if the program can't be executed.
 int run(int argc, char** argv) {
+  open_standard_streams();
   argc = take_no_pin(argc, argv);
   std::string help = "--help";
   char* help_of_verb[] = {argv[0], argc > 2 ? argv[2] : nullptr, help.data(), nullptr};

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <ctime>
@@ -87,7 +88,7 @@ Result<void> write_text(const std::filesystem::path& file, const std::string& te
 void print(const Json& object) {
   Json numbered{{"schema", json_schema}};
   numbered.update(object);
-  fmt::print("{}\n", numbered.dump(2, ' ', false, Json::error_handler_t::replace));
+  std::puts(numbered.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
 }
 
 std::string wrapped(std::string_view text, std::size_t width, std::size_t indent) {

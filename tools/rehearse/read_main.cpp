@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <rehearse/pin.h>
 
+#include <cstdio>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,12 +29,12 @@ std::string hint_for(std::string_view word) {
 Exit run(int argc, char** argv) {
   const std::string_view word = argc < 2 ? "" : argv[1];
   if (word == "--help" || word == "-h" || word == "help") {
-    fmt::print("{}", overview());
-    return Exit::done;
+    std::fputs(overview().c_str(), stdout);
+    return after_output(Exit::done);
   }
   if (word == "--version") {
-    fmt::print("rehearse {}\n", REHEARSE_VERSION);
-    return Exit::done;
+    std::puts("rehearse " REHEARSE_VERSION);
+    return after_output(Exit::done);
   }
   if (word.empty()) return refuse(error("no verb given", "rehearse --help lists all verbs"));
   if (is_option(word))
