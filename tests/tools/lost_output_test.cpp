@@ -15,7 +15,7 @@ constexpr const char* closed = ">&-";
 
 class LostOutput : public Command {
  protected:
-  /// The errors of the verb, which must end with status 2 and print nothing.
+  /// The errors of the verb with its stdout redirected; it must end with status 2.
   std::string refused(const std::vector<std::string>& arguments, const char* redirection) const {
     std::vector<std::string> words{"-c", std::string("\"$@\" ") + redirection, "bash", command.string()};
     words.insert(words.end(), arguments.begin(), arguments.end());

@@ -67,7 +67,7 @@ Exit run_cat(const CatSettings& settings) {
       },
       channels);
   progress.reset();
-  if (read && lines.printed() == 0)
+  if (read && lines.printed() == 0 && !std::ferror(stdout))
     if (const auto refused = selector->refusal_of_empty(reader)) return refuse(*refused);
   return read ? Exit::done : refuse(read.errors());
 }

@@ -17,7 +17,7 @@ std::vector<std::string> near_names(std::string_view wanted, const std::vector<s
 /// A hint for an unknown name: "did you mean 'a' or 'b'?", else the list of names: "known KIND: a, b, c".
 std::string name_hint(std::string_view wanted, const std::vector<std::string>& names, std::string_view kind);
 
-/// The same for names that near_names() has returned.
+/// The text of name_hint() for an unknown name whose near_names() are `near`.
 std::string near_hint(const std::vector<std::string>& near, const std::vector<std::string>& names,
                       std::string_view kind);
 
