@@ -1,6 +1,6 @@
-// The table of verdicts' codes.
+// The table of verdicts' codes, and verdicts that are made of statements.
 #include <gmock/gmock.h>
-#include <rehearse/verdict_code.h>
+#include <rehearse/verdict.h>
 
 #include <set>
 #include <string>
@@ -24,6 +24,20 @@ TEST(VerdictCodes, AreFoundByTheirNames) {
   }
   EXPECT_EQ(verdict_code_of("controller"), std::nullopt);
   EXPECT_EQ(verdict_code_of(""), std::nullopt);
+}
+
+TEST(Verdicts, HaveTheirCodesInTheOrderOfTheirStatements) {
+  Verdict verdict(VerdictCode::same, "equal bit for bit");
+  verdict.lead(VerdictCode::controller_inputs_changed, "the controller reads other inputs");
+  verdict.add(VerdictCode::expectations_hold, "all 3 expectations hold");
+  verdict.add(VerdictCode::model_changed);
+  EXPECT_EQ(verdict.text(), "the controller reads other inputs; equal bit for bit; all 3 expectations hold");
+  EXPECT_THAT(verdict.codes(), ::testing::ElementsAre(VerdictCode::controller_inputs_changed, VerdictCode::same,
+                                                      VerdictCode::expectations_hold, VerdictCode::model_changed));
+  EXPECT_EQ(verdict.code(), "controller.inputs_changed");
+  EXPECT_EQ(verdict.text_without({VerdictCode::same}), "the controller reads other inputs; all 3 expectations hold");
+  EXPECT_EQ(Verdict().text(), "");
+  EXPECT_EQ(Verdict().code(), "");
 }
 
 }  // namespace

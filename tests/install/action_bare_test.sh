@@ -56,7 +56,7 @@ quietly cmake --build build
 ARGUMENTS=--strict quietly /action/check/check
 grep -qx status=1 /output
 quietly /action/check/table
-grep -F "| ❌ hold | the controller changed: SHOULDER/u is beyond" /runner/rehearse/table.md
+grep -F "| ❌ hold | the controller changed: fed with the golden's inputs, SHOULDER/u is beyond" /runner/rehearse/table.md
 test -s /runner/rehearse/pending/Hold.ComesBackAfterAPush.html
 GOLDENS=Hold.ComesBackAfterAPush PENDING=/runner/rehearse/pending BRANCH=topic RUN=42 quietly /action/check/accept
 git --git-dir /server/owner/name log --format=%s topic

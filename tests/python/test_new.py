@@ -23,7 +23,7 @@ def test_the_way_of_a_newcomer():
     source = Path("arm/hold.py")
     source.write_text(source.read_text().replace("STIFFNESS = 60.0", "STIFFNESS = 59.0"))
     said = run(1, *pytest)
-    assert "3 failed" in said and "the controller changed: SHOULDER/u" in said
+    assert "3 failed" in said and "the controller changed: fed with the golden's inputs, SHOULDER/u" in said
     run(1, rehearse.command(), "check")
     run(0, rehearse.command(), "golden", "accept", "--all")
     assert "1 failed, 2 passed" in run(1, *pytest)  # the number that is stated by hand

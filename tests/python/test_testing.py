@@ -66,7 +66,7 @@ def test_a_change_is_blamed_on_the_controller(project):
     run_pytest(0, "new")
     weaken(project)
     said = run_pytest(1)
-    assert "the controller changed: SHOULDER/u" in said and "2 failed" in said
+    assert "the controller changed: fed with the golden's inputs, SHOULDER/u" in said and "2 failed" in said
     assert "Traceback" not in said
     assert (project / "rehearse-pending/Hold.SagsALittle.mcap").is_file()
     run_pytest(0, "accept")

@@ -29,7 +29,7 @@ class Check : public ::testing::Test {
 
   void make_golden() {
     const auto report = check(GoldenMode::create);
-    ASSERT_TRUE(report.golden_written) << report.verdict;
+    ASSERT_TRUE(report.golden_written) << report.verdict.text();
   }
   CheckReport check(GoldenMode mode = GoldenMode::check, const CheckOptions& options = {}) {
     auto report = check_golden(scenario_, store_, mode, options, {rehearse::record, run_plant});
@@ -45,13 +45,13 @@ class Check : public ::testing::Test {
 TEST_F(Check, FindsAnUnchangedProgramEqualOnAllLevels) {
   make_golden();
   const CheckReport report = check();
-  EXPECT_EQ(report.controller, LevelState::equal) << report.verdict;
-  EXPECT_EQ(report.closed, LevelState::equal) << report.verdict;
-  EXPECT_EQ(report.plant, LevelState::equal) << report.verdict;
+  EXPECT_EQ(report.controller, LevelState::equal) << report.verdict.text();
+  EXPECT_EQ(report.closed, LevelState::equal) << report.verdict.text();
+  EXPECT_EQ(report.plant, LevelState::equal) << report.verdict.text();
   EXPECT_EQ(report.plant_run->restored, 1);
   EXPECT_EQ(report.plant_run->from_the_start, "");
   EXPECT_TRUE(report.equal());
-  EXPECT_THAT(report.verdict, HasSubstr("equal bit for bit: 50 ticks"));
+  EXPECT_THAT(report.verdict.text(), HasSubstr("equal bit for bit: 50 ticks"));
   EXPECT_FALSE(fs::exists(store_.pending_file("Robot.Stands")));
   EXPECT_FALSE(fs::exists(folder_ / "pending/plant/Robot.Stands.mcap"));
 }
@@ -64,9 +64,10 @@ TEST_F(Check, BlamesPhysicsIfTheControllerRepeatsItself) {
   EXPECT_EQ(report.plant, LevelState::differs);
   EXPECT_EQ(report.closed, LevelState::differs);
   EXPECT_FALSE(report.within());
-  EXPECT_THAT(report.verdict, HasSubstr("physics changed, the controller did not: under the golden's commands, "
-                                        "SR1/WAIST/position/z is beyond ±1e-09 m from tick 1 (0.001 s) on"));
-  EXPECT_THAT(report.verdict, HasSubstr("scenario and models are what they were: the simulation itself changed"));
+  EXPECT_THAT(report.verdict.text(), HasSubstr("physics changed, the controller did not: under the golden's commands, "
+                                               "SR1/WAIST/position/z is beyond ±1e-09 m from tick 1 (0.001 s) on"));
+  EXPECT_THAT(report.verdict.text(),
+              HasSubstr("scenario and models are what they were: the simulation itself changed"));
   EXPECT_TRUE(fs::exists(folder_ / "pending/plant/Robot.Stands.mcap"));
   EXPECT_THAT(report.message, HasSubstr("rehearse golden accept Robot.Stands"));
   EXPECT_TRUE(fs::exists(store_.pending_file("Robot.Stands")));
@@ -80,12 +81,12 @@ TEST_F(Check, ComparesOnlyTheLevelThatIsAskedFor) {
   EXPECT_EQ(report.controller, LevelState::equal);
   EXPECT_EQ(report.plant, LevelState::not_compared);
   EXPECT_EQ(report.closed, LevelState::not_compared);
-  EXPECT_EQ(report.verdict, "the controller repeats 50 recorded ticks bit for bit");
+  EXPECT_EQ(report.verdict.text(), "the controller repeats 50 recorded ticks bit for bit");
   std::swap(options.controller, options.plant);
   const CheckReport of_plant = check(GoldenMode::check, options);
   EXPECT_EQ(of_plant.plant, LevelState::equal);
   EXPECT_EQ(of_plant.controller, LevelState::not_compared);
-  EXPECT_THAT(of_plant.verdict, HasSubstr("the world under the recorded commands: equal bit for bit: 50 ticks"));
+  EXPECT_THAT(of_plant.verdict.text(), HasSubstr("the world under the recorded commands: equal bit for bit: 50 ticks"));
 }
 
 TEST_F(Check, BlamesByDoingThePartsAgainIfOnlyTheWholeIsAskedFor) {
@@ -96,13 +97,13 @@ TEST_F(Check, BlamesByDoingThePartsAgainIfOnlyTheWholeIsAskedFor) {
   const CheckReport report = check(GoldenMode::check, options);
   EXPECT_EQ(report.controller, LevelState::not_compared);
   EXPECT_EQ(report.plant, LevelState::not_compared);
-  EXPECT_THAT(report.verdict, HasSubstr("physics changed, the controller did not"));
+  EXPECT_THAT(report.verdict.text(), HasSubstr("physics changed, the controller did not"));
 }
 
 TEST_F(Check, WithoutAGoldenDiffersAndSaysHowToGetOne) {
   const CheckReport report = check();
   EXPECT_FALSE(report.within());
-  EXPECT_THAT(report.verdict, HasSubstr("there is no golden"));
+  EXPECT_THAT(report.verdict.text(), HasSubstr("there is no golden"));
   EXPECT_THAT(report.message, HasSubstr("rehearse golden accept Robot.Stands"));
 }
 
@@ -143,7 +144,7 @@ TEST_F(Check, ComparesAWholeRunUpToItsHorizon) {
   options.estimated_horizon = 0.03;
   const CheckReport estimated = check(GoldenMode::check, options);
   EXPECT_EQ(estimated.closed, LevelState::equal);
-  EXPECT_THAT(estimated.verdict, HasSubstr("up to 0.03 s equal bit for bit: 31 ticks"));
+  EXPECT_THAT(estimated.verdict.text(), HasSubstr("up to 0.03 s equal bit for bit: 31 ticks"));
   EXPECT_THAT(to_json(estimated), HasSubstr(R"("horizon": 0.03)"));
   scenario_.horizon = 0.04;
   EXPECT_FALSE(check(GoldenMode::check, options).within()) << "what is stated counts more than what is estimated";
@@ -154,8 +155,8 @@ TEST_F(Check, SaysThatARunIsAsExpectedBesideHowItCompares) {
   scenario_.expectations = {waist_above(0.7)};
   const CheckReport report = check();
   EXPECT_TRUE(report.equal());
-  EXPECT_THAT(report.verdict, HasSubstr("equal bit for bit: 50 ticks"));
-  EXPECT_THAT(report.verdict, HasSubstr("; the expectation holds: SR1/WAIST/position/z above 0.7 m"));
+  EXPECT_THAT(report.verdict.text(), HasSubstr("equal bit for bit: 50 ticks"));
+  EXPECT_THAT(report.verdict.text(), HasSubstr("; the expectation holds: SR1/WAIST/position/z above 0.7 m"));
 }
 
 TEST_F(Check, DiffersIfARunIsNotAsExpectedHoweverItCompares) {
@@ -166,9 +167,9 @@ TEST_F(Check, DiffersIfARunIsNotAsExpectedHoweverItCompares) {
   EXPECT_EQ(report.plant, LevelState::equal);
   EXPECT_EQ(report.closed, LevelState::equal);
   EXPECT_FALSE(report.within());
-  EXPECT_THAT(report.verdict,
+  EXPECT_THAT(report.verdict.text(),
               ::testing::StartsWith("expected SR1/WAIST/position/z above 2 m: 0.7135 m at tick 0 (0 s), at worst "));
-  EXPECT_THAT(report.verdict, HasSubstr("; equal bit for bit: 50 ticks"));
+  EXPECT_THAT(report.verdict.text(), HasSubstr("; equal bit for bit: 50 ticks"));
   ASSERT_TRUE(report.first);
   EXPECT_EQ(report.first->channel, "/SR1/WAIST/pose");
   EXPECT_EQ(report.first->tick, 0);
@@ -193,8 +194,8 @@ TEST_F(Check, SaysFirstThatTheRunIsNotAsExpectedAndThenBlamesThePart) {
   scenario_.gravity.z() = -9.9;
   scenario_.expectations = {waist_above(2.0)};
   const CheckReport report = check();
-  EXPECT_THAT(report.verdict, ::testing::StartsWith("expected SR1/WAIST/position/z above 2 m: "));
-  EXPECT_THAT(report.verdict, HasSubstr("; physics changed"));
+  EXPECT_THAT(report.verdict.text(), ::testing::StartsWith("expected SR1/WAIST/position/z above 2 m: "));
+  EXPECT_THAT(report.verdict.text(), HasSubstr("; physics changed"));
   EXPECT_EQ(report.first->note, "") << "the values differ before";
 }
 
@@ -218,7 +219,7 @@ TEST_F(Check, OfAScenarioWithoutAGoldenIsByItsExpectationsAlone) {
   const CheckReport good = check();
   EXPECT_EQ(good.closed, LevelState::not_compared) << "there is nothing that it could equal";
   EXPECT_TRUE(good.within());
-  EXPECT_EQ(good.verdict, "the expectation holds: SR1/WAIST/position/z above 0.7 m");
+  EXPECT_EQ(good.verdict.text(), "the expectation holds: SR1/WAIST/position/z above 0.7 m");
   EXPECT_FALSE(fs::exists(folder_ / "pending/sr1_standing.mcap"));
   scenario_.expectations = {waist_above(2.0)};
   const CheckReport bad = check();

@@ -194,7 +194,7 @@ TEST_F(Golden, AcceptSaysWhatMoved) {
   EXPECT_EQ(rehearse({"check", scenario_, "--controller", changed_gain}).status, 1);
   const Outcome outcome = done({"golden", "accept", "Robot.Stands"});
   EXPECT_THAT(outcome.out, StartsWith("accepted golden/Robot.Stands.mcap\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("\nthe controller changed: RLEG_KNEE/u is beyond "));
+  EXPECT_THAT(outcome.out, HasSubstr("\nthe controller changed: fed with the golden's inputs, RLEG_KNEE/u is beyond "));
   EXPECT_THAT(outcome.out, HasSubstr("look at golden/Robot.Stands.txt and commit both files\n"));
   EXPECT_FALSE(exists(pending_of_robot));
   done({"check", scenario_, "--controller", changed_gain});

@@ -269,7 +269,7 @@ class Subject {
     EXPECT_TRUE(made.ok()) << to_string(made.errors());
     const auto first = check(true);
     EXPECT_TRUE(first.ok()) << to_string(first.errors());
-    EXPECT_EQ(first->closed, LevelState::equal) << first->verdict;
+    EXPECT_EQ(first->closed, LevelState::equal) << first->verdict.text();
   }
 
   /// Makes the changes, and returns the reason why the two checks contradict each other; empty: they agree.
@@ -284,9 +284,9 @@ class Subject {
     if (!proved) return "";
     proofs += proved->proved;
     differences += !simulated->within();
-    if (proved->proved && !simulated->equal()) return "proved, but simulated: " + simulated->verdict;
+    if (proved->proved && !simulated->equal()) return "proved, but simulated: " + simulated->verdict.text();
     if (proved->within() != simulated->within())
-      return fmt::format("with proofs: {}\nsimulated: {}", proved->verdict, simulated->verdict);
+      return fmt::format("with proofs: {}\nsimulated: {}", proved->verdict.text(), simulated->verdict.text());
     return "";
   }
 

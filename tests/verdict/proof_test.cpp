@@ -53,7 +53,7 @@ TEST_P(FixtureProof, IsWhatTheSimulationGives) {
   EXPECT_FALSE(simulated->proved);
   EXPECT_EQ(simulated->simulated_from, 0);
   EXPECT_EQ(simulated->not_proved, "no check has simulated this golden here before");
-  ASSERT_EQ(simulated->closed, LevelState::equal) << simulated->verdict;
+  ASSERT_EQ(simulated->closed, LevelState::equal) << simulated->verdict.text();
 
   const auto proved = check_scenario(*scenario, golden, actual, options, simulation);
   ASSERT_TRUE(proved.ok()) << to_string(proved.errors());
@@ -62,8 +62,9 @@ TEST_P(FixtureProof, IsWhatTheSimulationGives) {
   EXPECT_EQ(proved->controller, LevelState::equal);
   EXPECT_EQ(proved->plant, LevelState::proved);
   EXPECT_EQ(proved->closed, LevelState::proved);
-  EXPECT_THAT(proved->verdict, StartsWith("proved without simulating: the world is the one that made the golden, and "
-                                          "the controllers repeat its commands"));
+  EXPECT_THAT(proved->verdict.text(),
+              StartsWith("proved without simulating: the world is the one that made the golden, and "
+                         "the controllers repeat its commands"));
   EXPECT_EQ(proved->simulated_from, std::nullopt);
   ASSERT_EQ(proved->expectations.size(), simulated->expectations.size());
   for (std::size_t i = 0; i < proved->expectations.size(); ++i) {
@@ -151,7 +152,7 @@ TEST_F(Proof, OfThePlantAloneNeedsNoReplay) {
   EXPECT_TRUE(report.proved);
   EXPECT_EQ(report.plant, LevelState::proved);
   EXPECT_EQ(report.controller, LevelState::not_compared);
-  EXPECT_EQ(report.verdict, "proved without simulating: the world is the one that made the golden");
+  EXPECT_EQ(report.verdict.text(), "proved without simulating: the world is the one that made the golden");
 }
 
 TEST_F(Proof, IsNoneForAnotherGoldenOfTheSameWorld) {
@@ -170,6 +171,31 @@ TEST_F(Proof, NamesWhatHasChanged) {
   EXPECT_THAT(check().not_proved, HasSubstr("the scenario"));
 }
 
+/// Another program loads other libraries; none of them has changed.
+TEST_F(Proof, OfAnotherProgramIsCalledThat) {
+  options_.certificates = robot_.file("proofs of others");
+  const auto check_by = [&](const std::string& program, const std::string& fact) {
+    const Simulation other{record, run_plant,
+                           [&](const Scenario& of) {
+                             auto plant = describe_plant(of);
+                             if (!plant) return plant;
+                             plant->erase("the program proof_test");
+                             plant->emplace("the program " + program, "1");
+                             plant->emplace("the library lib" + program + ".so", "1");
+                             if (!fact.empty()) plant->emplace(fact, "1");
+                             return plant;
+                           },
+                           record_from};
+    const auto report = robot_.check(options_, other);
+    EXPECT_TRUE(report.ok()) << to_string(report.errors());
+    return report ? report->not_proved : "";
+  };
+  EXPECT_EQ(check_by("hold_test", ""), "no check has simulated this golden here before");
+  EXPECT_EQ(check_by("simulate", ""), "the program hold_test simulated its golden, and this program has not");
+  EXPECT_EQ(check_by("simulate", ""), "");
+  EXPECT_THAT(check_by("hold_test", "the weather"), HasSubstr("the weather changed since its golden was simulated"));
+}
+
 TEST_F(Proof, IsNotWantedByAScenario) {
   robot_.apply({"scenario.yaml", "seed: 7", "seed: 7\nsimulate: always"});
   const CheckReport report = check();
@@ -182,11 +208,11 @@ TEST_F(Proof, ExpectationsAreJudgedOnTheGolden) {
   robot_.apply({"scenario.yaml", "seed: 7", "seed: 7\nexpect: [{channel: SR1/WAIST/position/z, above: 0.5}]"});
   const CheckReport held = check();
   EXPECT_TRUE(held.proved);
-  EXPECT_THAT(held.verdict, HasSubstr("; the expectation holds: SR1/WAIST/position/z above 0.5 m"));
+  EXPECT_THAT(held.verdict.text(), HasSubstr("; the expectation holds: SR1/WAIST/position/z above 0.5 m"));
   robot_.apply({"scenario.yaml", "above: 0.5", "above: 0.9"});
   const CheckReport violated = check();
   EXPECT_FALSE(violated.within());
-  EXPECT_THAT(violated.verdict, StartsWith("expected SR1/WAIST/position/z above 0.9 m"));
+  EXPECT_THAT(violated.verdict.text(), StartsWith("expected SR1/WAIST/position/z above 0.9 m"));
 }
 
 TEST_F(Proof, IsThereForAGoldenWithSamplesOfTheState) {
@@ -194,7 +220,7 @@ TEST_F(Proof, IsThereForAGoldenWithSamplesOfTheState) {
   robot_.keep_samples(100.0);
   const CheckReport simulated = check();
   EXPECT_EQ(simulated.not_proved, "no check has simulated this golden here before");
-  EXPECT_EQ(simulated.closed, LevelState::equal) << simulated.verdict;
+  EXPECT_EQ(simulated.closed, LevelState::equal) << simulated.verdict.text();
   EXPECT_TRUE(check().proved);
 
   options_.run.libraries["Stand"] = "StandWith_last_part";
@@ -244,7 +270,9 @@ TEST_F(Proof, ThatWasWrongFailsLoudlyIfTheCheckIsInTheSample) {
   const auto report = robot_.check(options_, {broken_record, run_plant, describe_plant, record_from});
   ASSERT_TRUE(report.ok());
   EXPECT_FALSE(report->within());
-  EXPECT_THAT(report->verdict, StartsWith("the proof was wrong: it found no change since the golden, but simulated"));
+  EXPECT_THAT(
+      report->verdict.text(),
+      StartsWith("the proof was wrong: it found no change since the golden, but the simulation has another result"));
 }
 
 /// `rehearse check` of one scenario, which an earlier check has simulated.

@@ -228,10 +228,8 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
   checked.file = scenario.file;
   checked.report = *std::move(report);
   checked.notes = notes;
-  if (!compared_anything(checked.report)) {
-    checked.report.verdict = "nothing was compared: " + checked.report.verdict;
-    checked.report.codes.insert(checked.report.codes.begin(), VerdictCode::undecided_nothing_compared);
-  }
+  if (!compared_anything(checked.report))
+    checked.report.verdict.lead(VerdictCode::undecided_nothing_compared, "nothing was compared");
   checked.seconds = stopwatch.seconds();
   if (!settings.json) tell_verdict(checked, settings.verbose);
   checked.line_advice = line_advice(scenario, checked.report, golden_of(settings, scenario), settings.check.run);

@@ -37,7 +37,7 @@ std::string history_line(const std::optional<HistoryStamp>& stamp, const std::st
 
 std::string history_line(const std::optional<HistoryStamp>& stamp, const std::string& scenario) {
   CheckReport report;
-  report.codes = {VerdictCode::undecided_bad_input};
+  report.verdict = {VerdictCode::undecided_bad_input, ""};
   return history_line(stamp, scenario, report);
 }
 

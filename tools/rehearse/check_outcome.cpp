@@ -45,11 +45,10 @@ Json json_of_check(const Checked& checked) {
   return object;
 }
 
-/// The verdict, the differences of the closed loop and what to do, in lines.
+/// The verdict, the differences and what to do, in lines.
 std::string details_of(const CheckReport& report) {
   const std::string bits = bits_sentence(report);
-  return report.verdict + '\n' + (bits.empty() ? "" : "  " + bits + '\n') +
-         (report.comparison ? table(*report.comparison) : "") + report.message;
+  return report.verdict.text() + '\n' + (bits.empty() ? "" : "  " + bits + '\n') + tables_text(report) + report.message;
 }
 
 /// A State of TestResult or CiCase.
@@ -199,7 +198,7 @@ void tell_verdict(const Checked& checked, bool verbose) {
   const CheckReport& report = checked.report;
   const std::string closest = report.within() ? closest_of(report.expectations) : "";
   const std::string sentence =
-      fmt::format("{}: {}{}{}", checked.scenario, report.verdict, closest.empty() ? "" : "; ", closest);
+      fmt::format("{}: {}{}{}", checked.scenario, report.verdict.text(), closest.empty() ? "" : "; ", closest);
   const std::string shown = terminal_width() > 0 ? wrapped(sentence, terminal_width(), 0) : sentence;
   fmt::print("{}\n", colored(shown, report.within() ? TextColor::green : TextColor::red));
   if (const std::string bits = bits_sentence(report); !bits.empty()) fmt::print("  {}\n", bits);
@@ -214,10 +213,7 @@ void tell_verdict(const Checked& checked, bool verbose) {
     fmt::print("  simulated, not proved: {}\n", report.not_proved);
   if (report.plant_run && !report.plant_run->from_the_start.empty())
     fmt::print("  without checkpoints, from the start: {}\n", report.plant_run->from_the_start);
-  if (report.plant == LevelState::differs && report.plant_comparison)
-    fmt::print("  plant:\n{}", table(*report.plant_comparison));
-  if (report.comparison)
-    fmt::print("{}{}", report.plant == LevelState::differs ? "  closed:\n" : "", table(*report.comparison));
+  fmt::print("{}", tables_text(report));
   std::fflush(stdout);
 }
 
@@ -241,8 +237,8 @@ CheckOutcome outcome_of(const Scenario& scenario, const Checked& checked, bool j
                        .file = checked.file,
                        .kind = kind_of(!scenario.golden.empty()),
                        .exit = exit_of(report),
-                       .verdict = report.verdict,
-                       .code = report.codes.empty() ? "" : std::string(to_string(report.codes[0])),
+                       .verdict = report.verdict.text(),
+                       .code = report.verdict.code(),
                        .equal = compared_anything(report) && report.equal(),
                        .within = compared_anything(report) && report.within(),
                        .proved = report.proved,

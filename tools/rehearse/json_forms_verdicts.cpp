@@ -15,10 +15,23 @@ const Form& levels_form() {
   return form;
 }
 
+std::vector<FormKey> differences_of_commands() {
+  return {member("first", difference_type()),        member("beyond", difference_type()),
+          member("worst", difference_type()),        member("ticks", types::count()),
+          member("ticks_different", types::count()), member("values", types::count()),
+          member("values_different", types::count())};
+}
+
+const Form& controller_comparison_form() {
+  static const Form form{"controller_comparison", "the commands on the golden's inputs", differences_of_commands()};
+  return form;
+}
+
 const Form& comparisons_form() {
   static const Form form{"comparisons",
                          "the comparisons",
-                         {member("plant", types::nullable(types::of(comparison_form))),
+                         {member("controller", types::nullable(types::of(controller_comparison_form))),
+                          member("plant", types::nullable(types::of(comparison_form))),
                           member("closed", types::nullable(types::of(comparison_form)))}};
   return form;
 }

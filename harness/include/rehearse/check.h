@@ -18,7 +18,7 @@
 #include <rehearse/run_options.h>
 #include <rehearse/scenario.h>
 #include <rehearse/trace.h>
-#include <rehearse/verdict_code.h>
+#include <rehearse/verdict.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -171,8 +171,7 @@ struct CheckReport {
   LevelState controller = LevelState::not_compared;
   LevelState plant = LevelState::not_compared;
   LevelState closed = LevelState::not_compared;
-  std::string verdict;                    // one sentence, without a full stop; names the faulty part
-  std::vector<VerdictCode> codes;         // of the parts of the verdict, in its order; the first one is the check's
+  Verdict verdict;                        // names the faulty part
   std::string message;                    // for a person: the run's trace file, the next step; may be empty
   std::optional<Divergence> first;        // on the level that is most specific; none if all are equal
   std::optional<Divergence> first_bit;    // in any bit, of the same part; none: not known, or not apart from `first`
@@ -183,8 +182,10 @@ struct CheckReport {
   std::optional<RunSummary> run;                // of level closed
   std::optional<double> horizon;                // of level closed [s]; none: the end of the run
   std::vector<ExpectationResult> expectations;  // of level closed
-  std::string controller_problem;               // why the controllers couldn't be fed; empty: they could
-  std::string plant_problem;  // why the world couldn't be moved by the golden's commands; empty: it could
+  /// Level plant was not requested, and was compared up to this tick to find the part that changed. None: as a whole.
+  std::optional<std::int64_t> plant_until;
+  std::string controller_problem;  // why the controllers couldn't be fed; empty: they could
+  std::string plant_problem;       // why the world couldn't be moved by the golden's commands; empty: it could
   /// Remarks on the tolerances from the measured noise (`rehearse golden noise`). Sentences; they fail nothing.
   std::vector<std::string> remarks;
   bool golden_written = false;
@@ -207,8 +208,12 @@ struct CheckReport {
   bool failed() const;  // a controller failed or refused to take part, or the simulation exploded
 };
 
-/// "controller: equal; plant: equal; closed: differs"
+/// "controller: equal; plant: equal up to tick 512; closed: differs"
 std::string levels_text(const CheckReport& report);
+
+/// The differences of the levels plant and closed as tables (compare.h), each below a line with its level; of the plant
+/// only if it differs. Empty without a difference.
+std::string tables_text(const CheckReport& report);
 
 /// "its bits differ from tick 0 on", if that is before the first difference beyond tolerance; else empty.
 std::string bits_sentence(const CheckReport& report);
@@ -230,7 +235,8 @@ Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, G
 
 /// A JSON object with verdict, code (of its first part), codes, equal, within, not_reproduced, proved, simulated_from
 /// (null or a tick), not_proved (null or a sentence), levels (controller, plant, closed), first (as in compare.h) and
-/// comparisons (plant, closed: null, or as to_json(Comparison)). Further members: horizon (null or [s]), expectations
+/// comparisons (controller: null, or the numbers of the replay, which are of the golden's inputs; plant, closed: null,
+/// or as to_json(Comparison)). Further members: horizon (null or [s]), expectations
 /// and remarks. Each expectation has its text, line, whether it holds, and first: null, or series, tick, time and
 /// value.
 std::string to_json(const CheckReport& report);

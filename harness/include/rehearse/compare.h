@@ -5,7 +5,8 @@
 //
 // Messages of a channel are matched by their time, rows of tables by the names of their elements. An item that only one
 // trace contains is a finding with its place. A missing tick, body, controller or device is one finding for all its
-// channels. An input that a controller reads in one of the runs only is a remark: the controller may command the same.
+// channels. A channel or device that only one run has comes after all other differences, whatever its tick. An input
+// that a controller reads in one of the runs only is a remark: the controller may command the same.
 // The hashes in /tick are no quantities: they state whether bits are equal and up to which tick, and fail nothing; that
 // of the inputs isn't compared if controllers read other inputs. Integers and booleans are exact. NaN equals NaN of the
 // same tick; -0 and 0 have different bits and are the same number.
@@ -76,6 +77,7 @@ struct Differences {
   /// By multiples of its tolerance; of differences without tolerance, by difference.
   std::optional<Divergence> worst;
   std::optional<Divergence> beyond;  // the first beyond its tolerance, or with a note
+  std::uint64_t most_ulps = 0;       // the largest Divergence::ulps of a difference without a note
 
   void add(Divergence found) {
     const bool is_beyond = found.is_beyond();
@@ -126,6 +128,7 @@ struct ChannelComparison {
   int channels = 1;            // number of channels; a missing body lacks several
   std::string group;           // common beginning of the topics if there are several channels: "/SR1/LeftCamera/"
   bool of_events = false;      // it counts the events on the channel, not its values
+  bool is_lone = false;        // only one of the traces has it; not of a whole body or controller
   std::int64_t values = 0;     // number of compared numbers, pictures, or events
   std::int64_t differing = 0;  // values with different bits
   std::int64_t in_noise = 0;   // differing values up to the noise floor

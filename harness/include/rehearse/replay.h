@@ -83,8 +83,9 @@ struct ReplayReport : Differences {
   int controllers = 0;               // number of controllers that were fed
   std::int64_t ticks = 0;            // number of replayed ticks
   std::int64_t ticks_different = 0;  // number of ticks with a different command
-  /// All commands have the recorded bits, and refusals in control() are within the ticks that their rules allow.
-  bool same_commands = true;
+  /// All commands have the recorded bits, or are within a rule that is written for commands (scenario.h); refusals in
+  /// control() are within the ticks that their rules allow.
+  bool commands_hold = true;
   /// Inputs that only the recorded controllers read ("- Rig/Gyro"), or only these ("+ Rig/Gyro"). Then the inputs can't
   /// be compared as a whole, and commands alone are.
   std::vector<std::string> other_inputs;
@@ -93,7 +94,7 @@ struct ReplayReport : Differences {
   /// How the controllers' variables relate to the recorded ones, if commands differ: "the scale differs: speed is 20
   /// times the recorded one, in all 300 values". One sentence; empty: no relation was found.
   std::string explanation;
-  bool controller_refused = false;    // a controller that isn't optional refused to take part; the replay ended
+  bool controller_refused = false;  // a controller that isn't optional refused to take part; the replay ended
   /// BODY/NAME of the controllers whose library differs from the recorded library in any byte.
   std::vector<std::string> other_controllers;
   /// Files beside the recording that a controller reads now, or read during the recording, and whose content has
@@ -113,10 +114,13 @@ struct ReplayReport : Differences {
   bool equal() const { return !first && !failure; }
   /// All commands are within their tolerances.
   bool within() const { return !beyond && !failure; }
+  /// Not all commands have the recorded bits, and rules that are written for commands allow it.
+  bool is_allowed() const { return first && commands_hold && within(); }
 };
 
-/// One sentence: the series that leaves its tolerance first, "differs at" and a place, or that only bits differ. Empty:
-/// all commands are equal. The first two forms begin with the given words.
+/// One sentence: the series that leaves its tolerance first, "differs at" and a place, that commands change within
+/// tolerance, or, if no number is more than a thousand ULPs off, that only bits differ. Empty: all commands are equal.
+/// The second form begins with the words `before_differs`, the others with `before_beyond`.
 std::string headline(const ReplayReport& replayed, const std::string& before_beyond = {},
                      const std::string& before_differs = {});
 

@@ -29,6 +29,8 @@ struct ReportVerdict {
   std::string state;
   std::map<std::string, std::string> levels = {};  // "controller", "plant", "closed": each "equal", "within", ...
   std::optional<Divergence> first = std::nullopt;  // first difference to show; none: that of the comparison
+  /// The sentence without violated expectations, which the page lists; none: it contains none.
+  std::optional<std::string> besides = std::nullopt;
 };
 
 /// A frame of a call stack.

@@ -348,6 +348,13 @@ struct Tolerance {
 /// valid up to the scenario's horizon only.
 Tolerance default_tolerance(std::string_view unit);
 
+/// The last rule that matches the series, which decides; null: none does.
+const ToleranceRule* rule_for(std::string_view series, const std::vector<ToleranceRule>& rules);
+
+/// True for a rule whose pattern contains /output/ or /variable/, or ends with /u: an effort is a command. On the
+/// golden's inputs, controllers must repeat their commands bit for bit; only such a rule allows differences.
+bool is_for_commands(const ToleranceRule& rule);
+
 /// The tolerance by the last rule that matches the series. Members that this rule doesn't state have their default, as
 /// have all members if no rule matches.
 Tolerance tolerance_of(std::string_view series, std::string_view unit, const std::vector<ToleranceRule>& rules);

@@ -24,7 +24,8 @@ using ::testing::HasSubstr;
 
 CheckReport checked() {
   CheckReport report;
-  report.codes = {VerdictCode::expectations_violated, VerdictCode::controller_changed};
+  report.verdict = {VerdictCode::expectations_violated, ""};
+  report.verdict.add(VerdictCode::controller_changed);
   ExpectationResult result;
   result.text = "always q < 8 deg";
   result.closest = ClosestPlace{0.1, 0.04, 0.14, "rad", "2.3 of 8 deg", 42, 0.042, 0.7};

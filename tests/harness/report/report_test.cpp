@@ -529,7 +529,7 @@ TEST_F(Report, OfAFailedCheckShowsTheFindingsOfTheCheck) {
   const Trace golden = golden_.load(folder_ / "golden.mcap"), actual = actual_.load(folder_ / "actual.mcap");
   CheckReport checked;
   checked.closed = LevelState::differs;
-  checked.verdict = "the sentence of the check";
+  checked.verdict = {VerdictCode::controller_changed, "the sentence of the check"};
   checked.run.emplace();
   checked.comparison = compare(golden, actual, {});
   ChannelComparison& found = checked.comparison->channels.at(0);

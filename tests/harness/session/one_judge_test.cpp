@@ -236,13 +236,14 @@ TEST_F(OneJudgeText, ChecksTheLevelsOfAScenarioAlike) {
     return *check_scenario(load(later), path("golden.mcap"), path("actual.mcap"), options, {record, run_plant});
   };
   const CheckReport alone = check(true, false), together = check(false, true);
-  EXPECT_EQ(alone.controller, LevelState::within) << alone.verdict;
-  EXPECT_EQ(together.closed, LevelState::within) << together.verdict;
-  EXPECT_EQ(alone.verdict, "the controller repeats 60 recorded ticks within tolerance, with different arithmetic");
+  EXPECT_EQ(alone.controller, LevelState::within) << alone.verdict.text();
+  EXPECT_EQ(together.closed, LevelState::within) << together.verdict.text();
+  EXPECT_EQ(alone.verdict.text(),
+            "the controller repeats 60 recorded ticks within tolerance, with different arithmetic");
   later.replace(later.find("step 0.1 22"), 11, "step 0.1 24");
   const CheckReport beyond = check(true, false);
   EXPECT_EQ(beyond.controller, LevelState::differs);
-  EXPECT_THAT(beyond.verdict,
+  EXPECT_THAT(beyond.verdict.text(),
               HasSubstr("SHOULDER/u of Rig/C is beyond ±0.001 N·m of the golden's values "
                         "within lead and lag from tick 23 (0.023 s) on, worst 0.1 N·m (100 times) at tick 23"));
 }
@@ -290,11 +291,11 @@ TEST_F(OneJudgeText, AllowsAResultOfControlToComeLateOnAllLevels) {
                                          {record, run_plant});
       ASSERT_TRUE(report) << to_string(report.errors());
       const LevelState expected = allowed == 3 ? LevelState::within : LevelState::differs;
-      EXPECT_EQ(report->controller, expected) << report->verdict;
-      EXPECT_EQ(report->closed, expected) << report->verdict;
+      EXPECT_EQ(report->controller, expected) << report->verdict.text();
+      EXPECT_EQ(report->closed, expected) << report->verdict.text();
       EXPECT_EQ(report->replay->ticks_different, 3);
       if (allowed != 3) {
-        EXPECT_THAT(report->verdict, HasSubstr("fed with the golden's inputs, it differs at tick 20"));
+        EXPECT_THAT(report->verdict.text(), HasSubstr("fed with the golden's inputs, it differs at tick 20"));
       }
       if (allowed == 0) continue;
       const auto of_events = std::ranges::find(report->comparison->channels, true, &ChannelComparison::of_events);

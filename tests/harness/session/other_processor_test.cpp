@@ -40,11 +40,11 @@ class OtherProcessor : public RunTest {
 TEST_F(OtherProcessor, IsNamedWhereOnlyTolerancesWereDemanded) {
   make_golden("arm64");
   const CheckReport report = checked("step 0.1000001 20");
-  EXPECT_TRUE(report.within()) << report.verdict;
+  EXPECT_TRUE(report.within()) << report.verdict.text();
   EXPECT_EQ(report.controller, LevelState::within);
-  EXPECT_THAT(report.codes, ElementsAre(VerdictCode::within_tolerance));
-  EXPECT_THAT(report.verdict, HasSubstr("within tolerance: "));
-  EXPECT_THAT(report.verdict,
+  EXPECT_THAT(report.verdict.codes(), ElementsAre(VerdictCode::within_tolerance));
+  EXPECT_THAT(report.verdict.text(), HasSubstr("within tolerance: "));
+  EXPECT_THAT(report.verdict.text(),
               HasSubstr("; the golden is of arm64 and this run of x86-64, so only tolerances were demanded"));
   EXPECT_THAT(report.comparison->remarks, ::testing::Contains(HasSubstr("the processor architecture was \"arm64\" and "
                                                                         "is \"x86-64\"")));
@@ -54,12 +54,13 @@ TEST_F(OtherProcessor, ExplainsADifferenceAsWellAsAChangeDoes) {
   make_golden("arm64");
   const CheckReport report = checked("step 0.2 20");
   EXPECT_FALSE(report.within());
-  EXPECT_THAT(report.codes, ElementsAre(VerdictCode::processor_other));
-  EXPECT_THAT(report.verdict, HasSubstr("the golden is of arm64 and this run of x86-64, which rounds otherwise: that "
-                                        "explains the difference as well as a change does; fed with the golden's "
-                                        "inputs, SHOULDER/u"));
-  EXPECT_THAT(report.verdict, HasSubstr("from tick 20 (0.02 s) on"));
-  EXPECT_THAT(report.verdict, Not(HasSubstr("controller changed")));
+  EXPECT_THAT(report.verdict.codes(), ElementsAre(VerdictCode::processor_other));
+  EXPECT_THAT(report.verdict.text(),
+              HasSubstr("the golden is of arm64 and this run of x86-64, which rounds otherwise: that "
+                        "explains the difference as well as a change does; fed with the golden's "
+                        "inputs, SHOULDER/u"));
+  EXPECT_THAT(report.verdict.text(), HasSubstr("from tick 20 (0.02 s) on"));
+  EXPECT_THAT(report.verdict.text(), Not(HasSubstr("controller changed")));
   ASSERT_TRUE(report.first);
   EXPECT_EQ(report.first->tick, 20);
 }
@@ -68,16 +69,16 @@ TEST_F(OtherProcessor, IsNoneWhereTheGoldenStatesNone) {
   make_golden("");
   const CheckReport within = checked("step 0.1000001 20"), beyond = checked("step 0.2 20");
   EXPECT_EQ(within.controller, LevelState::differs) << "equal bits are demanded of one architecture";
-  EXPECT_THAT(beyond.codes, ElementsAre(VerdictCode::controller_changed));
-  EXPECT_THAT(beyond.verdict, HasSubstr("the controller changed"));
+  EXPECT_THAT(beyond.verdict.codes(), ElementsAre(VerdictCode::controller_changed));
+  EXPECT_THAT(beyond.verdict.text(), HasSubstr("the controller changed"));
 }
 
 TEST_F(OtherProcessor, IsNotMentionedIfAllBitsAreEqual) {
   make_golden("arm64");
   const CheckReport report = checked("step 0.1 20");
-  EXPECT_TRUE(report.equal()) << report.verdict;
-  EXPECT_THAT(report.codes, ElementsAre(VerdictCode::same));
-  EXPECT_THAT(report.verdict, Not(HasSubstr("arm64")));
+  EXPECT_TRUE(report.equal()) << report.verdict.text();
+  EXPECT_THAT(report.verdict.codes(), ElementsAre(VerdictCode::same));
+  EXPECT_THAT(report.verdict.text(), Not(HasSubstr("arm64")));
 }
 
 TEST_F(OtherProcessor, IsTheReasonWhereItRecordsNoCosts) {
@@ -85,8 +86,8 @@ TEST_F(OtherProcessor, IsTheReasonWhereItRecordsNoCosts) {
   const auto counted = load("realtime: counts\n" + scenario("step 0.1 20"));
   const auto report = check_scenario(counted, path("golden.mcap"), path("actual.mcap"), {}, {record, run_plant});
   ASSERT_TRUE(report) << to_string(report.errors());
-  EXPECT_TRUE(report->equal()) << report->verdict;
-  EXPECT_THAT(report->codes, ElementsAre(VerdictCode::same));
+  EXPECT_TRUE(report->equal()) << report->verdict.text();
+  EXPECT_THAT(report->verdict.codes(), ElementsAre(VerdictCode::same));
   EXPECT_THAT(
       report->comparison->remarks,
       ::testing::Contains("the golden is of arm64, a processor on which the costs of control() aren't recorded: "
@@ -104,8 +105,8 @@ TEST_F(OtherProcessor, ExplainsNoCrash) {
   make_golden("arm64");
   const CheckReport report = checked("fail throw control 7");
   EXPECT_TRUE(report.failed());
-  EXPECT_THAT(report.codes, ::testing::Contains(VerdictCode::controller_changed));
-  EXPECT_THAT(report.verdict, Not(HasSubstr("rounds otherwise")));
+  EXPECT_THAT(report.verdict.codes(), ::testing::Contains(VerdictCode::controller_changed));
+  EXPECT_THAT(report.verdict.text(), Not(HasSubstr("rounds otherwise")));
 }
 
 }  // namespace

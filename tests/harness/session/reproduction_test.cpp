@@ -153,7 +153,7 @@ using CheckCertifies = Reproduces;
 TEST_F(CheckCertifies, AGoldenThatIsReproduced) {
   record_run(swinging());
   const CheckReport report = checked(swinging());
-  EXPECT_TRUE(report.equal()) << report.verdict;
+  EXPECT_TRUE(report.equal()) << report.verdict.text();
   EXPECT_FALSE(report.not_reproduced);
 }
 
@@ -165,8 +165,9 @@ TEST_F(CheckCertifies, NoGoldenThatIsMetByChance) {
   EXPECT_TRUE(report.not_reproduced);
   EXPECT_THAT(to_json(report), HasSubstr("\"not_reproduced\": true"));
   EXPECT_FALSE(report.within());
-  EXPECT_THAT(report.verdict, StartsWith("the golden isn't certified, though this run is within its tolerances: the "
-                                         "recording doesn't repeat itself"));
+  EXPECT_THAT(report.verdict.text(),
+              StartsWith("the golden isn't certified, though this run is within its tolerances: the "
+                         "recording doesn't repeat itself"));
 }
 
 TEST_F(CheckCertifies, NoGoldenThatTheVerySameProgramsDoNotMake) {
@@ -177,7 +178,7 @@ TEST_F(CheckCertifies, NoGoldenThatTheVerySameProgramsDoNotMake) {
   EXPECT_TRUE(report.comparison->within);
   EXPECT_TRUE(report.comparison->same_origin);
   EXPECT_TRUE(report.not_reproduced);
-  EXPECT_THAT(report.verdict, HasSubstr("it states the same programs, files and controllers"));
+  EXPECT_THAT(report.verdict.text(), HasSubstr("it states the same programs, files and controllers"));
   EXPECT_EQ(report.first->tick, 520);
 }
 
@@ -187,7 +188,7 @@ TEST_F(CheckCertifies, AGoldenOfOtherProgramsWithinItsTolerances) {
       testing::mutilate(path("run.mcap"), flipped("/Rig/joints", 520'000'000), {}, {{"programs", "others"}}).ok());
   const CheckReport report = checked(swinging());
   EXPECT_FALSE(report.comparison->same_origin);
-  EXPECT_TRUE(report.within()) << report.verdict;
+  EXPECT_TRUE(report.within()) << report.verdict.text();
   EXPECT_FALSE(report.equal());
 }
 

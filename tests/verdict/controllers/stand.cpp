@@ -30,6 +30,7 @@ enum Fault {
   announced,     // as last_part, and writes a line in the tick before
   more_sensors,  // reads a sensor and a link that it doesn't need
   more_joints,   // reads the effort of a joint, which it doesn't need
+  rounding,      // rounds once more in each command
   earlier_runs,  // has another gain in the third and later runs of its process
 };
 
@@ -91,6 +92,7 @@ class Stand : public cnoid::SimpleController {
       if (knee) effort_[i] *= 1.0 + 0.001 * joint->q_upper();  // a value that it reads from its model
       if (joint->jointName().find("ANKLE_P") != std::string::npos) effort_[i] -= 5.0 * gyro_->w().y();
       if (knee && FAULT == uninitialised) effort_[i] += offset_[12];
+      if (FAULT == rounding) effort_[i] = effort_[i] / 3.0 * 3.0;
     }
     const std::vector<double>& sent = FAULT == late ? before : effort_;
     for (int i = 0; i < body_->numJoints(); ++i) body_->joint(i)->u() = sent[i];

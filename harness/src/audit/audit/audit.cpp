@@ -31,6 +31,13 @@ struct AuditedLibrary {
   fs::path file;
 };
 
+/// The first difference of the commands that matters.
+std::string difference_text(const ReplayPass& pass) {
+  return pass.beyond
+             ? "the commands leave their tolerances first at " + to_string(*pass.beyond)
+             : "the commands are within tolerance, and differ first at " + to_string(*pass.differs_from_recording);
+}
+
 class Audit {
  public:
   Audit(const fs::path& subject, const AuditOptions& options) : subject_(subject), options_(options) {
@@ -363,8 +370,7 @@ Result<void> Audit::run_instructions() {
   }
   if (outcome.passes[0].differs_from_recording)
     report_.remarks.push_back(
-        warning("the counts are of another run than the recorded one: the commands differ first at " +
-                to_string(*outcome.passes[0].differs_from_recording)));
+        warning("the counts are of another run than the recorded one: " + difference_text(outcome.passes[0])));
   return {};
 }
 
@@ -383,8 +389,7 @@ Result<void> Audit::run_coverage() {
     if (const auto executed = pass.executed.find(controller.library); executed != pass.executed.end())
       controller.executed = executed->second;
   if (pass.differs_from_recording)
-    report_.remarks.push_back(warning("the replay isn't the recorded run: the commands differ first at " +
-                                      to_string(*pass.differs_from_recording)));
+    report_.remarks.push_back(warning("the replay isn't the recorded run: " + difference_text(pass)));
   return {};
 }
 

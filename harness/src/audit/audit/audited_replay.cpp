@@ -122,8 +122,8 @@ Json pass(const AuditedReplay& work, OutputsWriter& outputs) {
   };
   const auto report = replay(work.trace, options);
   Json result{
-      {"problem", nullptr},     {"failure", nullptr},   {"refused", false},        {"differs_from_recording", nullptr},
-      {"counted_costs", false}, {"undefined", nullptr}, {"remarks", Json::array()}};
+      {"problem", nullptr}, {"failure", nullptr},     {"refused", false},     {"differs_from_recording", nullptr},
+      {"beyond", nullptr},  {"counted_costs", false}, {"undefined", nullptr}, {"remarks", Json::array()}};
   if (!report) {
     result["problem"] = report.errors()[0];
     return result;
@@ -134,6 +134,7 @@ Json pass(const AuditedReplay& work, OutputsWriter& outputs) {
   result["counted_costs"] =
       std::ranges::any_of(report->control_times, [](const ControlTimes& times) { return times.costs.has_value(); });
   result["differs_from_recording"] = json_of_place(report->first);
+  result["beyond"] = json_of_place(report->beyond);
   result["remarks"] = json_of_texts(report->remarks);
   if (work.coverage) result["executed"] = json_of_executed_code(executed_code());
   return result;

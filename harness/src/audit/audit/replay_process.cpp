@@ -248,6 +248,7 @@ Result<ReplayPass> ReplayProcesses::read_pass(const Child& child, int number) co
     pass.refused = report.at("refused");
     pass.counted_costs = report.at("counted_costs");
     pass.differs_from_recording = place_of_json(report.at("differs_from_recording"));
+    pass.beyond = place_of_json(report.at("beyond"));
     if (!report.at("undefined").is_null()) pass.undefined = report.at("undefined");
     for (const Json& remark : report.at("remarks"))
       pass.remarks.push_back(remark.at("warning") ? warning(remark.at("text")) : error(remark.at("text")));

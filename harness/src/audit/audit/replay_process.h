@@ -46,6 +46,7 @@ struct ReplayPass {
   bool refused = false;
   bool counted_costs = false;
   std::optional<Divergence> differs_from_recording;  // the first command that differs from the recorded one
+  std::optional<Divergence> beyond;                  // the first command beyond its tolerance
   std::string undefined;                             // under valgrind: the first number that was never set
   Diagnostics remarks;
   std::map<std::filesystem::path, ExecutedCode> executed;  // by library, with ReplaySettings::coverage

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "changed_files.h"
 #include "check_run.h"
 #include "core/compare/divergence_text.h"
 #include "core/kinds/channel_name.h"
@@ -46,26 +47,6 @@ std::optional<Comparison> plant_again(const Suspects& with, const Scenario& scen
   return std::move(again->comparison);
 }
 
-/// The report, and, if level closed differs, the results of the other levels: of the plant up to its first difference.
-CheckReport with_all_levels(const Suspects& with, const CheckReport& report) {
-  CheckReport evidence = report;
-  if (report.closed != LevelState::differs) return evidence;
-  if (evidence.controller == LevelState::not_compared) {
-    if (auto replayed = replay_golden(with.scenario, with.golden, with.host)) {
-      evidence.controller = replayed->state;
-      evidence.replay = std::move(replayed->replay);
-    }
-  }
-  if (evidence.plant == LevelState::not_compared) {
-    PlantOptions options;
-    options.until = report.comparison->first->tick;
-    evidence.plant_comparison = plant_again(with, with.scenario, options);
-    if (evidence.plant_comparison)
-      evidence.plant = evidence.plant_comparison->within ? LevelState::within : LevelState::differs;
-  }
-  return evidence;
-}
-
 /// The changed files that the controllers read beside their inputs, for a verdict; empty if there are none.
 std::string files_text(const ReplayReport& replayed) {
   return replayed.changed_files.empty() ? "" : fmt::format("; {}", fmt::join(replayed.changed_files, "; "));
@@ -99,60 +80,77 @@ std::optional<Blame> unsteady_controller(const Suspects& with, const Divergence&
   const auto unrepeated = first_unrepeated_tick(with.golden.file(), with.host);
   if (unrepeated && *unrepeated)
     return Blame{
-        {VerdictCode::controller_unsteady},
-        fmt::format("the controller depends on something besides its recorded inputs: {}two replays of the golden "
-                    "differ from each other at tick {}; fed with the golden's inputs, it differs at {}; it depends on "
-                    "uninitialised memory, the clock, earlier runs or chance; `rehearse audit` finds the "
-                    "cause",
-                    evidence.replay->same_controllers ? "it is the recorded one, but " : "", **unrepeated,
-                    to_string(first)),
+        {VerdictCode::controller_unsteady,
+         fmt::format("the controller depends on something besides its recorded inputs: {}two replays of the golden "
+                     "differ from each other at tick {}; fed with the golden's inputs, it differs at {}; it depends on "
+                     "uninitialised memory, the clock, earlier runs or chance; `rehearse audit` finds the "
+                     "cause",
+                     evidence.replay->same_controllers ? "it is the recorded one, but " : "", **unrepeated,
+                     to_string(first))},
         first};
   if (!repeats_in_the_loop(evidence)) return std::nullopt;
   return Blame{
-      {VerdictCode::controller_unsteady},
-      fmt::format(
-          "an earlier run left data behind, or the controller depends on something besides its recorded "
-          "inputs: in the closed loop it gave the golden's commands, but fed with the golden's inputs later in the "
-          "same process, it differs at {}; `rehearse audit` finds the cause",
-          to_string(first)),
+      {VerdictCode::controller_unsteady,
+       fmt::format(
+           "an earlier run left data behind, or the controller depends on something besides its recorded "
+           "inputs: in the closed loop it gave the golden's commands, but fed with the golden's inputs later in the "
+           "same process, it differs at {}; `rehearse audit` finds the cause",
+           to_string(first))},
       first};
 }
 
+/// "; the run leaves its own: Arm/SHOULDER/q is beyond ...", for a controller whose commands are within tolerance;
+/// empty if no run was compared.
+std::string effect_on_run(const CheckReport& evidence) {
+  if (!evidence.comparison) return {};
+  if (evidence.comparison->within) return "; the run stays within its tolerances";
+  const Divergence& first = *evidence.comparison->first;
+  return "; " +
+         headline_of(
+             first, worst_of_channel(*evidence.comparison, first),
+             {.when = when_text(first), .before_beyond = "the run leaves its own: ", .before_differs = "the run "});
+}
+
+/// The difference of the commands, measured on the golden's inputs, and its effect on the run.
+std::string commands_text(const CheckReport& evidence) {
+  const ReplayReport& replayed = *evidence.replay;
+  return headline(replayed, "fed with the golden's inputs, ", "fed with the golden's inputs, it ") +
+         (replayed.beyond ? "" : effect_on_run(evidence));
+}
+
 /// The verdict for a controller whose library is the recorded one, but whose commands differ.
-Blame same_controller(const Divergence& first, const ReplayReport& replayed) {
-  const std::string files = files_text(replayed);
-  return {
-      {VerdictCode::controller_surroundings_changed},
-      fmt::format(
-          "something beside the controller's inputs has changed since the recording: the controller is the recorded "
-          "one, and two replays agree with each other, but fed with the golden's inputs it differs at {}{}",
-          to_string(first),
-          files.empty() ? "; `rehearse audit` reports whether it depends on files, variables or uninitialised memory"
-                        : files),
-      first};
+Blame same_controller(const Divergence& first, const CheckReport& evidence) {
+  const std::vector<std::string>& files = evidence.replay->changed_files;
+  const std::string cause = files.empty() ? "something beside the controller's inputs has changed since the recording"
+                                          : fmt::format("{}", fmt::join(files, "; "));
+  return {{VerdictCode::controller_surroundings_changed,
+           fmt::format("{}: the controller is the recorded one, and two replays agree with each other, but {}{}", cause,
+                       commands_text(evidence),
+                       files.empty() ? "; `rehearse audit` reports whether it depends on files, variables or "
+                                       "uninitialised memory"
+                                     : "")},
+          first,
+          evidence.replay->first};
 }
 
 Blame blame_controller(const Suspects& with, const CheckReport& evidence) {
   if (!evidence.replay)
-    return {{VerdictCode::controller_not_fed},
-            "the controllers can't be fed with the golden's inputs: " + evidence.controller_problem,
+    return {{VerdictCode::controller_not_fed,
+             "the controllers can't be fed with the golden's inputs: " + evidence.controller_problem},
             std::nullopt};
   if (!evidence.replay->first)
-    return {{VerdictCode::controller_changed},
-            "the controller changed: fed with the golden's inputs, " + evidence.replay->failure->message +
-                files_text(*evidence.replay),
+    return {{VerdictCode::controller_changed, "the controller changed: fed with the golden's inputs, " +
+                                                  evidence.replay->failure->message + files_text(*evidence.replay)},
             std::nullopt};
   const Divergence& first = evidence.replay->beyond ? *evidence.replay->beyond : *evidence.replay->first;
   if (first.stage == Stage::inputs)
-    return {{VerdictCode::golden_altered},
-            "the golden differs from the run that was recorded: at " + to_string(first),
+    return {{VerdictCode::golden_altered, "the golden differs from the run that was recorded: at " + to_string(first)},
             first};
   if (auto unsteady = unsteady_controller(with, first, evidence)) return *std::move(unsteady);
-  if (evidence.replay->same_controllers) return same_controller(first, *evidence.replay);
-  return {{VerdictCode::controller_changed},
-          "the controller changed: " + earlier_words(*evidence.replay, first) +
-              headline(*evidence.replay, "", "fed with the golden's inputs, it ") + relations_of(*evidence.replay) +
-              files_text(*evidence.replay),
+  if (evidence.replay->same_controllers) return same_controller(first, evidence);
+  return {{VerdictCode::controller_changed, "the controller changed: " + earlier_words(*evidence.replay, first) +
+                                                commands_text(evidence) + relations_of(*evidence.replay) +
+                                                files_text(*evidence.replay)},
           first,
           evidence.replay->first};
 }
@@ -199,17 +197,19 @@ bool is_mesh(const Shape& shape) {
   return mesh && !mesh->heightmap;
 }
 
-/// The changed attachments; "" if there are none.
-std::string changed_files(const Comparison& comparison) {
-  return fmt::format("{}", fmt::join(comparison.changed_files, ", "));
-}
-
 /// The cause of a difference of the plant, for a verdict.
 struct Cause {
   std::vector<VerdictCode> codes;
   std::string subject;  // of "changed"; empty: only the stage is known
   std::string reason;   // the rest of the sentence
 };
+
+/// One statement with several codes.
+Verdict verdict_of(const std::vector<VerdictCode>& codes, std::string sentence) {
+  Verdict verdict;
+  for (const VerdictCode code : codes) verdict.add(code, std::exchange(sentence, {}));
+  return verdict;
+}
 
 VerdictCode code_of(Stage stage) {
   switch (stage) {
@@ -223,16 +223,9 @@ VerdictCode code_of(Stage stage) {
   return VerdictCode::physics_changed;
 }
 
-std::vector<VerdictCode> codes_of_files(const Comparison& comparison) {
-  std::vector<VerdictCode> codes;
-  const auto changed = static_cast<std::size_t>(std::ranges::count(comparison.changed_files, "scenario.yaml"));
-  if (changed > 0) codes.push_back(VerdictCode::scenario_changed);
-  if (comparison.changed_files.size() > changed) codes.push_back(VerdictCode::model_changed);
-  return codes;
-}
-
 Cause cause_of(const Suspects& with, const Divergence& place, const Comparison& comparison) {
-  const std::string files = changed_files(comparison);
+  const ChangedFiles changed = changed_files(with.scenario, with.golden, comparison.changed_files, true);
+  const std::string& files = changed.text;
   const auto recorded = recorded_scenario(with.golden);
   const std::string also_changed = files.empty() ? "" : fmt::format("; changed since it was recorded: {}", files);
   const std::vector<VerdictCode> stage{code_of(place.stage)};
@@ -257,15 +250,15 @@ Cause cause_of(const Suspects& with, const Divergence& place, const Comparison& 
   options.until = place.tick;
   const auto again = plant_again(with, *recorded, options);
   if (!again) return {stage, "", also_changed};
-  if (again->within) return {codes_of_files(comparison), files, "; with the recorded version, the world agrees"};
+  if (again->within) return {changed.codes, files, "; with the recorded version, the world agrees"};
   return {stage, "", fmt::format("; {} changed, too, but with the recorded version the world also differs", files)};
 }
 
 Blame blame_plant(const Suspects& with, const CheckReport& evidence) {
   if (!evidence.plant_comparison)
-    return {{VerdictCode::world_not_moved},
-            "the world can't be moved by the golden's commands: " + evidence.plant_problem,
-            std::nullopt};
+    return {
+        {VerdictCode::world_not_moved, "the world can't be moved by the golden's commands: " + evidence.plant_problem},
+        std::nullopt};
   const Comparison& comparison = *evidence.plant_comparison;
   Divergence place = *comparison.first;
   const bool is_whole = evidence.plant_run.has_value();  // else the worst may follow
@@ -277,12 +270,13 @@ Blame blame_plant(const Suspects& with, const CheckReport& evidence) {
                         before->element, before->tick);
     place.stage = Stage::physics;
   }
+  if (const std::string rounding = rounding_text(comparison); !rounding.empty())
+    return {{code_of(place.stage), "under the golden's commands, " + rounding}, place};
   const bool innocent = evidence.controller == LevelState::equal && evidence.replay && evidence.replay->values > 0;
   const Cause cause = cause_of(with, place, comparison);
-  return {cause.codes,
-          fmt::format("{} changed{}: under the golden's commands, {}{}{}",
-                      cause.subject.empty() ? to_string(place.stage) : cause.subject,
-                      innocent ? ", the controller did not" : "", news, since, cause.reason),
+  return {verdict_of(cause.codes, fmt::format("{} changed{}: under the golden's commands, {}{}{}",
+                                              cause.subject.empty() ? to_string(place.stage) : cause.subject,
+                                              innocent ? ", the controller did not" : "", news, since, cause.reason)),
           place, since.empty() ? comparison.first_bit : std::nullopt};
 }
 
@@ -290,38 +284,44 @@ Blame blame_plant(const Suspects& with, const CheckReport& evidence) {
 Blame blame_loop(const Suspects& with, const CheckReport& evidence) {
   const Comparison& comparison = *evidence.comparison;
   const Divergence& first = *comparison.first;
-  const bool both_known = evidence.controller == LevelState::equal && evidence.plant != LevelState::not_compared;
-  if (!both_known) return {{VerdictCode::run_changed}, verdict(comparison), first};
+  if (const std::string rounding = rounding_text(comparison); !rounding.empty())
+    return {{VerdictCode::run_changed, rounding}, first};
+  const bool is_within = evidence.controller == LevelState::within;
+  const bool both_known =
+      (is_within || evidence.controller == LevelState::equal) && evidence.plant != LevelState::not_compared;
+  if (!both_known) return {{VerdictCode::run_changed, verdict(comparison)}, first};
   const Divergence& bit = *comparison.first_bit;
   const bool follows_state = state_before(first, comparison, with.golden) != nullptr;
   if (bit.stage == Stage::inputs || (first.stage == Stage::inputs && !follows_state))
-    return {{VerdictCode::controller_inputs_changed},
-            "the controller got other inputs than in the golden: the run " + verdict(comparison),
+    return {{VerdictCode::controller_inputs_changed,
+             "the controller got other inputs than in the golden: the run " + verdict(comparison)},
             first};
-  if (evidence.plant == LevelState::within)
-    return {{VerdictCode::loop_amplified},
-            fmt::format("no part changed beyond its tolerance, but the loop amplifies small changes: the run {}",
-                        verdict(comparison)),
-            first};
+  if (is_within || evidence.plant == LevelState::within)
+    return {
+        {VerdictCode::loop_amplified,
+         "no part changed beyond its tolerance, but the loop amplifies small changes: the run " + verdict(comparison)},
+        first};
   Divergence place = first;  // the world follows its commands: if it differs, they differed
   place.stage = Stage::controller;
-  if (!comparison.changed_files.empty())
-    return {codes_of_files(comparison),
-            fmt::format("the controller depends on a change in {}: with the golden's version, it repeats its recorded "
-                        "commands, with the present one it doesn't; the run {}",
-                        changed_files(comparison), verdict(comparison)),
+  if (const ChangedFiles changed = changed_files(with.scenario, with.golden, comparison.changed_files, false);
+      !changed.text.empty())
+    return {verdict_of(changed.codes,
+                       fmt::format("the controller depends on a change in {}: with the golden's version, it repeats "
+                                   "its recorded commands, with the present one it doesn't; the run {}",
+                                   changed.text, verdict(comparison))),
             place};
   const auto unrepeated = first_unrepeated_tick(with.actual, with.host);
   if (unrepeated && *unrepeated)
     return {
-        {VerdictCode::controller_unsteady},
-        fmt::format("the controller depends on something besides its recorded inputs: two replays of this run differ "
-                    "from each other at tick {}; the run {}; `rehearse audit` finds the cause",
-                    **unrepeated, verdict(comparison)),
+        {VerdictCode::controller_unsteady,
+         fmt::format("the controller depends on something besides its recorded inputs: two replays of this run differ "
+                     "from each other at tick {}; the run {}; `rehearse audit` finds the cause",
+                     **unrepeated, verdict(comparison))},
         place};
-  return {{VerdictCode::run_changed},
-          "the controller repeats the golden's commands and the world follows them, but the run " + verdict(comparison),
-          first};
+  return {
+      {VerdictCode::run_changed,
+       "the controller repeats the golden's commands and the world follows them, but the run " + verdict(comparison)},
+      first};
 }
 
 std::string nothing_differs(const Suspects& with, const CheckReport& report) {
@@ -346,31 +346,31 @@ std::optional<Blame> changed_costs(const CheckReport& report) {
   if (report.controller == LevelState::differs || report.plant == LevelState::differs) return std::nullopt;
   const Divergence& place = *report.comparison->first;
   const ChannelName name = ChannelName::parse(place.channel);
-  return Blame{{VerdictCode::costs_changed},
-               fmt::format("the costs of control() of {}/{} changed, its commands did not: {}; "
-                           "`rehearse audit --realtime` names the lines",
-                           name.body, name.owner,
-                           headline_of(place, worst_of_channel(*report.comparison, place), {.when = when_text(place)})),
-               place,
-               report.comparison->first_bit};
+  return Blame{
+      {VerdictCode::costs_changed,
+       fmt::format("the costs of control() of {}/{} changed, its commands did not: {}; "
+                   "`rehearse audit --realtime` names the lines",
+                   name.body, name.owner,
+                   headline_of(place, worst_of_channel(*report.comparison, place), {.when = when_text(place)}))},
+      place,
+      report.comparison->first_bit};
 }
 
-/// The part of the loop that differs, if the scenario is the recorded one. `evidence`: the report with all levels.
-Blame guilty_part(const Suspects& suspects, const CheckReport& report, const CheckReport& evidence) {
-  const bool controller_differs = evidence.controller == LevelState::differs;
-  const bool plant_differs = evidence.plant == LevelState::differs;
+/// The part of the loop that differs, if the scenario is the recorded one.
+Blame guilty_part(const Suspects& suspects, const CheckReport& report) {
+  const bool controller_differs = report.controller == LevelState::differs;
+  const bool plant_differs = report.plant == LevelState::differs;
   if (controller_differs && plant_differs) {
-    const Blame controller = blame_controller(suspects, evidence), plant = blame_plant(suspects, evidence);
-    std::vector<VerdictCode> codes = controller.codes;
-    codes.insert(codes.end(), plant.codes.begin(), plant.codes.end());
+    const Blame controller = blame_controller(suspects, report), plant = blame_plant(suspects, report);
+    Verdict both = controller.verdict;
+    both.add(plant.verdict);
     const bool plant_first = plant.place && (!controller.place || comes_before(*plant.place, *controller.place));
-    return {std::move(codes), controller.sentence + "; besides, " + plant.sentence,
-            plant_first ? plant.place : controller.place, plant_first ? plant.bit : controller.bit};
+    return {std::move(both), plant_first ? plant.place : controller.place, plant_first ? plant.bit : controller.bit};
   }
-  if (controller_differs) return blame_controller(suspects, evidence);
-  if (plant_differs) return blame_plant(suspects, evidence);
+  if (controller_differs) return blame_controller(suspects, report);
+  if (plant_differs) return blame_plant(suspects, report);
   if (report.closed == LevelState::differs) {
-    Blame loop = blame_loop(suspects, evidence);
+    Blame loop = blame_loop(suspects, report);
     loop.bit = report.comparison->first_bit;
     return loop;
   }
@@ -379,44 +379,60 @@ Blame guilty_part(const Suspects& suspects, const CheckReport& report, const Che
   if (!bit && report.plant_comparison) bit = report.plant_comparison->first_bit;
   const std::array levels{report.controller, report.plant, report.closed};
   const bool is_equal = std::ranges::count(levels, LevelState::within) == 0;
-  return {{is_equal ? VerdictCode::same : VerdictCode::within_tolerance}, nothing_differs(suspects, report), bit};
+  return {{is_equal ? VerdictCode::same : VerdictCode::within_tolerance, nothing_differs(suspects, report)}, bit};
 }
 
 /// The same, in words that are true on this processor.
 Blame guilty_part_here(const Suspects& suspects, const CheckReport& report) {
   if (auto costs = changed_costs(report)) return *std::move(costs);
-  const CheckReport evidence = with_all_levels(suspects, report);
-  return on_this_processor(guilty_part(suspects, report, evidence), evidence,
+  return on_this_processor(guilty_part(suspects, report), report,
                            Architectures::of(suspects.scenario, suspects.golden));
 }
 
 }  // namespace
+
+void compare_other_levels(const Suspects& with, CheckReport& report) {
+  if (report.closed != LevelState::differs || report.comparison->first->stage == Stage::costs) return;
+  if (report.controller == LevelState::not_compared) {
+    if (auto replayed = replay_golden(with.scenario, with.golden, with.host)) {
+      report.controller = replayed->state;
+      report.replay = std::move(replayed->replay);
+    }
+  }
+  if (report.plant == LevelState::not_compared) {
+    PlantOptions options;
+    options.until = report.comparison->first->tick;
+    report.plant_comparison = plant_again(with, with.scenario, options);
+    if (!report.plant_comparison) return;
+    report.plant = report.plant_comparison->within ? LevelState::within : LevelState::differs;
+    report.plant_until = options.until;
+  }
+}
 
 /// Parts of a scenario with other bodies, joints or controllers can't be compared alone, so its change comes first.
 Blame find_guilty(const Suspects& suspects, const CheckReport& report) {
   Blame found = guilty_part_here(suspects, report);
   const mcap::Attachment* recorded = suspects.golden.find_attachment("scenario.yaml");
   if (!recorded || !any_level_differs(report)) return found;
-  if (const std::string change = structure_change(std::string(recorded->text()), suspects.scenario.text);
-      !change.empty()) {
-    found.sentence = "the scenario changed: " + change;
-    found.codes = {VerdictCode::scenario_changed};
+  std::string change = structure_change(std::string(recorded->text()), suspects.scenario.text);
+  const bool is_of_scenario = !change.empty();
+  if (is_of_scenario) {
+    change = "the scenario changed: " + change;
   } else {
     const auto earlier = recorded_scenario(suspects.golden);
-    std::string of_model = earlier ? model_change(*earlier, suspects.scenario) : "";
-    if (of_model.empty()) return found;
-    found.sentence = std::move(of_model);
-    found.codes = {VerdictCode::model_changed};
+    if (earlier) change = model_change(*earlier, suspects.scenario);
+    if (change.empty()) return found;
   }
+  if (const auto& comparison = report.comparison)
+    change += comparison->within
+                  ? "; the run " + verdict(*comparison)
+                  : "; " + headline_of(*comparison->first, worst_of_channel(*comparison, *comparison->first),
+                                       {.when = when_text(*comparison->first),
+                                        .before_beyond = "the run differs: ",
+                                        .before_differs = "the run "});
+  found.verdict = {is_of_scenario ? VerdictCode::scenario_changed : VerdictCode::model_changed, std::move(change)};
   found.bit.reset();
   found.is_of_structure = true;
-  if (const auto& comparison = report.comparison)
-    found.sentence += comparison->within
-                          ? "; the run " + verdict(*comparison)
-                          : "; " + headline_of(*comparison->first, worst_of_channel(*comparison, *comparison->first),
-                                               {.when = when_text(*comparison->first),
-                                                .before_beyond = "the run differs: ",
-                                                .before_differs = "the run "});
   return found;
 }
 

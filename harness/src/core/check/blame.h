@@ -22,15 +22,17 @@ struct Suspects {
 };
 
 struct Blame {
-  std::vector<VerdictCode> codes;                // of the parts of the sentence, in its order
-  std::string sentence;                          // without a full stop
+  Verdict verdict;
   std::optional<Divergence> place;               // the first difference beyond tolerance, if there is one
   std::optional<Divergence> bit = std::nullopt;  // the first difference in any bit; none: the sentence states it
   bool is_of_structure = false;                  // the scenario or a model has other parts
 };
 
-/// The result for a check whose levels have results. If level closed differs, levels that were not requested are made
-/// up to the first difference.
+/// Adds the results of levels that were not requested, if level closed differs: of the plant up to its first
+/// difference.
+void compare_other_levels(const Suspects& suspects, CheckReport& report);
+
+/// The result for a check whose levels have results.
 Blame find_guilty(const Suspects& suspects, const CheckReport& report);
 
 }  // namespace rehearse

@@ -95,6 +95,9 @@ Result<void> Check::check_controller() {
   }
   report.controller = replayed->state;
   report.replay = std::move(replayed->replay);
+  if (report.replay->is_allowed())
+    report.remarks.push_back(
+        headline(*report.replay, "the rules for commands allow the differences: fed with the golden's inputs, "));
   return {};
 }
 
@@ -120,15 +123,12 @@ Result<void> Check::check_proved(const Proof& proof) {
   if (auto told = tell_unmatched_rules(proof); !told) return told;
   report.expectations = std::move(results);
   if (options.closed) report.closed = LevelState::proved;
-  report.verdict =
-      options.closed || options.controller
-          ? "proved without simulating: the world is the one that made the golden, and the controllers repeat its "
-            "commands"
-          : "proved without simulating: the world is the one that made the golden";
-  report.codes = {VerdictCode::same};
-  if (report.expectations.empty()) return {};
-  report.verdict += "; " + verdict(report.expectations);
-  report.codes.push_back(code_of(report.expectations));
+  report.verdict = {VerdictCode::same,
+                    options.closed || options.controller
+                        ? "proved without simulating: the world is the one that made the golden, and the controllers "
+                          "repeat its commands"
+                        : "proved without simulating: the world is the one that made the golden"};
+  if (!report.expectations.empty()) report.verdict.add(code_of(report.expectations), verdict(report.expectations));
   return {};
 }
 
@@ -231,10 +231,10 @@ Result<void> Check::check_closed() {
 /// Reports a changed time step. No tick is compared, but the run may become the next golden, so its expectations are
 /// judged.
 Result<void> Check::tell_time_step(const Divergence& change) {
-  report.codes = {VerdictCode::time_step_changed};
-  report.verdict =
-      fmt::format("the scenario's time step changed: it is {} s, and the golden's {} s; nothing was compared",
-                  change.actual, change.expected);
+  report.verdict = {VerdictCode::time_step_changed,
+                    fmt::format("the scenario's time step changed: it is {} s, and the golden's {} s; nothing was "
+                                "compared",
+                                change.actual, change.expected)};
   report.first = change;
   report.other_duration = true;
   if (!options.closed) return {};
@@ -250,12 +250,11 @@ Result<void> Check::tell_time_step(const Divergence& change) {
 
 /// Reports a changed duration. The runs were compared up to the end of the shorter one.
 void Check::tell_duration(const Divergence& change, const Trace& fresh) {
-  const std::string sentence =
+  std::string sentence =
       fmt::format("the scenario's duration changed: it is {} s, and the golden's {} s", change.actual, change.expected);
   const bool is_alone = !any_level_differs(report) && !report.not_reproduced;
-  report.verdict = is_alone ? sentence + "; " + report.verdict : report.verdict + "; besides, " + sentence;
-  report.codes.insert(is_alone ? report.codes.begin() : report.codes.end(), VerdictCode::duration_changed);
-  if (!is_alone) return;
+  if (!is_alone) return report.verdict.add(VerdictCode::duration_changed, "besides, " + sentence);
+  report.verdict.lead(VerdictCode::duration_changed, std::move(sentence));
   report.first = change;
   report.other_duration = true;
   tell_files(fresh, *report.comparison, actual, "this run");
@@ -270,35 +269,31 @@ Result<void> Check::test_reproduction() {
   auto found = try_reproduction(scenario, *fresh, actual, options.run, simulation);
   if (!found) return found.errors();
   const Divergence& bit = *report.comparison->first_bit;
-  if (!found->reproduced()) {
-    report.verdict =
-        fmt::format("the golden isn't certified, though this run is within its tolerances: {}", found->verdict);
-    report.first = found->first ? found->first : bit;
-  } else if (report.comparison->same_origin) {
-    report.verdict = fmt::format(
-        "the golden isn't certified, though this run is within its tolerances: it states the same programs, files and "
-        "controllers, but this run, which repeats itself, has different bits: {}",
-        to_string(bit));
-    report.first = bit;
-  } else {
-    return {};
-  }
+  if (found->reproduced() && !report.comparison->same_origin) return {};
   report.not_reproduced = true;
-  report.codes = {VerdictCode::golden_not_certified};
+  report.verdict = {
+      VerdictCode::golden_not_certified,
+      "the golden isn't certified, though this run is within its tolerances: " +
+          (found->reproduced() ? "it states the same programs, files and controllers, but this run, which repeats "
+                                 "itself, has different bits: " +
+                                     to_string(bit)
+                               : found->verdict)};
+  report.first = found->first ? found->first : bit;
   return {};
 }
 
 /// Adds the expectations to the verdict. A run that is within tolerance, or was not compared, may violate them.
 void Check::judge_by_expectations(const Trace& fresh) {
   if (report.expectations.empty()) return;
-  const std::string judged = verdict(report.expectations);
+  std::string judged = verdict(report.expectations);
   const ExpectationResult* violation = first_violation(report.expectations);
   const bool is_alone = violation && !any_level_differs(report) && !report.not_reproduced && !report.other_duration;
   const bool failed = report.run && report.run->ending();
   // a run that a controller ended violates expectations because of that
-  const bool leads = violation && !failed;
-  report.verdict = leads ? judged + "; " + report.verdict : report.verdict + "; " + judged;
-  report.codes.insert(leads ? report.codes.begin() : report.codes.end(), code_of(report.expectations));
+  if (violation && !failed)
+    report.verdict.lead(code_of(report.expectations), std::move(judged));
+  else
+    report.verdict.add(code_of(report.expectations), std::move(judged));
   if (is_alone) report.first = divergence_of(*violation, fresh);
   report.message += violation_lines(report.expectations);
 }
@@ -311,20 +306,22 @@ void Check::tell_files(const Trace& fresh, const Comparison& comparison, const f
 
 /// Sets the verdict that names the part that changed.
 void Check::blame() {
-  const Blame found = find_guilty({scenario, golden, simulation, with_controllers_of(scenario, options.run), actual,
-                                   plant_trace().concat(".again")},
-                                  report);
-  report.verdict = found.sentence;
-  report.codes = found.codes;
+  const Suspects suspects{
+      scenario, golden, simulation, with_controllers_of(scenario, options.run), actual, plant_trace().concat(".again")};
+  compare_other_levels(suspects, report);
+  const Blame found = find_guilty(suspects, report);
+  report.verdict = found.verdict;
   report.first = found.place;
   report.first_bit = found.bit;
   const std::vector<std::string> other_inputs = report.replay       ? report.replay->other_inputs
                                                 : report.comparison ? report.comparison->other_inputs
                                                                     : std::vector<std::string>();
   if (!other_inputs.empty() && !found.is_of_structure) {
-    report.codes.push_back(VerdictCode::controller_inputs_changed);
-    report.verdict = any_level_differs(report) ? report.verdict + "; " + other_inputs_sentence(other_inputs)
-                                               : other_inputs_sentence(other_inputs) + "; " + report.verdict;
+    std::string sentence = other_inputs_sentence(other_inputs);
+    if (any_level_differs(report))
+      report.verdict.add(VerdictCode::controller_inputs_changed, std::move(sentence));
+    else
+      report.verdict.lead(VerdictCode::controller_inputs_changed, std::move(sentence));
   }
   if (report.first || !report.comparison) return;
   report.first = report.comparison->first;  // a part that couldn't be compared alone has no place
@@ -444,8 +441,9 @@ Result<CheckReport> sampled(Check check) {
   auto again = check_scenario(check.scenario, check.golden.file(), check.actual, simulating, check.simulation);
   if (!again) return again;
   if (again->equal()) return std::move(check.report);
-  again->verdict = "the proof was wrong: it found no change since the golden, but simulated: " + again->verdict;
-  again->codes.insert(again->codes.begin(), VerdictCode::proof_wrong);
+  again->verdict.lead(
+      VerdictCode::proof_wrong,
+      "the proof was wrong: it found no change since the golden, but the simulation has another result");
   again->proof_was_wrong = true;
   return again;
 }
@@ -480,7 +478,7 @@ Result<CheckReport> check_scenario(const Scenario& plain, const fs::path& golden
   check.report.not_proved = proof.objection();
   check.world_is_known = proof.holds();
   if (auto done = check.simulate(); !done) return done.errors();
-  if (check.report.failed()) check.report.codes.insert(check.report.codes.begin(), code_of_failure(check.report));
+  if (check.report.failed()) check.report.verdict.lead(code_of_failure(check.report));
   if (auto known = refuse_unknown_series(scenario, check.report, {golden, actual}); !known) {
     remove_run_of(actual);
     return known.errors();

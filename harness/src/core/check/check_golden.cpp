@@ -31,8 +31,7 @@ Result<CheckReport> check_by_expectations(const Scenario& scenario, const fs::pa
     fs::remove(actual, ignored);
     return known.errors();
   }
-  report.verdict = verdict(report.expectations);
-  report.codes = {code_of(report.expectations)};
+  report.verdict = {code_of(report.expectations), verdict(report.expectations)};
   if (const ExpectationResult* violation = first_violation(report.expectations)) {
     const auto fresh = Trace::load_in_pieces(actual, [](const Trace&) {});
     if (!fresh) return fresh.errors();
@@ -51,8 +50,7 @@ Result<bool> certify_candidate(const Scenario& scenario, const fs::path& actual,
   if (!found) return found.errors();
   if (found->reproduced()) return true;
   report.not_reproduced = true;
-  report.codes = {VerdictCode::golden_not_certified};
-  report.verdict = fmt::format("this run becomes no golden: {}", found->verdict);
+  report.verdict = {VerdictCode::golden_not_certified, fmt::format("this run becomes no golden: {}", found->verdict)};
   report.first = found->first;
   report.message = fmt::format("this run: {}", actual.string());
   return false;
@@ -72,17 +70,16 @@ Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, G
   if (!report) return report;
   if (const Diagnostic* ending = report->run->ending()) {
     report->closed = LevelState::no_golden;
-    report->codes = {code_of_failure(*report), VerdictCode::golden_missing};
-    report->verdict = ending->message;
+    report->verdict = {code_of_failure(*report), ending->message};
+    report->verdict.add(VerdictCode::golden_missing);
     report->message = fmt::format("this run: {}{}", actual.string(), debugging_advice(*report->run, actual));
     return report;
   }
   const bool violated = !report->within();
-  const std::string judged = report->verdict.empty() ? "" : "; " + report->verdict;
   if (mode == GoldenMode::check || violated) {
     report->closed = LevelState::no_golden;
-    report->codes.insert(report->codes.begin(), VerdictCode::golden_missing);
-    report->verdict = fmt::format("there is no golden {}{}", store.trace_file(scenario.golden).string(), judged);
+    report->verdict.lead(VerdictCode::golden_missing,
+                         fmt::format("there is no golden {}", store.trace_file(scenario.golden).string()));
     if (!violated)
       report->message = fmt::format("this run: {}\n{}", actual.string(), acceptance_advice(scenario.golden));
     return report;
@@ -92,8 +89,8 @@ Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, G
   if (!*certified) return report;
   if (auto accepted = store.accept_pending(scenario.golden); !accepted) return accepted.errors();
   report->golden_written = true;
-  report->codes.insert(report->codes.begin(), VerdictCode::golden_written);
-  report->verdict = fmt::format("wrote the new golden {}{}", store.trace_file(scenario.golden).string(), judged);
+  report->verdict.lead(VerdictCode::golden_written,
+                       fmt::format("wrote the new golden {}", store.trace_file(scenario.golden).string()));
   return report;
 }
 
@@ -102,7 +99,7 @@ Result<CheckReport> check_without_golden(const Scenario& scenario, const fs::pat
                                          const Simulation& simulation) {
   auto report = check_by_expectations(scenario, actual, options, simulation);
   std::error_code ignored;
-  if (report && report->failed()) report->codes.insert(report->codes.begin(), code_of_failure(*report));
+  if (report && report->failed()) report->verdict.lead(code_of_failure(*report));
   if (report && report->within()) fs::remove(actual, ignored);
   return report;
 }
@@ -158,7 +155,7 @@ Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, G
   auto report = check_scenario(scenario, store.trace_file(name), actual, options, simulation);
   if (!report) return report;
   if (options.closed && !report->within()) {
-    if (auto kept = store.keep_pending_verdict(name, report->verdict); !kept) return kept.errors();
+    if (auto kept = store.keep_pending_verdict(name, report->verdict.text()); !kept) return kept.errors();
     if (auto done = settle_pending(scenario, store, mode, options.run, simulation, *report); !done)
       return done.errors();
   } else if (const auto digest = check_digest(scenario, store, options.certificates); !digest) {

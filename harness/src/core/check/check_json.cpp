@@ -41,10 +41,20 @@ nlohmann::ordered_json json_of(const ExpectationResult& result) {
   return object;
 }
 
+nlohmann::ordered_json json_of(const ReplayReport& replayed) {
+  return {{"first", json_of(replayed.first)},
+          {"beyond", json_of(replayed.beyond)},
+          {"worst", json_of(replayed.worst)},
+          {"ticks", replayed.ticks},
+          {"ticks_different", replayed.ticks_different},
+          {"values", replayed.values},
+          {"values_different", replayed.values_different}};
+}
+
 nlohmann::ordered_json json_of(const CheckReport& report) {
   nlohmann::ordered_json object{
-      {"verdict", report.verdict},
-      {"code", report.codes.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(to_string(report.codes[0]))},
+      {"verdict", report.verdict.text()},
+      {"code", report.verdict.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(report.verdict.code())},
       {"codes", nlohmann::ordered_json::array()},
       {"equal", report.equal()},
       {"within", report.within()},
@@ -57,11 +67,14 @@ nlohmann::ordered_json json_of(const CheckReport& report) {
         {"plant", to_string(report.plant)},
         {"closed", to_string(report.closed)}}},
       {"first", json_of(report.first)},
-      {"comparisons", {{"plant", or_null(report.plant_comparison)}, {"closed", or_null(report.comparison)}}},
+      {"comparisons",
+       {{"controller", report.replay ? json_of(*report.replay) : nlohmann::ordered_json()},
+        {"plant", or_null(report.plant_comparison)},
+        {"closed", or_null(report.comparison)}}},
       {"horizon", nullptr},
       {"expectations", nlohmann::ordered_json::array()},
       {"remarks", report.remarks}};
-  for (const VerdictCode code : report.codes) object["codes"].push_back(to_string(code));
+  for (const VerdictCode code : report.verdict.codes()) object["codes"].push_back(to_string(code));
   if (report.simulated_from) object["simulated_from"] = *report.simulated_from;
   if (!report.not_proved.empty()) object["not_proved"] = report.not_proved;
   if (report.horizon) object["horizon"] = *report.horizon;

@@ -9,6 +9,8 @@ namespace rehearse {
 
 /// An object as to_json(CheckReport).
 nlohmann::ordered_json json_of(const CheckReport& report);
+/// The differences of commands: first, beyond, worst, and their numbers.
+nlohmann::ordered_json json_of(const ReplayReport& replayed);
 /// The result of an expectation, with its margin.
 nlohmann::ordered_json json_of(const ExpectationResult& result);
 

@@ -35,8 +35,20 @@ bool CheckReport::run_is_wrong() const {
 }
 
 std::string levels_text(const CheckReport& report) {
-  return fmt::format("controller: {}; plant: {}; closed: {}", to_string(report.controller), to_string(report.plant),
+  return fmt::format("controller: {}; plant: {}{}; closed: {}", to_string(report.controller), to_string(report.plant),
+                     report.plant_until ? fmt::format(" up to tick {}", *report.plant_until) : "",
                      to_string(report.closed));
+}
+
+std::string tables_text(const CheckReport& report) {
+  const auto below = [](const std::string& heading, const std::string& rows) {
+    return rows.empty() ? rows : "  " + heading + ":\n" + rows;
+  };
+  std::string text;
+  if (report.plant == LevelState::differs && report.plant_comparison)
+    text += below("plant, under the golden's commands", table(*report.plant_comparison));
+  if (report.comparison) text += below("closed, the whole run", table(*report.comparison));
+  return text;
 }
 
 std::string bits_sentence(const CheckReport& report) {

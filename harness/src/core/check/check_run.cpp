@@ -70,7 +70,7 @@ namespace {
 
 LevelState state_of(const ReplayReport& replayed, bool computes_alike) {
   if (replayed.equal()) return LevelState::equal;
-  const bool may_differ = !computes_alike || replayed.same_commands;
+  const bool may_differ = !computes_alike || replayed.commands_hold;
   return may_differ && replayed.within() ? LevelState::within : LevelState::differs;
 }
 

@@ -52,17 +52,18 @@ Architectures Architectures::of(const Scenario& scenario, const Trace& golden) {
 Blame on_this_processor(Blame found, const CheckReport& evidence, const Architectures& architectures) {
   const auto& [golden, here] = architectures;
   if (golden == here) return found;
-  if (found.codes == std::vector{VerdictCode::within_tolerance})
-    found.sentence +=
-        fmt::format("; the golden is of {} and this run of {}, so only tolerances were demanded", golden, here);
+  if (found.verdict.code() == to_string(VerdictCode::within_tolerance))
+    found.verdict = {VerdictCode::within_tolerance,
+                     fmt::format("{}; the golden is of {} and this run of {}, so only tolerances were demanded",
+                                 found.verdict.text(), golden, here)};
   // rounding makes no controller fail; one that couldn't be fed has no place
   const bool can_be_rounding = found.place && !evidence.failed();
-  if (!can_be_rounding || std::ranges::none_of(found.codes, looks_like_rounding)) return found;
-  found.codes = {VerdictCode::processor_other};
-  found.sentence = fmt::format(
-      "the golden is of {} and this run of {}, which rounds otherwise: that explains the difference as well "
-      "as a change does; {}",
-      golden, here, differences_text(evidence));
+  if (!can_be_rounding || std::ranges::none_of(found.verdict.codes(), looks_like_rounding)) return found;
+  found.verdict = {
+      VerdictCode::processor_other,
+      fmt::format("the golden is of {} and this run of {}, which rounds otherwise: that explains the difference as "
+                  "well as a change does; {}",
+                  golden, here, differences_text(evidence))};
   return found;
 }
 

@@ -48,6 +48,19 @@ std::vector<std::string> changed_facts(const std::string& before, const std::str
   return names;
 }
 
+/// "the program hold_test", if another program simulated the golden, and nothing changed but the program and the
+/// libraries that it loads; else empty. `changed`: names of facts; `now`: the present plant.
+std::string other_program(const std::vector<std::string>& changed, const std::string& now) {
+  std::string other;
+  for (const std::string& name : changed) {
+    const bool is_program = name.starts_with("the program ");
+    if (!is_program && !name.starts_with("the library ")) return {};
+    const bool is_present = now.starts_with(name + ": ") || now.find("\n" + name + ": ") != std::string::npos;
+    if (is_program && !is_present) other = name;
+  }
+  return other;
+}
+
 /// The reason why the facts of the golden allow no proof; empty: they allow it.
 std::string objection_to_golden(const Trace& golden) {
   const RunFacts run = RunFacts::of(golden);
@@ -138,6 +151,8 @@ std::string Proof::changes() const {
   }
   if (!fewest) return "no check has simulated this golden here before";
   constexpr std::size_t most = 4;
+  if (const std::string other = other_program(*fewest, plant_); !other.empty())
+    return other + " simulated its golden, and this program has not";
   return listed(*fewest, most) + " changed since its golden was simulated";
 }
 

@@ -146,6 +146,7 @@ void conclude(Comparison& comparison, std::vector<ChannelComparison> channels) {
   const auto take = [](std::optional<Divergence>& best, const std::optional<Divergence>& other) {
     if (other && (!best || comes_before(*other, *best))) best = other;
   };
+  std::optional<Divergence> lone;  // the first channel that only one run has
   std::set<std::string> differing;
   for (ChannelComparison& channel : channels) {
     comparison.values += channel.values;
@@ -154,8 +155,8 @@ void conclude(Comparison& comparison, std::vector<ChannelComparison> channels) {
     comparison.in_noise += channel.in_noise;
     comparison.beyond += channel.beyond;
     comparison.blanked += channel.blanked;
-    take(comparison.first, channel.first);
-    take(comparison.first_bit, channel.first_bit);
+    take(channel.is_lone ? lone : comparison.first, channel.first);
+    if (!channel.is_lone) take(comparison.first_bit, channel.first_bit);
     if (channel.worst && (!comparison.worst || is_worse(*channel.worst, *comparison.worst)))
       comparison.worst = channel.worst;
     if (channel.first_bit) differing.insert(channel.channel);
@@ -163,8 +164,15 @@ void conclude(Comparison& comparison, std::vector<ChannelComparison> channels) {
   for (const ChannelComparison& channel : channels)
     if (!channel.of_events && differing.insert(channel.channel).second)
       comparison.equal_channels.push_back(channel.channel);
+  if (comparison.first && lone)
+    for (const ChannelComparison& channel : channels)
+      if (channel.is_lone)
+        comparison.remarks.push_back(
+            fmt::format("{}: {}", channel.group.empty() ? channel.channel : channel.group, channel.first->note));
   for (ChannelComparison& channel : channels)
     (channel.first_bit ? comparison.channels : comparison.same).push_back(std::move(channel));
+  if (!comparison.first) comparison.first = lone;
+  if (!comparison.first_bit) comparison.first_bit = lone;
   comparison.equal = !comparison.first_bit;
   comparison.within = !comparison.first;
   comparison.words_alone = comparison.within && !comparison.equal &&
@@ -172,9 +180,10 @@ void conclude(Comparison& comparison, std::vector<ChannelComparison> channels) {
                              return channel.channel == run_topics::events;
                            });
   comparison.agreement = agreement_of(comparison);
-  std::stable_sort(
-      comparison.channels.begin(), comparison.channels.end(),
-      [](const ChannelComparison& a, const ChannelComparison& b) { return comes_before(*a.first_bit, *b.first_bit); });
+  std::stable_sort(comparison.channels.begin(), comparison.channels.end(),
+                   [](const ChannelComparison& a, const ChannelComparison& b) {
+                     return a.is_lone != b.is_lone ? b.is_lone : comes_before(*a.first_bit, *b.first_bit);
+                   });
 }
 
 /// True if a compared stage makes some of the channel's values. Checkpoints are compared by the state's hash; a

@@ -215,6 +215,27 @@ std::optional<Divergence> worst_of_channel(const Comparison& comparison, const D
   return channel == comparison.channels.end() ? std::nullopt : channel->worst;
 }
 
+std::string rounding_text(const Comparison& comparison) {
+  const auto is_rounding = [](const ChannelComparison& channel) {
+    const bool has_numbers = channel.worst && channel.worst->note.empty() && channel.first->note.empty();
+    return has_numbers && channel.worst->tolerance == 0.0 && channel.worst->ulps < few_ulps &&
+           std::ranges::all_of(channel.series, [](const SeriesComparison& series) {
+             return series.tolerance == 0.0 || series.largest <= series.tolerance;
+           });
+  };
+  if (comparison.within || !comparison.first || !comparison.first->note.empty()) return {};
+  const Divergence* largest = nullptr;
+  for (const ChannelComparison& channel : comparison.channels) {
+    if (!channel.first) continue;
+    if (!is_rounding(channel)) return {};
+    if (!largest) largest = &*channel.worst;
+  }
+  if (!largest) return {};
+  return fmt::format("only rounding differs: {} by {:.3g}{}{} ({}) at tick {}, and no tolerance covers it",
+                     series_name(largest->channel, largest->element), largest->difference,
+                     largest->unit.empty() ? "" : " ", largest->unit, few_ulps_text(largest->ulps), largest->tick);
+}
+
 std::string verdict(const Comparison& comparison) {
   if (!comparison.within) {
     if (comparison.first->channel.empty()) return "can't be compared: " + comparison.first->note;

@@ -249,6 +249,7 @@ class LoneChannels {
       ChannelComparison& result = add(channel.topic);
       result.channels = static_cast<int>(take(group.prefix));
       if (result.channels > 1) result.group = group.prefix;
+      result.is_lone = !group.is_whole;
       Divergence divergence =
           place_of(traces_, channel, run_.of(channel).messages > 0 ? run_.of(channel).first_time : 0);
       divergence.note = text_of(group, result.channels);
@@ -259,8 +260,9 @@ class LoneChannels {
  private:
   /// A body, controller, link or device that is missing: all channels whose topics have this beginning.
   struct Group {
-    std::string prefix;  // with the slash at its end; a whole topic for a channel of its own
-    std::string what;    // "body 'SR1'"; empty: a channel
+    std::string prefix;     // with the slash at its end; a whole topic for a channel of its own
+    std::string what;       // "body 'SR1'"; empty: a channel
+    bool is_whole = false;  // a body or a controller
   };
 
   bool is_older_than_contacts() const {
@@ -278,16 +280,18 @@ class LoneChannels {
     const ChannelName name = ChannelName::parse(topic);
     if (name.body.empty()) return {topic, ""};
     const std::string body = "/" + name.body + "/";
-    if (lacks(body)) return {body, "body '" + name.body + "'"};
+    if (lacks(body)) return {body, "body '" + name.body + "'", true};
     const bool controls = !name.controller.empty();
     if (!controls && name.owner.empty()) return {topic, ""};
     const std::string owner = body + (controls ? name.controller : topic_segment(name.owner)) + "/";
     if (!lacks(owner)) return {topic, ""};
-    return {owner, fmt::format("{} '{}/{}'",
-                               controls            ? "controller"
-                               : name.is_of_link() ? "link"
-                                                   : "device",
-                               name.body, controls ? name.controller : name.owner)};
+    return {owner,
+            fmt::format("{} '{}/{}'",
+                        controls            ? "controller"
+                        : name.is_of_link() ? "link"
+                                            : "device",
+                        name.body, controls ? name.controller : name.owner),
+            controls};
   }
 
   /// Removes the channels whose topics have this beginning, and returns their number.

@@ -84,12 +84,14 @@ bool is_worse(const Divergence& a, const Divergence& b) {
     return times_tolerance(d.judged(), d.tolerance);
   };
   const double of_a = badness(a), of_b = badness(b);
-  return of_a > of_b || (of_a == of_b && a.tolerance == 0.0 && a.judged() > b.judged());
+  if (of_a != of_b) return of_a > of_b;
+  return a.tolerance == 0.0 ? a.judged() > b.judged() : a.judged() == b.judged() && a.difference > b.difference;
 }
 
 void Differences::add(Divergence found, bool is_beyond) {
   const auto is_earlier = [&](const std::optional<Divergence>& than) { return !than || found.tick < than->tick; };
   ++values_different;
+  if (found.note.empty()) most_ulps = std::max(most_ulps, found.ulps);
   if (is_beyond && is_earlier(beyond)) beyond = found;
   if (!worst || is_worse(found, *worst)) worst = found;
   if (is_earlier(first)) first = std::move(found);
@@ -119,8 +121,6 @@ std::pair<std::string, std::string> texts_of(double a, double b, bool are_times)
   }
   return texts;
 }
-
-constexpr std::uint64_t few_ulps = 1000;
 
 /// The exact number up to a million; beyond, two digits.
 std::string ulps_text(std::uint64_t ulps) {

@@ -29,6 +29,10 @@ struct HeadlineWords {
 };
 std::string headline_of(const Divergence& first, const std::optional<Divergence>& worst, const HeadlineWords& words);
 
+/// "only rounding differs: Rig/Mag/magnetic_field/x by 3e-15 T (1 ULP) at tick 12, and no tolerance covers it"; empty
+/// if another difference is beyond its tolerance, or is no few ULPs.
+std::string rounding_text(const Comparison& comparison);
+
 /// The worst difference of the channel of a divergence.
 std::optional<Divergence> worst_of_channel(const Comparison& comparison, const Divergence& of);
 
@@ -38,6 +42,9 @@ std::optional<std::string> name_of_time(std::string_view seconds, std::string_vi
 std::int64_t time_of_parts(std::int64_t seconds, std::uint64_t nanoseconds);
 /// Sets the members that two times [ns] determine, in seconds.
 void put_times(Divergence& divergence, std::int64_t expected, std::int64_t actual);
+
+/// Up to so many steps between two numbers, exclusive, a difference is one of rounding.
+inline constexpr std::uint64_t few_ulps = 1000;
 
 /// "17 ULPs"; empty for a thousand or more, which say nothing to a person.
 std::string few_ulps_text(std::uint64_t ulps);

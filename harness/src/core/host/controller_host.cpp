@@ -186,8 +186,11 @@ std::vector<ControlTimes> ControllerHost::control_times() const {
 
 std::map<std::string, std::string> ControllerHost::files_read() const {
   std::map<std::string, std::string> files;
-  for (const HostedController& hosted : controllers_)
+  for (const HostedController& hosted : controllers_) {
     for (const auto& [file, content] : hosted.files) files.emplace(hosted.label + ": " + file, content);
+    for (const auto& [name, content] : hosted.library->linked())
+      files.emplace(hosted.label + ": " + linked_library_prefix + name, content);
+  }
   return files;
 }
 

@@ -85,6 +85,9 @@ struct HostedController {
 Result<std::filesystem::path> library_of(const Scenario& scenario, const ScenarioController& specification,
                                          const std::string& label, const HostOptions& options);
 
+/// The beginning of a linked library's name in ControllerHost::files_read().
+inline constexpr const char* linked_library_prefix = "the library ";
+
 class ControllerHost {
  public:
   /// Finds and loads the libraries and creates the controllers. Fails with the place in the scenario.
@@ -117,7 +120,8 @@ class ControllerHost {
   /// Of the controllers that were called in a tick.
   std::vector<ControlTimes> control_times() const;
   bool counts_costs() const { return counts_costs_; }
-  /// Files that the controllers have opened to read, as "BODY/NAME: file" and their content.
+  /// Files that the controllers have opened to read, as "BODY/NAME: file" and their content, and the libraries that
+  /// they link (linked_libraries()), as "BODY/NAME: the library file".
   std::map<std::string, std::string> files_read() const;
   /// The contents of the files that a recording contains, by the names of the attachments (opened_files.h).
   const std::map<std::string, std::string>& input_copies() const { return input_copies_; }

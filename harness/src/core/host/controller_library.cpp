@@ -23,6 +23,7 @@
 #include "core/mcap/hashing.h"
 #include "core/scenario/project.h"
 #include "hosted_language.h"
+#include "loaded_libraries.h"
 
 namespace rehearse {
 namespace {
@@ -211,6 +212,7 @@ Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::pat
       return error(name + " is not a shared library", "build it with rehearse_add_simple_controller or -shared -fPIC");
     return error(name + " can't be loaded: " + readable(problem));
   }
+  library->linked_ = linked_libraries(library->handle_);
   library->factory_ = reinterpret_cast<Factory>(dlsym(library->handle_, factory_name));
   library->c_functions_ = static_cast<const rehearse_controller_functions*>(dlsym(library->handle_, c_functions_name));
   if (!library->factory_ && !library->c_functions_)

@@ -4,6 +4,7 @@
 #include <rehearse/diagnostic.h>
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -47,6 +48,8 @@ class ControllerLibrary {
   const std::filesystem::path& file() const { return file_; }
   /// hash_of_controller() of the library's file.
   const std::string& content_hash() const { return content_hash_; }
+  /// linked_libraries() of it; none of a hosted language.
+  const std::map<std::string, std::string>& linked() const { return linked_; }
   /// Changes that the library made to the process while it was loaded, and their repair.
   const std::vector<std::string>& remarks() const { return remarks_; }
   /// The number of running threads that its code has started.
@@ -62,6 +65,7 @@ class ControllerLibrary {
   std::filesystem::path file_;
   std::string label_;  // of the controller, for the report of a process that ends while the library is unloaded
   std::string content_hash_;
+  std::map<std::string, std::string> linked_;
   double call_limit_ = 0.0;  // [s]
   void* handle_ = nullptr;
   Factory factory_ = nullptr;  // null: it is a controller in C

@@ -68,6 +68,7 @@ inline constexpr const char* events = "/events";
 inline constexpr const char* contact_changes = "/contacts";
 inline constexpr const char* checkpoint = "/checkpoint";
 inline constexpr const char* variable_part = "/variable/";
+inline constexpr const char* output_part = "/output/";  // of a controller's commands
 }  // namespace run_topics
 
 /// An owner's name as a segment of a topic or of a series: '/' is written %2F, and '%' is written %25.

@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include "loaded_libraries.h"
+#include "core/host/loaded_libraries.h"
 
 namespace rehearse {
 

@@ -11,11 +11,11 @@
 #include <set>
 #include <string_view>
 
+#include "core/host/loaded_libraries.h"
 #include "core/host/virtualised.h"
 #include "core/mcap/hashing.h"
 #include "core/scenario/plant_text.h"
 #include "core/trace/run_facts.h"
-#include "loaded_libraries.h"
 
 // The build checks this with the compiler, too; here the check covers the final compilation of this file.
 static_assert(FLT_EVAL_METHOD == 0 || *REHEARSE_OTHER_FLAGS, "intermediate results are rounded to their type");

@@ -20,6 +20,7 @@ ReplayComparison::ReplayComparison(const ReplayOptions& options, const std::vect
                                    const Scenario& scenario, mcap::Reader& recording, ControllerHost& host,
                                    const RecordingSource& source, SeriesScales scales, ReplayReport& report)
     : options_(options),
+      rules_(rules),
       scenario_(scenario),
       recording_(recording),
       host_(host),
@@ -137,10 +138,17 @@ void ReplayComparison::differs(Divergence&& found) {
   judge_.add(std::move(found));
 }
 
+/// True for a difference within a rule that is written for commands.
+bool ReplayComparison::is_allowed(const Divergence& found) const {
+  if (found.is_beyond()) return false;
+  const ToleranceRule* rule = rule_for(series_name(found.channel, found.element), rules_);
+  return rule && is_for_commands(*rule);
+}
+
 void ReplayComparison::report(Divergence&& found) {
   const bool is_new = found.tick != std::exchange(last_different_, found.tick);
   report_.ticks_different += is_new && !results_.differ_at(found.tick) ? 1 : 0;
-  report_.same_commands = false;
+  report_.commands_hold = report_.commands_hold && is_allowed(found);
   if (options_.on_difference) options_.on_difference(found);
   report_.add(std::move(found));
 }
@@ -201,7 +209,7 @@ Result<void> ReplayComparison::finish() {
   report_.ticks_different += results_.ticks_different();
   if (report_.first) report_.explanation = history_.explanation(report_.controllers);
   for (JudgedEvent& event : results_.judge(last_tick_)) {
-    report_.same_commands = report_.same_commands && !event.beyond;
+    report_.commands_hold = report_.commands_hold && !event.beyond;
     if (options_.on_difference) options_.on_difference(event.place);
     report_.add(std::move(event.place), event.beyond);
   }

@@ -56,11 +56,13 @@ class ReplayComparison final : public Sink {
   void compare_variables(std::int64_t tick);
   void report_outputs(std::int64_t tick, const std::vector<std::uint64_t>& row);
   void differs(Divergence&& found);
+  bool is_allowed(const Divergence& found) const;
   void report(Divergence&& found);
   void word_differs(Divergence&& found, std::int64_t tick);
   std::optional<std::size_t> judged_variable(const std::string& topic);
 
   const ReplayOptions& options_;
+  const std::vector<ToleranceRule>& rules_;
   const Scenario& scenario_;
   mcap::Reader& recording_;
   ControllerHost& host_;

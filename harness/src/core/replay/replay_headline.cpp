@@ -28,11 +28,16 @@ std::string headline(const ReplayReport& replayed, const std::string& before_bey
   if (!replayed.first) return {};
   const Divergence& worst = *replayed.worst;
   const std::string name = name_of_command(worst, replayed.controllers);
+  const std::string unit = worst.unit.empty() ? "" : " " + worst.unit;
+  const bool is_rounding = replayed.most_ulps < few_ulps;
   return fmt::format(
-      "only bits differ, from {} on; all commands are within tolerance: the worst is {}, off by "
-      "{:.3g}{}{} of ±{:g} at tick {}",
-      when_text(*replayed.first), name.empty() ? series_name(worst.channel, worst.element) : name, worst.judged(),
-      worst.unit.empty() ? "" : " ", worst.unit, worst.tolerance, worst.tick);
+      "{}{} from {} on: worst {}, off by {:.3g}{}{} at tick {}", before_beyond,
+      is_rounding ? fmt::format("only bits differ, by up to {},", few_ulps_text(replayed.most_ulps))
+                  : "commands change within tolerance",
+      when_text(*replayed.first), name.empty() ? series_name(worst.channel, worst.element) : name, worst.difference,
+      unit,
+      worst.distance_from_envelope ? " and within lead and lag" : fmt::format(" of ±{:g}{}", worst.tolerance, unit),
+      worst.tick);
 }
 
 }  // namespace rehearse

@@ -67,6 +67,8 @@ void write(const YamlNode& node, Inside inside, int depth, std::string& text) {
 
 }  // namespace
 
+bool only_judges(std::string_view key) { return key != "options" && is_one_of(key, judging); }
+
 Result<std::string> plant_text(const Scenario& scenario) {
   const Result<YamlNodePtr> root = parse_yaml(scenario.text, scenario.file);
   if (!root) return root.errors();

@@ -4,6 +4,7 @@
 #include <rehearse/scenario.h>
 
 #include <string>
+#include <string_view>
 
 namespace rehearse {
 
@@ -11,6 +12,9 @@ namespace rehearse {
 /// controllers. It has a line for each value. Two scenarios with equal texts and equal models have equal worlds, which
 /// behave equally under equal commands.
 Result<std::string> plant_text(const Scenario& scenario);
+
+/// True for a key of the scenario that judges runs, and has no effect on one: expect, tolerances, golden, ...
+bool only_judges(std::string_view key);
 
 /// True if a shape of any body was read from a mesh file.
 bool has_mesh_files(const Scenario& scenario);

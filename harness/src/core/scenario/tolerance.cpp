@@ -1,5 +1,8 @@
 #include <rehearse/scenario.h>
 
+#include <algorithm>
+
+#include "core/kinds/channel_name.h"
 #include "core/mcap/glob.h"
 
 namespace rehearse {
@@ -21,10 +24,20 @@ Tolerance default_tolerance(std::string_view unit) {
   return {};
 }
 
+const ToleranceRule* rule_for(std::string_view series, const std::vector<ToleranceRule>& rules) {
+  const auto rule = std::find_if(rules.rbegin(), rules.rend(),
+                                 [&](const ToleranceRule& one) { return matches(one.channel, series); });
+  return rule == rules.rend() ? nullptr : &*rule;
+}
+
+bool is_for_commands(const ToleranceRule& rule) {
+  return rule.channel.find(run_topics::output_part) != std::string::npos ||
+         rule.channel.find(run_topics::variable_part) != std::string::npos || rule.channel.ends_with("/u");
+}
+
 Tolerance tolerance_of(std::string_view series, std::string_view unit, const std::vector<ToleranceRule>& rules) {
   Tolerance tolerance = default_tolerance(unit);
-  for (auto rule = rules.rbegin(); rule != rules.rend(); ++rule) {
-    if (!matches(rule->channel, series)) continue;
+  if (const ToleranceRule* rule = rule_for(series, rules)) {
     tolerance.atol = rule->atol.value_or(tolerance.atol);
     tolerance.rtol = rule->rtol.value_or(tolerance.rtol);
     tolerance.lead = rule->lead.value_or(0.0);
@@ -33,7 +46,6 @@ Tolerance tolerance_of(std::string_view series, std::string_view unit, const std
     tolerance.pixel_share = rule->pixel_share.value_or(tolerance.pixel_share);
     tolerance.pixel_delta = rule->pixel_delta.value_or(tolerance.pixel_delta);
     tolerance.pixel_window = rule->pixel_window.value_or(tolerance.pixel_window);
-    break;
   }
   return tolerance;
 }

@@ -13,10 +13,10 @@
 #include <cpuid.h>
 #endif
 
+#include "core/host/loaded_libraries.h"
 #include "core/host/virtualised.h"
 #include "core/mcap/hashing.h"
 #include "core/recording/code_hashes.h"
-#include "core/recording/loaded_libraries.h"
 #include "core/recording/provenance.h"
 #include "core/recording/recorder.h"
 #include "core/scenario/plant_text.h"
@@ -27,10 +27,6 @@ extern char** environ;
 
 namespace rehearse {
 namespace {
-
-/// The libraries with which the program began, by their names. Controllers are loaded later, and no other code uses
-/// their symbols.
-const std::map<std::string, std::string> libraries_at_start = build_ids();
 
 std::string hash_of(const std::string& text) { return hash_text(hash_bytes(text.data(), text.size())); }
 
@@ -46,11 +42,11 @@ Result<mcap::StringMap> facts_of(std::map<std::string, LoadedLibrary> libraries)
   return facts;
 }
 
-/// The facts of the libraries with which the program began. One that came later with the same name is later in the
-/// linker's list, and doesn't count.
+/// The facts of the libraries with which the program began. Controllers are loaded later, and no other code uses their
+/// symbols. One that came later with the same name is later in the linker's list, and doesn't count.
 Result<mcap::StringMap> facts_of_start() {
   auto libraries = loaded_libraries();
-  std::erase_if(libraries, [](const auto& entry) { return !libraries_at_start.contains(entry.first); });
+  std::erase_if(libraries, [](const auto& entry) { return !libraries_at_start().contains(entry.first); });
   return facts_of(std::move(libraries));
 }
 

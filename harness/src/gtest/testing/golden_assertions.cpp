@@ -142,12 +142,10 @@ Result<std::string> doubt_about(const Trace& trace) {
 
 /// The text that `rehearse check` would print.
 std::string text_of(const CheckReport& report, const fs::path& golden, const std::string& name) {
-  std::string text = fmt::format("{}\n", report.verdict);
+  std::string text = report.verdict.text() + '\n';
   if (const std::string bits = bits_sentence(report); !bits.empty()) text += fmt::format("  {}\n", bits);
   text += fmt::format("  {}\n", levels_text(report));
-  if (report.plant == LevelState::differs && report.plant_comparison)
-    text += "  plant:\n" + table(*report.plant_comparison);
-  if (report.comparison) text += (report.plant == LevelState::differs ? "  closed:\n" : "") + table(*report.comparison);
+  text += tables_text(report);
   text += fmt::format("golden: {}\n{}", golden.string(), report.message);
   if (!report.run_is_wrong()) return text;
   if (const ExpectationResult* violation = first_violation(report.expectations))
@@ -176,7 +174,7 @@ TestVerdict check_levels(const Trace& trace, const std::string& test, const Scen
   checked = *report;
   if (!compared_anything(*report))
     return {false, "nothing was compared: " + text_of(*report, store.trace_file(test), test)};
-  if (settled.passed && report->within()) return {true, report->verdict};
+  if (settled.passed && report->within()) return {true, report->verdict.text()};
   return {false, text_of(*report, store.trace_file(test), test)};
 }
 
@@ -188,12 +186,15 @@ VerdictCode code_of(const GoldenResult& settled) {
   return settled.comparison->equal ? VerdictCode::same : VerdictCode::within_tolerance;
 }
 
-/// The codes of a comparison and of its expectations.
-std::vector<VerdictCode> codes_of(const GoldenResult& settled, const std::vector<ExpectationResult>& expectations) {
-  std::vector<VerdictCode> codes{code_of(settled)};
-  if (!expectations.empty())
-    codes.insert(first_violation(expectations) ? codes.begin() : codes.end(), rehearse::code_of(expectations));
-  return codes;
+/// The statements of a comparison and of its expectations, as codes.
+Verdict verdict_of(const GoldenResult& settled, const std::vector<ExpectationResult>& expectations) {
+  Verdict verdict(code_of(settled), "");
+  if (expectations.empty()) return verdict;
+  if (first_violation(expectations))
+    verdict.lead(rehearse::code_of(expectations));
+  else
+    verdict.add(rehearse::code_of(expectations));
+  return verdict;
 }
 
 /// The verdict on a recording, and the findings on the way to it, for its report.
@@ -226,7 +227,7 @@ TestVerdict judge(const Trace& trace, const std::string& test, const MatchOption
   const bool is_compared = wants(options, Level::closed) || *mode != GoldenMode::check || !store.has(test);
   GoldenResult result = is_compared ? store.settle(test, trace, scenario->tolerances, *mode, settling)
                                     : GoldenResult{true, "", std::nullopt, false};
-  compared.in_brief.codes = codes_of(result, expectations);
+  compared.in_brief.verdict = verdict_of(result, expectations);
   compared.in_brief.expectations = expectations;
   compared.in_brief.proved = is_proved(trace);
   if (result.comparison) compared.in_brief.first = result.comparison->first;
@@ -258,7 +259,7 @@ TestVerdict match_golden(const Trace& trace, const std::string& test, const Matc
   TestVerdict verdict = judge(trace, test, options, store, compared);
   if (compared.golden.empty()) return verdict;  // nothing was compared, because the options were wrong
   if (compared.checked) {
-    compared.in_brief.codes = compared.checked->codes;
+    compared.in_brief.verdict = compared.checked->verdict;
     compared.in_brief.first = compared.checked->first;
   }
   keep_in_history(test, compared.in_brief, verdict);
@@ -285,7 +286,7 @@ TestVerdict hold_expectations(const Trace& trace, const std::string& test) {
   TestVerdict verdict{violations.empty(), violations.empty() ? "" : violations.substr(1) + "\n" + closest};
   ComparedTest compared;
   compared.scenario = scenario_file_of(trace);
-  compared.in_brief.codes = {rehearse::code_of(results)};
+  compared.in_brief.verdict = {rehearse::code_of(results), ""};
   compared.in_brief.expectations = results;
   compared.in_brief.proved = is_proved(trace);
   if (const ExpectationResult* violation = first_violation(results))

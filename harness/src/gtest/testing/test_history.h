@@ -9,7 +9,7 @@
 namespace rehearse::internal {
 
 /// Appends a line for an assertion of this test, if REHEARSE_HISTORY names a file. A line that can't be written fails
-/// the assertion. Of the report, the codes, the expectations, the first difference and `proved` are used.
+/// the assertion. Of the report, the verdict's codes, the expectations, the first difference and `proved` are used.
 void keep_in_history(const std::string& test, const CheckReport& report, TestVerdict& verdict);
 
 }  // namespace rehearse::internal

@@ -91,7 +91,7 @@ std::string keep_test_report(const Trace& trace, const std::string& test, const 
   result.test = test;
   result.kind = kind;
   result.state = verdict.passed ? TestResult::State::passed : TestResult::State::differs;
-  result.verdict = compared.checked ? compared.checked->verdict
+  result.verdict = compared.checked ? compared.checked->verdict.text()
                    : verdict.passed ? (kind != "golden"   ? "as expected"
                                        : is_proved(trace) ? "as its golden, proved without simulating"
                                                           : "as its golden")

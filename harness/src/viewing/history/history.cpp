@@ -138,7 +138,7 @@ HistoryLine line_of(const HistoryStamp& stamp, const std::string& scenario, cons
   HistoryLine line;
   line.stamp = stamp;
   line.scenario = scenario;
-  if (!report.codes.empty()) line.code = to_string(report.codes[0]);
+  line.code = report.verdict.code();
   line.proved = report.proved;
   for (const ExpectationResult& result : report.expectations) {
     HistoryMargin margin;

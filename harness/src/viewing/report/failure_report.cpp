@@ -26,7 +26,9 @@ fs::path trace_left(const CheckReport& checked, const fs::path& actual) {
 
 ReportVerdict report_verdict(const CheckReport& checked) {
   ReportVerdict verdict;
-  verdict.sentence = checked.verdict;
+  verdict.sentence = checked.verdict.text();
+  verdict.besides =
+      checked.verdict.text_without({VerdictCode::expectations_violated, VerdictCode::expectations_undecided});
   verdict.state = checked.failed()                        ? "failed"
                   : first_violation(checked.expectations) ? "violated"
                   : differs_in_bits_alone(checked)        ? "bits"

@@ -114,6 +114,7 @@ class ReportMaker {
   std::vector<std::string> omitted_;           // before anything is written
   std::future<Result<CallStack>> call_stack_;  // while the series are written, as a debugger takes seconds
   ReportSummary summary_;
+  std::string besides_;  // the verdict without violated expectations
 };
 
 /// Compares both recordings as `diff` does. That finds the ticks and values to mark, also if the findings are given.
@@ -136,21 +137,9 @@ Result<void> ReportMaker::judge() {
   return {};
 }
 
-/// The sentence without the violations at its beginning or end, which the page lists.
-std::string besides_violations(std::string sentence, const std::vector<ExpectationResult>& expectations) {
-  const std::string violated = verdict(expectations);
-  if (!first_violation(expectations)) return sentence;
-  if (sentence == violated) return {};
-  if (sentence.starts_with(violated + "; ")) sentence.erase(0, violated.size() + 2);
-  if (sentence.ends_with("; " + violated)) sentence.resize(sentence.size() - violated.size() - 2);
-  return sentence;
-}
-
 ReportJson ReportMaker::verdict_json() const {
-  ReportJson verdict{{"sentence", summary_.verdict},
-                     {"besides", besides_violations(summary_.verdict, expectations_)},
-                     {"state", summary_.state},
-                     {"notes", options_.notes}};
+  ReportJson verdict{
+      {"sentence", summary_.verdict}, {"besides", besides_}, {"state", summary_.state}, {"notes", options_.notes}};
   if (options_.verdict && !options_.verdict->levels.empty()) verdict["levels"] = options_.verdict->levels;
   return verdict;
 }
@@ -174,6 +163,7 @@ void ReportMaker::conclude() {
   if (options_.verdict) {
     summary_.verdict = options_.verdict->sentence;
     summary_.state = options_.verdict->state;
+    besides_ = options_.verdict->besides.value_or(summary_.verdict);
     return;
   }
   if (comparison_) {
@@ -189,12 +179,18 @@ void ReportMaker::conclude() {
     summary_.verdict = "a run by itself: there is nothing to compare it with";
     summary_.state = "alone";
   }
+  besides_ = summary_.verdict;
   if (expectations_.empty() || summary_.state == "failed") return;
   const std::string judged = verdict(expectations_);
-  if (summary_.state == "alone")
+  const bool is_alone = summary_.state == "alone";
+  if (is_alone)
     summary_.verdict = judged;
   else
     summary_.verdict = is_violated ? judged + "; " + summary_.verdict : summary_.verdict + "; " + judged;
+  if (!is_violated)
+    besides_ = summary_.verdict;
+  else if (is_alone)
+    besides_.clear();
   if (is_violated) summary_.state = "violated";
 }
 

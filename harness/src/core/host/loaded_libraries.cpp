@@ -85,27 +85,64 @@ std::uint64_t inode_of(const dl_phdr_info& library, const std::map<std::uint64_t
   return 0;
 }
 
-/// Adds the file names of a library and of the libraries that its dynamic section names.
-Result<void> add_needed(const char* library, std::set<std::string>& names) {
-  void* handle = ::dlopen(library, RTLD_NOW | RTLD_LOCAL);  // stays loaded
-  link_map* map = nullptr;
-  if (!handle || ::dlinfo(handle, RTLD_DI_LINKMAP, &map) != 0)
-    return error(fmt::format("{} can't be loaded: {}", library, ::dlerror()));
-  if (!names.insert(file_name(map->l_name)).second) return {};
-  const char* texts = nullptr;
-  for (const ElfW(Dyn)* entry = map->l_ld; entry->d_tag != DT_NULL; ++entry)
-    if (entry->d_tag == DT_STRTAB) texts = reinterpret_cast<const char*>(entry->d_un.d_ptr);
-  for (const ElfW(Dyn)* entry = map->l_ld; entry->d_tag != DT_NULL; ++entry)
-    if (entry->d_tag == DT_NEEDED)
-      if (auto added = add_needed(texts + entry->d_un.d_val, names); !added) return added;
-  return {};
+/// The loaded library with that file name; null: there is none.
+const link_map* find_loaded(const link_map& any, std::string_view name) {
+  const link_map* map = &any;
+  while (map->l_prev) map = map->l_prev;
+  while (map && file_name(map->l_name) != name) map = map->l_next;
+  return map;
 }
+
+/// Adds the library and those that its dynamic section names, which are loaded with it.
+void add_needed(const link_map& library, std::map<std::string, const link_map*>& needed) {
+  if (!needed.emplace(file_name(library.l_name), &library).second) return;
+  const char* texts = nullptr;
+  for (const ElfW(Dyn)* entry = library.l_ld; entry->d_tag != DT_NULL; ++entry)
+    if (entry->d_tag == DT_STRTAB) texts = reinterpret_cast<const char*>(entry->d_un.d_ptr);
+  for (const ElfW(Dyn)* entry = library.l_ld; entry->d_tag != DT_NULL; ++entry)
+    if (entry->d_tag == DT_NEEDED)
+      if (const link_map* one = find_loaded(library, texts + entry->d_un.d_val)) add_needed(*one, needed);
+}
+
+std::map<std::string, const link_map*> needed_by(void* handle) {
+  std::map<std::string, const link_map*> needed;
+  link_map* map = nullptr;
+  if (::dlinfo(handle, RTLD_DI_LINKMAP, &map) == 0) add_needed(*map, needed);
+  return needed;
+}
+
+const std::set<std::string> at_start = [] {
+  std::set<std::string> names;
+  for (const auto& [name, id] : build_ids()) names.insert(name);
+  return names;
+}();
 
 }  // namespace
 
+const std::set<std::string>& libraries_at_start() { return at_start; }
+
+std::map<std::string, std::string> linked_libraries(void* handle) {
+  std::map<std::string, std::string> linked;
+  const auto ids = build_ids();
+  const link_map* own = nullptr;
+  ::dlinfo(handle, RTLD_DI_LINKMAP, &own);
+  for (const auto& [name, library] : needed_by(handle)) {
+    if (at_start.contains(name) || library == own) continue;
+    const auto id = ids.find(name);
+    std::string text;
+    if (id != ids.end())
+      for (const char byte : id->second) text += fmt::format("{:02x}", static_cast<unsigned char>(byte));
+    if (text.empty())
+      if (const auto hash = hash_of_file(library->l_name)) text = hash_text(*hash);
+    linked.emplace(name, text);
+  }
+  return linked;
+}
+
 Result<std::map<std::string, LoadedLibrary>> load_library(const std::string& name) {
-  std::set<std::string> needed;
-  if (auto added = add_needed(name.c_str(), needed); !added) return added.errors();
+  void* handle = ::dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL);  // stays loaded
+  if (!handle) return error(fmt::format("{} can't be loaded: {}", name, ::dlerror()));
+  const auto needed = needed_by(handle);
   auto libraries = loaded_libraries();
   std::erase_if(libraries, [&needed](const auto& entry) { return !needed.contains(entry.first); });
   return libraries;

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,13 @@ std::map<std::string, LoadedLibrary> loaded_libraries();
 
 /// LoadedLibrary::build_id of each library, by the name of its file. Reads no file.
 std::map<std::string, std::string> build_ids();
+
+/// The names of the libraries with which the program began.
+const std::set<std::string>& libraries_at_start();
+
+/// The libraries that a loaded library needs, and with which the program didn't begin: by the names of their files the
+/// build identifier in hexadecimal digits, or the hash of the file. `handle`: from dlopen().
+std::map<std::string, std::string> linked_libraries(void* handle);
 
 /// The library of that name ("libOSMesa.so.8") and all libraries that it needs; they are loaded if necessary. Fails if
 /// a library can't be loaded.

@@ -1,0 +1,1 @@
+extern "C" double strength() { return STRENGTH; }
