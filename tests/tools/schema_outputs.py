@@ -144,6 +144,7 @@ def collect(program, source, folder):
     standing = golden / "SR1.StandsUnderItsMinimumController.mcap"
     run("record", "record", spring, "-o", "spring.mcap", "--verify")
     run("record", "record", fixtures / "scenarios/sr1_standing.yaml", "-o", "sr1.mcap", "--duration", "0.05", "--realtime")
+    run("record-branch", "record", "--from-checkpoint", "spring.mcap@tick:100", "-o", "branch.mcap")
     run("record", "record", fixtures / "broken/scenario_unknown_key.yaml", "-o", "broken.mcap")
     run("check", "check", spring, "--golden", swing)
     run("check", "check", fixtures / "broken/scenario_unknown_key.yaml")

@@ -33,7 +33,7 @@ Exit continue_in_audit(std::string_view mode, const std::vector<std::filesystem:
   words.insert(words.begin(), "rehearse");
   words.insert(words.end(), more.begin(), more.end());
   for (const std::filesystem::path& recording : recordings) words.push_back(recording.string());
-  execv(program->c_str(), pointers_to(words).data());
+  replace_process(*program, pointers_to(words).data(), {});
   return refuse(error(fmt::format("can't start {}: {}", program->string(), std::strerror(errno))));
 }
 

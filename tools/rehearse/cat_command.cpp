@@ -8,6 +8,7 @@
 #include <string>
 
 #include "command.h"
+#include "core/guard/result_stream.h"
 #include "core/trace/message_print.h"
 #include "core/trace/select.h"
 #include "options.h"
@@ -33,7 +34,7 @@ class Lines {
   /// Returns false if no more lines are needed: the limit is reached, or stdout takes none.
   bool print(const mcap::Message& message, const mcap::Schema* schema) {
     const std::string_view line = printer_.print(message, schema);
-    if (std::fwrite(line.data(), 1, line.size(), stdout) != line.size()) return false;
+    if (std::fwrite(line.data(), 1, line.size(), result_stream()) != line.size()) return false;
     return ++printed_ < limit_;
   }
 
@@ -57,7 +58,7 @@ Exit run_cat(const CatSettings& settings) {
   const std::int64_t all = reader.statistics() ? static_cast<std::int64_t>(reader.statistics()->message_count) : 0;
   Lines lines(settings);
   std::optional<Progress> progress;
-  if (!is_terminal(stdout)) progress.emplace("printing");
+  if (!is_terminal(result_stream())) progress.emplace("printing");
   std::int64_t passed = 0;
   const Result<void> read = reader.for_each_message_in_order(
       [&](const mcap::Message& message) {
@@ -67,7 +68,7 @@ Exit run_cat(const CatSettings& settings) {
       },
       channels);
   progress.reset();
-  if (read && lines.printed() == 0 && !std::ferror(stdout))
+  if (read && lines.printed() == 0 && !std::ferror(result_stream()))
     if (const auto refused = selector->refusal_of_empty(reader)) return refuse(*refused);
   return read ? Exit::done : refuse(read.errors());
 }

@@ -18,7 +18,10 @@
 #include <utility>
 #include <vector>
 
+#include "core/guard/child_process.h"
 #include "core/guard/interruption.h"
+#include "core/guard/result_stream.h"
+#include "core/guard/supervise.h"
 #include "debugger.h"
 #include "mesh/slow_mesh.h"
 #include "model/names.h"
@@ -135,7 +138,7 @@ Result<std::filesystem::path> program_of_wing(std::string_view wing, std::string
 Exit continue_in_wing(std::string_view wing, std::string_view asked) {
   const auto program = program_of_wing(wing, asked);
   if (!program) return refuse(program.errors());
-  ::execv(program->c_str(), own_arguments);
+  replace_process(*program, own_arguments, {});
   return refuse(error(fmt::format("can't start {}: {}", program->string(), std::strerror(errno))));
 }
 
@@ -164,13 +167,15 @@ std::string overview() {
 }
 
 Exit after_output(Exit exit) {
+  std::FILE* const results = result_stream();
+  if (results != stdout) std::fflush(stdout);
   errno = 0;
-  const bool is_lost = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
+  const bool is_lost = std::fflush(results) != 0 || std::ferror(results) != 0;
   int cause = errno;
-  if (is_lost && cause == 0 && ::write(STDOUT_FILENO, "", 0) < 0) cause = errno;  // an earlier flush failed
+  if (is_lost && cause == 0 && ::write(fileno(results), "", 0) < 0) cause = errno;  // an earlier flush failed
   end_if_reader_is_gone();
   if (!is_lost || static_cast<int>(exit) >= 128) return exit;
-  std::clearerr(stdout);
+  std::clearerr(results);
   errors_as_json = false;  // the object would be lost, too
   return refuse(error(fmt::format("can't write to stdout{}{}", cause ? ": " : "", cause ? std::strerror(cause) : "")));
 }
@@ -197,11 +202,17 @@ Exit run_verb(const Verb& verb, int argc, char** argv) {
   try {
     const std::function<Exit()> run = verb.declare(options);
     std::vector<std::string> arguments(argv + 2, argv + argc);
-    // cat prints lines, and an error comes behind some of them
-    errors_as_json = name != "cat" && std::find(arguments.begin(), arguments.end(), "--json") != arguments.end();
+    const bool json = std::find(arguments.begin(), arguments.end(), "--json") != arguments.end();
+    errors_as_json = json && name != "cat";  // cat prints lines, and an error comes behind some of them
+    if (errors_as_json)
+      on_failed_process([](const std::string& sentence) {
+        print_errors_as_json({error(sentence)});
+        std::fflush(result_stream());
+      });
     spell_out_gdb_arguments(arguments);
     std::reverse(arguments.begin(), arguments.end());  // CLI11 expects the arguments in this order
     options.parse(arguments);
+    if (json) keep_stdout_for_results();
     const Exit exit = run();
     end_if_reader_is_gone();
     return interruption() == 0 ? exit : static_cast<Exit>(128 + interruption());
@@ -217,13 +228,18 @@ Exit run_verb(const Verb& verb, int argc, char** argv) {
     if (auto unknown = unknown_word(options, name)) return refuse(std::move(*unknown));
     return usage_error(name, one_line(problem.what()));
   } catch (const std::exception& problem) {
-    if (std::ferror(stdout)) return Exit::bad_input;  // fmt throws if it can't write; after_output() reports it
+    if (std::ferror(result_stream()))
+      return Exit::bad_input;  // fmt throws if it can't write; after_output() reports it
     return refuse(error(fmt::format("internal error: {}", problem.what())));
   }
 }
 
+void print_errors_as_json(const Diagnostics& diagnostics) {
+  if (errors_as_json && !has_printed_results()) print(Json{{"errors", json_of(diagnostics)}});
+}
+
 Exit refuse(const Diagnostics& diagnostics) {
-  if (errors_as_json) print(Json{{"errors", json_of(diagnostics)}});
+  print_errors_as_json(diagnostics);
   std::fputs(to_string(diagnostics).c_str(), stderr);  // a failure to write, as on a full disk, must not throw
   return Exit::bad_input;
 }

@@ -69,7 +69,10 @@ Exit run_verb(const Verb& verb, int argc, char** argv);
 /// stdout, is reported on stderr and results in Exit::bad_input.
 Exit after_output(Exit exit);
 
-/// Prints the diagnostics to stderr, one per line; returns Exit::bad_input.
+/// Prints the diagnostics as an object on stdout if the verb was called with --json and has printed none, else nothing.
+void print_errors_as_json(const Diagnostics& diagnostics);
+
+/// Prints the diagnostics to stderr, one per line, and as an object with --json; returns Exit::bad_input.
 Exit refuse(const Diagnostics& diagnostics);
 Exit refuse(Diagnostic diagnostic);
 

@@ -198,7 +198,7 @@ Exit become_gdb(const DebuggerOptions& debugger, const std::vector<std::string>&
   line.insert(line.end(), {"--args", own_program().string()});
   line.insert(line.end(), words.begin(), words.end());
   std::fflush(stdout);
-  execv(gdb.c_str(), pointers_to(line).data());
+  replace_process(gdb, pointers_to(line).data(), {});
   return refuse(error(fmt::format("can't start {}: {}", gdb.string(), std::strerror(errno))));
 }
 

@@ -116,6 +116,18 @@ const Form& record_object_form() {
   return form;
 }
 
+const Form& branch_form() {
+  static const Form form = with_version(
+      {"record_branch",
+       "record --from-checkpoint --json",
+       {member("from", types::string()), member("tick", types::count()), member("time", types::real()),
+        member("world", types::string()), member("first_before", difference_type()), member("trace", types::string()),
+        member("ticks", types::count()), member("channels", types::count()), member("pictures", types::count()),
+        member("bytes", types::count()), member("failure", types::any()), member("controller_refused", types::flag()),
+        member("control_times", control_times_type()), member("remarks", findings_type())}});
+  return form;
+}
+
 const Form& words_form() {
   static const Form form{"words",
                          "the controllers' output other than commands",
@@ -469,6 +481,7 @@ const Form& history_line_form() {
 
 std::vector<NamedForm> verdict_objects() {
   return {object_of("record", "record --json", {record_object_form}),
+          object_of("record-branch", "record --from-checkpoint --json", {branch_form}),
           object_of("check", "check --json", {check_form, check_alone_form, checks_form}),
           object_of("replay", "replay --json", {replay_form}),
           object_of("diff", "diff --json", {diff_form}),

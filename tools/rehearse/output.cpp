@@ -14,6 +14,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "core/guard/result_stream.h"
 #include "model/text.h"
 #include "model/write_hint.h"
 #include "progress.h"
@@ -88,8 +89,21 @@ Result<void> write_text(const std::filesystem::path& file, const std::string& te
 void print(const Json& object) {
   Json numbered{{"schema", json_schema}};
   numbered.update(object);
-  std::puts(numbered.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+  print_line(numbered.dump(2, ' ', false, Json::error_handler_t::replace));
 }
+
+namespace {
+bool printed_any = false;
+}
+
+void print_line(std::string_view text) {
+  printed_any = true;
+  std::FILE* const results = result_stream();  // fmt would throw on a full disk
+  std::fwrite(text.data(), 1, text.size(), results);
+  std::fputc('\n', results);
+}
+
+bool has_printed_results() { return printed_any; }
 
 std::string wrapped(std::string_view text, std::size_t width, std::size_t indent) {
   std::string lines;

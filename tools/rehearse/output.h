@@ -31,6 +31,10 @@ Result<void> write_text(const std::filesystem::path& file, const std::string& te
 
 /// Prints the object on stdout, with `schema` first, and a newline. In text that isn't UTF-8, bad bytes are replaced.
 void print(const Json& object);
+/// Prints a line on stdout, as a result (result_stream.h).
+void print_line(std::string_view text);
+/// True if one of these has printed anything.
+bool has_printed_results();
 
 /// Text from an input file, in a form for a terminal: control characters and bytes that aren't UTF-8 as \xNN.
 std::string plain_text(std::string_view text);

@@ -1,6 +1,5 @@
 #include "output_file.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -10,6 +9,8 @@
 #include <cstring>
 #include <fstream>
 #include <utility>
+
+#include "core/guard/result_stream.h"
 
 namespace rehearse::tool {
 
@@ -23,29 +24,18 @@ Result<OutputFile> OutputFile::open(const std::string& named, bool json) {
   if (output.scratch_->path().empty())
     return error("there is no folder for temporary files", "TMPDIR names one that can be written to");
   output.path_ = output.scratch_->path() / "output";
-  std::fflush(stdout);
-  output.stdout_ = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0);
-  dup2(STDERR_FILENO, STDOUT_FILENO);
+  keep_stdout_for_results();
   return output;
 }
 
-OutputFile::OutputFile(OutputFile&& other) noexcept
-    : path_(std::move(other.path_)), scratch_(std::move(other.scratch_)), stdout_(std::exchange(other.stdout_, -1)) {}
-
-OutputFile::~OutputFile() {
-  if (stdout_ < 0) return;
-  std::fflush(stdout);
-  dup2(stdout_, STDOUT_FILENO);
-  close(stdout_);
-}
-
 Result<void> OutputFile::send() const {
-  if (stdout_ < 0) return {};
+  if (!scratch_) return {};
+  const int results = fileno(result_stream());
   std::ifstream file(path_, std::ios::binary);
   std::array<char, 1 << 16> part;
   while (file.read(part.data(), part.size()), file.gcount() > 0)
     for (ssize_t sent = 0, size = file.gcount(); sent < size;) {
-      const ssize_t written = write(stdout_, part.data() + sent, static_cast<std::size_t>(size - sent));
+      const ssize_t written = write(results, part.data() + sent, static_cast<std::size_t>(size - sent));
       if (written < 0 && errno != EINTR) return error(fmt::format("can't write to stdout: {}", std::strerror(errno)));
       if (written > 0) sent += written;
     }

@@ -18,17 +18,12 @@
 namespace rehearse::tool {
 
 /// Writers of traces, tables, pictures and reports need a file. For "-" it is a temporary file, whose contents send()
-/// prints; meanwhile the sentences that the verb prints on stdout go to stderr.
+/// prints; from then on the sentences that the verb prints on stdout go to stderr.
 class OutputFile {
  public:
   /// `named`: as the user named it. `json`: the verb prints an object on stdout, so that "-" is an error. Other errors:
   /// stdout is a terminal, or there is no folder for temporary files.
   static Result<OutputFile> open(const std::string& named, bool json);
-  OutputFile(OutputFile&&) noexcept;
-  OutputFile& operator=(OutputFile&&) = delete;
-  /// Ends the redirection; the temporary file is removed.
-  ~OutputFile();
-
   const std::filesystem::path& path() const { return path_; }
   /// Prints the temporary file on stdout; nothing for a named file.
   Result<void> send() const;
@@ -38,7 +33,6 @@ class OutputFile {
 
   std::filesystem::path path_;
   std::optional<ScratchFolder> scratch_;
-  int stdout_ = -1;  // a duplicate of the descriptor of stdout
 };
 
 /// Sends the file and returns the verb's exit status, or that of bad input after an error.

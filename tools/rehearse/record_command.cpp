@@ -36,7 +36,7 @@ namespace {
 
 /// The options of a branch.
 struct BranchSettings {
-  bool quiet = false;
+  bool quiet = false, json = false;
   std::string from;   // "TRACE@3.2s"; empty: not a branch
   std::string trace;  // empty: named like the source, in the working directory
   BranchOptions options;
@@ -166,6 +166,24 @@ void tell_branch(const BranchSettings& settings, const BranchSummary& branch, do
   tell_control_times(branch.run.control_times);
 }
 
+Json json_of_branch(const BranchSettings& settings, const BranchSummary& branch) {
+  const ReplayReport& before = branch.before;
+  return {{"from", settings.from},
+          {"tick", branch.tick},
+          {"time", branch.time},
+          {"world", branch.world},
+          {"first_before", before.ticks > 0 ? json_of(before.first) : Json(nullptr)},
+          {"trace", settings.trace},
+          {"ticks", branch.run.ticks},
+          {"channels", branch.run.channels},
+          {"pictures", branch.run.pictures},
+          {"bytes", branch.run.bytes},
+          {"failure", branch.run.failure ? json_of(Diagnostics{*branch.run.failure})[0] : Json(nullptr)},
+          {"controller_refused", branch.run.controller_refused},
+          {"control_times", json_of(branch.run.control_times)},
+          {"remarks", json_of(branch.run.remarks)}};
+}
+
 /// Executes the branch and prints its report.
 Exit record_branch_of(BranchSettings settings, std::optional<double> deadline) {
   const auto from = BranchPoint::parse(settings.from);
@@ -188,7 +206,10 @@ Exit record_branch_of(BranchSettings settings, std::optional<double> deadline) {
     refuse(*branch->run.failure);
     return Exit::controller_failed;
   }
-  tell_branch(settings, *branch, stopwatch.seconds());
+  if (settings.json)
+    print(json_of_branch(settings, *branch));
+  else
+    tell_branch(settings, *branch, stopwatch.seconds());
   std::fflush(stdout);  // before related output on stderr
   tell_remarks(branch->run);
   tell_missed_deadlines(branch->run.control_times, deadline);
@@ -214,6 +235,7 @@ Exit run_branch(RecordSettings& settings) {
   settings.branch.options.duration = settings.duration;
   settings.branch.trace = settings.trace;
   settings.branch.quiet = settings.quiet;
+  settings.branch.json = settings.json;
   supervise_process();
   end_runs_on_signals();
   return record_branch_of(settings.branch, settings.deadline);

@@ -42,7 +42,7 @@ Result<std::vector<Watched>> watched(const TickSettings& settings, SteppedTrace&
 }
 
 /// Prints one object per line.
-void print_line(const Json& object) { fmt::print("{}\n", object.dump(-1, ' ', false, Json::error_handler_t::replace)); }
+void print_object(const Json& object) { print_line(object.dump(-1, ' ', false, Json::error_handler_t::replace)); }
 
 /// The ticks from --from up to --until.
 TickSpanFound ticks_of(const TickSettings& settings, const SteppedTrace& trace) {
@@ -84,7 +84,7 @@ Exit print_watched(const TickSettings& settings, SteppedTrace& trace) {
       }
     }
     if (settings.json) {
-      print_line(object);
+      print_object(object);
     } else {
       fmt::print("{}\n", line);
     }
@@ -99,17 +99,19 @@ std::string operand_text(const Expression& expression, const Expression::Operand
   return fmt::format("{} = {}", operand.text, is_a_question ? (value != 0.0 ? "true" : "false") : cell(value));
 }
 
+Exit refuse_with_caret(const Diagnostic& finding, const std::string& text) {
+  print_errors_as_json({finding});
+  fmt::print(stderr, "{}", with_caret(finding, text));
+  return Exit::bad_input;
+}
+
 Exit print_when(const TickSettings& settings, SteppedTrace& trace) {
   const auto expression = Expression::parse(settings.when, trace);
-  if (!expression) {
-    fmt::print(stderr, "{}", with_caret(expression.errors().front(), settings.when));
-    return Exit::bad_input;
-  }
+  if (!expression) return refuse_with_caret(expression.errors().front(), settings.when);
   if (expression->type() != Expression::Type::boolean) {
     Diagnostic finding = error("--when takes a condition, and this is a number", "compare it: > 0");
     finding.column = 1;
-    fmt::print(stderr, "{}", with_caret(finding, settings.when));
-    return Exit::bad_input;
+    return refuse_with_caret(finding, settings.when);
   }
   std::int64_t spans = 0, ticks = 0;
   std::optional<std::int64_t> first;
@@ -120,11 +122,11 @@ Exit print_when(const TickSettings& settings, SteppedTrace& trace) {
       Json operands = Json::object();
       for (const Expression::Operand& operand : expression->operands())
         operands[operand.text] = number_json(expression->number_of(operand, trace, span.first));
-      print_line({{"tick", span.first},
-                  {"time", trace.time_at(span.first)},
-                  {"ticks", length},
-                  {"last_tick", span.last},
-                  {"operands", operands}});
+      print_object({{"tick", span.first},
+                    {"time", trace.time_at(span.first)},
+                    {"ticks", length},
+                    {"last_tick", span.last},
+                    {"operands", operands}});
     } else {
       if (spans == 0) fmt::print("{:>8}  {:>10}  {:>8}\n", "tick", "time [s]", "ticks");
       fmt::print("{:>8}  {:>10.10g}  {:>8}\n", span.first, trace.time_at(span.first), length);

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <exception>
 #include <map>
+#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -22,20 +23,31 @@ namespace {
 
 using Work = std::function<Result<MadePart>(std::size_t)>;
 
+/// In a worker, whose errors the pool's process prints, and as an object with --json.
+void tell(const Diagnostics& errors) { std::fputs(to_string(errors).c_str(), stderr); }
+
 /// Makes a part in a worker. A part that fails ends the worker.
 WorkerPool::Made make(std::size_t number, const Work& work) {
   auto status = static_cast<int>(Exit::bad_input);
   try {
     auto made = work(number);
     if (made && interruption() == 0) return *std::move(made);
-    if (!made) refuse(made.errors());
+    if (!made) tell(made.errors());
   } catch (const Interrupted&) {
     // the status says it
   } catch (const std::exception& problem) {
-    refuse(error(fmt::format("internal error: {}", problem.what())));
+    tell({error(fmt::format("internal error: {}", problem.what()))});
   }
   if (interruption() != 0) status = 128 + interruption();
   std::exit(status);
+}
+
+/// The message of the first error among printed lines.
+std::string first_error_in(const std::string& lines) {
+  constexpr std::string_view mark = "error: ";
+  const std::size_t at = lines.find(mark);
+  if (at == std::string::npos) return "a process ended without a result";
+  return lines.substr(at + mark.size(), lines.find('\n', at) - at - mark.size());
 }
 
 void print_output(const WorkerPool::Answer& answer) {
@@ -95,7 +107,10 @@ Exit work_side_by_side(std::size_t count, std::size_t jobs, const Work& work,
     ++next;
     if (answer.text) take(*answer.text);
     print_output(answer);
-    if (!answer.text) return static_cast<Exit>(answer.status);
+    if (!answer.text) {
+      if (interruption() == 0) print_errors_as_json({error(first_error_in(answer.errors))});
+      return static_cast<Exit>(answer.status);
+    }
   }
   return end_of(pool);
 }

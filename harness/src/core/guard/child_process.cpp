@@ -21,6 +21,7 @@
 #include <thread>
 
 #include "interruption.h"
+#include "result_stream.h"
 
 namespace rehearse {
 namespace {
@@ -75,6 +76,7 @@ std::vector<char*> pointers_to(const std::vector<std::string>& words) {
 }
 
 void replace_process(const std::filesystem::path& program, char* const words[], const EnvironmentChanges& changes) {
+  give_stdout_back();
   execve(program.c_str(), words, pointers_to(environment_with(changes)).data());
 }
 

@@ -6,10 +6,13 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstring>
+#include <iterator>
 
 #include "guarded_call.h"
 #include "model/clock.h"
+#include "result_stream.h"
 #include "supervisor.h"
 
 namespace rehearse {
@@ -72,8 +75,10 @@ void end_runs_on_signals() {
 }
 
 bool is_reader_gone() {
-  pollfd outputs[] = {{STDOUT_FILENO, 0, 0}, {STDERR_FILENO, 0, 0}};
-  return poll(outputs, 2, 0) > 0 && ((outputs[0].revents | outputs[1].revents) & POLLERR) != 0;
+  pollfd outputs[] = {{STDOUT_FILENO, 0, 0}, {STDERR_FILENO, 0, 0}, {result_descriptor(), 0, 0}};  // poll() ignores -1
+  return poll(outputs, std::size(outputs), 0) > 0 &&
+         std::any_of(std::begin(outputs), std::end(outputs),
+                     [](const pollfd& output) { return (output.revents & POLLERR) != 0; });
 }
 
 void end_if_reader_is_gone() {

@@ -1,6 +1,9 @@
 // Supervision: a process that runs controllers never ends without a verdict, even if a controller ends it.
 #pragma once
 
+#include <functional>
+#include <string>
+
 namespace rehearse {
 
 /// Must be called in main() after pin_process(), before there are threads. The program continues in a child process.
@@ -9,6 +12,10 @@ namespace rehearse {
 /// tick, closes the recordings and ends with exit status 3. It has no effect under a debugger or valgrind, which
 /// would not follow the program, or if the environment has REHEARSE_SUPERVISE=off.
 void supervise_process();
+
+/// From now on the supervisor also calls this with its sentence about a failed controller, before it ends; null:
+/// nothing.
+void on_failed_process(std::function<void(const std::string& sentence)> tell);
 
 /// Memory that this process frees stays with it from now on, and with those that it forks: to give it back interrupts
 /// the other processors, and to take it again costs page faults. Tens of megabytes are given back all the same.

@@ -22,6 +22,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <functional>
+#include <map>
 #include <new>
 #include <optional>
 #include <string>
@@ -36,6 +38,7 @@
 #include "core/mcap/hashing.h"
 #include "guarded_call.h"
 #include "interruption.h"
+#include "result_stream.h"
 #include "supervise.h"
 
 namespace rehearse {
@@ -86,17 +89,22 @@ Notes* notes = nullptr;  // null: this process has no supervisor
 bool forks_run = false;  // the present fork has this process's supervisor
 pid_t present_run = 0;   // a child of this process; 0: none
 
-/// The files behind stdin, stdout and stderr when the process began: device and inode.
+std::function<void(const std::string&)> tell_failure;
+
+/// The files behind stdin, stdout, stderr and the kept stdout when the process began: device and inode.
 struct Streams {
   using Identity = std::pair<dev_t, ino_t>;
-  static constexpr std::size_t count = 3;
-  std::array<std::optional<Identity>, count> at_start;
+  std::map<int, Identity> at_start;
   pid_t parent = 0;
 
   static std::optional<Identity> identity_of(int descriptor) {
     struct stat status {};
     if (fstat(descriptor, &status) != 0) return {};
     return Identity{status.st_dev, status.st_ino};
+  }
+  void note() {
+    for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO, result_descriptor()})
+      if (const auto identity = identity_of(descriptor)) at_start[descriptor] = *identity;
   }
 } streams;
 
@@ -195,6 +203,7 @@ void Parent::run() {
                         notes->tasks_left == 1 ? "1 after it was" : fmt::format("{} after it were", notes->tasks_left));
   text += close_traces();
   std::fputs(text.c_str(), stderr);
+  if (tell_failure) tell_failure(sentence());
   leave(controller_failed);
 }
 
@@ -342,6 +351,8 @@ void announce(int status, void*) { announce_end(status); }
 
 }  // namespace
 
+void on_failed_process(std::function<void(const std::string&)> tell) { tell_failure = std::move(tell); }
+
 void supervise_process() {
   const char* const wish = std::getenv("REHEARSE_SUPERVISE");
   if (wish && std::string_view(wish) == "off") return;
@@ -365,7 +376,7 @@ void supervise_process() {
     setpgid(0, 0);
     send_recordings_through(*ring);
     streams.parent = parent;
-    for (int i = 0; i < static_cast<int>(Streams::count); ++i) streams.at_start[i] = Streams::identity_of(i);
+    streams.note();
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(controller_failed);
     on_exit(announce, nullptr);
@@ -417,13 +428,13 @@ void note_memory_limit(double bytes) {
 bool restore_streams() {
   if (!notes) return false;
   bool changed = false;
-  for (int i = 0; i < static_cast<int>(Streams::count); ++i) {
-    if (!streams.at_start[i] || Streams::identity_of(i) == streams.at_start[i]) continue;
+  for (const auto& [descriptor, identity] : streams.at_start) {
+    if (Streams::identity_of(descriptor) == identity) continue;
     changed = true;
-    const std::string of_parent = fmt::format("/proc/{}/fd/{}", streams.parent, i);
-    const int opened = open(of_parent.c_str(), i == STDIN_FILENO ? O_RDONLY : O_WRONLY | O_APPEND);
-    if (opened < 0 || opened == i) continue;
-    dup2(opened, i);
+    const std::string of_parent = fmt::format("/proc/{}/fd/{}", streams.parent, descriptor);
+    const int opened = open(of_parent.c_str(), descriptor == STDIN_FILENO ? O_RDONLY : O_WRONLY | O_APPEND);
+    if (opened < 0 || opened == descriptor) continue;
+    dup2(opened, descriptor);
     close(opened);
   }
   return changed;

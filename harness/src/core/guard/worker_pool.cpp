@@ -245,6 +245,7 @@ void WorkerPool::prepare(const Worker& worker, int socket) const {
       if (other.socket >= 0) ::close(other.socket);
     ::dup2(worker.out, STDOUT_FILENO);
     ::dup2(worker.errors, STDERR_FILENO);
+    on_failed_process(nullptr);  // the pool's process tells it
     supervise_process();
     end_runs_on_signals();
   }
