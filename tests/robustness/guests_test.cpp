@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <csignal>
 #include <string_view>
 
 namespace rehearse::test {
@@ -113,7 +114,7 @@ INSTANTIATE_TEST_SUITE_P(
         Deed{"shared_memory", End::unknown, "a controller wrote over memory"},
         Deed{"recursion", End::failed, "its stack overflowed"}, Deed{"longjmp", End::either},
         Deed{"throw", End::failed, "no gait"}, Deed{"throw_number", End::failed, "threw something"},
-        Deed{"terminate_in_destructor", End::failed, "crashed: it called abort"},
+        Deed{"terminate_in_destructor", End::failed, "threw std::runtime_error: no destructor may throw"},
         Deed{"assert", End::failed, "crashed: it called abort"}, Deed{"abort", End::failed, "crashed: it called abort"},
         Deed{"illegal_instruction", End::failed, "crashed: illegal instruction"},
         Deed{"division", End::failed, "crashed: arithmetic fault"}, Deed{"exit", End::failed, "called exit(0)"},
@@ -180,6 +181,36 @@ TEST_F(Command, AGuestReadsFromTheTerminal) {
   ASSERT_EQ(waitpid(program, &status, 0), program);
   close(terminal);
   EXPECT_EQ(WIFEXITED(status) ? WEXITSTATUS(status) : -1, 0);
+}
+
+/// The state of a process as in /proc/PID/stat: 'T' for a stopped one.
+char state_of(pid_t process) {
+  const std::string status = read_file("/proc/" + std::to_string(process) + "/stat");
+  const std::size_t end = status.rfind(") ");
+  return end == std::string::npos ? '?' : status[end + 2];
+}
+
+/// A stopped process can't continue itself: the page contribute/robustness_tests.md states it.
+TEST_F(Command, AGuestStopsItsParentUntilSomebodyContinuesIt) {
+  for (const char* deed : {"stop_parent", "attach_to_parent"}) {
+    const fs::path scenario = pendulum(GUEST, deed);
+    const pid_t program = fork();
+    if (program == 0) {
+      if (chdir(folder().c_str()) == 0)
+        execl(command.c_str(), command.c_str(), "record", scenario.c_str(), "-o", "t.mcap", nullptr);
+      _exit(127);
+    }
+    int status = 0;
+    pid_t ended = 0;
+    for (int i = 0; i < 600 && ended == 0; ++i, usleep(50000)) {
+      if (i > 20 && (state_of(program) == 'T' || state_of(program) == 't')) kill(program, SIGCONT);
+      ended = waitpid(program, &status, WNOHANG);
+    }
+    if (ended == 0) kill(program, SIGKILL);
+    ASSERT_EQ(ended, program) << deed;
+    EXPECT_EQ(WIFEXITED(status) ? WEXITSTATUS(status) : -1, 0) << deed;
+    EXPECT_EQ(rehearse({"doctor", "t.mcap"}).status, 0) << deed;
+  }
 }
 
 class AuditedGuests : public Command, public ::testing::WithParamInterface<const char*> {};

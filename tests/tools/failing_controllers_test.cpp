@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <set>
+#include <sstream>
 #include <tuple>
 
 namespace rehearse::test {
@@ -34,9 +35,8 @@ TEST_F(Library, ThatIsNoLibraryIsRefused) {
 }
 
 TEST_F(Library, ThatIsNoControllerIsRefused) {
-  EXPECT_THAT(refusal(NOT_A_CONTROLLER),
-              HasSubstr("is not a controller: it defines neither createSimpleController nor "
-                        "rehearse_controller (end its source with "));
+  EXPECT_THAT(refusal(NOT_A_CONTROLLER), HasSubstr("is not a controller: it defines neither createSimpleController nor "
+                                                   "rehearse_controller (end its source with "));
 }
 
 TEST_F(Library, OfAnotherMemoryLayoutIsRefused) {
@@ -83,7 +83,7 @@ class FailingController : public Command {
  private:
   void expect_failed(const Outcome& outcome, const std::string& message, const std::string& trace) const {
     EXPECT_EQ(outcome.status, 3) << outcome.err;
-    EXPECT_THAT(outcome.err, ContainsRegex("^error: controller 'Pendulum/Swing' " + message +
+    EXPECT_THAT(outcome.err, ContainsRegex("^error: (misbehaving.cpp:[0-9]+: |)controller 'Pendulum/Swing' " + message +
                                            ".* in control\\(\\) at tick 12 \\(0.012 s\\)\n" + trace + "$"));
     const nlohmann::json info = kept_trace();
     EXPECT_EQ(outcome_of(info)["complete"], "false");
@@ -98,6 +98,19 @@ TEST_F(FailingController, ThatThrowsEndsTheRun) {
   expect_failure("throw", "threw std::runtime_error: no gait for this slope");
 }
 TEST_F(FailingController, ThatFollowsANullPointerEndsTheRun) { expect_failure("crash", "crashed: segmentation fault"); }
+/// The library has debug information, as in all builds but those without it.
+TEST_F(FailingController, ThatFollowsANullPointerIsNamedWithItsLine) {
+  std::istringstream source(read_file(MISBEHAVING_SOURCE));
+  int line = 0;
+  for (std::string text; std::getline(source, text);) {
+    ++line;
+    if (text.find("missing_->u() = 1.0") != std::string::npos) break;
+  }
+  const std::string begin = "misbehaving.cpp:" + std::to_string(line) + ": controller 'Pendulum/Swing' crashed: ";
+  EXPECT_THAT(record("crash 12").err, ::testing::StartsWith("error: " + begin));
+  const Outcome replayed = rehearse({"replay", "pendulum.mcap"}, no_leak_check_);
+  EXPECT_THAT(replayed.out, HasSubstr("failed: " + begin));
+}
 TEST_F(FailingController, ThatAbortsEndsTheRun) { expect_failure("abort", "crashed: it called abort"); }
 TEST_F(FailingController, ThatExitsEndsTheRun) { expect_failure("exit", "called exit\\(0\\)"); }
 TEST_F(FailingController, ThatClosesAllFilesIsToldAndTheRunGoesOn) {
@@ -113,6 +126,18 @@ TEST_F(FailingController, ThatClosesAllFilesIsToldAndTheRunGoesOn) {
 TEST_F(FailingController, ThatOverflowsItsStackEndsTheRun) {
   expect_failure("overflow", "crashed: its stack overflowed");
 }
+TEST_F(FailingController, WhoseTextIsLongHasItShortAndWithoutControlCharacters) {
+  for (const char* deed : {"throw_long 12", "throw_nowhere 12", "thread_throw_long 12", "words_long 12"}) {
+    const Outcome outcome = record(deed, {"--quiet"});
+    EXPECT_EQ(outcome.status, 3) << deed;
+    EXPECT_LT(outcome.err.size(), 1500u) << deed;
+    EXPECT_EQ(outcome.err.find('\x1b'), std::string::npos) << deed;
+    EXPECT_EQ(outcome.out.find('\x1b'), std::string::npos) << deed;
+    EXPECT_THAT(outcome.err, HasSubstr("no \\x1b[31mgait | at \\x1b]0;slope\\x07\\x1b]0;slope")) << deed;
+    EXPECT_THAT(outcome.err, HasSubstr("...")) << deed;
+  }
+}
+
 TEST_F(FailingController, ThatNeverReturnsEndsTheRun) {
   expect_failure("hang", "did not return within 0.3", {"--call-limit", "0.3"});
 }
@@ -145,8 +170,7 @@ TEST_F(FailingController, WhoseTimerNobodyHandlesEndsTheRun) { expect_failure("t
 TEST_F(FailingController, WhoseDetachedThreadCrashesEndsTheRunSoon) {
   const Outcome outcome = record("detached_crash 12");
   EXPECT_EQ(outcome.status, 3) << outcome.err;
-  EXPECT_THAT(outcome.err,
-              HasSubstr("error: controller 'Pendulum/Swing' started a thread that crashed: segmentation fault"));
+  EXPECT_THAT(outcome.err, HasSubstr("controller 'Pendulum/Swing' started a thread that crashed: segmentation fault"));
   EXPECT_EQ(outcome_of(kept_trace())["complete"], "false");
 }
 
@@ -243,8 +267,10 @@ TEST_F(FailingController, ThatRefusesEndsTheRunBeforeItsFirstTick) {
 TEST_F(FailingController, ThatCrashesInInitializeLeavesAReadableTrace) {
   const Outcome outcome = record("crash");
   EXPECT_EQ(outcome.status, 3);
-  EXPECT_THAT(outcome.err,
-              ContainsRegex("^error: controller 'Pendulum/Swing' crashed: .* in initialize\\(\\) at tick 0"));
+  EXPECT_THAT(
+      outcome.err,
+      ContainsRegex(
+          "^error: (misbehaving.cpp:[0-9]+: |)controller 'Pendulum/Swing' crashed: .* in initialize\\(\\) at tick 0"));
   EXPECT_EQ(outcome_of(kept_trace())["complete"], "false");
 }
 

@@ -243,11 +243,10 @@ TEST_F(Gdb, StopsWhereAControllerCrashes) {
   record("crash 12");
   const Outcome outcome = in_gdb({"replay", "pendulum.mcap", "--gdb"},
                                  R"(print calls_
-continue
 rehearse-tick
 print nothing_
 continue)");
-  EXPECT_THAT(outcome.out, HasSubstr("in control() at tick 12 (0.012 s): stopping at the beginning of that tick\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("in control() at tick 12 (0.012 s): stopping there\n"));
   EXPECT_THAT(outcome.out,
               AllOf(ContainsRegex(arrival(12, line_of("begins"))), HasSubstr("$1 = 12\n"),
                     ContainsRegex("received signal SIGSEGV.*" + line_of("crashes")),

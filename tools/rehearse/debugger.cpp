@@ -33,6 +33,7 @@ Diagnostic no_gdb() { return error("there is no gdb on the PATH", "apt-get insta
 struct Interesting {
   std::int64_t tick = 0;
   std::string controller;
+  bool is_crash = false;  // then gdb stops where it crashes in that tick
 };
 
 /// Replays in a separate process, which may crash, and returns its result.
@@ -43,8 +44,10 @@ Interesting find_interesting(const Scenario& scenario, std::vector<std::string> 
   const Json report = Json::parse(output ? output->text : "", nullptr, false);
   if (!report.is_object()) return {};  // the run in gdb will report the error
   if (const auto failure = report.find("failure"); failure != report.end() && failure->is_string()) {
-    fmt::print("{}: stopping at the beginning of that tick\n", failure->get<std::string>());
-    return {report.value("ticks", std::int64_t{0}), {}};
+    const auto sentence = failure->get<std::string>();
+    const bool is_crash = sentence.find(" crashed: ") != std::string::npos;
+    fmt::print("{}: stopping {}\n", sentence, is_crash ? "there" : "at the beginning of that tick");
+    return {report.value("ticks", std::int64_t{0}), {}, is_crash};
   }
   const auto first = report.find("first");
   if (first == report.end() || !first->is_object()) {
@@ -188,12 +191,14 @@ Result<void> check_tick(std::int64_t tick, std::int64_t ticks, double time_step)
                ticks > 0 ? fmt::format("expected 0 to {}", ticks - 1) : std::string());
 }
 
-Exit become_gdb(const DebuggerOptions& debugger, const std::vector<std::string>& words, std::int64_t tick) {
+Exit become_gdb(const DebuggerOptions& debugger, const std::vector<std::string>& words, std::int64_t tick,
+                bool until_crash) {
   const fs::path gdb = find_program("gdb");
   const auto script = find_gdb_script();
   if (!script) return refuse(script.errors());
   std::vector<std::string> line{
       "gdb", "-q", "-x", script->string(), "-ex", fmt::format("rehearse-start {} {}", tick, debugger.controller())};
+  if (until_crash) line.insert(line.end(), {"-ex", "continue"});
   line.insert(line.end(), debugger.gdb_arguments.begin(), debugger.gdb_arguments.end());
   line.insert(line.end(), {"--args", own_program().string()});
   line.insert(line.end(), words.begin(), words.end());
@@ -214,12 +219,14 @@ Exit replay_in_gdb(DebuggerOptions debugger, const fs::path& trace, const HostOp
   if (tick)
     if (const auto there = check_tick(*tick, *ticks, scenario->time_step); !there) return refuse(there.errors());
   if (const auto told = tell_other_libraries(**reader, *scenario, host); !told) return refuse(told.errors());
+  bool until_crash = false;
   if (!tick) {
     const Interesting found = find_interesting(*scenario, words);
     tick = found.tick;
+    until_crash = found.is_crash;
     if (debugger.controller().empty() && !found.controller.empty()) debugger.gdb = found.controller;
   }
-  return become_gdb(debugger, words, *tick);
+  return become_gdb(debugger, words, *tick, until_crash);
 }
 
 Exit replay_log_in_gdb(const DebuggerOptions& debugger, const std::vector<std::string>& words,

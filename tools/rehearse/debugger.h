@@ -65,8 +65,9 @@ Result<void> check_debugger(const DebuggerOptions& debugger, const Scenario& sce
 /// An error if the run doesn't reach the tick.
 Result<void> check_tick(std::int64_t tick, std::int64_t ticks, double time_step);
 /// Executes gdb, which starts this program with these words (the verb comes first) and stops at the tick. Returns only
-/// on failure.
-Exit become_gdb(const DebuggerOptions& debugger, const std::vector<std::string>& words, std::int64_t tick);
+/// on failure. `until_crash`: it stops where the controller crashes after that.
+Exit become_gdb(const DebuggerOptions& debugger, const std::vector<std::string>& words, std::int64_t tick,
+                bool until_crash = false);
 
 /// `rehearse replay TRACE --gdb`: stops at that tick. If no tick is given, stops where a controller fails, else where
 /// its commands first differ from the recorded ones, else at tick 0. Reports controllers that differ from the recorded

@@ -35,28 +35,6 @@ std::string shell_word(std::string_view text) {
   return word + "'";
 }
 
-std::string plain_text(std::string_view text) {
-  std::string plain;
-  while (!text.empty()) {
-    const auto first = static_cast<unsigned char>(text[0]);
-    const std::size_t length = utf8_length(text);
-    const bool control =
-        first < 0x20 || first == 0x7f || (length == 2 && first == 0xc2 && static_cast<unsigned char>(text[1]) < 0xa0);
-    if (length == 0 || control) {
-      plain += fmt::format("\\x{:02x}", first);
-      text.remove_prefix(1);
-      if (length == 2) {
-        plain += fmt::format("\\x{:02x}", static_cast<unsigned char>(text[0]));
-        text.remove_prefix(1);
-      }
-    } else {
-      plain += text.substr(0, length);
-      text.remove_prefix(length);
-    }
-  }
-  return plain;
-}
-
 Json json_of(const Diagnostics& diagnostics) {
   Json list = Json::array();
   for (const Diagnostic& diagnostic : diagnostics)

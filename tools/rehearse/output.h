@@ -36,9 +36,6 @@ void print_line(std::string_view text);
 /// True if one of these has printed anything.
 bool has_printed_results();
 
-/// Text from an input file, in a form for a terminal: control characters and bytes that aren't UTF-8 as \xNN.
-std::string plain_text(std::string_view text);
-
 /// The text as one word of a shell's command line: unchanged if a shell reads it as one word, else in single quotes.
 std::string shell_word(std::string_view text);
 

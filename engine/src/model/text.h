@@ -47,6 +47,9 @@ inline std::size_t utf8_length(std::string_view text) {
 /// True if all of the text is UTF-8.
 bool is_utf8(std::string_view text);
 
+/// Text from an input file, in a form for a terminal: control characters and bytes that aren't UTF-8 as \xNN.
+std::string plain_text(std::string_view text);
+
 /// The text in a form for one line of a message: shortened, without control characters and broken UTF-8.
 std::string printable(std::string_view text, std::size_t longest = longest_quote);
 

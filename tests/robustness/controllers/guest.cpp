@@ -257,6 +257,8 @@ const std::map<std::string, void (*)(const std::string& file)> deeds{
     {"kill_group", [](const auto&) { kill(0, SIGKILL); }},
     {"stop", [](const auto&) { kill(getpid(), SIGSTOP); }},
     {"stop_group", [](const auto&) { kill(0, SIGSTOP); }},
+    {"stop_parent", [](const auto&) { kill(getppid(), SIGSTOP); }},
+    {"attach_to_parent", [](const auto&) { ptrace(PTRACE_ATTACH, getppid(), nullptr, nullptr); }},
     {"traced", [](const auto&) { ptrace(PTRACE_TRACEME, 0, nullptr, nullptr); }},
     {"traced_and_stopped",
      [](const auto&) {

@@ -1,7 +1,7 @@
 // A controller that does what its options say, as "crash 12": what, and in which call of control(); without a number in
-// initialize(). Knows: refuse, throw, crash, abort, exit, close, overflow, print, hang, leak, nan, complain, chance,
-// slow (each call takes 0.2 s); say-and-DEED: writes a line in initialize() and does DEED; and what ends the process
-// past the C library, see past_the_library().
+// initialize(). Knows: refuse, throw, throw_long, throw_nowhere, crash, abort, exit, close, overflow, print, hang,
+// leak, nan, complain, chance, slow (each call takes 0.2 s); say-and-DEED: writes a line in initialize() and does DEED;
+// and what ends the process past the C library, see past_the_library().
 #include <cmath>
 #include <cnoid/SimpleController>
 #include <cstdio>
@@ -27,6 +27,15 @@ void spin() {
   for (volatile bool forever = true; forever;) {
   }
 }
+
+/// 3 MB with control characters.
+std::string long_text() {
+  std::string text = "no \x1b[31mgait\nat ";
+  for (int i = 0; i < 300000; ++i) text += "\x1b]0;slope\a";
+  return text;
+}
+
+void throw_nowhere() noexcept { throw std::runtime_error(long_text()); }
 
 /// A system call as a library of one's own would make it.
 long system_call(long number, long first = 0, long second = 0, long third = 0, long fourth = 0) {
@@ -121,6 +130,7 @@ void past_the_library(const std::string& deed) {
     if (pipe(ends) == 0) close(ends[0]), static_cast<void>(!write(ends[1], "x", 1));
   }
   if (deed == "thread_throw") std::thread([] { throw std::runtime_error("no map"); }).join();
+  if (deed == "thread_throw_long") std::thread([] { throw std::runtime_error(long_text()); }).join();
   if (deed == "thread_exit_group") std::thread([] { system_call(SYS_exit_group, 0); }).join();
   if (deed == "detached_crash") std::thread(null_write).detach();
   if (deed == "timer") set_timer_and_wait();
@@ -174,6 +184,9 @@ class Misbehaving : public cnoid::SimpleController {
  private:
   void misbehave() {
     if (deed_ == "throw") throw std::runtime_error("no gait for this slope");
+    if (deed_ == "throw_long") throw std::runtime_error(long_text());
+    if (deed_ == "throw_nowhere") throw_nowhere();
+    if (deed_ == "words_long") io_->os() << long_text() << std::endl, throw 5;
     if (deed_ == "crash") missing_->u() = 1.0;
     if (deed_ == "abort") std::abort();
     if (deed_ == "exit") std::exit(0);

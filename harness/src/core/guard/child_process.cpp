@@ -143,6 +143,11 @@ bool can_fix_addresses() {
   return (::personality(0xffffffff) & ADDR_NO_RANDOMIZE) != 0;
 }
 
+std::string end_text(int ended) {
+  return WIFEXITED(ended) ? fmt::format("with exit status {}", WEXITSTATUS(ended))
+                          : fmt::format("by SIG{}", sigabbrev_np(WTERMSIG(ended)));
+}
+
 double memory_of(pid_t process) {
   std::ifstream facts(fmt::format("/proc/{}/statm", process));
   double size = 0.0, resident = 0.0;  // [pages]

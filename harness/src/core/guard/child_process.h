@@ -31,6 +31,9 @@ std::vector<char*> pointers_to(const std::vector<std::string>& words);
 /// pointer. Returns only if that fails, and sets errno.
 void replace_process(const std::filesystem::path& program, char* const words[], const EnvironmentChanges& changes);
 
+/// How a process ended, of what waitpid() returned: "with exit status 5", "by SIGKILL".
+std::string end_text(int ended);
+
 /// Memory of a process [bytes]; 0 if it isn't known.
 double memory_of(pid_t process);
 

@@ -1,13 +1,11 @@
 #include "guarded_call.h"
 
-#include <cxxabi.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gnu/lib-names.h>
 #include <link.h>
 #include <linux/futex.h>
 #include <pthread.h>
-#include <rehearse/c_controller.h>
 #include <rehearse/diagnostic.h>
 #include <setjmp.h>
 #include <signal.h>
@@ -26,9 +24,10 @@
 #include <iterator>
 #include <string_view>
 #include <thread>
-#include <typeinfo>
 
 #include "c_library.h"
+#include "exception_text.h"
+#include "process_end.h"
 #include "process_guard.h"
 #include "supervise.h"
 #include "supervisor.h"
@@ -43,13 +42,16 @@ constexpr int hang_signal = SIGXCPU;  // sent by the watchdog, and by the kernel
 constexpr int exit_instead = -1;      // value at the return point for an exit, instead of a signal
 constexpr int stack_overflow = -2;    // the same for SIGSEGV or SIGBUS below the end of a stack
 constexpr int damaged_heap = -3;      // the same for an abort by the C library itself
+constexpr int abort_by_deed = -4;     // the same for an abort whose cause is known
 constexpr std::size_t signal_stack_size = 64 * 1024;
 constexpr std::size_t stack_gap = 16 * 1024;
 
 sigjmp_buf return_point;
 volatile sig_atomic_t guarding = 0;
 pthread_t guarded_thread;
-const char* exit_deed = nullptr;         // how the code of the last call tried to end the process
+const char* last_deed = nullptr;    // how the code of the last call ended it, or tried to end the process
+const void* crash_place = nullptr;  // of the last call
+std::terminate_handler outside_terminate = nullptr;
 struct sigaction outside_actions[NSIG];  // the actions before those of this file
 
 /// A page that contains 1 during guarded calls, and zeros in a process that is forked in one, where the kernel wipes
@@ -66,12 +68,11 @@ volatile unsigned char* const unforked = [] {
 struct ThreadFailure {
   std::atomic<int> state{0};  // 0: none; 1: it is being written; 2: it can be read
   const void* library = nullptr;
+  const void* place = nullptr;  // null: it isn't known
   char deed[512] = {};
 } thread_failure;
 
 volatile sig_atomic_t dies_in_library = 0;  // see end_process_at_library_crashes()
-volatile sig_atomic_t ending = 0;           // true: the process is in exit()
-int end_status = 0;
 
 /// The lowest addresses of this thread's stack and of its signal stack; null: not known.
 thread_local constinit const char* stack_bottom = nullptr;
@@ -180,6 +181,7 @@ extern "C" void leave_guarded_code(int signal_number, siginfo_t* fault, void* in
   const int reason = overflowed                               ? stack_overflow
                      : in_library && signal_number == SIGABRT ? damaged_heap
                                                               : signal_number;
+  end_if_ending(signal_number == hang_signal ? nullptr : describe_signal(reason));
   if (in_library && !is_forked_by_guest()) {
     // The process can't go on: its next call of the function may wait for ever. Its parent reports the failure.
     if (in_guarded_call() && thread_failure.state == 2) fail_process_by_thread(thread_failure.deed);
@@ -187,13 +189,15 @@ extern "C" void leave_guarded_code(int signal_number, siginfo_t* fault, void* in
     if (own_threads && signal_number != hang_signal) fail_process_by_thread(describe_signal(reason));
     if (in_guarded_call() && dies_in_library && signal_number != hang_signal) leave_process(128 + signal_number);
   }
+  const void* const place =
+      is_fault(signal_number) ? program_counter(*static_cast<const ucontext_t*>(interrupted)) : nullptr;
   if (in_guarded_call()) {
+    crash_place = place;
     guarding = 0;
     siglongjmp(return_point, reason);
   }
-  end_if_ending();
   if (signal_number == hang_signal) return;  // it came too late: the call has returned
-  if (own_threads && !is_forked_by_guest()) fail_on_own_thread(describe_signal(reason));
+  if (own_threads && !is_forked_by_guest()) fail_on_own_thread(describe_signal(reason), place);
   // The host doesn't hide crashes outside of guarded code: the previous handler gets the signal when the fault repeats.
   sigaction(signal_number, &outside_actions[signal_number], nullptr);
   if (!is_fault(signal_number)) raise(signal_number);
@@ -284,19 +288,16 @@ void provide_signal_stack() {
   if (!stack) stack = new SignalStack;
 }
 
-constexpr double end_limit = 10.0;  // limit for the rest of exit() [s]
-
-/// Called in exit(): afterwards static destructors of a library in memory may run. They can no longer change the exit
-/// status.
-extern "C" void guard_rest(int status, void*) {
-  if (ending) return;
-  std::fflush(nullptr);
-  announce_end(status);
-  end_status = status;
-  ending = 1;
-  guarded_thread = pthread_self();
-  provide_signal_stack();
-  Watchdog::instance().begin(end_limit);
+/// Ends a controller's code that threw where nothing may be thrown. The C++ library's own handler would print the
+/// exception's text as it is.
+[[noreturn]] void end_after_terminate() {
+  if ((in_controllers_code() || is_process_ending()) && !is_forked_by_guest()) {
+    static thread_local char deed[512];
+    std::snprintf(deed, sizeof deed, "%s", describe_termination().c_str());
+    abort_controllers_code(deed);
+  }
+  if (outside_terminate) outside_terminate();
+  std::abort();
 }
 
 void install_handlers() {
@@ -304,6 +305,7 @@ void install_handlers() {
   if (installed) return;
   installed = true;
   find_library_code();
+  outside_terminate = std::set_terminate(end_after_terminate);
   struct sigaction action {};
   action.sa_sigaction = leave_guarded_code;
   // SA_NODEFER: the signal isn't blocked after siglongjmp leaves the handler.
@@ -314,14 +316,6 @@ void install_handlers() {
     sigaction(signal_number, nullptr, &outside_actions[signal_number]);
     if (outside_actions[signal_number].sa_handler == SIG_DFL) sigaction(signal_number, &action, nullptr);
   }
-}
-
-std::string demangled(const char* name) {
-  int status = 0;
-  char* text = abi::__cxa_demangle(name, nullptr, nullptr, &status);
-  std::string result = status == 0 && text ? text : name;
-  std::free(text);
-  return result;
 }
 
 /// In a call the replacements of the C library's functions change no limits.
@@ -335,20 +329,10 @@ void restore_limits_in_call() {
 void run_catching(const std::function<void()>& code, CallOutcome& outcome) {
   try {
     code();
-  } catch (const ReportedFailure& failure) {
-    restore_limits_in_call();
-    outcome.end = CallEnd::threw;
-    outcome.what = failure.what();
-  } catch (const std::exception& exception) {
-    restore_limits_in_call();
-    outcome.end = CallEnd::threw;
-    outcome.what = "threw " + demangled(typeid(exception).name()) + ": " + exception.what();
   } catch (...) {
     restore_limits_in_call();
     outcome.end = CallEnd::threw;
-    outcome.what = "threw something that is no std::exception";
-    if (const std::type_info* type = abi::__cxa_current_exception_type())
-      outcome.what += ": " + demangled(type->name());
+    outcome.what = describe_exception();
   }
 }
 
@@ -363,10 +347,10 @@ void watch_calls_after_fork() { Watchdog::forget(); }
 
 void end_process_at_library_crashes() { dies_in_library = 1; }
 
-void guard_process_end() { on_exit(guard_rest, nullptr); }
-
-void end_if_ending() {
-  if (ending) leave_process(end_status);
+void guard_rest_of_process(double limit) {
+  guarded_thread = pthread_self();
+  provide_signal_stack();
+  Watchdog::instance().begin(limit);
 }
 
 /// Leaves a gap in the stack above it, so that an array overrun reaches the gap instead of the host's frames.
@@ -383,6 +367,7 @@ void take_thread_failure(CallOutcome& outcome) {
   outcome.end = CallEnd::crashed;
   outcome.what = fmt::format("started a thread that {}", thread_failure.deed);
   outcome.by_thread_of = thread_failure.library;
+  outcome.place = thread_failure.place;
   thread_failure.state.store(0, std::memory_order_release);
 }
 
@@ -394,6 +379,7 @@ CallOutcome guarded_call(const std::function<void()>& code, double limit) {
   const FloatMode standard, mode_before = float_mode();
   if (!(mode_before == standard)) set_float_mode(standard);
   CallOutcome outcome;
+  crash_place = nullptr;
   Watchdog::instance().begin(limit);
   const int signal_number = sigsetjmp(return_point, 0);
   if (signal_number == 0) {
@@ -413,10 +399,11 @@ CallOutcome guarded_call(const std::function<void()>& code, double limit) {
   if (!(outcome.float_mode == mode_before)) set_float_mode(mode_before);
   if (outcome.end == CallEnd::hung)
     outcome.what = fmt::format("did not return within {} s", limit);
+  else if (outcome.end == CallEnd::exited || signal_number == abort_by_deed)
+    outcome.what = last_deed;
   else if (outcome.end == CallEnd::crashed)
     outcome.what = describe_signal(signal_number);
-  else if (outcome.end == CallEnd::exited)
-    outcome.what = exit_deed;
+  if (outcome.end == CallEnd::crashed) outcome.place = crash_place;
   take_thread_failure(outcome);
   return outcome;
 }
@@ -429,10 +416,11 @@ bool is_forked_by_guest() {
 
 bool in_controllers_code() { return in_guarded_call() || own_threads; }
 
-void fail_on_own_thread(const char* deed) {
+void fail_on_own_thread(const char* deed, const void* place) {
   int none = 0;
   if (thread_failure.state.compare_exchange_strong(none, 1)) {
     std::strncpy(thread_failure.deed, deed, sizeof thread_failure.deed - 1);
+    thread_failure.place = place;
     thread_failure.library = own_threads ? own_threads->get() : nullptr;
     thread_failure.state.store(2, std::memory_order_release);
     if (guarding) pthread_kill(guarded_thread, hang_signal);
@@ -479,15 +467,18 @@ bool ends_calls(int signal_number) {
          std::find(std::begin(caught_signals), std::end(caught_signals), signal_number) != std::end(caught_signals);
 }
 
-void abort_controllers_code() {
-  if (!in_guarded_call()) fail_on_own_thread(describe_signal(SIGABRT));
+void abort_controllers_code(const char* deed) {
+  const char* const what = deed ? deed : describe_signal(SIGABRT);
+  end_if_ending(what);
+  if (!in_guarded_call()) fail_on_own_thread(what);
+  last_deed = what;
   guarding = 0;
-  siglongjmp(return_point, SIGABRT);
+  siglongjmp(return_point, abort_by_deed);
 }
 
 void leave_guarded_call(const char* deed) {
   REHEARSE_ASSERT(in_guarded_call(), "there is a call to leave");
-  exit_deed = deed;
+  last_deed = deed;
   guarding = 0;
   siglongjmp(return_point, exit_instead);
 }

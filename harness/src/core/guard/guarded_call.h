@@ -28,6 +28,7 @@ struct CallOutcome {
   FloatMode float_mode;                // mode at the end of the call; the mode from before the call is restored
   bool changed_float_mode = false;     // float_mode isn't the standard one
   const void* by_thread_of = nullptr;  // not null: a thread failed, of the library with this count of threads
+  const void* place = nullptr;         // the address of the code at which it crashed; null: it isn't known
 };
 
 /// Runs `code` in the standard floating-point mode, at most `limit` seconds of wall time [s].
@@ -41,29 +42,28 @@ void prepare_guarded_calls();
 /// that limits their time isn't in such a process.
 void watch_calls_after_fork();
 
-/// Must be called when code of a controller has been loaded. Such code stays in memory until the process ends. Its
-/// static destructors, which exit() runs then, may crash, hang or call exit themselves; the exit status is preserved.
-void guard_process_end();
+/// From now on this thread runs code of controllers until the process ends, at most `limit` [s]. Its end is that of the
+/// process: end_if_ending() (process_end.h).
+void guard_rest_of_process(double limit);
 
 /// From now on a crash inside of the C library ends this process in the call, with exit status 128 + the signal. For a
 /// process whose parent notices that and knows the call: without a supervisor such a call ends as others do, and the
 /// next allocation may wait for ever.
 void end_process_at_library_crashes();
 
-/// Returns unless the process is in the part of exit() that guard_process_end() guards.
-void end_if_ending();
-
 /// True if this is the thread that makes the guarded calls, and it is inside of one.
 bool in_guarded_call();
 
 /// Ends the present guarded call, as if the code had ended the process by `function`. `deed`: "called exit(0)".
 [[noreturn]] void leave_guarded_call(const char* deed);
-/// Ends the present guarded call, or the present thread of a controller, as if the code had raised SIGABRT.
-[[noreturn]] void abort_controllers_code();
+/// Ends the present guarded call, the present thread of a controller, or the process in exit(), as if the code had
+/// raised SIGABRT. `deed`: what it did instead; null: it called abort.
+[[noreturn]] void abort_controllers_code(const char* deed = nullptr);
 
 /// Reports the failure of a controller's own thread. The present guarded call ends with it, or else the next one. The
 /// thread is suspended for good, because it can't be left as a call can. `deed`: "threw std::runtime_error: ...".
-[[noreturn]] void fail_on_own_thread(const char* deed);
+/// `place`: as in CallOutcome.
+[[noreturn]] void fail_on_own_thread(const char* deed, const void* place = nullptr);
 
 /// True if code in a guarded call, or a controller's own thread, has forked this process. It ends where that call ends.
 bool is_forked_by_guest();

@@ -12,6 +12,7 @@
 
 #include "guarded_call.h"
 #include "model/clock.h"
+#include "process_end.h"
 #include "result_stream.h"
 #include "supervisor.h"
 
@@ -51,7 +52,7 @@ extern "C" void take_broken_pipe(int number) {
 extern "C" void take_interruption(int number, siginfo_t* sent, void*) {
   if (sent->si_code <= 0 && is_own_run(sent->si_pid)) return;       // a controller sent it to its parent
   const bool own = sent->si_code <= 0 && sent->si_pid == getpid();  // a controller sent it to its own process
-  if (own || is_forked_by_guest()) {
+  if (own || is_forked_by_guest() || is_process_ending()) {
     end_by(number);
   } else if (came == 0) {
     came_at = seconds_now();

@@ -1,8 +1,8 @@
 #include "own_process.h"
 
 #include <fmt/format.h>
+#include <malloc.h>
 #include <sys/mman.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -18,7 +18,9 @@
 #include "guarded_call.h"
 #include "interruption.h"
 #include "model/file_descriptor.h"
+#include "process_end.h"
 #include "process_guard.h"
+#include "supervise.h"
 #include "supervisor.h"
 
 namespace rehearse {
@@ -66,7 +68,8 @@ bool read_all(int file, void* data, std::size_t size, std::size_t at) {
   head.hash = hash_bytes(text.data(), text.size());
   const bool is_whole =
       write_all(file, text.data(), text.size(), sizeof head) && write_all(file, &head, sizeof head, 0);
-  leave_process(is_whole ? EXIT_SUCCESS : EXIT_FAILURE);  // nothing of this process is destroyed twice
+  if (!is_whole) leave_process(EXIT_FAILURE);
+  end_forked_run();
 }
 
 bool take_answer(int file, AnswerHead& head, std::string& text) {
@@ -78,6 +81,12 @@ bool take_answer(int file, AnswerHead& head, std::string& text) {
 }
 
 }  // namespace
+
+void keep_freed_memory() {
+  constexpr int trimmed = 32 << 20, mapped = 8 << 20;  // [bytes]
+  mallopt(M_TRIM_THRESHOLD, trimmed);
+  mallopt(M_MMAP_THRESHOLD, mapped);
+}
 
 void begin_own_processes() {
   forks = is_supervised();
@@ -95,12 +104,14 @@ Result<std::string> call_in_own_process(const std::function<std::string()>& work
   if (run < 0) return error(fmt::format("no process can be started for a run: {}", std::strerror(errno)));
   if (run == 0) {
     forks = false;
+    note_forked_run();
     answer(file, work);
   }
   const int ended = end_of_run(run);
   AnswerHead head;
   std::string text;
-  if (!WIFEXITED(ended) || WEXITSTATUS(ended) != EXIT_SUCCESS || !take_answer(file, head, text)) end_as(ended);
+  if (!take_answer(file, head, text)) end_as(ended);
+  note_result_of_run(ended);
   if (head.failed == 1) throw std::runtime_error(text);
   return text;
 }

@@ -32,9 +32,11 @@
 #include <vector>
 
 #include "cost_counter.h"
+#include "exception_text.h"
 #include "guarded_call.h"
 #include "next_functions.h"
 #include "opened_files.h"
+#include "process_end.h"
 #include "process_guard.h"
 
 namespace {
@@ -76,17 +78,17 @@ bool keeps_signal(int number) {
 
 /// Returns if the process may end, or become a different program. `status`: of the exit; none for exec.
 void end_only_the_call(const char* function, std::optional<int> status) {
-  rehearse::end_if_ending();
   if (rehearse::is_forked_by_guest()) {
     if (status) rehearse::leave_process(*status);
     return;
   }
-  if (!rehearse::in_controllers_code()) return;
+  if (!rehearse::in_controllers_code() && !rehearse::is_process_ending()) return;
   static thread_local char deed[64];
   if (status)
     std::snprintf(deed, sizeof deed, "called %s(%d)", function, *status);
   else
     std::snprintf(deed, sizeof deed, "called %s", function);
+  rehearse::end_if_ending(deed);
   if (rehearse::in_guarded_call()) rehearse::leave_guarded_call(deed);
   ProcessGuard::instance().note_thread_exit(deed);
   for (;;) pause();  // the thread can't be left as a call can, and the code after exit() must not run
@@ -164,7 +166,8 @@ void* run_counted(void* given) {
   } catch (const abi::__forced_unwind&) {
     throw;  // exceptions of pthread_exit and pthread_cancel
   } catch (const std::exception& exception) {
-    std::snprintf(deed, sizeof deed, "threw an exception that nobody catches: %s", exception.what());
+    std::snprintf(deed, sizeof deed, "threw an exception that nobody catches: %s",
+                  rehearse::text_of_controller(exception.what()).c_str());
   } catch (...) {
     std::snprintf(deed, sizeof deed, "threw something that nobody catches and that is no std::exception");
   }
@@ -192,7 +195,8 @@ REHEARSE_EXIT(quick_exit, (int status) noexcept)
 /// The C library's own aborts, as after damage of the heap, don't come here: only calls by other code, which holds none
 /// of its locks.
 void abort() noexcept {
-  if (rehearse::in_controllers_code() && !rehearse::is_forked_by_guest()) rehearse::abort_controllers_code();
+  if ((rehearse::in_controllers_code() || rehearse::is_process_ending()) && !rehearse::is_forked_by_guest())
+    rehearse::abort_controllers_code();
   REHEARSE_NEXT(abort)();
   __builtin_unreachable();
 }

@@ -1,15 +1,12 @@
 #include "supervisor.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <malloc.h>
 #include <pthread.h>
 #include <rehearse/pin.h>
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -23,9 +20,7 @@
 #include <cstring>
 #include <fstream>
 #include <functional>
-#include <map>
 #include <new>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -38,7 +33,8 @@
 #include "core/mcap/hashing.h"
 #include "guarded_call.h"
 #include "interruption.h"
-#include "result_stream.h"
+#include "process_end.h"
+#include "streams.h"
 #include "supervise.h"
 
 namespace rehearse {
@@ -80,8 +76,9 @@ struct Notes {
   std::atomic<double> memory_limit{0.0};    // [bytes]; 0: not stated
   int tasks_left = 0;
   char task[512] = {};
-  char deed[256] = {};                 // after the controller's name: how its call failed
+  char deed[512] = {};                 // after the controller's name: how its call failed
   std::atomic<std::uint32_t> hung{0};  // 1: the call exceeded its limit
+  int checks_leaks = 0;                // 1: a leak checker may change the exit status in exit()
   std::atomic<std::int32_t> run{0};    // the process of the present run, a child of the child; 0: the child makes it
 };
 
@@ -90,23 +87,6 @@ bool forks_run = false;  // the present fork has this process's supervisor
 pid_t present_run = 0;   // a child of this process; 0: none
 
 std::function<void(const std::string&)> tell_failure;
-
-/// The files behind stdin, stdout, stderr and the kept stdout when the process began: device and inode.
-struct Streams {
-  using Identity = std::pair<dev_t, ino_t>;
-  std::map<int, Identity> at_start;
-  pid_t parent = 0;
-
-  static std::optional<Identity> identity_of(int descriptor) {
-    struct stat status {};
-    if (fstat(descriptor, &status) != 0) return {};
-    return Identity{status.st_dev, status.st_ino};
-  }
-  void note() {
-    for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO, result_descriptor()})
-      if (const auto identity = identity_of(descriptor)) at_start[descriptor] = *identity;
-  }
-} streams;
 
 template <std::size_t size>
 void put(char (&place)[size], const char* text) {
@@ -120,6 +100,8 @@ template <std::size_t size>
 std::string text_of(const char (&place)[size]) {
   return std::string(place, strnlen(place, size));
 }
+
+constexpr const char* at_the_end = "while its static objects were destroyed";
 
 /// True if a debugger traces the child.
 bool is_traced_by_other(pid_t child) {
@@ -150,6 +132,7 @@ class Parent {
   void kill_child();
   bool was_interrupted() const;
   bool lost_its_reader() const;
+  [[noreturn]] void leave_announced();
   [[noreturn]] void leave(int status);
   [[noreturn]] void mirror();
   std::string sentence() const;
@@ -193,9 +176,7 @@ void Parent::run() {
     static_cast<void>(close_traces());
     mirror();
   }
-  const bool announced = notes->announced == regular_end && !damaged_;
-  if (announced && WIFEXITED(ended_)) leave(WEXITSTATUS(ended_) != 0 ? WEXITSTATUS(ended_) : notes->status);
-  if (announced) leave(notes->status != 0 ? notes->status : controller_failed);
+  if (notes->announced == regular_end && !damaged_) leave_announced();
   if (!damaged_ && (notes->calls == 0 || was_interrupted())) mirror();
   std::string text = "error: " + sentence() + "\n";
   if (!damaged_ && notes->task[0] != '\0')
@@ -247,6 +228,16 @@ void Parent::stop_with_child() {
   kill(-child_, SIGCONT);
 }
 
+/// A controller has nothing more to say about the result: what it does in exit() is a warning.
+void Parent::leave_announced() {
+  if (was_interrupted()) mirror();
+  const int status = WIFEXITED(ended_) ? WEXITSTATUS(ended_) : controller_failed;
+  if (status == notes->status || notes->hung == 1) leave(notes->status);
+  if (call_.function != std::string_view(destroying)) leave(status != 0 ? status : notes->status);
+  std::fputs(("warning: " + sentence() + "\n").c_str(), stderr);
+  leave(WIFEXITED(ended_) && notes->checks_leaks == 1 ? status : notes->status);
+}
+
 /// The group, because a controller may have forked.
 void Parent::kill_child() { kill(-child_, SIGKILL); }
 
@@ -275,8 +266,14 @@ void Parent::look_for_hang() {
   }
   if (!look_at_call() || seconds_since(since_) < call_.limit + patience) return;
   if (is_traced_by_other(child_) || is_traced_by_other(runner())) return;
-  hung_ = true;
-  kill_child();
+  if (call_.function != std::string_view(destroying)) {
+    hung_ = true;
+    return kill_child();
+  }
+  notes->hung = 1;  // its result is there, and the process that waits for it goes on
+  std::fputs(("warning: " + sentence() + "\n").c_str(), stderr);
+  since_ = now;
+  kill(runner(), SIGKILL);
 }
 
 void Parent::look_at_memory() {
@@ -315,7 +312,8 @@ void Parent::mirror() {
 
 std::string Parent::sentence() const {
   const std::string function = text_of(call_.function), controller = text_of(call_.controller);
-  const std::string where = function == loading || function == unloading
+  const std::string where = function == destroying ? at_the_end
+                            : function == loading || function == unloading
                                 ? fmt::format("while its library was {}", function)
                                 : fmt::format("in {}() at tick {} ({} s)", function, call_.tick, call_.time);
   if (damaged_)
@@ -329,8 +327,7 @@ std::string Parent::sentence() const {
                        in_call ? "controller '" + controller + "'" : "the process", memory_limit_ / 1e6,
                        in_call ? "" : ", after controller '" + controller + "' was called", where);
   }
-  const std::string how = WIFEXITED(ended_) ? fmt::format("with exit status {}", WEXITSTATUS(ended_))
-                                            : fmt::format("by SIG{}", sigabbrev_np(WTERMSIG(ended_)));
+  const std::string how = end_text(ended_);
   if (notes->deed[0] != '\0') return fmt::format("controller '{}' {} {}", controller, text_of(notes->deed), where);
   if (notes->calls % 2 == 1) return fmt::format("controller '{}' ended the process {} {}", controller, how, where);
   return fmt::format(
@@ -375,8 +372,7 @@ void supervise_process() {
   if (child == 0) {
     setpgid(0, 0);
     send_recordings_through(*ring);
-    streams.parent = parent;
-    streams.note();
+    note_streams(parent);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(controller_failed);
     on_exit(announce, nullptr);
@@ -387,12 +383,6 @@ void supervise_process() {
     notes = nullptr;  // fork failed: continue without a parent
   }
   sigprocmask(SIG_SETMASK, &before, nullptr);
-}
-
-void keep_freed_memory() {
-  constexpr int trimmed = 32 << 20, mapped = 8 << 20;  // [bytes]
-  mallopt(M_TRIM_THRESHOLD, trimmed);
-  mallopt(M_MMAP_THRESHOLD, mapped);
 }
 
 void note_task(const char* name, int left) {
@@ -424,22 +414,6 @@ void note_memory_limit(double bytes) {
   if (notes) notes->memory_limit = bytes;
 }
 
-/// The parent still has them.
-bool restore_streams() {
-  if (!notes) return false;
-  bool changed = false;
-  for (const auto& [descriptor, identity] : streams.at_start) {
-    if (Streams::identity_of(descriptor) == identity) continue;
-    changed = true;
-    const std::string of_parent = fmt::format("/proc/{}/fd/{}", streams.parent, descriptor);
-    const int opened = open(of_parent.c_str(), descriptor == STDIN_FILENO ? O_RDONLY : O_WRONLY | O_APPEND);
-    if (opened < 0 || opened == descriptor) continue;
-    dup2(opened, descriptor);
-    close(opened);
-  }
-  return changed;
-}
-
 void fail_process(const char* deed) {
   if (!notes) return;
   if (deed) put(notes->deed, deed);
@@ -459,6 +433,7 @@ void fail_process_by_thread(const char* deed) {
 void announce_end(int status) {
   if (!notes || notes->calls % 2 == 1 || in_controllers_code()) return;
   notes->status = status;
+  notes->checks_leaks = checks_leaks() ? 1 : 0;
   notes->announced = regular_end;
 }
 
@@ -490,6 +465,17 @@ int end_of_run(pid_t run) {
   present_run = 0;
   if (notes) notes->run = 0;
   return ended;
+}
+
+void note_result_of_run(int ended) {
+  if (!notes || notes->calls % 2 == 0) return;
+  const bool is_told =
+      notes->hung.exchange(0) == 1 || (WIFEXITED(ended) && (checks_leaks() || WEXITSTATUS(ended) == 0));
+  const NotedCall call = notes->last_calls[notes->latest % notes->last_calls.size()].call;
+  if (!is_told && call.function == std::string_view(destroying))
+    fmt::print(stderr, "warning: controller '{}' ended the process {} {}\n", text_of(call.controller), end_text(ended),
+               at_the_end);
+  note_call_end();
 }
 
 bool is_own_run(pid_t process) { return present_run != 0 && process == present_run; }

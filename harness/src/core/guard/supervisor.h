@@ -15,6 +15,7 @@ namespace rehearse {
 /// Used in the place of a function.
 inline constexpr const char* loading = "loaded";
 inline constexpr const char* unloading = "unloaded";
+inline constexpr const char* destroying = "destroyed";  // static objects, at the end of the process
 
 /// Report the begin and the end of a call into a controller. `limit`: of the call [s]. Without a parent they have no
 /// effect.
@@ -23,9 +24,6 @@ void note_call_end();
 
 /// The process ends if it takes more memory [bytes]; 0: four fifths of the memory that was available at its start.
 void note_memory_limit(double bytes);
-
-/// Opens stdin, stdout and stderr again if a controller has closed or redirected them. True: it had.
-bool restore_streams();
 
 /// Ends the process because a controller's call failed in a way that leaves the process unusable: `deed` after the
 /// controller's name, "crashed: ..."; null: it exceeded its limit. Returns if there is no parent to report it. They are
@@ -45,6 +43,9 @@ bool is_supervised();
 pid_t fork_run();
 /// Waits for the end of that process. Returns it as waitpid().
 int end_of_run(pid_t run);
+/// Its result is there, however it ended: no call of a controller is running. Names a controller that ended it in
+/// exit().
+void note_result_of_run(int ended);
 /// True if this is the process of the present run, a child of this one.
 bool is_own_run(pid_t process);
 /// Ends this process in the same way, without announcing it.

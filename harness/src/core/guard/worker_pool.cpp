@@ -409,8 +409,7 @@ WorkerPool::Answer WorkerPool::stop(Worker& worker, Ending ending) {
   answer.out = take_text(worker.out);
   answer.errors = take_text(worker.errors);
   answer.status = WIFEXITED(ended) ? WEXITSTATUS(ended) : 128 + WTERMSIG(ended);
-  answer.end = WIFEXITED(ended) ? fmt::format("with exit status {}", WEXITSTATUS(ended))
-                                : fmt::format("by SIG{}", sigabbrev_np(WTERMSIG(ended)));
+  answer.end = end_text(ended);
   return answer;
 }
 

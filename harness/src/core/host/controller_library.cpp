@@ -17,8 +17,10 @@
 #include <vector>
 
 #include "body_loading.h"
+#include "core/guard/exception_text.h"
 #include "core/guard/guarded_call.h"
 #include "core/guard/own_library.h"
+#include "core/guard/process_end.h"
 #include "core/guard/supervisor.h"
 #include "core/mcap/hashing.h"
 #include "core/scenario/project.h"
@@ -183,6 +185,7 @@ Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::pat
   std::string problem;
   LanguageProblem hosted_problem;
   register_body_loader();
+  note_own_libraries();
   // Its static objects are constructed here: code of the library's author.
   ProcessGuard::instance().begin(library->threads_, true);
   const CallOutcome outcome = guarded_call(
@@ -203,7 +206,7 @@ Result<std::shared_ptr<ControllerLibrary>> ControllerLibrary::open(const fs::pat
   }
   if (hosted) {
     if (hosted_problem.message.empty()) return library;
-    Diagnostic refused = error_in(hosted_problem.file, hosted_problem.message, hosted_problem.hint);
+    Diagnostic refused = error_in(hosted_problem.file, text_of_controller(hosted_problem.message), hosted_problem.hint);
     refused.line = hosted_problem.line;
     return refused;
   }
@@ -262,11 +265,16 @@ cnoid::SimpleController* ControllerLibrary::create() const {
 }
 
 void ControllerLibrary::keep_loaded() {
-  if (!std::exchange(keep_loaded_, true)) guard_process_end();
+  if (!std::exchange(keep_loaded_, true)) guard_process_end(label_, call_limit_);
 }
 
 ControllerLibrary::~ControllerLibrary() {
-  if ((!handle_ && !hosted_) || keep_loaded_) return;
+  if (!handle_ && !hosted_) return;
+  if (!keep_loaded_) unload();
+  guard_process_end(label_, call_limit_);
+}
+
+void ControllerLibrary::unload() {
   // Its static objects are destroyed here. Changes that they make to the process are undone but not reported.
   note_call_begin(label_.c_str(), unloading, 0, 0.0, call_limit_);
   ProcessGuard::instance().begin(threads_, true);
@@ -281,7 +289,6 @@ ControllerLibrary::~ControllerLibrary() {
   ProcessGuard::instance().put_right();
   note_call_end();
   if (outcome.end == CallEnd::returned) return;
-  guard_process_end();
   interrupted_libraries()[fs::absolute(file_)] = "failed while it was unloaded: it " + outcome.what;
   fmt::print(stderr, "warning: controller library '{}' failed while it was unloaded: it {}\n",
              file_.filename().string(), outcome.what);

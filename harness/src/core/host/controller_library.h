@@ -62,6 +62,7 @@ class ControllerLibrary {
   using Factory = cnoid::SimpleController* (*)();
   /// Loads a controller of a hosted language; runs its author's code.
   LanguageProblem load_hosted(const HostedName& name);
+  void unload();
   std::filesystem::path file_;
   std::string label_;  // of the controller, for the report of a process that ends while the library is unloaded
   std::string content_hash_;

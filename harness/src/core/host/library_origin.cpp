@@ -1,23 +1,19 @@
 #include "library_origin.h"
 
-#include <dlfcn.h>
 #include <elfutils/libdw.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gelf.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
 #include <cstdio>
 #include <optional>
 #include <set>
 #include <sstream>
 #include <string_view>
 #include <system_error>
-#include <type_traits>
+
+#include "reader_process.h"
 
 namespace rehearse {
 namespace {
@@ -43,13 +39,8 @@ struct Libdw {
 
   /// None: it isn't installed.
   static std::optional<Libdw> load() {
-    void* const library = ::dlopen("libdw.so.1", RTLD_NOW | RTLD_LOCAL);
-    if (!library) return std::nullopt;
     Libdw functions;
-    const auto find = [library](const char* name, auto& function) {
-      function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(::dlsym(library, name));
-      return function != nullptr;
-    };
+    const LibraryFunctions find("libdw.so.1");
     const bool found = find("dwarf_begin", functions.begin) && find("dwarf_end", functions.end) &&
                        find("dwarf_nextcu", functions.next_unit) && find("dwarf_offdie", functions.entry_at) &&
                        find("dwarf_getsrcfiles", functions.files_of) && find("dwarf_filesrc", functions.name_of) &&
@@ -111,32 +102,6 @@ void print_facts(const fs::path& library, std::FILE* to) {
   print_sources(*dw, file, to);
 }
 
-/// The output of print_facts() in a child process.
-std::string facts_of(const fs::path& library) {
-  std::array<int, 2> ends{};
-  if (::pipe2(ends.data(), O_CLOEXEC) != 0) return {};
-  const pid_t child = ::fork();
-  if (child == 0) {
-    if (std::FILE* const to = ::fdopen(ends[1], "w")) {
-      print_facts(library, to);
-      std::fflush(to);
-    }
-    ::_exit(0);
-  }
-  ::close(ends[1]);
-  std::string text;
-  std::array<char, 4096> block{};
-  for (ssize_t came = child < 0 ? 0 : 1; came != 0;) {
-    came = ::read(ends[0], block.data(), block.size());
-    if (came > 0) text.append(block.data(), static_cast<std::size_t>(came));
-    if (came < 0 && errno != EINTR) break;
-  }
-  ::close(ends[0]);
-  while (child > 0 && ::waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
-  }
-  return text;
-}
-
 void add_folders(const std::string& list, std::vector<std::string>& folders) {
   std::istringstream parts(list);
   for (std::string folder; std::getline(parts, folder, ':');)
@@ -155,7 +120,7 @@ fs::path folder_of_search(std::string folder, const fs::path& library) {
 
 LibraryOrigin origin_of(const fs::path& library) {
   LibraryOrigin origin;
-  std::istringstream lines(facts_of(library));
+  std::istringstream lines(text_of_child([&](std::FILE* to) { print_facts(library, to); }));
   for (std::string line; std::getline(lines, line);) {
     const auto rest = [&line](std::string_view kind) { return line.substr(kind.size()); };
     if (line.starts_with(source_line)) origin.sources.push_back(rest(source_line));

@@ -1,0 +1,157 @@
+#include "process_end.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <link.h>
+#include <stdlib.h>
+#include <sys/uio.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <iterator>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "c_library.h"
+#include "guarded_call.h"
+#include "supervisor.h"
+
+extern "C" __attribute__((weak)) void __lsan_do_leak_check();
+
+namespace rehearse {
+namespace {
+
+/// A library in memory.
+struct Library {
+  std::uintptr_t base = 0;
+  std::string file;
+  const ElfW(Dyn) * dynamic = nullptr;
+};
+
+std::vector<Library> libraries_in_memory() {
+  std::vector<Library> all;
+  dl_iterate_phdr(
+      [](dl_phdr_info* object, std::size_t, void* found) {
+        Library library{object->dlpi_addr, object->dlpi_name ? object->dlpi_name : "", nullptr};
+        for (int i = 0; i < object->dlpi_phnum; ++i)
+          if (object->dlpi_phdr[i].p_type == PT_DYNAMIC)
+            library.dynamic =
+                reinterpret_cast<const ElfW(Dyn)*>(object->dlpi_addr + object->dlpi_phdr[i].p_vaddr);  // NOLINT
+        static_cast<std::vector<Library>*>(found)->push_back(std::move(library));
+        return 0;
+      },
+      &all);
+  return all;
+}
+
+/// What has to be known of the controllers at the end.
+struct Guests {
+  std::set<std::uintptr_t> own_libraries;  // of the program, by their addresses
+  std::vector<std::string> controllers;
+  double limit = 0.0;  // [s]
+  bool in_fork = false;
+
+  std::vector<Library> left() const {
+    std::vector<Library> all = libraries_in_memory();
+    std::erase_if(all, [&](const Library& library) { return own_libraries.contains(library.base); });
+    return all;
+  }
+};
+
+Guests& guests() {
+  static auto& all = *new Guests;  // exit() destroys static objects
+  return all;
+}
+
+pid_t ending = 0;  // this process is in the guarded part of exit(); else 0
+int end_status = 0;
+std::string* subject = nullptr;   // "warning: controller 'Pendulum/Swing'"
+std::string* too_long = nullptr;  // "did not return within 10 s"
+
+/// Called in exit(), before the handlers and destructors that were registered earlier.
+extern "C" void guard_rest(int status, void*) {
+  const Guests& known = guests();
+  if (ending == getpid() || (known.left().empty() && !known.in_fork)) return;
+  end_status = status;
+  const std::string names = fmt::format("{}", fmt::join(known.controllers, "' or '"));
+  subject = new std::string(fmt::format("warning: controller '{}' ", names));
+  too_long = new std::string(fmt::format("did not return within {} s", known.limit));
+  if (!known.in_fork) announce_end(status);
+  note_call_begin(names.c_str(), destroying, 0, 0.0, known.limit);
+  guard_rest_of_process(known.limit);
+  ending = getpid();
+  std::fflush(nullptr);  // code that was interrupted may hold the lock of a stream
+}
+
+/// Runs the destructors of a library as exit() does.
+void finish(const Library& library) {
+  using Function = void (*)();
+  std::uintptr_t functions = 0, last = 0;
+  std::size_t bytes = 0;
+  for (const ElfW(Dyn)* entry = library.dynamic; entry && entry->d_tag != DT_NULL; ++entry) {
+    if (entry->d_tag == DT_FINI_ARRAY) functions = entry->d_un.d_ptr;
+    if (entry->d_tag == DT_FINI_ARRAYSZ) bytes = entry->d_un.d_val;
+    if (entry->d_tag == DT_FINI) last = entry->d_un.d_ptr;
+  }
+  const auto* const array = reinterpret_cast<const Function*>(library.base + functions);  // NOLINT
+  for (std::size_t i = bytes / sizeof(Function); functions != 0 && i > 0; --i) array[i - 1]();
+  if (last != 0) reinterpret_cast<Function>(library.base + last)();  // NOLINT
+}
+
+/// The first handler of a fork, and so the last that exit() calls: the others belong to the process that forked it.
+extern "C" void end_here(int status, void*) {
+  guard_rest(status, nullptr);
+  std::vector<Library> left = guests().left();
+  std::for_each(left.rbegin(), left.rend(), finish);  // those that were loaded last come first
+  std::fflush(nullptr);
+  if (checks_leaks()) __lsan_do_leak_check();
+  leave_process(status);
+}
+
+}  // namespace
+
+void note_own_libraries() {
+  static const bool noted = [] {
+    for (const Library& library : libraries_in_memory()) guests().own_libraries.insert(library.base);
+    return true;
+  }();
+  static_cast<void>(noted);
+}
+
+void guard_process_end(const std::string& controller, double limit) {
+  std::vector<std::string>& known = guests().controllers;
+  if (std::find(known.begin(), known.end(), controller) == known.end()) known.push_back(controller);
+  guests().limit = std::max(guests().limit, limit);
+  on_exit(guard_rest, nullptr);
+}
+
+void note_forked_run() {
+  note_own_libraries();
+  guests().in_fork = true;
+  on_exit(end_here, nullptr);
+}
+
+void end_forked_run() { std::exit(EXIT_SUCCESS); }
+
+bool checks_leaks() { return __lsan_do_leak_check != nullptr; }
+
+bool is_process_ending() { return ending != 0; }
+
+void end_if_ending(const char* deed) {
+  if (ending == 0) return;
+  if (ending == getpid()) {  // not in a child that a controller forked
+    constexpr char rest[] = " while its static objects were destroyed\n";
+    const char* const what = deed ? deed : too_long->c_str();
+    const iovec parts[] = {{subject->data(), subject->size()},
+                           {const_cast<char*>(what), std::strlen(what)},
+                           {const_cast<char*>(rest), sizeof rest - 1}};
+    static_cast<void>(!writev(STDERR_FILENO, parts, std::size(parts)));
+  }
+  leave_process(end_status);
+}
+
+}  // namespace rehearse

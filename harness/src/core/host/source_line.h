@@ -1,0 +1,23 @@
+// The line of a source that an address of the code belongs to, by the debug information.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+
+namespace rehearse {
+
+struct SourceLine {
+  std::filesystem::path file;  // absolute, unless the compiler left out its folder
+  int line = 0;
+};
+
+/// The line at a virtual address of a library. Of a function that was inlined from a header of another package, the
+/// line that calls it. None: the library has no debug information there, or libdw isn't installed. A child process
+/// reads it.
+std::optional<SourceLine> source_line_at(const std::filesystem::path& library, std::uint64_t address);
+
+/// The same for an address in this process. Null: none.
+std::optional<SourceLine> source_line_of(const void* place);
+
+}  // namespace rehearse
