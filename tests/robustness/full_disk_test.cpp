@@ -14,6 +14,7 @@ namespace rehearse::test {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr int bad_input = 2;  // the command's exit status
 
@@ -67,7 +68,11 @@ TEST_F(FullDisk, OfAnySizeEndsARecordingWithTheReason) {
 
 TEST_F(FullDisk, ThatIsADeviceWithoutRoomSaysSo) {
   EXPECT_EQ(record("/dev/full"), bad_input);
-  EXPECT_THAT(log(), HasSubstr("/dev/full: error: can't write the trace: No space left on device"));
+  EXPECT_THAT(log(),
+              HasSubstr("/dev/full: error: can't write the trace: No space left on device (make room on the disk "
+                        "/dev, or name another file with -o)"));
+  EXPECT_THAT(log(), HasSubstr("error: the recording ends: noticed at tick "));
+  EXPECT_THAT(log(), Not(HasSubstr("under Pendulum/Ticking"))) << "no controller fills a disk by being called";
 }
 
 constexpr int no_disk = 77;
@@ -97,7 +102,8 @@ TEST_F(FullDisk, OfARealKindLeavesWhatWasThereBefore) {
     const int status = wait_for(child);
     if (status == no_disk) GTEST_SKIP() << "only root may mount a disk";
     EXPECT_EQ(status, bad_input) << kilobytes << " kB: " << log();
-    EXPECT_THAT(log(), HasSubstr("can't write the trace: No space left on device"));
+    EXPECT_THAT(log(), HasSubstr("can't write the trace: No space left on device (make room on the disk " +
+                                 fs::canonical(folder() / "disk").string() + ", or name"));
   }
 }
 

@@ -191,7 +191,7 @@ Result<Scenario> read_scenario(const std::string& file) {
 Exit exit_of(const CheckReport& report) {
   if (report.failed()) return Exit::controller_failed;
   if (!compared_anything(report)) return Exit::bad_input;
-  return report.within() ? Exit::done : Exit::differs;
+  return report.within() || report.golden_written ? Exit::done : Exit::differs;
 }
 
 void tell_verdict(const Checked& checked, bool verbose) {

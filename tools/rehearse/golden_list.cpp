@@ -93,7 +93,9 @@ Exit list(bool json) {
   } else {
     tell(*entries);
   }
-  return Exit::done;
+  const bool is_any_broken =
+      std::ranges::any_of(*entries, [](const GoldenEntry& entry) { return !entry.problem.empty(); });
+  return is_any_broken ? Exit::differs : Exit::done;
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include "command.h"
 #include "control_times.h"
 #include "core/check/check_json.h"
+#include "core/check/unknown_series.h"
 #include "core/guard/interruption.h"
 #include "core/guard/supervise.h"
 #include "core/host/interposer.h"
@@ -310,6 +311,9 @@ Exit record_scenario(RecordSettings& settings, const Scenario& scenario, const s
   const bool failed = summary->failure || summary->controller_refused;
   const auto judged = judge(scenario, trace, failed);
   if (!judged) return refuse(judged.errors());
+  CheckReport report;
+  report.expectations = *judged;
+  if (const auto known = refuse_unknown_series(scenario, report, {trace}); !known) return refuse(known.errors());
   if (!settings.json) {
     tell_recording(scenario, trace, *summary, seconds);
     const std::string closest = closest_of(*judged);

@@ -7,7 +7,6 @@
 
 #include <array>
 #include <cstring>
-#include <fstream>
 #include <iterator>
 #include <span>
 #include <sstream>
@@ -95,8 +94,7 @@ std::uint64_t hash_of_content(const Numbers& numbers, const std::string& remarks
 }
 
 std::optional<ConvexHulls> read(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+  const std::string bytes = read_from_cache(file).value_or("");
   Header header;
   if (bytes.size() < sizeof header) return std::nullopt;
   std::memcpy(&header, bytes.data(), sizeof header);

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <set>
+#include <sstream>
 #include <system_error>
 
 namespace rehearse {
@@ -20,6 +23,22 @@ fs::path user_cache() {
   if (const fs::path caches = folder("XDG_CACHE_HOME"); caches.is_absolute()) return caches / "rehearse";
   if (const fs::path home = folder("HOME"); home.is_absolute()) return home / ".cache/rehearse";
   return {};
+}
+
+std::optional<std::string> read_from_cache(const fs::path& file) {
+  std::error_code failed;
+  if (fs::is_directory(file, failed)) {
+    static auto& told = *new std::set<fs::path>;
+    if (told.insert(file).second)
+      fmt::print(stderr,
+                 "warning: {} is a folder, where a file of the cache belongs: it stays, and nothing is kept there\n",
+                 file.string());
+    return std::nullopt;
+  }
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  if (!stream || !(text << stream.rdbuf())) return std::nullopt;
+  return std::move(text).str();
 }
 
 void keep_in_cache(const fs::path& file, std::string_view bytes) {

@@ -18,6 +18,7 @@
 #include "core/trace/run_facts.h"
 #include "model/names.h"
 #include "model/text.h"
+#include "model/user_cache.h"
 
 namespace rehearse {
 namespace {
@@ -90,7 +91,7 @@ fs::path Certificates::file_for(const std::string& facts) const {
 }
 
 bool Certificates::has(const std::string& facts) const {
-  const auto text = read_text(file_for(facts));
+  const auto text = read_from_cache(file_for(facts));
   return text && *text == facts;
 }
 
@@ -104,6 +105,8 @@ Result<void> Certificates::add(const std::string& facts) const {
   std::error_code failed;
   fs::rename(whole, file, failed);
   if (stream && !failed) return {};
+  fs::remove(whole, failed);
+  if (fs::is_directory(file, failed)) return {};  // it was named when it was read
   return error(fmt::format("{} can't be written", file.string()));
 }
 
@@ -112,7 +115,7 @@ std::vector<std::string> Certificates::all() const {
   std::error_code failed;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_, failed))
     if (entry.path().filename().string().starts_with(subject_ + "-"))
-      if (auto text = read_text(entry.path())) facts.push_back(*std::move(text));
+      if (auto text = read_from_cache(entry.path())) facts.push_back(*std::move(text));
   return facts;
 }
 

@@ -42,12 +42,18 @@ bool Sink::is_our_file() const { return identity_of(file_) == identity_; }
 
 Result<void> Sink::write(Bytes bytes) {
   if (!bytes.empty() && !is_our_file())
-    return error("the trace can't be written any further: something in this process has closed its file descriptor",
+    return error(std::string(closed_by_others),
                  "the data written before are whole; does a controller close a file that it hasn't opened?");
   while (!bytes.empty()) {
     const ssize_t written = ::write(file_, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return error(fmt::format("can't write the trace: {}", std::strerror(errno)));
+    if (written < 0) {
+      const int cause = errno;
+      return error(fmt::format("can't write the trace: {}", std::strerror(cause)),
+                   cause == ENOSPC || cause == EDQUOT
+                       ? fmt::format("make room on the disk {}, or name another file with -o", disk_of(place_).string())
+                       : "");
+    }
     crc_ = crc32(bytes.first(static_cast<std::size_t>(written)), crc_);
     size_ += static_cast<std::uint64_t>(written);
     bytes = bytes.subspan(static_cast<std::size_t>(written));

@@ -5,9 +5,14 @@
 
 #include <filesystem>
 #include <memory>
+#include <string_view>
 #include <utility>
 
 namespace rehearse::mcap {
+
+/// The error of write() that code of another one in the process can cause.
+inline constexpr std::string_view closed_by_others =
+    "the trace can't be written any further: something in this process has closed its file descriptor";
 
 /// A file, created or emptied. A file with one name that belongs to this user is replaced by a new file with the same
 /// permissions. So readers keep the old contents. Links, pipes and devices are written into.

@@ -25,17 +25,13 @@ constexpr std::size_t digits = 16;  // of a hash
 
 std::string hash_of_text(std::string_view text) { return hash_text(hash_bytes(text.data(), text.size())); }
 
-std::string text_in(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 /// States which files these are, and that they are unchanged. Empty: a file could be changed without a change of this
 /// text. A file system in an image may have the same times and inodes as another one, hence the build identifiers;
 /// devices and inodes may have other meanings on another machine, hence the identifier of the machine's start.
 std::string identity_of(const Libraries& libraries) {
   constexpr std::chrono::seconds settled{2};
-  std::string text = text_in("/proc/sys/kernel/random/boot_id");
+  std::ifstream boot("/proc/sys/kernel/random/boot_id");
+  std::string text{std::istreambuf_iterator<char>(boot), {}};
   if (text.empty()) return {};
   for (const auto& [name, library] : libraries) {
     const auto file = FileIdentity::of(library.file.empty() ? "/proc/self/exe" : library.file);
@@ -60,7 +56,7 @@ fs::path file_for(const Libraries& libraries) {
 
 /// A file has the identity, the hashes in the order of the libraries, and the hash of both.
 std::optional<Hashes> find(const fs::path& file, const std::string& identity, const Libraries& libraries) {
-  const std::string text = text_in(file);
+  const std::string text = read_from_cache(file).value_or("");
   if (text.size() != identity.size() + digits * (libraries.size() + 1) || !text.starts_with(identity)) return {};
   if (hash_of_text(std::string_view(text).substr(0, text.size() - digits)) != text.substr(text.size() - digits))
     return {};

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/guard/float_mode.h"
+#include "core/mcap/sink.h"
 #include "core/recording/provenance.h"
 #include "model/clock.h"
 
@@ -57,13 +58,14 @@ Result<bool> ClosedLoop::step() {
   return going_on;
 }
 
-/// Adds the time and the present controller to the error of a full disk, or of a closed file.
+/// Adds the time to the error of a full disk or of a closed file. Only the latter can be a controller's deed.
 Diagnostics ClosedLoop::stopped_recording(Diagnostics errors) const {
   std::string labels;
-  for (const HostedController& hosted : host->controllers()) labels += (labels.empty() ? "" : ", ") + hosted.label;
-  errors.push_back(
-      error(fmt::format("the recording ends: noticed at tick {} ({} s), under {}", plant->tick(),
-                        time_of(plant->tick(), scenario.time_step), labels.empty() ? "no controller" : labels)));
+  if (!errors.empty() && errors.front().message == mcap::closed_by_others)
+    for (const HostedController& hosted : host->controllers())
+      labels += (labels.empty() ? ", under " : ", ") + hosted.label;
+  errors.push_back(error(fmt::format("the recording ends: noticed at tick {} ({} s){}", plant->tick(),
+                                     time_of(plant->tick(), scenario.time_step), labels)));
   return errors;
 }
 
