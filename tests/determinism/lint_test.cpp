@@ -102,6 +102,7 @@ const Exception allowed[] = {
     {"harness/src/core/guard/pin.cpp", "environment", "how a process is pinned"},
     {"harness/src/core/guard/pinned_environment.cpp", "environment", "how a process is pinned"},
     {"harness/src/core/host/call_clock.cpp", "clock", "how long control() takes; no recording contains it"},
+    {"harness/src/core/guard/process_end.cpp", "identity", "a child that a guest forks in exit() tells nothing"},
     {"harness/src/core/guard/supervisor.cpp", "clock",
      "the parent process: decides when a child is killed, never what is in a run"},
     {"harness/src/core/guard/supervisor.cpp", "environment", "whether there is a parent; the recording is the same"},

@@ -251,7 +251,7 @@ continue)");
               AllOf(ContainsRegex(arrival(12, line_of("begins"))), HasSubstr("$1 = 12\n"),
                     ContainsRegex("received signal SIGSEGV.*" + line_of("crashes")),
                     HasSubstr("tick 12 (0.012 s), in control() of Pendulum/Swing"), HasSubstr("(cnoid::Link *) 0x0"),
-                    HasSubstr("failed: controller 'Pendulum/Swing' crashed")));
+                    ContainsRegex("failed: looked_at.cpp:[0-9]+: controller 'Pendulum/Swing' crashed")));
 }
 
 TEST_F(Gdb, IsNoHang) {

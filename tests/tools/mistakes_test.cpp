@@ -1,12 +1,15 @@
 // The commonest mistakes of a user: the text of `rehearse check`, and that of a test with EXPECT_MATCHES_GOLDEN.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "command.h"
 
 namespace rehearse::test {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Matcher;
 using ::testing::Not;
@@ -134,7 +137,7 @@ TEST_F(Mistake, ACrashComesFirstAndLeadsToTheDebugger) {
   scenario(MISBEHAVING, "crash 3");
   expect_both(AllOf(HasSubstr("controller 'Pendulum/Swing' crashed: segmentation fault"),
                     HasSubstr("at tick 3 (0.003 s)"), Not(HasSubstr("golden accept"))));
-  EXPECT_THAT(checked(), StartsWith("fall: controller 'Pendulum/Swing' crashed"));
+  EXPECT_THAT(checked(), ContainsRegex("^fall: misbehaving.cpp:[0-9]+: controller 'Pendulum/Swing' crashed"));
   EXPECT_THAT(checked(), HasSubstr("\nstop there in gdb: rehearse replay rehearse-pending/Macro.Falls.mcap --gdb\n"));
 }
 
@@ -145,6 +148,11 @@ TEST_F(Mistake, ACrashBesideAGoldenIsNotAdvisedForAcceptance) {
   expect_both(AllOf(HasSubstr("controller 'Pendulum/Swing' crashed"), Not(HasSubstr("golden accept"))));
   EXPECT_THAT(checked(), HasSubstr("\nstop there in gdb: rehearse replay rehearse-pending/Macro.Falls.mcap --gdb\n"));
   EXPECT_THAT(checked("CI=true"), Not(HasSubstr("--gdb")));
+  const Outcome outcome = rehearse({"check", "fall.yaml"});
+  const std::string lines = outcome.out + outcome.err;
+  EXPECT_LE(std::count(lines.begin(), lines.end(), '\n'), 5) << lines;
+  const std::string all = rehearse({"check", "fall.yaml", "--verbose"}).out;
+  EXPECT_THAT(all, HasSubstr("bit-equal: "));
 }
 
 TEST_F(Mistake, LimitsInDegreesAreWarnedOf) {

@@ -247,7 +247,7 @@ Result<CheckOutcome> check_one(const CheckSettings& settings, const Scenario& sc
   tell_warnings(scenario);
   const auto checked = check_beside_others(settings, scenario, notes);
   if (!checked) return checked.errors();
-  if (!settings.json) tell_files(*checked);
+  if (!settings.json) tell_files(*checked, settings.verbose);
   tell_missed_deadlines(control_times_of(checked->report), settings.deadline);
   CheckOutcome outcome = outcome_of(scenario, *checked, settings.json);
   outcome.history = history_line(settings.stamp, scenario.name, checked->report);
@@ -417,7 +417,8 @@ Exit run_check(CheckSettings& settings, const CLI::App& options) {
   Exit worst = Exit::done;
   for (const CheckOutcome& outcome : all) worst = std::max(worst, outcome.exit);
   if (settings.json) print(all.size() == 1 ? all[0].json : json_of_checks(all));
-  if (!settings.no_report) keep_index(all, !settings.json);
+  const bool is_one_failed = all.size() == 1 && all[0].exit == Exit::controller_failed;
+  if (!settings.no_report) keep_index(all, !settings.json && !is_one_failed);
   tell_unjudged(all);
   if (settings.stamp)
     if (const auto appended = append_outcomes(settings.history, all); !appended) return refuse(appended.errors());

@@ -203,6 +203,8 @@ void tell_verdict(const Checked& checked, bool verbose) {
   fmt::print("{}\n", colored(shown, report.within() ? TextColor::green : TextColor::red));
   if (const std::string bits = bits_sentence(report); !bits.empty()) fmt::print("  {}\n", bits);
   fmt::print("  {}; {:.1f} s\n", levels_text(report), checked.seconds);
+  std::fflush(stdout);
+  if (report.failed() && !verbose) return;  // differences behind a crash are no news
   if (verbose) {
     fmt::print("{}{}", closest_lines(report.expectations), figures_of(report));
     tell_control_times(control_times_of(report));
@@ -217,9 +219,11 @@ void tell_verdict(const Checked& checked, bool verbose) {
   std::fflush(stdout);
 }
 
-void tell_files(const Checked& checked) {
+void tell_files(const Checked& checked, bool verbose) {
   const CheckReport& report = checked.report;
-  for (const std::string& remark : report.remarks) fmt::print("  note: {}\n", remark);
+  const bool is_short = report.failed() && !verbose;
+  if (!is_short)
+    for (const std::string& remark : report.remarks) fmt::print("  note: {}\n", remark);
   if (!report.message.empty()) fmt::print("{}\n", report.message);
   if (!checked.line_advice.empty()) fmt::print("which line: {}\n", checked.line_advice);
   if (checked.page && is_ci()) fmt::print("report: {}\n", checked.page->file.string());
@@ -228,7 +232,10 @@ void tell_files(const Checked& checked) {
       fmt::print("in a browser: {}\n", report_link(checked.page->file, checked.page->summary.first_tick));
   if (!checked.no_page.empty()) fmt::print("  note: there is no report to look at: {}\n", checked.no_page);
   std::fflush(stdout);  // before related output on stderr
-  if (report.run) tell_remarks(*report.run);
+  if (report.run && is_short)
+    tell_remarks(report.run->remarks, report.run->failure);
+  else if (report.run)
+    tell_remarks(*report.run);
 }
 
 CheckOutcome outcome_of(const Scenario& scenario, const Checked& checked, bool json) {

@@ -34,10 +34,12 @@ struct Checked {
 
 Exit exit_of(const CheckReport& report);
 
-/// Prints the verdict, the levels and tables of differences. They are on stdout when this returns.
+/// Prints the verdict, the levels and tables of differences. They are on stdout when this returns. Of a run that failed
+/// only the verdict and the levels, unless `verbose`.
 void tell_verdict(const Checked& checked, bool verbose);
-/// Prints the notes, the files that wait for a decision, and the address of the report.
-void tell_files(const Checked& checked);
+/// Prints the notes, the files that wait for a decision, and the address of the report. No notes of a run that failed,
+/// unless `verbose`.
+void tell_files(const Checked& checked, bool verbose);
 
 /// What remains of a check when it is over.
 struct CheckOutcome {
