@@ -219,12 +219,19 @@ void tell_verdict(const Checked& checked, bool verbose) {
   std::fflush(stdout);
 }
 
+namespace {
+
+/// The command that stops at a failure is the last line of its message, and names the file, too.
+std::string last_line_of(const std::string& message) { return message.substr(message.rfind('\n') + 1); }
+
+}  // namespace
+
 void tell_files(const Checked& checked, bool verbose) {
   const CheckReport& report = checked.report;
   const bool is_short = report.failed() && !verbose;
   if (!is_short)
     for (const std::string& remark : report.remarks) fmt::print("  note: {}\n", remark);
-  if (!report.message.empty()) fmt::print("{}\n", report.message);
+  if (!report.message.empty()) fmt::print("{}\n", is_short ? last_line_of(report.message) : report.message);
   if (!checked.line_advice.empty()) fmt::print("which line: {}\n", checked.line_advice);
   if (checked.page && is_ci()) fmt::print("report: {}\n", checked.page->file.string());
   if (checked.page && !is_ci())
@@ -232,10 +239,7 @@ void tell_files(const Checked& checked, bool verbose) {
       fmt::print("in a browser: {}\n", report_link(checked.page->file, checked.page->summary.first_tick));
   if (!checked.no_page.empty()) fmt::print("  note: there is no report to look at: {}\n", checked.no_page);
   std::fflush(stdout);  // before related output on stderr
-  if (report.run && is_short)
-    tell_remarks(report.run->remarks, report.run->failure);
-  else if (report.run)
-    tell_remarks(*report.run);
+  if (report.run) tell_remarks(*report.run);
 }
 
 CheckOutcome outcome_of(const Scenario& scenario, const Checked& checked, bool json) {

@@ -79,6 +79,11 @@ void tell(const std::vector<GoldenEntry>& entries) {
   tell_once(entries, [](const GoldenEntry& entry) { return entry.notes; });
 }
 
+/// True if its recording or its digest can't be used. Two owners of one golden are another problem.
+bool is_broken(const GoldenStore& store, const GoldenEntry& entry) {
+  return !entry.problem.empty() && !store.check_digest(entry.name);
+}
+
 Exit list(bool json) {
   const auto store = open_store();
   if (!store) return refuse(store.errors());
@@ -94,7 +99,7 @@ Exit list(bool json) {
     tell(*entries);
   }
   const bool is_any_broken =
-      std::ranges::any_of(*entries, [](const GoldenEntry& entry) { return !entry.problem.empty(); });
+      std::ranges::any_of(*entries, [&](const GoldenEntry& entry) { return is_broken(*store, entry); });
   return is_any_broken ? Exit::differs : Exit::done;
 }
 

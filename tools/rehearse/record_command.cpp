@@ -313,7 +313,7 @@ Exit record_scenario(RecordSettings& settings, const Scenario& scenario, const s
   if (!judged) return refuse(judged.errors());
   CheckReport report;
   report.expectations = *judged;
-  if (const auto known = refuse_unknown_series(scenario, report, {trace}); !known) return refuse(known.errors());
+  const Diagnostics mistakes = refuse_unknown_series(scenario, report, {trace}).errors();
   if (!settings.json) {
     tell_recording(scenario, trace, *summary, seconds);
     const std::string closest = closest_of(*judged);
@@ -333,8 +333,8 @@ Exit record_scenario(RecordSettings& settings, const Scenario& scenario, const s
   std::fflush(stdout);  // before related output on stderr
   tell_remarks(*summary);
   tell_missed_deadlines(summary->control_times, settings.deadline);
-  tell_violations(*judged);
-  return exit;
+  tell_violations(*judged, mistakes);
+  return mistakes.empty() ? exit : Exit::bad_input;
 }
 
 /// True if an option was given that has a meaning only with --from-checkpoint.

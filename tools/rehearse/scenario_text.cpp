@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -33,12 +34,16 @@ void tell_remarks(const RunSummary& summary) {
   if (summary.failure) fmt::print(stderr, "{}\n", to_string(*summary.failure));
 }
 
-void tell_violations(const std::vector<ExpectationResult>& results) {
+void tell_violations(const std::vector<ExpectationResult>& results, const Diagnostics& mistakes) {
   for (const ExpectationResult& result : results) {
     const Place& place = result.expectation.place;
+    const bool is_mistake = std::ranges::any_of(mistakes, [&](const Diagnostic& mistake) {
+      return mistake.line == place.line && mistake.column == place.column;
+    });
+    const Severity severity = is_mistake ? Severity::error : Severity::warning;
     if (!result.holds)
       fmt::print(stderr, "{}\n",
-                 to_string(Diagnostic{Severity::warning, place.file, place.line, place.column, result.sentence, ""}));
+                 to_string(Diagnostic{severity, place.file, place.line, place.column, result.sentence, ""}));
   }
 }
 

@@ -16,8 +16,9 @@ void tell_warnings(const Scenario& scenario);
 /// Prints a run's remarks to stderr, and its failure last, once (a failure is among the remarks too).
 void tell_remarks(const RunSummary& summary);
 
-/// Prints the expectations of the scenario that a run violates, as warnings, with their places.
-void tell_violations(const std::vector<ExpectationResult>& results);
+/// Prints the expectations of the scenario that a run violates, with their places: as warnings, or as errors those with
+/// one of the mistakes.
+void tell_violations(const std::vector<ExpectationResult>& results, const Diagnostics& mistakes);
 
 /// "SR1 under SR1Minimum, Box": the bodies and their controllers; bodies that never move are left out.
 std::string cast_of(const Scenario& scenario);
