@@ -91,6 +91,18 @@ TEST_F(ProcessEnd, FollowsTheFirstSigterm) {
     EXPECT_EQ(outcome.status, 128 + SIGTERM) << deed << outcome.err;
   }
   EXPECT_EQ(rehearse({"doctor", "run.mcap"}).status, 0);
+  fs::create_directory(folder() / "golden");
+  write("p.yaml", read_file(pendulum(STAYS, "nothing")) + "golden: P.one\n");
+  EXPECT_EQ(rehearse({"check", "p.yaml"}, "REHEARSE_GOLDEN=new").status, 0);
+  write("p.yaml", read_file(pendulum(STAYS, "join")) + "golden: P.one\n");
+  for (const char* jobs : {"p.yaml", "p.yaml p.yaml -j2"}) {
+    const Outcome outcome = run(
+        "bash",
+        {"-c", std::string("\"$0\" check --simulate --call-limit 50 ") + jobs + " & sleep 1.5; kill -TERM $!; wait $!",
+         command.string()},
+        "ASAN_OPTIONS=detect_leaks=0 timeout -s KILL 20");
+    EXPECT_EQ(outcome.status, 128 + SIGTERM) << jobs << outcome.err;
+  }
 }
 
 TEST_F(ProcessEnd, WritesTheCountsOfAControllerBuiltForCoverage) {

@@ -18,12 +18,15 @@
 
 #include "c_library.h"
 #include "guarded_call.h"
+#include "interruption.h"
 #include "supervisor.h"
 
 extern "C" __attribute__((weak)) void __lsan_do_leak_check();
 
 namespace rehearse {
 namespace {
+
+constexpr double limit_after_signal = 1.0;  // for those who have asked for the end of the process [s]
 
 /// A library in memory.
 struct Library {
@@ -78,11 +81,12 @@ extern "C" void guard_rest(int status, void*) {
   if (ending == getpid() || (known.left().empty() && !known.in_fork)) return;
   end_status = status;
   const std::string names = fmt::format("{}", fmt::join(known.controllers, "' or '"));
+  const double limit = interruption() == 0 ? known.limit : std::min(known.limit, limit_after_signal);
   subject = new std::string(fmt::format("warning: controller '{}' ", names));
-  too_long = new std::string(fmt::format("did not return within {} s", known.limit));
+  too_long = new std::string(fmt::format("did not return within {} s", limit));
   if (!known.in_fork) announce_end(status);
-  note_call_begin(names.c_str(), destroying, 0, 0.0, known.limit);
-  guard_rest_of_process(known.limit);
+  note_call_begin(names.c_str(), destroying, 0, 0.0, limit);
+  guard_rest_of_process(limit);
   ending = getpid();
   std::fflush(nullptr);  // code that was interrupted may hold the lock of a stream
 }
