@@ -153,6 +153,21 @@ TEST_F(Formulas, AreViolatedByNaN) {
   EXPECT_TRUE(eventually("BASE/z < 0.35").holds);
 }
 
+TEST_F(Formulas, BeginWithTheFirstNumberUnlessNaNCameBeforeIt) {
+  const std::string effort = "Robot/Pd/output/KNEE/u";
+  for (testing::SmallTick& tick : run_.ticks) tick.u = nan_value;
+  EXPECT_EQ(always("abs(" + effort + ") < 15").sentence,
+            "undecided: always abs(Robot/Pd/output/KNEE/u) < 15: not judged, Robot/Pd/output/KNEE/u has no sample");
+  const ExpectationResult other = always("BASE/z > 0 || abs(" + effort + ") < 15");
+  EXPECT_TRUE(other.holds);
+  EXPECT_EQ(other.not_judged, std::vector<std::string>{effort});
+  run_.ticks[3].u = 12.0;
+  EXPECT_EQ(always("abs(" + effort + ") < 15").sentence,
+            "expected always abs(Robot/Pd/output/KNEE/u) < 15: a number is NaN at tick 0 (0 s)");
+  EXPECT_TRUE(eventually("abs(" + effort + ") < 15").holds);
+  EXPECT_TRUE(always("abs(delta(BASE/z)) < 0.2").holds) << "there is no tick before the first";
+}
+
 TEST_F(Formulas, DemandAMargin) {
   Expectation stands = of(Quantifier::always, "BASE/z > 0.2 m");
   stands.margin = Expectation::Margin{0.5, true, false, "50 %"};

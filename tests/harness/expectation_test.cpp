@@ -264,12 +264,67 @@ TEST_F(Expectations, OfTheEndDoNotHoldIfTheRunFailedBefore) {
   EXPECT_THAT(sentence(stands), HasSubstr("at the end: the run ended early, at 0.004 s"));
 }
 
-TEST_F(Expectations, SayThatASpanHasNoSample) {
+TEST_F(Expectations, AreUndecidedWithoutASampleInTheirSpan) {
   Expectation between = of(height_);
   between.above = 0.0;
   between.from = 0.0022;
   between.until = 0.0028;
-  EXPECT_THAT(sentence(between), HasSubstr("there is no sample in that span"));
+  const ExpectationResult result = judged(between);
+  EXPECT_TRUE(result.undecided);
+  EXPECT_EQ(result.not_judged, std::vector<std::string>{height_});
+  EXPECT_EQ(
+      result.sentence,
+      "undecided: Robot/BASE/position/z above 0 m from 0.0022 s until 0.0028 s: not judged, there is no sample in "
+      "that span");
+}
+
+TEST_F(Expectations, JudgeNoSeriesThatIsNaNThroughoutAndNaNBesideNumbers) {
+  for (testing::SmallTick& tick : run_.ticks) tick.u = nan_value;
+  Expectation efforts = of("Robot/*/u");
+  efforts.below = 15.0;
+  EXPECT_THAT(sentence(efforts), HasSubstr("undecided: Robot/*/u below 15 N·m: not judged"));
+  run_.has_helper = true;
+  const ExpectationResult some = judged(efforts);
+  EXPECT_TRUE(some.holds) << some.sentence;
+  EXPECT_EQ(some.not_judged, std::vector<std::string>{"Robot/Pd/output/KNEE/u"});
+  EXPECT_EQ(verdict({some}),
+            "the expectation holds: Robot/*/u below 15; not judged: Robot/Pd/output/KNEE/u has no sample");
+  run_.ticks[3].u = 12.0;
+  EXPECT_THAT(sentence(efforts), HasSubstr("Robot/Pd/output/KNEE/u is nan N·m at tick 0"));
+}
+
+TEST_F(Expectations, AreDecidedIfNoTickOfTheirSpanIsMissing) {
+  Expectation stands = of(height_);
+  stands.above = 0.0;
+  stands.until = 0.0045;
+  EXPECT_EQ(sentence(stands), "");
+  stands.until = 0.005;
+  EXPECT_EQ(sentence(stands), "undecided: Robot/BASE/position/z above 0 m until 0.005 s: the run ended at 0.004 s");
+  EXPECT_TRUE(judged(stands).undecided);
+  Expectation quiet = of_event("error *", Expectation::Subject::no_event);
+  quiet.until = 0.0045;
+  EXPECT_EQ(sentence(quiet), "");
+  quiet.until = 0.005;
+  EXPECT_TRUE(judged(quiet).undecided);
+}
+
+TEST_F(Expectations, ThatAreUndecidedComeAfterThoseThatAreViolated) {
+  Expectation late = of(height_), low = of(height_);
+  late.above = low.above = 0.0;
+  late.until = 1.0;
+  low.above = 0.55;
+  const Trace trace = run_.load(folder_ / "run.mcap");
+  const auto results = judge_expectations({late, low}, trace);
+  EXPECT_EQ(first_violation(results), &results[1]);
+  EXPECT_THAT(verdict(results), HasSubstr("at worst 0.3 m at tick 4 (0.004 s); 1 more of 2 expectations is undecided"));
+  CheckReport report;
+  report.expectations = results;
+  EXPECT_FALSE(report.undecided());
+  report.expectations = {results[0]};
+  EXPECT_TRUE(report.undecided());
+  EXPECT_FALSE(report.within());
+  report.closed = LevelState::differs;
+  EXPECT_FALSE(report.undecided());
 }
 
 TEST_F(Expectations, WantAnEvent) {

@@ -22,6 +22,7 @@ rehearse_add_test(session_tests LABEL sim SHARDS 6
     session/contacts_test.cpp
     session/control_times_test.cpp
     session/controller_watch_test.cpp
+    session/expectation_spans_test.cpp
     session/failures_test.cpp
     session/fixed_message_test.cpp
     session/golden_samples_test.cpp

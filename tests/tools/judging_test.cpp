@@ -49,6 +49,23 @@ class Diff : public Repository {
   }
 };
 
+TEST_F(Check, EndsWithFourIfAnExpectationIsUndecided) {
+  const std::string undecided = "{always: \"prev(Box/Box/position/z) > 0\", until: 0}";
+  write("early.yaml", read_file(box_scenario) + "expect: [" + undecided + "]\n");
+  const Outcome early = rehearse({"check", "early.yaml"});
+  EXPECT_EQ(early.status, 4) << early.err;
+  EXPECT_THAT(early.out, HasSubstr("undecided: always prev(Box/Box/position/z) > 0, until 0 s: not judged"));
+  const nlohmann::json report = rehearse({"check", "early.yaml", "--json"}).json();
+  EXPECT_EQ(report["code"], "expectations.undecided");
+  EXPECT_EQ(report["within"], false);
+  EXPECT_EQ(report["expectations"][0]["undecided"], true);
+  write("both.yaml",
+        read_file(box_scenario) + "expect: [" + undecided + ", {channel: Box/Box/position/z, above: 0.3}]\n");
+  EXPECT_EQ(rehearse({"check", "both.yaml"}).status, 1) << "what is violated counts more";
+  const Outcome all = rehearse({"check", "early.yaml", "both.yaml"});
+  EXPECT_EQ(all.status, 1) << "a difference is worse than what is undecided";
+}
+
 TEST_F(Check, FailsWithoutAGoldenAndSaysHowTheRunBecomesOne) {
   const Outcome outcome = rehearse({"check", scenario_});
   EXPECT_EQ(outcome.status, 1);

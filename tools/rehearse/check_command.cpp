@@ -415,7 +415,7 @@ Exit run_check(CheckSettings& settings, const CLI::App& options) {
   if (ended != Exit::done || interruption() != 0) return ended;
   if (all.empty()) return refuse(nothing_to_check());
   Exit worst = Exit::done;
-  for (const CheckOutcome& outcome : all) worst = std::max(worst, outcome.exit);
+  for (const CheckOutcome& outcome : all) worst = worse(worst, outcome.exit);
   if (settings.json) print(all.size() == 1 ? all[0].json : json_of_checks(all));
   const bool is_one_failed = all.size() == 1 && all[0].exit == Exit::controller_failed;
   if (!settings.no_report) keep_index(all, !settings.json && !is_one_failed);
@@ -428,7 +428,7 @@ Exit run_check(CheckSettings& settings, const CLI::App& options) {
     if (const auto printed = print_for_github(all); !printed) return refuse(printed.errors());
   if (!settings.strict) return worst;
   std::fflush(stdout);  // before related output on stderr
-  return std::max(worst, check_strictly());
+  return worse(worst, check_strictly());
 }
 
 void take_levels(const std::vector<std::string>& levels, CheckOptions& check) {

@@ -191,6 +191,7 @@ Result<Scenario> read_scenario(const std::string& file) {
 Exit exit_of(const CheckReport& report) {
   if (report.failed()) return Exit::controller_failed;
   if (!compared_anything(report)) return Exit::bad_input;
+  if (report.undecided()) return Exit::odd;
   return report.within() || report.golden_written ? Exit::done : Exit::differs;
 }
 

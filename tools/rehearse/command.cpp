@@ -110,6 +110,12 @@ class WrappedHelp : public CLI::Formatter {
 
 }  // namespace
 
+Exit worse(Exit a, Exit b) {
+  constexpr Exit order[] = {Exit::done, Exit::odd, Exit::differs, Exit::bad_input, Exit::controller_failed};
+  const auto rank = [&](Exit exit) { return std::find(std::begin(order), std::end(order), exit) - std::begin(order); };
+  return rank(a) < rank(b) ? b : a;
+}
+
 bool is_option(std::string_view word) {
   return word.size() > 1 && word[0] == '-' && word != "--" && (word[1] < '0' || word[1] > '9');
 }

@@ -27,9 +27,12 @@ enum class Exit {
   differs = 1,            // two runs differ
   bad_input = 2,          // bad usage or bad input; nothing was written
   controller_failed = 3,  // the controller refused, threw, crashed or hung; the trace is kept up to there
-  odd = 4,                // doctor, import: warnings, and no errors; replay of a log, sweep: undecided
+  odd = 4,                // doctor, import: warnings, and no errors; check, replay of a log, sweep: undecided
   // 128 and the signal's number: the verb was ended by SIGINT, SIGTERM or SIGHUP
 };
+
+/// The worse of two results: what is undecided is better than a difference.
+Exit worse(Exit a, Exit b);
 
 struct Verb {
   std::string_view name;

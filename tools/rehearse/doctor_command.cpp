@@ -45,13 +45,6 @@ struct Visit {
   }
 };
 
-/// The worse of two results.
-Exit worse(Exit a, Exit b) {
-  constexpr Exit order[] = {Exit::done, Exit::odd, Exit::differs, Exit::bad_input};
-  const auto rank = [&](Exit exit) { return std::find(std::begin(order), std::end(order), exit) - std::begin(order); };
-  return rank(a) < rank(b) ? b : a;
-}
-
 Visit visit(const std::string& file) {
   Visit visit{file, {}, {}, true, {}};
   TraceCheck content;

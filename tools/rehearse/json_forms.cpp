@@ -61,8 +61,8 @@ const Form& judged_expectation_form() {
       "a judged expectation",
       {member("text", types::string()), member("line", types::whole(-1, 1e9)), member("holds", types::flag()),
        member("first", types::nullable(types::of(violation_form))), member("undecided", types::flag()),
-       member("formula", types::string()), member("margin", types::nullable(types::real())),
-       member("closest", types::nullable(types::of(closest_form)))}};
+       member("not_judged", types::array(types::string())), member("formula", types::string()),
+       member("margin", types::nullable(types::real())), member("closest", types::nullable(types::of(closest_form)))}};
   return form;
 }
 

@@ -34,8 +34,9 @@ namespace rehearse {
 // Expectations: properties that a scenario demands of a run (`expect:`), judged on its recording.
 //
 // They need no golden: two runs of a chaotic scenario may be metres apart, and both may be right. Every sample of the
-// span counts, and NaN violates every bound. If the recording lacks something (a series, a sample, the time itself),
-// the expectation does not hold, and the sentence lists the nearest names.
+// span counts, and NaN violates every bound. A span begins with the first sample of the series; a series without a
+// sample isn't judged. An expectation of which nothing was judged, or whose time the run lacks, is undecided. If the
+// recording lacks the series itself, the expectation does not hold, and the sentence lists the nearest names.
 
 /// A sample that is out of the bounds, or an event that should not have happened.
 struct ViolatingSample {
@@ -63,9 +64,10 @@ struct ExpectationResult {
   std::string text;     // "SR1/WAIST/position/z above 0.6 m from 2 s on"
   std::string formula;  // the same in the language of expressions: "always SR1/WAIST/position/z > 0.6"
   bool holds = false;
-  bool undecided = false;  // the run's end cuts a window, and the ticks before don't decide; then not `holds`
-  std::string sentence;    // "expected TEXT: 0.41 m at tick 3120 (3.12 s)"; empty if it holds
-  std::string series;      // the series of the first violating sample; empty: no series, or an event
+  bool undecided = false;                // the run lacks ticks or samples that would decide it; then not `holds`
+  std::string sentence;                  // "expected TEXT: 0.41 m at tick 3120 (3.12 s)"; empty if it holds
+  std::vector<std::string> not_judged;   // series that exist and have no sample in the span
+  std::string series;                    // the series of the first violating sample; empty: no series, or an event
   std::optional<ViolatingSample> first;  // none if no single sample violates it
   /// Worst sample of the same series; with `sometime` the sample nearest to the bounds.
   std::optional<ViolatingSample> worst;
@@ -105,8 +107,8 @@ struct JudgedRecording {
 Result<JudgedRecording> judge_recording(const std::vector<Expectation>& expectations,
                                         const std::filesystem::path& recording);
 
-/// The violation with the earliest known time. A violation without a sample is returned only if there is no other.
-/// Null: all hold.
+/// The violation with the earliest known time. A violation without a sample is returned only if there is no other, and
+/// an undecided expectation only if none is violated. Null: all hold.
 const ExpectationResult* first_violation(const std::vector<ExpectationResult>& results);
 
 /// A violation as a place in the run, with its sentence as note. For a violation without a sample the place is the end
@@ -205,6 +207,8 @@ struct CheckReport {
   bool within() const;  // no level differs, and run_is_wrong() is false
   /// The run of level closed differs, has no golden, violates an expectation, or isn't certain.
   bool run_is_wrong() const;
+  /// Nothing is known to be wrong, and an expectation is undecided; then not within().
+  bool undecided() const;
   bool failed() const;  // a controller failed or refused to take part, or the simulation exploded
 };
 

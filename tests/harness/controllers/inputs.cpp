@@ -78,6 +78,20 @@ class Driver : public cnoid::SimpleController {
 };
 const Add<Driver> driver("drive");
 
+/// mixed: commands SHOULDER an effort of 1 and RAIL the displacement 0.25.
+class Mixed : public Pusher {
+ public:
+  explicit Mixed(const Words&) : Pusher(1.0) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    Link* rail = io->body()->joint("RAIL");
+    rail->setActuationMode(Link::JointDisplacement);
+    io->enableOutput(rail);
+    rail->q_target() = 0.25;
+    return Pusher::initialize(io);
+  }
+};
+const Add<Mixed> mixed("mixed");
+
 /// posture: holds every joint at its initial displacement, whatever robot it is.
 class PostureKeeper : public cnoid::SimpleController {
  public:

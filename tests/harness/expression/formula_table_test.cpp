@@ -6,6 +6,7 @@
 // b       0    0    0    5    5    0    0    0    0    0   m
 // c       -1   1    -1   1    -1   1    -1   1    -1   1   m
 // n       1    1    1    NaN  1    1    1    1    1    1   m
+// late    .    .    .    4    5    4    3    2    1    0   m, no sample before tick 3
 // foot    .    .    #    #    .    .    #    .    .    .
 #include <gtest/gtest.h>
 
@@ -31,6 +32,8 @@ SampledSource ten_ticks() {
   source.series["b"] = {0, 0, 0, 5, 5, 0, 0, 0, 0, 0};
   source.series["c"] = {-1, 1, -1, 1, -1, 1, -1, 1, -1, 1};
   source.series["n"] = {1, 1, 1, none, 1, 1, 1, 1, 1, 1};
+  source.series["late"] = {none, none, none, 4, 5, 4, 3, 2, 1, 0};
+  source.first_sample["late"] = 3;
   source.foot = {false, false, true, true, false, false, true, false, false, false};
   return source;
 }
@@ -129,7 +132,7 @@ INSTANTIATE_TEST_SUITE_P(
         Row{of(always, "contact(FOOT) && a < 6"), violated, none, -1, false, 0.0}, Row{of(always, "true"), holds, none},
         Row{of(eventually, "false"), violated, none}, Row{of(always, "!contact(FOOT) || a > 2"), holds, 1, 0.2},
         Row{of(always, "(a > 2) == (a > 2)"), holds, none}, Row{of(always, "prev(a) < 6 || tick == 0"), holds, 0},
-        Row{of(always, "changed(a)"), violated, none, -1, false, 0.0}));
+        Row{of(always, "changed(b)"), violated, none, -1, false, 0.1}));
 
 INSTANTIATE_TEST_SUITE_P(
     Quantifiers, FormulaTable,
@@ -213,21 +216,100 @@ INSTANTIATE_TEST_SUITE_P(Except, FormulaTable,
                              Row{except(of(always, "a < 0"), "true"), holds, none},
                              Row{except(of(always, "a < 6"), "false"), holds, 1, 0.4}));
 
+INSTANTIATE_TEST_SUITE_P(NotANumber, FormulaTable,
+                         ::testing::Values(Row{of(always, "n < 2"), violated, none, -1, true, 0.3},
+                                           Row{of(never, "n > 2"), violated, none, -1, true, 0.3},
+                                           Row{of(always, "n < 1"), violated, 0, 0.0, false, 0.0},
+                                           Row{of(eventually, "n > 0"), holds, 1, 0.0},
+                                           Row{of(eventually, "n > 2"), violated, none, -1, true, 0.3},
+                                           Row{of(always, "nan(n) || n < 2"), holds, 1, 0.0},
+                                           Row{of(always, "n != 2"), violated, none, -1, true, 0.3},
+                                           Row{of(always, "n < 2 || a > 3"), holds, 1},
+                                           Row{except(of(always, "n < 2"), "tick == 3"), holds, 1},
+                                           Row{of(eventually, "n > 2 for 0.1 s"), violated, -1},
+                                           Row{of(always, "n < 2 for 0.3 s"), violated, none, -1, true, 0.0},
+                                           Row{of(always, "prev(n) < 2"), violated, none, -1, true, 0.4}));
+
+// A span begins with the first samples: of a series, and of the tick before.
 INSTANTIATE_TEST_SUITE_P(
-    NotANumber, FormulaTable,
+    FirstSamples, FormulaTable,
     ::testing::Values(
-        Row{of(always, "n < 2"), violated, none, -1, true, 0.3}, Row{of(never, "n > 2"), violated, none, -1, true, 0.3},
-        Row{of(always, "n < 1"), violated, 0, 0.0, false, 0.0}, Row{of(eventually, "n > 0"), holds, 1, 0.0},
-        Row{of(eventually, "n > 2"), violated, none, -1, true, 0.3}, Row{of(always, "nan(n) || n < 2"), holds, 1, 0.0},
-        Row{of(always, "n != 2"), violated, none, -1, true, 0.3}, Row{of(always, "n < 2 || a > 3"), holds, 1},
-        Row{except(of(always, "n < 2"), "tick == 3"), holds, 1}, Row{of(eventually, "n > 2 for 0.1 s"), violated, -1},
-        Row{spanned(of(always, "prev(n) < 2"), {}, 0.0), violated, none, -1, true, 0.0}));
+        Row{of(always, "late < 6"), holds, 1, 0.4}, Row{of(always, "late < 5"), violated, 0, 0.4, false, 0.4},
+        Row{of(never, "late > 6"), holds, 1, 0.4}, Row{of(eventually, "late > 4"), holds, 1, 0.4},
+        Row{of(eventually, "late > 7"), violated, -2, 0.4}, Row{of(always, "late != 9"), holds, 4, 0.4},
+        Row{of(always, "abs(-late) + a < 11"), holds, 1, 0.4}, Row{of(always, "min(late, a) >= 0"), holds, 0},
+        Row{of(never, "nan(late)"), holds, none}, Row{of(always, "nan(late)"), violated, none, -1, false, 0.3},
+        // the other series decide
+        Row{of(always, "late < 6 && a < 6"), holds, 1, 0.4},
+        Row{of(always, "late < 6 && a > 1"), violated, -1, 0.9, false, 0.0},
+        Row{of(always, "late < 0 || a < 6"), holds, 1, 0.4}, Row{of(eventually, "late > 9 || a > 4"), holds, 1},
+        // the tick before
+        Row{of(always, "prev(a) < 6"), holds, 1, 0.5}, Row{of(always, "prev(prev(a)) < 6"), holds, 1, 0.6},
+        Row{of(always, "abs(delta(a)) < 2"), holds, 1, 0.1}, Row{of(always, "abs(delta(late)) < 2"), holds, 1, 0.4},
+        Row{of(always, "changed(a)"), holds, none}, Row{of(always, "changed(late)"), holds, none},
+        Row{of(always, "prev(tick < 9)"), holds, 1, 0.9}, Row{of(never, "step(late, 1.5 m)"), holds, none},
+        Row{of(never, "step(a)"), violated, none, -1, false, 0.1},
+        Row{of(always, "changed(late > 9) == false"), holds, none},
+        // a moment
+        Row{of(always, "late <= at(late, 0.3 s) + 1"), holds, 0, 0.4}, Row{of(always, "a <= at(a, 0.4 s)"), holds, 0},
+        // windows
+        Row{spanned(of(always, "late < 6 for 0.2 s"), {}, 0.7), holds, 1, 0.4},
+        Row{of(never, "late > 3 for 0.2 s"), violated, -1, -1, false, 0.3},
+        Row{spanned(within(of(always, "late > 1"), 0.1), {}, 0.6), holds, 2, 0.6},
+        // triggers: a condition that is true with its first sample becomes true there
+        Row{after(of(always, "a < 5"), "late > 3"), violated, 0, 0.4, false, 0.4},
+        Row{after(of(always, "late < 5"), "tick == 0"), violated, 0, 0.4, false, 0.4},
+        Row{after(of(always, "a > 9"), "late > 5"), holds, none},
+        Row{after(of(always, "a > 4"), "late > 3", 0.1), holds, 1, 0.4},
+        Row{after(of(eventually, "late > 4"), "tick == 1"), holds, 1, 0.4},
+        Row{after(of(eventually, "a > 4"), "late > 3"), holds, 1, 0.4},
+        // exceptions: nothing is excepted because of what came before a span
+        Row{except(of(always, "a < 4"), "late > 9", 0.5), violated, -1, 0.4, false, 0.3},
+        Row{except(of(always, "a < 3"), "late >= 3", 0.1), holds, 1}));
+
+// A time between two ticks isn't missing, if it is before the tick that would be the next.
+INSTANTIATE_TEST_SUITE_P(Ends, FormulaTable,
+                         ::testing::Values(Row{spanned(of(always, "a < 6"), {}, 0.95), holds, 1, 0.4},
+                                           Row{spanned(of(always, "a < 6"), {}, 1.0), undecided, none},
+                                           Row{of(always, "a < 6 for 0.05 s"), holds, 1, 0.4},
+                                           Row{of(always, "a < 6 for 0.1 s"), undecided, none},
+                                           Row{within(of(always, "a < 6"), 0.05), holds, 1, 0.4},
+                                           Row{after(of(eventually, "a > 4"), "tick == 9", 0.05), violated, -4, 0.9},
+                                           Row{after(of(eventually, "a > 4"), "tick == 9", 0.1), undecided, none}));
+
+// A condition that becomes true before the span demands nothing.
+INSTANTIATE_TEST_SUITE_P(
+    TriggersOutOfTheSpan, FormulaTable,
+    ::testing::Values(Row{spanned(after(of(always, "a > 9"), "a > 4"), 0.5, {}), holds, none},
+                      Row{spanned(after(of(always, "a > 9"), "a > 4"), 0.4, {}), violated, -9, 0.9, false, 0.4},
+                      Row{spanned(after(of(never, "a < 2"), "contact(FOOT)"), 0.7, {}), holds, none},
+                      Row{spanned(after(of(eventually, "a > 9"), "contact(FOOT)"), 0.7, {}), holds, none},
+                      Row{spanned(after(of(always, "a > 9"), "contact(FOOT)", 0.1), 0.7, {}), holds, none},
+                      Row{spanned(after(of(always, "a > 9"), "contact(FOOT)", {}, 0.1), 0.7, {}), holds, none}));
 
 TEST(Formula, WithoutATickInItsSpanIsNotJudged) {
   SampledSource source = ten_ticks();
   EXPECT_FALSE(testing::judged(spanned(of(always, "a < 6"), 0.31, 0.39), source).any_tick);
   source.times.clear();
   EXPECT_FALSE(testing::judged(of(always, "a < 6"), source).any_tick);
+}
+
+TEST(Formula, WithoutASampleInItsSpanIsNotJudged) {
+  SampledSource source = ten_ticks();
+  for (const FormulaText& text :
+       {spanned(of(always, "late < 6"), {}, 0.2), spanned(of(never, "late < 6"), {}, 0.2),
+        spanned(of(eventually, "late < 6"), {}, 0.2), spanned(of(always, "prev(a) < 6"), {}, 0.0),
+        spanned(of(always, "late < 6 for 0.1 s"), {}, 0.2), spanned(within(of(always, "late < 0"), 0.1), {}, 0.2),
+        spanned(after(of(always, "late < 0"), "tick == 0"), 0.0, 0.2),
+        spanned(after(of(eventually, "late < 0"), "tick == 0"), 0.0, 0.2),
+        spanned(after(of(eventually, "a > 9"), "late < 0"), 0.0, 0.2),
+        spanned(except(of(always, "a > 9"), "late < 0"), 0.0, 0.2)}) {
+    const FormulaResult result = testing::judged(text, source);
+    EXPECT_EQ(result.state, undecided) << Row{text, undecided, none};
+    EXPECT_TRUE(result.any_tick && !result.is_judged && !result.first) << Row{text, undecided, none};
+  }
+  const FormulaResult vacuous = testing::judged(after(of(eventually, "late < 6"), "a > 9"), source);
+  EXPECT_EQ(vacuous.state, holds);
 }
 
 TEST(Formula, KnowsWhetherItsConditionBecameTrue) {

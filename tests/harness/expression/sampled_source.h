@@ -19,6 +19,7 @@ class SampledSource final : public ExpressionSource {
  public:
   std::vector<std::uint64_t> times;  // of the ticks [ns]
   std::map<std::string, std::vector<double>> series;
+  std::map<std::string, std::int64_t> first_sample;  // ticks; without one the first tick has a sample
   std::vector<bool> foot;
 
   Result<std::size_t> find_series(std::string_view name) override {
@@ -41,11 +42,30 @@ class SampledSource final : public ExpressionSource {
   double value(std::size_t index, std::int64_t tick, CommandSide) override {
     return std::next(series.begin(), static_cast<std::ptrdiff_t>(index))->second[static_cast<std::size_t>(tick)];
   }
+  Sampled sampled(std::size_t index, std::int64_t tick, CommandSide) const override {
+    const auto first = first_sample.find(std::next(series.begin(), static_cast<std::ptrdiff_t>(index))->first);
+    return first == first_sample.end() || first->second <= tick ? Sampled::yes : Sampled::no;
+  }
+  Sampled sampled_at(std::size_t index, double time, std::int64_t tick) const override {
+    return tick_at(time) <= tick ? sampled(index, tick_at(time), CommandSide::recorded) : Sampled::no;
+  }
+  double value_at(std::size_t index, double time, std::int64_t tick) override {
+    return tick_at(time) <= tick ? value(index, tick_at(time), CommandSide::recorded)
+                                 : std::numeric_limits<double>::quiet_NaN();
+  }
   bool touching(const std::vector<std::size_t>&, const std::vector<std::size_t>&, std::int64_t tick) override {
     return foot[static_cast<std::size_t>(tick)];
   }
   bool differs_at(std::int64_t) override { return false; }
   bool said(std::string_view, std::int64_t) override { return false; }
+
+ private:
+  /// The latest tick up to a time [s].
+  std::int64_t tick_at(double time) const {
+    std::int64_t tick = 0;
+    while (tick < last_tick() && time_at(tick + 1) <= time + 1e-9) ++tick;
+    return tick;
+  }
 };
 
 /// A formula as texts; times in seconds, empty texts: none.
@@ -62,12 +82,12 @@ inline Formula formula_of(const FormulaText& text, ExpressionSource& source) {
   const auto time = [](const std::optional<double>& seconds) {
     return seconds ? std::optional(in_ns(*seconds)) : std::nullopt;
   };
-  Formula formula{text.quantifier,   *Expression::parse(text.condition, source), {}, {}, time(text.within),
-                  time(text.lasting)};
+  Formula formula{
+      text.quantifier, *Expression::parse(text.condition, source), {}, {}, time(text.within), time(text.lasting), {}};
   if (!text.after.empty()) formula.after = *Expression::parse(text.after, source);
   if (!text.except.empty()) formula.except = *Expression::parse(text.except, source);
-  formula.from = text.from ? in_ns(*text.from) : 0;
-  if (text.until) formula.until = in_ns(*text.until);
+  formula.span.from = text.from ? in_ns(*text.from) : 0;
+  if (text.until) formula.span.until = in_ns(*text.until);
   return formula;
 }
 
@@ -76,7 +96,7 @@ inline FormulaResult judged(const FormulaText& text, SampledSource& source) {
   FormulaJudge judge(formula);
   for (std::size_t tick = 0; tick < source.times.size(); ++tick)
     judge.take(source, static_cast<std::int64_t>(tick), source.times[tick]);
-  return judge.finish(source.times.empty() ? 0 : source.times.back());
+  return judge.finish();
 }
 
 }  // namespace rehearse::testing

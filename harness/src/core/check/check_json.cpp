@@ -29,6 +29,7 @@ nlohmann::ordered_json json_of(const ExpectationResult& result) {
                                 {"holds", result.holds},
                                 {"first", nullptr},
                                 {"undecided", result.undecided},
+                                {"not_judged", result.not_judged},
                                 {"formula", result.formula},
                                 {"margin", result.margin ? number_json(*result.margin) : nlohmann::ordered_json()},
                                 {"closest", nullptr}};

@@ -56,6 +56,14 @@ std::string bits_sentence(const CheckReport& report) {
   return first && bit && bit->tick < first->tick ? fmt::format("its bits differ from tick {} on", bit->tick) : "";
 }
 
+bool CheckReport::undecided() const {
+  const ExpectationResult* first = first_violation(expectations);
+  if (!first || !first->undecided || failed()) return false;
+  CheckReport decided = *this;
+  decided.expectations.clear();
+  return decided.within();
+}
+
 bool CheckReport::failed() const {
   const bool run_failed = run && (run->failure || run->controller_refused);
   return run_failed || (replay && (replay->failure || replay->controller_refused));

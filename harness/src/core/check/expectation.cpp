@@ -8,12 +8,14 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "core/kinds/channel_name.h"
 #include "core/mcap/hashing.h"
 #include "core/trace/trace_windows.h"
 #include "expectation_judge.h"
+#include "expectation_text.h"
 #include "model/clock.h"
 
 namespace rehearse {
@@ -122,10 +124,11 @@ Result<JudgedRecording> judge_recording(const std::vector<Expectation>& expectat
 const ExpectationResult* first_violation(const std::vector<ExpectationResult>& results) {
   // only the end of a run shows that something never came
   const auto known_at = [](const ExpectationResult& result) {
+    if (result.undecided) return std::pair(true, 0.0);
     const bool is_of_some =
         result.expectation.sometime || result.expectation.quantifier == Expectation::Quantifier::eventually;
     const bool at_once = result.first && !is_of_some;
-    return at_once ? result.first->time : std::numeric_limits<double>::infinity();
+    return std::pair(false, at_once ? result.first->time : std::numeric_limits<double>::infinity());
   };
   const ExpectationResult* first = nullptr;
   for (const ExpectationResult& result : results)
@@ -163,16 +166,38 @@ Divergence divergence_of(const ExpectationResult& violation, const Trace& run) {
   return divergence;
 }
 
+namespace {
+
+/// "; not judged: A/x has no sample", of expectations that hold.
+std::string not_judged_text(const std::vector<ExpectationResult>& results) {
+  std::vector<std::string> series;
+  for (const ExpectationResult& result : results)
+    for (const std::string& name : result.not_judged)
+      if (std::ranges::find(series, name) == series.end()) series.push_back(name);
+  return series.empty() ? "" : "; not judged: " + without_sample_text(series);
+}
+
+}  // namespace
+
 std::string verdict(const std::vector<ExpectationResult>& results) {
   if (results.empty()) return {};
   const ExpectationResult* first = first_violation(results);
   if (first == nullptr)
-    return results.size() == 1 ? fmt::format("the expectation holds: {}", results[0].text)
-                               : fmt::format("all {} expectations hold", results.size());
-  const auto violated = std::count_if(results.begin(), results.end(), [](const auto& result) { return !result.holds; });
-  if (violated == 1) return first->sentence;
-  return fmt::format("{}; {} more of {} expectations {} violated", first->sentence, violated - 1, results.size(),
-                     violated == 2 ? "is" : "are");
+    return (results.size() == 1 ? fmt::format("the expectation holds: {}", results[0].text)
+                                : fmt::format("all {} expectations hold", results.size())) +
+           not_judged_text(results);
+  const auto undecided = std::ranges::count(results, true, &ExpectationResult::undecided);
+  const auto violated = std::ranges::count(results, false, &ExpectationResult::holds) - undecided;
+  std::string text = first->sentence;
+  auto add = [&, is_first = true](std::ptrdiff_t count, std::string_view state) mutable {
+    if (count == 0) return;
+    text += fmt::format("; {} more{} {} {}", count, is_first ? fmt::format(" of {} expectations", results.size()) : "",
+                        count == 1 ? "is" : "are", state);
+    is_first = false;
+  };
+  add(violated - (first->undecided ? 0 : 1), "violated");
+  add(undecided - (first->undecided ? 1 : 0), "undecided");
+  return text;
 }
 
 std::string violation_lines(const std::vector<ExpectationResult>& results) {

@@ -58,6 +58,7 @@ void SeriesJudge::take(const TraceChannel& channel, std::size_t column) {
   for (std::size_t row = 0; row < channel.rows(); ++row) {
     const std::uint64_t time = channel.times[row];
     const double number = channel.number(row, column);
+    any_number_ = any_number_ || !std::isnan(number);
     if (e.since && time <= to_ns(*e.since) && (!baseline_ || time >= baseline_time_)) {
       baseline_ = number;
       baseline_time_ = time;
@@ -95,26 +96,26 @@ void SeriesJudge::take_sample(const ViolatingSample& sample, const Judgement& ju
   if (!nearest_ || judgement.margin > nearest_margin_) nearest_ = sample, nearest_margin_ = judgement.margin;
 }
 
-bool SeriesJudge::finish() {
+SeriesJudge::State SeriesJudge::finish() {
   const bool moment = expectation_->at || expectation_->at_end;
-  if (expectation_->since && !baseline_) {
-    problem = fmt::format("there is no sample at {} s or before", *expectation_->since);
+  const bool has_baseline = !expectation_->since || baseline_;
+  if (!any_number_ || !has_baseline || (moment ? !latest_ : !any_)) {
+    problem = any_number_ && !has_baseline ? fmt::format("there is no sample at {} s or before", *expectation_->since)
+              : moment                     ? "there is no sample at that time or before"
+                                           : "there is no sample in that span";
     first = worst = std::nullopt;
-    return false;
-  }
-  if (moment ? !latest_ : !any_) {
-    problem = moment ? "there is no sample at that time or before" : "there is no sample in that span";
-    return false;
+    decisive = std::nullopt;
+    return State::not_judged;
   }
   if (moment) {
     decisive = latest_judgement_;
-    if (decisive->truth) return true;
+    if (decisive->truth) return State::holds;
     first = worst = latest_;
-    return false;
+    return State::violated;
   }
-  if (expectation_->sometime ? any_right_ : !first) return true;
+  if (expectation_->sometime ? any_right_ : !first) return State::holds;
   if (expectation_->sometime) first = worst = nearest_;
-  return false;
+  return State::violated;
 }
 
 void SeriesJudge::set_ticks(const TickClock& clock) {
@@ -176,6 +177,7 @@ bool ExpectationJudge::found_all() const {
 void ExpectationJudge::set_end(const Trace& last) {
   const std::uint64_t duration = earliest_ > latest_ ? 0 : latest_ - earliest_;
   end_time_ = clock_.empty() ? duration : clock_.last_time();
+  next_time_ = end_time_ + std::max<std::uint64_t>(clock_.smallest_step(), 2);
   const auto outcome = RunFacts::of(last).outcome;
   ended_early_ = !outcome || outcome->failure;
 }
@@ -204,8 +206,17 @@ std::vector<ExpectationResult> ExpectationJudge::finish(const Trace& last) {
 /// The reason why the run is too short for the expectation; empty if it isn't.
 std::string ExpectationJudge::missing_time(const Expectation& e) const {
   const double wanted = std::max({e.at.value_or(0.0), e.until.value_or(0.0), e.from.value_or(0.0)});
-  if (to_ns(wanted) <= end_time_ && !(e.at_end && ended_early_)) return {};
+  // before the next tick no tick is missing; times of ticks are rounded
+  if (to_ns(wanted) + 1 < next_time_ && !(e.at_end && ended_early_)) return {};
   return fmt::format("the run ended{} at {}", ended_early_ ? " early," : "", time_text(seconds_of(end_time_)));
+}
+
+void ExpectationJudge::tell(const Shortfall& shortfall, ExpectationResult& result) {
+  result.holds = shortfall.text.empty();
+  if (result.holds) return;
+  result.undecided = shortfall.is_undecided;
+  result.sentence =
+      fmt::format("{}{}: {}", result.undecided ? "undecided: " : "expected ", result.text, shortfall.text);
 }
 
 void ExpectationJudge::judge_events(const Case& found, ExpectationResult& result) const {
@@ -220,9 +231,7 @@ void ExpectationJudge::judge_events(const Case& found, ExpectationResult& result
     return;
   }
   const std::string reason = missing_time(result.expectation);
-  result.holds = !wanted && reason.empty();
-  if (!result.holds)
-    result.sentence = fmt::format("expected {}: {}", result.text, reason.empty() ? "there is none" : reason);
+  tell({reason.empty() && wanted ? "there is none" : reason, !reason.empty()}, result);
 }
 
 /// Counts a violating series. The earliest violation of several series is kept.
@@ -250,9 +259,13 @@ void ExpectationJudge::judge_series(Case& found, const Trace& last, ExpectationR
     if (e.angle && !is_angle)
       series.judge.problem =
           fmt::format("{} is no angle{}{}", name, series.unit.empty() ? "" : ", but in ", series.unit);
-    const bool holds = (!e.angle || is_angle) && series.judge.finish();
+    const SeriesJudge::State state = e.angle && !is_angle ? SeriesJudge::State::violated : series.judge.finish();
     series.judge.set_ticks(clock_);
-    if (!holds) take(series.judge, name, series.unit, result, tally);
+    if (state == SeriesJudge::State::violated) take(series.judge, name, series.unit, result, tally);
+    if (state == SeriesJudge::State::not_judged) {
+      result.not_judged.push_back(name);
+      tally.not_judged = series.judge.problem;
+    }
     const std::optional<Judgement>& of_series = series.judge.decisive;
     if (!of_series || (decisive && &lesser(*decisive, *of_series) != &*of_series)) continue;
     decisive = of_series;
@@ -260,25 +273,38 @@ void ExpectationJudge::judge_series(Case& found, const Trace& last, ExpectationR
   }
   if (decisive) set_closest(*decisive, unit_of_decisive, e.degrees, clock_, result);
   result.text = text_of(e, e.angle ? "rad" : tally.unit);
-  const std::string what = violation_of(result, tally, last);
-  const std::string missing = what.empty() ? missing_margin(result) : what;
-  result.holds = missing.empty();
-  if (!result.holds) result.sentence = fmt::format("expected {}: {}", result.text, missing);
+  const Shortfall shortfall = shortfall_of(result, tally, last);
+  tell(shortfall.text.empty() ? Shortfall{missing_margin(result)} : shortfall, result);
 }
 
-/// The violation in words; empty if the expectation holds.
-std::string ExpectationJudge::violation_of(ExpectationResult& result, const Tally& tally, const Trace& last) const {
+ExpectationJudge::Shortfall ExpectationJudge::shortfall_of(ExpectationResult& result, const Tally& tally,
+                                                           const Trace& last) const {
   const Expectation& e = result.expectation;
   if (tally.found == 0) {
+    result.not_judged = unsampled_series(last, e.pattern);
+    if (!result.not_judged.empty()) return {"not judged, " + without_sample_text(result.not_judged), true};
     const std::string near = last.nearest_series(e.pattern);
-    return fmt::format("the run has no such series{}{}", near.empty() ? "" : "; the nearest are ", near);
+    return {fmt::format("the run has no such series{}{}", near.empty() ? "" : "; the nearest are ", near)};
   }
   const std::string reason = missing_time(e);
   if (!reason.empty() && (e.at || e.at_end)) {
     result.first = result.worst = std::nullopt;  // the last sample is from an earlier time
-    return reason;
+    return {reason, !e.at_end};
   }
-  if (!result.first) return reason.empty() ? tally.problem : reason;
+  const bool may_come_true = e.sometime && !reason.empty();
+  if (result.first && !may_come_true) return {violation_text(result, tally)};
+  if (!tally.problem.empty()) return {tally.problem};
+  if (!reason.empty() && (!e.sometime || tally.violating > 0)) {
+    result.first = result.worst = std::nullopt;
+    return {reason, true};
+  }
+  if (std::ssize(result.not_judged) == tally.found) return {"not judged, " + tally.not_judged, true};
+  return {};
+}
+
+/// The first violating sample and the worst one.
+std::string ExpectationJudge::violation_text(const ExpectationResult& result, const Tally& tally) {
+  const Expectation& e = result.expectation;
   const bool several = e.pattern.find('*') != std::string::npos;
   std::string text = several ? result.series + " is " : "";
   if (e.sometime) text += "never, the nearest is ";

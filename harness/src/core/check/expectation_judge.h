@@ -45,8 +45,9 @@ class SeriesJudge {
   SeriesJudge(const Expectation& expectation, const std::string& series);
 
   void take(const TraceChannel& channel, std::size_t column);
-  /// False if the expectation doesn't hold. Then `first` is set, or `problem` if there is no violating sample.
-  bool finish();
+  enum class State { holds, violated, not_judged };
+  /// Not judged: `problem` is the reason.
+  State finish();
   /// Sets the ticks of `first` and `worst`, which are known only after all pieces.
   void set_ticks(const TickClock& clock);
 
@@ -67,6 +68,7 @@ class SeriesJudge {
   Judgement latest_judgement_;
   std::uint64_t latest_time_ = 0;
   bool any_ = false, any_right_ = false;
+  bool any_number_ = false;  // not only NaN, which a message of joints has for a quantity that nobody enabled
   std::optional<ViolatingSample> nearest_;  // sample out of the bounds that is nearest to them
   double worst_margin_ = 0.0, nearest_margin_ = 0.0;
 };
@@ -109,6 +111,12 @@ class ExpectationJudge {
     std::string unit;        // of all series; empty if there are several units
     std::string first_unit;  // of the series with the first violation
     std::string problem;     // of that series, if it has no violating sample
+    std::string not_judged;  // the reason of a series that isn't judged
+  };
+  /// Why an expectation doesn't hold; empty: it does.
+  struct Shortfall {
+    std::string text;
+    bool is_undecided = false;
   };
 
   void take_times(const Trace& piece);
@@ -117,9 +125,11 @@ class ExpectationJudge {
   void set_end(const Trace& last);
 
   std::string missing_time(const Expectation& expectation) const;
+  static void tell(const Shortfall& shortfall, ExpectationResult& result);
   void judge_events(const Case& found, ExpectationResult& result) const;
   void judge_series(Case& found, const Trace& last, ExpectationResult& result) const;
-  std::string violation_of(ExpectationResult& result, const Tally& tally, const Trace& last) const;
+  Shortfall shortfall_of(ExpectationResult& result, const Tally& tally, const Trace& last) const;
+  static std::string violation_text(const ExpectationResult& result, const Tally& tally);
   static void take(const SeriesJudge& judge, const std::string& name, const std::string& unit,
                    ExpectationResult& result, Tally& tally);
 
@@ -129,7 +139,8 @@ class ExpectationJudge {
   TickClock clock_;
   std::uint64_t earliest_ = std::numeric_limits<std::uint64_t>::max(), latest_ = 0;  // of all messages [ns]
   std::uint64_t end_time_ = 0;                                                       // of the last tick [ns]
-  bool ended_early_ = false;                                                         // the run failed, or was cut off
+  std::uint64_t next_time_ = 0;  // at which one would be the next [ns]
+  bool ended_early_ = false;     // the run failed, or was cut off
 };
 
 /// As judge_expectations() of a recording; with Damage::tolerate a damaged one is judged by its undamaged messages.

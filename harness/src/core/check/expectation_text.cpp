@@ -6,6 +6,11 @@
 #include <limits>
 #include <numbers>
 
+#include "core/kinds/channel_name.h"
+#include "core/kinds/kind.h"
+#include "core/mcap/glob.h"
+#include "model/names.h"
+
 namespace rehearse {
 
 std::string time_text(double seconds) { return fmt::format("{:.12g} s", seconds); }
@@ -107,6 +112,28 @@ std::string missing_margin(const ExpectationResult& result) {
   if (demand->is_share && !closest.share) return "the bound is 0, of which a margin can't be a share";
   if ((demand->is_share ? *closest.share : closest.margin) >= demand->least) return {};
   return fmt::format("its margin is less than {}: {}", demand->text, closest_text(result).substr(9));
+}
+
+std::string without_sample_text(const std::vector<std::string>& series) {
+  constexpr std::size_t most_shown = 6;
+  return fmt::format("{} {} no sample", listed(series, most_shown), series.size() == 1 ? "has" : "have");
+}
+
+std::vector<std::string> unsampled_series(const Trace& run, std::string_view pattern) {
+  std::vector<std::string> found;
+  for (const TraceChannel& channel : run.channels()) {
+    const ChannelKind kind = ChannelName::parse(channel.topic).kind;
+    if (!channel.columns.empty() || kind == ChannelKind::other || !form_of(kind).has_series) continue;
+    if (!form_of(kind).has_fixed_elements) {  // only messages tell the elements
+      const std::string begin = series_name(channel.topic, "");
+      if (!begin.empty() && pattern.starts_with(begin)) found.emplace_back(pattern);
+      continue;
+    }
+    for (const ChannelElement& element : elements_of(kind))
+      if (std::string name = series_name(channel.topic, element.name); matches(pattern, name))
+        found.push_back(std::move(name));
+  }
+  return found;
 }
 
 std::string closest_text(const ExpectationResult& result) {

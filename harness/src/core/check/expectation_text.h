@@ -2,8 +2,11 @@
 #pragma once
 
 #include <rehearse/check.h>
+#include <rehearse/trace.h>
 
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace rehearse {
 
@@ -21,5 +24,11 @@ std::string formula_of(const Expectation& expectation);
 
 /// The number of a margin that is demanded, and what is missing: "with a margin of 10 %". Empty: the margin is enough.
 std::string missing_margin(const ExpectationResult& result);
+
+/// "Robot/Gyro/angular_velocity/y has no sample", of some of them.
+std::string without_sample_text(const std::vector<std::string>& series);
+
+/// The series that match a pattern and whose channel has no message.
+std::vector<std::string> unsampled_series(const Trace& run, std::string_view pattern);
 
 }  // namespace rehearse

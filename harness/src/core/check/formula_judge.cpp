@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <set>
 #include <utility>
 
 #include "core/expression/unit.h"
@@ -48,15 +50,15 @@ ViolatingSample sample_of(const TickJudgement& at, const TickClock& clock) {
 Result<Formula> parse_formula(const Expectation& e, ExpressionSource& source) {
   auto condition = parse_condition(e.expression, e, source);
   if (!condition) return condition.errors();
-  Formula formula{quantifier_of(e), *std::move(condition), {}, {}, nanoseconds(e.delay), nanoseconds(e.lasting)};
+  Formula formula{quantifier_of(e), *std::move(condition), {}, {}, nanoseconds(e.delay), nanoseconds(e.lasting), {}};
   for (auto [text, to] : {std::pair(&e.after, &formula.after), std::pair(&e.except, &formula.except)}) {
     if (text->empty()) continue;
     auto parsed = parse_condition(*text, e, source);
     if (!parsed) return parsed.errors();
     *to = *std::move(parsed);
   }
-  if (e.from) formula.from = nanoseconds(*e.from);
-  if (e.until) formula.until = nanoseconds(*e.until);
+  if (e.from) formula.span.from = nanoseconds(*e.from);
+  if (e.until) formula.span.until = nanoseconds(*e.until);
   return formula;
 }
 
@@ -127,9 +129,25 @@ void FormulaRun::finish(const Trace& names) {
     const auto parsed = parse_formula(expectations_[of.index], all);
     lacked_names_ = lacked_names_ || parsed.ok() == of.mistake.has_value();
     if (!parsed) of.mistake = parsed.errors().front();
-    if (of.judge) of.result = of.judge->finish(last_time_.value_or(0));
+    finish(of, names);
   }
   lacked_names_ = lacked_names_ || all.found() != source_->found();
+}
+
+void FormulaRun::finish(Case& of, const Trace& names) {
+  if (of.mistake) {
+    for (const std::string& name : expectations_[of.index].names)
+      for (std::string& series : unsampled_series(names, name)) of.unsampled.push_back(std::move(series));
+    return;
+  }
+  std::set<std::size_t> read;
+  for (const Expression* part : {&of.formula->condition, of.formula->after ? &*of.formula->after : nullptr,
+                                 of.formula->except ? &*of.formula->except : nullptr})
+    if (part) std::ranges::copy(part->series(), std::inserter(read, read.end()));
+  for (const std::size_t series : read)
+    if (!source_->has_sample(series)) of.unsampled.push_back(source_->name_of(series));
+  of.result = of.judge->finish(
+      std::ranges::any_of(read, [this](std::size_t series) { return source_->begins_with_nan(series); }));
 }
 
 bool FormulaRun::any_mistake() const {
@@ -175,12 +193,24 @@ void FormulaRun::tell_violation(const Case& of, const TickClock& clock, bool end
   result.worst = found.worst ? sample_of(*found.worst, clock) : *result.first;
 }
 
+std::string FormulaRun::not_judged_text(const Case& of) const {
+  if (!of.result.any_tick) return "there is no tick in that span";
+  if (!of.unsampled.empty()) return "not judged, " + without_sample_text(of.unsampled);
+  return "not judged, the span ends before the first samples of its series";
+}
+
 ExpectationResult FormulaRun::result(std::size_t index, const TickClock& clock, bool ended_early) const {
   const Case& of = *std::ranges::find(cases_, index, &Case::index);
   ExpectationResult result;
   result.expectation = expectations_[index];
   result.text = text_of(result.expectation, "");
   result.formula = formula_of(result.expectation);
+  result.not_judged = of.unsampled;
+  if (of.mistake && !of.unsampled.empty()) {
+    result.undecided = true;
+    result.sentence = fmt::format("undecided: {}: not judged, {}", result.text, without_sample_text(of.unsampled));
+    return result;
+  }
   if (of.mistake) {
     result.problem = of.mistake;
     result.sentence = fmt::format("expected {}: {} ({})", result.text,
@@ -188,8 +218,9 @@ ExpectationResult FormulaRun::result(std::size_t index, const TickClock& clock, 
     return result;
   }
   const FormulaResult& found = of.result;
-  if (!found.any_tick) {
-    result.sentence = fmt::format("expected {}: there is no tick in that span", result.text);
+  if (!found.is_judged && found.state == FormulaResult::State::undecided && !found.first) {
+    result.undecided = true;
+    result.sentence = fmt::format("undecided: {}: {}", result.text, not_judged_text(of));
     return result;
   }
   if (found.decisive) {

@@ -49,12 +49,15 @@ class FormulaRun {
   struct Case {
     std::size_t index = 0;  // of its expectation
     std::optional<Diagnostic> mistake;
+    std::vector<std::string> unsampled;  // series of it that exist and have no sample
     std::unique_ptr<Formula> formula;
     std::unique_ptr<FormulaJudge> judge;
     FormulaResult result;
   };
   void parse(const Trace& names);
   void pass(std::int64_t tick, std::uint64_t time);
+  void finish(Case& of, const Trace& names);
+  std::string not_judged_text(const Case& of) const;
   void tell_violation(const Case& of, const TickClock& clock, bool ended_early, ExpectationResult& result) const;
   std::string sample_text(const Case& of, const TickJudgement& at, const TickClock& clock) const;
 

@@ -69,7 +69,7 @@ Result<JointLimit> RunSource::find_limit(std::string_view joint, std::string_vie
 }
 
 void RunSource::prepare(const Expression& expression) {
-  for (const Expression::Moment& moment : expression.moments()) held_.push_back({moment.series, moment.time, no_value});
+  for (const Expression::Moment& moment : expression.moments()) held_.push_back({moment.series, moment.time, {}});
 }
 
 void RunSource::take_samples(const Trace& piece) {
@@ -118,6 +118,8 @@ void RunSource::pass_samples(Series& series, std::size_t index, std::uint64_t ti
   for (; series.next < series.waiting.size() && series.waiting[series.next].time <= time; ++series.next) {
     const Sample& sample = series.waiting[series.next];
     series.latest = sample.value;
+    if (!series.first_message) series.first_message = passed_;
+    if (!series.first_number && !std::isnan(sample.value)) series.first_number = passed_;
     for (HeldValue& held : held_)
       if (held.series == index && seconds_of(static_cast<std::int64_t>(sample.time)) <= held.time + 1e-9)
         held.value = sample.value;
@@ -178,11 +180,33 @@ bool RunSource::happened(std::string_view pattern, std::int64_t tick) {
   });
 }
 
-double RunSource::value_at(std::size_t series, double time, std::int64_t tick) {
-  if (slot(tick).seconds + 1e-9 < time) return no_value;
+bool RunSource::begins_with_nan(std::size_t series) const {
+  const Series& of = series_[series];
+  return of.first_number && *of.first_message < *of.first_number;
+}
+
+ExpressionSource::Sampled RunSource::sampled(std::size_t series, std::int64_t tick, CommandSide) const {
+  const Series& of = series_[series];
+  if (of.first_number && *of.first_number <= tick) return Sampled::yes;
+  return of.first_message && *of.first_message <= tick ? Sampled::blank : Sampled::no;
+}
+
+const RunSource::HeldValue* RunSource::held_at(std::size_t series, double time, std::int64_t tick) const {
+  if (slot(tick).seconds + 1e-9 < time) return nullptr;
   const auto held =
       std::ranges::find_if(held_, [&](const HeldValue& known) { return known.series == series && known.time == time; });
-  return held == held_.end() ? no_value : held->value;
+  return held == held_.end() ? nullptr : &*held;
+}
+
+ExpressionSource::Sampled RunSource::sampled_at(std::size_t series, double time, std::int64_t tick) const {
+  const HeldValue* held = held_at(series, time, tick);
+  if (!held || !held->value) return Sampled::no;
+  return std::isnan(*held->value) ? sampled(series, tick, CommandSide::recorded) : Sampled::yes;
+}
+
+double RunSource::value_at(std::size_t series, double time, std::int64_t tick) {
+  const HeldValue* held = held_at(series, time, tick);
+  return held ? held->value.value_or(no_value) : no_value;
 }
 
 }  // namespace rehearse

@@ -31,6 +31,11 @@ class RunSource final : public ExpressionSource {
   void set_limits(const std::map<std::string, Expectation::Limit>& limits) { limits_ = limits; }
   /// Stores what an expression needs of other ticks. Called before the first tick.
   void prepare(const Expression& expression);
+  /// Of a series, by its id.
+  const std::string& name_of(std::size_t series) const { return series_[series].name; }
+  bool has_sample(std::size_t series) const { return series_[series].first_number.has_value(); }
+  /// True if its first messages have NaN, and a later one a number.
+  bool begins_with_nan(std::size_t series) const;
   /// Names of the series that were found, in the order of the first request.
   const std::vector<std::string>& found() const { return found_; }
 
@@ -55,6 +60,8 @@ class RunSource final : public ExpressionSource {
   double value(std::size_t series, std::int64_t tick, CommandSide) override {
     return values_[series * kept + static_cast<std::size_t>(tick) % kept];
   }
+  Sampled sampled(std::size_t series, std::int64_t tick, CommandSide) const override;
+  Sampled sampled_at(std::size_t series, double time, std::int64_t tick) const override;
   bool touching(const std::vector<std::size_t>& links, const std::vector<std::size_t>& others,
                 std::int64_t tick) override;
   bool differs_at(std::int64_t) override { return false; }
@@ -75,12 +82,13 @@ class RunSource final : public ExpressionSource {
     std::vector<Sample> waiting;  // samples that no tick has reached, from `next` on
     std::size_t next = 0;
     double latest = 0.0;
+    std::optional<std::int64_t> first_message, first_number;  // ticks
   };
   /// The latest value of a series up to a time.
   struct HeldValue {
     std::size_t series = 0;
-    double time = 0.0;  // [s]
-    double value = 0.0;
+    double time = 0.0;            // [s]
+    std::optional<double> value;  // none: there was no message up to then
   };
   struct Tick {
     std::int64_t number = 0;
@@ -94,6 +102,8 @@ class RunSource final : public ExpressionSource {
   };
 
   std::size_t use(const std::string& name);
+  /// Null: the tick is earlier than the time.
+  const HeldValue* held_at(std::size_t series, double time, std::int64_t tick) const;
   const Tick& slot(std::int64_t tick) const { return ticks_[static_cast<std::size_t>(tick) % kept]; }
   void take_samples(const Trace& piece);
   void take_ticks(const Trace& piece);

@@ -16,7 +16,7 @@ constexpr auto rows = [] {
     {within_tolerance, "same.within_tolerance", "bits differ, and every value is within its tolerance"},
     {expectations_hold, "expectations.hold", "all expectations of the scenario hold"},
     {expectations_violated, "expectations.violated", "an expectation of the scenario is violated"},
-    {expectations_undecided, "expectations.undecided", "no expectation is violated, and the run's end cuts a window, so that one isn't decided"},
+    {expectations_undecided, "expectations.undecided", "no expectation is violated, and the run lacks ticks or samples that would decide one"},
     {controller_changed, "controller.changed", "fed with the golden's inputs, a controller gives other outputs"},
     {controller_unsteady, "controller.unsteady", "a controller gives other outputs from run to run: it depends on more than its inputs"},
     {controller_surroundings_changed, "controller.surroundings_changed", "the recorded controller repeats itself, and gives other outputs than in the golden: a file or other data changed"},

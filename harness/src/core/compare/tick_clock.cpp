@@ -3,6 +3,7 @@
 #include <rehearse/messages.h>
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "series_rules.h"
@@ -59,6 +60,15 @@ void TickClock::put_in_order() {
 const TickClock::Stretch* TickClock::stretch_at(std::uint64_t time) const {
   const auto after = std::ranges::upper_bound(stretches_, time, {}, &Stretch::time);
   return after == stretches_.begin() ? nullptr : &*std::prev(after);
+}
+
+std::uint64_t TickClock::smallest_step() const {
+  std::uint64_t smallest = std::numeric_limits<std::uint64_t>::max();
+  for (std::size_t i = 0; i < stretches_.size(); ++i) {
+    if (stretches_[i].count > 1) smallest = std::min(smallest, stretches_[i].step);
+    if (i > 0) smallest = std::min(smallest, stretches_[i].time - stretches_[i - 1].last_time());
+  }
+  return size() < 2 ? 0 : smallest;
 }
 
 std::uint64_t TickClock::time(std::size_t index) const {

@@ -24,6 +24,8 @@ class TickClock {
   std::size_t size() const { return empty() ? 0 : stretches_.back().earlier + stretches_.back().count; }
   std::uint64_t first_time() const { return stretches_.front().time; }       // [ns]
   std::uint64_t last_time() const { return stretches_.back().last_time(); }  // [ns]
+  /// The smallest distance of two consecutive ticks; 0 without two ticks [ns].
+  std::uint64_t smallest_step() const;
   /// The time of a tick, by its index in the order of time [ns].
   std::uint64_t time(std::size_t index) const;
   /// The time of the first tick at or after a time [ns].

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <set>
 
 #include "expression_parser.h"
 #include "unit.h"
@@ -13,6 +14,16 @@ namespace rehearse {
 namespace {
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+constexpr Causes no_tick_before{.missing = true};
+
+Causes causes_of(ExpressionSource::Sampled sampled) {
+  using Sampled = ExpressionSource::Sampled;
+  return {.missing = sampled != Sampled::yes, .blank = sampled == Sampled::blank};
+}
+
+/// Certain, unless something is missing.
+Judged unless(bool holds, const Causes& absence) { return absence.missing ? unknown(holds, absence) : certain(holds); }
 
 bool have_equal_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 
@@ -92,6 +103,57 @@ std::string Expression::comparison_text(const Judgement& judgement) const {
   return quantities_text(judgement.value, judgement.bound, node.unit, node.is_in_degrees);
 }
 
+std::vector<std::size_t> Expression::series() const {
+  std::set<std::size_t> all;
+  for (const Node& node : nodes_) {
+    if (node.op == Op::series || node.op == Op::value_at) all.insert(node.series);
+    if (node.op == Op::roll || node.op == Op::pitch || node.op == Op::yaw)
+      all.insert(node.links.begin(), node.links.end());
+  }
+  return {all.begin(), all.end()};
+}
+
+Causes Expression::absence(const At& at, std::size_t index) const {
+  const Node& node = nodes_[index];
+  if (node.type == Type::boolean) {
+    const Judged judged = judge(at, index);
+    return judged.is_before_span() ? judged.causes : Causes{};
+  }
+  const auto of_series = [&](std::size_t series) { return causes_of(at.source.sampled(series, at.tick, node.side)); };
+  switch (node.op) {
+    case Op::series: return of_series(node.series);
+    case Op::value_at: return causes_of(at.source.sampled_at(node.series, node.number, at.tick));
+    case Op::roll:
+    case Op::pitch:
+    case Op::yaw: {
+      Causes causes;
+      for (const std::size_t series : node.links) causes = causes | of_series(series);
+      return causes;
+    }
+    case Op::previous:
+      if (at.tick <= at.source.first_tick()) return no_tick_before;
+      return absence({at.source, at.tick - 1}, node.left);
+    case Op::delta: return absence_of_change(at, node.left);
+    case Op::negate:
+    case Op::absolute:
+    case Op::square_root:
+    case Op::sine:
+    case Op::cosine: return absence(at, node.left);
+    case Op::add:
+    case Op::subtract:
+    case Op::multiply:
+    case Op::divide:
+    case Op::least:
+    case Op::most: return absence(at, node.left) | absence(at, node.right);
+    default: return {};
+  }
+}
+
+Causes Expression::absence_of_change(const At& at, std::size_t index) const {
+  if (at.tick <= at.source.first_tick()) return no_tick_before;
+  return absence(at, index) | absence({at.source, at.tick - 1}, index);
+}
+
 /// Compares bits: a NaN that stays the same NaN hasn't changed.
 bool Expression::differs_from_before(const At& at, std::size_t node) const {
   return at.tick > at.source.first_tick() &&
@@ -166,10 +228,13 @@ Judged Expression::compared(const At& at, std::size_t index) const {
     const Judged a = judge(at, node.left), b = judge(at, node.right);
     const bool is_known = a.worst.truth == a.best.truth && b.worst.truth == b.best.truth;
     const bool holds = (a.holds == b.holds) == (node.op == Op::equal);
-    return is_known ? certain(holds) : unknown(holds);
+    return is_known ? certain(holds) : unknown(holds, a.causes | b.causes);
   }
   const double a = evaluate(at, node.left), b = evaluate(at, node.right);
-  if (std::isnan(a) || std::isnan(b)) return unknown(node.op == Op::unequal);
+  if (std::isnan(a) || std::isnan(b)) {
+    const Causes causes = absence(at, node.left) | absence(at, node.right);
+    return unknown(node.op == Op::unequal, causes.missing ? causes : Causes{.nan = true});
+  }
   const double distance = a == b ? 0.0 : b - a;  // infinities may be equal
   Judgement judgement;
   switch (node.op) {
@@ -184,7 +249,7 @@ Judged Expression::compared(const At& at, std::size_t index) const {
   judgement.value = is_bound_left ? b : a;
   judgement.bound = is_bound_left ? a : b;
   judgement.comparison = index;
-  return {judgement.truth, judgement, judgement, false, 0};
+  return {judgement.truth, judgement, judgement, {}, 0};
 }
 
 /// True if the condition holds from this tick on for a time. A time that the run's end cuts isn't known to be true.
@@ -192,7 +257,7 @@ Judged Expression::lasting(const At& at, const Node& node) const {
   const double end = at.source.time_at(at.tick) + node.number + 1e-9;
   Judged all = certain(true);
   for (At later = at;; ++later.tick) {
-    if (later.tick > at.source.last_tick()) return both(all, unknown(false));
+    if (later.tick > at.source.last_tick()) return both(all, unknown(false, {.cut = true}));
     if (at.source.time_at(later.tick) > end) return all;
     all = both(all, judge(later, node.left));
     if (!at.margins && !all.holds) return all;
@@ -207,11 +272,11 @@ Judged Expression::judge(const At& at, std::size_t index) const {
     case Op::contact: return certain(at.source.touching(node.links, node.others, at.tick));
     case Op::message: return certain(at.source.said(node.pattern, at.tick));
     case Op::event: return certain(at.source.happened(node.pattern, at.tick));
-    case Op::is_nan: return certain(std::isnan(evaluate(at, node.left)));
-    case Op::changed: return certain(differs_from_before(at, node.left));
-    case Op::step: return certain(jumps(at, node));
+    case Op::is_nan: return unless(std::isnan(evaluate(at, node.left)), absence(at, node.left));
+    case Op::changed: return unless(differs_from_before(at, node.left), absence_of_change(at, node.left));
+    case Op::step: return unless(jumps(at, node), absence_of_change(at, node.left));
     case Op::previous:
-      if (at.tick <= at.source.first_tick()) return certain(false);
+      if (at.tick <= at.source.first_tick()) return unknown(false, no_tick_before);
       return judge({at.source, at.tick - 1, at.margins}, node.left);
     case Op::logical_not: return negated(judge(at, node.left));
     case Op::lasting: return lasting(at, node);

@@ -8,8 +8,9 @@
 // of its parts has one, and numbers have units; parsing reports mistakes in both with their place. The page
 // reference/expressions.md describes the language; formula.h judges whole runs by expressions.
 //
-// Numbers are doubles. A comparison with NaN is false, except !=. Functions of the tick before (prev, delta, changed)
-// return NaN and false in the first tick.
+// Numbers are doubles. A comparison with NaN is false, except !=. Functions of the tick before (prev, delta, changed,
+// step) return NaN and false in the first tick. Judged over time, a condition is unknown before the first samples of
+// its series, and in the first tick if it reads the tick before.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -65,6 +66,15 @@ class ExpressionSource {
   /// The number that the recording gives to the tick.
   virtual std::int64_t number_of(std::int64_t tick) const { return tick; }
   virtual double time_at(std::int64_t tick) const = 0;  // [s]
+  /// Whether a series has had a sample up to a tick.
+  enum class Sampled {
+    yes,
+    no,
+    blank,  // it had messages, and NaN in each of them
+  };
+  virtual Sampled sampled(std::size_t, std::int64_t, CommandSide) const { return Sampled::yes; }
+  /// The same of value_at().
+  virtual Sampled sampled_at(std::size_t, double, std::int64_t) const { return Sampled::yes; }
   /// The latest value up to that tick; NaN if there is none.
   virtual double value(std::size_t series, std::int64_t tick, CommandSide side) = 0;
   /// True if any of `links` touches any of `others`, or any object if `others` is empty.
@@ -128,6 +138,8 @@ class Expression {
     double time = 0.0;
   };
   std::vector<Moment> moments() const;
+  /// The series that it reads, each once, in the order of their ids.
+  std::vector<std::size_t> series() const;
 
   /// A part that is looked up and not computed: a series, a contact, a message, recorded(x) or replayed(x).
   struct Operand {
@@ -167,6 +179,10 @@ class Expression {
   Judged judge(const At& at, std::size_t node) const;
   Judged compared(const At& at, std::size_t node) const;
   Judged lasting(const At& at, const Node& node) const;
+  /// Why a number isn't there: a series of it has no sample so far, or there is no tick before. No cause: it is there.
+  Causes absence(const At& at, std::size_t node) const;
+  /// The same, if it is there, of the tick before.
+  Causes absence_of_change(const At& at, std::size_t node) const;
   bool differs_from_before(const At& at, std::size_t node) const;
   bool jumps(const At& at, const Node& node) const;
   bool has_margin(std::size_t node) const;

@@ -1,5 +1,6 @@
 #include "formula.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -34,7 +35,7 @@ FormulaJudge::FormulaJudge(const Formula& formula) : formula_(formula) {
     whole_ = std::move(body);
     return;
   }
-  SignalPtr rises = rise_of(signal_of(*formula.after), triggered_);
+  SignalPtr rises = rise_of(signal_of(*formula.after), formula.span, triggered_);
   if (formula.quantifier == Quantifier::eventually && !formula.within) {
     whole_ = std::move(body);
     rises_ = std::move(rises);
@@ -47,9 +48,18 @@ FormulaJudge::FormulaJudge(const Formula& formula) : formula_(formula) {
 }
 
 void FormulaJudge::take(ExpressionSource& source, std::int64_t tick, std::uint64_t time) {
+  if (last_) step_ = std::min(step_.value_or(time - *last_), time - *last_);
+  last_ = time;
   whole_->take(source, tick, time);
   if (rises_) rises_->take(source, tick, time);
   take_ready();
+}
+
+/// False before the span of the condition of `after`. Before it becomes true, nothing is demanded.
+bool FormulaJudge::note_trigger(const Judged& rise) {
+  note_blank(rise);
+  is_judged_ = is_judged_ || (rise.is_known() && !rise.best.truth && !may_rise_);
+  return !rise.is_before_span();
 }
 
 void FormulaJudge::take_ready() {
@@ -61,8 +71,13 @@ void FormulaJudge::take_ready() {
   while (!whole_->ready.empty() && (!rises_ || !rises_->ready.empty())) {
     const Judged judged = next(*whole_);
     const std::optional<Judged> rise = rises_ ? std::optional(next(*rises_)) : std::nullopt;
-    if (judged.time < formula_.from || judged.time > formula_.until) continue;
+    if (!formula_.span.has(judged.time)) continue;
     any_ = true;
+    if (rise && !note_trigger(*rise)) continue;
+    if (!note(judged)) {
+      if (rise) note_rise(*rise, judged.time);
+      continue;
+    }
     if (rise)
       fold_after_rise(*rise, judged);
     else if (of_some_)
@@ -72,9 +87,20 @@ void FormulaJudge::take_ready() {
   }
 }
 
+void FormulaJudge::note_blank(const Judged& judged) {
+  if (!judged.is_known() && judged.causes.blank && !first_blank_)
+    first_blank_ = TickJudgement{judged.time, judged.worst};
+}
+
+bool FormulaJudge::note(const Judged& judged) {
+  note_blank(judged);
+  is_judged_ = is_judged_ || judged.is_known() || judged.causes.nan || !judged.causes.missing;
+  return !judged.is_before_span();
+}
+
 void FormulaJudge::note_unknown(const Judged& judged) {
-  if (judged.worst.truth || !judged.best.truth) return;
-  std::optional<TickJudgement>& first = judged.is_cut ? first_cut_ : first_nan_;
+  if (judged.is_known()) return;
+  std::optional<TickJudgement>& first = judged.causes.cut ? first_cut_ : first_nan_;
   if (!first) first = TickJudgement{judged.time, judged.worst};
 }
 
@@ -97,7 +123,7 @@ void FormulaJudge::fold_some(const Judged& judged) {
   keep_greater(bounds_.best, judged.best);
 }
 
-void FormulaJudge::fold_after_rise(const Judged& rise, const Judged& judged) {
+void FormulaJudge::note_rise(const Judged& rise, std::uint64_t time) {
   if (rise.best.truth) {
     may_rise_ = true;
     bounds_.worst.reset();
@@ -106,32 +132,49 @@ void FormulaJudge::fold_after_rise(const Judged& rise, const Judged& judged) {
     rises_surely_ = true;
     bounds_.best.reset();
     first_nan_ = first_cut_ = std::nullopt;
-    last_rise_ = judged.time;
+    last_rise_ = time;
   }
+}
+
+void FormulaJudge::fold_after_rise(const Judged& rise, const Judged& judged) {
+  note_rise(rise, judged.time);
   if (may_rise_) fold_some(judged);
 }
 
-FormulaResult FormulaJudge::unknown_result(FormulaResult result) const {
-  result.is_nan = first_nan_ && !first_cut_;
+FormulaResult FormulaJudge::unknown_result(FormulaResult result, bool is_over) const {
+  const bool may_come_true = is_of_one_tick() && (first_cut_ || !is_over);
+  result.is_nan = first_nan_ && !may_come_true;
   result.state = result.is_nan ? FormulaResult::State::violated : FormulaResult::State::undecided;
-  result.first = first_cut_ ? first_cut_ : first_nan_;
+  result.first = result.is_nan || !first_cut_ ? first_nan_ : first_cut_;
   return result;
 }
 
-FormulaResult FormulaJudge::finish(std::uint64_t last) {
-  whole_->end(last);
-  if (rises_) rises_->end(last);
+std::uint64_t FormulaJudge::next_time() const {
+  return last_.value_or(0) + std::max(step_.value_or(0), 3 * window_slack);
+}
+
+FormulaResult FormulaJudge::finish(bool blank_is_nan) {
+  whole_->end(next_time());
+  if (rises_) rises_->end(next_time());
   take_ready();
+  const bool has_blank_sample = blank_is_nan && first_blank_;
+  if (has_blank_sample && (!first_nan_ || first_blank_->time < first_nan_->time)) first_nan_ = first_blank_;
+  const std::uint64_t until = formula_.span.until;
+  const bool is_over = until == TimeSpan().until || until + window_slack < next_time();  // no tick of it is missing
+  const bool is_vacuous = rises_ && !may_rise_;
   FormulaResult result;
   result.any_tick = any_;
+  result.is_judged = is_judged_ && (is_vacuous || bounds_.worst);
   result.triggered = triggered_;
-  const bool is_over = formula_.until == std::numeric_limits<std::uint64_t>::max() ||
-                       formula_.until <= last + window_slack;  // no tick of the span is missing
-  const bool is_vacuous = !any_ || (rises_ && !may_rise_);
-  const bool holds = is_vacuous || bounds_.worst->judgement.truth;
+  if (!result.is_judged && first_nan_) return unknown_result(std::move(result), is_over);
+  if (!result.is_judged) {
+    result.state = FormulaResult::State::undecided;
+    return result;
+  }
+  const bool holds = is_vacuous || (bounds_.worst->judgement.truth && (is_of_one_tick() || !has_blank_sample));
   // of one tick: missing ticks may still make it true; of all ticks: nothing makes it true again
-  const bool is_violated = !is_vacuous && !bounds_.best->judgement.truth && (!rises_ || rises_surely_) &&
-                           (is_over || (!of_some_ && !rises_));
+  const bool is_violated =
+      !is_vacuous && !bounds_.best->judgement.truth && (!rises_ || rises_surely_) && (is_over || !is_of_one_tick());
   const auto margin_of = [](const std::optional<TickJudgement>& bound) {
     return bound && std::isfinite(bound->judgement.margin) ? bound : std::nullopt;
   };
@@ -143,12 +186,12 @@ FormulaResult FormulaJudge::finish(std::uint64_t last) {
     result.decisive = margin_of(bounds_.best);
     return result;
   }
-  if (!holds && (first_nan_ || first_cut_)) return unknown_result(std::move(result));
+  if (!holds && (first_nan_ || first_cut_)) return unknown_result(std::move(result), is_over);
   if (!is_over && (!holds || !of_some_)) {
     result.state = FormulaResult::State::undecided;
     return result;
   }
-  if (!holds) return unknown_result(std::move(result));
+  if (!holds) return unknown_result(std::move(result), is_over);
   result.decisive = is_vacuous ? std::nullopt : margin_of(bounds_.worst);
   return result;
 }

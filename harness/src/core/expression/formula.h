@@ -5,11 +5,11 @@
 //   E except X for 0.3 s                   not in the ticks after X
 //
 // The page concepts/expectations.md states what each form means, in signal temporal logic. A window that the run's end
-// cuts is undecided, unless the ticks before the end decide it.
+// cuts is undecided, unless the ticks before the end decide it. Ticks before the first samples of the series aren't
+// judged, unless the other series decide them.
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 
@@ -26,8 +26,7 @@ struct Formula {
   Expression condition;
   std::optional<Expression> after, except;
   std::optional<std::uint64_t> within, lasting;  // lasting: `for`
-  std::uint64_t from = 0;
-  std::uint64_t until = std::numeric_limits<std::uint64_t>::max();
+  TimeSpan span;
 };
 
 /// The judgement of one tick.
@@ -41,8 +40,9 @@ struct FormulaResult {
 
   State state = State::holds;
   bool is_nan = false;     // it would be decided if a number weren't NaN
-  bool any_tick = false;   // a tick was judged
-  bool triggered = false;  // the condition of `after` became true
+  bool any_tick = false;   // the span has a tick
+  bool is_judged = false;  // one of them was judged; if not, the formula is undecided
+  bool triggered = false;  // the condition of `after` became true in the span
   /// Of a violation: the first tick that violates it; of `eventually`: the nearest one. Of an undecided formula: the
   /// first tick whose window is cut.
   std::optional<TickJudgement> first;
@@ -57,8 +57,9 @@ class FormulaJudge {
 
   /// The next tick of the run [ns].
   void take(ExpressionSource& source, std::int64_t tick, std::uint64_t time);
-  /// After the last tick, which was at `last` [ns].
-  FormulaResult finish(std::uint64_t last);
+  /// After the last tick. `blank_is_nan`: a series whose messages began with NaN got a number later, so that it is no
+  /// quantity that the run lacks, and the NaN was a sample.
+  FormulaResult finish(bool blank_is_nan = false);
 
  private:
   /// The least or greatest judgements so far, each with its tick.
@@ -73,16 +74,26 @@ class FormulaJudge {
   /// Of `eventually` after each rise of a condition: only the last rise counts, because its span is in all others'.
   void fold_after_rise(const Judged& rise, const Judged& judged);
   void note_unknown(const Judged& judged);
-  FormulaResult unknown_result(FormulaResult result) const;
+  /// False if the tick isn't judged.
+  bool note_trigger(const Judged& rise);
+  bool note(const Judged& judged);
+  void note_blank(const Judged& judged);
+  void note_rise(const Judged& rise, std::uint64_t time);
+  FormulaResult unknown_result(FormulaResult result, bool is_over) const;
+  /// True if one of its ticks makes it true.
+  bool is_of_one_tick() const { return of_some_ || rises_; }
+  /// The time of the tick that would be the next one, by the smallest distance of two ticks [ns].
+  std::uint64_t next_time() const;
 
   const Formula& formula_;
   bool of_some_ = false;  // one tick is enough
-  bool triggered_ = false, any_ = false, may_rise_ = false, rises_surely_ = false;
+  bool triggered_ = false, any_ = false, is_judged_ = false, may_rise_ = false, rises_surely_ = false;
   SignalPtr whole_;  // judged at each tick
   SignalPtr rises_;  // with `eventually ... after` without `within`; null otherwise
   Bounds bounds_;
-  std::optional<TickJudgement> first_violation_, first_nan_, first_cut_;
+  std::optional<TickJudgement> first_violation_, first_nan_, first_cut_, first_blank_;
   std::uint64_t last_rise_ = 0;
+  std::optional<std::uint64_t> last_, step_;  // the latest tick, and the smallest distance of two [ns]
 };
 
 }  // namespace rehearse

@@ -19,6 +19,12 @@ bool is_less(const Judgement& b, const Judgement& a) {
   return b.margin < a.margin || (b.margin == a.margin && !b.truth && a.truth);
 }
 
+/// What is known has no cause of being unknown.
+Judged settled(Judged judged) {
+  if (judged.is_known()) judged.causes = {};
+  return judged;
+}
+
 }  // namespace
 
 const Judgement& lesser(const Judgement& a, const Judgement& b) { return is_less(b, a) ? b : a; }
@@ -37,8 +43,13 @@ Judged certain(bool truth) {
   return judged;
 }
 
-Judged unknown(bool holds) {
+Causes operator|(const Causes& a, const Causes& b) {
+  return {a.cut || b.cut, a.nan || b.nan, a.missing || b.missing, a.blank || b.blank};
+}
+
+Judged unknown(bool holds, const Causes& causes) {
   Judged judged;
+  judged.causes = causes;
   judged.holds = holds;
   judged.worst = certain_judgement(false);
   judged.best = certain_judgement(true);
@@ -46,19 +57,19 @@ Judged unknown(bool holds) {
 }
 
 Judged both(const Judged& a, const Judged& b) {
-  return {a.holds && b.holds, lesser(a.worst, b.worst), lesser(a.best, b.best), a.is_cut || b.is_cut, a.time};
+  return settled({a.holds && b.holds, lesser(a.worst, b.worst), lesser(a.best, b.best), a.causes | b.causes, a.time});
 }
 
 Judged either(const Judged& a, const Judged& b) {
-  return {a.holds || b.holds, greater(a.worst, b.worst), greater(a.best, b.best), a.is_cut || b.is_cut, a.time};
+  return settled({a.holds || b.holds, greater(a.worst, b.worst), greater(a.best, b.best), a.causes | b.causes, a.time});
 }
 
 Judged negated(const Judged& judged) {
-  return {!judged.holds, opposite(judged.best), opposite(judged.worst), judged.is_cut, judged.time};
+  return {!judged.holds, opposite(judged.best), opposite(judged.worst), judged.causes, judged.time};
 }
 
 Judged without_margin(const Judged& judged) {
-  return {judged.holds, certain_judgement(judged.worst.truth), certain_judgement(judged.best.truth), judged.is_cut,
+  return {judged.holds, certain_judgement(judged.worst.truth), certain_judgement(judged.best.truth), judged.causes,
           judged.time};
 }
 

@@ -28,18 +28,32 @@ const Judgement& lesser(const Judgement& a, const Judgement& b);
 const Judgement& greater(const Judgement& a, const Judgement& b);
 Judgement opposite(Judgement judgement);
 
+/// Why a condition isn't known at a tick.
+struct Causes {
+  bool cut = false;      // it depends on ticks after the end of the run
+  bool nan = false;      // a number is NaN
+  bool missing = false;  // a series has no sample up to the tick, or there is no tick before it
+  bool blank = false;    // beside `missing`: that series had messages, and NaN in each of them
+};
+
 /// A condition at a tick. If data are missing, it is between the worst and the best judgement.
 struct Judged {
   bool holds = false;  // as in C: a comparison with NaN is false, except !=
   Judgement worst, best;
-  bool is_cut = false;     // it depends on ticks after the end of the run
+  Causes causes;           // none if it is known
   std::uint64_t time = 0;  // of the tick [ns]; set by signals
+
+  bool is_known() const { return worst.truth == best.truth; }
+  /// True if the tick lies before the span of the condition, which begins with the first samples of its series.
+  bool is_before_span() const { return !is_known() && causes.missing && !causes.nan && !causes.cut; }
 };
 
 /// Compares nothing; the margin is infinite.
 Judged certain(bool truth);
-/// Data are missing.
-Judged unknown(bool holds);
+/// Neither true nor false, because of these causes.
+Judged unknown(bool holds, const Causes& causes);
+/// The causes of either.
+Causes operator|(const Causes& a, const Causes& b);
 Judged both(const Judged& a, const Judged& b);
 Judged either(const Judged& a, const Judged& b);
 Judged negated(const Judged& judged);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <optional>
 #include <utility>
 
 namespace rehearse {
@@ -12,6 +12,13 @@ Judged passed_on(std::deque<Judged>& ready) {
   Judged first = std::move(ready.front());
   ready.pop_front();
   return first;
+}
+
+/// What later ticks know of a condition: nothing was true before its span.
+Judged remembered(const Judged& judged) {
+  Judged known = judged.is_before_span() ? certain(false) : without_margin(judged);
+  known.time = judged.time;
+  return known;
 }
 
 class StateSignal final : public Signal {
@@ -36,10 +43,10 @@ class SignalOfOne : public Signal {
     of_->take(source, tick, time);
     add_ready();
   }
-  void end(std::uint64_t last) override {
-    of_->end(last);
+  void end(std::uint64_t next) override {
+    of_->end(next);
     add_ready();
-    finish(last);
+    finish(next);
   }
 
  private:
@@ -63,15 +70,17 @@ class Guard final : public SignalOfOne {
 
 class Rise final : public SignalOfOne {
  public:
-  Rise(SignalPtr of, bool& happened) : SignalOfOne(std::move(of)), happened_(happened) {}
+  Rise(SignalPtr of, const TimeSpan& span, bool& happened)
+      : SignalOfOne(std::move(of)), span_(span), happened_(happened) {}
 
  private:
   void add(Judged now) override {
-    ready.push_back(both(without_margin(now), negated(before_)));
+    ready.push_back(span_.has(now.time) ? both(without_margin(now), negated(before_)) : certain(false));
     ready.back().time = now.time;
-    happened_ = happened_ || ready.back().best.truth;
-    before_ = without_margin(now);
+    happened_ = happened_ || (ready.back().best.truth && !ready.back().is_before_span());
+    before_ = remembered(now);
   }
+  const TimeSpan span_;
   bool& happened_;
   Judged before_ = certain(false);
 };
@@ -80,9 +89,9 @@ class Once final : public SignalOfOne {
   using SignalOfOne::SignalOfOne;
   void add(Judged now) override {
     const std::uint64_t time = now.time;
-    before_ = either(before_, now);
-    before_.time = time;
-    ready.push_back(before_);
+    ready.push_back(either(before_, now));
+    ready.back().time = time;
+    before_ = either(before_, remembered(now));
   }
   Judged before_ = certain(false);
 };
@@ -115,6 +124,21 @@ class Extreme {
   std::deque<Kept> kept_;
 };
 
+/// The latest tick with each of the causes.
+class LatestCauses {
+ public:
+  void add(const Judged& judged) {
+    const Causes& causes = judged.causes;
+    for (const auto& [has, latest] :
+         {std::pair{causes.cut, &cut_}, {causes.nan, &nan_}, {causes.missing, &missing_}, {causes.blank, &blank_}})
+      if (has) *latest = judged.time;
+  }
+  Causes from(std::uint64_t time) const { return {cut_ >= time, nan_ >= time, missing_ >= time, blank_ >= time}; }
+
+ private:
+  std::optional<std::uint64_t> cut_, nan_, missing_, blank_;  // [ns]; none is less than each time
+};
+
 /// The extreme of the worst and of the best judgements of a window.
 class WindowExtreme {
  public:
@@ -122,20 +146,21 @@ class WindowExtreme {
   void add(const Judged& judged) {
     worst_.add(judged.worst, judged.time);
     best_.add(judged.best, judged.time);
-    if (judged.is_cut) cut_from_ = std::min(cut_from_, judged.time);
+    causes_.add(judged);
   }
   /// The extreme of the judgements from a time on.
   Judged from(std::uint64_t time) {
     worst_.drop_before(time);
     best_.drop_before(time);
     const Judgement& worst = worst_.value();
-    return {worst.truth, worst, best_.value(), cut_from_ != never, time};
+    Judged judged{worst.truth, worst, best_.value(), causes_.from(time), time};
+    if (judged.is_known()) judged.causes = {};
+    return judged;
   }
 
  private:
-  static constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
   Extreme worst_, best_;
-  std::uint64_t cut_from_ = never;  // only judgements at the end of a run are cut
+  LatestCauses causes_;
 };
 
 class FutureWindow final : public SignalOfOne {
@@ -150,13 +175,13 @@ class FutureWindow final : public SignalOfOne {
     waiting_.push_back(judged.time);
     extreme_.add(judged);
   }
-  void finish(std::uint64_t last) override {
+  void finish(std::uint64_t next) override {
     for (; !waiting_.empty(); waiting_.pop_front()) {
       Judged judged = extreme_.from(waiting_.front());
-      if (waiting_.front() + length_ > last + 2 * window_slack) {
+      if (waiting_.front() + length_ >= next) {
         const std::uint64_t time = judged.time;
-        judged = is_all_ ? both(judged, unknown(false)) : either(judged, unknown(false));
-        judged.is_cut = true;
+        const Judged later = unknown(false, {.cut = true});
+        judged = is_all_ ? both(judged, later) : either(judged, later);
         judged.time = time;
       }
       ready.push_back(judged);
@@ -176,10 +201,11 @@ class PastWindow final : public SignalOfOne {
 
  private:
   void add(Judged judged) override {
-    extreme_.add(judged);
-    Judged& now = ready.emplace_back(extreme_.from(judged.time > length_ ? judged.time - length_ : 0));
+    extreme_.add(remembered(judged));
+    Judged now = extreme_.from(judged.time > length_ ? judged.time - length_ : 0);
+    if (judged.is_before_span()) now = either(now, judged);
     now.time = judged.time;
-    now.is_cut = judged.is_cut;
+    ready.push_back(now);
   }
 
   const std::uint64_t length_;
@@ -194,9 +220,9 @@ class Pair final : public Signal {
     b_->take(source, tick, time);
     add_ready();
   }
-  void end(std::uint64_t last) override {
-    a_->end(last);
-    b_->end(last);
+  void end(std::uint64_t next) override {
+    a_->end(next);
+    b_->end(next);
     add_ready();
   }
 
@@ -231,7 +257,9 @@ SignalPtr signal_of_part(const Expression& expression, std::size_t index) {
 SignalPtr signal_of(const Expression& expression) { return signal_of_part(expression, expression.root()); }
 SignalPtr negation_of(SignalPtr of) { return std::make_unique<Negation>(std::move(of)); }
 SignalPtr guard_of(SignalPtr of) { return std::make_unique<Guard>(std::move(of)); }
-SignalPtr rise_of(SignalPtr of, bool& happened) { return std::make_unique<Rise>(std::move(of), happened); }
+SignalPtr rise_of(SignalPtr of, const TimeSpan& span, bool& happened) {
+  return std::make_unique<Rise>(std::move(of), span, happened);
+}
 SignalPtr once_of(SignalPtr of) { return std::make_unique<Once>(std::move(of)); }
 
 SignalPtr conjunction_of(SignalPtr a, SignalPtr b) { return std::make_unique<Pair>(std::move(a), std::move(b), true); }

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <memory>
 
 #include "expression.h"
@@ -20,8 +21,8 @@ class Signal {
 
   /// The next tick [ns].
   virtual void take(ExpressionSource& source, std::int64_t tick, std::uint64_t time) = 0;
-  /// No tick follows the one at `last` [ns].
-  virtual void end(std::uint64_t last) = 0;
+  /// No tick follows. `next`: the time at which one would be the next [ns].
+  virtual void end(std::uint64_t next) = 0;
   /// The judgements that are known and weren't passed on, one for each tick, in the order of ticks.
   std::deque<Judged> ready;
 };
@@ -37,9 +38,17 @@ SignalPtr conjunction_of(SignalPtr a, SignalPtr b);
 SignalPtr disjunction_of(SignalPtr a, SignalPtr b);
 /// The truth without a margin.
 SignalPtr guard_of(SignalPtr of);
-/// True in the tick in which the condition becomes true, and in the first one if it is true there. Without a margin.
-/// `happened` is set when it may have become true, and must outlive the signal.
-SignalPtr rise_of(SignalPtr of, bool& happened);
+/// Times of ticks, both ends included [ns].
+struct TimeSpan {
+  std::uint64_t from = 0;
+  std::uint64_t until = std::numeric_limits<std::uint64_t>::max();
+
+  bool has(std::uint64_t time) const { return from <= time && time <= until; }
+};
+
+/// True in a tick of the span in which the condition becomes true; also in its own first tick, if it is true there.
+/// Without a margin. `happened` is set when it may have become true, and must outlive the signal.
+SignalPtr rise_of(SignalPtr of, const TimeSpan& span, bool& happened);
 /// True if the condition is true in all ticks from now on until a time has passed [ns].
 SignalPtr lasting_of(SignalPtr of, std::uint64_t duration);
 /// True if it is true in one of these ticks.
