@@ -81,6 +81,25 @@ TEST(ScenarioBodies, StartsABodyOfChoreonoidWhereItsFileSays) {
   EXPECT_THAT(b.materials, ::testing::ElementsAre("Rubber", "", "Wood"));
 }
 
+/// -45 rad are seven turns: the unit was forgotten.
+TEST(ScenarioBodies, SuggestDegreesForAnAngleBeyondATurnWithoutAUnit) {
+  write_file("cart.body", cart);
+  const auto remarks = [](const std::string& keys) {
+    return to_string(
+        loaded("rehearse: 1\nduration: 1\nbodies:\n  - {name: A, model: cart.body, " + keys + "}\n").warnings);
+  };
+  EXPECT_THAT(
+      remarks("joints: {ARM: -45}"),
+      HasSubstr(":4:47: warning: ARM has no unit, so it is -45 rad, 7.2 turns (in degrees: -45 deg; if radians are "
+                "meant: -45 rad)"));
+  EXPECT_THAT(remarks("joints: [7, 0]"), HasSubstr("warning: ARM has no unit, so it is 7 rad, 1.1 turns"));
+  EXPECT_THAT(remarks("rotation: [0, 0, 90]"), HasSubstr("warning: rotation[2] has no unit, so it is 90 rad"));
+  EXPECT_THAT(remarks("rotation: {axis: [0, 0, 1], angle: 90}"), HasSubstr("warning: angle has no unit"));
+  for (const char* right :
+       {"joints: {ARM: 45 deg}", "joints: {ARM: 6.28}", "joints: {ARM: 45 rad}", "rotation: [0, 0, 90 deg]"})
+    EXPECT_THAT(remarks(right), Not(HasSubstr("has no unit"))) << right;
+}
+
 TEST(ScenarioBodies, MakesAModelOfACylinder) {
   const ScenarioBody body = only_body("cylinder: {radius: 0.1, length: 0.4, color: [0, 0, 0, 0.5]}, mass: 1");
   ASSERT_NE(body.model, nullptr);

@@ -234,6 +234,23 @@ TEST_F(Actuation, TwoControllersWithUnlikeModesForOneJointAreNamed) {
   EXPECT_EQ(summary_.remarks[0].severity, Severity::warning);
 }
 
+TEST_F(Actuation, TwoControllersThatCommandOneJointInOneModeAreNamed) {
+  const Trace trace = record_run(rig(behaviour("A", "drive velocity 3") + ", " + behaviour("B", "drive velocity 1")));
+  EXPECT_THAT(said(trace), Contains("Rig/B: commands joint 'SHOULDER' by JointVelocity, as 'Rig/A' does: of a tick the "
+                                    "command of 'Rig/B' acts"));
+  EXPECT_NEAR(trace.last("Rig/SHOULDER/dq"), 1.0, 1e-9);
+  ASSERT_EQ(summary_.remarks.size(), 1u);
+  EXPECT_EQ(summary_.remarks[0].severity, Severity::warning);
+  record_run(rig(behaviour("A", "drive velocity 3") + ", " + behaviour("B", "drive displacement 0.3 RAIL")));
+  EXPECT_TRUE(summary_.remarks.empty());
+}
+
+TEST_F(Actuation, AControllerAndItsChildThatWriteOneNumberAreNotNamed) {
+  record_run(rig("{name: A, library: Behaviours, options: \"drive velocity 3\", children: [" +
+                 behaviour("B", "drive velocity 1") + "]}"));
+  EXPECT_TRUE(summary_.remarks.empty());
+}
+
 TEST_F(Actuation, TwoControllersOfOneModeAreNot) {
   const Trace trace = record_run(rig(behaviour("A", "drive effort 3") + ", " + behaviour("B", "drive effort 1")));
   EXPECT_THAT(said(trace), Not(Contains(HasSubstr("which 'Rig/A' commands"))));

@@ -75,6 +75,7 @@ class RangeSensorRuns : public RunTest {
 TEST_F(RangeSensorRuns, GiveAControllerWhatItExpects) {
   const Trace trace = record_run(before_a_wall(behaviour("C", "scan Flat") + ", " + behaviour("D", "push 0"), "0.025"));
   EXPECT_THAT(said(trace), ElementsAre("Rig/C: 3 x 1 beams, yaw -0.5 to 0.5, pitch 0 to 0, 0.1 to 10 m, 100 Hz",
+                                       HasSubstr("as 'Rig/C' does"),
                                        "Rig/C: tick 10 delay 0.009: inf 2 2.27899",  // 2 m / cos 0.5; right-most first
                                        "Rig/C: tick 20 delay 0.009: inf 2 2.27899"));
 }

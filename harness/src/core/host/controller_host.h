@@ -164,6 +164,8 @@ class ControllerHost {
   void configure(HostedController& hosted);
   void initialize(HostedController& hosted, const Observation& initial);
   void set_drives(std::size_t index, Command& command);
+  void tell_shared_joints(std::size_t index);
+  void tell_shared_joint(const HostedController& before, const HostedController& hosted, const IoField& field);
   bool pass_infos();
   void take_device_outputs(HostedController& hosted);
   void apply_device_output(const HostedController& hosted, const DeviceOutput& output, Command& command);

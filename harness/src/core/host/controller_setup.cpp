@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <set>
 #include <utility>
 
 #include "cnoid_body.h"
@@ -203,20 +204,36 @@ Command ControllerHost::initialize(const Observation& initial) {
 /// The last controller that commands a joint determines its drive.
 void ControllerHost::set_drives(std::size_t index, Command& command) {
   const HostedController& hosted = controllers_[index];
+  for (const IoField& field : hosted.io->outputs().fields)
+    if (field.quantity <= Quantity::u)
+      command.bodies[hosted.body].joints[field.joint].drive = drive_of(hosted.io->mode_of(field.link));
+}
+
+/// Tells which joints several running controllers command.
+void ControllerHost::tell_shared_joints(std::size_t index) {
+  const HostedController& hosted = controllers_[index];
+  std::set<int> joints;  // with several quantities a joint has several fields
   for (const IoField& field : hosted.io->outputs().fields) {
-    if (field.quantity > Quantity::u) continue;
-    const int mode = hosted.io->mode_of(field.link);
-    command.bodies[hosted.body].joints[field.joint].drive = drive_of(mode);
-    for (std::size_t other = 0; other < index; ++other) {
-      const HostedController& before = controllers_[other];
-      if (!before.running || before.body != hosted.body || before.io->mode_of(field.link) == mode) continue;
-      if (!before.io->commands_joint(field.joint)) continue;
-      event(Severity::warning, hosted.label,
-            fmt::format("commands joint '{}' by {}, which '{}' commands by {}: it is driven as '{}' says",
-                        scenario_->bodies[hosted.body].model->links[field.link].joint.name, joint_mode_names(mode),
-                        before.label, joint_mode_names(before.io->mode_of(field.link)), hosted.label));
-    }
+    if (field.quantity > Quantity::u || !joints.insert(field.joint).second) continue;
+    for (std::size_t other = 0; other < index; ++other) tell_shared_joint(controllers_[other], hosted, field);
   }
+}
+
+void ControllerHost::tell_shared_joint(const HostedController& before, const HostedController& hosted,
+                                       const IoField& field) {
+  if (!before.running || before.body != hosted.body || !before.io->commands_joint(field.joint)) return;
+  const std::string& joint = scenario_->bodies[hosted.body].model->links[field.link].joint.name;
+  const int mode = hosted.io->mode_of(field.link), mode_before = before.io->mode_of(field.link);
+  const bool is_same_number = before.io_body == hosted.io_body;  // of one body, which a child shares with its parent
+  if (mode == mode_before && (is_same_number || drive_of(mode) == drive_none)) return;
+  if (mode == mode_before)
+    event(Severity::warning, hosted.label,
+          fmt::format("commands joint '{}' by {}, as '{}' does: of a tick the command of '{}' acts", joint,
+                      joint_mode_names(mode), before.label, hosted.label));
+  else
+    event(Severity::warning, hosted.label,
+          fmt::format("commands joint '{}' by {}, which '{}' commands by {}: it is driven as '{}' says", joint,
+                      joint_mode_names(mode), before.label, joint_mode_names(mode_before), hosted.label));
 }
 
 void ControllerHost::start() {
@@ -225,6 +242,8 @@ void ControllerHost::start() {
     bool accepted = false;
     if (call(hosted, "start", [&] { accepted = hosted.controller->start(); }) && !accepted) refuse(hosted, "start");
   }
+  for (std::size_t i = 0; i < controllers_.size(); ++i)
+    if (controllers_[i].running) tell_shared_joints(i);
 }
 
 }  // namespace rehearse

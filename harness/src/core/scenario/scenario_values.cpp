@@ -183,7 +183,15 @@ std::optional<double> read_rate(Findings& findings, const YamlNode& node, std::s
 }
 
 std::optional<double> read_angle(Findings& findings, const YamlNode& node, std::string_view label) {
-  if (const auto angle = number_or_angle(node); angle && any_angle.contains(angle->value)) return angle->value;
+  if (const auto angle = number_or_angle(node); angle && any_angle.contains(angle->value)) {
+    constexpr double turn = 2.0 * std::numbers::pi;
+    if (!angle->angle && std::abs(angle->value) > turn)
+      findings.warning(
+          node,
+          fmt::format("{} has no unit, so it is {} rad, {:.1f} turns", label, node.text, std::abs(angle->value) / turn),
+          fmt::format("in degrees: {} deg; if radians are meant: {} rad", node.text, node.text));
+    return angle->value;
+  }
   expected(findings, node, label, "an angle: a number [rad], or with its unit as 10 deg or 0.1 rad");
   return std::nullopt;
 }
