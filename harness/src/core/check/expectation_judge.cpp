@@ -282,6 +282,7 @@ ExpectationJudge::Shortfall ExpectationJudge::shortfall_of(ExpectationResult& re
   const Expectation& e = result.expectation;
   if (tally.found == 0) {
     result.not_judged = unsampled_series(last, e.pattern);
+    if (!result.not_judged.empty() && e.at_end && ended_early_) return {missing_time(e)};
     if (!result.not_judged.empty()) return {"not judged, " + without_sample_text(result.not_judged), true};
     const std::string near = last.nearest_series(e.pattern);
     return {fmt::format("the run has no such series{}{}", near.empty() ? "" : "; the nearest are ", near)};

@@ -119,14 +119,31 @@ std::string without_sample_text(const std::vector<std::string>& series) {
   return fmt::format("{} {} no sample", listed(series, most_shown), series.size() == 1 ? "has" : "have");
 }
 
+namespace {
+
+/// Of a channel whose messages tell its elements: those of which its metadata state the unit, as `unit:KNEE/q`, or that
+/// of their array, as `unit:ranges`.
+void add_stated_series(const TraceChannel& channel, std::string_view pattern, std::vector<std::string>& found) {
+  constexpr std::string_view key_begin = "unit:";
+  for (const auto& [key, unit] : channel.metadata) {
+    if (!key.starts_with(key_begin)) continue;
+    std::string name = series_name(channel.topic, key.substr(key_begin.size()));
+    if (matches(pattern, name))
+      found.push_back(std::move(name));
+    else if (pattern.starts_with(name + "/"))
+      found.emplace_back(pattern);
+  }
+}
+
+}  // namespace
+
 std::vector<std::string> unsampled_series(const Trace& run, std::string_view pattern) {
   std::vector<std::string> found;
   for (const TraceChannel& channel : run.channels()) {
     const ChannelKind kind = ChannelName::parse(channel.topic).kind;
     if (!channel.columns.empty() || kind == ChannelKind::other || !form_of(kind).has_series) continue;
-    if (!form_of(kind).has_fixed_elements) {  // only messages tell the elements
-      const std::string begin = series_name(channel.topic, "");
-      if (!begin.empty() && pattern.starts_with(begin)) found.emplace_back(pattern);
+    if (!form_of(kind).has_fixed_elements) {
+      add_stated_series(channel, pattern, found);
       continue;
     }
     for (const ChannelElement& element : elements_of(kind))
