@@ -1,4 +1,4 @@
-// check: each run begins in a process that has run no controller.
+// Runs and replays of check, record --verify, replay and branches begin in a process that has run no controller.
 #include <gmock/gmock.h>
 
 #include "command.h"
@@ -21,6 +21,50 @@ class OwnProcesses : public Command {
     write("scenarios/" + name + ".yaml", pendulum + "golden: P." + name + "\n");
   }
 };
+
+/// Controllers that depend on the runs before theirs in one process, and on nothing else: a static counter, and rand()
+/// without a seed.
+class FirstRuns : public OwnProcesses, public ::testing::WithParamInterface<const char*> {
+ protected:
+  void SetUp() override { add("a", GetParam()); }
+  const std::string scenario_ = "scenarios/a.yaml";
+};
+
+TEST_P(FirstRuns, AreAlikeForRecordAndItsVerification) {
+  EXPECT_THAT(done({"record", scenario_, "--verify"}).out, HasSubstr("the recording repeats itself, bit for bit"));
+  EXPECT_EQ(done({"record", scenario_, "-o", "b.mcap", "--verify", "--json"}).json()["repeats_itself"], true);
+  EXPECT_EQ(done({"diff", "a.mcap", "b.mcap", "--json"}).json()["equal"], true);
+}
+
+TEST_P(FirstRuns, AreAlikeForEachKindOfCheck) {
+  const Outcome written = rehearse({"check", scenario_}, "REHEARSE_GOLDEN=new");
+  EXPECT_EQ(written.status, 0) << written.out << written.err;
+  for (const std::vector<std::string>& options :
+       {std::vector<std::string>{"--simulate"}, {}, {"--simulate", "-j1"}, {"--level", "controller"}, {"-j2"}}) {
+    std::vector<std::string> words{"check", scenario_, "--json"};
+    words.insert(words.end(), options.begin(), options.end());
+    EXPECT_EQ(done(words).json()["equal"], true) << (options.empty() ? "proved" : options[0]);
+  }
+}
+
+TEST_P(FirstRuns, AreAlikeForAReplayAndItsFile) {
+  done({"record", scenario_});
+  EXPECT_EQ(done({"replay", "a.mcap", "-o", "again.mcap", "--json"}).json()["equal"], true);
+  EXPECT_EQ(done({"diff", "a.mcap", "again.mcap", "--json"}).json()["equal"], true);
+  done({"replay", "again.mcap"});
+}
+
+TEST_P(FirstRuns, AreAlikeForTwoBranches) {
+  done({"record", scenario_});
+  for (const char* name : {"one.mcap", "two.mcap"}) {
+    const Outcome branch = done({"record", "--from-checkpoint", "a.mcap@tick:20", "-o", name});
+    EXPECT_THAT(branch.out, HasSubstr("repeat their commands bit for bit"));
+  }
+  EXPECT_EQ(done({"diff", "one.mcap", "two.mcap", "--json"}).json()["equal"], true);
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, FirstRuns, ::testing::Values(COUNTS_RUNS, DRAWS),
+                         [](const auto& info) { return fs::path(info.param).stem().string().substr(0, 6); });
 
 TEST_F(OwnProcesses, AreThoseOfAllRunsOfACheck) {
   for (const char* name : {"a", "b", "c"}) add(name, COUNTS_RUNS);

@@ -15,6 +15,24 @@
 namespace rehearse::test {
 namespace {
 
+/// A case's number is none of its inputs, and neither are the cases before it in its process.
+TEST_F(Sweep, BeginsEachCaseInAProcessThatHasRunNoController) {
+  for (const char* library : {COUNTS_RUNS, DRAWS}) {
+    const std::string text = read_file(pendulum(library));
+    write("runs.yaml", text + "vary:\n  mass: {path: duration, grid: [0.05, 0.05, 0.05, 0.05]}\n");
+    const std::string campaign = fs::path(library).stem();
+    const Outcome ended = rehearse({"sweep", "runs.yaml", "-o", campaign, "-j", "1"});
+    EXPECT_EQ(ended.status, 0) << ended.out << ended.err;
+    std::set<std::string> hashes;
+    std::istringstream lines(read_file(folder() / campaign / "results.jsonl"));
+    int cases = 0;
+    for (std::string line; std::getline(lines, line); ++cases)
+      hashes.insert(nlohmann::json::parse(line).at("hash").get<std::string>());
+    EXPECT_GE(cases, 4);
+    EXPECT_EQ(hashes.size(), 1u) << library;
+  }
+}
+
 TEST_F(Sweep, RefusesAnExpectationWhoseSeriesDoesNotExist) {
   std::string text = read_file(box());
   write("box.yaml", text.replace(text.find("/position/z"), 11, "/positon/z"));

@@ -5,6 +5,9 @@
 #include <memory>
 #include <utility>
 
+#include "core/check/own_run.h"
+#include "core/guard/own_process.h"
+#include "core/guard/supervise.h"
 #include "golden_verbs.h"
 #include "options.h"
 
@@ -59,6 +62,7 @@ Exit decide_all(const GoldenAcceptSettings& settings, const char* done_word,
 /// Adds the scenarios that name the golden.
 Reexecution again_for(const GoldenAcceptSettings& settings, const GoldenStore& store, const std::string& name) {
   Reexecution again = settings.again;
+  again.replay = own_replay;
   if (settings.selection.is_all() && settings.span.is_all()) return again;  // no run is executed again
   const auto owners = find_golden_owners(store.folder(), {store.folder() / ".."});
   if (const auto known = owners.find(name); known != owners.end())
@@ -67,6 +71,8 @@ Reexecution again_for(const GoldenAcceptSettings& settings, const GoldenStore& s
 }
 
 Exit accept(const GoldenAcceptSettings& settings) {
+  supervise_process();
+  begin_own_processes();
   return decide_all(settings, "accepted", [&](GoldenStore& store, const std::string& name) -> Result<Json> {
     const auto span = seconds_in(settings.span, store.pending_file(name).string());
     if (!span) return span.errors();

@@ -16,8 +16,10 @@
 #include "command.h"
 #include "control_times.h"
 #include "core/check/check_json.h"
+#include "core/check/own_run.h"
 #include "core/check/unknown_series.h"
 #include "core/guard/interruption.h"
+#include "core/guard/own_process.h"
 #include "core/guard/supervise.h"
 #include "core/host/interposer.h"
 #include "core/host/source_age.h"
@@ -298,7 +300,7 @@ Exit record_scenario(RecordSettings& settings, const Scenario& scenario, const s
     Progress progress("recording");
     settings.record.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
     if (!settings.quiet) settings.record.on_message = teller(progress);
-    return record(scenario, trace, settings.record);
+    return own_run([&]() -> Result<RunSummary> { return record(scenario, trace, settings.record); });
   }();
   settings.record.on_message = nullptr;
   end_if_reader_is_gone();
@@ -359,6 +361,7 @@ Exit run_record(RecordSettings& settings, const CLI::App& options) {
       settings.trace.empty() ? std::filesystem::path(scenario->file).stem().string() + ".mcap" : settings.trace;
   if (const auto allowed = check_trace(settings, *scenario, trace); !allowed) return refuse(allowed.errors());
   supervise_process();
+  if (settings.verify) begin_own_processes();  // for the replay
   end_runs_on_signals();
   return record_scenario(settings, *scenario, trace);
 }

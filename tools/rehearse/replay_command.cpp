@@ -21,8 +21,10 @@
 #include "command.h"
 #include "control_times.h"
 #include "core/check/check_json.h"
+#include "core/check/own_run.h"
 #include "core/guard/child_process.h"
 #include "core/guard/interruption.h"
+#include "core/guard/own_process.h"
 #include "core/guard/supervise.h"
 #include "core/host/source_age.h"
 #include "core/host/virtualised.h"
@@ -213,6 +215,7 @@ Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
   }
   if (settings.is_of_a_log()) return settings.ticks.is_asked() ? run_ticks(settings) : run_log(settings);
   supervise_process();
+  if (!settings.output.empty()) begin_own_processes();  // the file is written by a second replay
   end_runs_on_signals();
   InterposerWatch watch;
   if (is_interposed()) settings.replay.watch = &watch;
@@ -221,12 +224,14 @@ Exit run_replay(ReplaySettings& settings, const CLI::App& options) {
   const Result<ReplayReport> report = [&] {
     Progress progress("replaying");
     settings.replay.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
-    return replay(settings.trace, settings.replay);
+    return settings.output.empty() ? replay(settings.trace, settings.replay)
+                                   : own_replay(settings.trace, settings.replay);
   }();
   end_if_reader_is_gone();
   if (!report) return refuse(report.errors());
   if (!settings.output.empty())
-    if (const auto written = write_replay(settings.trace, settings.output, settings.replay); !written)
+    if (const auto written = own_run([&] { return write_replay(settings.trace, settings.output, settings.replay); });
+        !written)
       return refuse(written.errors());
   if (settings.json) {
     print(report_json(*report, notes));

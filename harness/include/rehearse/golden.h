@@ -19,11 +19,13 @@
 #include <rehearse/compare.h>
 #include <rehearse/diagnostic.h>
 #include <rehearse/mcap.h>
+#include <rehearse/replay.h>
 #include <rehearse/run_options.h>
 #include <rehearse/trace.h>
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -102,6 +104,8 @@ struct Reexecution {
   /// session.h: run_plant, from the caller that simulates. Null: a run can be accepted only if all kept messages are
   /// equal to its own.
   RunPlant run_plant;
+  /// Replays the candidate. Null: replay() does, in this process.
+  std::function<Result<ReplayReport>(const std::filesystem::path& recording, const ReplayOptions& options)> replay = {};
   /// Files that may be the run's scenario. A recording has no meshes: a run with meshes needs its scenario file.
   std::vector<std::filesystem::path> scenarios;
 };

@@ -1,4 +1,4 @@
-// Runs the cases of a campaign in worker processes, many in each. This library doesn't simulate: the caller passes a
+// Runs the cases of a campaign in worker processes, one in each. This library doesn't simulate: the caller passes a
 // Simulation.
 #pragma once
 

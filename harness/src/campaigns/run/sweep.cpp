@@ -58,12 +58,6 @@ Result<CaseRun> timed_case(const fs::path& file, const std::string& text, const 
   return run;
 }
 
-/// False: the controller's code was interrupted, and may have left anything in the memory.
-bool leaves_memory_sound(const CaseResult& result) {
-  return result.passed() || result.verdict == CaseVerdict::violated || result.verdict == CaseVerdict::differs ||
-         result.verdict == CaseVerdict::exploded;
-}
-
 /// The environment prevented a case in two processes. The case has no result, so that it is run again.
 Diagnostic hindered(const Campaign& campaign, std::int64_t number, const std::string& why) {
   return error_in(
@@ -302,18 +296,17 @@ Result<void> check_nominal(const Campaign& campaign, const Simulation& simulatio
       "campaign in a new folder");
 }
 
-/// The answer of a worker to a case.
+/// The answer of a worker to a case, which is its last: each run begins in a process that has run no controller.
 WorkerPool::Made made_case(const Campaign& campaign, std::int64_t number, const fs::path& trace,
                            const Simulation& simulation) {
   const auto text = campaign.text_of(number);
   if (!text) return {line_of(ended_case(number, CaseVerdict::invalid, text.errors().front().message))};
   auto run = timed_case(campaign.scenario().file, *text, campaign.options(), trace, simulation);
-  // an earlier case may have changed the limits of its process
   if (!run) return {hindrance + run.errors().front().message, true};
   if (const auto changed = changed_in_case(campaign, run->libraries); !changed.empty())
-    return {refusal + change_of(changed.front())};
+    return {refusal + change_of(changed.front()), true};
   run->result.number = number;
-  return {line_of(run->result), !leaves_memory_sound(run->result)};
+  return {line_of(run->result), true};
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "changed_files.h"
 #include "check_run.h"
 #include "core/compare/divergence_text.h"
+#include "core/guard/own_process.h"
 #include "core/kinds/channel_name.h"
 #include "core/replay/plant_level.h"
 #include "core/scenario/structure_change.h"
@@ -92,10 +93,10 @@ std::optional<Blame> unsteady_controller(const Suspects& with, const Divergence&
   return Blame{
       {VerdictCode::controller_unsteady,
        fmt::format(
-           "an earlier run left data behind, or the controller depends on something besides its recorded "
-           "inputs: in the closed loop it gave the golden's commands, but fed with the golden's inputs later in the "
-           "same process, it differs at {}; `rehearse audit` finds the cause",
-           to_string(first))},
+           "{}the controller depends on something besides its recorded inputs: in the closed loop it gave the golden's "
+           "commands, but fed with the golden's inputs {}, it differs at {}; `rehearse audit` finds the cause",
+           has_own_processes() ? "" : "an earlier run left data behind, or ",
+           has_own_processes() ? "in a process of its own" : "later in the same process", to_string(first))},
       first};
 }
 

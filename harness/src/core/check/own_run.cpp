@@ -107,6 +107,14 @@ Result<Outcome> in_own_process(const std::function<Result<Outcome>()>& run) {
 Result<RunSummary> own_run(const std::function<Result<RunSummary>()>& run) { return in_own_process(run); }
 Result<ResumedRun> own_run(const std::function<Result<ResumedRun>()>& run) { return in_own_process(run); }
 
+Result<void> own_run(const std::function<Result<void>()>& run) {
+  const auto made = in_own_process<bool>([&run]() -> Result<bool> {
+    if (auto done = run(); !done) return done.errors();
+    return true;
+  });
+  return made ? Result<void>() : made.errors();
+}
+
 Result<ReplayReport> own_replay(const std::filesystem::path& recording, const ReplayOptions& options) {
   return replay_by(recording, options, [](const auto& part) { return in_own_process<ReplayReport>(part); });
 }

@@ -16,6 +16,9 @@ namespace rehearse {
 Result<RunSummary> own_run(const std::function<Result<RunSummary>()>& run);
 Result<ResumedRun> own_run(const std::function<Result<ResumedRun>()>& run);
 
+/// A run that has no result.
+Result<void> own_run(const std::function<Result<void>()>& run);
+
 /// As replay(). The callbacks of `options` are called in the other process.
 Result<ReplayReport> own_replay(const std::filesystem::path& recording, const ReplayOptions& options);
 

@@ -84,7 +84,7 @@ Result<std::optional<std::string>> first_break(const fs::path& candidate, const 
         "the kept part differs from this run, and without physics nothing shows that it fits the accepted part");
   ReplayOptions options;
   static_cast<HostOptions&>(options) = again.host;
-  const auto commands = replay(candidate, options);
+  const auto commands = again.replay ? again.replay(candidate, options) : replay(candidate, options);
   if (!commands) return commands.errors();
   const auto plant = first_of_plant(candidate, again);
   if (!plant) return plant.errors();
