@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <utility>
 
 namespace rehearse::test {
 namespace {
@@ -80,12 +81,12 @@ TEST_F(ProcessEnd, ComesAfterStaticDestructors) {
 }
 
 TEST_F(ProcessEnd, FollowsTheFirstSigterm) {
-  for (const char* deed : {"join", "spin"}) {
-    pendulum(STAYS, deed);
+  for (const auto& [library, deed] : {std::pair(STAYS, "join"), std::pair(STAYS, "spin"), std::pair(GOES, "spin")}) {
+    pendulum(library, deed);
     const Outcome outcome = run("bash",
                                 {"-c",
-                                 "\"$0\" record pendulum.yaml -o run.mcap --call-limit 50 > ended & "
-                                 "while ! [ -s ended ]; do sleep 0.05; done; sleep 0.3; kill -TERM $!; wait $!",
+                                 "\"$0\" record pendulum.yaml -o run.mcap --call-limit 50 & "
+                                 "sleep 1.5; kill -TERM $!; wait $!",
                                  command.string()},
                                 "ASAN_OPTIONS=detect_leaks=0 timeout -s KILL 20");
     EXPECT_EQ(outcome.status, 128 + SIGTERM) << deed << outcome.err;

@@ -1,6 +1,6 @@
-// A controller whose library stays in memory: the static object is destroyed by exit(). Its options say what that
-// object does then: nothing, print, join (a worker that waits for ever), spin, block (spins with all signals blocked),
-// crash, abort, throw, exit, raw_exit, kill, leak (in the first call of control()).
+// A controller whose library stays in memory, unless IS_UNLOADED: the static object is destroyed by exit(). Its options
+// say what that object does then: nothing, print, join (a worker that waits for ever), spin, block (spins with all
+// signals blocked), crash, abort, throw, exit, raw_exit, kill, leak (in the first call of control()).
 #include <cnoid/SimpleController>
 
 #include <signal.h>
@@ -32,7 +32,7 @@ class Pool {
     }
     if (deed_ == "crash") *static_cast<volatile int*>(nullptr) = 1;
     if (deed_ == "abort") std::abort();
-    if (deed_ == "throw") throw std::runtime_error("the pool is \x1b[31mbusy");
+    if (deed_ == "throw") fail();
     if (deed_ == "exit") _exit(5);
     if (deed_ == "raw_exit") syscall_past_the_library(SYS_exit_group, 5);
     if (deed_ == "kill") kill(getpid(), SIGKILL);
@@ -40,6 +40,7 @@ class Pool {
   }
 
  private:
+  static void fail() { throw std::runtime_error("the pool is \x1b[31mbusy"); }
   static void spin() {
     for (volatile bool forever = true; forever;) {
     }
@@ -63,7 +64,11 @@ class Pool {
   std::thread worker_;
 };
 
+#ifdef IS_UNLOADED
+static Pool pool;
+#else
 inline Pool pool;  // gcc makes it a unique symbol, and the dynamic linker unloads no library that has one
+#endif
 
 namespace {
 

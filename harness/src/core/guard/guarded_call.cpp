@@ -27,6 +27,7 @@
 
 #include "c_library.h"
 #include "exception_text.h"
+#include "interruption.h"
 #include "process_end.h"
 #include "process_guard.h"
 #include "supervise.h"
@@ -216,8 +217,9 @@ class Watchdog {
   /// A forked process lacks its parent's watchdog thread.
   static void forget() { watchdog_ = nullptr; }
 
-  void begin(double limit) {
+  void begin(double limit, bool yields) {
     limit_.store(limit, std::memory_order_relaxed);
+    yields_.store(yields, std::memory_order_relaxed);
     calls_.fetch_add(1);  // odd: a call is running
     if (sleeps_.load() != 0) wake();
   }
@@ -268,7 +270,8 @@ class Watchdog {
         continue;
       }
       const std::chrono::duration<double> age = clock::now() - since;
-      if (age.count() > limit_.load(std::memory_order_relaxed)) {
+      const bool is_signalled = yields_.load(std::memory_order_relaxed) && interruption() != 0;
+      if (age.count() > limit_.load(std::memory_order_relaxed) || (is_signalled && age.count() > limit_after_signal)) {
         if (!is_traced()) pthread_kill(guarded_thread, hang_signal);
         since = clock::now();
       }
@@ -278,6 +281,7 @@ class Watchdog {
   static inline Watchdog* watchdog_ = nullptr;
   std::atomic<std::uint64_t> calls_{0};
   std::atomic<double> limit_{0.0};
+  std::atomic<bool> yields_{false};
   std::atomic<std::uint32_t> sleeps_{0};  // a futex: 1: no calls are made, and begin() has to wake the thread
 };
 
@@ -350,7 +354,7 @@ void end_process_at_library_crashes() { dies_in_library = 1; }
 void guard_rest_of_process(double limit) {
   guarded_thread = pthread_self();
   provide_signal_stack();
-  Watchdog::instance().begin(limit);
+  Watchdog::instance().begin(limit, true);
 }
 
 /// Leaves a gap in the stack above it, so that an array overrun reaches the gap instead of the host's frames.
@@ -371,7 +375,7 @@ void take_thread_failure(CallOutcome& outcome) {
   thread_failure.state.store(0, std::memory_order_release);
 }
 
-CallOutcome guarded_call(const std::function<void()>& code, double limit) {
+CallOutcome guarded_call(const std::function<void()>& code, double limit, bool yields) {
   REHEARSE_ASSERT(!guarding, "guarded calls don't nest");
   prepare_guarded_calls();
   guarded_thread = pthread_self();
@@ -380,7 +384,7 @@ CallOutcome guarded_call(const std::function<void()>& code, double limit) {
   if (!(mode_before == standard)) set_float_mode(standard);
   CallOutcome outcome;
   crash_place = nullptr;
-  Watchdog::instance().begin(limit);
+  Watchdog::instance().begin(limit, yields);
   const int signal_number = sigsetjmp(return_point, 0);
   if (signal_number == 0) {
     guarding = 1;
@@ -398,7 +402,8 @@ CallOutcome guarded_call(const std::function<void()>& code, double limit) {
   outcome.changed_float_mode = !(outcome.float_mode == standard);
   if (!(outcome.float_mode == mode_before)) set_float_mode(mode_before);
   if (outcome.end == CallEnd::hung)
-    outcome.what = fmt::format("did not return within {} s", limit);
+    outcome.what = yields && interruption() != 0 ? "did not return, and a signal had ended the run"
+                                                 : fmt::format("did not return within {} s", limit);
   else if (outcome.end == CallEnd::exited || signal_number == abort_by_deed)
     outcome.what = last_deed;
   else if (outcome.end == CallEnd::crashed)

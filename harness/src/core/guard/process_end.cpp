@@ -26,8 +26,6 @@ extern "C" __attribute__((weak)) void __lsan_do_leak_check();
 namespace rehearse {
 namespace {
 
-constexpr double limit_after_signal = 1.0;  // for those who have asked for the end of the process [s]
-
 /// A library in memory.
 struct Library {
   std::uintptr_t base = 0;

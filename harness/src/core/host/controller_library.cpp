@@ -285,7 +285,7 @@ void ControllerLibrary::unload() {
         else
           dlclose(handle_);
       },
-      call_limit_);
+      call_limit_, true);
   ProcessGuard::instance().put_right();
   note_call_end();
   if (outcome.end == CallEnd::returned) return;
