@@ -21,11 +21,16 @@
 #include <stdexcept>
 #include <string>
 
+extern "C" double strength();  // of a library that one build links, and uses as GAIN
+
+inline int runs = 0;  // of the process
+
 namespace {
 
 class Caller : public cnoid::SimpleController {
  public:
   bool initialize(cnoid::SimpleControllerIO* io) override {
+    ++runs;
     io_ = io;
     shoulder_ = io->body()->joint("SHOULDER");
     rail_ = io->body()->joint("RAIL");
@@ -109,6 +114,9 @@ class Caller : public cnoid::SimpleController {
         {"locale", [](Caller&) { std::setlocale(LC_ALL, "C"); }},
         {"rounding", [](Caller&) { std::fesetround(FE_DOWNWARD); }},
         {"random", [](Caller& c) { std::srand(1), c.unused_ = std::rand(); }},
+        // state that outlives a run in its process
+        {"unseeded", [](Caller& c) { c.shoulder_->u() += 1e-3 * std::rand() / RAND_MAX; }},
+        {"runs", [](Caller& c) { c.shoulder_->u() += 1e-3 * runs; }},
     };
     return all;
   }
