@@ -63,6 +63,24 @@ TEST_P(FirstRuns, AreAlikeForTwoBranches) {
   EXPECT_EQ(done({"diff", "one.mcap", "two.mcap", "--json"}).json()["equal"], true);
 }
 
+/// The level plant draws, too: a process that has drawn pictures can't fork one that draws.
+TEST_F(OwnProcesses, DrawThePicturesOfAllRunsOfACheck) {
+  write("eye.urdf",
+        "<robot name=\"Eye\"><link name=\"WALL\"/><gazebo reference=\"WALL\"><sensor name=\"Lens\" type=\"camera\">"
+        "<update_rate>100</update_rate><camera><horizontal_fov>1</horizontal_fov>"
+        "<image><width>16</width><height>12</height></image></camera></sensor></gazebo></robot>");
+  for (const char* name : {"a", "b"})
+    write(std::string("scenarios/") + name + ".yaml",
+          std::string("rehearse: 1\nduration: 0.05\ngolden: Eye.") + name +
+              "\nbodies:\n  - {name: Eye, model: ../eye.urdf, position: [2, 0, 1]}\n"
+              "  - {name: Ball, sphere: {radius: 0.1}, mass: 1, position: [0, 0, 1]}\ncameras: [Eye/Lens]\n");
+  const std::vector<std::string> all{"check", "scenarios/a.yaml", "scenarios/b.yaml", "-j1", "--simulate"};
+  EXPECT_EQ(rehearse(all, "REHEARSE_GOLDEN=new").status, 0);
+  const Outcome simulated = rehearse(all);
+  EXPECT_EQ(simulated.status, 0) << simulated.out << simulated.err;
+  EXPECT_THAT(simulated.out, HasSubstr("b: equal bit for bit"));
+}
+
 INSTANTIATE_TEST_SUITE_P(Of, FirstRuns, ::testing::Values(COUNTS_RUNS, DRAWS),
                          [](const auto& info) { return fs::path(info.param).stem().string().substr(0, 6); });
 

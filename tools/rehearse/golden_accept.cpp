@@ -127,7 +127,7 @@ std::function<Exit()> declare_golden_accept(CLI::App& options) {
       ->allow_extra_args(false);
   add_time_span(options, settings->span, "only from this time on", "only up to this time");
   add_host_options(options, settings->again.host);
-  settings->again.run_plant = run_plant;
+  settings->again.run_plant = own_plant(run_plant);
   return [settings] { return accept(*settings); };
 }
 

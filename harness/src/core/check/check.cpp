@@ -21,6 +21,7 @@
 #include "expectation_judge.h"
 #include "model/clock.h"
 #include "noise_floor.h"
+#include "own_run.h"
 #include "proof.h"
 #include "unknown_series.h"
 
@@ -451,7 +452,9 @@ Result<CheckReport> sampled(Check check) {
 }  // namespace
 
 Result<CheckReport> check_scenario(const Scenario& plain, const fs::path& golden, const fs::path& actual,
-                                   const CheckOptions& asked, const Simulation& simulation) {
+                                   const CheckOptions& asked, const Simulation& given) {
+  Simulation simulation = given;
+  simulation.run_plant = own_plant(std::move(simulation.run_plant));
   const auto outline = Trace::outline(golden);
   if (!outline) {  // a pass over the whole file finds the damage
     const auto whole = load_without_messages(golden);

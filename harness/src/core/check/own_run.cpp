@@ -62,6 +62,11 @@ void each_member(Passed<ResumedRun> auto& value, auto& each) {
   each(summary), each(from);
 }
 
+void each_member(Passed<PlantSummary> auto& value, auto& each) {
+  auto& [ticks, restored, from_the_start, failure] = value;
+  each(ticks), each(restored), each(from_the_start), each(failure);
+}
+
 void each_member(Passed<ReplayedWords> auto& value, auto& each) {
   auto& [lines, variables, different, first] = value;
   each(lines), each(variables), each(different), each(first);
@@ -113,6 +118,14 @@ Result<void> own_run(const std::function<Result<void>()>& run) {
     return true;
   });
   return made ? Result<void>() : made.errors();
+}
+
+RunPlant own_plant(RunPlant run_plant) {
+  if (!run_plant) return run_plant;
+  return [run_plant = std::move(run_plant)](const Scenario& scenario, const Trace& recording,
+                                            const std::filesystem::path& trace, const PlantOptions& options) {
+    return in_own_process<PlantSummary>([&] { return run_plant(scenario, recording, trace, options); });
+  };
 }
 
 Result<ReplayReport> own_replay(const std::filesystem::path& recording, const ReplayOptions& options) {

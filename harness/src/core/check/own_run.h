@@ -19,6 +19,9 @@ Result<ResumedRun> own_run(const std::function<Result<ResumedRun>()>& run);
 /// A run that has no result.
 Result<void> own_run(const std::function<Result<void>()>& run);
 
+/// The function, whose runs then begin in such processes, too: a process that has drawn can't fork one that draws.
+RunPlant own_plant(RunPlant run_plant);
+
 /// As replay(). The callbacks of `options` are called in the other process.
 Result<ReplayReport> own_replay(const std::filesystem::path& recording, const ReplayOptions& options);
 

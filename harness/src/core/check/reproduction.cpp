@@ -121,7 +121,9 @@ std::string Trial::text() const {
 }  // namespace
 
 Result<Reproduction> reproduce(const Scenario& scenario, const Trace& recording, const fs::path& scratch,
-                               const ReproductionOptions& options, const Simulation& simulation) {
+                               const ReproductionOptions& options, const Simulation& given) {
+  Simulation simulation = given;
+  simulation.run_plant = own_plant(std::move(simulation.run_plant));
   Trial trial{scenario, recording, scratch, options, simulation, {}};
   if (auto done = trial.replay_controllers(); !done) return done.errors();
   if (trial.result.reproduced())
