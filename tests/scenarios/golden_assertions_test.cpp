@@ -197,8 +197,9 @@ TEST_F(GoldenAssertion, NamesThePartThatChanged) {
   make_golden();
   const TestVerdict verdict = match(fall(1.0, push));
   EXPECT_FALSE(verdict.passed);
-  EXPECT_THAT(verdict.message, ::testing::StartsWith("scenario.yaml changed: under the golden's commands, Box/Box/"));
-  EXPECT_THAT(verdict.message, HasSubstr("\n  controller: not compared; plant: not compared; closed: differs\n"));
+  EXPECT_THAT(verdict.message, ::testing::StartsWith("scenario.yaml:4 (pushes is new) changed: under the golden's "
+                                                     "commands, Box/Box/"));
+  EXPECT_THAT(verdict.message, HasSubstr("\n  controller: equal; plant: differs up to tick 31; closed: differs\n"));
   EXPECT_THAT(verdict.message, HasSubstr("\n  stage "));
   EXPECT_THAT(verdict.message, HasSubstr("look at it: rehearse golden review " + last_name_));
 }

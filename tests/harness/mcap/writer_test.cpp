@@ -270,7 +270,8 @@ TEST(McapWriter, TellsOfAFullDiskAtTheLatestWhenItCloses) {
   static_cast<void>(writer->write(channel, 0, 0, bytes_of("a")));
   const auto closed = writer->close();
   ASSERT_FALSE(closed);
-  EXPECT_EQ(to_string(closed.errors()[0]), "/dev/full: error: can't write the trace: No space left on device");
+  EXPECT_EQ(closed.errors()[0].file, "/dev/full");
+  EXPECT_EQ(closed.errors()[0].message, "can't write the trace: No space left on device");
   EXPECT_FALSE(writer->close()) << "and says so again";
 }
 

@@ -2,17 +2,17 @@
 
 #include <dlfcn.h>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <link.h>
 #include <stdlib.h>
 #include <sys/uio.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstring>
 #include <iterator>
-#include <set>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -49,24 +49,24 @@ std::vector<Library> libraries_in_memory() {
   return all;
 }
 
-/// What has to be known of the controllers at the end.
+/// The facts about controllers for the end. None is on the heap: runs of one process that are compared with each other
+/// must find equal heaps.
 struct Guests {
-  std::set<std::uintptr_t> own_libraries;  // of the program, by their addresses
-  std::vector<std::string> controllers;
-  double limit = 0.0;  // [s]
+  std::array<std::uintptr_t, 1024> own_libraries{};  // of the program: their addresses; 0: unused
+  char controllers[512] = "";                        // "A/B' or 'A/C"
+  double limit = 0.0;                                // [s]
   bool in_fork = false;
 
+  bool is_own(std::uintptr_t base) const { return std::ranges::find(own_libraries, base) != own_libraries.end(); }
   std::vector<Library> left() const {
     std::vector<Library> all = libraries_in_memory();
-    std::erase_if(all, [&](const Library& library) { return own_libraries.contains(library.base); });
+    std::erase_if(all, [&](const Library& library) { return is_own(library.base); });
     return all;
   }
 };
 
-Guests& guests() {
-  static auto& all = *new Guests;  // exit() destroys static objects
-  return all;
-}
+constinit Guests known_guests;
+Guests& guests() { return known_guests; }
 
 pid_t ending = 0;  // this process is in the guarded part of exit(); else 0
 int end_status = 0;
@@ -78,7 +78,7 @@ extern "C" void guard_rest(int status, void*) {
   const Guests& known = guests();
   if (ending == getpid() || (known.left().empty() && !known.in_fork)) return;
   end_status = status;
-  const std::string names = fmt::format("{}", fmt::join(known.controllers, "' or '"));
+  const std::string names = known.controllers;
   const double limit = interruption() == 0 ? known.limit : std::min(known.limit, limit_after_signal);
   subject = new std::string(fmt::format("warning: controller '{}' ", names));
   too_long = new std::string(fmt::format("did not return within {} s", limit));
@@ -118,15 +118,26 @@ extern "C" void end_here(int status, void*) {
 
 void note_own_libraries() {
   static const bool noted = [] {
-    for (const Library& library : libraries_in_memory()) guests().own_libraries.insert(library.base);
+    std::uintptr_t* place = guests().own_libraries.data();
+    dl_iterate_phdr(
+        [](dl_phdr_info* object, std::size_t, void* next) {
+          auto& to = *static_cast<std::uintptr_t**>(next);
+          if (to != guests().own_libraries.data() + guests().own_libraries.size()) *to++ = object->dlpi_addr;
+          return 0;
+        },
+        &place);
     return true;
   }();
   static_cast<void>(noted);
 }
 
 void guard_process_end(const std::string& controller, double limit) {
-  std::vector<std::string>& known = guests().controllers;
-  if (std::find(known.begin(), known.end(), controller) == known.end()) known.push_back(controller);
+  char(&known)[sizeof(Guests::controllers)] = guests().controllers;
+  if (std::string_view(known).find(controller) == std::string_view::npos &&
+      std::strlen(known) + controller.size() + 6 < sizeof known) {
+    if (*known) std::strcat(known, "' or '");
+    std::strcat(known, controller.c_str());
+  }
   guests().limit = std::max(guests().limit, limit);
   on_exit(guard_rest, nullptr);
 }
