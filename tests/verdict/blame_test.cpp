@@ -9,6 +9,7 @@
 #include "core/kinds/channel_name.h"
 #include "core/scenario/key_changes.h"
 #include "core/scenario/structure_change.h"
+#include "mutilate.h"
 #include "standing_robot.h"
 
 namespace rehearse {
@@ -214,6 +215,25 @@ TEST_F(Blamed, ADifferenceOfRoundingIsCalledOne) {
   EXPECT_GT(rounding.replay->most_ulps, 0u);
   EXPECT_LT(rounding.replay->most_ulps, 10u);
   EXPECT_THAT(rounding.verdict.text(), HasSubstr("fed with the golden's inputs, only bits differ, by up to "));
+}
+
+/// The unit T has no default tolerance: the last bit of a magnetometer turns a check red, and is called rounding.
+TEST_F(Blamed, NobodyForTheLastBitOfOneSensor) {
+  robot_.apply({"sr1.urdf", "</robot>",
+                "<gazebo reference=\"WAIST\"><sensor name=\"Mag\" type=\"magnetometer\"/></gazebo></robot>"});
+  robot_.record_golden();
+  const auto round = [](const mcap::Message& message) -> std::optional<std::vector<std::byte>> {
+    std::vector<std::byte> payload = *testing::untouched(message);
+    constexpr std::size_t after_z = 10 * sizeof(double);  // z itself and nine numbers of the covariance
+    if (message.channel->topic == "/SR1/Mag/magnetic_field" && message.log_time == 300'000'000)
+      payload[payload.size() - after_z] ^= std::byte{1};
+    return payload;
+  };
+  ASSERT_TRUE(testing::mutilate(robot_.file("golden.mcap"), round));
+  const CheckReport report = checked();
+  EXPECT_EQ(report.verdict.code(), "sensors.changed");
+  EXPECT_THAT(report.verdict.text(), StartsWith("under the golden's commands, only rounding differs: SR1/Mag/"));
+  EXPECT_THAT(report.verdict.text(), HasSubstr(" T (1 ULP) at tick 300, and no tolerance covers it"));
 }
 
 /// A rule that is written for commands counts on the golden's inputs; another one doesn't.
