@@ -392,6 +392,18 @@ TEST_F(Coverage, OfOneControllerSaysWhyOthersHaveNone) {
               ContainsRegex("stripped.so' has no lines in its debug information: its lines aren't known"));
 }
 
+TEST_F(Coverage, WarnsOfTheFirstCommandBeyondItsTolerance) {
+  done({"record", scenario("partly").string(), "-o", "near.mcap"});
+  const auto said_of = [&](const std::string& other) {
+    return rehearse({"audit", "near.mcap", "--coverage", "--json", "--controller", "Zoo=" ZOO "/zoo_" + other + ".so"})
+        .out;
+  };
+  EXPECT_THAT(said_of("good_own_generator"),
+              HasSubstr("the replay isn't the recorded run: the commands leave their tolerances first at tick 0"));
+  EXPECT_THAT(said_of("static_state"),
+              HasSubstr("the replay isn't the recorded run: the commands are within tolerance, and differ first at"));
+}
+
 TEST_F(Coverage, RefusesControllersInPython) {
   if (!fs::exists(LIBRARIES "/rehearse/librehearse_python.so")) GTEST_SKIP() << "no controllers in Python";
   done({"record", scenario("partly").string(), "-o", "near.mcap"});

@@ -127,6 +127,23 @@ TEST_F(TestReports, ShowAReplayThatDiffersBesideItsGolden) {
               ContainsRegex("<tr class=\"differs\">.*Arm.Repeats</a><br><small>replay</small>"));
 }
 
+TEST_F(TestReports, FailNoReplayThatARuleForCommandsAllows) {
+  const std::filesystem::path controller = folder_ / "Swing.so", sources = TEST_CONTROLLERS;
+  for (const auto& [pattern, passes] : {std::pair("Arm/*/output/*", true), {"*", false}}) {
+    std::filesystem::copy_file(sources / "HingePd.so", controller);
+    testing::write_swinging_arm(folder_.path(), controller.string(),
+                                "tolerances: [{channel: \"" + std::string(pattern) + "\", atol: 1000}]\n");
+    const std::string golden = passes ? "Arm.Swings" : "Arm.SwingsToo";
+    setenv("REHEARSE_GOLDEN", "new", 1);
+    EXPECT_TRUE(internal::match_golden(record("swing.yaml"), golden).passed);
+    unsetenv("REHEARSE_GOLDEN");
+    std::filesystem::remove(controller);
+    std::filesystem::copy_file(sources / "HingePdChanged.so", controller);
+    EXPECT_EQ(internal::replay_golden(golden, golden).passed, passes) << pattern;
+    std::filesystem::remove(controller);
+  }
+}
+
 TEST_F(TestReports, ListAllKindsOfTestsFailedOnesFirst) {
   EXPECT_TRUE(internal::match_golden(fall(1.0), "Box.Falls").passed);
   std::ofstream(folder_ / "expecting.yaml")

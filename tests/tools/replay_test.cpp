@@ -88,6 +88,27 @@ TEST_F(Replay, SaysInASentenceWhereItDiffers) {
           "3000 commanded numbers differ\n$"));
 }
 
+/// Other rules don't: a controller must repeat its commands.
+TEST_F(Replay, EndsWithZeroIfARuleForCommandsAllowsTheDifference) {
+  const auto replay_with_rule = [&](const std::string& pattern) {
+    const fs::path scenario = sr1_without_cameras();
+    const std::string rule = "\"SR1/*/u\", atol: 2.0e-3";
+    std::string text = read_file(scenario);
+    text.replace(text.find(rule), rule.size(), "\"" + pattern + "\", atol: 1000");
+    write(scenario.filename().string(), text);
+    done({"record", scenario.string(), "-o", "sr1.mcap"});
+    return rehearse({"replay", "sr1.mcap", "--json", "--controller", "SR1Minimum=" CHANGED_GAIN});
+  };
+  const Outcome allowed = replay_with_rule("SR1/*/output/*");
+  EXPECT_EQ(allowed.status, 0) << allowed.out;
+  EXPECT_EQ(allowed.json()["equal"], false);
+  EXPECT_EQ(allowed.json()["within"], true);
+  EXPECT_THAT(allowed.json()["verdict"].get<std::string>(),
+              StartsWith("the rules for commands allow the differences: "));
+  EXPECT_EQ(replay_with_rule("*/u").status, 0);
+  EXPECT_EQ(replay_with_rule("*").status, 1);
+}
+
 TEST_F(Replay, ComparesTheAskedSpanOnly) {
   record_sr1();
   const nlohmann::json late =

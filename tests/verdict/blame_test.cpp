@@ -206,6 +206,19 @@ TEST_F(Blamed, AControllerWhoseCommandsAreWithinToleranceAndWhoseRunIsNot) {
                                   series_name(first.channel, first.element), first.tolerance, first.unit, first.tick)));
 }
 
+/// A command that comes a tick later is as large as before: its distance from the golden's values within lag is none.
+TEST_F(Blamed, AControllerThatIsLateWithinItsLagIsToldByHowMuchItsCommandsDiffer) {
+  robot_.write("scenario.yaml",
+               std::string(standing_yaml) + "tolerances:\n  - {channel: '*', atol: 0.001, lag: 0.002}\n");
+  robot_.record_golden();
+  const CheckReport late = checked_with("StandWith_late");
+  EXPECT_EQ(late.controller, LevelState::differs);
+  ASSERT_TRUE(late.replay && late.replay->largest);
+  EXPECT_GT(late.replay->largest->difference, 1.0);
+  EXPECT_THAT(late.verdict.text(), HasSubstr(fmt::format("off by {:.3g} N·m and within lead and lag at tick {}",
+                                                         late.replay->largest->difference, late.replay->largest->tick)));
+}
+
 /// One rounding more in each command: the difference is measured.
 TEST_F(Blamed, ADifferenceOfRoundingIsCalledOne) {
   robot_.write("scenario.yaml", std::string(standing_yaml) + "tolerances:\n  - {channel: '*', atol: 1000}\n");

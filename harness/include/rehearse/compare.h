@@ -77,7 +77,9 @@ struct Differences {
   /// By multiples of its tolerance; of differences without tolerance, by difference.
   std::optional<Divergence> worst;
   std::optional<Divergence> beyond;  // the first beyond its tolerance, or with a note
-  std::uint64_t most_ulps = 0;       // the largest Divergence::ulps of a difference without a note
+  /// By multiples of its tolerance of the difference of the same tick, whatever lead and lag allow.
+  std::optional<Divergence> largest;
+  std::uint64_t most_ulps = 0;  // the largest Divergence::ulps of a difference without a note
 
   void add(Divergence found) {
     const bool is_beyond = found.is_beyond();

@@ -30,7 +30,6 @@ class Verdict {
 
   bool empty() const { return parts_.empty(); }
   const std::vector<VerdictPart>& parts() const { return parts_; }
-  bool has(VerdictCode code) const;
 
   /// One sentence, without a full stop: the statements, separated by semicolons.
   std::string text() const;

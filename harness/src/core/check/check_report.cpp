@@ -25,14 +25,21 @@ bool CheckReport::equal() const {
   return within() && !any_within;
 }
 
+namespace {
+
+/// The run of level closed is wrong, whatever the expectations demand.
+bool is_wrong_without_expectations(const CheckReport& report) {
+  return report.closed == LevelState::differs || report.closed == LevelState::no_golden || report.not_reproduced ||
+         report.other_duration || report.proof_was_wrong;
+}
+
+}  // namespace
+
 bool CheckReport::within() const {
   return controller != LevelState::differs && plant != LevelState::differs && !run_is_wrong();
 }
 
-bool CheckReport::run_is_wrong() const {
-  return closed == LevelState::differs || closed == LevelState::no_golden || first_violation(expectations) ||
-         not_reproduced || other_duration || proof_was_wrong;
-}
+bool CheckReport::run_is_wrong() const { return is_wrong_without_expectations(*this) || first_violation(expectations); }
 
 std::string levels_text(const CheckReport& report) {
   return fmt::format("controller: {}; plant: {}{}; closed: {}", to_string(report.controller), to_string(report.plant),
@@ -58,10 +65,8 @@ std::string bits_sentence(const CheckReport& report) {
 
 bool CheckReport::undecided() const {
   const ExpectationResult* first = first_violation(expectations);
-  if (!first || !first->undecided || failed()) return false;
-  CheckReport decided = *this;
-  decided.expectations.clear();
-  return decided.within();
+  return first && first->undecided && !failed() && controller != LevelState::differs && plant != LevelState::differs &&
+         !is_wrong_without_expectations(*this);
 }
 
 bool CheckReport::failed() const {

@@ -75,7 +75,7 @@ void each_member(Passed<ReplayedWords> auto& value, auto& each) {
 /// Its members can't be bound, because it has a base with members.
 void each_member(Passed<ReplayReport> auto& value, auto& each) {
   each(value.values), each(value.values_different), each(value.first), each(value.worst), each(value.beyond);
-  each(value.most_ulps);
+  each(value.largest), each(value.most_ulps);
   each(value.controllers), each(value.ticks), each(value.ticks_different), each(value.commands_hold);
   each(value.other_inputs), each(value.failure), each(value.words), each(value.explanation);
   each(value.controller_refused), each(value.other_controllers), each(value.changed_files);

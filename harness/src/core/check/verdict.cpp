@@ -15,10 +15,6 @@ void Verdict::add(VerdictCode code, std::string sentence) { parts_.push_back({co
 
 void Verdict::add(const Verdict& others) { parts_.insert(parts_.end(), others.parts_.begin(), others.parts_.end()); }
 
-bool Verdict::has(VerdictCode code) const {
-  return std::ranges::find(parts_, code, &VerdictPart::code) != parts_.end();
-}
-
 std::string Verdict::text() const { return text_without({}); }
 
 std::string Verdict::text_without(const std::vector<VerdictCode>& codes) const {

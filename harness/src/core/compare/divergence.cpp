@@ -84,13 +84,16 @@ bool is_worse(const Divergence& a, const Divergence& b) {
     return times_tolerance(d.judged(), d.tolerance);
   };
   const double of_a = badness(a), of_b = badness(b);
-  if (of_a != of_b) return of_a > of_b;
-  return a.tolerance == 0.0 ? a.judged() > b.judged() : a.judged() == b.judged() && a.difference > b.difference;
+  return of_a > of_b || (of_a == of_b && a.tolerance == 0.0 && a.judged() > b.judged());
 }
 
 void Differences::add(Divergence found, bool is_beyond) {
   const auto is_earlier = [&](const std::optional<Divergence>& than) { return !than || found.tick < than->tick; };
   ++values_different;
+  const auto is_larger = [](const Divergence& a, const Divergence& b) {
+    return times_tolerance(a.difference, a.tolerance) > times_tolerance(b.difference, b.tolerance);
+  };
+  if (!largest || is_larger(found, *largest)) largest = found;
   if (found.note.empty()) most_ulps = std::max(most_ulps, found.ulps);
   if (is_beyond && is_earlier(beyond)) beyond = found;
   if (!worst || is_worse(found, *worst)) worst = found;

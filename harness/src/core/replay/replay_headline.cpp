@@ -26,7 +26,7 @@ std::string headline(const ReplayReport& replayed, const std::string& before_bey
                         .before_differs = before_differs,
                         .name = name_of_command(*replayed.beyond, replayed.controllers)});
   if (!replayed.first) return {};
-  const Divergence& worst = *replayed.worst;
+  const Divergence& worst = *replayed.largest;
   const std::string name = name_of_command(worst, replayed.controllers);
   const std::string unit = worst.unit.empty() ? "" : " " + worst.unit;
   const bool is_rounding = replayed.most_ulps < few_ulps;
