@@ -35,7 +35,9 @@ std::string long_text() {
   return text;
 }
 
-void throw_nowhere() noexcept { throw std::runtime_error(long_text()); }
+[[noreturn, gnu::noinline]] void throw_long_text() { throw std::runtime_error(long_text()); }
+
+void throw_nowhere() noexcept { throw_long_text(); }
 
 /// A system call as a library of one's own would make it.
 long system_call(long number, long first = 0, long second = 0, long third = 0, long fourth = 0) {
