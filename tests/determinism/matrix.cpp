@@ -17,8 +17,8 @@
 #include <string>
 #include <vector>
 
+#include "base/clock.h"
 #include "matrix_rows.h"
-#include "model/clock.h"
 #include "recording_content.h"
 
 namespace rehearse::matrix {

@@ -5,7 +5,6 @@ rehearse_add_test(mcap_test LABEL unit SHARDS 3
     mcap/damage_test.cpp
     mcap/doctor_test.cpp
     mcap/filter_test.cpp
-    mcap/hashing_test.cpp
     mcap/hostile_test.cpp
     mcap/input_test.cpp
     mcap/order_test.cpp

@@ -12,13 +12,13 @@
 #include <vector>
 
 #include "audit_mode.h"
+#include "base/replaceable.h"
+#include "base/write_hint.h"
 #include "command.h"
 #include "core/golden/stale_report.h"
 #include "core/guard/interruption.h"
-#include "core/mcap/replaceable.h"
 #include "coverage_text.h"
 #include "instruction_check.h"
-#include "model/write_hint.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/write_hint.h"
 #include "control_times.h"
 #include "core/check/check_json.h"
 #include "core/check/compared.h"
@@ -21,7 +22,6 @@
 #include "core/scenario/trace_scenario.h"
 #include "core/simulation/recorded_view.h"
 #include "core/trace/run_facts.h"
-#include "model/write_hint.h"
 #include "scenario_text.h"
 #include "viewing/report/report_index.h"
 #include "wings.h"

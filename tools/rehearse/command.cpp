@@ -18,13 +18,13 @@
 #include <utility>
 #include <vector>
 
+#include "base/names.h"
 #include "core/guard/child_process.h"
 #include "core/guard/interruption.h"
 #include "core/guard/result_stream.h"
 #include "core/guard/supervise.h"
 #include "debugger.h"
 #include "mesh/slow_mesh.h"
-#include "model/names.h"
 #include "output.h"
 #include "progress.h"
 #include "wings.h"

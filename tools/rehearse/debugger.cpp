@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "base/clock.h"
 #include "core/guard/child_process.h"
 #include "core/host/controller_library.h"
 #include "core/host/hosted_language.h"
@@ -19,7 +20,6 @@
 #include "core/mcap/whole_input.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
-#include "model/clock.h"
 #include "output.h"
 
 namespace rehearse::tool {

@@ -12,13 +12,13 @@
 #include <utility>
 #include <vector>
 
+#include "base/clock.h"
 #include "commit_build.h"
 #include "core/guard/child_process.h"
 #include "core/host/controller_library.h"
 #include "core/host/hosted_language.h"
 #include "core/trace/run_facts.h"
 #include "debugger.h"
-#include "model/clock.h"
 #include "output.h"
 #include "scratch_folder.h"
 

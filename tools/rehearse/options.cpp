@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "model/text.h"
+#include "base/text.h"
 
 namespace rehearse::tool {
 namespace {

@@ -14,9 +14,9 @@
 #include <fstream>
 #include <iterator>
 
+#include "base/text.h"
+#include "base/write_hint.h"
 #include "core/guard/result_stream.h"
-#include "model/text.h"
-#include "model/write_hint.h"
 #include "progress.h"
 
 namespace rehearse::tool {

@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/clock.h"
+#include "base/replaceable.h"
 #include "command.h"
 #include "control_times.h"
 #include "core/check/check_json.h"
@@ -24,10 +26,8 @@
 #include "core/host/interposer.h"
 #include "core/host/source_age.h"
 #include "core/host/virtualised.h"
-#include "core/mcap/replaceable.h"
 #include "core/scenario/scenario_variations.h"
 #include "debugger.h"
-#include "model/clock.h"
 #include "model_scenario.h"
 #include "options.h"
 #include "output.h"

@@ -18,10 +18,10 @@
 #include <utility>
 #include <vector>
 
+#include "base/replaceable.h"
+#include "base/write_hint.h"
 #include "command.h"
-#include "core/mcap/replaceable.h"
 #include "core/simulation/viewpoint.h"
-#include "model/write_hint.h"
 #include "model_scenario.h"
 #include "options.h"
 #include "output.h"

@@ -11,9 +11,9 @@
 #include <optional>
 #include <set>
 
-#include "core/mcap/replaceable.h"
-#include "model/text.h"
-#include "model/write_hint.h"
+#include "base/replaceable.h"
+#include "base/text.h"
+#include "base/write_hint.h"
 #include "output.h"
 #include "tick_print.h"
 

@@ -19,6 +19,7 @@
 #include <rehearse/diagnostic.h>
 #include <rehearse/io.h>
 #include <rehearse/model.h>
+#include <rehearse/world_settings.h>
 
 #include <Eigen/Geometry>
 #include <memory>

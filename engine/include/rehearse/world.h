@@ -17,6 +17,7 @@
 #include <rehearse/diagnostic.h>
 #include <rehearse/io.h>
 #include <rehearse/model.h>
+#include <rehearse/world_settings.h>
 
 #include <Eigen/Geometry>
 #include <cstddef>

@@ -9,9 +9,9 @@
 #include <optional>
 #include <string_view>
 
+#include "base/names.h"
+#include "base/text.h"
 #include "mesh/mesh_input.h"
-#include "model/names.h"
-#include "model/text.h"
 #include "vrml_body.h"
 
 namespace rehearse::body {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "model/text.h"
+#include "base/text.h"
 
 namespace rehearse::body {
 namespace {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <iterator>
 
+#include "base/text.h"
 #include "body_draft.h"
 #include "model/rigid_groups.h"
-#include "model/text.h"
 
 namespace rehearse::body {
 namespace {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "model/names.h"
-#include "model/text.h"
+#include "base/names.h"
+#include "base/text.h"
 
 namespace rehearse::body {
 

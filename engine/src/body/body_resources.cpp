@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
+#include "base/text.h"
 #include "body_elements.h"
 #include "mesh/mesh_cache.h"
-#include "model/text.h"
 
 namespace rehearse::body {
 namespace {

@@ -5,8 +5,8 @@
 #include <numeric>
 #include <set>
 
+#include "base/text.h"
 #include "body_draft.h"
-#include "model/text.h"
 #include "urdf/urdf_draft.h"
 
 namespace rehearse::body {

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/text.h"
 #include "mesh/vrml_tree.h"
-#include "model/text.h"
 #include "vrml_shapes.h"
 #include "yaml_writer.h"
 

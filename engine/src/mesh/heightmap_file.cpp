@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/text.h"
 #include "mesh_input.h"
-#include "model/text.h"
 
 namespace rehearse {
 namespace {

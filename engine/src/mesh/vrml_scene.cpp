@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <map>
 
+#include "base/text.h"
 #include "mesh_format.h"
-#include "model/text.h"
 #include "picture_file.h"
 #include "polygon_mesh.h"
 #include "vrml_tree.h"

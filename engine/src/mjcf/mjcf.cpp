@@ -10,7 +10,7 @@
 #include <string_view>
 #include <utility>
 
-#include "model/text.h"
+#include "base/text.h"
 
 namespace rehearse {
 namespace {

@@ -11,6 +11,7 @@
 #include <rehearse/io.h>
 #include <rehearse/model.h>
 #include <rehearse/renderer.h>
+#include <rehearse/world_settings.h>
 
 #include <cstdint>
 #include <memory>

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "model/digest.h"
+#include "base/digest.h"
 #include "ode_math.h"
 
 namespace rehearse {

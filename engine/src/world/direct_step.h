@@ -8,6 +8,7 @@
 
 #include <ode/ode.h>
 #include <rehearse/model.h>
+#include <rehearse/world_settings.h>
 
 #include <Eigen/Core>
 #include <array>

@@ -3,6 +3,7 @@
 
 #include <ode/ode.h>
 #include <rehearse/model.h>
+#include <rehearse/world_settings.h>
 
 #include <cstddef>
 #include <cstdint>

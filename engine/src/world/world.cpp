@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <cstring>
 
+#include "base/clock.h"
+#include "base/digest.h"
 #include "beams.h"
 #include "connections.h"
 #include "contacts.h"
 #include "direct_step.h"
 #include "friction.h"
 #include "kinematic_body.h"
-#include "model/clock.h"
-#include "model/digest.h"
 #include "ode_body.h"
 #include "ode_runtime.h"
 #include "sleep.h"

@@ -10,6 +10,7 @@
 #include <rehearse/io.h>
 #include <rehearse/model.h>
 #include <rehearse/sensor_errors.h>
+#include <rehearse/world_settings.h>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

@@ -1,10 +1,10 @@
 // An artificial recording of three series and three links, for tests of expressions.
 #pragma once
 
+#include "base/glob.h"
 #include "core/expression/expression.h"
 #include "core/expression/joint_series.h"
 #include "core/expression/name_search.h"
-#include "core/mcap/glob.h"
 
 #include <algorithm>
 #include <cmath>

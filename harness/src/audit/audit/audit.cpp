@@ -8,13 +8,13 @@
 #include <set>
 
 #include "aspects.h"
+#include "base/clock.h"
 #include "core/golden/golden_files.h"
 #include "core/host/controller_library.h"
 #include "core/host/virtualised.h"
 #include "core/scenario/trace_scenario.h"
 #include "instruction_profile.h"
 #include "judgement.h"
-#include "model/clock.h"
 #include "realtime.h"
 #include "valgrind_report.h"
 

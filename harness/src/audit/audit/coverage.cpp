@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "base/clock.h"
 #include "code_map.h"
 #include "core/compare/report_json.h"
 #include "core/host/hosted_language.h"
 #include "core/host/source_age.h"
-#include "model/clock.h"
 #include "symbols.h"
 
 namespace rehearse {

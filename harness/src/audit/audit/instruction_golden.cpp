@@ -15,10 +15,10 @@
 #include <sstream>
 #include <utility>
 
-#include "core/mcap/hashing.h"
+#include "base/hashing.h"
+#include "base/text.h"
+#include "base/write_hint.h"
 #include "instruction_profile.h"
-#include "model/text.h"
-#include "model/write_hint.h"
 #include "symbols.h"
 
 namespace rehearse {

@@ -13,11 +13,11 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "base/hashing.h"
+#include "base/text.h"
 #include "case_values.h"
 #include "core/golden/golden_files.h"
-#include "core/mcap/hashing.h"
 #include "csv_text.h"
-#include "model/text.h"
 #include "result_lines.h"
 
 namespace rehearse {

@@ -8,10 +8,10 @@
 #include <numbers>
 #include <optional>
 
+#include "base/names.h"
+#include "base/text.h"
 #include "core/scenario/normal_quantile.h"
 #include "csv_text.h"
-#include "model/names.h"
-#include "model/text.h"
 
 namespace rehearse {
 namespace {

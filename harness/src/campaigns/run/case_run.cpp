@@ -12,9 +12,9 @@
 #include <cstring>
 #include <utility>
 
+#include "base/hashing.h"
 #include "campaigns/plan/result_lines.h"
 #include "core/check/unknown_series.h"
-#include "core/mcap/hashing.h"
 #include "core/scenario/campaign_claims.h"
 #include "core/trace/run_facts.h"
 

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/names.h"
 #include "campaigns/plan/campaign_folder.h"
 #include "campaigns/plan/case_values.h"
 #include "campaigns/statistics/case_table.h"
 #include "core/guard/interruption.h"
 #include "likelihood_ratio.h"
-#include "model/names.h"
 
 namespace rehearse {
 namespace {

@@ -7,11 +7,11 @@
 #include <optional>
 #include <set>
 
+#include "base/text.h"
 #include "campaigns/run/case_run.h"
 #include "core/golden/golden_files.h"
 #include "core/guard/interruption.h"
 #include "core/scenario/scenario_variations.h"
-#include "model/text.h"
 
 namespace rehearse {
 namespace {

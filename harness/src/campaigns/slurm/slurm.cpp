@@ -10,10 +10,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "base/hashing.h"
+#include "base/text.h"
 #include "core/golden/golden_files.h"
 #include "core/guard/child_process.h"
-#include "core/mcap/hashing.h"
-#include "model/text.h"
 
 namespace rehearse {
 namespace {
@@ -63,7 +63,8 @@ Result<Submission> make_submission(const Campaign& campaign, const SlurmOptions&
   std::error_code failed;
   const fs::path folder = fs::absolute(campaign.folder(), failed).lexically_normal();
   fs::create_directories(slurm_folder(campaign), failed);
-  const Submission made{"rehearse-" + hash_text(hash_bytes(folder.c_str(), folder.native().size())), tasks_for(campaign, options)};
+  const Submission made{"rehearse-" + hash_text(hash_bytes(folder.c_str(), folder.native().size())),
+                        tasks_for(campaign, options)};
   if (auto written = replace_text(slurm_folder(campaign) / "task.sh", task_script); !written) return written.errors();
   const Json object{{"name", made.name}, {"tasks", made.tasks}};
   if (auto written = replace_text(submission_file(campaign), object.dump() + '\n'); !written) return written.errors();

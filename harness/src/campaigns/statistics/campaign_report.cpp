@@ -11,6 +11,8 @@
 #include <numeric>
 #include <set>
 
+#include "base/hashing.h"
+#include "base/text.h"
 #include "campaign_page.h"
 #include "campaigns/plan/campaign_folder.h"
 #include "campaigns/plan/csv_text.h"
@@ -18,11 +20,9 @@
 #include "case_table.h"
 #include "comparison.h"
 #include "core/golden/golden_files.h"
-#include "core/mcap/hashing.h"
 #include "core/scenario/campaign_claims.h"
 #include "fault_matrix.h"
 #include "importance.h"
-#include "model/text.h"
 #include "report_json.h"
 
 namespace rehearse {

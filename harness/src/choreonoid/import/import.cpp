@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "model/text.h"
+#include "base/text.h"
 #include "project_run.h"
 
 namespace rehearse::import {

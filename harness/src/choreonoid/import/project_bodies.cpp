@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "model/text.h"
+#include "base/text.h"
 #include "project_run.h"
 
 namespace rehearse::import {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "model/text.h"
+#include "base/text.h"
 #include "project_run.h"
 
 namespace rehearse::import {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "model/names.h"
-#include "model/text.h"
+#include "base/names.h"
+#include "base/text.h"
 #include "project_run.h"
 
 namespace rehearse::import {

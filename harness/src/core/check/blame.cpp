@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/clock.h"
 #include "changed_files.h"
 #include "check_run.h"
 #include "core/compare/divergence_text.h"
@@ -20,7 +21,6 @@
 #include "core/scenario/structure_change.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
-#include "model/clock.h"
 #include "other_processor.h"
 #include "own_run.h"
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "base/clock.h"
+#include "base/hashing.h"
 #include "blame.h"
 #include "check_run.h"
 #include "code_of.h"
@@ -12,14 +14,12 @@
 #include "core/compare/scenario_changes.h"
 #include "core/compare/series_rules.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/hashing.h"
 #include "core/recording/provenance.h"
 #include "core/replay/plant_level.h"
 #include "core/scenario/branch_origin.h"
 #include "core/trace/run_facts.h"
 #include "core/trace/trace_windows.h"
 #include "expectation_judge.h"
-#include "model/clock.h"
 #include "noise_floor.h"
 #include "own_run.h"
 #include "proof.h"

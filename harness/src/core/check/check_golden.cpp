@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 #include <rehearse/compare.h>
 
+#include "base/hashing.h"
 #include "check_run.h"
 #include "code_of.h"
-#include "core/mcap/hashing.h"
 #include "core/recording/provenance.h"
 #include "core/trace/run_facts.h"
 #include "proof.h"

@@ -11,12 +11,12 @@
 #include <string_view>
 #include <utility>
 
+#include "base/clock.h"
+#include "base/hashing.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/hashing.h"
 #include "core/trace/trace_windows.h"
 #include "expectation_judge.h"
 #include "expectation_text.h"
-#include "model/clock.h"
 
 namespace rehearse {
 

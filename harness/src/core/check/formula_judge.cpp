@@ -8,11 +8,11 @@
 #include <set>
 #include <utility>
 
+#include "base/clock.h"
 #include "core/expression/unit.h"
 #include "core/kinds/channel_name.h"
 #include "core/scenario/declared_source.h"
 #include "expectation_text.h"
-#include "model/clock.h"
 
 namespace rehearse {
 namespace {

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
+#include "base/clock.h"
 #include "core/compare/series_rules.h"
 #include "core/recording/provenance.h"
 #include "core/trace/run_facts.h"
-#include "model/clock.h"
 #include "noise_floor.h"
 #include "perturbed_run.h"
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <utility>
 
+#include "base/hashing.h"
 #include "core/guard/answer.h"
 #include "core/guard/own_process.h"
-#include "core/mcap/hashing.h"
 #include "core/replay/replay_recording.h"
 
 namespace rehearse {

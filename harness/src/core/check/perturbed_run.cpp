@@ -6,11 +6,11 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "base/hashing.h"
 #include "check_run.h"
 #include "core/compare/place_json.h"
 #include "core/golden/golden_files.h"
 #include "core/guard/interruption.h"
-#include "core/mcap/hashing.h"
 
 namespace rehearse {
 namespace {

@@ -10,15 +10,15 @@
 #include <utility>
 #include <vector>
 
+#include "base/hashing.h"
+#include "base/names.h"
+#include "base/text.h"
+#include "base/user_cache.h"
 #include "core/golden/golden_files.h"
 #include "core/golden/state_samples.h"
-#include "core/mcap/hashing.h"
 #include "core/replay/plant_level.h"
 #include "core/scenario/plant_text.h"
 #include "core/trace/run_facts.h"
-#include "model/names.h"
-#include "model/text.h"
-#include "model/user_cache.h"
 
 namespace rehearse {
 namespace {

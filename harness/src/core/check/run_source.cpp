@@ -6,11 +6,11 @@
 #include <cmath>
 #include <limits>
 
+#include "base/clock.h"
+#include "base/glob.h"
 #include "core/expression/joint_series.h"
 #include "core/expression/name_search.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/glob.h"
-#include "model/clock.h"
 
 namespace rehearse {
 namespace {

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <utility>
 
+#include "base/glob.h"
 #include "core/compare/series_rules.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/glob.h"
 #include "formula_judge.h"
 
 namespace rehearse {

@@ -10,6 +10,8 @@
 #include <set>
 #include <utility>
 
+#include "base/clock.h"
+#include "base/quiet_thread.h"
 #include "channel_findings.h"
 #include "compare_channel.h"
 #include "compare_provenance.h"
@@ -17,12 +19,10 @@
 #include "compare_variables.h"
 #include "compared_files.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/quiet_thread.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
 #include "core/trace/trace_windows.h"
 #include "divergence_text.h"
-#include "model/clock.h"
 #include "series_rules.h"
 
 namespace rehearse {
@@ -502,7 +502,7 @@ Result<ComparedFiles> compare_files(const std::filesystem::path& golden, const s
   WatchedLimits limits(*golden_outline, *actual_outline);
   const auto of_golden = RunFacts::of(*golden_outline).state_rate, of_actual = RunFacts::of(*actual_outline).state_rate;
   std::optional<SurveyedFile> golden_file;
-  std::thread reads_golden = mcap::start_quiet_thread(
+  std::thread reads_golden = start_quiet_thread(
       [&] { golden_file.emplace(golden, of_actual, rules, std::move(limits.golden), window_size, damage); });
   const SurveyedFile actual_file(actual, of_golden, rules, std::move(limits.actual), window_size, damage, on_actual);
   reads_golden.join();

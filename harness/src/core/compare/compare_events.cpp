@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
+#include "base/glob.h"
 #include "channel_findings.h"
 #include "compare_structure.h"
 #include "core/kinds/channel_name.h"
 #include "core/kinds/cost_fields.h"
-#include "core/mcap/glob.h"
 #include "core/trace/event_stream.h"
 #include "event_sequences.h"
 

@@ -10,14 +10,14 @@
 #include <span>
 #include <string>
 
+#include "base/glob.h"
+#include "base/names.h"
 #include "compare_provenance.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/glob.h"
 #include "core/ros2msg/ros2msg.h"
 #include "core/trace/event_stream.h"
 #include "core/trace/run_facts.h"
 #include "divergence_text.h"
-#include "model/names.h"
 #include "series_rules.h"
 
 namespace rehearse {

@@ -5,9 +5,9 @@
 #include <optional>
 #include <utility>
 
+#include "base/glob.h"
 #include "compare_variables.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/glob.h"
 #include "series_rules.h"
 
 namespace rehearse {

@@ -1,6 +1,6 @@
 #include "series_scale.h"
 
-#include "core/mcap/glob.h"
+#include "base/glob.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "model/names.h"
+#include "base/names.h"
 
 namespace rehearse {
 namespace {

@@ -10,9 +10,9 @@
 #include <limits>
 #include <map>
 
+#include "base/text.h"
 #include "core/kinds/channel_name.h"
 #include "core/trace/run_facts.h"
-#include "model/text.h"
 
 namespace rehearse {
 namespace {

@@ -13,10 +13,10 @@
 #include <numeric>
 #include <vector>
 
+#include "base/hashing.h"
 #include "core/compare/divergence_text.h"
 #include "core/compare/series_rules.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/hashing.h"
 #include "core/trace/event_stream.h"
 #include "core/trace/run_facts.h"
 #include "core/trace/trace_windows.h"

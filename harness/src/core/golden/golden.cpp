@@ -9,9 +9,9 @@
 #include <map>
 #include <string_view>
 
+#include "base/hashing.h"
 #include "core/mcap/container.h"
 #include "core/mcap/file_view.h"
-#include "core/mcap/hashing.h"
 #include "core/scenario/project.h"
 #include "core/trace/run_facts.h"
 #include "golden_files.h"

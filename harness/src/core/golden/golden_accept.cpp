@@ -11,11 +11,11 @@
 #include <fstream>
 #include <set>
 
+#include "base/file_descriptor.h"
+#include "base/hashing.h"
 #include "core/mcap/copy.h"
-#include "core/mcap/hashing.h"
 #include "core/trace/run_facts.h"
 #include "golden_files.h"
-#include "model/file_descriptor.h"
 #include "state_samples.h"
 
 namespace rehearse {

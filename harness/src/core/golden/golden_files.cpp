@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "model/write_hint.h"
+#include "base/write_hint.h"
 #include "run_folder.h"
 #include "stale_report.h"
 

@@ -7,13 +7,13 @@
 
 #include <algorithm>
 
+#include "base/names.h"
 #include "core/compare/divergence_text.h"
 #include "core/host/controller_host.h"
 #include "core/recording/provenance.h"
 #include "core/replay/plant_level.h"
 #include "core/scenario/trace_scenario.h"
 #include "golden_files.h"
-#include "model/names.h"
 #include "partial_candidate.h"
 
 namespace rehearse {

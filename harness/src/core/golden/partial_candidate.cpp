@@ -13,10 +13,10 @@
 #include <limits>
 #include <utility>
 
+#include "base/clock.h"
+#include "base/glob.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/glob.h"
 #include "core/trace/run_facts.h"
-#include "model/clock.h"
 
 namespace rehearse {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "base/glob.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/glob.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/filter.h"
 #include "core/trace/run_facts.h"

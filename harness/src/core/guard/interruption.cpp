@@ -10,8 +10,8 @@
 #include <cstring>
 #include <iterator>
 
+#include "base/clock.h"
 #include "guarded_call.h"
-#include "model/clock.h"
 #include "process_end.h"
 #include "result_stream.h"
 #include "supervisor.h"

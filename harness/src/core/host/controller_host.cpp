@@ -5,15 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/clock.h"
+#include "base/hashing.h"
 #include "controller_watch.h"
 #include "core/guard/cost_counter.h"
 #include "core/guard/exception_text.h"
 #include "core/guard/opened_files.h"
 #include "core/guard/streams.h"
 #include "core/guard/supervisor.h"
-#include "core/mcap/hashing.h"
 #include "debug_hook.h"
-#include "model/clock.h"
 #include "source_line.h"
 
 namespace rehearse {

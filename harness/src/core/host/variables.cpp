@@ -7,8 +7,8 @@
 #include <cstring>
 #include <utility>
 
+#include "base/text.h"
 #include "core/guard/cost_counter.h"
-#include "model/text.h"
 
 namespace rehearse {
 namespace {

@@ -10,8 +10,8 @@
 #include <functional>
 #include <utility>
 
+#include "base/quiet_thread.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/quiet_thread.h"
 #include "core/trace/run_facts.h"
 #include "trace_call.h"
 
@@ -167,7 +167,7 @@ bool TraceKeeper::Kept::call(const Head& head, Bytes rest, Result<void>& result)
   }
 }
 
-TraceKeeper::TraceKeeper(Ring& ring) : from_child_(ring), thread_(mcap::start_quiet_thread([this] { run(); })) {}
+TraceKeeper::TraceKeeper(Ring& ring) : from_child_(ring), thread_(start_quiet_thread([this] { run(); })) {}
 
 TraceKeeper::~TraceKeeper() { finish(); }
 

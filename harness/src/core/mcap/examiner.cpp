@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "model/text.h"
+#include "base/text.h"
 
 namespace rehearse::mcap {
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "base/text.h"
 #include "examiner.h"
-#include "model/text.h"
 
 namespace rehearse::mcap {
 

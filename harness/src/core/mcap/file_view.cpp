@@ -1,6 +1,6 @@
 #include "file_view.h"
 
-#include "temporary_file.h"
+#include "base/temporary_file.h"
 
 #include <fmt/format.h>
 

@@ -9,9 +9,9 @@
 #include <set>
 #include <tuple>
 
+#include "base/text.h"
 #include "chunks.h"
 #include "draft.h"
-#include "model/text.h"
 #include "reader_impl.h"
 #include "whole_input.h"
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "quiet_thread.h"
+#include "base/quiet_thread.h"
 #include "reader_impl.h"
 
 namespace rehearse::mcap {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "quiet_thread.h"
+#include "base/quiet_thread.h"
 
 namespace rehearse::mcap {
 

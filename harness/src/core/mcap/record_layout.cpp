@@ -6,7 +6,7 @@
 #include <iterator>
 #include <span>
 
-#include "model/text.h"
+#include "base/text.h"
 
 namespace rehearse::mcap {
 namespace {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/text.h"
 #include "draft.h"
 #include "file_view.h"
-#include "model/text.h"
 #include "record_layout.h"
 
 namespace rehearse::mcap {

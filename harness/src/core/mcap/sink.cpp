@@ -12,9 +12,9 @@
 #include <cstring>
 #include <utility>
 
+#include "base/file_descriptor.h"
+#include "base/write_hint.h"
 #include "codec.h"
-#include "model/file_descriptor.h"
-#include "model/write_hint.h"
 
 namespace rehearse::mcap {
 

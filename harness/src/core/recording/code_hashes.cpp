@@ -10,9 +10,9 @@
 #include <optional>
 #include <string_view>
 
-#include "core/mcap/file_identity.h"
-#include "core/mcap/hashing.h"
-#include "model/user_cache.h"
+#include "base/file_identity.h"
+#include "base/hashing.h"
+#include "base/user_cache.h"
 
 namespace rehearse {
 namespace {

@@ -11,9 +11,9 @@
 #include <set>
 #include <string_view>
 
+#include "base/hashing.h"
 #include "core/host/loaded_libraries.h"
 #include "core/host/virtualised.h"
-#include "core/mcap/hashing.h"
 #include "core/scenario/plant_text.h"
 #include "core/trace/run_facts.h"
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "model/text.h"
+#include "base/text.h"
 
 namespace rehearse {
 namespace {

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/clock.h"
 #include "core/kinds/channel_name.h"
-#include "model/clock.h"
 
 namespace rehearse {
 

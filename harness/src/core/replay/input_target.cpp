@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/names.h"
+#include "base/text.h"
 #include "core/kinds/channel_name.h"
-#include "model/names.h"
-#include "model/text.h"
 
 namespace rehearse {
 namespace {

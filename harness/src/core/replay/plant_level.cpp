@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "model/clock.h"
+#include "base/clock.h"
 
 namespace rehearse {
 

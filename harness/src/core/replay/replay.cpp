@@ -8,13 +8,13 @@
 #include <utility>
 
 #include "altered_inputs.h"
+#include "base/clock.h"
 #include "core/guard/float_mode.h"
 #include "core/host/controller_host.h"
 #include "core/mcap/whole_input.h"
 #include "core/run/hosted_commands.h"
 #include "core/run/run.h"
 #include "core/scenario/trace_scenario.h"
-#include "model/clock.h"
 #include "recorded_files.h"
 #include "recorded_inputs.h"
 #include "recording_source.h"

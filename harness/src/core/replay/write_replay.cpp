@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/clock.h"
 #include "copying_sink.h"
 #include "core/guard/float_mode.h"
 #include "core/guard/process_guard.h"
@@ -14,7 +15,6 @@
 #include "core/run/hosted_commands.h"
 #include "core/scenario/branch_origin.h"
 #include "core/scenario/trace_scenario.h"
-#include "model/clock.h"
 
 namespace rehearse {
 namespace {

@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "model/text.h"
+#include "base/text.h"
 #include "ros2msg.h"
 
 namespace rehearse::ros2msg {

@@ -6,10 +6,10 @@
 #include <array>
 #include <vector>
 
-#include "core/mcap/hashing.h"
-#include "model/clock.h"
-#include "model/names.h"
-#include "model/text.h"
+#include "base/clock.h"
+#include "base/hashing.h"
+#include "base/names.h"
+#include "base/text.h"
 #include "tick_span.h"
 
 namespace rehearse {

@@ -1,5 +1,5 @@
-#include "core/mcap/glob.h"
-#include "model/names.h"
+#include "base/glob.h"
+#include "base/names.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"

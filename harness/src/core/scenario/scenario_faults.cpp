@@ -2,10 +2,10 @@
 // time.
 #include <rehearse/scenario.h>
 
+#include "base/glob.h"
+#include "base/names.h"
 #include "body_faults.h"
-#include "core/mcap/glob.h"
 #include "model/acting_faults.h"
-#include "model/names.h"
 #include "model/rigid_groups.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"

@@ -1,5 +1,5 @@
 // The `joystick` of a scenario: moves of axes and presses of buttons.
-#include "model/names.h"
+#include "base/names.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"

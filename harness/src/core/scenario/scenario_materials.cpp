@@ -1,5 +1,5 @@
 // Materials of links, and the friction and restitution of pairs of them.
-#include "model/names.h"
+#include "base/names.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"

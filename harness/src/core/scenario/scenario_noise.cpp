@@ -1,8 +1,8 @@
 // The `noise` of a scenario: deviations of the readings of sensors and joints from the truth.
 #include <rehearse/scenario.h>
 
-#include "core/mcap/glob.h"
-#include "model/names.h"
+#include "base/glob.h"
+#include "base/names.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"

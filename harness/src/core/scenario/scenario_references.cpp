@@ -1,5 +1,5 @@
 // The parts that refer to bodies read before: pushes, cameras, and tolerances.
-#include "model/names.h"
+#include "base/names.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"

@@ -1,6 +1,6 @@
 #include <rehearse/body.h>
 
-#include "model/names.h"
+#include "base/names.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"

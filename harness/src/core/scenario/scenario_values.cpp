@@ -4,8 +4,8 @@
 
 #include "sensor_error.h"
 
-#include "model/names.h"
-#include "model/text.h"
+#include "base/names.h"
+#include "base/text.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <span>
 
-#include "model/names.h"
+#include "base/names.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"

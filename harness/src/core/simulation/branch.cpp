@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/clock.h"
+#include "base/text.h"
 #include "branch_source.h"
 #include "closed_loop.h"
 #include "core/guard/float_mode.h"
@@ -22,8 +24,6 @@
 #include "core/scenario/branch_origin.h"
 #include "core/trace/run_facts.h"
 #include "led_world.h"
-#include "model/clock.h"
-#include "model/text.h"
 #include "recorded_checkpoints.h"
 
 namespace rehearse {

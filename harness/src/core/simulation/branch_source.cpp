@@ -9,13 +9,13 @@
 #include <span>
 #include <utility>
 
+#include "base/clock.h"
 #include "core/kinds/channel_name.h"
 #include "core/recording/provenance.h"
 #include "core/replay/recording_source.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
 #include "core/trace/trace_windows.h"
-#include "model/clock.h"
 
 namespace rehearse {
 namespace {

@@ -4,10 +4,10 @@
 
 #include <utility>
 
+#include "base/clock.h"
 #include "core/guard/float_mode.h"
 #include "core/mcap/sink.h"
 #include "core/recording/provenance.h"
-#include "model/clock.h"
 
 namespace rehearse {
 

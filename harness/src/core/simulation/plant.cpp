@@ -1,6 +1,6 @@
 #include "plant.h"
 
-#include "model/clock.h"
+#include "base/clock.h"
 
 #include <algorithm>
 #include <utility>

@@ -13,9 +13,9 @@
 #include <cpuid.h>
 #endif
 
+#include "base/hashing.h"
 #include "core/host/loaded_libraries.h"
 #include "core/host/virtualised.h"
-#include "core/mcap/hashing.h"
 #include "core/recording/code_hashes.h"
 #include "core/recording/provenance.h"
 #include "core/recording/recorder.h"

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <optional>
 
+#include "base/clock.h"
 #include "core/compare/scenario_changes.h"
 #include "core/guard/float_mode.h"
 #include "core/recording/provenance.h"
 #include "core/recording/recorder.h"
 #include "core/run/recording_sink.h"
 #include "core/trace/trace_windows.h"
-#include "model/clock.h"
 #include "world_source.h"
 
 namespace rehearse {

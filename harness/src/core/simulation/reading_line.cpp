@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "model/chance.h"
+#include "base/chance.h"
 
 namespace rehearse {
 namespace {

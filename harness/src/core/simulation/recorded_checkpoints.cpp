@@ -11,11 +11,11 @@
 #include <span>
 #include <utility>
 
+#include "base/clock.h"
 #include "checkpoint_trial.h"
 #include "core/recording/recorder.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
-#include "model/clock.h"
 #include "plant.h"
 #include "sensor_errors.h"
 

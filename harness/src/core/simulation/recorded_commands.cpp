@@ -6,8 +6,8 @@
 #include <cmath>
 #include <set>
 
+#include "base/clock.h"
 #include "core/trace/run_facts.h"
-#include "model/clock.h"
 
 namespace rehearse {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "model/clock.h"
+#include "base/clock.h"
 #include "picture/picture.h"
 #include "viewpoint.h"
 

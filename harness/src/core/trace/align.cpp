@@ -15,10 +15,10 @@
 #include <utility>
 #include <vector>
 
+#include "base/hashing.h"
+#include "base/names.h"
 #include "core/mcap/draft.h"
-#include "core/mcap/hashing.h"
 #include "core/ros2msg/ros2msg.h"
-#include "model/names.h"
 #include "trace_rows.h"
 
 namespace rehearse {

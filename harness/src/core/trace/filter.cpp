@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/glob.h"
+#include "base/text.h"
 #include "core/mcap/chunks.h"
 #include "core/mcap/draft.h"
-#include "core/mcap/glob.h"
 #include "core/mcap/reader_impl.h"
 #include "core/mcap/whole_input.h"
-#include "model/text.h"
 #include "run_facts.h"
 
 namespace rehearse::mcap {

@@ -7,8 +7,8 @@
 #include <array>
 #include <cstring>
 
-#include "core/mcap/glob.h"
-#include "core/mcap/hashing.h"
+#include "base/glob.h"
+#include "base/hashing.h"
 #include "core/ros2msg/message_format.h"
 
 namespace rehearse {

@@ -8,8 +8,8 @@
 #include <chrono>
 #include <limits>
 
-#include "core/mcap/glob.h"
-#include "model/text.h"
+#include "base/glob.h"
+#include "base/text.h"
 #include "run_facts.h"
 
 namespace rehearse::mcap {

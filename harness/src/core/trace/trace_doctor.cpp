@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <string_view>
 
+#include "base/text.h"
 #include "core/kinds/channel_name.h"
 #include "core/ros2msg/message_format.h"
-#include "model/text.h"
 #include "run_facts.h"
 
 namespace rehearse {

@@ -6,8 +6,8 @@
 #include <iterator>
 #include <numeric>
 
+#include "base/hashing.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/hashing.h"
 #include "core/ros2msg/message_format.h"
 #include "core/ros2msg/ros2msg.h"
 #include "message_rest.h"

@@ -12,12 +12,12 @@
 #include <filesystem>
 #include <vector>
 
+#include "base/glob.h"
 #include "core/check/code_of.h"
 #include "core/check/compared.h"
 #include "core/check/noise_floor.h"
 #include "core/check/unknown_series.h"
 #include "core/golden/run_folder.h"
-#include "core/mcap/glob.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
 #include "test_history.h"

@@ -8,8 +8,8 @@
 #include <map>
 #include <string>
 
+#include "base/text.h"
 #include "core/mcap/file_view.h"
-#include "model/text.h"
 #include "sqlite_bag.h"
 #include "standard_types.h"
 

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "base/text.h"
 #include "core/mcap/container.h"
-#include "model/text.h"
 #include "yaml/yaml_tree.h"
 
 namespace rehearse::bag {

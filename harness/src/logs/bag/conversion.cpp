@@ -16,9 +16,9 @@
 #include <utility>
 
 #include "bag_folder.h"
+#include "base/text.h"
 #include "core/mcap/codec.h"
 #include "core/mcap/container.h"
-#include "model/text.h"
 #include "ros1_bag.h"
 #include "sqlite_bag.h"
 #include "standard_types.h"
@@ -35,7 +35,7 @@ constexpr std::uint64_t largest_ratio = 1000;
 constexpr std::uint64_t always_allowed = std::uint64_t{64} << 20;  // decompressed size that no ratio limits [bytes]
 constexpr std::uint64_t largest_message = std::uint64_t{1} << 30;  // decompressed [bytes]
 
-Diagnostic not_kept(const std::string& name, const mcap::TemporaryFile& file, std::string_view why) {
+Diagnostic not_kept(const std::string& name, const TemporaryFile& file, std::string_view why) {
   return error_in(name, fmt::format("can't convert it to MCAP in {}: {}", file.folder(), why),
                   "TMPDIR is the folder for temporary files");
 }
@@ -316,8 +316,7 @@ Result<void> convert_compressed(mcap::Converted& converted, const std::string& n
     problems.insert(problems.end(), converted.damage.begin(), converted.damage.end());
     return problems;
   }
-  const std::unique_ptr<mcap::TemporaryFile> plain =
-      std::exchange(converted.file, std::make_unique<mcap::TemporaryFile>());
+  const std::unique_ptr<TemporaryFile> plain = std::exchange(converted.file, std::make_unique<TemporaryFile>());
   if (auto done = convert_database(converted, name, plain->path()); !done) return done;
   converted.form += ", compressed by zstd";
   return {};

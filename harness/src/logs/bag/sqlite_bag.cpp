@@ -15,7 +15,7 @@
 #include <system_error>
 #include <utility>
 
-#include "model/text.h"
+#include "base/text.h"
 
 namespace rehearse::bag {
 

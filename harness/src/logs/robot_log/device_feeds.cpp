@@ -7,10 +7,10 @@
 #include <deque>
 #include <limits>
 
+#include "base/clock.h"
 #include "log_feed.h"
 #include "log_track.h"
 #include "message_reader.h"
-#include "model/clock.h"
 #include "sensor_codecs.h"
 
 namespace rehearse {

@@ -10,7 +10,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/mcap/glob.h"
+#include "base/glob.h"
 #include "joint_messages.h"
 #include "number_messages.h"
 

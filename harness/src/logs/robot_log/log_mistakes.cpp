@@ -10,8 +10,8 @@
 #include <string>
 #include <utility>
 
+#include "base/names.h"
 #include "log_commands.h"
-#include "model/names.h"
 
 namespace rehearse {
 namespace {

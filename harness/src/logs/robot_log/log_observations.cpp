@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "model/clock.h"
+#include "base/clock.h"
 
 namespace rehearse {
 namespace {

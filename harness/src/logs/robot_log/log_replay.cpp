@@ -12,16 +12,16 @@
 #include <optional>
 #include <utility>
 
+#include "base/clock.h"
+#include "base/hashing.h"
+#include "base/replaceable.h"
 #include "core/guard/float_mode.h"
-#include "core/mcap/hashing.h"
-#include "core/mcap/replaceable.h"
 #include "core/trace/select.h"
 #include "log_causes.h"
 #include "log_memory.h"
 #include "log_replayer.h"
 #include "logs/bag/bag_folder.h"
 #include "logs/bag/sqlite_bag.h"
-#include "model/clock.h"
 
 namespace rehearse {
 namespace {

@@ -9,12 +9,12 @@
 #include <limits>
 #include <utility>
 
+#include "base/clock.h"
+#include "base/hashing.h"
 #include "core/host/given_state.h"
-#include "core/mcap/hashing.h"
 #include "core/recording/provenance.h"
 #include "log_mistakes.h"
 #include "log_scenario.h"
-#include "model/clock.h"
 #include "topic_watch.h"
 
 namespace rehearse {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "model/clock.h"
+#include "base/clock.h"
 
 namespace rehearse {
 

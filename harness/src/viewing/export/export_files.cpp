@@ -7,7 +7,7 @@
 #include <fstream>
 #include <system_error>
 
-#include "model/write_hint.h"
+#include "base/write_hint.h"
 
 namespace rehearse {
 namespace {

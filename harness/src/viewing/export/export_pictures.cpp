@@ -5,8 +5,8 @@
 #include <optional>
 #include <set>
 
+#include "base/replaceable.h"
 #include "channel_table.h"
-#include "core/mcap/replaceable.h"
 #include "export_files.h"
 #include "export_source.h"
 #include "picture_file.h"

@@ -14,7 +14,7 @@
 #include <system_error>
 #include <vector>
 
-#include "core/mcap/replaceable.h"
+#include "base/replaceable.h"
 #include "export_files.h"
 
 extern char** environ;

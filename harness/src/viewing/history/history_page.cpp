@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include "core/mcap/replaceable.h"
-#include "model/write_hint.h"
+#include "base/replaceable.h"
+#include "base/write_hint.h"
 #include "viewing/report/html_text.h"
 
 namespace rehearse {

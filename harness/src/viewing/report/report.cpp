@@ -12,12 +12,12 @@
 #include <utility>
 #include <vector>
 
+#include "base/glob.h"
 #include "core/check/expectation_judge.h"
 #include "core/compare/compared_files.h"
 #include "core/compare/compared_traces.h"
 #include "core/compare/series_rules.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/glob.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
 #include "report_coverage.h"

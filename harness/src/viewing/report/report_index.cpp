@@ -11,7 +11,7 @@
 #include <string_view>
 #include <tuple>
 
-#include "core/mcap/replaceable.h"
+#include "base/replaceable.h"
 #include "core/trace/message_json.h"
 #include "html_text.h"
 

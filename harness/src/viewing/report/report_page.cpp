@@ -9,9 +9,9 @@
 #include <cstdlib>
 #include <iterator>
 
-#include "core/mcap/replaceable.h"
+#include "base/replaceable.h"
+#include "base/write_hint.h"
 #include "core/trace/message_json.h"
-#include "model/write_hint.h"
 
 namespace rehearse {
 namespace {

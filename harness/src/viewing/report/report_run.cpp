@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "core/mcap/hashing.h"
+#include "base/hashing.h"
 #include "core/trace/trace_windows.h"
 
 namespace rehearse {

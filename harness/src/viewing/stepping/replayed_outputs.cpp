@@ -11,9 +11,9 @@
 #include <map>
 #include <tuple>
 
+#include "base/clock.h"
 #include "core/kinds/channel_name.h"
 #include "core/replay/replay_recording.h"
-#include "model/clock.h"
 
 namespace rehearse {
 namespace {

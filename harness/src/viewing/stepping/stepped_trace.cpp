@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
+#include "base/glob.h"
 #include "core/expression/joint_series.h"
 #include "core/expression/name_search.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/glob.h"
 #include "core/mcap/whole_input.h"
 #include "core/scenario/joint_limit.h"
 #include "core/scenario/trace_scenario.h"

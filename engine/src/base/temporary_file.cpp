@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <system_error>
 
-namespace rehearse::mcap {
+namespace rehearse {
 
 TemporaryFile::TemporaryFile() {
   std::error_code none;
@@ -27,7 +27,7 @@ TemporaryFile::TemporaryFile() {
   if (descriptor_ >= 0) ::unlink(name.c_str());
 }
 
-bool TemporaryFile::append(Bytes bytes) {
+bool TemporaryFile::append(std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
     if (written < 0 && errno != EINTR) return false;
@@ -43,4 +43,4 @@ std::uint64_t TemporaryFile::size() const {
 
 std::string TemporaryFile::path() const { return fmt::format("/proc/self/fd/{}", descriptor()); }
 
-}  // namespace rehearse::mcap
+}  // namespace rehearse

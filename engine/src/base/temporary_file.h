@@ -1,14 +1,14 @@
 // A nameless file for data that can't be mapped where it is: input of pipes, and logs in other containers. Internal.
 #pragma once
 
-#include <rehearse/mcap.h>
-
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 
-#include "model/file_descriptor.h"
+#include "file_descriptor.h"
 
-namespace rehearse::mcap {
+namespace rehearse {
 
 /// A file without a name, which is removed when its descriptor is closed.
 class TemporaryFile {
@@ -17,7 +17,7 @@ class TemporaryFile {
   TemporaryFile();
 
   /// False: errno states the reason.
-  bool append(Bytes bytes);
+  bool append(std::span<const std::byte> bytes);
   int descriptor() const { return descriptor_; }
   /// The present size [bytes].
   std::uint64_t size() const;
@@ -30,4 +30,4 @@ class TemporaryFile {
   std::string folder_;
 };
 
-}  // namespace rehearse::mcap
+}  // namespace rehearse

@@ -7,7 +7,7 @@
 #include <thread>
 #include <utility>
 
-namespace rehearse::mcap {
+namespace rehearse {
 
 /// Alarms and interrupts are for the program's own threads. SIGBUS is delivered: a mapped file may be truncated.
 template <class Function>
@@ -63,4 +63,4 @@ class QuietWorker {
   std::thread thread_;
 };
 
-}  // namespace rehearse::mcap
+}  // namespace rehearse
