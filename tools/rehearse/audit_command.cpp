@@ -199,7 +199,7 @@ Result<void> check_page(const std::string& html) {
   if constexpr (!has_viewing) {
     return left_out("--html", "viewing");
   } else {
-    if (const auto page = report_page(); !page) return page.errors();
+    REHEARSE_TRY(report_page());
     return check_replaceable(html, report_magic, "report");
   }
 }

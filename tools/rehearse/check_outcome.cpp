@@ -182,9 +182,8 @@ void each_member(Passed<CheckOutcome> auto& outcome, auto& each) {
 
 Result<Scenario> read_scenario(const std::string& file) {
   if (!file.ends_with(".mcap")) return Scenario::load(file);
-  const auto trace = mcap::Reader::open(file);
-  if (!trace) return trace.errors();
-  if (RunFacts::of(**trace).is_of_log) return scenario_of(**trace);
+  const auto trace = REHEARSE_TRY(mcap::Reader::open(file));
+  if (RunFacts::of(*trace).is_of_log) return scenario_of(*trace);
   return error_in(file, "it isn't a recording of a robot's log", "check the scenario, with --golden and this trace");
 }
 

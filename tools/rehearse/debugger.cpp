@@ -77,7 +77,7 @@ Result<std::int64_t> count_ticks(mcap::Reader& trace, std::size_t controllers) {
     if (msg::decode(reader, tick) && tick.controller_results.size() == controllers) ++ticks;
     return true;
   };
-  if (auto read = trace.for_each_message(count, channels); !read) return read.errors();
+  REHEARSE_TRY(trace.for_each_message(count, channels));
   return ticks;
 }
 
@@ -92,10 +92,9 @@ Result<void> tell_other_libraries(const mcap::Reader& trace, const Scenario& sce
         library = other;
         folder = fs::current_path();
       }
-    const auto file = find_controller_library(library, folder);
-    if (!file) return file.errors();
-    if (recorded.controllers.contains(known.label) && !recorded.had_library(known.label, hash_of_controller(*file)))
-      fmt::print("{} is not the library that {} was recorded with\n", file->string(), known.label);
+    const auto file = REHEARSE_TRY(find_controller_library(library, folder));
+    if (recorded.controllers.contains(known.label) && !recorded.had_library(known.label, hash_of_controller(file)))
+      fmt::print("{} is not the library that {} was recorded with\n", file.string(), known.label);
   }
   return {};
 }
@@ -125,10 +124,9 @@ Result<Scenario> scenario_for_gdb(const fs::path& trace) {
   if (fs::exists(trace, ignored) && !fs::is_regular_file(trace, ignored))
     return error(fmt::format("{} can be read only once, and gdb starts the replay anew", trace.string()),
                  "write it into a file");
-  const auto reader = mcap::Reader::open(trace);
-  if (!reader) return reader.errors();
-  if (!(*reader)->damage().empty()) return mcap::with_recover_hint((*reader)->damage());
-  return scenario_of(**reader);
+  const auto reader = REHEARSE_TRY(mcap::Reader::open(trace));
+  if (!reader->damage().empty()) return mcap::with_recover_hint(reader->damage());
+  return scenario_of(*reader);
 }
 
 void add_debugger_options(CLI::App& options, DebuggerOptions& debugger) {

@@ -139,18 +139,16 @@ struct Scene {
 Result<Scene> load_scene(const std::string& file, const UrdfOptions& options) {
   Scene scene;
   if (is_model(file)) {
-    Result<Model> model = load_model(file, options);
-    if (!model) return model.errors();
-    const auto shared = std::make_shared<const Model>(*std::move(model));
+    Model model = REHEARSE_TRY(load_model(file, options));
+    const auto shared = std::make_shared<const Model>(std::move(model));
     scene.models.push_back(
         {shared, forward_kinematics(*shared, Eigen::Isometry3d::Identity(), rest_posture(*shared)), false});
     return scene;
   }
-  const Result<Scenario> scenario = Scenario::load(file);
-  if (!scenario) return scenario.errors();
-  tell_warnings(*scenario);
-  for (const ScenarioBody& body : scenario->bodies) scene.models.push_back(place(body));
-  scene.look = scenario->look;
+  const Scenario scenario = REHEARSE_TRY(Scenario::load(file));
+  tell_warnings(scenario);
+  for (const ScenarioBody& body : scenario.bodies) scene.models.push_back(place(body));
+  scene.look = scenario.look;
   return scene;
 }
 

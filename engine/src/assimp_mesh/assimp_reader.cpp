@@ -120,9 +120,8 @@ Result<MeshReading> convert(const aiScene& scene, MeshFormat format, MeshInput& 
   MeshReading reading;
   warn_of_missing(format, input, reading.warnings);
   const MeshMaterials materials(scene, format, input, reading.warnings);
-  Result<std::vector<MeshPart>> parts = read_parts(scene, format, materials, scale, selection);
-  if (!parts) return parts.errors();
-  reading.data.parts = *std::move(parts);
+  std::vector<MeshPart> parts = REHEARSE_TRY(read_parts(scene, format, materials, scale, selection));
+  reading.data.parts = std::move(parts);
   return reading;
 }
 

@@ -283,9 +283,8 @@ bool is_vrml(std::string_view name, std::string_view text) {
 }
 
 Result<YamlNodePtr> body_of_vrml(std::string_view text) {
-  const Result<std::vector<VrmlNodePtr>> nodes = parse_vrml(text);
-  if (!nodes) return nodes.errors();
-  return BodyWriter().write(*nodes);
+  const std::vector<VrmlNodePtr> nodes = REHEARSE_TRY(parse_vrml(text));
+  return BodyWriter().write(nodes);
 }
 
 }  // namespace rehearse::body

@@ -447,9 +447,8 @@ Result<ConvexHulls> convex_hulls(const MeshData& mesh, std::map<int, double>* vo
     Points& of_object = points.at(number);
     sort_points(of_object);
     std::optional<double> volume_of_all;
-    auto hull = HullMaker(name, result.remarks).make(std::move(of_object), &volume_of_all);
-    if (!hull) return hull.errors();
-    result.hulls.push_back(std::move(*hull));
+    auto hull = REHEARSE_TRY(HullMaker(name, result.remarks).make(std::move(of_object), &volume_of_all));
+    result.hulls.push_back(std::move(hull));
     if (volumes && volume_of_all) volumes->emplace(number, *volume_of_all);
   }
   return result;

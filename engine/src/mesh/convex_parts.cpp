@@ -295,9 +295,8 @@ Result<ConvexHulls> convex_parts(const MeshData& mesh) {
     const Judgement judgement = judge(solid);
     const bool is_hull = judgement.hull <= 0.0 || (judgement.volume && *judgement.excess() <= tolerated_excess);
     if (!is_hull && add_parts(solid, name, judgement, result)) continue;
-    auto hull = convex_hull(std::move(solid.vertices), name, result.remarks);
-    if (!hull) return hull.errors();
-    result.hulls.push_back(*std::move(hull));
+    auto hull = REHEARSE_TRY(convex_hull(std::move(solid.vertices), name, result.remarks));
+    result.hulls.push_back(std::move(hull));
   }
   if (result.hulls.empty()) return error("it has no triangles");
   return result;

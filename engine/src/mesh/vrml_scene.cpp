@@ -317,10 +317,9 @@ class SceneReader {
 
 Result<std::vector<MeshPart>> read_vrml_parts(MeshInput& input, const MeshSelection& selection,
                                               const Eigen::Vector3d& scale, std::vector<std::string>& warnings) {
-  const Result<std::vector<VrmlNodePtr>> nodes = parse_vrml(input.bytes());
-  if (!nodes) return nodes.errors();
+  const std::vector<VrmlNodePtr> nodes = REHEARSE_TRY(parse_vrml(input.bytes()));
   SceneReader reader(input, selection, warnings);
-  reader.read_all(*nodes, Eigen::Affine3d(Eigen::Scaling(scale)));
+  reader.read_all(nodes, Eigen::Affine3d(Eigen::Scaling(scale)));
   if (reader.problem) return *reader.problem;
   if (!selection.node.empty() && !reader.found_node) return no_such_node(selection.node, reader.names);
   if (reader.parts.empty()) return error("it has no triangles");

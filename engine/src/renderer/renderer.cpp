@@ -226,9 +226,8 @@ Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Renderer::~Renderer() = default;
 
 Result<std::unique_ptr<Renderer>> Renderer::create(const Look& look) {
-  Result<std::unique_ptr<gl::Context>> context = gl::Context::create();
-  if (!context) return context.errors();
-  auto impl = std::make_unique<Impl>(std::move(*context));
+  std::unique_ptr<gl::Context> context = REHEARSE_TRY(gl::Context::create());
+  auto impl = std::make_unique<Impl>(std::move(context));
   impl->look = look;
   if (look.lights.size() > max_lights)
     return error("there are " + std::to_string(look.lights.size()) + " lights",

@@ -172,15 +172,14 @@ void add_imports(const ElfLibrary& library, std::vector<AuditedCode>& findings) 
 }  // namespace
 
 Result<std::vector<AuditedCode>> scan_library(const std::filesystem::path& file) {
-  const auto library = read_library(file);
-  if (!library) return library.errors();
+  const auto library = REHEARSE_TRY(read_library(file));
   const Symbols symbols(file);
   std::vector<AuditedCode> findings;
-  const auto startup = StartupSearch(*library).find();
+  const auto startup = StartupSearch(library).find();
   if (startup) findings.push_back(finding_of(Kind::fast_math_startup, {1, *startup, "ldmxcsr"}, symbols));
-  for (const auto& [kind, spot] : remarkable_instructions(*library, startup))
+  for (const auto& [kind, spot] : remarkable_instructions(library, startup))
     findings.push_back(finding_of(kind, spot, symbols));
-  add_imports(*library, findings);
+  add_imports(library, findings);
   return findings;
 }
 

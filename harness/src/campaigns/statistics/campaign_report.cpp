@@ -410,9 +410,8 @@ Result<CaseTable> CaseTable::of(const Campaign& campaign) {
 }
 
 Result<CampaignSummary> summary_of(const Campaign& campaign) {
-  const auto table = CaseTable::of(campaign);
-  if (!table) return table.errors();
-  return summary_of(campaign, *table);
+  const auto table = REHEARSE_TRY(CaseTable::of(campaign));
+  return summary_of(campaign, table);
 }
 
 std::string verdict(const CampaignSummary& summary) {
@@ -449,31 +448,27 @@ std::string to_json(const CampaignSummary& summary) { return json_of_summary(sum
 
 Result<CampaignSummary> write_campaign_report(const Campaign& campaign, const Campaign* against,
                                               const std::optional<double>& margin) {
-  const auto table = CaseTable::of(campaign);
-  if (!table) return table.errors();
-  CampaignSummary summary = summary_of(campaign, *table);
+  const auto table = REHEARSE_TRY(CaseTable::of(campaign));
+  CampaignSummary summary = summary_of(campaign, table);
   std::optional<CaseTable> before;
   if (against) {
-    if (auto comparable = check_comparable(campaign, *against, margin.has_value()); !comparable)
-      return comparable.errors();
-    auto read = CaseTable::of(*against);
-    if (!read) return read.errors();
-    before = *std::move(read);
-    summary.pairs = paired_cases(*table, *before);
+    REHEARSE_TRY(check_comparable(campaign, *against, margin.has_value()));
+    auto read = REHEARSE_TRY(CaseTable::of(*against));
+    before = std::move(read);
+    summary.pairs = paired_cases(table, *before);
     if (margin) summary.non_inferiority = NonInferiority{*margin, summary.confidence()};
   }
-  Json report = json_of_report(campaign, *table, summary);
+  Json report = json_of_report(campaign, table, summary);
   if (before) {
-    report["against"] = json_of_change(*table, *before, summary);
+    report["against"] = json_of_change(table, *before, summary);
     report["against"]["differences"] = differences(*against, campaign);
   }
-  if (auto written = write_csv(campaign, *table); !written) return written.errors();
+  REHEARSE_TRY(write_csv(campaign, table));
   const fs::path& folder = campaign.folder();
   const std::string json = report.dump(1, ' ', false, Json::error_handler_t::replace) + '\n';
-  if (auto written = replace_text(folder / "report.json", json); !written) return written.errors();
-  if (auto written = replace_text(folder / "report.md", markdown_of(report)); !written) return written.errors();
-  if (auto written = replace_text(folder / "report.html", page_of(campaign, *table, report)); !written)
-    return written.errors();
+  REHEARSE_TRY(replace_text(folder / "report.json", json));
+  REHEARSE_TRY(replace_text(folder / "report.md", markdown_of(report)));
+  REHEARSE_TRY(replace_text(folder / "report.html", page_of(campaign, table, report)));
   return summary;
 }
 

@@ -168,9 +168,8 @@ Result<ImportedProject> import_project_text(const std::string& text, const std::
 }
 
 Result<ImportedProject> import_project(const std::filesystem::path& project, const ImportOptions& options) {
-  const Result<std::string> text = read_yaml_file(project, "a Choreonoid project");
-  if (!text) return text.errors();
-  return import_project_text(*text, project, options);
+  const std::string text = REHEARSE_TRY(read_yaml_file(project, "a Choreonoid project"));
+  return import_project_text(text, project, options);
 }
 
 }  // namespace rehearse

@@ -32,11 +32,10 @@ namespace fs = std::filesystem;
 /// The first tick in which two replays of the recording have different outputs; none: they have equal bits in all
 /// ticks. Fails if the recording can't be replayed.
 Result<std::optional<std::int64_t>> first_unrepeated_tick(const fs::path& recording, const HostOptions& host) {
-  const auto once = replayed_outputs(recording, as_here(host)), again = replayed_outputs(recording, as_here(host));
-  if (!once) return once.errors();
-  if (!again) return again.errors();
-  if (*once == *again) return std::optional<std::int64_t>();
-  return std::optional(std::ranges::mismatch(*once, *again).in1 - once->begin());
+  const auto once = REHEARSE_TRY(replayed_outputs(recording, as_here(host)));
+  const auto again = REHEARSE_TRY(replayed_outputs(recording, as_here(host)));
+  if (once == again) return std::optional<std::int64_t>();
+  return std::optional(std::ranges::mismatch(once, again).in1 - once.begin());
 }
 
 /// Repeats level plant, up to the beginning of the tick `options.until`. None: the run failed.

@@ -97,7 +97,7 @@ bool Certificates::has(const std::string& facts) const {
 
 Result<void> Certificates::add(const std::string& facts) const {
   const fs::path file = file_for(facts);
-  if (auto made = make_folder_of(file); !made) return made;
+  REHEARSE_TRY(make_folder_of(file));
   const fs::path whole = fs::path(file).concat(fmt::format(".{}", getpid()));
   std::ofstream stream(whole, std::ios::binary);
   stream << facts;
@@ -182,9 +182,8 @@ Result<ProofMode> proof_mode() {
 }
 
 Result<bool> is_sampled(const std::string& name, int percent) {
-  const auto day = date_of_today();
-  if (!day) return day.errors();
-  const std::string text = *day + " " + name;
+  const auto day = REHEARSE_TRY(date_of_today());
+  const std::string text = day + " " + name;
   return static_cast<int>(hash_bytes(text.data(), text.size()) % 100) < percent;
 }
 

@@ -372,9 +372,8 @@ namespace {
 Result<std::optional<Trace>> samples_of(const Trace& trace, const Trace& other) {
   const auto rate = RunFacts::of(other).state_rate;
   if (!rate || RunFacts::of(trace).state_rate == rate) return std::optional<Trace>();
-  auto samples = load_samples(trace.file(), *rate);
-  if (!samples) return samples.errors();
-  return std::optional(*std::move(samples));
+  auto samples = REHEARSE_TRY(load_samples(trace.file(), *rate));
+  return std::optional(std::move(samples));
 }
 
 Comparison compare_whole(const Trace& golden, const Trace& actual, const std::vector<ToleranceRule>& rules,
@@ -482,8 +481,7 @@ Result<void> compare_windows(RunComparer& comparer, std::size_t window_size, Tra
     comparer.take({golden_windows.window(), actual_windows.window(), begin, end});
   }
   if (damage == Trace::Damage::tolerate) return {};
-  for (TraceWindows* windows : {&golden_windows, &actual_windows})
-    if (auto whole = windows->verdict(); !whole) return whole;
+  for (TraceWindows* windows : {&golden_windows, &actual_windows}) REHEARSE_TRY(windows->verdict());
   return {};
 }
 
@@ -492,15 +490,13 @@ Result<void> compare_windows(RunComparer& comparer, std::size_t window_size, Tra
 Result<ComparedFiles> compare_files(const std::filesystem::path& golden, const std::filesystem::path& actual,
                                     const std::vector<ToleranceRule>& rules, const CompareOptions& options,
                                     const Trace::OnPiece& on_actual, std::size_t window_size, Trace::Damage damage) {
-  const auto golden_outline = Trace::outline(golden);
-  if (!golden_outline) return golden_outline.errors();
-  const auto actual_outline = Trace::outline(actual);
-  if (!actual_outline) return actual_outline.errors();
-  for (const Trace* trace : {&*golden_outline, &*actual_outline})
+  const auto golden_outline = REHEARSE_TRY(Trace::outline(golden));
+  const auto actual_outline = REHEARSE_TRY(Trace::outline(actual));
+  for (const Trace* trace : {&golden_outline, &actual_outline})
     if (const auto known = check_version(*trace); !known)
-      return ComparedFiles{refusal(known.errors()[0]), *actual_outline};
-  WatchedLimits limits(*golden_outline, *actual_outline);
-  const auto of_golden = RunFacts::of(*golden_outline).state_rate, of_actual = RunFacts::of(*actual_outline).state_rate;
+      return ComparedFiles{refusal(known.errors()[0]), actual_outline};
+  WatchedLimits limits(golden_outline, actual_outline);
+  const auto of_golden = RunFacts::of(golden_outline).state_rate, of_actual = RunFacts::of(actual_outline).state_rate;
   std::optional<SurveyedFile> golden_file;
   std::thread reads_golden = start_quiet_thread(
       [&] { golden_file.emplace(golden, of_actual, rules, std::move(limits.golden), window_size, damage); });
@@ -509,7 +505,7 @@ Result<ComparedFiles> compare_files(const std::filesystem::path& golden, const s
   if (!golden_file->whole) return golden_file->whole.errors();
   if (!actual_file.whole) return actual_file.whole.errors();
   RunComparer comparer(golden_file->survey, actual_file.survey, rules, options);
-  if (auto compared = compare_windows(comparer, window_size, damage); !compared) return compared.errors();
+  REHEARSE_TRY(compare_windows(comparer, window_size, damage));
   Comparison comparison = comparer.finish();
   return ComparedFiles{std::move(comparison), *actual_file.whole};
 }
@@ -517,16 +513,14 @@ Result<ComparedFiles> compare_files(const std::filesystem::path& golden, const s
 Result<Comparison> compare(const std::filesystem::path& golden, const std::filesystem::path& actual,
                            const std::vector<ToleranceRule>& rules, const CompareOptions& options,
                            std::size_t window_size) {
-  auto compared = compare_files(golden, actual, rules, options, {}, window_size);
-  if (!compared) return compared.errors();
-  return std::move(compared->comparison);
+  auto compared = REHEARSE_TRY(compare_files(golden, actual, rules, options, {}, window_size));
+  return std::move(compared.comparison);
 }
 
 Result<std::vector<ToleranceRule>> tolerances_of(const Trace& trace) {
   if (!trace.find_attachment("scenario.yaml")) return std::vector<ToleranceRule>();
-  auto scenario = recorded_scenario(trace);
-  if (!scenario) return scenario.errors();
-  return scenario->tolerances;
+  auto scenario = REHEARSE_TRY(recorded_scenario(trace));
+  return scenario.tolerances;
 }
 
 }  // namespace rehearse

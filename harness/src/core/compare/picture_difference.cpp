@@ -138,7 +138,7 @@ Result<std::vector<fs::path>> write_picture_differences(const Trace& golden, con
     if (!expected || !other || !expected->same_size(*other)) continue;
     const Tolerance tolerance = picture_tolerance(*of_golden, rules);
     const fs::path file = beside.parent_path() / file_name(beside, channel.channel);
-    if (auto done = write(file, side_by_side(*expected, *other, tolerance)); !done) return done.errors();
+    REHEARSE_TRY(write(file, side_by_side(*expected, *other, tolerance)));
     written.push_back(file);
   }
   return written;

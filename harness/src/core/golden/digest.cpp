@@ -208,8 +208,7 @@ Result<std::string> digest_of(const Trace& trace) {
     for (const std::size_t i : all) digests[i].take(window.channels()[i]);
     return true;
   });
-  const auto hash = hash_of_channels(trace, all, digests);
-  if (!hash) return hash.errors();
+  const auto hash = REHEARSE_TRY(hash_of_channels(trace, all, digests));
   std::string text = fmt::format("{} of a recording; derived from it, not to be edited\n\n", digest_form);
   std::vector<Acceptance> history = history_of(trace.metadata());
   if (!history.empty()) text += acceptance_text(history.back()) + "\n";
@@ -221,7 +220,7 @@ Result<std::string> digest_of(const Trace& trace) {
   }
   text += "\noutcome\n";
   describe_facts(trace, records::outcome, text);
-  fmt::format_to(Out(text), "  content: {}\n", hash_text(*hash));
+  fmt::format_to(Out(text), "  content: {}\n", hash_text(hash));
   if (history.size() > 1) {
     history.pop_back();
     text += "\naccepted before\n" + history_text(history);

@@ -70,9 +70,8 @@ Result<void> TraceKeeper::Kept::create(Bytes rest) {
   if (!read(rest, call)) return error("the call can't be read");
   file = call.file;
   name = call.name;
-  auto created = mcap::Writer::create(file, trace_call::form_of_recordings());
-  if (!created) return created.errors();
-  writer = *std::move(created);
+  auto created = REHEARSE_TRY(mcap::Writer::create(file, trace_call::form_of_recordings()));
+  writer = std::move(created);
   return {};
 }
 

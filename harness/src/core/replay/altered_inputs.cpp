@@ -52,12 +52,11 @@ Result<AlteredInputs::Alteration> AlteredInputs::parse_one(const std::string& te
                                 target->is_angle ? ", nor an angle as 30deg, nor nan, nor inf" : ", nor nan, nor inf"));
   found.operand = *operand * unit;
   if (at == std::string::npos) return found;
-  const auto span = parse_span(text, at + 1, scenario.time_step);
-  if (!span) return span.errors();
-  if (span->first >= scenario.ticks())
+  const auto span = REHEARSE_TRY(parse_span(text, at + 1, scenario.time_step));
+  if (span.first >= scenario.ticks())
     return error_at({text, at + 1, text.size() - at - 1},
                     fmt::format("the run ends before that, at tick {}", scenario.ticks() - 1));
-  found.span = *span;
+  found.span = span;
   return found;
 }
 

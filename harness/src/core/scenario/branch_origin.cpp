@@ -15,9 +15,8 @@
 namespace rehearse {
 
 Result<std::string> name_and_hash(const std::filesystem::path& file) {
-  const auto hash = hash_of_file(file);
-  if (!hash) return hash.errors();
-  return fmt::format("{} {}", file.filename().string(), hash_text(*hash));
+  const auto hash = REHEARSE_TRY(hash_of_file(file));
+  return fmt::format("{} {}", file.filename().string(), hash_text(hash));
 }
 
 namespace {
@@ -80,10 +79,9 @@ Result<Push> parse_push(const std::string& text, const Scenario& scenario) {
     begin = end;
   }
   if (!has_effect) return wrong(0, text.size(), "the push has neither force nor torque");
-  const auto span = parse_span(text, at + 1, scenario.time_step);
-  if (!span) return span.errors();
-  push.from = time_of(span->first, scenario.time_step);
-  push.until = time_of(span->last + 1, scenario.time_step);
+  const auto span = REHEARSE_TRY(parse_span(text, at + 1, scenario.time_step));
+  push.from = time_of(span.first, scenario.time_step);
+  push.until = time_of(span.last + 1, scenario.time_step);
   return push;
 }
 

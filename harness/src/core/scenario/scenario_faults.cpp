@@ -316,12 +316,11 @@ Result<void> add_faults(ScenarioBody& body, const std::vector<std::string>& entr
   std::string text;
   for (const std::string& entry : entries) text += "- " + entry + '\n';
   if (text.empty()) return {};
-  const Result<YamlNodePtr> list = parse_yaml(text, "faults");
-  if (!list) return list.errors();
+  const YamlNodePtr list = REHEARSE_TRY(parse_yaml(text, "faults"));
   Findings findings("faults");
   give_room(body);
   FaultReader reader(findings, body);
-  for (const YamlNodePtr& fault : (*list)->items) reader.read(*fault);
+  for (const YamlNodePtr& fault : list->items) reader.read(*fault);
   if (findings.any_error()) return findings.errors();
   return {};
 }

@@ -472,7 +472,7 @@ Result<std::string> Scenario::varied_text(const std::vector<std::string>& values
   std::string varied = text;
   for (const std::size_t i : order) {  // from the end on, so that the other places stay
     if (values[i].empty() || values[i] == variations[i].nominal) continue;
-    if (auto put = put_value(variations[i], values[i], varied); !put) return put.errors();
+    REHEARSE_TRY(put_value(variations[i], values[i], varied));
   }
   return varied;
 }
@@ -488,32 +488,30 @@ std::optional<Variation> place_of(Findings& findings, const YamlNode& root, cons
 
 Result<std::string> text_with(const std::string& text, const std::string& file, const std::string& path,
                               const std::string& value) {
-  const auto root = parse_yaml(text, file);
-  if (!root) return root.errors();
+  const auto root = REHEARSE_TRY(parse_yaml(text, file));
   Findings findings(file);
   Scenario scenario;
   scenario.file = file;
   scenario.text = text;
-  const auto place = place_of(findings, **root, scenario, path);
+  const auto place = place_of(findings, *root, scenario, path);
   if (!place) return findings.errors();
   std::string changed = text;
-  if (auto put = put_value(*place, value, changed); !put) return put.errors();
+  REHEARSE_TRY(put_value(*place, value, changed));
   return changed;
 }
 
 Result<std::string> text_without(const std::string& text, const std::string& file, const std::string& key) {
-  const auto root = parse_yaml(text, file);
-  if (!root) return root.errors();
+  const auto root = REHEARSE_TRY(parse_yaml(text, file));
   const auto begin_of = [&](int line) {
     std::size_t at = 0;
     for (int i = 1; i < line && at != std::string::npos; ++i) at = text.find('\n', at) + 1;
     return at;
   };
-  for (std::size_t i = 0; i < (*root)->keys.size(); ++i) {
-    if ((*root)->keys[i]->text != key) continue;
-    const std::size_t begin = begin_of((*root)->keys[i]->line);
-    const bool is_last = i + 1 == (*root)->keys.size();
-    return text.substr(0, begin) + (is_last ? "" : text.substr(begin_of((*root)->keys[i + 1]->line)));
+  for (std::size_t i = 0; i < root->keys.size(); ++i) {
+    if (root->keys[i]->text != key) continue;
+    const std::size_t begin = begin_of(root->keys[i]->line);
+    const bool is_last = i + 1 == root->keys.size();
+    return text.substr(0, begin) + (is_last ? "" : text.substr(begin_of(root->keys[i + 1]->line)));
   }
   return text;
 }

@@ -61,13 +61,11 @@ std::vector<WorldBody> world_bodies(const Scenario& scenario) {
 
 Result<std::unique_ptr<Plant>> Plant::create(const Scenario& scenario, const Scenario* noise_of) {
   std::unique_ptr<Plant> plant(new Plant(scenario, noise_of ? *noise_of : scenario));
-  auto world = World::create(scenario, world_bodies(scenario));
-  if (!world) return world.errors();
-  plant->world_ = std::move(*world);
+  auto world = REHEARSE_TRY(World::create(scenario, world_bodies(scenario)));
+  plant->world_ = std::move(world);
   plant->scanner_ = std::make_unique<Scanner>(*plant->world_, scenario.time_step, models_of(scenario));
-  auto vision = make_vision(scenario);
-  if (!vision) return vision.errors();
-  plant->vision_ = std::move(*vision);
+  auto vision = REHEARSE_TRY(make_vision(scenario));
+  plant->vision_ = std::move(vision);
   return plant;
 }
 

@@ -391,7 +391,7 @@ Result<void> align_drift(mcap::Reader& first, mcap::Reader& second, const std::s
   const std::vector<TimePair> pairs = alignment.by_content ? equal : pairs_in_order(times_a, times_b, alignment.offset);
   if (!find_drift(pairs, alignment) || by == "start") return {};
   const std::int64_t by_pairs = alignment.offset;
-  if (auto done = align_by_series(first, second, by, alignment); !done) return done;
+  REHEARSE_TRY(align_by_series(first, second, by, alignment));
   std::vector<std::int64_t> times;
   for (const TimePair& pair : pairs) times.push_back(pair.second);
   std::sort(times.begin(), times.end());
@@ -435,10 +435,9 @@ Result<void> write_moved(mcap::Reader& log, mcap::Writer& writer,
     ids[id] = writer.add_channel(mcap::copy(schema, writer), channel.topic, channel.message_encoding, channel.metadata);
     movers.try_emplace(id, schema);
   }
-  for (const mcap::Attachment& attachment : log.attachments())
-    if (auto done = mcap::copy(attachment, writer); !done) return done;
+  for (const mcap::Attachment& attachment : log.attachments()) REHEARSE_TRY(mcap::copy(attachment, writer));
   for (const mcap::Metadata& metadata : log.metadata())
-    if (auto done = writer.add_metadata(metadata.name, metadata.values); !done) return done;
+    REHEARSE_TRY(writer.add_metadata(metadata.name, metadata.values));
   Result<void> written;
   const Result<void> read = log.for_each_message_in_order([&](const mcap::Message& message) {
     const std::string& topic = message.channel->topic;
@@ -461,15 +460,12 @@ Result<void> write_moved(mcap::Reader& log, mcap::Writer& writer,
 
 Result<Alignment> write_aligned(const std::filesystem::path& first, const std::filesystem::path& second,
                                 const std::string& by, const std::filesystem::path& target) {
-  const auto a = mcap::Reader::open(first), b = mcap::Reader::open(second);
-  if (!a) return a.errors();
-  if (!b) return b.errors();
-  const Times times_a = times_of(**a), times_b = times_of(**b);
+  const auto a = REHEARSE_TRY(mcap::Reader::open(first));
+  const auto b = REHEARSE_TRY(mcap::Reader::open(second));
+  const Times times_a = times_of(*a), times_b = times_of(*b);
   Alignment alignment;
-  auto estimated =
-      by == "start" ? align_by_start(times_a, times_b, alignment) : align_by_series(**a, **b, by, alignment);
-  if (!estimated) return estimated.errors();
-  if (auto done = align_drift(**a, **b, by, times_a, times_b, alignment); !done) return done.errors();
+  REHEARSE_TRY(by == "start" ? align_by_start(times_a, times_b, alignment) : align_by_series(*a, *b, by, alignment));
+  REHEARSE_TRY(align_drift(*a, *b, by, times_a, times_b, alignment));
   Times moved;
   std::vector<std::int64_t> distances;
   for (const auto& [topic, times] : times_b)
@@ -482,11 +478,10 @@ Result<Alignment> write_aligned(const std::filesystem::path& first, const std::f
     alignment.largest_distance = static_cast<double>(*std::max_element(distances.begin(), distances.end())) * 1e-9;
   }
   mcap::WriterOptions form;
-  form.profile = (*b)->profile();
+  form.profile = b->profile();
   form.compression = mcap::Compression::lz4;
-  auto writer = mcap::Writer::create(target, form);
-  if (!writer) return writer.errors();
-  if (auto done = write_moved(**b, **writer, std::move(moved), alignment); !done) return done.errors();
+  auto writer = REHEARSE_TRY(mcap::Writer::create(target, form));
+  REHEARSE_TRY(write_moved(*b, *writer, std::move(moved), alignment));
   return alignment;
 }
 

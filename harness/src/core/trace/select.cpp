@@ -120,10 +120,10 @@ bool Selection::takes_topic(std::string_view topic) const {
 
 Result<Selector> Selector::of(Selection selection, Reader& reader) {
   Selector selector(std::move(selection));
-  if (const auto known = selector.check_topics(reader); !known) return known.errors();
-  if (const auto found = selector.find_span(reader); !found) return found.errors();
+  REHEARSE_TRY(selector.check_topics(reader));
+  REHEARSE_TRY(selector.find_span(reader));
   if (selector.selection_.ticks) {
-    if (const auto found = selector.find_ticks(reader); !found) return found.errors();
+    REHEARSE_TRY(selector.find_ticks(reader));
   }
   return selector;
 }
@@ -176,14 +176,12 @@ Result<void> Selector::find_span(Reader& reader) {
   const auto times = log_times(reader);
   if (!times) return {};
   if (selection_.from) {
-    const auto moment = moment_in(*selection_.from, reader);
-    if (!moment) return moment.errors();
-    begin_ = *moment;
+    const auto moment = REHEARSE_TRY(moment_in(*selection_.from, reader));
+    begin_ = moment;
   }
   if (selection_.until) {
-    const auto moment = moment_in(*selection_.until, reader);
-    if (!moment) return moment.errors();
-    end_ = *moment;
+    const auto moment = REHEARSE_TRY(moment_in(*selection_.until, reader));
+    end_ = moment;
   }
   if (begin_ <= times->second && (!end_ || (*end_ > times->first && *end_ > begin_))) return {};
   return mcap::refusal_of_empty(reader);
@@ -234,9 +232,8 @@ Result<std::uint64_t> moment_in(const TimeBound& bound, Reader& reader) {
 }
 
 Result<double> seconds_in(const TimeBound& bound, Reader& reader) {
-  const auto moment = moment_in(bound, reader);
-  if (!moment) return moment.errors();
-  return static_cast<double>(*moment) * 1e-9;
+  const auto moment = REHEARSE_TRY(moment_in(bound, reader));
+  return static_cast<double>(moment) * 1e-9;
 }
 
 std::optional<std::pair<std::uint64_t, std::uint64_t>> log_times(Reader& reader) {

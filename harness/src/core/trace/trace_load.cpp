@@ -185,17 +185,16 @@ void put_in_order(TraceChannel& channel) {
 }  // namespace
 
 Result<void> TraceLoader::open(const mcap::ReaderOptions& options) {
-  auto reader = mcap::Reader::open(file_, options);
-  if (!reader) return reader.errors();
+  auto reader = REHEARSE_TRY(mcap::Reader::open(file_, options));
   trace_.file_ = file_.string();
   trace_.events_ = std::make_shared<std::vector<msg::Event>>();
   trace_.contact_changes_ = std::make_shared<std::vector<msg::ContactChange>>();
-  trace_.reader_ = std::move(*reader);
+  trace_.reader_ = std::move(reader);
   return {};
 }
 
 Result<Trace> TraceLoader::load(const std::function<bool(const mcap::Channel&)>& wanted) {
-  if (auto opened = open({}); !opened) return opened.errors();
+  REHEARSE_TRY(open({}));
   std::vector<std::uint16_t> chosen;
   for (const auto& [id, channel] : trace_.reader_->channels()) {
     const mcap::Schema* schema = trace_.reader_->schema_of(channel);
@@ -427,13 +426,13 @@ void name_series(std::span<TraceChannel* const> channels, std::map<std::string, 
 }
 
 Result<Trace> TraceLoader::outline() {
-  if (auto opened = open({.opening = mcap::Opening::by_summary}); !opened) return opened.errors();
+  REHEARSE_TRY(open({.opening = mcap::Opening::by_summary}));
   assemble();
   return std::move(trace_);
 }
 
 Result<Trace> TraceLoader::sizes() {
-  if (auto opened = open({}); !opened) return opened.errors();
+  REHEARSE_TRY(open({}));
   assemble();
   const auto& statistics = trace_.reader_->statistics();
   REHEARSE_ASSERT(statistics, "a file whose chunks can be copied has statistics");

@@ -33,9 +33,8 @@ namespace fs = std::filesystem;
 /// defaults apply.
 Result<Scenario> scenario_in(const Trace& trace) {
   if (!trace.find_attachment("scenario.yaml")) return Scenario();
-  const auto reader = mcap::Reader::open(trace.file());
-  if (!reader) return reader.errors();
-  auto scenario = scenario_of(**reader);
+  const auto reader = REHEARSE_TRY(mcap::Reader::open(trace.file()));
+  auto scenario = scenario_of(*reader);
   if (!scenario) return scenario;
   if (const std::string file = scenario_file_of(trace); !file.empty()) {
     for (Expectation& expectation : scenario->expectations) expectation.place.file = file;
@@ -133,11 +132,10 @@ Result<CheckReport> check_recording(const Trace& trace, const Scenario& judged_b
 /// The reason why a run of this program must not become a golden: it doesn't repeat itself. Empty if it does.
 Result<std::string> doubt_about(const Trace& trace) {
   if (scenario_file_of(trace).empty()) return std::string();
-  const auto scenario = Scenario::load(scenario_file_of(trace));
-  if (!scenario) return scenario.errors();
-  const auto found = reproduce(*scenario, trace, fs::path(trace.file()).concat(".again"), {}, simulation());
-  if (!found) return found.errors();
-  return found->reproduced() ? std::string() : found->verdict;
+  const auto scenario = REHEARSE_TRY(Scenario::load(scenario_file_of(trace)));
+  const auto found =
+      REHEARSE_TRY(reproduce(scenario, trace, fs::path(trace.file()).concat(".again"), {}, simulation()));
+  return found.reproduced() ? std::string() : found.verdict;
 }
 
 /// The text that `rehearse check` would print.

@@ -77,9 +77,8 @@ void compare_topics(const bag::Folder& folder, const CountedLog& found, Diagnost
 }  // namespace
 
 Diagnostics examine_metadata(const bag::Folder& folder, const std::filesystem::path& path) {
-  const auto log = mcap::Reader::open(path);
-  if (!log) return log.errors();
-  const CountedLog found = count(**log);
+  const auto log = REHEARSE_TRY(mcap::Reader::open(path));
+  const CountedLog found = count(*log);
   Diagnostics findings;
   if (folder.messages && static_cast<std::uint64_t>(folder.messages->value) != found.messages)
     findings.push_back(

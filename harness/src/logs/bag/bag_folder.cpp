@@ -161,13 +161,11 @@ void FolderReader::read_topics(const YamlNode& bag) {
 Result<Folder> FolderReader::read() {
   std::error_code ignored;
   if (!fs::exists(folder_.metadata, ignored)) return read_without_metadata();
-  const auto text = read_yaml_file(folder_.metadata, "the metadata of a rosbag2 folder");
-  if (!text) return text.errors();
-  const auto root = parse_yaml(*text, folder_.metadata.string());
-  if (!root) return root.errors();
-  const YamlNode* bag = find(root->get(), top_key);
+  const auto text = REHEARSE_TRY(read_yaml_file(folder_.metadata, "the metadata of a rosbag2 folder"));
+  const auto root = REHEARSE_TRY(parse_yaml(text, folder_.metadata.string()));
+  const YamlNode* bag = find(root.get(), top_key);
   if (bag == nullptr || bag->kind != YamlNode::Kind::map)
-    return wrong(**root, fmt::format("it has no map '{}'", top_key), "expected the metadata of a rosbag2 folder");
+    return wrong(*root, fmt::format("it has no map '{}'", top_key), "expected the metadata of a rosbag2 folder");
   number(find(bag, "version"), "version");  // only to report a mistake in it
   read_storage(*bag);
   read_compression(*bag);

@@ -46,9 +46,8 @@ class JointFeed : public LogFeed {
   }
 
   Result<void> take(std::int64_t time, mcap::Bytes payload) override {
-    const auto read = reader_.read(payload);
-    if (!read) return read.errors();
-    const JointArrays* state = *read;
+    const auto read = REHEARSE_TRY(reader_.read(payload));
+    const JointArrays* state = read;
     const std::size_t count = state->names().size();
     for (const auto& [what, values] : {std::pair("positions", &state->position()),
                                        {"velocities", &state->velocity()},

@@ -125,7 +125,7 @@ auto reader_of(const ros2msg::Schema& schema, JointRole role) {
     if constexpr (std::is_same_v<Message, msg::JointState>) {
       arrays.take(*message);
     } else {
-      if (const auto done = convert(*message, role, state); !done) return done.errors();
+      REHEARSE_TRY(convert(*message, role, state));
       arrays.take(state);
     }
     return &arrays;

@@ -71,7 +71,7 @@ std::string page_of(const Trends& trends) {
 }  // namespace
 
 Result<void> write_history_page(const Trends& trends, const fs::path& file) {
-  if (auto allowed = check_replaceable(file, page_magic, "history"); !allowed) return allowed;
+  REHEARSE_TRY(check_replaceable(file, page_magic, "history"));
   std::ofstream stream(file, std::ios::binary | std::ios::trunc);
   stream << page_of(trends);
   stream.close();

@@ -193,10 +193,9 @@ Result<void> ShownRows::find_extremes() {
     for (std::size_t k = 0; k < pairs_.size(); ++k)
       if (const auto place = read_place(pairs_[k], i); place && choices_[k].stretch > 0) wanted[*place] = &choices_[k];
     ExtremesFinder finder(std::move(wanted));
-    const auto read = load_pieces(
+    REHEARSE_TRY(load_pieces(
         run(i)->file, nullptr, [&finder](const Trace& piece) { finder.take(piece); }, Trace::usual_piece_size,
-        PieceOrder::of_time, Trace::Damage::tolerate);
-    if (!read) return read.errors();
+        PieceOrder::of_time, Trace::Damage::tolerate));
     finder.finish();
   }
   for (Choice& choice : choices_) {
@@ -299,8 +298,7 @@ void ShownRows::read(std::span<const std::size_t> group, const std::function<voi
 }
 
 Result<void> ShownRows::for_each(const std::function<void(const ShownChannel&)>& take) {
-  if (is_thinned())
-    if (auto found = find_extremes(); !found) return found;
+  if (is_thinned()) REHEARSE_TRY(find_extremes());
   std::vector<std::size_t> group;
   double cells = 0.0;
   for (std::size_t k = 0; k < pairs_.size(); ++k) {

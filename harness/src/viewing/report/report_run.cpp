@@ -36,11 +36,11 @@ Result<ReportedRun> ReportedRun::read(const std::filesystem::path& file) {
     run.channels.resize(piece.channels().size());
     for (std::size_t i = 0; i < run.channels.size(); ++i) run.channels[i].take(piece.channels()[i]);
   };
-  auto trace = load_pieces(file, nullptr, take, Trace::usual_piece_size, PieceOrder::of_file, Trace::Damage::tolerate);
-  if (!trace) return trace.errors();
+  auto trace = REHEARSE_TRY(
+      load_pieces(file, nullptr, take, Trace::usual_piece_size, PieceOrder::of_file, Trace::Damage::tolerate));
   run.clock.put_in_order();
   run.file = file;
-  run.trace = *std::move(trace);
+  run.trace = std::move(trace);
   return run;
 }
 

@@ -35,9 +35,8 @@ MessageFinder::Found found(const std::shared_ptr<const MessageFinder::Content>& 
 }  // namespace
 
 Result<std::unique_ptr<MessageFinder>> MessageFinder::open(const std::filesystem::path& file) {
-  auto reader = mcap::Reader::open(file);
-  if (!reader) return reader.errors();
-  std::unique_ptr<MessageFinder> finder(new MessageFinder(std::move(*reader)));
+  auto reader = REHEARSE_TRY(mcap::Reader::open(file));
+  std::unique_ptr<MessageFinder> finder(new MessageFinder(std::move(reader)));
   for (const mcap::Chunk& chunk : finder->reader_->chunks()) finder->places_.push_back({chunk, 0, false, false, {}});
   std::stable_sort(finder->places_.begin(), finder->places_.end(),
                    [](const Place& a, const Place& b) { return a.chunk.start_time < b.chunk.start_time; });
