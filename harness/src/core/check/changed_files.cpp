@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "base/names.h"
-#include "core/recording/recorder.h"
+#include "core/recording/recorded_sources.h"
 #include "core/scenario/key_changes.h"
 
 namespace rehearse {

@@ -21,6 +21,19 @@ std::int64_t ordinal(double value) {
   return bits >= 0 ? bits : std::numeric_limits<std::int64_t>::min() - bits;
 }
 
+/// The order of cause and effect of the stages within one tick.
+int rank_of(Stage stage) {
+  switch (stage) {
+    case Stage::physics: return 0;
+    case Stage::sensors: return 1;
+    case Stage::renderer: return 2;
+    case Stage::inputs: return 3;
+    case Stage::controller: return 4;
+    case Stage::costs: return 5;
+  }
+  return 6;
+}
+
 }  // namespace
 
 bool identical(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
@@ -75,6 +88,11 @@ void put_times(Divergence& divergence, std::int64_t expected, std::int64_t actua
   if (identical(divergence.expected, divergence.actual))        // since 1970: doubles are 0.24 us apart
     divergence.note =
         fmt::format("is {}, expected {}: off by {:.6g} s", text(actual), text(expected), divergence.difference);
+}
+
+bool comes_before(const Divergence& a, const Divergence& b) {
+  if ((a.stage == Stage::costs) != (b.stage == Stage::costs)) return b.stage == Stage::costs;
+  return a.tick != b.tick ? a.tick < b.tick : rank_of(a.stage) < rank_of(b.stage);
 }
 
 bool is_worse(const Divergence& a, const Divergence& b) {

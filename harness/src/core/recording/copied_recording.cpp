@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/kinds/channel_name.h"
+#include "recorder_impl.h"
 
 namespace rehearse {
 namespace {
@@ -21,26 +22,26 @@ std::uint16_t topic_like(const mcap::Channel& channel, const mcap::Schema& schem
 
 }  // namespace
 
-Result<void> copy_message(const mcap::Message& message, const mcap::Schema& schema, const std::string& topic,
-                          TraceOutput& output) {
-  const std::uint16_t to = topic_like(*message.channel, schema, topic, output);
-  ++output.size.messages;
-  if (topic == run_topics::tick) ++output.size.ticks;
-  count_pictures(message, schema, output.size);
-  return output.writer->write(to, message.log_time, message.publish_time, message.data);
+Result<void> CopiedRecording::copy(const mcap::Message& message, const mcap::Schema& schema, const std::string& topic) {
+  const std::uint16_t to = topic_like(*message.channel, schema, topic, recorder_);
+  ++recorder_.size.messages;
+  if (topic == run_topics::tick) ++recorder_.size.ticks;
+  count_pictures(message, schema);
+  return recorder_.writer->write(to, message.log_time, message.publish_time, message.data);
 }
 
-void count_pictures(const mcap::Message& message, const mcap::Schema& schema, RecordingSize& size) {
+void CopiedRecording::count_pictures(const mcap::Message& message, const mcap::Schema& schema) {
   if (schema.name == msg::CompressedImage::type_name) {
     CdrReader reader(message.data);
     msg::CompressedImage picture;
-    if (msg::decode(reader, picture) && !picture.data.empty()) ++size.pictures;
+    if (msg::decode(reader, picture) && !picture.data.empty()) ++recorder_.size.pictures;
   } else if (schema.name == msg::Image::type_name) {
-    ++size.pictures;
+    ++recorder_.size.pictures;
   }
 }
 
-bool begins_like(const TraceOutput& output, const mcap::Reader& other) {
+bool CopiedRecording::begins_like(const mcap::Reader& other) const {
+  const TraceOutput& output = recorder_;
   if (other.channels().size() < output.by_topic.size()) return false;
   std::uint16_t next = 1;
   for (const auto& [id, channel] : other.channels()) {
@@ -56,7 +57,8 @@ bool begins_like(const TraceOutput& output, const mcap::Reader& other) {
   return true;
 }
 
-Result<void> copy_chunk(const mcap::StoredChunk& chunk, const mcap::Reader& other, TraceOutput& output) {
+Result<void> CopiedRecording::copy_chunk(const mcap::StoredChunk& chunk, const mcap::Reader& other) {
+  TraceOutput& output = recorder_;
   std::uint16_t last = 0;
   const std::uint16_t tick_channel = output.by_topic.at(run_topics::tick);
   for (const mcap::StoredChunk::Index& index : chunk.indexes) {
@@ -70,6 +72,22 @@ Result<void> copy_chunk(const mcap::StoredChunk& chunk, const mcap::Reader& othe
     REHEARSE_ASSERT(here == id, "the channels of both recordings have the same ids");
   }
   return output.writer->copy_chunk(chunk);
+}
+
+Result<void> CopiedRecording::write_measured_joints(std::int64_t tick, int body,
+                                                    const std::vector<JointReading>& joints) {
+  BodyChannels& channels = recorder_.bodies[static_cast<std::size_t>(body)];
+  REHEARSE_ASSERT(channels.measured_joints, "Recorder::measure_joints() was called before declare()");
+  return recorder_.write_joints(tick, channels, channels.measured_joints, joints);
+}
+
+Result<void> CopiedRecording::write_reading(std::int64_t tick, int body, int device, const DeviceReading& reading) {
+  BodyChannels& channels = recorder_.bodies[static_cast<std::size_t>(body)];
+  return channels.devices[static_cast<std::size_t>(device)].write(recorder_, tick, reading);
+}
+
+Result<void> CopiedRecording::write_joystick(std::int64_t tick, const JoystickReading& reading) {
+  return recorder_.write_joystick(tick, reading);
 }
 
 }  // namespace rehearse

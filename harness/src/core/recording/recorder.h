@@ -33,16 +33,6 @@ struct TickHashes {
   std::uint64_t output = 0;
 };
 
-/// A file or text from which a run is made, as a recording contains it.
-struct SourceFile {
-  std::string name;  // as the scenario states it: a recording doesn't contain folders of its machine
-  std::string media_type;
-  std::string text;
-};
-
-/// The scenario, its models with their load reports, and the digests of their meshes.
-std::vector<SourceFile> sources_of(const Scenario& scenario);
-
 class Recorder {
  public:
   /// The metadata of the channels, by topic, that declare() would add to a recording.
@@ -80,22 +70,6 @@ class Recorder {
   /// process ends before record_tick(): the supervisor then closes the tick. Without a supervisor it has no effect.
   Result<void> record_inputs(std::int64_t tick, const ControllerHost& host, const TickHashes& hashes);
 
-  // Copies parts of a different recording, for a run that begins with it.
-
-  /// Copies the bytes of a message to a topic. A missing topic is added like the topic of the other recording.
-  Result<void> copy(const mcap::Message& message, const mcap::Schema& schema, const std::string& topic);
-  /// True if the channels so far are the first of the other recording, so that its chunks can be copied.
-  bool begins_like(const mcap::Reader& other) const;
-  /// Copies a chunk of the other recording, which begins_like() this one. Its missing topics are added. Pictures in it
-  /// must be passed to count_pictures().
-  Result<void> copy_chunk(const mcap::StoredChunk& chunk, const mcap::Reader& other);
-  /// Counts the message in size() if it contains a picture.
-  void count_pictures(const mcap::Message& message, const mcap::Schema& schema);
-  // Record readings that differ from the other recording, instead of copies of its messages.
-  Result<void> record_measured_joints(std::int64_t tick, int body, const std::vector<JointReading>& joints);
-  Result<void> record_reading(std::int64_t tick, int body, int device, const DeviceReading& reading);
-  Result<void> record_joystick(std::int64_t tick, const JoystickReading& reading);
-
   Result<void> record_checkpoint(std::int64_t tick, std::span<const std::byte> state);
   Result<void> record_events(const std::vector<msg::Event>& events);
   /// Writes the `outcome`, the end of the run; the trace is complete afterwards.
@@ -108,6 +82,7 @@ class Recorder {
   int descriptor() const;
 
  private:
+  friend class CopiedRecording;
   struct Impl;
   explicit Recorder(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;

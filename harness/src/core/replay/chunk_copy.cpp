@@ -9,10 +9,7 @@
 namespace rehearse {
 
 ChunkCopy::ChunkCopy(mcap::Reader& source, Recorder& recorder, std::uint64_t end)
-    : source_(source),
-      recorder_(recorder),
-      end_(end),
-      is_possible_(source.can_copy_chunks() && recorder.begins_like(source)) {
+    : source_(source), copy_(recorder), end_(end), is_possible_(source.can_copy_chunks() && copy_.begins_like(source)) {
   for (const mcap::Chunk& chunk : source.chunks())
     if (chunk.end_time < end) whole_.push_back(chunk);
   for (const auto& [id, channel] : source.channels()) {
@@ -29,7 +26,7 @@ bool ChunkCopy::is_whole(const mcap::Message& message) const {
 
 Result<void> ChunkCopy::take(const mcap::Message& message) {
   if (std::ranges::binary_search(picture_channels_, message.channel->id) && is_whole(message))
-    recorder_.count_pictures(message, *source_.schema_of(*message.channel));
+    copy_.count_pictures(message, *source_.schema_of(*message.channel));
   while (next_ < whole_.size() && whole_[next_].end_time < message.log_time) REHEARSE_TRY(copy_next());
   return {};
 }
@@ -37,7 +34,7 @@ Result<void> ChunkCopy::take(const mcap::Message& message) {
 Result<void> ChunkCopy::copy_next() {
   const auto stored = source_.stored_chunk(whole_[next_++]);
   if (!stored) return in_recording(source_, error("it was changed while it was read"));
-  return recorder_.copy_chunk(*stored, source_);
+  return copy_.copy_chunk(*stored, source_);
 }
 
 Result<void> ChunkCopy::finish() {
@@ -50,9 +47,7 @@ Result<void> ChunkCopy::finish() {
   mcap::OrderedMessages messages(source_, {}, begin);
   for (const mcap::Message* message; (message = messages.next()) && message->log_time < end_;)
     if (!is_whole(*message))
-      if (auto copied = recorder_.copy(*message, *source_.schema_of(*message->channel), message->channel->topic);
-          !copied)
-        return copied;
+      REHEARSE_TRY(copy_.copy(*message, *source_.schema_of(*message->channel), message->channel->topic));
   return messages.verdict();
 }
 

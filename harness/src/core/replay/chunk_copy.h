@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/recording/recorder.h"
+#include "core/recording/copied_recording.h"
 
 namespace rehearse {
 
@@ -35,7 +35,7 @@ class ChunkCopy {
   Result<void> copy_next();
 
   mcap::Reader& source_;
-  Recorder& recorder_;
+  CopiedRecording copy_;
   const std::uint64_t end_;  // [ns]
   const bool is_possible_;
   std::vector<mcap::Chunk> whole_;  // chunks that end before end_, in file order

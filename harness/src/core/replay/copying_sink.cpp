@@ -14,7 +14,12 @@ namespace rehearse {
 
 CopyingSink::CopyingSink(const Scenario& scenario, mcap::Reader& source, const ControllerHost& host, Recorder& recorder,
                          const AlteredInputs& altered, Diagnostics* remarks)
-    : RecordingSink(recorder, remarks), scenario_(scenario), source_(source), host_(host), altered_(altered) {
+    : RecordingSink(recorder, remarks),
+      scenario_(scenario),
+      source_(source),
+      host_(host),
+      copy_(recorder),
+      altered_(altered) {
   const std::size_t ids = source.channels().empty() ? 0 : std::size_t{source.channels().rbegin()->first} + 1;
   is_copied_.assign(ids, false);
   parts_.assign(ids, Part::state);
@@ -71,14 +76,14 @@ Result<void> CopyingSink::copy(RecordingSource& from, Run& run, std::optional<st
 Result<void> CopyingSink::take(const mcap::Message& message) {
   const std::uint16_t id = message.channel->id;
   const mcap::Schema* schema = source_.schema_of(*message.channel);
-  if (is_copied_[id]) return recorder_.copy(message, *schema, message.channel->topic);
+  if (is_copied_[id]) return copy_.copy(message, *schema, message.channel->topic);
   if (parts_[id] == Part::controller) return take_output(message, *schema);
   if (parts_[id] != Part::events) return {};
   CdrReader reader(message.data);
   msg::Event event;
   if (!msg::decode(reader, event))
     return error(fmt::format("a message on /events at {} ns is not of its type", message.log_time));
-  return is_of_observations(event) ? recorder_.copy(message, *schema, message.channel->topic) : Result<void>();
+  return is_of_observations(event) ? copy_.copy(message, *schema, message.channel->topic) : Result<void>();
 }
 
 Result<void> CopyingSink::take_output(const mcap::Message& message, const mcap::Schema& schema) {
@@ -88,7 +93,7 @@ Result<void> CopyingSink::take_output(const mcap::Message& message, const mcap::
   ChannelName name = ChannelName::parse(message.channel->topic);
   if (name.side != (acted_there ? ChannelSide::acted : ChannelSide::output)) return {};
   name.side = ChannelSide::acted;
-  return recorder_.copy(message, schema, name.topic());
+  return copy_.copy(message, schema, name.topic());
 }
 
 Result<void> CopyingSink::emit(const TickData& now) {
@@ -101,15 +106,15 @@ Result<void> CopyingSink::record_altered(const TickData& now) {
   for (std::size_t b = 0; b < now.seen->bodies.size(); ++b) {
     const BodyObservation& seen = now.seen->bodies[b];
     const int body = static_cast<int>(b);
-    if (altered_.alters_joints(body)) REHEARSE_TRY(recorder_.record_measured_joints(now.tick, body, seen.joints));
+    if (altered_.alters_joints(body)) REHEARSE_TRY(copy_.write_measured_joints(now.tick, body, seen.joints));
     for (std::size_t d = 0; d < seen.devices.size(); ++d) {
       const int device = static_cast<int>(d);
       if (!seen.devices[d].fresh || !altered_.alters_device(body, device)) continue;
-      REHEARSE_TRY(recorder_.record_reading(now.tick, body, device, seen.devices[d]));
+      REHEARSE_TRY(copy_.write_reading(now.tick, body, device, seen.devices[d]));
     }
   }
   if (!altered_.alters_joystick()) return {};
-  return recorder_.record_joystick(now.tick, *now.seen->joystick);
+  return copy_.write_joystick(now.tick, *now.seen->joystick);
 }
 
 }  // namespace rehearse

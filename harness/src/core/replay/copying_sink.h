@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "altered_inputs.h"
+#include "core/recording/copied_recording.h"
 #include "core/run/recording_sink.h"
 #include "recording_source.h"
 
@@ -48,6 +49,7 @@ class CopyingSink final : public RecordingSink {
   const Scenario& scenario_;
   mcap::Reader& source_;
   const ControllerHost& host_;
+  CopiedRecording copy_;
   const AlteredInputs& altered_;
   std::vector<bool> is_copied_;  // by channel id
   std::vector<Part> parts_;      // by channel id

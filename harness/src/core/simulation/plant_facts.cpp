@@ -18,7 +18,7 @@
 #include "core/host/virtualised.h"
 #include "core/recording/code_hashes.h"
 #include "core/recording/provenance.h"
-#include "core/recording/recorder.h"
+#include "core/recording/recorded_sources.h"
 #include "core/scenario/plant_text.h"
 #include "core/trace/run_facts.h"
 #include "mesh/assimp_library.h"
