@@ -126,7 +126,7 @@ const Exception allowed[] = {
     {"harness/src/gtest/testing/test_history.cpp", "environment", "where the history of finished runs lies"},
     {"harness/src/gtest/testing/test_reports.cpp", "environment", "what is done with a finished run"},
     {"harness/src/core/mcap/output.h", "thread", "compresses and writes; what it writes depends on the data alone"},
-    {"harness/src/core/compare/compare.cpp", "thread",
+    {"harness/src/core/compare/compared_files.cpp", "thread",
      "reads one of the two recordings; what is read depends on the data alone"},
     {"engine/src/base/quiet_thread.h", "thread",
      "starts it, and the one that opens chunks: what it gives depends on the data alone"},

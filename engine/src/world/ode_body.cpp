@@ -26,7 +26,8 @@ OdeBody::OdeBody(dWorldID world, WorldBody body, double time_step)
   links_ = groups.links;
   create_groups(world, groups, zero_posture);
   create_joints(world, zero_posture);  // an ODE joint angle is zero at the pose in which the joint was made
-  create_force_sensors(groups);
+  force_sensors_.emplace(model(), groups, [this](int id) -> OdeJoint& { return joints_[slots_[id].index]; });
+  for (const int link : force_sensors_->feeling_links()) feel(link);
   create_shapes();
   pair_own_shapes();
   const auto posture = forward_kinematics(model(), root, description().joints);
@@ -43,7 +44,7 @@ void OdeBody::create_groups(dWorldID world, const RigidGroups& groups, const std
     RigidGroup& group = groups_[i];
     group.first_link = groups.first_links[i];
     group.fixed_pose = zero_posture[group.first_link];
-    if (has_joint(group.first_link)) group.parent = links_[model().links[group.first_link].parent].group;
+    if (has_joint(model(), group.first_link)) group.parent = links_[model().links[group.first_link].parent].group;
     if (i == 0 && root_is_fixed(description())) continue;
     const Inertial& inertial = groups.inertials[i];
     group.center = inertial.center;
@@ -153,32 +154,6 @@ const Actuator* OdeBody::actuator_of(int id) const {
   return all.empty() || !all[id] ? nullptr : &*all[id];
 }
 
-void OdeBody::create_force_sensors(const RigidGroups& groups) {
-  wrenches_.assign(model().devices.size(), Eigen::Matrix<double, 6, 1>::Zero());
-  for (std::size_t i = 0; i < model().devices.size(); ++i) {
-    const Device& device = model().devices[i];
-    if (!std::holds_alternative<ForceSensor>(device.kind) || !has_joint(device.link)) continue;
-    measures_forces_ = true;
-    if (links_[device.link].leads_group)
-      joints_[slots_[model().links[device.link].joint.id].index].measure_wrench();
-    else
-      create_cut(groups, i);
-  }
-}
-
-void OdeBody::create_cut(const RigidGroups& groups, std::size_t device) {
-  CutSensor& cut = cuts_.emplace_back();
-  cut.device = device;
-  cut.part = part_behind(model(), groups, model().devices[device].link);
-  for (std::size_t i = 1; i < model().links.size(); ++i) {
-    const Link& link = model().links[i];
-    if (cut.part.holds[i]) feel(static_cast<int>(i));
-    if (!is_movable(link.joint.type) || !cut.part.holds[link.parent]) continue;
-    cut.joints.push_back(link.joint.id);
-    joints_[slots_[link.joint.id].index].measure_wrench();
-  }
-}
-
 void OdeBody::create_shapes() {
   for (std::size_t i = 0; i < model().links.size(); ++i) {
     const RigidGroup& group = group_of(static_cast<int>(i));
@@ -233,18 +208,7 @@ void OdeBody::before_step(double time) {
     group.previous_angular_velocity = vector(dBodyGetAngularVel(group.body));
   }
   for (OdeJoint& joint : joints_) joint.before_step(time_step_);
-  if (measures_forces_) begin_motions();
-}
-
-void OdeBody::begin_motions() {
-  for (RigidGroup& group : groups_) {
-    group.motion.frame = group.fixed_pose;
-    if (!group.body) continue;
-    group.motion.center = vector(dBodyGetPosition(group.body));
-    group.motion.angular_velocity = group.previous_angular_velocity;
-    group.motion.frame.linear() = rotation(dBodyGetRotation(group.body));
-    group.motion.frame.translation() = group.motion.center - group.motion.frame.linear() * group.center;
-  }
+  force_sensors_->begin_step(groups_);
 }
 
 void OdeBody::drive(const BodyCommand& command) {
@@ -285,7 +249,7 @@ void OdeBody::act(const BodyCommand& command) {
 /// ODE's bodies without inertia keep their velocity in a step, and no force changes it.
 void OdeBody::give_motion(int link, const GivenMotion& motion) {
   const RigidGroup& group = group_of(link);
-  if (!group.body || group.first_link != link || has_joint(link) || (!motion.place && !motion.twist)) return;
+  if (!group.body || group.first_link != link || has_joint(model(), link) || (!motion.place && !motion.twist)) return;
   const Eigen::Quaterniond now = quaternion(dBodyGetQuaternion(group.body));
   Vector3d velocity, angular_velocity;
   if (motion.place) {
@@ -357,11 +321,7 @@ Mount OdeBody::mount(int link) const {
 }
 
 void OdeBody::add_wrench(int link, const Vector3d& force, const Vector3d& torque_about_origin) {
-  for (CutSensor& cut : cuts_) {
-    if (!cut.part.holds[link]) continue;
-    cut.external.force += force;
-    cut.external.torque += torque_about_origin;
-  }
+  force_sensors_->add_wrench(link, force, torque_about_origin);
   const dBodyID body = group_of(link).body;
   if (!body) return;
   const Vector3d torque = torque_about_origin - vector(dBodyGetPosition(body)).cross(force);
@@ -413,58 +373,7 @@ void OdeBody::after_step() {
     if (dBodyIsKinematic(group.body)) dBodySetDynamic(group.body);
   }
   for (OdeJoint& joint : joints_) joint.after_step(time_step_);
-  for (std::size_t i = 0; i < model().devices.size(); ++i) {
-    const Device& device = model().devices[i];
-    if (std::holds_alternative<ForceSensor>(device.kind) && has_joint(device.link) && links_[device.link].leads_group)
-      measure_force(i);
-  }
-  for (CutSensor& cut : cuts_) {
-    measure_cut(cut);
-    cut.external = {};
-  }
-}
-
-/// The joint's force acts at the poses of the step's beginning.
-void OdeBody::measure_force(std::size_t index) {
-  const Device& device = model().devices[index];
-  const GroupMotion& child = group_of(device.link).motion;
-  const Wrench wrench = joints_[slots_[model().links[device.link].joint.id].index].child_wrench();
-  const Isometry3d sensor = child.frame * links_[device.link].in_group * device.pose;
-  const Vector3d lever = child.center - sensor.translation();
-  const Matrix3d to_sensor = sensor.linear().transpose();
-  // the wrench of the child on its parent: the opposite of the joint's wrench on the child
-  wrenches_[index].head<3>() = -(to_sensor * wrench.force);
-  wrenches_[index].tail<3>() = -(to_sensor * (wrench.torque + lever.cross(wrench.force)));
-}
-
-/// Stores the motion at the beginning of the step, when the forces begin to act.
-void OdeBody::measure_cut(const CutSensor& cut) {
-  const Device& device = model().devices[cut.device];
-  const RigidGroup& group = group_of(device.link);
-  GroupMotion motion = group.motion;
-  motion.acceleration = group.acceleration;
-  motion.angular_acceleration = group.angular_acceleration;
-  const Isometry3d sensor = motion.frame * links_[device.link].in_group * device.pose;
-  const Vector3d origin = sensor.translation();
-  // other wrenches on the part than that of the cut
-  Vector3d force = cut.external.force;
-  Vector3d torque = cut.external.torque - origin.cross(cut.external.force);
-  for (const Touch& touch : touches()) {
-    if (!cut.part.holds[touch.link]) continue;
-    force += touch.reading.force;
-    torque += (touch.reading.position - origin).cross(touch.reading.force);
-  }
-  for (const int id : cut.joints) {
-    const Wrench on_child = joints_[slots_[id].index].child_wrench();
-    const Vector3d arm = group_of(model().joints[id]).motion.center - origin;
-    force -= on_child.force;
-    torque -= on_child.torque + arm.cross(on_child.force);
-  }
-  // the cut transmits the rest of the wrench that the part needs; the part exerts the opposite
-  const Wrench needed = wrench_to_move(cut.part, motion, gravity_, origin);
-  const double factor = group.factor;
-  wrenches_[cut.device].head<3>() = sensor.linear().transpose() * (force - factor * needed.force);
-  wrenches_[cut.device].tail<3>() = sensor.linear().transpose() * (torque - factor * needed.torque);
+  force_sensors_->measure(model(), groups_, touches(), gravity_);
 }
 
 void OdeBody::read_link(int index, LinkReading& link) const {
@@ -525,7 +434,7 @@ void OdeBody::observe_actuators(BodyObservation& observation) const {
 }
 
 void OdeBody::read_force(std::size_t device, std::vector<double>& values) const {
-  values.assign(wrenches_[device].data(), wrenches_[device].data() + 6);
+  force_sensors_->read(device, values);
 }
 
 bool OdeBody::plausible() const {
@@ -594,10 +503,7 @@ void OdeBody::visit_state(StateVisitor& visitor) {
     visitor.begin_part(name(), joint, StatePart::heat);
     stages_[id]->visit_heat(visitor);
   }
-  for (std::size_t device = 0; device < wrenches_.size(); ++device) {
-    visitor.begin_part(name(), model().devices[device].name, StatePart::wrench);
-    visitor.visit(wrenches_[device].data(), 6 * sizeof(double));
-  }
+  force_sensors_->visit_state(name(), model(), visitor);
   for (Track& track : tracks_) {
     visitor.begin_part(name(), model().links[track.link].joint.name, StatePart::belt);
     visitor.visit(track.speed);

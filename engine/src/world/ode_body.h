@@ -7,47 +7,17 @@
 #include <vector>
 
 #include "actuator_stage.h"
-#include "cut.h"
+#include "force_sensors.h"
 #include "initial_motion.h"
 #include "joint_inertia.h"
 #include "model/rigid_groups.h"
 #include "ode_joint.h"
 #include "ode_math.h"
 #include "plane_constraint.h"
+#include "rigid_group.h"
 #include "simulated_body.h"
 
 namespace rehearse {
-
-/// Links that fixed joints connect, as one body of ODE. Its axes are those of its first link; ODE's origin is at the
-/// centre of mass.
-struct RigidGroup {
-  dBodyID body = nullptr;  // null: fixed to the world
-  BodyNumbers numbers;     // of the body
-  int first_link = 0;
-  int parent = -1;                                   // the group to which its joint connects it
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();  // of mass, in the group's frame [m]
-  RigidMass nominal, weight;                         // without faults, and in the step
-  Eigen::Matrix3d inverse_inertia = Eigen::Matrix3d::Zero();
-  Eigen::Isometry3d fixed_pose = Eigen::Isometry3d::Identity();  // of the group's frame, when it never moves
-  double factor = 1.0;                                           // of the nominal mass that faults make
-  double weightless_mass = 0.0;                                  // nominal, of links on which gravity doesn't act [kg]
-  Eigen::Vector3d weightless_moment = Eigen::Vector3d::Zero();   // that mass times its place from `center` [kg·m]
-  Eigen::Vector3d acceleration = Eigen::Vector3d::Zero();        // of the centre, over the last step [m/s²]
-  Eigen::Vector3d angular_acceleration = Eigen::Vector3d::Zero();  // over the last step [rad/s²]
-  Eigen::Vector3d previous_velocity = Eigen::Vector3d::Zero();     // before the last step; scratch, not state
-  Eigen::Vector3d previous_angular_velocity = Eigen::Vector3d::Zero();
-  GroupMotion motion;  // before the last step, without accelerations; only if the body has force sensors; scratch, not
-                       // state
-};
-
-/// A force sensor whose link is connected by a fixed joint or a track.
-struct CutSensor {
-  std::size_t device = 0;  // index into the model's devices
-  PartBehind part;
-  std::vector<int> joints;  // ids of movable joints whose parent link is in the part
-  // scratch within a step
-  Wrench external;  // external wrench on the part, from pushes and commands
-};
 
 /// A link whose surface runs as a belt.
 struct Track {
@@ -98,16 +68,9 @@ class OdeBody final : public SimulatedBody {
   void set_posture(const std::vector<Eigen::Isometry3d>& poses);
   void set_velocities(const std::vector<LinkMotion>& motions);
   const RigidGroup& group_of(int link) const { return groups_[links_[link].group]; }
-  /// False for the root, and for a link that a free joint separates from its parent.
-  bool has_joint(int link) const { return link != 0 && model().links[link].joint.type != JointType::free; }
   double mass_factor(std::size_t group, double time) const;
   void take_masses(double time);
   static void set_mass(RigidGroup& group, double factor);
-  void create_force_sensors(const RigidGroups& groups);
-  void create_cut(const RigidGroups& groups, std::size_t device);
-  void measure_force(std::size_t device);
-  void begin_motions();
-  void measure_cut(const CutSensor& cut);
   void read_link(int index, LinkReading& link) const;
 
   /// The index of a joint id in joints_ or in tracks_.
@@ -120,18 +83,16 @@ class OdeBody final : public SimulatedBody {
   Eigen::Vector3d gravity_;
   std::vector<GroupedLink> links_;
   std::vector<RigidGroup> groups_;
-  std::vector<Slot> slots_;                            // by joint id
-  std::vector<OdeJoint> joints_;                       // movable ones, by joint id
-  double moving_mass_ = 0.0;                           // of all groups that aren't fixed to the world [kg]
-  bool changes_mass_ = false;                          // with the coming step
-  bool has_resistance_ = false;                        // of any joint: damping or rotor inertia
-  std::vector<std::optional<ActuatorStage>> stages_;   // by joint id; empty: the body has no actuators
-  std::vector<JointCommand> acting_;                   // scratch within a step: the commands behind the actuators
-  std::vector<Track> tracks_;                          // by joint id
-  std::optional<PlaneConstraint> plane_;               // of the root
-  bool measures_forces_ = false;                       // of any joint
-  std::vector<CutSensor> cuts_;                        // by device index
-  std::vector<Eigen::Matrix<double, 6, 1>> wrenches_;  // by device index; force sensors: measured in the last step
+  std::vector<Slot> slots_;                           // by joint id
+  std::vector<OdeJoint> joints_;                      // movable ones, by joint id
+  double moving_mass_ = 0.0;                          // of all groups that aren't fixed to the world [kg]
+  bool changes_mass_ = false;                         // with the coming step
+  bool has_resistance_ = false;                       // of any joint: damping or rotor inertia
+  std::vector<std::optional<ActuatorStage>> stages_;  // by joint id; empty: the body has no actuators
+  std::vector<JointCommand> acting_;                  // scratch within a step: the commands behind the actuators
+  std::vector<Track> tracks_;                         // by joint id
+  std::optional<PlaneConstraint> plane_;              // of the root
+  std::optional<ForceSensors> force_sensors_;         // after construction always
 };
 
 }  // namespace rehearse
