@@ -5,14 +5,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
+#include <functional>
+#include <numeric>
+#include <optional>
 
 #include "case_articles.h"
 #include "viewing/report/html_text.h"
 
 namespace rehearse {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::size_t parts = 4;  // of a range, in cells
 constexpr std::size_t bins = 20;  // of a histogram
@@ -51,17 +53,23 @@ std::string short_number(double value) { return fmt::format("{:.4g}", value); }
 
 std::string percent(double share) { return fmt::format("{:.4g} %", 100.0 * share); }
 
-std::string text_of(const Json& value) {
-  if (value.is_null()) return "-";
-  if (value.is_number_float()) return short_number(value.get<double>());
-  return value.is_string() ? value.get<std::string>() : value.dump();
+std::string text_of(double value) { return short_number(value); }
+template <std::integral T>
+std::string text_of(T value) {
+  return std::to_string(value);
+}
+template <class T>
+std::string text_of(const std::optional<T>& value) {
+  return value ? text_of(*value) : "-";
 }
 
-std::string case_list(const Json& cases) {
-  std::string text;
-  for (const Json& number : cases) text += (text.empty() ? "" : ", ") + text_of(number);
-  return text;
+std::string percent_or_dash(const std::optional<double>& share) { return share ? percent(*share) : "-"; }
+
+std::string range_text(const Interval& interval) {
+  return fmt::format("{} to {}", percent(interval.low), percent(interval.high));
 }
+
+std::string case_list(const std::vector<std::int64_t>& cases) { return fmt::format("{}", fmt::join(cases, ", ")); }
 
 using Row = std::vector<std::string>;
 
@@ -72,201 +80,187 @@ struct ReportTable {
   std::vector<Row> rows;
 };
 
-ReportTable verdict_table(const Json& report) {
+ReportTable verdict_table(const CampaignFindings& findings) {
   ReportTable table{"Verdicts", "", {"verdict", "cases"}, {}};
-  for (const auto& [verdict, count] : report["summary"]["verdicts"].items())
-    table.rows.push_back({verdict, text_of(count)});
-  table.rows.push_back({"missing", text_of(report["summary"]["missing"])});
+  for (std::size_t i = 0; i < case_verdict_count; ++i)
+    table.rows.push_back({std::string(to_string(static_cast<CaseVerdict>(i))), text_of(findings.summary.verdicts[i])});
+  table.rows.push_back({"missing", text_of(findings.summary.missing)});
   return table;
 }
 
-ReportTable failure_table(const Json& report) {
+ReportTable failure_table(const CampaignFindings& findings) {
   ReportTable table{"Failures", "", {"cases", "verdict", "failure", "for example", "first cases"}, {}};
-  for (const Json& failure : report["failures"])
-    table.rows.push_back({text_of(failure["count"]), text_of(failure["verdict"]), text_of(failure["reason"]),
-                          text_of(failure["sentence"]), case_list(failure["cases"])});
+  for (const FailureKind& failure : findings.failures)
+    table.rows.push_back({text_of(failure.count), std::string(to_string(failure.verdict)), failure.reason,
+                          failure.sentence, case_list(failure.cases)});
   return table;
 }
 
-ReportTable error_table(const Json& report) {
+ReportTable error_table(const CampaignFindings& findings) {
   ReportTable table{
       "Errors of controllers",
       "Cases in which a controller wrote a number that isn't finite, or a line that begins with \"error\". "
       "The verdict doesn't depend on them.",
       {"cases", "of which pass", "error", "for example", "first cases"},
       {}};
-  for (const Json& error : report["errors"])
-    table.rows.push_back({text_of(error["count"]), text_of(error["passed"]), text_of(error["error"]),
-                          text_of(error["example"]), case_list(error["cases"])});
+  for (const ErrorKind& error : findings.errors)
+    table.rows.push_back(
+        {text_of(error.count), text_of(error.passed), error.error, error.example, case_list(error.cases)});
   return table;
 }
 
-ReportTable parameter_table(const Json& report) {
+ReportTable parameter_table(const CampaignFindings& findings) {
   ReportTable table{
       "Parameters",
       "Rank correlation (Spearman) of each parameter with passing, and with the margin on which it has "
       "the largest effect. Words have no order: V is Cramér's association with passing, 0 to 1.",
       {"parameter", "path", "nominal", "with passing", "with a margin", "median of passed", "median of failed"},
       {}};
-  for (const Json& parameter : report["parameters"]) {
-    const Json& margin = parameter["correlation_with_margin"];
-    const std::string with_passing = parameter.contains("words") ? "V " + text_of(parameter["association_with_passing"])
-                                                                 : text_of(parameter["correlation_with_passing"]);
-    table.rows.push_back(
-        {text_of(parameter["name"]), text_of(parameter["path"]), text_of(parameter["nominal"]), with_passing,
-         margin.is_null() ? "-" : fmt::format("{}: {}", text_of(margin["correlation"]), text_of(margin["expectation"])),
-         text_of(parameter["median_of_passed"]), text_of(parameter["median_of_failed"])});
+  for (const ParameterFindings& parameter : findings.parameters) {
+    const auto& margin = parameter.correlation_with_margin;
+    table.rows.push_back({parameter.name, parameter.path, parameter.nominal,
+                          parameter.has_words ? "V " + text_of(parameter.association_with_passing)
+                                              : text_of(parameter.correlation_with_passing),
+                          margin ? fmt::format("{}: {}", text_of(margin->number), margin->expectation) : "-",
+                          text_of(parameter.median_of_passed), text_of(parameter.median_of_failed)});
   }
   return table;
 }
 
-ReportTable importance_table(const Json& report) {
+ReportTable importance_table(const CampaignFindings& findings) {
   ReportTable table{
       "Importance",
       "The share of the variance of passing, and of a margin, that each parameter explains alone (Sobol's "
       "first-order index). What is missing to 100 % comes from parameters together.",
       {"parameter", "of passing", "of a margin"},
       {}};
-  const auto share_of = [](const Json& share) { return share.is_null() ? "-" : percent(share.get<double>()); };
-  for (const Json& parameter : report["parameters"]) {
-    const Json& importance = parameter["importance"];
-    const Json& margin = importance["margin"];
-    if (importance["passing"].is_null() && margin.is_null()) continue;
-    table.rows.push_back(
-        {text_of(parameter["name"]), share_of(importance["passing"]),
-         margin.is_null() ? "-" : fmt::format("{}: {}", share_of(margin["share"]), text_of(margin["expectation"]))});
+  for (const ParameterFindings& parameter : findings.parameters) {
+    const auto& margin = parameter.importance_of_margin;
+    if (!parameter.importance_of_passing && !margin) continue;
+    table.rows.push_back({parameter.name, percent_or_dash(parameter.importance_of_passing),
+                          margin ? fmt::format("{}: {}", percent(margin->number), margin->expectation) : "-"});
   }
   return table;
 }
 
-ReportTable word_table(const Json& report) {
+ReportTable word_table(const CampaignFindings& findings) {
   ReportTable table{"Words",
                     "The share of the cases with each word that passes, with its interval.",
                     {"parameter", "word", "cases", "passed", "share", "95 % confidence"},
                     {}};
-  for (const Json& parameter : report["parameters"]) {
-    if (!parameter.contains("words")) continue;
-    const Json& words = parameter["words"];
-    for (std::size_t i = 0; i < std::min(words.size(), most_words); ++i) {
-      const Json& word = words[i];
-      const std::string share = word["share"].is_null() ? "-" : percent(word["share"].get<double>());
-      table.rows.push_back({text_of(parameter["name"]), text_of(word["word"]), text_of(word["cases"]),
-                            text_of(word["passed"]), share,
-                            fmt::format("{} to {}", percent(word["interval"][0].get<double>()),
-                                        percent(word["interval"][1].get<double>()))});
-    }
+  for (const ParameterFindings& parameter : findings.parameters) {
+    if (!parameter.has_words) continue;
+    const std::vector<WordShare>& words = parameter.words;
+    for (std::size_t i = 0; i < std::min(words.size(), most_words); ++i)
+      table.rows.push_back({parameter.name, words[i].word, text_of(words[i].cases), text_of(words[i].passed),
+                            percent_or_dash(words[i].share), range_text(words[i].interval)});
     if (words.size() > most_words)
-      table.rows.push_back({text_of(parameter["name"]), fmt::format("and {} more", words.size() - most_words)});
+      table.rows.push_back({parameter.name, fmt::format("and {} more", words.size() - most_words)});
     table.rows.back().resize(table.heading.size());
   }
   return table;
 }
 
-ReportTable margin_table(const Json& report) {
+ReportTable margin_table(const CampaignFindings& findings) {
   ReportTable table{"Margins",
                     "Distance of each expectation from a violation, in its unit; below 0 it is violated. The worst "
                     "passes are the passing cases that were nearest to it.",
                     {"expectation", "least", "5 %", "median", "largest", "worst passes"},
                     {}};
-  for (const Json& margin : report["margins"]) {
+  for (const MarginFindings& margin : findings.margins) {
     std::string worst;
-    for (const Json& pass : margin["worst_passes"])
-      worst += fmt::format("{}case {} ({})", worst.empty() ? "" : ", ", text_of(pass["case"]), text_of(pass["margin"]));
-    table.rows.push_back({text_of(margin["expectation"]), text_of(margin["least"]), text_of(margin["percentile_5"]),
-                          text_of(margin["median"]), text_of(margin["largest"]), worst});
+    for (const auto& [number, distance] : margin.worst_passes)
+      worst += fmt::format("{}case {} ({})", worst.empty() ? "" : ", ", number, text_of(distance));
+    table.rows.push_back({margin.expectation, text_of(margin.least), text_of(margin.percentile_5),
+                          text_of(margin.median), text_of(margin.largest), worst});
   }
   return table;
 }
 
-ReportTable fault_table(const Json& report) {
+ReportTable fault_table(const CampaignFindings& findings) {
   ReportTable table{"Faults and expectations",
                     "In how many cases with each fault an expectation holds, and with which values it is violated. "
                     "Cases that end before their expectations are judged count as not judged.",
                     {"fault", "cases"},
                     {}};
-  const Json& faults = report["summary"]["faults"];
-  for (const Json& fault : faults) {
-    Row row{text_of(fault["fault"]), text_of(fault["cases"])};
-    for (const Json& cell : fault["expectations"]) row.push_back(text_of(cell["text"]));
+  const std::vector<FaultRow>& faults = findings.summary.faults;
+  for (const FaultRow& fault : faults) {
+    Row row{fault.fault, text_of(fault.cases)};
+    for (const FaultCell& cell : fault.cells) row.push_back(to_string(cell));
     table.rows.push_back(std::move(row));
   }
   if (faults.empty()) return table;
-  for (const Json& cell : faults[0]["expectations"]) table.heading.push_back(text_of(cell["expectation"]));
+  for (const FaultCell& cell : faults[0].cells) table.heading.push_back(cell.expectation);
   return table;
 }
 
-ReportTable cell_table(const Json& report) {
+ReportTable cell_table(const CampaignFindings& findings) {
   ReportTable table{"Cells that no case visited",
                     "Pairs of parameters in four by four equal parts of their ranges.",
                     {"parameters", "unvisited", "of", "for example"},
                     {}};
-  for (const Json& cells : report["cells"]) {
-    if (cells["unvisited"] == 0) continue;
+  for (const UnvisitedCells& cells : findings.cells) {
+    if (cells.unvisited == 0) continue;
     std::string examples;
-    for (const Json& cell : cells["examples"])
-      examples += fmt::format("{}({}; {})", examples.empty() ? "" : ", ", text_of(cell[0]), text_of(cell[1]));
-    table.rows.push_back({fmt::format("{}, {}", text_of(cells["parameters"][0]), text_of(cells["parameters"][1])),
-                          text_of(cells["unvisited"]), text_of(cells["cells"]), examples});
+    for (const auto& [a, b] : cells.examples) examples += fmt::format("{}({}; {})", examples.empty() ? "" : ", ", a, b);
+    table.rows.push_back({fmt::format("{}, {}", cells.parameters[0], cells.parameters[1]), text_of(cells.unvisited),
+                          text_of(cells.cells), examples});
   }
   return table;
 }
 
-ReportTable change_table(const Json& change) {
+ReportTable change_table(const CampaignChange& change) {
   ReportTable table{"Before and after",
                     "The same cases in another campaign. p: the probability of flips as unequal as these, if both "
                     "directions were as likely (McNemar's exact test). The interval of the difference is Tango's.",
                     {"", "cases", "first cases, or interval"},
                     {}};
-  table.rows.push_back({"compared", text_of(change["compared"]), ""});
-  table.rows.push_back({"with the same bits", text_of(change["same_bits"]), ""});
-  table.rows.push_back({"passed before, fail now", text_of(change["broken"]), case_list(change["broken_cases"])});
-  table.rows.push_back({"failed before, pass now", text_of(change["mended"]), case_list(change["mended_cases"])});
-  table.rows.push_back({"p", text_of(change["p"]), ""});
-  if (change["difference"].is_null()) return table;
-  const Json& interval = change["interval"];
-  table.rows.push_back(
-      {"difference of the shares that pass", percent(change["difference"].get<double>()),
-       fmt::format("{} to {}", percent(interval[0].get<double>()), percent(interval[1].get<double>()))});
+  table.rows.push_back({"compared", text_of(change.pairs.all), ""});
+  table.rows.push_back({"with the same bits", text_of(change.same_bits), ""});
+  table.rows.push_back({"passed before, fail now", text_of(change.pairs.broken), case_list(change.broken_cases)});
+  table.rows.push_back({"failed before, pass now", text_of(change.pairs.mended), case_list(change.mended_cases)});
+  table.rows.push_back({"p", text_of(change.p), ""});
+  if (change.difference)
+    table.rows.push_back(
+        {"difference of the shares that pass", percent(*change.difference), range_text(change.interval)});
   return table;
 }
 
-ReportTable difference_table(const Json& change) {
+ReportTable difference_table(const CampaignChange& change) {
   ReportTable table{"What differs between the two campaigns", "Flips may come from any of these.", {"difference"}, {}};
-  for (const Json& difference : change["differences"]) table.rows.push_back({text_of(difference)});
+  for (const std::string& difference : change.differences) table.rows.push_back({difference});
   if (table.rows.empty()) table.rows.push_back({"neither the scenario, nor a controller, a model or an option"});
   return table;
 }
 
-std::vector<ReportTable> tables_of(const Json& report) {
-  std::vector<ReportTable> tables{verdict_table(report)};
-  if (report.contains("against")) {
-    tables.push_back(change_table(report["against"]));
-    tables.push_back(difference_table(report["against"]));
+std::vector<ReportTable> tables_of(const CampaignFindings& findings) {
+  std::vector<ReportTable> tables{verdict_table(findings)};
+  if (findings.against) {
+    tables.push_back(change_table(*findings.against));
+    tables.push_back(difference_table(*findings.against));
   }
   for (auto* make : {failure_table, fault_table, error_table, parameter_table, importance_table, word_table,
                      margin_table, cell_table})
-    if (ReportTable table = make(report); !table.rows.empty()) tables.push_back(std::move(table));
+    if (ReportTable table = make(findings); !table.rows.empty()) tables.push_back(std::move(table));
   return tables;
 }
 
-std::string subtitle_of(const Json& report) {
-  const Json& summary = report["summary"];
-  std::string text = fmt::format("Scenario {}, seed {}, plan {}. ", text_of(report["scenario"]),
-                                 text_of(report["seed"]), text_of(report["plan"]));
+std::string subtitle_of(const CampaignFindings& findings) {
+  const CampaignSummary& summary = findings.summary;
+  std::string text = fmt::format("Scenario {}, seed {}, plan {}. ", findings.scenario, findings.seed, findings.plan);
   text += fmt::format(
-      "The share that passes is within {} to {} with {} confidence ({}). ",
-      percent(summary["interval"][0].get<double>()), percent(summary["interval"][1].get<double>()),
-      percent(summary["claim"].is_null() ? 0.95 : summary["claim"]["confidence"].get<double>()),
-      summary["until_failures"].is_null() ? "Wilson's interval" : "of inverse sampling: the work ended with a failure");
-  text += fmt::format("The nominal scenario: {}. ", text_of(report["nominal"]["verdict"]));
-  return text + fmt::format("Cases that ran twice, in different processes: {}; {}.", text_of(summary["repeated"]),
-                            summary["unrepeated"].empty() ? "each gave the same bits"
-                                                          : "these differed: " + case_list(summary["unrepeated"]));
+      "The share that passes is within {} with {} confidence ({}). ", range_text(summary.interval()),
+      percent(summary.confidence()),
+      summary.until_failures == 0 ? "Wilson's interval" : "of inverse sampling: the work ended with a failure");
+  text += fmt::format("The nominal scenario: {}. ", to_string(findings.nominal.verdict));
+  return text + fmt::format("Cases that ran twice, in different processes: {}; {}.", summary.repeated,
+                            summary.unrepeated.empty() ? "each gave the same bits"
+                                                       : "these differed: " + case_list(summary.unrepeated));
 }
 
 std::string md_cell(std::string text) {
   for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.replace(at, 1, "\\|");
-  std::replace(text.begin(), text.end(), '\n', ' ');
+  std::ranges::replace(text, '\n', ' ');
   return text;
 }
 
@@ -380,26 +374,17 @@ std::string figure(const std::string& picture, const std::string& caption) {
 }
 
 /// The parameters with the largest effect on passing or on a margin come first.
-std::vector<std::size_t> by_effect(const Json& report) {
-  std::vector<std::pair<double, std::size_t>> effects;
-  for (std::size_t i = 0; i < report["parameters"].size(); ++i) {
-    const Json& parameter = report["parameters"][i];
-    const Json& passing =
-        parameter[parameter.contains("words") ? "association_with_passing" : "correlation_with_passing"];
-    const Json& margin = parameter["correlation_with_margin"];
-    const double effect = std::max(passing.is_null() ? 0.0 : std::abs(passing.get<double>()),
-                                   margin.is_null() ? 0.0 : std::abs(margin["correlation"].get<double>()));
-    effects.emplace_back(-effect, i);
-  }
-  std::stable_sort(effects.begin(), effects.end());
-  std::vector<std::size_t> order;
-  for (const auto& [effect, index] : effects) order.push_back(index);
+std::vector<std::size_t> by_effect(const CampaignFindings& findings) {
+  std::vector<std::size_t> order(findings.parameters.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, std::ranges::greater(),
+                           [&](std::size_t i) { return findings.parameters[i].largest_effect(); });
   return order;
 }
 
-std::string pictures_of(const Campaign& campaign, const CaseTable& table, const Json& report) {
+std::string pictures_of(const Campaign& campaign, const CaseTable& table, const CampaignFindings& findings) {
   const std::vector<Variation>& variations = campaign.scenario().variations;
-  const std::vector<std::size_t> order = by_effect(report);
+  const std::vector<std::size_t> order = by_effect(findings);
   std::string text =
       "<h2>Passed and failed</h2>\n<p>Each distribution in shares of its own cases: <b class=\"passed\">passed</b>, "
       "<b class=\"failed\">failed</b>. A bar of a word is the share of its cases.</p>\n<div class=\"pictures\">\n";
@@ -409,7 +394,7 @@ std::string pictures_of(const Campaign& campaign, const CaseTable& table, const 
                    fmt::format("{}: {}", variations[i].name, ends_of(table, i)));
   for (std::size_t e = 0; e < table.margins.size(); ++e) {
     const auto is_number = [](double margin) { return std::isfinite(margin); };
-    if (std::none_of(table.margins[e].begin(), table.margins[e].end(), is_number)) continue;  // the margin of an event
+    if (std::ranges::none_of(table.margins[e], is_number)) continue;  // the margin of an event
     const Extent extent = extent_of(table.margins[e]);
     const std::string& expectation = campaign.expectations()[e];
     text +=
@@ -447,9 +432,9 @@ std::string cell_text(const CaseTable& table, std::size_t parameter, std::size_t
                      short_number(extent.low + part * static_cast<double>(cell + 1)));
 }
 
-std::string markdown_of(const Json& report) {
-  std::string text = fmt::format("# {}\n\n{}\n", text_of(report["summary"]["verdict"]), subtitle_of(report));
-  for (const ReportTable& table : tables_of(report)) {
+std::string markdown_of(const CampaignFindings& findings) {
+  std::string text = fmt::format("# {}\n\n{}\n", verdict(findings.summary), subtitle_of(findings));
+  for (const ReportTable& table : tables_of(findings)) {
     text += fmt::format("\n## {}\n\n", table.title);
     if (!table.remark.empty()) text += table.remark + "\n\n";
     const auto row_of = [](const Row& row) {
@@ -463,8 +448,8 @@ std::string markdown_of(const Json& report) {
   return text;
 }
 
-std::string page_of(const Campaign& campaign, const CaseTable& table, const Json& report) {
-  const std::string title = html_text(text_of(report["summary"]["verdict"]));
+std::string page_of(const Campaign& campaign, const CaseTable& table, const CampaignFindings& findings) {
+  const std::string title = html_text(verdict(findings.summary));
   std::string text = fmt::format(
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{0}</title>\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><style>\n{1}"
@@ -478,11 +463,11 @@ std::string page_of(const Campaign& campaign, const CaseTable& table, const Json
       ".case {{ display: none; overflow-wrap: anywhere }} .case:target {{ display: block }}\n"
       "svg .failed {{ fill: light-dark(#b3261e, #ff8a80); fill-opacity: .6 }}\n"
       "</style></head><body>\n<h1>{0}</h1>\n<p>{2}</p>\n",
-      title, html_style, html_text(subtitle_of(report)));
+      title, html_style, html_text(subtitle_of(findings)));
   bool has_pictures = false;
-  for (const ReportTable& part : tables_of(report)) {
+  for (const ReportTable& part : tables_of(findings)) {
     if (part.title == "Parameters" && !has_pictures) {
-      text += pictures_of(campaign, table, report);
+      text += pictures_of(campaign, table, findings);
       has_pictures = true;
     }
     text += fmt::format("<h2>{}</h2>\n", html_text(part.title));

@@ -4,11 +4,10 @@
 #include <rehearse/campaign_report.h>
 
 #include <cstddef>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "case_table.h"
+#include "campaign_findings.h"
 
 namespace rehearse {
 
@@ -21,8 +20,7 @@ struct CellGrid {
 /// A cell of a parameter: "0.2 to 0.4", or a word.
 std::string cell_text(const CaseTable& table, std::size_t parameter, std::size_t cell);
 
-/// `report`: the content of report.json.
-std::string markdown_of(const nlohmann::ordered_json& report);
-std::string page_of(const Campaign& campaign, const CaseTable& table, const nlohmann::ordered_json& report);
+std::string markdown_of(const CampaignFindings& findings);
+std::string page_of(const Campaign& campaign, const CaseTable& table, const CampaignFindings& findings);
 
 }  // namespace rehearse

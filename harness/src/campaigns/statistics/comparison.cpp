@@ -3,17 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "report_json.h"
-
 namespace rehearse {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::size_t listed_flips = 20;
 
@@ -33,7 +30,7 @@ std::vector<std::int64_t> flips(const CaseTable& passed, const CaseTable& failed
   return cases;
 }
 
-Json first_of(std::vector<std::int64_t> cases) {
+std::vector<std::int64_t> first_flips(std::vector<std::int64_t> cases) {
   cases.resize(std::min(cases.size(), listed_flips));
   return cases;
 }
@@ -48,31 +45,15 @@ PairedCases paired_cases(const CaseTable& now, const CaseTable& before) {
   return pairs;
 }
 
-Json json_of_change(const CaseTable& now, const CaseTable& before, const CampaignSummary& summary) {
-  const PairedCases& pairs = *summary.pairs;
-  std::int64_t same_bits = 0;
-  for_each_pair(now, before, [&](std::size_t i) { same_bits += now.hashes[i] == before.hashes[i] ? 1 : 0; });
-  return {{"compared", pairs.all},
-          {"same_bits", same_bits},
-          {"broken", pairs.broken},
-          {"mended", pairs.mended},
-          {"p", mcnemar_exact(pairs.broken, pairs.mended)},
-          {"difference", number_or_null(pairs.difference())},
-          {"interval", json_of_interval(paired_interval(pairs, summary.confidence()))},
-          {"broken_cases", first_of(flips(before, now))},
-          {"mended_cases", first_of(flips(now, before))}};
-}
-
-Json json_of_non_inferiority(const CampaignSummary& summary) {
-  if (!summary.non_inferiority) return nullptr;
-  const NonInferiority& claim = *summary.non_inferiority;
-  const auto more = more_pairs(claim, *summary.pairs);
-  return {{"margin", claim.margin},
-          {"confidence", claim.confidence},
-          {"difference", number_or_null(summary.pairs->difference())},
-          {"interval", json_of_interval(paired_interval(*summary.pairs, claim.confidence))},
-          {"answer", std::string(to_string(answer_of(claim, *summary.pairs)))},
-          {"more_cases", more ? Json(*more) : Json(nullptr)}};
+CampaignChange change_between(const CaseTable& before, const CaseTable& now, const CampaignSummary& summary) {
+  CampaignChange change{.pairs = *summary.pairs};
+  for_each_pair(now, before, [&](std::size_t i) { change.same_bits += now.hashes[i] == before.hashes[i] ? 1 : 0; });
+  change.p = mcnemar_exact(change.pairs.broken, change.pairs.mended);
+  if (const double difference = change.pairs.difference(); std::isfinite(difference)) change.difference = difference;
+  change.interval = paired_interval(change.pairs, summary.confidence());
+  change.broken_cases = first_flips(flips(before, now));
+  change.mended_cases = first_flips(flips(now, before));
+  return change;
 }
 
 Result<void> check_comparable(const Campaign& now, const Campaign& before, bool claims_margin) {

@@ -17,8 +17,6 @@
 namespace rehearse {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 enum class Outcome { holds, violated, unjudged };
 
 Outcome outcome_of(const Campaign& campaign, const CaseTable& table, std::size_t number, std::size_t expectation) {
@@ -146,24 +144,6 @@ std::string to_string(const FaultCell& cell) {
                                         : fmt::format("violated in {} of {}", cell.violated, judged);
   if (!cell.violated_with.empty()) text += fmt::format(": {}", fmt::join(cell.violated_with, ", "));
   return cell.unjudged > 0 ? fmt::format("{}; {} not judged", text, cell.unjudged) : text;
-}
-
-Json json_of_faults(const std::vector<FaultRow>& rows) {
-  Json list = Json::array();
-  for (const FaultRow& row : rows) {
-    Json cells = Json::array();
-    for (const FaultCell& cell : row.cells)
-      cells.push_back({{"expectation", cell.expectation},
-                       {"survives", cell.survives()},
-                       {"holds", cell.holds},
-                       {"violated", cell.violated},
-                       {"unjudged", cell.unjudged},
-                       {"least_margin", cell.least_margin ? Json(*cell.least_margin) : Json(nullptr)},
-                       {"violated_with", cell.violated_with},
-                       {"text", to_string(cell)}});
-    list.push_back({{"fault", row.fault}, {"cases", row.cases}, {"expectations", std::move(cells)}});
-  }
-  return list;
 }
 
 }  // namespace rehearse

@@ -3,7 +3,6 @@
 
 #include <rehearse/campaign_report.h>
 
-#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "case_table.h"
@@ -12,7 +11,5 @@ namespace rehearse {
 
 /// In the order of the scenario's faults, and of each by the words that vary. Cases without a result aren't counted.
 std::vector<FaultRow> fault_matrix(const Campaign& campaign, const CaseTable& table);
-
-nlohmann::ordered_json json_of_faults(const std::vector<FaultRow>& rows);
 
 }  // namespace rehearse

@@ -7,12 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "report_json.h"
-
 namespace rehearse {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// The index on a column, over the cases with a result that have a number there.
 double index_of(const CaseTable& table, std::size_t parameter, const std::vector<double>& column) {
@@ -29,18 +25,20 @@ double index_of(const CaseTable& table, std::size_t parameter, const std::vector
 
 }  // namespace
 
-Json json_of_importance(const Campaign& campaign, const CaseTable& table, std::size_t parameter) {
+std::optional<double> importance_of_passing(const CaseTable& table, std::size_t parameter) {
   std::vector<double> passing(table.size());
   for (std::size_t i = 0; i < table.size(); ++i) passing[i] = table.has(i) && table.passed(i) ? 1.0 : 0.0;
-  Json object{{"passing", number_or_null(index_of(table, parameter, passing))}, {"margin", nullptr}};
-  double largest = -1.0;
+  const double found = index_of(table, parameter, passing);
+  return std::isfinite(found) ? std::optional(found) : std::nullopt;
+}
+
+std::optional<OfMargin> importance_of_margin(const Campaign& campaign, const CaseTable& table, std::size_t parameter) {
+  std::optional<OfMargin> largest;
   for (std::size_t e = 0; e < table.margins.size(); ++e) {
     const double found = index_of(table, parameter, table.margins[e]);
-    if (!(found > largest)) continue;
-    largest = found;
-    object["margin"] = {{"expectation", campaign.expectations()[e]}, {"share", found}};
+    if (found > (largest ? largest->number : -1.0)) largest = OfMargin{campaign.expectations()[e], found};
   }
-  return object;
+  return largest;
 }
 
 }  // namespace rehearse

@@ -4,14 +4,16 @@
 #include <rehearse/campaign.h>
 
 #include <cstddef>
-#include <nlohmann/json.hpp>
+#include <optional>
 
-#include "case_table.h"
+#include "campaign_findings.h"
 
 namespace rehearse {
 
-/// `passing`: the first-order index of a parameter on passing, and `margin`: that on the margin of which it explains
-/// most, with its `expectation`. Null: not known, as of more words than the root of the number of cases.
-nlohmann::ordered_json json_of_importance(const Campaign& campaign, const CaseTable& table, std::size_t parameter);
+/// The first-order index of a parameter on passing. None: unknown, as of more words than the root of the number of
+/// cases.
+std::optional<double> importance_of_passing(const CaseTable& table, std::size_t parameter);
+/// Its largest first-order index on the margin of an expectation.
+std::optional<OfMargin> importance_of_margin(const Campaign& campaign, const CaseTable& table, std::size_t parameter);
 
 }  // namespace rehearse

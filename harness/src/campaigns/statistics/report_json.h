@@ -1,19 +1,13 @@
-// Numbers in the JSON of reports. Internal.
+// The report of a campaign as JSON. Internal.
 #pragma once
 
-#include <rehearse/campaign_report.h>
+#include <string>
 
-#include <cmath>
-#include <nlohmann/json.hpp>
+#include "campaign_findings.h"
 
 namespace rehearse {
 
-inline nlohmann::ordered_json number_or_null(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-}
-
-inline nlohmann::ordered_json json_of_interval(const Interval& interval) {
-  return nlohmann::ordered_json::array({interval.low, interval.high});
-}
+/// The content of report.json, indented.
+std::string json_of(const CampaignFindings& findings);
 
 }  // namespace rehearse

@@ -13,7 +13,7 @@
 namespace rehearse {
 
 bool CompareOptions::takes(Stage stage) const {
-  return stages.empty() || std::find(stages.begin(), stages.end(), stage) != stages.end();
+  return stages.empty() || std::ranges::find(stages, stage) != stages.end();
 }
 
 namespace {

@@ -73,10 +73,9 @@ void conclude(Comparison& comparison, std::vector<ChannelComparison> channels) {
                              return channel.channel == run_topics::events;
                            });
   comparison.agreement = agreement_of(comparison);
-  std::stable_sort(comparison.channels.begin(), comparison.channels.end(),
-                   [](const ChannelComparison& a, const ChannelComparison& b) {
-                     return a.is_lone != b.is_lone ? b.is_lone : comes_before(*a.first_bit, *b.first_bit);
-                   });
+  std::ranges::stable_sort(comparison.channels, [](const ChannelComparison& a, const ChannelComparison& b) {
+    return a.is_lone != b.is_lone ? b.is_lone : comes_before(*a.first_bit, *b.first_bit);
+  });
 }
 
 Comparison refusal(const Diagnostic& reason) {

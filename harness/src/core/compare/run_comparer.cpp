@@ -74,9 +74,9 @@ RunComparer::RunComparer(const RunSurvey& golden, const RunSurvey& actual, const
   for (const TraceChannel& channel : traces_.golden.channels()) {
     const TraceChannel* other = counterpart(traces_.golden, channel, traces_.actual);
     if (!taken(channel) || !other) continue;
-    const bool differing_events = std::any_of(
-        of_events_.begin(), of_events_.end(),
-        [&](const ChannelComparison& events) { return events.channel == channel.topic && events.first_bit; });
+    const bool differing_events = std::ranges::any_of(of_events_, [&](const ChannelComparison& events) {
+      return events.channel == channel.topic && events.first_bit;
+    });
     comparers_.emplace_back(traces_, PairedChannel{channel, *other, golden.of(channel), actual.of(*other)},
                             differing_events);
   }

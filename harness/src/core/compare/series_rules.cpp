@@ -7,8 +7,8 @@
 namespace rehearse {
 
 std::size_t column_of(const TraceChannel& channel, std::string_view element) {
-  const auto found = std::find_if(channel.columns.begin(), channel.columns.end(),
-                                  [&](const TraceColumn& column) { return column.element == element; });
+  const auto found =
+      std::ranges::find_if(channel.columns, [&](const TraceColumn& column) { return column.element == element; });
   return static_cast<std::size_t>(found - channel.columns.begin());
 }
 
