@@ -160,7 +160,17 @@ const incomplete = errorsOf(probe, 'model');
 assert.doesNotMatch(incomplete, /Whole/);
 for (const member of required) assert.match(incomplete, new RegExp(`Without_${member}`), `a row without ${member} compiles`);
 
+// A unit without a row, and a row without a tolerance.
 const measurement = `${kinds}/illuminance.cpp`;
+writeFileSync(join(scratch, measurement), message.replace('"lx"', '"furlong"'));
+assert.match(errorsOf(measurement, 'kinds'), /rehearse\/units\.h has no row/, 'a channel with a unit of no row compiles');
+const registry = 'engine/include/rehearse/units.h';
+const rows = readFileSync(join(scratch, registry), 'utf8');
+writeFileSync(join(scratch, registry), insertBefore(rows, '    {"B", exact},', '    {.name = "furlong"},\n'));
+assert.match(errorsOf('engine/src/units/units.cpp', 'units'), /UnitTolerance/, 'a unit without a tolerance compiles');
+writeFileSync(join(scratch, registry), rows);
+console.log('a unit without a row, or without a tolerance, does not compile');
+
 writeFileSync(join(scratch, measurement), message.replace('{.log = illuminance_input}', '{}'));
 assert.match(errorsOf(measurement, 'kinds'), /DeviceMeasurement::log/, 'a measurement without its input by a log compiles');
 console.log(`a row without ${required.join(', ')} or log doesn't compile`);
