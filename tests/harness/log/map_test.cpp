@@ -85,6 +85,13 @@ TEST(LogMap, HasAKeyForEachDeviceThatMeasures) {
   }
 }
 
+TEST(LogMap, ReportsAnEmptyListOfCamerasOnce) {
+  const auto map = LogMap::parse("rehearse_map: 1\ntime_step: 0.002\njoints: /joint_states\ncameras: []\n", "map.yaml",
+                                 mapped_robot(), mapped_topics());
+  ASSERT_FALSE(map.ok());
+  EXPECT_EQ(map.errors().size(), 1u) << to_string(map.errors());
+}
+
 TEST(LogMap, DoesNotInterpolateCountsOfContacts) {
   const auto map =
       LogMap::parse("rehearse_map: 1\ntime_step: 0.002\ncontacts: {topic: /touch, device: Touch, sampling: hold}\n",

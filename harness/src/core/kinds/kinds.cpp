@@ -32,7 +32,13 @@ template <class Kind, class... Kinds>
 constexpr bool is_in_row = (std::is_same_v<Kind, Kinds> || ...);
 
 template <class Kind>
-constexpr bool has_row = std::is_same_v<Kind, Rotor> || std::is_same_v<Kind, Holder>  // they only act
+constexpr bool only_acts() {
+  if constexpr (requires { Kind::form(); }) return Kind::form().readings.acts();
+  return false;
+}
+
+template <class Kind>
+constexpr bool has_row = only_acts<Kind>()
 #define REHEARSE_KIND(name, ...) || is_in_row<Kind __VA_OPT__(, ) __VA_ARGS__>
 #include "kinds.inl"
 #undef REHEARSE_KIND
@@ -43,7 +49,7 @@ constexpr bool have_rows(const std::variant<Kinds...>*) {
   return (has_row<Kinds> && ...);
 }
 static_assert(have_rows(static_cast<const DeviceKind*>(nullptr)),
-              "each kind of device that measures has a row in harness/src/core/kinds/kinds.inl");
+              "each kind of device that measures is in a row of harness/src/core/kinds/kinds.inl");
 
 std::vector<ChannelElement> list_elements(const ChannelForm& form) {
   std::vector<ChannelElement> elements;

@@ -39,7 +39,7 @@ void LogMapReader::read(const YamlNode& root) {
   if (const YamlNode* node = keys.find("controller")) read_controller(*node);
   if (const YamlNode* node = keys.find("joints")) each(*node, "joints", [&](const YamlNode& one) { read_joints(one); });
   for (const LogInput* input : log_inputs())
-    if (const YamlNode* node = keys.find(input->key))
+    if (const YamlNode* node = has_own_sources(*input) ? keys.find(input->key) : nullptr)
       each(*node, input->key, [&](const YamlNode& one) { read_device_source(one, *input); });
   if (const YamlNode* node = keys.find("joystick")) read_joystick(*node);
   if (const YamlNode* node = keys.find("root")) read_root(*node);

@@ -20,6 +20,11 @@ inline constexpr std::string_view name_of_topic = "the name of one of the log's 
 /// The default of max_age [s]. Pictures and scans have a longer one, and a joystick none: it sends when it is moved.
 inline constexpr double max_age_of_numbers = 0.1;
 
+/// False for distances and figures of a camera: their topics are keys of the source of its pictures.
+inline bool has_own_sources(const LogInput& input) {
+  return input.content != LogInput::Content::depth && input.content != LogInput::Content::camera_info;
+}
+
 /// The reader of one map file.
 class LogMapReader {
  public:

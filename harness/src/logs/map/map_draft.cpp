@@ -290,8 +290,7 @@ std::string MapDraft::device_line(const Device& device, const LogInput& input, s
 
 void MapDraft::write_devices() {
   for (const LogInput* input : log_inputs()) {
-    if (input->content == LogInput::Content::depth || input->content == LogInput::Content::camera_info)
-      continue;  // keys of a camera
+    if (!has_own_sources(*input)) continue;
     const auto& all = model_.devices;
     const auto fits = [input](const Device& device) { return feeds(*input, device); };
     const auto devices = static_cast<std::size_t>(std::count_if(all.begin(), all.end(), fits));
