@@ -10,13 +10,13 @@
 #include <filesystem>
 #include <vector>
 
+#include "base/replaceable.h"
 #include "control_times.h"
 #include "core/guard/interruption.h"
 #include "core/guard/supervise.h"
 #include "core/host/controller_library.h"
 #include "core/host/source_age.h"
 #include "core/host/virtualised.h"
-#include "core/mcap/replaceable.h"
 #include "model_scenario.h"
 #include "output.h"
 #include "progress.h"

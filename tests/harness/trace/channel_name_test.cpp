@@ -244,8 +244,7 @@ void expect_units_of_joints(const mcap::Channel& channel, const ChannelForm& for
     if (!key.starts_with("unit:")) continue;
     const std::string quantity = key.substr(key.rfind('/') + 1);
     EXPECT_TRUE(unit == unit_of_joint(quantity, false) || unit == unit_of_joint(quantity, true)) << key;
-    EXPECT_TRUE(std::any_of(form.groups.begin(), form.groups.end(),
-                            [&](const ElementGroup& group) { return group.name == quantity; }));
+    EXPECT_TRUE(std::ranges::any_of(form.groups, [&](const ElementGroup& group) { return group.name == quantity; }));
   }
 }
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <utility>
 
+#include "base/hashing.h"
 #include "core/guard/answer.h"
 #include "core/guard/own_process.h"
-#include "core/mcap/hashing.h"
 #include "core/replay/replay_recording.h"
 
 namespace rehearse {
@@ -89,15 +89,14 @@ namespace {
 template <class Outcome>
 Result<Outcome> in_own_process(const std::function<Result<Outcome>()>& run) {
   if (!has_own_processes()) return run();
-  const auto text = call_in_own_process([&run] {
+  const auto text = REHEARSE_TRY(call_in_own_process([&run] {
     const Result<Outcome> made = run();
     AnswerWriter form;
     form(made ? Diagnostics() : made.errors());
     if (made) form(*made);
     return form.text();
-  });
-  if (!text) return text.errors();
-  AnswerReader form(*text);
+  }));
+  AnswerReader form(text);
   Diagnostics errors;
   form(errors);
   if (!errors.empty()) return errors;
@@ -114,7 +113,7 @@ Result<ResumedRun> own_run(const std::function<Result<ResumedRun>()>& run) { ret
 
 Result<void> own_run(const std::function<Result<void>()>& run) {
   const auto made = in_own_process<bool>([&run]() -> Result<bool> {
-    if (auto done = run(); !done) return done.errors();
+    REHEARSE_TRY(run());
     return true;
   });
   return made ? Result<void>() : made.errors();
@@ -139,7 +138,7 @@ Result<std::vector<std::uint64_t>> replayed_outputs(const std::filesystem::path&
     options.on_outputs = [&hashes](std::int64_t, const std::vector<std::uint64_t>& row) {
       hashes.push_back(hash_bytes(row.data(), row.size() * sizeof(row[0])));
     };
-    if (auto replayed = replay(recording, options); !replayed) return replayed.errors();
+    REHEARSE_TRY(replay(recording, options));
     return hashes;
   });
 }

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
+#include "base/names.h"
 #include "log_map_parts.h"
 #include "map_forms.h"
-#include "model/names.h"
 
 namespace rehearse {
 namespace {

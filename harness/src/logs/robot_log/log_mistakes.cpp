@@ -10,8 +10,8 @@
 #include <string>
 #include <utility>
 
+#include "base/names.h"
 #include "log_commands.h"
-#include "model/names.h"
 
 namespace rehearse {
 namespace {
@@ -150,7 +150,7 @@ class Requirements {
     if (!input) return;  // it measures nothing
     for (const DeviceSource& source : map_.devices)
       if (source.input->content != LogInput::Content::camera_info &&
-          std::find(source.devices.begin(), source.devices.end(), index) != source.devices.end())
+          std::ranges::find(source.devices, index) != source.devices.end())
         return;
     miss(fmt::format("device '{}'", device.name),
          fmt::format("{}: {{topic: ..., device: {}}} would give it", input->key, device.name));
