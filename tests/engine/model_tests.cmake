@@ -11,6 +11,8 @@ rehearse_add_test(model_tests LABEL unit SHARDS 4
           model/urdf_sensor_dialects_test.cpp model/urdf_surfaces_test.cpp model/urdf_test.cpp
   LIBRARIES Rehearse::harness tinyxml2::tinyxml2 PNG::PNG JPEG::JPEG)
 
+rehearse_add_test(units_tests LABEL unit SHARDS 1 SOURCES units/units_test.cpp LIBRARIES Rehearse::harness)
+
 rehearse_add_test(mjcf_tests LABEL unit SHARDS 1 SOURCES mjcf/mjcf_test.cpp LIBRARIES Rehearse::harness)
 
 rehearse_add_test(body_tests LABEL unit SHARDS 1

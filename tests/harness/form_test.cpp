@@ -56,7 +56,7 @@ TEST(FormSchema, HasTypesDefaultsAndTexts) {
             Json::parse(R"({"enum": ["green", "red"], "default": "green", "description": "its colour"})"));
   EXPECT_EQ(keys["length"]["default"], 1);
   EXPECT_EQ(keys["length"]["anyOf"][0], Json::parse(R"({"type": "number", "exclusiveMinimum": 0, "maximum": 2})"));
-  EXPECT_THAT(keys["length"]["anyOf"][1]["pattern"].get<std::string>(), HasSubstr("(m|mm)$"));
+  EXPECT_THAT(keys["length"]["anyOf"][1]["pattern"].get<std::string>(), HasSubstr("(m|mm|cm)$"));
   EXPECT_FALSE(keys["vein"].contains("default"));
 }
 

@@ -399,7 +399,7 @@ const Broken all_broken[] = {
     {"belt_twice", 8, 16, "link 'LASER' is a belt already.*in the list above"},
     {"belt_of_no_link", 7, 16, "LASERS.*'LASER'"},
     {"sensor_without_name", 7, 9, "a sensor has no 'name'.*unique"},
-    {"sensor_without_type", 7, 9, "a sensor has no 'type'.*imu, gyro"},
+    {"sensor_without_type", 7, 9, "a sensor has no 'type'.*gyro, accelerometer, imu"},
     {"sensor_without_link", 7, 9, "a sensor has no 'link'.*link on which it is"},
     {"sensor_unknown_type", 7, 27, "there is no type 'imuu' of sensors.*'imu'"},
     {"sensor_unknown_link", 7, 38, "Arm has no link 'rods'.*'rod'"},

@@ -106,6 +106,15 @@ TEST(ScenarioNoise, HasTheUnitsOfDataSheets) {
   EXPECT_TRUE(imu.records_truth());
 }
 
+TEST(ScenarioNoise, HasADensityForEachSpellingOfAUnit) {
+  const BodyErrors given = noise(
+      "  - {sensor: Head/Imu, acceleration: {density: 2 m/s^2/sqrt(Hz)}}\n"
+      "  - {joint: Head/NECK, displacement: {stddev: 3 mrad, density: 2 mrad/sqrt(Hz)}}\n");
+  EXPECT_DOUBLE_EQ(given.devices.at(1).quantities.at(1).of("density").x(), 2.0);
+  EXPECT_DOUBLE_EQ(given.joints.at(0).quantities.at(0).of("stddev").x(), 0.003);
+  EXPECT_DOUBLE_EQ(given.joints.at(0).quantities.at(0).of("density").x(), 0.002);
+}
+
 TEST(ScenarioNoise, OfAFaultIsAddedToThatOfARule) {
   write_file("head.urdf", robot);
   const Scenario scenario = loaded(

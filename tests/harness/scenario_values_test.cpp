@@ -42,7 +42,7 @@ TEST(ScenarioValues, RefusesWhatOnlyLooksLikeANumber) {
 
 TEST(ScenarioValues, ReadsAnglesWithTheirUnits) {
   const Scenario scenario =
-      loaded(sr1_with("    joints: {RLEG_HIP_R: 0.25, RLEG_HIP_P: 10 deg, RLEG_HIP_Y: 0.5 rad, RLEG_KNEE: \"60deg\", "
+      loaded(sr1_with("    joints: {RLEG_HIP_R: 0.25, RLEG_HIP_P: 10 deg, RLEG_HIP_Y: 500 mrad, RLEG_KNEE: \"60deg\", "
                       "RLEG_ANKLE_P: -30 deg}\n"));
   ASSERT_EQ(scenario.bodies.size(), 1u);
   const std::vector<double>& joints = scenario.bodies[0].joints;

@@ -49,6 +49,12 @@ TEST(Tolerance, ARuleThatStatesOnlyRtolKeepsTheUnitsFloor) {
 
 TEST(Tolerance, NormalsMayRoundOtherwise) { EXPECT_EQ(default_tolerance("unit vector").bound(1.0), 1e-9); }
 
+TEST(Tolerance, AMagneticFieldMayRoundOtherwise) {
+  const double field = 5e-5;  // [T]
+  EXPECT_GT(default_tolerance("T").bound(field), std::nextafter(field, 1.0) - field);
+  EXPECT_LT(default_tolerance("T").bound(field), 1e-9) << "a change of a sensor's last digit is one";
+}
+
 TEST(Tolerance, UnitsWithoutADefaultAreExact) {
   EXPECT_EQ(default_tolerance("").bound(1e6), 0.0);
   EXPECT_EQ(default_tolerance("lx").bound(1e6), 0.0);
@@ -57,13 +63,13 @@ TEST(Tolerance, UnitsWithoutADefaultAreExact) {
 TEST(Tolerance, PicturesMayRoundOtherwiseAndEdgesFallOnTheNextPixel) {
   EXPECT_EQ(default_tolerance("pixels").pixel_delta, 2.0);
   EXPECT_EQ(default_tolerance("pixels").pixel_share, 0.0005);
-  EXPECT_DOUBLE_EQ(default_tolerance("depth").bound(10.0), 1e-2);
+  EXPECT_DOUBLE_EQ(default_tolerance("distance in a picture").bound(10.0), 1e-2);
 }
 
 TEST(Tolerance, ARangeMayDifferByALastBitOfSinglePrecision) {
   const float range = 3.0F;
-  EXPECT_GE(default_tolerance("range").bound(range), std::nextafter(range, 4.0F) - range);
-  EXPECT_LT(default_tolerance("range").bound(range), 1e-6);
+  EXPECT_GE(default_tolerance("float32 distance").bound(range), std::nextafter(range, 4.0F) - range);
+  EXPECT_LT(default_tolerance("float32 distance").bound(range), 1e-6);
 }
 
 }  // namespace

@@ -215,8 +215,9 @@ TEST_F(Blamed, AControllerThatIsLateWithinItsLagIsToldByHowMuchItsCommandsDiffer
   EXPECT_EQ(late.controller, LevelState::differs);
   ASSERT_TRUE(late.replay && late.replay->largest);
   EXPECT_GT(late.replay->largest->difference, 1.0);
-  EXPECT_THAT(late.verdict.text(), HasSubstr(fmt::format("off by {:.3g} N·m and within lead and lag at tick {}",
-                                                         late.replay->largest->difference, late.replay->largest->tick)));
+  EXPECT_THAT(late.verdict.text(),
+              HasSubstr(fmt::format("off by {:.3g} N·m and within lead and lag at tick {}",
+                                    late.replay->largest->difference, late.replay->largest->tick)));
 }
 
 /// One rounding more in each command: the difference is measured.
@@ -230,8 +231,10 @@ TEST_F(Blamed, ADifferenceOfRoundingIsCalledOne) {
   EXPECT_THAT(rounding.verdict.text(), HasSubstr("fed with the golden's inputs, only bits differ, by up to "));
 }
 
-/// The unit T has no default tolerance: the last bit of a magnetometer turns a check red, and is called rounding.
+/// The last bit of a magnetometer is within the default tolerance of T. With a rule of 0 it turns a check red, and is
+/// called rounding.
 TEST_F(Blamed, NobodyForTheLastBitOfOneSensor) {
+  const std::string exact = "tolerances:\n  - {channel: 'SR1/Mag/*', atol: 0}\n";
   robot_.apply({"sr1.urdf", "</robot>",
                 "<gazebo reference=\"WAIST\"><sensor name=\"Mag\" type=\"magnetometer\"/></gazebo></robot>"});
   robot_.record_golden();
@@ -243,6 +246,8 @@ TEST_F(Blamed, NobodyForTheLastBitOfOneSensor) {
     return payload;
   };
   ASSERT_TRUE(testing::mutilate(robot_.file("golden.mcap"), round));
+  EXPECT_THAT(checked().verdict.text(), HasSubstr("this run is within its tolerances"));
+  robot_.write("scenario.yaml", standing_yaml + exact);
   const CheckReport report = checked();
   EXPECT_EQ(report.verdict.code(), "sensors.changed");
   EXPECT_THAT(report.verdict.text(), StartsWith("under the golden's commands, only rounding differs: SR1/Mag/"));

@@ -69,7 +69,7 @@ const kindsFolder = 'harness/src/core/kinds';
 
 /** The names of the kinds of channels, in the order of their list. */
 const kindNames = (source) =>
-  [...readFileSync(join(source, kindsFolder, 'kinds.inl'), 'utf8').matchAll(/^REHEARSE_KIND\((\w+)\)/gm)].map(([, name]) => name);
+  [...readFileSync(join(source, kindsFolder, 'kinds.inl'), 'utf8').matchAll(/^REHEARSE_KIND\((\w+)[,)]/gm)].map(([, name]) => name);
 
 /** The kinds of channels: [{name, text, level, segment, type, stage, elements: [{name, unit}]}], each from its file. */
 export function channelKinds(source) {

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <rehearse/diagnostic.h>
+#include <rehearse/units.h>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -224,25 +225,81 @@ struct Link {
 /// A quantity that a sensor or joint measures, as the noise of a scenario names it.
 struct MeasuredQuantity {
   std::string_view name = {};
-  std::string_view unit = {};
-  int axes = 0;  // 3: x, y, z, each with a separate bias; 1: all numbers have the same noise
+  UnitName unit = {};         // of a joint, that of one that turns
+  int axes = 0;               // 3: x, y, z, each with a separate bias; 1: all numbers have the same noise
+  UnitName linear_unit = {};  // of a joint that slides; empty: the quantity isn't one of joints
+};
+
+// The members of a DeviceForm have no default: a kind of device that leaves one out doesn't compile.
+
+/// Names of a kind of device in one sort of file.
+class DeviceNames {
+ public:
+  struct None {};
+  constexpr DeviceNames(None) {}
+  constexpr DeviceNames(const char* first, const char* second = "", const char* third = "", const char* fourth = "")
+      : names_{first, second, third, fourth} {}
+
+  constexpr bool has(std::string_view name) const {
+    for (const std::string_view each : names_)
+      if (!name.empty() && each == name) return true;
+    return false;
+  }
+  constexpr std::string_view first() const { return names_[0]; }
+
+ private:
+  std::array<std::string_view, 4> names_;
+};
+
+/// The quantities that a kind of device measures.
+class DeviceQuantities {
+ public:
+  struct None {};
+  constexpr DeviceQuantities(None) {}
+  constexpr DeviceQuantities(const MeasuredQuantity& first, const MeasuredQuantity& second = {})
+      : quantities_{first, second} {}
+
+  constexpr const std::array<MeasuredQuantity, 2>& all() const { return quantities_; }  // some without a name
+
+ private:
+  std::array<MeasuredQuantity, 2> quantities_;
+};
+
+/// When a kind of device measures, and how many numbers.
+class DeviceReadings {
+ public:
+  /// Numbers of each step: a function of LinkSensor gives them, or the forces of the step.
+  static constexpr DeviceReadings each_step(int values) { return {values, false}; }
+  /// Pictures or ranges at a rate of the device's own.
+  static constexpr DeviceReadings captures() { return {0, false}; }
+  /// None: a controller commands the device.
+  static constexpr DeviceReadings none() { return {0, true}; }
+
+  constexpr int values() const { return values_; }
+  constexpr bool acts() const { return acts_; }
+
+ private:
+  constexpr DeviceReadings(int values, bool acts) : values_(values), acts_(acts) {}
+  int values_;
+  bool acts_;
 };
 
 /// What all devices of a kind have in common.
 struct DeviceForm {
-  std::string_view type;                            // their name for controllers
-  int values = 0;                                   // numbers that each step measures
-  std::array<MeasuredQuantity, 2> quantities = {};  // measured; those without a name don't exist
-  std::array<std::string_view, 4> urdf_types = {};  // of a <sensor> in a URDF
-  std::array<std::string_view, 2> body_types = {};  // of an element in a .body file, if `type` and place are all of it
-  bool acts = false;                                // a controller commands it
+  std::string_view type;  // their name for controllers
+  DeviceReadings readings;
+  DeviceQuantities quantities;
+  DeviceNames scenario_types;  // of a sensor in a scenario
+  DeviceNames urdf_types;      // of a <sensor> in a URDF, if the type is all of it
+  DeviceNames body_types;      // of an element in a .body file, if type and place are all of it
 };
 
 struct ForceSensor {
   static constexpr DeviceForm form() {
     return {.type = "ForceSensor",
-            .values = 6,
-            .quantities = {{{"force", "N", 3}, {"torque", "N·m", 3}}},
+            .readings = DeviceReadings::each_step(6),
+            .quantities = {{"force", "N", 3}, {"torque", "N·m", 3}},
+            .scenario_types = {"force"},
             .urdf_types = {"force_torque"},
             .body_types = {"ForceSensor"}};
   }
@@ -251,8 +308,9 @@ struct ForceSensor {
 struct Gyro {
   static constexpr DeviceForm form() {
     return {.type = "RateGyroSensor",
-            .values = 3,
-            .quantities = {{{"angular_velocity", "rad/s", 3}}},
+            .readings = DeviceReadings::each_step(3),
+            .quantities = {{"angular_velocity", "rad/s", 3}},
+            .scenario_types = {"gyro"},
             .urdf_types = {"gyroscope", "gyro"},
             .body_types = {"RateGyroSensor"}};
   }
@@ -261,8 +319,9 @@ struct Gyro {
 struct Accelerometer {
   static constexpr DeviceForm form() {
     return {.type = "AccelerationSensor",
-            .values = 3,
-            .quantities = {{{"acceleration", "m/s²", 3}}},
+            .readings = DeviceReadings::each_step(3),
+            .quantities = {{"acceleration", "m/s²", 3}},
+            .scenario_types = {"accelerometer"},
             .urdf_types = {"accelerometer"},
             .body_types = {"AccelerationSensor"}};
   }
@@ -271,8 +330,9 @@ struct Accelerometer {
 struct Imu {
   static constexpr DeviceForm form() {
     return {.type = "Imu",
-            .values = 6,
-            .quantities = {{{"angular_velocity", "rad/s", 3}, {"acceleration", "m/s²", 3}}},
+            .readings = DeviceReadings::each_step(6),
+            .quantities = {{"angular_velocity", "rad/s", 3}, {"acceleration", "m/s²", 3}},
+            .scenario_types = {"imu"},
             .urdf_types = {"imu"},
             .body_types = {"IMU", "Imu"}};
   }
@@ -305,8 +365,12 @@ struct Camera {
 
   constexpr DeviceForm form() const {
     const MeasuredQuantity color{"color", "of 255", 1}, distance{"depth", "m", 1};
-    if (depth) return {.type = "RangeCamera", .quantities = {{color, distance}}};
-    return {.type = "Camera", .quantities = {{color}}};
+    return {.type = depth ? "RangeCamera" : "Camera",
+            .readings = DeviceReadings::captures(),
+            .quantities = depth ? DeviceQuantities(color, distance) : DeviceQuantities(color),
+            .scenario_types = depth ? "depth" : "camera",
+            .urdf_types = DeviceNames::None(),
+            .body_types = DeviceNames::None()};
   }
 };
 
@@ -334,8 +398,11 @@ struct RangeSensor {
   int beams() const { return yaw.samples * pitch.samples; }
   static constexpr DeviceForm form() {
     return {.type = "RangeSensor",
-            .quantities = {{{"range", "m", 1}}},
-            .urdf_types = {"ray", "gpu_ray", "lidar", "gpu_lidar"}};
+            .readings = DeviceReadings::captures(),
+            .quantities = {{"range", "m", 1}},
+            .scenario_types = {"range"},
+            .urdf_types = {"ray", "gpu_ray", "lidar", "gpu_lidar"},
+            .body_types = DeviceNames::None()};
   }
 };
 
@@ -362,7 +429,14 @@ struct Light {
   double range = unlimited;       // no light beyond this distance [m]
   std::optional<LightCone> cone;  // nullopt: the light shines in all directions
 
-  constexpr DeviceForm form() const { return {.type = cone ? "SpotLight" : "PointLight", .acts = true}; }
+  constexpr DeviceForm form() const {
+    return {.type = cone ? "SpotLight" : "PointLight",
+            .readings = DeviceReadings::none(),
+            .quantities = DeviceQuantities::None(),
+            .scenario_types = DeviceNames::None(),
+            .urdf_types = DeviceNames::None(),
+            .body_types = DeviceNames::None()};
+  }
 };
 
 /// Measures whether its link touches anything. In each step it measures four numbers: the number of contact points, and
@@ -371,7 +445,12 @@ struct ContactSensor {
   int collision = -1;  // the only shape whose contacts count, an index into the link's collisions; -1: all shapes
 
   static constexpr DeviceForm form() {
-    return {.type = "ContactSensor", .values = 4, .quantities = {{{"force", "N", 3}}}, .urdf_types = {"contact"}};
+    return {.type = "ContactSensor",
+            .readings = DeviceReadings::each_step(4),
+            .quantities = {{"force", "N", 3}},
+            .scenario_types = {"contact"},
+            .urdf_types = {"contact"},
+            .body_types = DeviceNames::None()};
   }
 };
 
@@ -380,8 +459,9 @@ struct ContactSensor {
 struct Magnetometer {
   static constexpr DeviceForm form() {
     return {.type = "Magnetometer",
-            .values = 3,
-            .quantities = {{{"magnetic_field", "T", 3}}},
+            .readings = DeviceReadings::each_step(3),
+            .quantities = {{"magnetic_field", "T", 3}},
+            .scenario_types = {"magnetometer"},
             .urdf_types = {"magnetometer"},
             .body_types = {"Magnetometer"}};
   }
@@ -392,7 +472,14 @@ struct Magnetometer {
 struct Rotor {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  // in the device frame, unit length
 
-  static constexpr DeviceForm form() { return {.type = "RotorDevice", .acts = true}; }
+  static constexpr DeviceForm form() {
+    return {.type = "RotorDevice",
+            .readings = DeviceReadings::none(),
+            .quantities = DeviceQuantities::None(),
+            .scenario_types = DeviceNames::None(),
+            .urdf_types = DeviceNames::None(),
+            .body_types = DeviceNames::None()};
+  }
 };
 
 /// A gripper that holds a link while it is on, as Choreonoid's HolderDevice. It takes hold in the first step in which
@@ -407,7 +494,14 @@ struct Holder {
   double max_distance = 0.1;  // from the device's place [m]
   std::string target;         // the name of a body
 
-  static constexpr DeviceForm form() { return {.type = "HolderDevice", .acts = true}; }
+  static constexpr DeviceForm form() {
+    return {.type = "HolderDevice",
+            .readings = DeviceReadings::none(),
+            .quantities = DeviceQuantities::None(),
+            .scenario_types = DeviceNames::None(),
+            .urdf_types = DeviceNames::None(),
+            .body_types = DeviceNames::None()};
+  }
 };
 
 using DeviceKind = std::variant<ForceSensor, Gyro, Accelerometer, Imu, Camera, RangeSensor, Light, ContactSensor, Rotor,
@@ -451,8 +545,11 @@ std::string_view type_name(JointType type);
 /// DeviceForm::type: "ForceSensor", "Camera", ...
 std::string_view type_name(const Device& device);
 
-/// All kinds of devices; a camera twice, with and without depth.
+/// All kinds of devices; a camera twice, without depth and with.
 std::vector<DeviceKind> device_kinds();
+
+/// DeviceForm::scenario_types: "imu"; empty: no sensor of a scenario.
+std::string_view scenario_type(const DeviceKind& kind);
 
 /// The kind of a <sensor> of this type in a URDF; nullopt: none, or one that needs more than its type (cameras).
 std::optional<DeviceKind> device_kind_of_urdf(std::string_view type);

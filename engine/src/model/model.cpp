@@ -101,13 +101,9 @@ std::vector<DeviceKind> default_kinds(std::index_sequence<indices...>) {
 }
 
 /// The first kind with that name in the list; nullopt: none.
-template <class Names>
-std::optional<DeviceKind> kind_named(std::string_view name, Names DeviceForm::*list) {
-  if (name.empty()) return std::nullopt;
-  for (const DeviceKind& kind : device_kinds()) {
-    const Names names = form_of(kind).*list;
-    if (std::ranges::find(names, name) != names.end()) return kind;
-  }
+std::optional<DeviceKind> kind_named(std::string_view name, DeviceNames DeviceForm::*list) {
+  for (const DeviceKind& kind : device_kinds())
+    if ((form_of(kind).*list).has(name)) return kind;
   return std::nullopt;
 }
 
@@ -123,6 +119,8 @@ std::vector<DeviceKind> device_kinds() {
 
 std::string_view type_name(const Device& device) { return form_of(device.kind).type; }
 
+std::string_view scenario_type(const DeviceKind& kind) { return form_of(kind).scenario_types.first(); }
+
 std::optional<DeviceKind> device_kind_of_urdf(std::string_view type) {
   return kind_named(type, &DeviceForm::urdf_types);
 }
@@ -133,16 +131,16 @@ std::optional<DeviceKind> device_kind_of_body(std::string_view type) {
 
 std::vector<MeasuredQuantity> quantities_of(const Device& device) {
   std::vector<MeasuredQuantity> quantities;
-  for (const MeasuredQuantity& quantity : form_of(device.kind).quantities)
+  for (const MeasuredQuantity& quantity : form_of(device.kind).quantities.all())
     if (!quantity.name.empty()) quantities.push_back(quantity);
   return quantities;
 }
 
 int value_count(const Device& device) {
-  return std::visit([](const auto& kind) { return kind.form().values; }, device.kind);
+  return std::visit([](const auto& kind) { return kind.form().readings.values(); }, device.kind);
 }
 
-bool is_actuator(const Device& device) { return form_of(device.kind).acts; }
+bool is_actuator(const Device& device) { return form_of(device.kind).readings.acts(); }
 
 std::vector<Eigen::Vector3d> beam_directions(const RangeSensor& sensor) {
   std::vector<Eigen::Vector3d> ahead;  // horizontal direction of each yaw

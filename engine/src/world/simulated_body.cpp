@@ -8,61 +8,11 @@
 
 #include "geoms.h"
 #include "initial_motion.h"
+#include "link_sensor.h"
 #include "model/rigid_groups.h"
 #include "ode_math.h"
 
 namespace rehearse {
-namespace {
-
-/// The axes of the link at the beginning of the step, when the forces acted that changed its velocity.
-Eigen::Matrix3d axes_before(const LinkReading& link, double time_step) {
-  return rotation_before(link.rotation, link.angular_velocity, time_step).toRotationMatrix();
-}
-
-/// Sets the readings of sensors that depend on the motion of their link alone, in the device's frame; all other devices
-/// have none.
-class LinkSensor {
- public:
-  LinkSensor(const Device& device, const LinkReading& link, const WorldSettings& settings, std::vector<double>& values)
-      : link_(link),
-        settings_(settings),
-        values_(values),
-        pose_(device.pose),
-        to_sensor_((link.rotation.toRotationMatrix() * device.pose.linear()).transpose()) {}
-
-  void operator()(const Gyro&) const { set(angular_velocity()); }
-  void operator()(const Accelerometer&) const { set(specific_force()); }
-  void operator()(const Imu&) const {
-    const Eigen::Vector3d w = angular_velocity(), f = specific_force();
-    values_.assign({w.x(), w.y(), w.z(), f.x(), f.y(), f.z()});
-  }
-  void operator()(const Magnetometer&) const { set(to_sensor_ * settings_.magnetic_field); }
-  template <class Other>
-  void operator()(const Other&) const {
-    values_.clear();
-  }
-
- private:
-  void set(const Eigen::Vector3d& v) const { values_.assign(v.data(), v.data() + 3); }
-  Eigen::Vector3d angular_velocity() const { return to_sensor_ * link_.angular_velocity; }
-  Eigen::Vector3d specific_force() const {
-    const Eigen::Matrix3d axes = axes_before(link_, settings_.time_step);
-    Eigen::Vector3d acceleration = link_.acceleration;
-    if (settings_.lever_arms && !pose_.translation().isZero(0.0)) {
-      const Eigen::Vector3d w_before = link_.angular_velocity - settings_.time_step * link_.angular_acceleration;
-      acceleration = acceleration_at(axes * pose_.translation(), acceleration, w_before, link_.angular_acceleration);
-    }
-    return (axes * pose_.linear()).transpose() * (acceleration - settings_.gravity);
-  }
-
-  const LinkReading& link_;
-  const WorldSettings& settings_;
-  std::vector<double>& values_;
-  const Eigen::Isometry3d& pose_;  // of the sensor in the link's frame
-  const Eigen::Matrix3d to_sensor_;
-};
-
-}  // namespace
 
 Eigen::Vector3d Belt::along(const Eigen::Vector3d& normal) const {
   constexpr double least_sine = 1e-3;

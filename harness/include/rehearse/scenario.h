@@ -334,10 +334,11 @@ struct Tolerance {
 ///   rad/s², m/s²                            1e-4                3e-8    SR1 in free fall
 ///   N·m                                     1e-3                5e-5    the grasping arm under position control
 ///   N                                       1e-4                1e-7    SR1 in free fall
-///   range: of a laser [m]                   1e-9, rtol 2^-23    a last bit of single precision, if it is on the edge
-///   depth: a distance in a picture [m]      rtol 1e-3, share    1e-4 of it: a step of the depth buffer, 5 m away
+///   float32 distance: of a laser [m]        1e-9, rtol 2^-23    a last bit of single precision, if it is on the edge
+///   distance in a picture [m]               rtol 1e-3, share    1e-4 of it: a step of the depth buffer, 5 m away
+///   T                                       1e-12               4e-17   of 50 µT, by the noise of an orientation
 ///   pixels                                  2 of 255, share     1 of 255
-///   camera: matrices of a camera_info       1e-9                7e-13   a URDF whose numbers have 15 digits
+///   figure of a camera: a camera_info       1e-9                7e-13   a URDF whose numbers have 15 digits
 ///   any other, none                         0: the same bits
 ///
 /// The share of a picture's pixels that may differ by more is 0.0005: edges move to the next pixel. A command that a
@@ -345,8 +346,7 @@ struct Tolerance {
 /// noise. The smallest faults that were tried (1 g more of 30 kg, 1 % less friction) differ by 10^2 to 10^7 times the
 /// default and more.
 ///
-/// In the closed loop noise grows, with contacts a thousandfold per second and more. There the same tolerances are
-/// valid up to the scenario's horizon only.
+/// In the closed loop noise grows, with contacts fast. There tolerances are valid up to the scenario's horizon only.
 Tolerance default_tolerance(std::string_view unit);
 
 /// The last rule that matches the series, which decides; null: none does.

@@ -119,6 +119,8 @@ TEST_F(ExpressionOf, NumbersHaveUnits) {
   EXPECT_DOUBLE_EQ(number("90 deg/s"), std::numbers::pi / 2);
   EXPECT_DOUBLE_EQ(number("90 deg/2"), std::numbers::pi / 4) << "a division";
   EXPECT_EQ(number("3 m + 5 mm"), 3.005);
+  EXPECT_DOUBLE_EQ(number("20 uT"), 2e-5);
+  EXPECT_DOUBLE_EQ(number("250 mrad"), 0.25);
   EXPECT_TRUE(holds("force / force < 2 && 2 * force < 1.5 kN && sqrt(force) < 26"));
   EXPECT_TRUE(holds("force < 0.7 * limit(KNEE, effort)"));
   EXPECT_FALSE(Expression::parse("force < 2 N·m", source));

@@ -205,6 +205,40 @@ TEST_F(FeedTest, DifferentiatesIfItIsAskedTo) {
   EXPECT_NEAR(joint(1).dq, (2 * std::numbers::pi - 6.2) / 0.01, 1e-9) << "the shorter way round";
 }
 
+/// A magnetic field in single precision, from another vendor.
+struct FloatField {
+  struct Axes {
+    static constexpr std::string_view type_name = "robot_msgs/msg/Axes";
+    float x = 0.0F, y = 0.0F, z = 0.0F;
+    REHEARSE_FIELDS(x, y, z)
+  };
+  static constexpr std::string_view type_name = "robot_msgs/msg/Field";
+  Axes magnetic_field;
+  REHEARSE_FIELDS(magnetic_field)
+};
+
+TEST_F(FeedTest, TakesAMagneticFieldByTheNamesOfItsFields) {
+  map("magnetometers: {topic: /mag/float, device: Compass}\n");
+  ASSERT_TRUE(take(0, FloatField{{0.5F, 0.25F, -2.0F}}));
+  look(0);
+  EXPECT_EQ(device("Compass").values, (std::vector<double>{0.5, 0.25, -2.0}));
+}
+
+TEST_F(FeedTest, InterpolatesAMagneticField) {
+  map("magnetometers: {topic: /mag/float, device: Compass, sampling: interpolate}\n");
+  ASSERT_TRUE(take(0, FloatField{{1.0F, 0.0F, 0.0F}}));
+  ASSERT_TRUE(take(10 * ms, FloatField{{3.0F, 4.0F, 0.0F}}));
+  look(5 * ms);
+  EXPECT_EQ(device("Compass").values, (std::vector<double>{2.0, 2.0, 0.0}));
+}
+
+TEST_F(FeedTest, TakesTheForcesOfAContactSensor) {
+  map("contacts: {topic: /touch, device: Touch}\n");
+  ASSERT_TRUE(take(0, msg::ContactForce{{}, 2, {1.0, 2.0, 3.0}}));
+  look(0);
+  EXPECT_EQ(device("Touch").values, (std::vector<double>{2, 1, 2, 3}));
+}
+
 TEST_F(FeedTest, GivesOneMessageToSeveralDevices) {
   map("imus: {topic: /imu/data, device: [Gyro, Accel, Imu]}\n");
   msg::Imu imu;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "logs/map/log_map.h"
+#include "logs/map/map_forms.h"
 #include "mapped_robot.h"
 
 namespace rehearse {
@@ -35,7 +36,7 @@ TEST(LogMap, NeedsFewLines) {
   EXPECT_EQ(map.joints[0].place.line, 3);
   EXPECT_EQ(map.joints[0].place.column, 9);
   ASSERT_EQ(map.devices.size(), 1u);
-  EXPECT_EQ(map.devices[0].kind, DeviceSource::Kind::imu);
+  EXPECT_EQ(map.devices[0].input->key, "imus");
   EXPECT_EQ(map.devices[0].devices, std::vector<int>{mapped_robot().find_device("Imu")});
   ASSERT_TRUE(map.commands);
   EXPECT_FALSE(map.commands->is_array);
@@ -67,17 +68,49 @@ TEST(LogMap, MakesTicksOfATopic) {
   EXPECT_EQ(map.tick->place.line, 4);
 }
 
+TEST(LogMap, HasAKeyForEachDeviceThatMeasures) {
+  for (const DeviceKind& kind : device_kinds()) {
+    Device device;
+    device.kind = kind;
+    const LogInput* input = log_input_of(device);
+    ASSERT_EQ(input == nullptr, is_actuator(device)) << type_name(device);
+    if (!input) continue;
+    EXPECT_NE(map_form().find(input->key), nullptr) << input->key;
+    EXPECT_TRUE(feeds(*input, device)) << type_name(device);
+    EXPECT_FALSE(input->devices.empty() || input->messages.empty()) << type_name(device);
+    if (input->content != LogInput::Content::numbers) continue;
+    EXPECT_NE(form_of_input(*input).numbers, nullptr) << type_name(device);
+    EXPECT_EQ(source_form(*input).name, input->form);
+    EXPECT_FALSE(input->form.empty() || input->owner.empty()) << type_name(device);
+  }
+}
+
+TEST(LogMap, ReportsAnEmptyListOfCamerasOnce) {
+  const auto map = LogMap::parse("rehearse_map: 1\ntime_step: 0.002\njoints: /joint_states\ncameras: []\n", "map.yaml",
+                                 mapped_robot(), mapped_topics());
+  ASSERT_FALSE(map.ok());
+  EXPECT_EQ(map.errors().size(), 1u) << to_string(map.errors());
+}
+
+TEST(LogMap, DoesNotInterpolateCountsOfContacts) {
+  const auto map =
+      LogMap::parse("rehearse_map: 1\ntime_step: 0.002\ncontacts: {topic: /touch, device: Touch, sampling: hold}\n",
+                    "map.yaml", mapped_robot(), mapped_topics());
+  ASSERT_FALSE(map.ok());
+  EXPECT_THAT(to_string(map.errors()), ::testing::HasSubstr("unknown key 'sampling' in a contact sensor"));
+}
+
 TEST(LogMap, GivesEachKindOfSourceItsOwnAge) {
   const LogMap map = parsed(
       "joints: /joint_states\nranges: {topic: /scan, device: Laser}\njoystick: /joy\n"
       "cameras: {topic: /camera/image_raw, info: /camera/camera_info, device: Camera, max_age: 3}\n");
   EXPECT_EQ(map.joints.at(0).max_age, 0.1);
   ASSERT_EQ(map.devices.size(), 3u);
-  EXPECT_EQ(map.devices[0].kind, DeviceSource::Kind::picture);
+  EXPECT_EQ(map.devices[0].input->content, LogInput::Content::picture);
   EXPECT_EQ(map.devices[0].max_age, 3.0);
-  EXPECT_EQ(map.devices[1].kind, DeviceSource::Kind::camera_info);
+  EXPECT_EQ(map.devices[1].input->content, LogInput::Content::camera_info);
   EXPECT_EQ(map.devices[1].max_age, std::nullopt);
-  EXPECT_EQ(map.devices[2].kind, DeviceSource::Kind::ranges);
+  EXPECT_EQ(map.devices[2].input->content, LogInput::Content::ranges);
   EXPECT_EQ(map.devices[2].max_age, 1.0);
   EXPECT_EQ(map.joystick->max_age, std::nullopt) << "it speaks when it is touched";
 }

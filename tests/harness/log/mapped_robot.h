@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/kinds/kinds.h"
 #include "logs/map/log_topics.h"
 
 namespace rehearse {
@@ -27,6 +28,8 @@ inline const char* const mapped_robot_urdf = R"(<robot name="Bot">
     <sensor name="Imu" type="imu"/>
     <sensor name="Gyro" type="gyroscope"/>
     <sensor name="Accel" type="accelerometer"/>
+    <sensor name="Compass" type="magnetometer"/>
+    <sensor name="Touch" type="contact"/>
     <sensor name="Camera" type="camera">
       <camera><image><width>8</width><height>6</height></image></camera>
     </sensor>
@@ -73,6 +76,9 @@ inline std::vector<LogTopic> mapped_topics() {
       topic_with<msg::JointState>("/joint_commands"),
       topic_with<msg::JointState>("/joint_states"),
       topic_with<msg::Joy>("/joy"),
+      topic_with("/mag", "sensor_msgs/msg/MagneticField", form_of(ChannelKind::magnetic_field).schema()),
+      topic_with("/mag/float", "robot_msgs/msg/Field",
+                 "Axes magnetic_field\n====\nMSG: robot_msgs/Axes\nfloat32 x\nfloat32 y\nfloat32 z\n"),
       log_topic("/json", "json", nullptr),
       topic_with(
           "/odom", "nav_msgs/msg/Odometry",
@@ -89,6 +95,7 @@ inline std::vector<LogTopic> mapped_topics() {
       topic_with<msg::PoseStamped>("/pose"),
       topic_with("/rosout", "std_msgs/msg/String", "string data\n"),
       topic_with<msg::LaserScan>("/scan"),
+      topic_with<msg::ContactForce>("/touch"),
   };
 }
 

@@ -1,6 +1,8 @@
 // A magnetometer in the closed loop: in the world, in a recording, in a controller and in a replay.
 #include <cmath>
 
+#include "log/robot_log.h"
+#include "logs/robot_log/log_replay.h"
 #include "runs.h"
 
 namespace rehearse {
@@ -75,6 +77,32 @@ TEST_F(Magnetometer, IsADeviceLikeAnyOtherForAControllerAndInAReplay) {
   ASSERT_TRUE(other->first.has_value());
   EXPECT_EQ(other->first->tick, 100);
   EXPECT_EQ(other->first->actual, 5.0);
+}
+
+TEST_F(Magnetometer, OfALogIsFedAsTheRefusalSays) {
+  record_run(with(behaviour("C", "compass Compass")));
+  RobotLog robot;
+  robot.topics = {{"/Rig/joints", "/joint_states"},
+                  {"/Rig/Compass/magnetic_field", "/mag"},
+                  {"/Rig/C/output/joints", "/joint_commands"}};
+  write_log(path("run.mcap"), path("log.mcap"), robot);
+  const std::string map =
+      "rehearse_map: 1\ntime_step: 0.001\nstart: first\njoints: /joint_states\ncommands: /joint_commands\n"
+      "controller: {name: C, options: compass Compass}\n";
+  LogReplayOptions options;
+  options.controller = "Behaviours";
+  options.model = path("rig.urdf");
+  options.map = path("map.yaml");
+  const auto replayed = [&] { return replay_log(path("log.mcap"), path("replayed.mcap"), options); };
+  write("map.yaml", map);
+  const auto refused = replayed();
+  ASSERT_FALSE(refused.ok());
+  EXPECT_THAT(to_string(refused.errors()), HasSubstr("magnetometers: {topic: ..., device: Compass} would give it"));
+  write("map.yaml", map + "magnetometers: {topic: /mag, device: Compass}\n");
+  const auto report = replayed();
+  ASSERT_TRUE(report.ok()) << to_string(report.errors());
+  EXPECT_GT(report->values, 400);
+  EXPECT_TRUE(report->equal());
 }
 
 TEST_F(Magnetometer, RefusesAFieldThatIsNoVector) {

@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <set>
 
+#include "support/files.h"
+
 using namespace rehearse;
 
 namespace {
@@ -189,6 +191,25 @@ TEST(ChannelForms, AreFoundForEachSensor) {
     EXPECT_EQ(kinds.empty(), quantities_of(device).empty() && !std::holds_alternative<Light>(kind))
         << type_name(device);
     EXPECT_EQ(value_elements(device).size(), static_cast<std::size_t>(value_count(device))) << type_name(device);
+  }
+}
+
+/// The first type of a row is in the page of its file, in a list of code.
+void expect_in_page(const DeviceNames& names, const std::string& page) {
+  const std::string file = std::string(FIXTURES_DIR) + "/../tools/site/pages/reference/" + page;
+  if (!names.first().empty()) {
+    EXPECT_THAT(test::read_file(file), testing::HasSubstr("`" + std::string(names.first()) + "`")) << file;
+  }
+}
+
+TEST(ChannelForms, OfDevicesHaveTheirTypesInTheReference) {
+  for (const DeviceKind& kind : device_kinds()) {
+    std::visit(
+        [](const auto& of_kind) {
+          expect_in_page(of_kind.form().scenario_types, "actuators.md");
+          expect_in_page(of_kind.form().urdf_types, "devices.md");
+        },
+        kind);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <rehearse/messages.h>
+#include <rehearse/units.h>
 
 #include <algorithm>
 #include <cmath>
@@ -211,7 +212,8 @@ void FieldJudge::compare_points(const Fields& all, std::vector<std::byte>& golde
     for (const auto& [name, offset] : layout.numbers) {
       const std::size_t at = point * layout.step + offset;
       const float expected = take_float(&golden[at]), other = take_float(&actual[at]);
-      if (name != "range") compare_numbers(fmt::format("points/{}/{}", point, name), expected, other, "range");
+      if (name != "range")
+        compare_numbers(fmt::format("points/{}/{}", point, name), expected, other, UnitName("float32 distance"));
     }
   }
 }
@@ -220,7 +222,7 @@ void FieldJudge::compare_numbers(const std::string& path, double expected, doubl
   if (identical(expected, actual)) return;
   const Tolerance tolerance = tolerance_of(series_name(channel_.golden.topic, path), unit, traces_.rules);
   Divergence divergence = place(path);
-  put_numbers(divergence, expected, actual, unit == "range" ? "m" : unit);
+  put_numbers(divergence, expected, actual, shown_unit(unit));
   divergence.tolerance = tolerance.bound(std::isfinite(expected) ? std::abs(expected) : 0.0);
   const bool beyond = !(divergence.difference <= divergence.tolerance);
   report(std::move(divergence), beyond);

@@ -1,6 +1,7 @@
 // Comparison of tables of numbers. Most rows are equal, so the bytes of a row are compared before its numbers.
 #include <fmt/format.h>
 #include <rehearse/messages.h>
+#include <rehearse/units.h>
 
 #include <algorithm>
 #include <bit>
@@ -461,7 +462,11 @@ Tolerance column_tolerance(const TraceChannel& channel, std::size_t column, cons
   const bool is_range = channel.type == msg::LaserScan::type_name && of.element.starts_with("ranges/");
   const bool of_camera = channel.type == msg::CameraInfo::type_name && unit.empty();
   if (of.kind != CellKind::floating) return {};
-  return tolerance_of(series_of(channel, of), is_range ? "range" : of_camera ? "camera" : unit, rules);
+  return tolerance_of(series_of(channel, of),
+                      is_range    ? UnitName("float32 distance")
+                      : of_camera ? UnitName("figure of a camera")
+                                  : std::string_view(unit),
+                      rules);
 }
 
 std::unique_ptr<PartJudge> judge_numbers(const ComparedTraces& traces, const PairedChannel& channel,

@@ -1,6 +1,7 @@
 // Comparison of messages without series: pictures by their pixels, all others field by field.
 #include <fmt/format.h>
 #include <rehearse/messages.h>
+#include <rehearse/units.h>
 
 #include <optional>
 
@@ -167,7 +168,8 @@ bool is_picture(const TraceChannel& channel) {
 
 Tolerance picture_tolerance(const TraceChannel& channel, const std::vector<ToleranceRule>& rules) {
   const std::string unit = unit_of(channel.metadata, "");
-  return tolerance_of(series_of(channel), unit == "m" ? "depth" : unit, rules);
+  return tolerance_of(series_of(channel), unit == "m" ? UnitName("distance in a picture") : std::string_view(unit),
+                      rules);
 }
 
 std::unique_ptr<PartJudge> judge_payloads(const ComparedTraces& traces, const PairedChannel& channel,

@@ -1,13 +1,14 @@
 #include "expression_lexer.h"
 
 #include <fmt/format.h>
+#include <rehearse/units.h>
 
 #include <algorithm>
 #include <charconv>
+#include <optional>
 #include <utility>
 
 #include "expression.h"
-#include "unit.h"
 
 namespace rehearse {
 namespace {
@@ -66,7 +67,7 @@ Result<ExpressionToken> ExpressionLexer::number() {
   if (read.ec != std::errc()) return expression_error(text_, begin, "this number is beyond the range of a double");
   std::size_t after = at_;
   while (after < text_.size() && is_blank(text_[after])) ++after;
-  const WrittenUnit* unit = leading_unit(text_.substr(after));
+  const std::optional<WrittenUnit> unit = leading_unit(text_.substr(after));
   if (unit) {
     at_ = after + unit->text.size();
   } else if (after == at_ && after < text_.size() && begins_name(text_[after])) {

@@ -7,19 +7,6 @@
 
 namespace rehearse {
 
-/// A unit as it is written after a number.
-struct WrittenUnit {
-  std::string_view text;  // "deg"
-  std::string_view unit;  // in which recordings have such a quantity: "rad"
-  double scale = 1.0;     // of one written unit, in `unit`
-};
-
-/// The longest unit at the beginning of the text that ends where a word ends; null: there is none.
-const WrittenUnit* leading_unit(std::string_view text);
-
-/// "deg, rad, m, ...": all units that may follow a number.
-std::string known_units();
-
 /// The unit of a sum, a difference, a lesser or a comparison. An empty unit fits all: a number without one, or a series
 /// whose unit is unknown. None: the units differ.
 std::optional<std::string> common_unit(const std::string& a, const std::string& b);

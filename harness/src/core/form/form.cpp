@@ -82,7 +82,7 @@ ValueType word(std::vector<std::string> words) {
   return type;
 }
 
-ValueType quantity(std::span<const Unit> units, const Range& range) {
+ValueType quantity(std::span<const Spelling> units, const Range& range) {
   ValueType type = of_kind(Kind::quantity);
   type.units = units;
   type.range = range;

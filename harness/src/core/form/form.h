@@ -2,6 +2,8 @@
 // the reference of keys and JSON Schemas are made of them.
 #pragma once
 
+#include <rehearse/units.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -39,7 +41,7 @@ struct ValueType {
   Kind kind;
   Range range{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   std::vector<std::string> words{};
-  std::span<const Unit> units{};
+  std::span<const Spelling> units{};
   std::vector<ValueType> parts{};
   std::size_t least = 0;
   std::size_t most = std::numeric_limits<std::size_t>::max();
@@ -82,7 +84,7 @@ ValueType number(const Range& range);
 ValueType whole(double low, double high);
 ValueType flag();
 ValueType word(std::vector<std::string> words);
-ValueType quantity(std::span<const Unit> units, const Range& range);
+ValueType quantity(std::span<const Spelling> units, const Range& range);
 /// Text that matches a regular expression as a whole.
 ValueType matching(std::string expression);
 ValueType list(ValueType element, std::size_t least = 0, std::size_t most = 1000);

@@ -95,7 +95,7 @@ Json SchemaWriter::number_schema(const char* kind, const Range& range) const {
 /// Numbers with a unit are text, whose range only the parser checks.
 Json SchemaWriter::quantity_schema(const ValueType& type) const {
   std::string units;
-  for (const Unit& unit : type.units) units += (units.empty() ? "" : "|") + literal(unit.name);
+  for (const Spelling& unit : type.units) units += (units.empty() ? "" : "|") + literal(unit.text);
   const Json with_unit{
       {"type", "string"},
       {"pattern", fmt::format("^{}{} *({})$", type.range.low < 0.0 ? "[+-]?" : "[+]?", number_expression, units)}};

@@ -1,4 +1,4 @@
-// Limits and units of numbers in files.
+// Limits of numbers in files.
 #pragma once
 
 #include <string>
@@ -17,12 +17,6 @@ struct Range {
   bool contains(double value) const;
   /// "above 0 and at most 86400 [s]"
   std::string text() const;
-};
-
-/// A unit that may be written after a number: the number times the factor is in the first unit of a list.
-struct Unit {
-  std::string_view name;
-  double factor = 1.0;
 };
 
 }  // namespace rehearse

@@ -25,14 +25,15 @@ msg::CameraInfo camera_info(const msg::Header& header, const Camera& camera) {
   return info;
 }
 
+constexpr LogInput camera_info_input{
+    .content = LogInput::Content::camera_info, .key = "cameras", .devices = "cameras", .messages = "a CameraInfo"};
 constexpr DeviceMeasurement camera_info_measurement{
-    .is_of = [](const Device& device) { return std::holds_alternative<Camera>(device.kind); },
+    .log = camera_info_input,
     .has_capture_time = true,
-    .encode =
-        [](const Device& device, const DeviceReading&, const msg::Header& header, DeviceMessage& message) {
-          msg::encode(camera_info(header, std::get<Camera>(device.kind)), message.cdr);
-          return true;
-        }};
+    .encode = [](const Device& device, const DeviceReading&, const msg::Header& header, DeviceMessage& message) {
+      msg::encode(camera_info(header, std::get<Camera>(device.kind)), message.cdr);
+      return true;
+    }};
 
 }  // namespace
 

@@ -8,21 +8,33 @@ namespace {
 
 constexpr ElementGroup contact_groups[] = {{"count", ""}, {"force", "N", "xyz"}};
 
-constexpr DeviceMeasurement contact_measurement{
-    .is_of = [](const Device& device) { return std::holds_alternative<ContactSensor>(device.kind); },
+/// A log may state any number; one that is no count is none.
+std::uint32_t count_of(double number) {
+  return number >= 0.0 && number <= 0xffffffff ? static_cast<std::uint32_t>(number) : 0;
+}
+
+constexpr NumberMessage contact_numbers{
     .encode =
-        [](const Device&, const DeviceReading& reading, const msg::Header& header, DeviceMessage& message) {
-          const auto count = static_cast<std::uint32_t>(reading.values[0]);
-          msg::encode(msg::ContactForce{header, count, vector3(&reading.values[1])}, message.cdr);
-          return true;
+        [](const msg::Header& header, std::span<const double> numbers, CdrWriter& cdr) {
+          msg::encode(msg::ContactForce{header, count_of(numbers[0]), vector3(&numbers[1])}, cdr);
         },
-    .decode = [](const Device&, mcap::Bytes bytes, DeviceReading& reading) -> Result<bool> {
-      msg::ContactForce message;
-      CdrReader reader(bytes);
-      if (!msg::decode(reader, message)) return false;
-      reading.values = {static_cast<double>(message.count), message.force.x, message.force.y, message.force.z};
-      return true;
-    }};
+    .decode =
+        [](mcap::Bytes bytes, std::vector<double>& numbers) {
+          msg::ContactForce message;
+          CdrReader reader(bytes);
+          if (!msg::decode(reader, message)) return false;
+          numbers = {static_cast<double>(message.count), message.force.x, message.force.y, message.force.z};
+          return true;
+        }};
+
+constexpr LogInput contact_input{.content = LogInput::Content::numbers,
+                                 .key = "contacts",
+                                 .form = "contact_source",
+                                 .owner = "a contact sensor",
+                                 .devices = "contact sensors",
+                                 .messages = "a ContactForce",
+                                 .can_interpolate = false};
+constexpr DeviceMeasurement contact_measurement{.log = contact_input};
 
 }  // namespace
 
@@ -44,6 +56,7 @@ const ChannelForm contact_kind{.level = ChannelForm::Level::owner,
                                            row.put("force/z", message.force.z);
                                          });
                                    },
+                               .numbers = &contact_numbers,
                                .measurement = &contact_measurement};
 
 }  // namespace rehearse

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <rehearse/messages.h>
+#include <rehearse/units.h>
 
 #include <cstdint>
 #include <string_view>
@@ -10,7 +11,7 @@ namespace rehearse {
 
 struct CostField {
   std::string_view name;
-  std::string_view unit;
+  UnitName unit;
   std::uint64_t msg::ControlCost::*count;
   std::string_view one = {}, many = {};  // "allocation", "allocations"; empty: the count is no fault
 };

@@ -10,12 +10,13 @@ namespace {
 constexpr ElementGroup depth_groups[] = {{"", "m"}};
 constexpr const char* depth_encoding = "32FC1";
 
+constexpr LogInput depth_input{.content = LogInput::Content::depth,
+                               .key = "cameras",
+                               .devices = "cameras that measure depth",
+                               .messages = "an Image"};
 constexpr DeviceMeasurement depth_measurement{
-    .is_of =
-        [](const Device& device) {
-          const auto* camera = std::get_if<Camera>(&device.kind);
-          return camera && camera->depth;
-        },
+    .log = depth_input,
+    .is_of = [](const Device& device) { return std::get<Camera>(device.kind).depth; },
     .has_capture_time = true,
     .encode =
         [](const Device&, const DeviceReading& reading, const msg::Header& header, DeviceMessage& message) {

@@ -29,7 +29,7 @@ cnoid::Device* make_light(const Device& device) {
 }
 
 constexpr DeviceMeasurement light_measurement{
-    .is_of = [](const Device& device) { return std::holds_alternative<Light>(device.kind); },
+    .log = no_log_input,
     .encode =
         [](const Device&, const DeviceReading& reading, const msg::Header& header, DeviceMessage& message) {
           msg::encode(msg::DeviceState{header, reading.values}, message.cdr);

@@ -43,8 +43,12 @@ void feed_camera(cnoid::Device& target, const Device& device, const DeviceReadin
   range_camera->setPoints(points);
 }
 
+constexpr LogInput picture_input{.content = LogInput::Content::picture,
+                                 .key = "cameras",
+                                 .devices = "cameras",
+                                 .messages = "an Image or CompressedImage"};
 constexpr DeviceMeasurement image_measurement{
-    .is_of = [](const Device& device) { return std::holds_alternative<Camera>(device.kind); },
+    .log = picture_input,
     .has_capture_time = true,
     // a picture without a file is encoded while the simulation continues
     .encode =

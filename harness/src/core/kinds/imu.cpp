@@ -19,12 +19,14 @@ bool accelerates(const Device& device) { return !std::holds_alternative<Gyro>(de
 /// Of the elements a gyro measures the first three, an accelerometer the last three, an Imu all.
 std::size_t first_of_imu(const Device& device) { return turns(device) ? 0 : 3; }
 
+constexpr LogInput imu_input{.content = LogInput::Content::numbers,
+                             .key = "imus",
+                             .form = "imu_source",
+                             .owner = "an IMU",
+                             .devices = "gyros, accelerometers and IMUs",
+                             .messages = "an Imu"};
 constexpr DeviceMeasurement imu_measurement{
-    .is_of =
-        [](const Device& device) {
-          return std::holds_alternative<Imu>(device.kind) || std::holds_alternative<Gyro>(device.kind) ||
-                 std::holds_alternative<Accelerometer>(device.kind);
-        },
+    .log = imu_input,
     .encode =
         [](const Device& device, const DeviceReading& reading, const msg::Header& header, DeviceMessage& message) {
           msg::Imu imu;
@@ -66,6 +68,7 @@ const ChannelForm imu_kind{.level = ChannelForm::Level::owner,
                            .has_fixed_elements = true,
                            .is_state = true,
                            .make_rows = number_rows<msg::Imu, places_of_imu, ChannelKind::imu>,
+                           .numbers = &number_message<msg::Imu, places_of_imu>,
                            .measurement = &imu_measurement};
 
 }  // namespace rehearse

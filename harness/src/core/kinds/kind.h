@@ -11,6 +11,7 @@
 #include <rehearse/messages.h>
 #include <rehearse/model.h>
 #include <rehearse/trace_table.h>
+#include <rehearse/units.h>
 
 #include <cstddef>
 #include <memory>
@@ -31,10 +32,10 @@ class RowReader;
 /// Numbers of a message that share a name and a unit.
 struct ElementGroup {
   std::string_view name;  // "position"; empty: the whole message
-  std::string_view unit;  // may be empty; for a quantity of joints the unit of a rotational joint
+  UnitName unit;          // may be empty; for a quantity of joints the unit of a rotational joint
   /// "xyz": the elements are position/x, position/y, position/z; empty: one element or an array.
   std::string_view axes = {};
-  std::string_view linear_unit = {};  // unit of a prismatic joint
+  UnitName linear_unit = {};  // unit of a prismatic joint
 };
 
 /// The encoding of messages that are a header and a fixed number of numbers, in the order of the kind's elements.
@@ -59,10 +60,27 @@ struct MessageFrame {
   Eigen::Matrix3d (*axes)();  // rotation from this frame to the device frame
 };
 
+/// The messages of a robot's log that feed devices: their key in a map, and the words of its mistakes.
+struct LogInput {
+  enum class Content : std::uint8_t { none, numbers, picture, depth, camera_info, ranges };
+
+  Content content;
+  std::string_view key = {};       // "imus"
+  std::string_view form = {};      // of numbers: the name of the form of a source: "imu_source"
+  std::string_view owner = {};     // of numbers: of its keys, in sentences: "an IMU"
+  std::string_view devices = {};   // "gyros, accelerometers and IMUs"
+  std::string_view messages = {};  // "an Imu"
+  std::string_view fields = {};    // before the elements' names in messages of numbers: "wrench/"; empty: nothing
+  bool can_interpolate = true;     // of numbers: values between two messages have a meaning
+};
+/// Of devices that measure nothing.
+inline constexpr LogInput no_log_input{.content = LogInput::Content::none};
+
 /// The readings of a device as messages, and as inputs of a controller.
 struct DeviceMeasurement {
-  /// True for devices with a channel of this kind.
-  bool (*is_of)(const Device& device);
+  const LogInput& log;  // what a log feeds the device with
+  /// True for devices with a channel of this kind, of those in the row of kinds.inl. Null: for all of them.
+  bool (*is_of)(const Device& device) = nullptr;
   const MessageFrame* frame = nullptr;  // null: the device frame
   bool has_capture_time = false;        // messages are stamped with the time of the capture, not of the tick
   /// Makes the message of a reading. False: the reading has none. Null: that of ChannelForm::numbers.
@@ -111,7 +129,7 @@ struct ChannelForm {
 };
 
 // Each is defined in the file of its name.
-#define REHEARSE_KIND(name) extern const ChannelForm name##_kind;
+#define REHEARSE_KIND(name, ...) extern const ChannelForm name##_kind;
 #include "kinds.inl"
 #undef REHEARSE_KIND
 

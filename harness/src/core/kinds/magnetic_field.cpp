@@ -25,8 +25,13 @@ std::array<double*, 3> places_of_magnetic_field(msg::MagneticField& message) {
   return {&message.magnetic_field.x, &message.magnetic_field.y, &message.magnetic_field.z};
 }
 
-constexpr DeviceMeasurement magnetic_field_measurement{
-    .is_of = [](const Device& device) { return std::holds_alternative<Magnetometer>(device.kind); }};
+constexpr LogInput magnetic_field_input{.content = LogInput::Content::numbers,
+                                        .key = "magnetometers",
+                                        .form = "magnetometer_source",
+                                        .owner = "a magnetometer",
+                                        .devices = "magnetometers",
+                                        .messages = "a MagneticField"};
+constexpr DeviceMeasurement magnetic_field_measurement{.log = magnetic_field_input};
 
 }  // namespace
 

@@ -54,11 +54,8 @@ bool read_ranges(const msg::PointCloud2& cloud, std::vector<float>& ranges) {
 }
 
 constexpr DeviceMeasurement points_measurement{
-    .is_of =
-        [](const Device& device) {
-          const auto* sensor = std::get_if<RangeSensor>(&device.kind);
-          return sensor && !is_planar(*sensor);
-        },
+    .log = ranges_input,
+    .is_of = [](const Device& device) { return !is_planar(std::get<RangeSensor>(device.kind)); },
     .frame = &scan_frame,
     .has_capture_time = true,
     .encode =

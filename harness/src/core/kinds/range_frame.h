@@ -8,6 +8,11 @@ namespace rehearse {
 inline constexpr ElementGroup range_groups[] = {
     {"angle_min", "rad"}, {"angle_max", "rad"}, {"range_min", "m"}, {"range_max", "m"}, {"ranges", "m"}};
 
+inline constexpr LogInput ranges_input{.content = LogInput::Content::ranges,
+                                       .key = "ranges",
+                                       .devices = "range sensors",
+                                       .messages = "a LaserScan or PointCloud2"};
+
 /// True if all its beams lie in one plane, as for a LaserScan: one row of beams, straight ahead.
 inline bool is_planar(const RangeSensor& sensor) { return sensor.pitch.samples == 1 && sensor.pitch.lower == 0.0; }
 

@@ -20,11 +20,8 @@ msg::LaserScan laser_scan(const msg::Header& header, const RangeSensor& sensor, 
 }
 
 constexpr DeviceMeasurement scan_measurement{
-    .is_of =
-        [](const Device& device) {
-          const auto* sensor = std::get_if<RangeSensor>(&device.kind);
-          return sensor && is_planar(*sensor);
-        },
+    .log = ranges_input,
+    .is_of = [](const Device& device) { return is_planar(std::get<RangeSensor>(device.kind)); },
     .frame = &scan_frame,
     .has_capture_time = true,
     .encode =

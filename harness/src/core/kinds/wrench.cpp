@@ -10,9 +10,15 @@ constexpr ElementGroup wrench_groups[] = {{"force", "N", "xyz"}, {"torque", "N·
 
 auto places_of_wrench(msg::WrenchStamped& message) { return numbers_in(message.wrench.force, message.wrench.torque); }
 
+constexpr LogInput wrench_input{.content = LogInput::Content::numbers,
+                                .key = "wrenches",
+                                .form = "wrench_source",
+                                .owner = "a wrench",
+                                .devices = "force sensors",
+                                .messages = "a WrenchStamped",
+                                .fields = "wrench/"};
 constexpr DeviceMeasurement wrench_measurement{
-    .is_of = [](const Device& device) { return std::holds_alternative<ForceSensor>(device.kind); },
-    .make = [](const Device&) -> cnoid::Device* { return new cnoid::ForceSensor; }};
+    .log = wrench_input, .make = [](const Device&) -> cnoid::Device* { return new cnoid::ForceSensor; }};
 
 }  // namespace
 

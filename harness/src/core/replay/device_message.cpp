@@ -13,7 +13,7 @@ namespace {
 
 Result<bool> decode(const ChannelForm& form, const Device& device, mcap::Bytes message, DeviceReading& reading) {
   const DeviceMeasurement* measurement = form.measurement;
-  if (!measurement || !measurement->is_of(device)) return false;
+  if (!measures(form, device)) return false;
   if (measurement->decode) return measurement->decode(device, message, reading);
   return form.numbers && form.numbers->decode(message, reading.values);
 }
@@ -22,7 +22,7 @@ Result<bool> decode(const ChannelForm& form, const Device& device, mcap::Bytes m
 
 bool is_read_from(const Device& device, ChannelKind kind) {
   const ChannelForm& form = form_of(kind);
-  return form.measurement && form.measurement->is_of(device) && (form.measurement->decode || form.numbers);
+  return measures(form, device) && (form.measurement->decode || form.numbers);
 }
 
 Result<void> read_device(const Device& device, ChannelKind kind, const mcap::Message& message, double time_step,

@@ -1,6 +1,10 @@
 // The keys of bodies and of their parts.
 #include <rehearse/body.h>
 
+#include <functional>
+#include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "scenario_forms.h"
@@ -155,6 +159,24 @@ const Form& weld_form() {
 
 namespace {
 
+/// Whether sensors of the kind have more keys than all have.
+bool has_own_keys(const DeviceKind& kind) {
+  return std::holds_alternative<ContactSensor>(kind) || std::holds_alternative<Camera>(kind) ||
+         std::holds_alternative<RangeSensor>(kind);
+}
+
+/// The types of the sensors of some kinds.
+std::vector<std::string> types_of(const std::function<bool(const DeviceKind&)>& is_wanted) {
+  std::vector<std::string> types_of_sensors;
+  for (const DeviceKind& kind : device_kinds())
+    if (is_wanted(kind) && !scenario_type(kind).empty()) types_of_sensors.emplace_back(scenario_type(kind));
+  return types_of_sensors;
+}
+template <class Kind>
+std::vector<std::string> types_of() {
+  return types_of([](const DeviceKind& kind) { return std::holds_alternative<Kind>(kind); });
+}
+
 /// The keys of all sensors, and those of a type.
 std::vector<FormKey> with_common(std::vector<std::string> types_of_sensors, std::vector<FormKey> keys) {
   std::vector<FormKey> all{{"name", types::name(), "unique among the devices of the body", required},
@@ -173,29 +195,37 @@ FormKey rate_key(std::string_view fallback) {
 
 const Form& sensor_form() {
   static const Form form{"sensor", "a sensor",
-                         with_common({"imu", "gyro", "accelerometer", "magnetometer", "force"}, {})};
+                         with_common(types_of([](const DeviceKind& kind) { return !has_own_keys(kind); }), {})};
   return form;
 }
 
+const Form& form_of_sensor(const DeviceKind& kind) {
+  if (std::holds_alternative<ContactSensor>(kind)) return contact_sensor_form();
+  if (std::holds_alternative<Camera>(kind)) return camera_form();
+  if (std::holds_alternative<RangeSensor>(kind)) return range_sensor_form();
+  return sensor_form();
+}
+
 const Form& contact_sensor_form() {
-  static const Form form{"contact_sensor", "a contact sensor",
-                         with_common({"contact"}, {{"collision", types::text(),
-                                                    "the shape of its link that is felt; default: all shapes"}})};
+  static const Form form{
+      "contact_sensor", "a contact sensor",
+      with_common(types_of<ContactSensor>(),
+                  {{"collision", types::text(), "the shape of its link that is felt; default: all shapes"}})};
   return form;
 }
 
 const Form& camera_form() {
   static const Form form{
       "camera", "a camera",
-      with_common({"camera", "depth"}, {rate_key("30"),
-                                        {"width", types::whole(1, max_image_side), "[pixels]", "640"},
-                                        {"height", types::whole(1, max_image_side), "[pixels]", "480"},
-                                        {"horizontal_fov", types::quantity(angle_units, {0.0, 3.1, "[rad]", true}),
-                                         "field of view [rad]", "1.047"},
-                                        {"near", types::number({0.0, 1e6, "[m]", true}), "nothing nearer is drawn [m]"},
-                                        {"far", types::number({0.0, 1e6, "[m]", true}), "nothing farther is drawn [m]"},
-                                        {"shadows", types::flag(), "the sun's shadows are drawn"},
-                                        {"antialiasing", types::flag(), "edges are smooth"}})};
+      with_common(types_of<Camera>(), {rate_key("30"),
+                                       {"width", types::whole(1, max_image_side), "[pixels]", "640"},
+                                       {"height", types::whole(1, max_image_side), "[pixels]", "480"},
+                                       {"horizontal_fov", types::quantity(angle_units, {0.0, 3.1, "[rad]", true}),
+                                        "field of view [rad]", "1.047"},
+                                       {"near", types::number({0.0, 1e6, "[m]", true}), "nothing nearer is drawn [m]"},
+                                       {"far", types::number({0.0, 1e6, "[m]", true}), "nothing farther is drawn [m]"},
+                                       {"shadows", types::flag(), "the sun's shadows are drawn"},
+                                       {"antialiasing", types::flag(), "edges are smooth"}})};
   return form;
 }
 
@@ -203,11 +233,12 @@ const Form& range_sensor_form() {
   constexpr Range any_distance{0.0, 1e6, "[m]"};
   static const Form form{
       "range_sensor", "a range sensor",
-      with_common({"range"}, {rate_key("10"),
-                              {"yaw", types::of(sweep_form), "of the beams"},
-                              {"pitch", types::of(sweep_form), "of the beams"},
-                              {"min", types::number(any_distance), "beams pass through nearer shapes [m]", "0.1"},
-                              {"max", types::number(any_distance), "beams end here [m]", "10"}})};
+      with_common(types_of<RangeSensor>(),
+                  {rate_key("10"),
+                   {"yaw", types::of(sweep_form), "of the beams"},
+                   {"pitch", types::of(sweep_form), "of the beams"},
+                   {"min", types::number(any_distance), "beams pass through nearer shapes [m]", "0.1"},
+                   {"max", types::number(any_distance), "beams end here [m]", "10"}})};
   return form;
 }
 

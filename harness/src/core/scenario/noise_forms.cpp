@@ -22,7 +22,7 @@ constexpr Range any_reading_rate{0.0, 1e6, "[Hz]", true};
 ValueType error_numbers(const ErrorForm& form, const MeasuredQuantity& quantity_of) {
   std::vector<ValueType> forms_of_number{types::number(form.range)};
   for (const bool slides : {false, true})
-    if (const auto units = units_of_error(form.unit, quantity_of.unit, slides); !units.empty())
+    if (const auto units = units_of_error(form.unit, quantity_of, slides); !units.empty())
       forms_of_number.push_back(types::quantity(units, form.range));
   if (quantity_of.axes == 3) forms_of_number.push_back(types::vector3(form.range));
   return types::either(std::move(forms_of_number));
@@ -119,7 +119,7 @@ const Form& spell_form() {
 }
 
 const Form& data_sheet_form() {
-  const auto one = [](std::string_view name, std::string_view unit, const ErrorForm& error) {
+  const auto one = [](std::string_view name, UnitName unit, const ErrorForm& error) {
     return FormKey{name, error_numbers(error, {"", unit, 1}), "of the data sheet", required};
   };
   static const Form form{

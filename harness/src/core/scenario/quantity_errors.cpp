@@ -59,7 +59,7 @@ std::optional<std::array<double, 3>> read_error_numbers(Findings& findings, cons
     numbers = {each->x(), each->y(), each->z()};
     return numbers;
   }
-  const std::span<const Unit> units = units_of_error(form.unit, quantity.unit, slides);
+  const std::span<const Spelling> units = units_of_error(form.unit, quantity, slides);
   const auto all = units.empty() ? read_number(findings, node, form.key, form.range)
                                  : read_quantity(findings, node, form.key, units, form.range);
   if (!all) return std::nullopt;

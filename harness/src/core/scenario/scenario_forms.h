@@ -40,7 +40,9 @@ const Form& belt_form();
 const Form& joint_form();
 const Form& weld_form();
 const Form& actuator_form();
-const Form& sensor_form();
+const Form& sensor_form();  // of sensors without keys of their own
+/// The form of the sensors of a kind.
+const Form& form_of_sensor(const DeviceKind& kind);
 const Form& contact_sensor_form();
 const Form& camera_form();
 const Form& range_sensor_form();

@@ -200,7 +200,7 @@ Exposure NoiseReader::read_exposure(const Keys& keys, const std::vector<const Ta
 /// The errors of whole readings.
 ReadingErrors NoiseReader::read_timing(const Keys& keys, const std::vector<const Target*>& targets) const {
   ReadingErrors errors;
-  const auto read = [&](std::string_view key, std::span<const Unit> units, const Range& range, double& out) {
+  const auto read = [&](std::string_view key, std::span<const Spelling> units, const Range& range, double& out) {
     const YamlNode* value = keys.find(key);
     if (value) out = read_quantity(findings_, *value, key, units, range).value_or(out);
     return value;

@@ -6,6 +6,7 @@
 #include "scenario_values.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -47,14 +48,15 @@ class SensorReader {
 
  private:
   using Read = void (SensorReader::*)(const Keys&, Device&);
-  /// A type of sensors, with its form, and the reader of those that not all sensors have.
+  /// A type of sensors, and the reader of the keys that not all sensors have; null: it has none.
   struct Type {
     std::string_view name;
     DeviceKind kind;
-    const Form& (*form)();
-    Read read = nullptr;
+    Read read;
   };
   static const std::vector<Type>& types();
+  static std::vector<std::string> type_names();
+  static Read reader_of(const DeviceKind& kind);
 
   const Type* find_type(const YamlNode& node);
   void read_name(const Keys& keys, Device& device);
@@ -73,26 +75,34 @@ class SensorReader {
 };
 
 const std::vector<SensorReader::Type>& SensorReader::types() {
-  static const std::vector<Type> all{{"imu", Imu{}, sensor_form},
-                                     {"gyro", Gyro{}, sensor_form},
-                                     {"accelerometer", Accelerometer{}, sensor_form},
-                                     {"magnetometer", Magnetometer{}, sensor_form},
-                                     {"force", ForceSensor{}, sensor_form, &SensorReader::check_force},
-                                     {"contact", ContactSensor{}, contact_sensor_form, &SensorReader::read_contact},
-                                     {"camera", Camera{}, camera_form, &SensorReader::read_camera},
-                                     {"depth", Camera{.depth = true}, camera_form, &SensorReader::read_camera},
-                                     {"range", RangeSensor{}, range_sensor_form, &SensorReader::read_range}};
+  static const std::vector<Type> all = [] {
+    std::vector<Type> types;
+    for (const DeviceKind& kind : device_kinds())
+      if (!scenario_type(kind).empty()) types.push_back({scenario_type(kind), kind, reader_of(kind)});
+    return types;
+  }();
   return all;
 }
 
-const SensorReader::Type* SensorReader::find_type(const YamlNode& node) {
+SensorReader::Read SensorReader::reader_of(const DeviceKind& kind) {
+  if (std::holds_alternative<ForceSensor>(kind)) return &SensorReader::check_force;
+  if (std::holds_alternative<ContactSensor>(kind)) return &SensorReader::read_contact;
+  if (std::holds_alternative<Camera>(kind)) return &SensorReader::read_camera;
+  if (std::holds_alternative<RangeSensor>(kind)) return &SensorReader::read_range;
+  return nullptr;
+}
+
+std::vector<std::string> SensorReader::type_names() {
   std::vector<std::string> names;
-  for (const Type& type : types()) {
+  for (const Type& type : types()) names.emplace_back(type.name);
+  return names;
+}
+
+const SensorReader::Type* SensorReader::find_type(const YamlNode& node) {
+  for (const Type& type : types())
     if (node.kind == YamlNode::Kind::scalar && node.text == type.name) return &type;
-    names.emplace_back(type.name);
-  }
   findings_.error(node, fmt::format("there is no type '{}' of sensors", shortened(node.text)),
-                  name_hint(node.text, names, "types"));
+                  name_hint(node.text, type_names(), "types"));
   return nullptr;
 }
 
@@ -100,12 +110,11 @@ void SensorReader::read(const YamlNode& node) {
   const YamlNode* type_node = node.kind == YamlNode::Kind::map ? find_key(node, "type") : nullptr;
   const Type* type = type_node ? find_type(*type_node) : nullptr;
   if (type_node && !type) return;
-  const Keys keys(findings_, node, type ? type->form() : sensor_form());
+  const Keys keys(findings_, node, type ? form_of_sensor(type->kind) : sensor_form());
   if (!keys.is_map()) return;
   Device device;
   read_name(keys, device);
-  if (!type_node)
-    keys.require("type", "imu, gyro, accelerometer, magnetometer, force, contact, camera, depth or range");
+  if (!type_node) keys.require("type", fmt::format("one of {}", fmt::join(type_names(), ", ")));
   const bool has_link = read_link(keys, device);
   if (const YamlNode* pose = keys.find("pose")) read_pose(*pose, device);
   if (!type) return;

@@ -2,8 +2,6 @@
 
 #include "scenario_forms.h"
 
-#include "sensor_error.h"
-
 #include "base/names.h"
 #include "base/text.h"
 
@@ -44,14 +42,20 @@ std::optional<double> number_with_unit(const YamlNode& node, std::string_view& u
   return number && unit.empty() && node.quoted ? std::nullopt : number;
 }
 
+std::optional<double> factor_in(std::span<const Spelling> units, std::string_view text) {
+  const auto known = std::ranges::find(units, text, &Spelling::text);
+  return known == units.end() ? std::nullopt : std::optional(known->factor);
+}
+
 std::optional<Measure> number_or_angle(const YamlNode& node) {
   std::string_view unit;
   const auto number = number_with_unit(node, unit);
   if (!number) return std::nullopt;
   if (unit.empty()) return Measure{*number};
-  if (unit == "rad") return Measure{*number, true};
+  // recordings have the bits of this product, which isn't always that with the factor of the registry
   if (unit == "deg") return Measure{*number * std::numbers::pi / 180.0, true, true};
-  return std::nullopt;
+  const auto factor = factor_in(angle_units, unit);
+  return factor ? std::optional(Measure{*number * *factor, true}) : std::nullopt;
 }
 
 std::string element(std::string_view label, std::size_t index) { return fmt::format("{}[{}]", label, index); }
@@ -130,8 +134,9 @@ std::optional<double> read_seconds(Findings& findings, const YamlNode& node, std
                                    const Range& range) {
   std::string_view unit;
   const auto number = number_with_unit(node, unit);
-  if (!number || (unit != "s" && unit != "ms")) return read_number(findings, node, label, range);
-  const double seconds = unit == "ms" ? *number * 1e-3 : *number;
+  const auto factor = number ? factor_in(time_units, unit) : std::nullopt;
+  if (!factor) return read_number(findings, node, label, range);
+  const double seconds = *number * *factor;
   if (range.contains(seconds)) return seconds;
   expected(findings, node, label, "a number " + range.text());
   return std::nullopt;
@@ -177,7 +182,8 @@ std::optional<bool> read_flag(Findings& findings, const YamlNode& node, std::str
 std::optional<double> read_rate(Findings& findings, const YamlNode& node, std::string_view label) {
   std::string_view unit;
   const auto rate = number_with_unit(node, unit);
-  if (rate && *rate > 0.0 && (unit.empty() || unit == "Hz")) return rate;
+  const auto factor = unit.empty() ? std::optional(1.0) : factor_in(rate_units, unit);
+  if (rate && *rate > 0.0 && factor) return *rate * *factor;
   expected(findings, node, label, "a rate above 0 as 100 Hz");
   return std::nullopt;
 }
@@ -196,27 +202,16 @@ std::optional<double> read_angle(Findings& findings, const YamlNode& node, std::
   return std::nullopt;
 }
 
-std::optional<double> factor_of_unit(std::string_view unit) {
-  for (const std::span<const Unit> units : {std::span<const Unit>(time_units), std::span<const Unit>(rate_units),
-                                            std::span<const Unit>(angle_units), std::span<const Unit>(length_units)})
-    for (const Unit& each : units)
-      if (each.name == unit) return each.factor;
-  for (const std::span<const Unit> units : all_error_units())
-    for (const Unit& each : units)
-      if (each.name == unit) return each.factor;
-  return std::nullopt;
-}
-
 std::optional<double> read_quantity(Findings& findings, const YamlNode& node, std::string_view label,
-                                    std::span<const Unit> units, const Range& range) {
+                                    std::span<const Spelling> units, const Range& range) {
   std::string_view unit;
   if (const auto number = number_with_unit(node, unit)) {
-    const auto known = std::ranges::find_if(units, [&](const Unit& each) { return each.name == unit; });
-    const double value = known == units.end() ? *number : *number * known->factor;
-    if ((known != units.end() || unit.empty()) && range.contains(value)) return value;
+    const auto factor = unit.empty() ? std::optional(1.0) : factor_in(units, unit);
+    if (factor && range.contains(*number * *factor)) return *number * *factor;
   }
   std::string with;
-  for (const Unit& each : units) with += fmt::format("{}{}", with.empty() ? ", or with its unit: " : ", ", each.name);
+  for (const Spelling& each : units)
+    with += fmt::format("{}{}", with.empty() ? ", or with its unit: " : ", ", each.text);
   expected(findings, node, label, "a number " + range.text() + with);
   return std::nullopt;
 }

@@ -8,6 +8,8 @@
 #include "scenario_findings.h"
 #include "yaml/yaml_tree.h"
 
+#include <rehearse/units.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cstddef>
@@ -63,16 +65,14 @@ std::optional<bool> read_flag(Findings& findings, const YamlNode& node, std::str
 std::optional<double> read_rate(Findings& findings, const YamlNode& node, std::string_view label);
 /// [rad]
 std::optional<double> read_angle(Findings& findings, const YamlNode& node, std::string_view label);
-// A number may be written with a unit of a list; the value is in the first one.
-inline constexpr Unit time_units[] = {{"s"}, {"ms", 1e-3}, {"us", 1e-6}};
-inline constexpr Unit rate_units[] = {{"Hz"}, {"kHz", 1e3}};
-inline constexpr Unit angle_units[] = {{"rad"}, {"deg", 0.017453292519943295}};
-inline constexpr Unit length_units[] = {{"m"}, {"mm", 1e-3}};
-/// The factor of a unit in any of these lists; nullopt: there is no such unit.
-std::optional<double> factor_of_unit(std::string_view unit);
-/// A number in the first of the units, or with one of them.
+// A number may be written with a unit of a list; the value is in the unit of the registry's row.
+inline constexpr std::span<const Spelling> time_units = UnitName("s").spellings();
+inline constexpr std::span<const Spelling> rate_units = UnitName("Hz").spellings();
+inline constexpr std::span<const Spelling> angle_units = UnitName("rad").spellings();
+inline constexpr std::span<const Spelling> length_units = UnitName("m").spellings();
+/// A number without a unit, or with one of these.
 std::optional<double> read_quantity(Findings& findings, const YamlNode& node, std::string_view label,
-                                    std::span<const Unit> units, const Range& range);
+                                    std::span<const Spelling> units, const Range& range);
 /// A number whose unit is known only later, or an angle with its unit as 10 deg or 0.1 rad.
 struct Measure {
   double value = 0.0;    // angles in [rad]

@@ -373,7 +373,7 @@ bool VariationReader::take_number(const YamlNode& path, Variation& variation) {
   if (of_values && (!is_number || !all_numbers())) return true;
   if (variation.distribution == Distribution::from_file && !is_number) return true;
   const std::string_view name = unit.starts_with(' ') ? unit.substr(1) : unit;
-  if (!is_number || (!name.empty() && !factor_of_unit(name))) {
+  if (!is_number || (!name.empty() && !factor_of_spelling(name))) {
     findings_.error(path, fmt::format("'{}' is '{}', not a number", variation.path, shortened(variation.nominal)),
                     "words and files vary by choice, grid or file");
     return false;

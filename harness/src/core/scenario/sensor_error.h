@@ -72,10 +72,7 @@ double normal_draw(const SensorSample& sample, std::int64_t at, std::uint64_t st
 /// A number between 0 and 1, both excluded.
 double uniform_draw(const SensorSample& sample, std::int64_t at, std::uint64_t stream, std::size_t place);
 
-/// The units in which an error of a quantity can be written; the first one is that of `quantity`, as MeasuredQuantity
-/// names it. `linear`: of a joint, whether it slides.
-std::span<const Unit> units_of_error(ErrorUnit unit, std::string_view quantity, bool linear);
-/// The lists of all units of errors.
-std::span<const std::span<const Unit>> all_error_units();
+/// The units in which an error of a quantity can be written. `linear`: of a joint, whether it slides.
+std::span<const Spelling> units_of_error(ErrorUnit unit, const MeasuredQuantity& quantity, bool linear);
 
 }  // namespace rehearse

@@ -16,7 +16,7 @@ std::span<const ErrorForm* const> error_forms() {
 }
 
 const std::array<MeasuredQuantity, joint_quantity_count> joint_quantities{
-    {{"displacement", "rad or m", 1}, {"velocity", "rad/s or m/s", 1}, {"effort", "N·m or N", 1}}};
+    {{"displacement", "rad", 1, "m"}, {"velocity", "rad/s", 1, "m/s"}, {"effort", "N·m", 1, "N"}}};
 
 Eigen::Vector3d QuantityErrors::of(std::string_view key) const {
   for (const GivenError& each : given)

@@ -1,4 +1,5 @@
 #include <rehearse/scenario.h>
+#include <rehearse/units.h>
 
 #include <algorithm>
 
@@ -8,20 +9,10 @@
 namespace rehearse {
 
 Tolerance default_tolerance(std::string_view unit) {
-  struct UnitDefault {
-    std::string_view unit;
-    double atol;
-  };
-  constexpr double edges = 0.0005;  // share of the pixels
-  if (unit == "pixels") return {.pixel_share = edges, .pixel_delta = 2.0};
-  if (unit == "depth") return {.rtol = 1e-3, .pixel_share = edges};
-  if (unit == "range") return {.atol = 1e-9, .rtol = 0x1p-23};
-  constexpr UnitDefault defaults[] = {{"rad", 1e-9},   {"m", 1e-9},   {"quaternion", 1e-9}, {"unit vector", 1e-9},
-                                      {"rad/s", 1e-7}, {"m/s", 1e-7}, {"rad/s²", 1e-4},     {"m/s²", 1e-4},
-                                      {"N·m", 1e-3},   {"N", 1e-4},   {"camera", 1e-9}};
-  for (const UnitDefault& known : defaults)
-    if (known.unit == unit) return {.atol = known.atol};
-  return {};
+  const Unit* row = find_unit(unit);
+  if (row == nullptr) return {};  // a controller's variable may have any unit
+  const auto& [atol, rtol, pixel_share, pixel_delta] = row->tolerance;
+  return {.atol = atol, .rtol = rtol, .pixel_share = pixel_share, .pixel_delta = pixel_delta};
 }
 
 const ToleranceRule* rule_for(std::string_view series, const std::vector<ToleranceRule>& rules) {

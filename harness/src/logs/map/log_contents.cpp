@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "core/kinds/kinds.h"
 #include "core/ros2msg/ros2msg.h"
 
 namespace rehearse {
@@ -14,16 +15,36 @@ using enum FieldContent;
 constexpr std::uint64_t longest_time = 60'000'000'000;  // [ns]
 constexpr std::uint64_t most_messages = 500;            // of a topic
 
+/// Whether messages of the topic are those of the input.
+bool is_for(const LogInput& input, const LogTopic& topic) {
+  switch (input.content) {
+    case LogInput::Content::numbers:
+      return std::ranges::all_of(fields_of(input), [&](const std::string& field) { return topic.has(field); });
+    case LogInput::Content::picture:
+      return (topic.has("encoding", text) || topic.has("format", text)) && topic.has("data", bytes) &&
+             topic.has("header/frame_id", text);
+    case LogInput::Content::camera_info: return topic.has("k/*") && topic.has("width");
+    case LogInput::Content::ranges:
+      return topic.has("ranges/*") || (topic.has("fields/*/name", text) && topic.has("point_step"));
+    case LogInput::Content::depth:  // as a picture
+    case LogInput::Content::none: break;
+  }
+  return false;
+}
+
+/// Null: the messages are for no device.
+const LogInput* input_of(const LogTopic& topic) {
+  if (!topic.problem.empty()) return nullptr;
+  const auto inputs = log_inputs();
+  const auto found = std::ranges::find_if(inputs, [&](const LogInput* input) { return is_for(*input, topic); });
+  return found == inputs.end() ? nullptr : *found;
+}
+
 TopicUse use_of(const LogTopic& topic) {
   if (!topic.problem.empty()) return TopicUse::other;
   if (topic.has("name/*", text) && (topic.has("position/*") || topic.has("velocity/*") || topic.has("effort/*")))
     return TopicUse::joint_states;
-  if (topic.has("angular_velocity/x") && topic.has("linear_acceleration/x")) return TopicUse::imu;
-  if (topic.has("wrench/force/x")) return TopicUse::wrench;
-  const bool is_picture = topic.has("encoding", text) || topic.has("format", text);
-  if (is_picture && topic.has("data", bytes) && topic.has("header/frame_id", text)) return TopicUse::picture;
-  if (topic.has("k/*") && topic.has("width")) return TopicUse::camera_info;
-  if (topic.has("ranges/*") || (topic.has("fields/*/name", text) && topic.has("point_step"))) return TopicUse::ranges;
+  if (input_of(topic)) return TopicUse::device;
   if (topic.has("axes/*") && topic.has("buttons/*")) return TopicUse::joystick;
   if (topic.has("linear/x") || topic.has("twist/linear/x")) return TopicUse::twist;
   if (topic.has("pose/pose/position/x")) return TopicUse::odometry;
@@ -105,6 +126,7 @@ std::vector<TopicContents> contents_of(mcap::Reader& log) {
     TopicContents& added = contents.emplace_back();
     added.topic = std::move(topic);
     added.use = use_of(added.topic);
+    added.input = added.use == TopicUse::device ? input_of(added.topic) : nullptr;
   }
   std::map<std::string, TopicReader> readers;
   for (TopicContents& topic : contents) readers.try_emplace(topic.topic.name, topic);

@@ -10,29 +10,18 @@
 #include <string_view>
 #include <vector>
 
+#include "core/kinds/kind.h"
 #include "log_topics.h"
 
 namespace rehearse {
 
 /// The use of a topic's messages, by their fields.
-enum class TopicUse {
-  joint_states,
-  imu,
-  wrench,
-  picture,
-  camera_info,
-  ranges,
-  joystick,
-  twist,
-  pose,
-  odometry,
-  numbers,
-  other
-};
+enum class TopicUse { joint_states, device, joystick, twist, pose, odometry, numbers, other };
 
 struct TopicContents {
   LogTopic topic;
   TopicUse use = TopicUse::other;
+  const LogInput* input = nullptr;  // of a device; a depth picture has that of a picture
   std::uint64_t messages = 0;       // number of messages that were read
   std::optional<double> interval;   // median distance of two messages [s]
   double unevenness = 0.0;          // largest relative difference of a distance from the median

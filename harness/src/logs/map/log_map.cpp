@@ -38,12 +38,9 @@ void LogMapReader::read(const YamlNode& root) {
   keys.number("max_age", max_age_);
   if (const YamlNode* node = keys.find("controller")) read_controller(*node);
   if (const YamlNode* node = keys.find("joints")) each(*node, "joints", [&](const YamlNode& one) { read_joints(one); });
-  if (const YamlNode* node = keys.find("imus")) each(*node, "imus", [&](const YamlNode& one) { read_imu(one); });
-  if (const YamlNode* node = keys.find("wrenches"))
-    each(*node, "wrenches", [&](const YamlNode& one) { read_wrench(one); });
-  if (const YamlNode* node = keys.find("cameras"))
-    each(*node, "cameras", [&](const YamlNode& one) { read_camera(one); });
-  if (const YamlNode* node = keys.find("ranges")) each(*node, "ranges", [&](const YamlNode& one) { read_ranges(one); });
+  for (const LogInput* input : log_inputs())
+    if (const YamlNode* node = has_own_sources(*input) ? keys.find(input->key) : nullptr)
+      each(*node, input->key, [&](const YamlNode& one) { read_device_source(one, *input); });
   if (const YamlNode* node = keys.find("joystick")) read_joystick(*node);
   if (const YamlNode* node = keys.find("root")) read_root(*node);
   if (const YamlNode* node = keys.find("commands")) read_commands(*node);
@@ -204,7 +201,7 @@ void LogMapReader::read_controller(const YamlNode& node) {
 }
 
 void LogMapReader::check_something_is_mapped(const YamlNode& root) {
-  for (const std::string_view key : {"joints", "imus", "wrenches", "cameras", "ranges", "joystick", "root"})
+  for (const std::string_view key : map_form().needed[0])
     if (find_key(root, key) != nullptr) return;
   if (findings_.any_error()) return;  // the reason may be a misspelt key
   findings_.error(root, "the map names no input", "expected at least one topic, as joints: /joint_states");

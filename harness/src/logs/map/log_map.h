@@ -17,6 +17,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/kinds/kind.h"
 #include "log_topics.h"
 
 namespace rehearse {
@@ -70,9 +71,8 @@ struct JointSource : LogSource {
 };
 
 struct DeviceSource : LogSource {
-  enum class Kind { imu, wrench, picture, depth, camera_info, ranges };
-  Kind kind = Kind::imu;
-  std::vector<int> devices;  // indices into the model's
+  const LogInput* input = nullptr;  // never null in a map
+  std::vector<int> devices;         // indices into the model's
 };
 
 /// An axis in a message; index -1: it stays at rest.

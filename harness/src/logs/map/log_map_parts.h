@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/kinds/kinds.h"
 #include "core/scenario/scenario_values.h"
 #include "log_map.h"
 
@@ -19,8 +20,10 @@ inline constexpr std::string_view name_of_topic = "the name of one of the log's 
 /// The default of max_age [s]. Pictures and scans have a longer one, and a joystick none: it sends when it is moved.
 inline constexpr double max_age_of_numbers = 0.1;
 
-/// True if messages of that kind are measurements of the device.
-bool fits(DeviceSource::Kind kind, const Device& device);
+/// False for distances and figures of a camera: their topics are keys of the source of its pictures.
+inline bool has_own_sources(const LogInput& input) {
+  return input.content != LogInput::Content::depth && input.content != LogInput::Content::camera_info;
+}
 
 /// The reader of one map file.
 class LogMapReader {
@@ -71,6 +74,10 @@ class LogMapReader {
   std::optional<int> read_joint(const YamlNode& node);
   void read_joints(const YamlNode& node);
   void read_root(const YamlNode& node);
+  /// The fields x, y and z of two vectors.
+  static Needs two_vectors(std::string_view one, std::string_view other);
+  static Needs twist() { return two_vectors("linear", "angular"); }
+  static Needs twist_stamped() { return two_vectors("twist/linear", "twist/angular"); }
   void read_joystick(const YamlNode& node);
   void read_axes(const YamlNode& node, JoySource& source);
   void read_buttons(const YamlNode& node, JoySource& source);
@@ -79,29 +86,23 @@ class LogMapReader {
   void read_array_commands(const Keys& keys, CommandSource& source);
 
   // log_map_devices.cpp
-  void read_imu(const YamlNode& node);
-  void read_wrench(const YamlNode& node);
+  void read_device_source(const YamlNode& node, const LogInput& input);
+  void read_numbers_source(const YamlNode& node, const LogInput& input);
   void read_camera(const YamlNode& node);
-  void read_ranges(const YamlNode& node);
-  static Needs two_vectors(std::string_view one, std::string_view other);
-  static Needs twist() { return two_vectors("linear", "angular"); }
-  static Needs twist_stamped() { return two_vectors("twist/linear", "twist/angular"); }
-  void read_vectors(const Keys& keys, DeviceSource::Kind kind, std::string_view devices, const Needs& needs,
-                    std::string_view type);
-  void read_sensor(const Keys& keys, DeviceSource source, std::string_view devices, const std::vector<Needs>& needs,
-                   std::string_view type);
-  std::vector<int> read_devices(const Keys& keys, DeviceSource::Kind kind, std::string_view what);
-  void read_device(const YamlNode& node, DeviceSource::Kind kind, std::string_view what, std::vector<int>& devices);
+  void read_ranges(const YamlNode& node, const LogInput& input);
+  void read_sensor(const Keys& keys, DeviceSource source, const std::vector<Needs>& needs);
+  std::vector<int> read_devices(const Keys& keys, const LogInput& input);
+  void read_device(const YamlNode& node, const LogInput& input, std::vector<int>& devices);
 
   Findings& findings_;
   const Model& model_;
   const std::vector<LogTopic>& topics_;
   LogMap& map_;
-  LogClock clock_ = LogClock::log_time;                             // of all sources without their own
-  std::optional<double> max_age_;                                   // stated in the map for all sources [s]
-  std::map<std::string, std::pair<LogClock, int>> clocks_;          // by topic, with the line of its first source
-  std::set<std::string> joint_topics_;                              // joint topics read so far
-  std::map<std::pair<int, DeviceSource::Kind>, int> device_lines_;  // lines that already named a device
+  LogClock clock_ = LogClock::log_time;                            // of all sources without their own
+  std::optional<double> max_age_;                                  // stated in the map for all sources [s]
+  std::map<std::string, std::pair<LogClock, int>> clocks_;         // by topic, with the line of its first source
+  std::set<std::string> joint_topics_;                             // joint topics read so far
+  std::map<std::pair<int, LogInput::Content>, int> device_lines_;  // lines that already named a device
 };
 
 }  // namespace rehearse

@@ -247,6 +247,13 @@ void LogMapReader::read_buttons(const YamlNode& node, JoySource& source) {
   }
 }
 
+LogMapReader::Needs LogMapReader::two_vectors(std::string_view one, std::string_view other) {
+  Needs needs;
+  for (const std::string_view vector : {one, other})
+    for (const char* axis : {"x", "y", "z"}) needs.emplace_back(fmt::format("{}/{}", vector, axis), number);
+  return needs;
+}
+
 void LogMapReader::read_joystick(const YamlNode& node) {
   const std::optional<Keys> keys = keys_of(node, joystick_source_form());
   if (keys && !keys->is_map()) return;

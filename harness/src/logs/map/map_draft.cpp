@@ -86,7 +86,7 @@ class MapDraft {
   void write_joints();
   void write_time();
   void write_devices();
-  std::string device_line(const Device& device, TopicUse use, std::size_t devices);
+  std::string device_line(const Device& device, const LogInput& input, std::size_t devices);
   static std::string remark_on_size(const Device& device, const TopicContents& topic);
   void write_root();
   void write_joystick();
@@ -99,6 +99,18 @@ class MapDraft {
     for (const TopicContents& topic : topics_)
       if (topic.use == use && topic.messages > 0) found.push_back(&topic);
     return found;
+  }
+  template <class Fits>
+  std::vector<const TopicContents*> of_device(Fits&& fits) const {
+    std::vector<const TopicContents*> found = of_use(TopicUse::device);
+    std::erase_if(found, [&](const TopicContents* topic) { return !fits(*topic->input); });
+    return found;
+  }
+  std::vector<const TopicContents*> of_input(const LogInput& input) const {
+    return of_device([&](const LogInput& each) { return &each == &input; });
+  }
+  std::vector<const TopicContents*> of_content(LogInput::Content content) const {
+    return of_device([&](const LogInput& each) { return each.content == content; });
   }
   void line(std::string text) { text_ += std::move(text) + "\n"; }
   std::string names_text(const JointMatch& match) const;
@@ -188,7 +200,8 @@ void MapDraft::write_time() {
   const TopicContents* tick = joint_topics_.empty() ? nullptr : joint_topics_.front();
   if (tick == nullptr)
     for (const TopicContents& topic : topics_)
-      if (tick == nullptr && topic.use == TopicUse::imu && topic.interval) tick = &topic;
+      if (tick == nullptr && topic.input && topic.input->content == LogInput::Content::numbers && topic.interval)
+        tick = &topic;
   std::string text;
   if (tick == nullptr || !tick->interval || *tick->interval <= 0.0) {
     text = "time_step: 0.001    # [s], unsure: no topic has a rate; expected the controller's tick\n";
@@ -201,7 +214,7 @@ void MapDraft::write_time() {
     text = fmt::format("time_step: {:.6g}    # [s]: {}\n", nominal_step(*tick->interval), why);
     text += fmt::format("tick: {}    # each of its messages is a tick; without it ticks are a grid\n",
                         yaml_text(tick->topic.name));
-    if (!of_use(TopicUse::picture).empty() || !of_use(TopicUse::ranges).empty())
+    if (!of_content(LogInput::Content::picture).empty() || !of_content(LogInput::Content::ranges).empty())
       text += "start: first    # at the first message; all: when pictures and scans have come, too\n";
     if (tick->stamp_lag)
       text += std::abs(*tick->stamp_lag) < 1.0
@@ -247,11 +260,11 @@ std::string MapDraft::remark_on_size(const Device& device, const TopicContents& 
 }
 
 /// The line of a device's source; empty if no topic fits it. `devices`: the number of devices of its kind.
-std::string MapDraft::device_line(const Device& device, TopicUse use, std::size_t devices) {
+std::string MapDraft::device_line(const Device& device, const LogInput& input, std::size_t devices) {
   const auto is_depth = [](const TopicContents* topic) {
     return topic->encoding.starts_with("32FC1") || topic->encoding.starts_with("16UC1");
   };
-  auto topics = of_use(use), depths = topics;
+  auto topics = of_input(input), depths = topics;
   std::erase_if(topics, is_depth);
   std::erase_if(depths, [&](const TopicContents* topic) { return !is_depth(topic); });
   std::string why, why_depth, entry;
@@ -268,36 +281,28 @@ std::string MapDraft::device_line(const Device& device, TopicUse use, std::size_
   add("topic", topic);
   add("depth", depth);
   std::string ignored;
-  if (camera) add("info", find_topic_for(device, of_use(TopicUse::camera_info), devices, ignored));
+  if (camera) add("info", find_topic_for(device, of_content(LogInput::Content::camera_info), devices, ignored));
   return fmt::format("  - {{{}device: {}}}    # {}{}", entry, yaml_text(device.name), topic ? why : why_depth,
                      topic ? remark_on_size(device, *topic) : "");
 }
 
 void MapDraft::write_devices() {
-  struct Part {
-    const char* key;
-    TopicUse use;
-    DeviceSource::Kind kind;
-  };
-  static constexpr Part parts[] = {{"imus", TopicUse::imu, DeviceSource::Kind::imu},
-                                   {"wrenches", TopicUse::wrench, DeviceSource::Kind::wrench},
-                                   {"cameras", TopicUse::picture, DeviceSource::Kind::picture},
-                                   {"ranges", TopicUse::ranges, DeviceSource::Kind::ranges}};
-  for (const Part& part : parts) {
+  for (const LogInput* input : log_inputs()) {
+    if (!has_own_sources(*input)) continue;
     const auto& all = model_.devices;
-    const auto fits_part = [&part](const Device& device) { return fits(part.kind, device); };
-    const auto devices = static_cast<std::size_t>(std::ranges::count_if(all, fits_part));
+    const auto fits = [input](const Device& device) { return feeds(*input, device); };
+    const auto devices = static_cast<std::size_t>(std::ranges::count_if(all, fits));
     std::vector<std::string> lines, missing;
     for (const Device& device : all) {
-      if (!fits_part(device)) continue;
-      const std::string source = device_line(device, part.use, devices);
+      if (!fits(device)) continue;
+      const std::string source = device_line(device, *input, devices);
       if (source.empty())
         missing.push_back(device.name);
       else
         lines.push_back(source);
     }
     if (devices == 0) continue;
-    line(lines.empty() ? fmt::format("\n# {}:", part.key) : fmt::format("\n{}:", part.key));
+    line(lines.empty() ? fmt::format("\n# {}:", input->key) : fmt::format("\n{}:", input->key));
     for (const std::string& one : lines) line(one);
     for (const std::string& name : missing)
       line(fmt::format("  # - {{topic: ..., device: {}}}    # no topic fits it by name or frame", yaml_text(name)));

@@ -3,12 +3,18 @@
 #include <rehearse/io.h>
 #include <rehearse/scenario.h>
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cstddef>
+#include <deque>
 #include <functional>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/kinds/kinds.h"
 #include "core/scenario/scenario_forms.h"
 #include "core/scenario/scenario_values.h"
 
@@ -101,16 +107,15 @@ const Form& joint_source_form() {
   return form;
 }
 
-const Form& imu_source_form() {
-  static const Form form{
-      "imu_source", "an IMU", {topic_key(), device_key(), sampling_key(), age_key(), clock_key(), offset_key()}};
-  return form;
-}
-
-const Form& wrench_source_form() {
-  static const Form form{
-      "wrench_source", "a wrench", {topic_key(), device_key(), sampling_key(), age_key(), clock_key(), offset_key()}};
-  return form;
+const Form& number_source_form(const LogInput& input) {
+  static std::map<std::string_view, Form> made;  // by key of the map
+  const auto [place, is_new] = made.try_emplace(input.key);
+  if (is_new) {
+    place->second = {input.form, input.owner, {topic_key(), device_key()}};
+    if (input.can_interpolate) place->second.keys.push_back(sampling_key());
+    for (const FormKey& key : {age_key(), clock_key(), offset_key()}) place->second.keys.push_back(key);
+  }
+  return place->second;
 }
 
 const Form& camera_source_form() {
@@ -195,35 +200,62 @@ const Form& state_source_form() {
   return form;
 }
 
-const Form& map_form() {
+const Form& source_form(const LogInput& input) {
+  switch (input.content) {
+    case LogInput::Content::ranges: return range_source_form();
+    case LogInput::Content::picture: return camera_source_form();
+    default: return number_source_form(input);
+  }
+}
+
+namespace {
+
+/// The keys of a map for devices: one for each kind of device that measures.
+std::vector<FormKey> device_keys() {
+  static std::deque<std::string> texts;
+  std::vector<FormKey> keys;
+  for (const LogInput* input : log_inputs()) {
+    if (std::ranges::find(keys, input->key, &FormKey::name) != keys.end()) continue;
+    keys.push_back({input->key, one_or_more(types::of([input]() -> const Form& { return source_form(*input); })),
+                    texts.emplace_back(fmt::format("the topics of {}", input->devices))});
+  }
+  return keys;
+}
+
+Form make_map_form() {
   const Range steps{Scenario::min_time_step, Scenario::max_time_step, "[s]"};
-  static const Form form{
-      "map",
-      "the map",
-      {{"rehearse_map", types::whole(1, 1), "version of the form", required},
-       {"body", types::name(), "names channels; default: the model's name"},
-       {"time_step", types::number(steps), "the controller's tick [s]", required},
-       {"tick", source(map_tick_form), "a topic of which each message is a tick"},
-       clock_key(),
-       {"start", types::text(), "all, first, a topic of this map, or a time [s]", "all"},
-       {"restart", one_or_more(types::number(moment_of_log)), "times at which the controller restarts [s]"},
-       {"begins", types::word({"run", "controller"}), "the log may begin in a run, or begins with the controller",
-        "run"},
-       {"missing", types::word({"hold", "skip"}), "at a missing tick: old inputs, or no call", "hold"},
-       {"renamed", types::map(topic()), "from a topic of this map to its later name"},
-       age_key(),
-       {"controller", types::of(map_controller_form), "the controller that is fed"},
-       {"joints", one_or_more(source(joint_source_form)), "the topics of the joints' states"},
-       {"imus", one_or_more(types::of(imu_source_form)), "the topics of IMUs, gyros and accelerometers"},
-       {"wrenches", one_or_more(types::of(wrench_source_form)), "the topics of force sensors"},
-       {"cameras", one_or_more(types::of(camera_source_form)), "the topics of cameras"},
-       {"ranges", one_or_more(types::of(range_source_form)), "the topics of range sensors"},
-       {"joystick", source(joystick_source_form), "the topic of the joystick"},
-       {"root", source(root_source_form), "the topic of the root link's pose"},
-       {"commands", source(command_source_form), "the topic of the commands to compare with"},
-       {"state", types::of(state_source_form), "the topic of the state that a controller takes back"},
-       {"tolerances", types::list(types::of(tolerance_form)), "allowed differences from the log's commands"}},
-      {{"joints", "imus", "wrenches", "cameras", "ranges", "joystick", "root"}}};
+  Form form{"map",
+            "the map",
+            {{"rehearse_map", types::whole(1, 1), "version of the form", required},
+             {"body", types::name(), "names channels; default: the model's name"},
+             {"time_step", types::number(steps), "the controller's tick [s]", required},
+             {"tick", source(map_tick_form), "a topic of which each message is a tick"},
+             clock_key(),
+             {"start", types::text(), "all, first, a topic of this map, or a time [s]", "all"},
+             {"restart", one_or_more(types::number(moment_of_log)), "times at which the controller restarts [s]"},
+             {"begins", types::word({"run", "controller"}), "the log may begin in a run, or begins with the controller",
+              "run"},
+             {"missing", types::word({"hold", "skip"}), "at a missing tick: old inputs, or no call", "hold"},
+             {"renamed", types::map(topic()), "from a topic of this map to its later name"},
+             age_key(),
+             {"controller", types::of(map_controller_form), "the controller that is fed"},
+             {"joints", one_or_more(source(joint_source_form)), "the topics of the joints' states"},
+             {"joystick", source(joystick_source_form), "the topic of the joystick"},
+             {"root", source(root_source_form), "the topic of the root link's pose"},
+             {"commands", source(command_source_form), "the topic of the commands to compare with"},
+             {"state", types::of(state_source_form), "the topic of the state that a controller takes back"},
+             {"tolerances", types::list(types::of(tolerance_form)), "allowed differences from the log's commands"}},
+            {{"joints", "joystick", "root"}}};
+  const std::vector<FormKey> of_devices = device_keys();
+  for (const FormKey& key : of_devices) form.needed[0].insert(form.needed[0].end() - 2, key.name);
+  form.keys.insert(std::ranges::find(form.keys, "joystick", &FormKey::name), of_devices.begin(), of_devices.end());
+  return form;
+}
+
+}  // namespace
+
+const Form& map_form() {
+  static const Form form = make_map_form();
   return form;
 }
 

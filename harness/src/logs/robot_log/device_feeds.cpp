@@ -3,11 +3,13 @@
 #include <rehearse/messages.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <limits>
 
 #include "base/clock.h"
+#include "core/kinds/kinds.h"
 #include "log_feed.h"
 #include "log_track.h"
 #include "message_reader.h"
@@ -30,22 +32,53 @@ class DeviceFeed : public LogFeed {
   const Model& model_;
 };
 
-/// Six numbers: for an IMU the angular velocity and the specific force, for a force sensor the force and the torque.
+/// The numbers of a kind of message, read by the names of their fields.
+class NumberReader {
+ public:
+  NumberReader(const LogInput& input, const ros2msg::Schema& schema)
+      : form_(form_of_input(input)),
+        fields_(fields_of(input)),
+        decoder_(schema),
+        is_own_(has_layout_of(schema, form_.type, form_.schema())) {
+    REHEARSE_ASSERT(form_.numbers, "an input of numbers is of a kind with a NumberMessage");
+  }
+
+  /// Null if the payload doesn't fit the schema. Valid until the next call.
+  const std::vector<double>* read(mcap::Bytes payload) {
+    if (is_own_) return form_.numbers->decode(payload, numbers_) ? &numbers_ : nullptr;  // ten times as fast
+    numbers_.assign(fields_.size(), 0.0);
+    const bool fits = decoder_.decode(payload, [this](const ros2msg::Value& value) {
+      const auto field = std::ranges::find(fields_, value.path);
+      if (field != fields_.end() && value.is_number())
+        numbers_[static_cast<std::size_t>(field - fields_.begin())] = detail::number_of<double>(value);
+    });
+    return fits ? &numbers_ : nullptr;
+  }
+
+ private:
+  const ChannelForm& form_;
+  const std::vector<std::string> fields_;
+  ros2msg::Decoder decoder_;
+  const bool is_own_;  // the schema is that of the kind
+  std::vector<double> numbers_;
+};
+
+/// The numbers of inertial, force, contact and other sensors: for an IMU the angular velocity and the specific force.
 class NumberFeed : public DeviceFeed {
  public:
   NumberFeed(const DeviceSource& source, const Model& model, const ros2msg::Schema& schema)
-      : DeviceFeed(source, model), imu_(schema), wrench_(schema) {}
+      : DeviceFeed(source, model), reader_(*source.input, schema) {
+    for (const int index : source.devices)
+      fed_.push_back({index, static_cast<std::ptrdiff_t>(first_element(device(index))), value_count(device(index))});
+  }
 
   Result<void> take(std::int64_t time, mcap::Bytes payload) override {
-    if (source().kind == DeviceSource::Kind::imu) {
-      const msg::Imu* imu = imu_.read(payload);
-      if (!imu) return misfit(payload);
-      add(time, imu->angular_velocity, imu->linear_acceleration);
-    } else {
-      const msg::WrenchStamped* wrench = wrench_.read(payload);
-      if (!wrench) return misfit(payload);
-      add(time, wrench->wrench.force, wrench->wrench.torque);
-    }
+    const std::vector<double>* numbers = reader_.read(payload);
+    if (!numbers) return misfit(payload);
+    std::array<double, most_numbers> values{};
+    REHEARSE_ASSERT(numbers->size() <= values.size(), "a message of a sensor has few numbers");
+    std::ranges::copy(*numbers, values.begin());
+    track_.add(time, values);
     return {};
   }
 
@@ -54,34 +87,31 @@ class NumberFeed : public DeviceFeed {
     if (!span) return;
     if (span->after && static_cast<double>(span->after->time - span->before->time) * 1e-9 > source().max_age)
       span->after = nullptr;
-    std::array<double, 6> v = span->before->values;
+    std::array<double, most_numbers> v = span->before->values;
     if (span->after)
       for (std::size_t i = 0; i < v.size(); ++i) v[i] = mix(v[i], span->after->values[i], span->fraction);
     const bool fresh = span->after || !shown_ || *shown_ != span->before->time;
     shown_ = span->before->time;
-    for (const int index : source().devices) {
-      DeviceReading& reading = seen.bodies[0].devices[index];
+    for (const Fed& device : fed_) {
+      DeviceReading& reading = seen.bodies[0].devices[device.index];
       reading.fresh = reading.fresh || fresh;
       reading.measured_at = moment.seconds;
-      const DeviceKind& kind = device(index).kind;
-      if (std::holds_alternative<Accelerometer>(kind)) {
-        reading.values = {v[3], v[4], v[5]};
-      } else if (std::holds_alternative<Gyro>(kind)) {
-        reading.values = {v[0], v[1], v[2]};
-      } else {
-        reading.values.assign(v.begin(), v.end());
-      }
+      reading.values.assign(v.begin() + device.first, v.begin() + device.first + device.count);
     }
   }
 
  private:
-  void add(std::int64_t time, const msg::Vector3& a, const msg::Vector3& b) {
-    track_.add(time, {a.x, a.y, a.z, b.x, b.y, b.z});
-  }
+  static constexpr std::size_t most_numbers = 6;  // of a message
+  /// A device, and the numbers of a message that it measures.
+  struct Fed {
+    int index;
+    std::ptrdiff_t first;
+    int count;
+  };
 
-  MessageReader<msg::Imu> imu_;
-  MessageReader<msg::WrenchStamped> wrench_;
-  LogTrack<6> track_;
+  std::vector<Fed> fed_;
+  NumberReader reader_;
+  LogTrack<most_numbers> track_;
   std::optional<std::int64_t> shown_;  // time of the message that was delivered last [ns]
 };
 
@@ -164,7 +194,7 @@ class PictureFeed : public BulkFeed {
   }
 
   Result<void> show(const std::vector<std::byte>& payload, Observation& seen) override {
-    const bool is_depth = source().kind == DeviceSource::Kind::depth;
+    const bool is_depth = source().input->content == LogInput::Content::depth;
     const msg::Image* raw = is_raw_ ? raw_.read(payload) : nullptr;
     const msg::CompressedImage* compressed = is_raw_ ? nullptr : compressed_.read(payload);
     if (!raw && !compressed) return misfit(payload);
@@ -279,13 +309,13 @@ class CameraInfoFeed : public DeviceFeed {
 
 std::unique_ptr<LogFeed> make_device_feed(const DeviceSource& source, const Model& model, const LogTicks& ticks,
                                           const LogTopic& topic, const ros2msg::Schema& schema) {
-  switch (source.kind) {
-    case DeviceSource::Kind::imu:
-    case DeviceSource::Kind::wrench: return std::make_unique<NumberFeed>(source, model, schema);
-    case DeviceSource::Kind::picture:
-    case DeviceSource::Kind::depth: return std::make_unique<PictureFeed>(source, model, ticks, topic, schema);
-    case DeviceSource::Kind::ranges: return std::make_unique<RangeFeed>(source, model, ticks, topic, schema);
-    case DeviceSource::Kind::camera_info: return std::make_unique<CameraInfoFeed>(source, model, schema);
+  switch (source.input->content) {
+    case LogInput::Content::numbers: return std::make_unique<NumberFeed>(source, model, schema);
+    case LogInput::Content::picture:
+    case LogInput::Content::depth: return std::make_unique<PictureFeed>(source, model, ticks, topic, schema);
+    case LogInput::Content::ranges: return std::make_unique<RangeFeed>(source, model, ticks, topic, schema);
+    case LogInput::Content::camera_info: return std::make_unique<CameraInfoFeed>(source, model, schema);
+    case LogInput::Content::none: break;
   }
   return nullptr;
 }

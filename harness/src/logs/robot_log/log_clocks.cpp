@@ -27,10 +27,10 @@ struct HeaderOnly {
 /// A log time after which a stamp of 0 means that it isn't set [ns]: 11 days, longer than any log that begins at 0.
 constexpr std::uint64_t first_wall_time = 1'000'000'000'000'000;
 
-const char* suffix_of(DeviceSource::Kind kind) {
-  switch (kind) {
-    case DeviceSource::Kind::depth: return " (depth)";
-    case DeviceSource::Kind::camera_info: return " (info)";
+const char* suffix_of(LogInput::Content content) {
+  switch (content) {
+    case LogInput::Content::depth: return " (depth)";
+    case LogInput::Content::camera_info: return " (info)";
     default: return "";
   }
 }
@@ -154,7 +154,7 @@ std::vector<MappedSource> sources_of(const LogMap& map, const Model& model) {
   for (const DeviceSource& devices : map.devices) {
     std::vector<std::string> names;
     for (const int device : devices.devices) names.push_back(model.devices[device].name);
-    add(devices, fmt::format("{}{}", fmt::join(names, ", "), suffix_of(devices.kind))).devices = &devices;
+    add(devices, fmt::format("{}{}", fmt::join(names, ", "), suffix_of(devices.input->content))).devices = &devices;
   }
   if (map.joystick) add(*map.joystick, "joystick").joystick = &*map.joystick;
   if (map.root) add(*map.root, "root").root = &*map.root;

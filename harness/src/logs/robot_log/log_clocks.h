@@ -34,7 +34,9 @@ struct MappedSource {
 
   /// True if the first tick waits for it: a joystick sends only when it is moved, and commands and camera infos are no
   /// inputs.
-  bool is_awaited() const { return joints || root || (devices && devices->kind != DeviceSource::Kind::camera_info); }
+  bool is_awaited() const {
+    return joints || root || (devices && devices->input->content != LogInput::Content::camera_info);
+  }
 };
 
 /// The sources in the map's order; they point into it.

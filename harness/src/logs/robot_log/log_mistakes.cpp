@@ -146,19 +146,14 @@ class Requirements {
   }
 
   void check_device(const Device& device, int index) {
-    if (is_actuator(device)) return;  // it measures nothing
+    const LogInput* input = log_input_of(device);
+    if (!input) return;  // it measures nothing
     for (const DeviceSource& source : map_.devices)
-      if (source.kind != DeviceSource::Kind::camera_info &&
+      if (source.input->content != LogInput::Content::camera_info &&
           std::ranges::find(source.devices, index) != source.devices.end())
         return;
-    const char* key = "imus";
-    if (std::holds_alternative<ForceSensor>(device.kind)) key = "wrenches";
-    if (std::holds_alternative<Camera>(device.kind)) key = "cameras";
-    if (std::holds_alternative<RangeSensor>(device.kind)) key = "ranges";
-    const bool never = std::holds_alternative<ContactSensor>(device.kind);
     miss(fmt::format("device '{}'", device.name),
-         never ? "no message of a log has its measurements"
-               : fmt::format("{}: {{topic: ..., device: {}}} would give it", key, device.name));
+         fmt::format("{}: {{topic: ..., device: {}}} would give it", input->key, device.name));
   }
 
   const Model& model_;

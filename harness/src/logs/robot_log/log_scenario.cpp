@@ -63,7 +63,8 @@ void emit_cameras(YAML::Emitter& yaml, const LogScenarioParts& parts) {
   yaml << YAML::Key << "cameras" << YAML::Value << YAML::Flow << YAML::BeginSeq;
   std::vector<bool> named(parts.model.devices.size(), false);
   for (const DeviceSource& source : parts.map.devices) {
-    if (source.kind != DeviceSource::Kind::picture && source.kind != DeviceSource::Kind::depth) continue;
+    const LogInput::Content content = source.input->content;
+    if (content != LogInput::Content::picture && content != LogInput::Content::depth) continue;
     for (const int device : source.devices) {
       if (named[device]) continue;
       named[device] = true;

@@ -119,12 +119,15 @@ inline bool same_layout(const ros2msg::Schema& a, std::size_t of_a, const ros2ms
   });
 }
 
-/// True if the schema's payloads have the layout of T.
+/// True if the schema's payloads have the layout of a type with this definition.
+inline bool has_layout_of(const ros2msg::Schema& schema, std::string_view type, const std::string& definition) {
+  if (schema.encoding != ros2msg::Encoding::cdr) return false;
+  const auto own = ros2msg::Schema::parse(std::string(type), definition);
+  return own && same_layout(*own, 0, schema, 0);
+}
 template <msg::MessageStruct T>
 bool has_layout_of(const ros2msg::Schema& schema) {
-  if (schema.encoding != ros2msg::Encoding::cdr) return false;
-  const auto own = ros2msg::Schema::parse(T::type_name, msg::schema_text<T>());
-  return own && same_layout(*own, 0, schema, 0);
+  return has_layout_of(schema, T::type_name, msg::schema_text<T>());
 }
 
 template <msg::MessageStruct T>
