@@ -1,4 +1,5 @@
-// Runs and replays of check, record --verify, replay and branches begin in a process that has run no controller.
+// Runs and replays of check, record --verify, replay, golden noise and branches begin in a process that has run no
+// controller.
 #include <gmock/gmock.h>
 
 #include "command.h"
@@ -61,6 +62,17 @@ TEST_P(FirstRuns, AreAlikeForTwoBranches) {
     EXPECT_THAT(branch.out, HasSubstr("repeat their commands bit for bit"));
   }
   EXPECT_EQ(done({"diff", "one.mcap", "two.mcap", "--json"}).json()["equal"], true);
+}
+
+/// A second run would leave the tolerances at once.
+TEST_P(FirstRuns, AreAlikeForAllPerturbationsOfAMeasurementOfNoise) {
+  EXPECT_EQ(rehearse({"check", scenario_}, "REHEARSE_GOLDEN=new").status, 0);
+  const nlohmann::json noise = done({"golden", "noise", scenario_, "--json"}).json();
+  EXPECT_EQ(noise["not_kept"], "");
+  for (const nlohmann::json& perturbation : noise["perturbations"]) {
+    EXPECT_EQ(perturbation["within"], true) << perturbation;
+    EXPECT_EQ(perturbation["horizon"], nullptr) << perturbation;
+  }
 }
 
 /// The level plant draws, too: a process that has drawn pictures can't fork one that draws.

@@ -11,6 +11,7 @@
 #include "core/trace/run_facts.h"
 #include "model/clock.h"
 #include "noise_floor.h"
+#include "own_run.h"
 #include "perturbed_run.h"
 
 namespace rehearse {
@@ -178,7 +179,7 @@ Result<void> NoiseMeasurement::nudged(Step& step) {
   PlantOptions moving;
   moving.nudge = step.nudge;
   const fs::path file = options_.scratch / "perturbed.mcap";
-  const auto plant = simulation_.run_plant(scenario_, recording_, file, moving);
+  const auto plant = own_plant(simulation_.run_plant)(scenario_, recording_, file, moving);
   if (!plant) return plant.errors();
   if (plant->failure) return *plant->failure;
   if (auto done = take_plant(file, step.perturbation); !done) return done;
@@ -186,7 +187,7 @@ Result<void> NoiseMeasurement::nudged(Step& step) {
   RecordOptions running;
   static_cast<HostOptions&>(running) = options_.host;
   running.nudge = step.nudge;
-  const auto closed = simulation_.record(scenario_, file, running);
+  const auto closed = own_run([&]() -> Result<RunSummary> { return simulation_.record(scenario_, file, running); });
   if (!closed) return closed.errors();
   if (closed->failure) return *closed->failure;
   return take_closed(file, step.perturbation);

@@ -11,6 +11,7 @@
 #include "core/golden/golden_files.h"
 #include "core/guard/interruption.h"
 #include "core/mcap/hashing.h"
+#include "own_run.h"
 
 namespace rehearse {
 namespace {
@@ -88,22 +89,23 @@ Result<void> make_perturbed_run(const PerturbedRun& run, const Simulation& simul
   if (!scenario) return scenario.errors();
   scenario->duration = run.duration;
   Json report{{"mathematics", hash_of_mathematics()}, {"commands", Json::array()}, {"beyond", nullptr}};
-  if (run.controller)
-    if (auto done = replay_into(run, *scenario, report); !done) return done;
   if (run.plant) {
     const auto recording = Trace::load(run.recording);
     if (!recording) return recording.errors();
-    const auto plant = simulation.run_plant(*scenario, *recording, run.folder / "plant.mcap", {});
+    const auto plant = own_plant(simulation.run_plant)(*scenario, *recording, run.folder / "plant.mcap", {});
     if (!plant) return plant.errors();
     if (plant->failure) return *plant->failure;
   }
   if (run.closed) {
     RecordOptions options;
     static_cast<HostOptions&>(options) = run.host;
-    const auto closed = simulation.record(*scenario, run.folder / "closed.mcap", options);
+    const auto closed = own_run(
+        [&]() -> Result<RunSummary> { return simulation.record(*scenario, run.folder / "closed.mcap", options); });
     if (!closed) return closed.errors();
     if (closed->failure) return *closed->failure;
   }
+  if (run.controller)  // last: this process itself runs the controllers
+    if (auto done = replay_into(run, *scenario, report); !done) return done;
   std::ofstream stream(run.folder / report_file);
   stream << report.dump(1);
   stream.close();
