@@ -1,5 +1,5 @@
-// Runs and replays of check, record --verify, replay, golden noise and branches begin in a process that has run no
-// controller.
+// Runs and replays of check, record --verify, replay (of logs, too), golden noise and branches begin in a process that
+// has run no controller.
 #include <gmock/gmock.h>
 
 #include "command.h"
@@ -73,6 +73,47 @@ TEST_P(FirstRuns, AreAlikeForAllPerturbationsOfAMeasurementOfNoise) {
     EXPECT_EQ(perturbation["within"], true) << perturbation;
     EXPECT_EQ(perturbation["horizon"], nullptr) << perturbation;
   }
+}
+
+/// The log of a pendulum: a recording of this controller.
+class LogOfAPendulum : public OwnProcesses {
+ protected:
+  LogOfAPendulum(const char* library = COUNTS_RUNS) : library_(library) {
+    add("a", library_);
+    done({"record", "scenarios/a.yaml", "-o", "log.mcap"});
+  }
+  Outcome replay(const std::string& rest_of_map) const {
+    write("map.yaml", "rehearse_map: 1\ntime_step: 0.001\nbody: Pendulum\njoints: /Pendulum/joints\ncommands: " +
+                          commands_ + "\n" + rest_of_map);
+    return rehearse({"replay", "log.mcap", "--controller", library_, "--model",
+                     (fixtures / "models/pendulum.urdf").string(), "--map", "map.yaml", "--json"});
+  }
+  const std::string library_, commands_ = "/Pendulum/Swing/output/joints";
+};
+
+TEST_F(LogOfAPendulum, HasOneForEachControllerThatStartsInIt) {
+  const nlohmann::json report = replay("restart: [0.0195, 0.0295]\n").json();
+  EXPECT_EQ(report["equal"], true) << report;
+  ASSERT_EQ(report["after_restarts"].size(), 2u);
+  for (const nlohmann::json& part : report["after_restarts"]) EXPECT_EQ(part["equal"], true) << part;
+}
+
+class LogOfDraws : public LogOfAPendulum {
+ protected:
+  LogOfDraws() : LogOfAPendulum(DRAWS) {}
+};
+
+/// The map lets the controller start with the first command, which is recorded only from tick 15 on. Its numbers
+/// agree if it starts before: in a process that has drawn none.
+TEST_F(LogOfDraws, HasOneForEachOtherReadingOfTheMap) {
+  done({"filter", "log.mcap", "--exclude", commands_, "-o", "inputs.mcap"});
+  done({"filter", "log.mcap", "--topics", commands_, "--from", "0.0145", "-o", "commands.mcap"});
+  fs::remove(folder() / "log.mcap");
+  done({"merge", "inputs.mcap", "commands.mcap", "-o", "log.mcap"});
+  const Outcome outcome = replay("start: " + commands_ + "\n");
+  EXPECT_EQ(outcome.status, 4) << outcome.err;
+  EXPECT_EQ(outcome.json()["cause"]["lines"], nlohmann::json{"start: first"}) << outcome.out;
+  EXPECT_EQ(outcome.json()["cause"]["different"], 0);
 }
 
 /// The level plant draws, too: a process that has drawn pictures can't fork one that draws.

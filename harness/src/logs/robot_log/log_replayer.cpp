@@ -9,9 +9,11 @@
 #include <limits>
 #include <utility>
 
+#include "core/guard/own_process.h"
 #include "core/host/given_state.h"
 #include "core/mcap/hashing.h"
 #include "core/recording/provenance.h"
+#include "log_answers.h"
 #include "log_mistakes.h"
 #include "log_scenario.h"
 #include "model/clock.h"
@@ -152,13 +154,20 @@ Result<LogReplayReport> LogReplayer::run(const std::vector<LogTopic>& topics, st
   observations_.emplace(map_, *model_, sources_, survey_, *log_ticks_, plan_ ? &*plan_ : nullptr);
   if (auto made = observations_->make_feeds(topics); !made) return made.errors();
   if (options_.memory) observations_->watch_order(*times_);
+  auto made = in_own_process<Fed>([this] { return feed(); });
+  if (!made) return made.errors();
+  if (options_.commands) *options_.commands = std::move(made->second);
+  return std::move(made->first);
+}
+
+Result<LogReplayer::Fed> LogReplayer::feed() {
   read_in_order(log_, channels_of(log_, sources_),
                 [this](const mcap::Message& message) { return on_message(message); });
   if (errors_.empty())
     if (auto done = run_ticks_before(std::numeric_limits<std::int64_t>::max()); !done) errors_ = done.errors();
   if (!errors_.empty()) return errors_;
   if (auto done = finish(); !done) return done.errors();
-  return std::move(report_);
+  return Fed(std::move(report_), options_.commands ? *options_.commands : CommandRecord());
 }
 
 bool LogReplayer::on_message(const mcap::Message& message) {
