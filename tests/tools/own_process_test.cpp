@@ -21,6 +21,17 @@ class OwnProcesses : public Command {
     const std::string pendulum = read_file(Command::pendulum(library, options));
     write("scenarios/" + name + ".yaml", pendulum + "golden: P." + name + "\n");
   }
+  /// A scenario with a camera, and `more` lines.
+  void add_eye(const std::string& scenario, const std::string& more = "") const {
+    write("eye.urdf",
+          "<robot name=\"Eye\"><link name=\"WALL\"/><gazebo reference=\"WALL\"><sensor name=\"Lens\" type=\"camera\">"
+          "<update_rate>100</update_rate><camera><horizontal_fov>1</horizontal_fov>"
+          "<image><width>16</width><height>12</height></image></camera></sensor></gazebo></robot>");
+    write(scenario,
+          more + "rehearse: 1\nduration: 0.05\nbodies:\n  - {name: Eye, model: " + (folder() / "eye.urdf").string() +
+              ", position: [2, 0, 1]}\n  - {name: Ball, sphere: {radius: 0.1}, mass: 1, position: [0, 0, 1]}\n" +
+              "cameras: [Eye/Lens]\n");
+  }
 };
 
 /// Controllers that depend on the runs before theirs in one process, and on nothing else: a static counter, and rand()
@@ -75,6 +86,15 @@ TEST_P(FirstRuns, AreAlikeForAllPerturbationsOfAMeasurementOfNoise) {
   }
 }
 
+TEST_P(FirstRuns, AreAlikeForTestsWithGoogleTest) {
+  pendulum(GetParam());
+  const std::vector<std::string> of_pendulum{"--gtest_filter=Pendulum.*:Replay.*"};
+  for (const char* environment : {"REHEARSE_GOLDEN=new", "REHEARSE_PROOF=off", "REHEARSE_PROOF=on"}) {
+    const Outcome outcome = run(FIRST_RUNS, of_pendulum, environment);
+    EXPECT_EQ(outcome.status, 0) << environment << "\n" << outcome.out << outcome.err;
+  }
+}
+
 /// The log of a pendulum: a recording of this controller.
 class LogOfAPendulum : public OwnProcesses {
  protected:
@@ -118,20 +138,22 @@ TEST_F(LogOfDraws, HasOneForEachOtherReadingOfTheMap) {
 
 /// The level plant draws, too: a process that has drawn pictures can't fork one that draws.
 TEST_F(OwnProcesses, DrawThePicturesOfAllRunsOfACheck) {
-  write("eye.urdf",
-        "<robot name=\"Eye\"><link name=\"WALL\"/><gazebo reference=\"WALL\"><sensor name=\"Lens\" type=\"camera\">"
-        "<update_rate>100</update_rate><camera><horizontal_fov>1</horizontal_fov>"
-        "<image><width>16</width><height>12</height></image></camera></sensor></gazebo></robot>");
   for (const char* name : {"a", "b"})
-    write(std::string("scenarios/") + name + ".yaml",
-          std::string("rehearse: 1\nduration: 0.05\ngolden: Eye.") + name +
-              "\nbodies:\n  - {name: Eye, model: ../eye.urdf, position: [2, 0, 1]}\n"
-              "  - {name: Ball, sphere: {radius: 0.1}, mass: 1, position: [0, 0, 1]}\ncameras: [Eye/Lens]\n");
+    add_eye(std::string("scenarios/") + name + ".yaml", std::string("golden: Eye.") + name + "\n");
   const std::vector<std::string> all{"check", "scenarios/a.yaml", "scenarios/b.yaml", "-j1", "--simulate"};
   EXPECT_EQ(rehearse(all, "REHEARSE_GOLDEN=new").status, 0);
   const Outcome simulated = rehearse(all);
   EXPECT_EQ(simulated.status, 0) << simulated.out << simulated.err;
   EXPECT_THAT(simulated.out, HasSubstr("b: equal bit for bit"));
+}
+
+TEST_F(OwnProcesses, DrawThePicturesOfTestsWhoseProcessHasDrawn) {
+  add_eye("eye.yaml");
+  const Outcome outcome = run(FIRST_RUNS, {"--gtest_filter=Eye.*"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("[  FAILED  ] Eye.IsRed"));
+  EXPECT_THAT(outcome.out, HasSubstr("[       OK ] Eye.SeesAfterThisProcessHasDrawn")) << outcome.err;
+  EXPECT_TRUE(exists("traces/index.html"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, FirstRuns, ::testing::Values(COUNTS_RUNS, DRAWS),

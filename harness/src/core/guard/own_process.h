@@ -23,6 +23,9 @@ Result<std::string> call_in_own_process(const std::function<std::string()>& work
 /// True if call_in_own_process() forks.
 bool has_own_processes();
 
+/// True if it forks, and such a fork has run no controller: this process has loaded none.
+bool begin_without_guests();
+
 /// Calls `make` in such a process and passes its result on.
 template <class Outcome>
 Result<Outcome> in_own_process(const std::function<Result<Outcome>()>& make) {
