@@ -66,6 +66,22 @@ void null_write() {
   *nowhere = 1;
 }
 
+/// The C library writes through it.
+void copy_to_null() {
+  char* volatile nowhere = nullptr;
+  const char source[64] = {};
+  volatile std::size_t size = sizeof source;
+  std::memcpy(nowhere, source, size);
+  asm volatile("" : : : "memory");
+}
+
+/// The C library reads through it.
+void measure_null() {
+  char* volatile nowhere = nullptr;
+  volatile std::size_t length = std::strlen(nowhere);
+  static_cast<void>(length);
+}
+
 /// 50 MB in each hundredth of a second, up to 4 GB.
 void leak() {
   constexpr std::size_t size = 50'000'000;
@@ -119,6 +135,8 @@ void past_the_library(const std::string& deed) {
                 reinterpret_cast<long>(words + 1));
   }
   if (deed == "kill") kill(getpid(), SIGKILL);
+  if (deed == "memcpy_null") copy_to_null();
+  if (deed == "strlen_null") measure_null();
   if (deed == "term") kill(getpid(), SIGTERM);
   if (deed == "overrun") overrun(200);
   if (deed == "thread_crash") std::thread(null_write).join();

@@ -27,6 +27,7 @@
 
 #include "c_library.h"
 #include "exception_text.h"
+#include "guest_frame.h"
 #include "interruption.h"
 #include "process_end.h"
 #include "process_guard.h"
@@ -176,6 +177,7 @@ bool is_fault(int signal_number) {
 }
 
 extern "C" void leave_guarded_code(int signal_number, siginfo_t* fault, void* interrupted) {
+  end_walk_of_frames();
   const bool overflowed = (signal_number == SIGSEGV || signal_number == SIGBUS) &&
                           is_stack_overflow(*fault, *static_cast<const ucontext_t*>(interrupted));
   const bool in_library = is_in_library(*static_cast<const ucontext_t*>(interrupted));
@@ -183,15 +185,16 @@ extern "C" void leave_guarded_code(int signal_number, siginfo_t* fault, void* in
                      : in_library && signal_number == SIGABRT ? damaged_heap
                                                               : signal_number;
   end_if_ending(signal_number == hang_signal ? nullptr : describe_signal(reason));
+  const void* place = is_fault(signal_number) ? program_counter(*static_cast<const ucontext_t*>(interrupted)) : nullptr;
+  if (place && !overflowed && in_controllers_code()) place = guest_frame_of(place);
   if (in_library && !is_forked_by_guest()) {
     // The process can't go on: its next call of the function may wait for ever. Its parent reports the failure.
-    if (in_guarded_call() && thread_failure.state == 2) fail_process_by_thread(thread_failure.deed);
-    if (in_guarded_call()) fail_process(signal_number == hang_signal ? nullptr : describe_signal(reason));
-    if (own_threads && signal_number != hang_signal) fail_process_by_thread(describe_signal(reason));
+    if (in_guarded_call() && thread_failure.state == 2)
+      fail_process_by_thread(thread_failure.deed, thread_failure.place);
+    if (in_guarded_call()) fail_process(signal_number == hang_signal ? nullptr : describe_signal(reason), place);
+    if (own_threads && signal_number != hang_signal) fail_process_by_thread(describe_signal(reason), place);
     if (in_guarded_call() && dies_in_library && signal_number != hang_signal) leave_process(128 + signal_number);
   }
-  const void* const place =
-      is_fault(signal_number) ? program_counter(*static_cast<const ucontext_t*>(interrupted)) : nullptr;
   if (in_guarded_call()) {
     crash_place = place;
     guarding = 0;
@@ -309,6 +312,7 @@ void install_handlers() {
   if (installed) return;
   installed = true;
   find_library_code();
+  prepare_guest_frames();
   outside_terminate = std::set_terminate(end_after_terminate);
   struct sigaction action {};
   action.sa_sigaction = leave_guarded_code;

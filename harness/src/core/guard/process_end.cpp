@@ -135,6 +135,12 @@ void note_own_libraries() {
 
 bool has_loaded_guests() { return guests().are_loaded; }
 
+bool is_code_of_guest(const void* place) {
+  dl_find_object object;
+  if (!has_loaded_guests() || _dl_find_object(const_cast<void*>(place), &object) != 0) return false;
+  return !guests().is_own(object.dlfo_link_map->l_addr);
+}
+
 void guard_process_end(const std::string& controller, double limit) {
   char(&known)[sizeof(Guests::controllers)] = guests().controllers;
   if (std::string_view(known).find(controller) == std::string_view::npos &&
