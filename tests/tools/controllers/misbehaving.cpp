@@ -82,6 +82,13 @@ void measure_null() {
   static_cast<void>(length);
 }
 
+/// In the C library; a signal that is handled doesn't end it.
+void wait_for_ever() {
+  int ends[2];
+  char nothing = 0;
+  if (pipe(ends) == 0) static_cast<void>(!read(ends[0], &nothing, 1));
+}
+
 /// 50 MB in each hundredth of a second, up to 4 GB.
 void leak() {
   constexpr std::size_t size = 50'000'000;
@@ -218,6 +225,7 @@ class Misbehaving : public cnoid::SimpleController {
     if (deed_ == "overflow") overflow_stack();
     if (deed_ == "print") std::printf("%s\n", std::string(10000, 'x').c_str());
     if (deed_ == "hang") spin();
+    if (deed_ == "wait") wait_for_ever();
     if (deed_ == "leak") leak();
     past_the_library(deed_);
   }

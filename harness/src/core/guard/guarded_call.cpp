@@ -22,6 +22,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <iterator>
+#include <optional>
 #include <string_view>
 #include <thread>
 
@@ -220,9 +221,8 @@ class Watchdog {
   /// A forked process lacks its parent's watchdog thread.
   static void forget() { watchdog_ = nullptr; }
 
-  void begin(double limit, bool yields) {
+  void begin(double limit) {
     limit_.store(limit, std::memory_order_relaxed);
-    yields_.store(yields, std::memory_order_relaxed);
     calls_.fetch_add(1);  // odd: a call is running
     if (sleeps_.load() != 0) wake();
   }
@@ -260,8 +260,10 @@ class Watchdog {
   [[noreturn]] void watch() {
     std::uint64_t seen = 0;
     clock::time_point since = clock::now();
+    std::optional<clock::time_point> signalled;
     for (;;) {
       std::this_thread::sleep_for(look_period());
+      if (!signalled && interruption() != 0) signalled = clock::now();
       const std::uint64_t calls = calls_.load(std::memory_order_acquire);
       if (calls != seen) {
         seen = calls;
@@ -272,9 +274,11 @@ class Watchdog {
         sleep_after(calls);
         continue;
       }
-      const std::chrono::duration<double> age = clock::now() - since;
-      const bool is_signalled = yields_.load(std::memory_order_relaxed) && interruption() != 0;
-      if (age.count() > limit_.load(std::memory_order_relaxed) || (is_signalled && age.count() > limit_after_signal)) {
+      const auto seconds_from = [](clock::time_point past) {
+        return std::chrono::duration<double>(clock::now() - past).count();
+      };
+      if (seconds_from(since) > limit_.load(std::memory_order_relaxed) ||
+          (signalled && seconds_from(std::max(since, *signalled)) > limit_after_signal)) {
         if (!is_traced()) pthread_kill(guarded_thread, hang_signal);
         since = clock::now();
       }
@@ -284,7 +288,6 @@ class Watchdog {
   static inline Watchdog* watchdog_ = nullptr;
   std::atomic<std::uint64_t> calls_{0};
   std::atomic<double> limit_{0.0};
-  std::atomic<bool> yields_{false};
   std::atomic<std::uint32_t> sleeps_{0};  // a futex: 1: no calls are made, and begin() has to wake the thread
 };
 
@@ -358,7 +361,7 @@ void end_process_at_library_crashes() { dies_in_library = 1; }
 void guard_rest_of_process(double limit) {
   guarded_thread = pthread_self();
   provide_signal_stack();
-  Watchdog::instance().begin(limit, true);
+  Watchdog::instance().begin(limit);
 }
 
 /// Leaves a gap in the stack above it, so that an array overrun reaches the gap instead of the host's frames.
@@ -379,7 +382,7 @@ void take_thread_failure(CallOutcome& outcome) {
   thread_failure.state.store(0, std::memory_order_release);
 }
 
-CallOutcome guarded_call(const std::function<void()>& code, double limit, bool yields) {
+CallOutcome guarded_call(const std::function<void()>& code, double limit) {
   REHEARSE_ASSERT(!guarding, "guarded calls don't nest");
   prepare_guarded_calls();
   guarded_thread = pthread_self();
@@ -388,7 +391,7 @@ CallOutcome guarded_call(const std::function<void()>& code, double limit, bool y
   if (!(mode_before == standard)) set_float_mode(standard);
   CallOutcome outcome;
   crash_place = nullptr;
-  Watchdog::instance().begin(limit, yields);
+  Watchdog::instance().begin(limit);
   const int signal_number = sigsetjmp(return_point, 0);
   if (signal_number == 0) {
     guarding = 1;
@@ -406,8 +409,7 @@ CallOutcome guarded_call(const std::function<void()>& code, double limit, bool y
   outcome.changed_float_mode = !(outcome.float_mode == standard);
   if (!(outcome.float_mode == mode_before)) set_float_mode(mode_before);
   if (outcome.end == CallEnd::hung)
-    outcome.what = yields && interruption() != 0 ? "did not return, and a signal had ended the run"
-                                                 : fmt::format("did not return within {} s", limit);
+    outcome.what = lateness(limit, interruption());
   else if (outcome.end == CallEnd::exited || signal_number == abort_by_deed)
     outcome.what = last_deed;
   else if (outcome.end == CallEnd::crashed)

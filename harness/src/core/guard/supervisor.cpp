@@ -110,6 +110,8 @@ class Parent {
   NotedCall call_;              // the last whose seal was right
   bool gave_terminal_ = false;  // the terminal signals the child, not this process
   bool hung_ = false;
+  int interrupted_ = 0;  // the first signal from outside that ends runs; 0: none
+  std::chrono::steady_clock::time_point interrupted_at_;
   bool damaged_ = false;  // a controller has written into memory that this process reads
   const double default_memory_limit_ = default_memory_limit();  // [bytes]
   double memory_limit_ = 0.0;                                   // the limit that the child exceeded [bytes]
@@ -149,7 +151,8 @@ void Parent::run() {
   text += close_traces();
   std::fputs(text.c_str(), stderr);
   if (tell_failure) tell_failure(sentence());
-  leave(controller_failed);
+  const bool is_late = hung_ || notes->hung == 1;
+  leave(is_late && interrupted_ != 0 ? 128 + interrupted_ : controller_failed);
 }
 
 bool Parent::has_ended() {
@@ -175,6 +178,11 @@ void Parent::pass_on(const siginfo_t& signal) {
   const pid_t runner = this->runner();
   if (signal.si_code <= 0 && (signal.si_pid == child_ || signal.si_pid == runner)) return;
   sigaddset(&received_, signal.si_signo);
+  const int number = signal.si_signo;
+  if (interrupted_ == 0 && (number == SIGINT || number == SIGTERM || number == SIGHUP)) {
+    interrupted_ = number;
+    interrupted_at_ = std::chrono::steady_clock::now();
+  }
   kill(child_, signal.si_signo);
   if (runner != child_) kill(runner, signal.si_signo);
 }
@@ -228,7 +236,10 @@ void Parent::look_for_hang() {
     since_ = now;
     looked_ = now;
   }
-  if (!look_at_call() || seconds_since(since_) < call_.limit + patience) return;
+  const double age = seconds_since(since_);
+  const bool is_late =
+      interrupted_ != 0 && std::min(age, seconds_since(interrupted_at_)) > limit_after_signal + patience;
+  if (!look_at_call() || (age < call_.limit + patience && !is_late)) return;
   if (is_traced_by_other(child_) || is_traced_by_other(runner())) return;
   if (call_.function != std::string_view(destroying)) {
     hung_ = true;
@@ -289,7 +300,7 @@ std::string Parent::sentence() const {
     return "a controller wrote over memory that it shares with its supervisor" +
            (controller.empty() ? "" : fmt::format("; the last known call: controller '{}' {}", controller, where));
   if (hung_ || notes->hung == 1)
-    return fmt::format("controller '{}' did not return within {} s {}", controller, call_.limit, where);
+    return fmt::format("controller '{}' {} {}", controller, lateness(call_.limit, interrupted_), where);
   if (memory_limit_ > 0.0) {
     const bool in_call = notes->calls % 2 == 1;
     return fmt::format("{} took more than {:.0f} MB of memory{} {}",
