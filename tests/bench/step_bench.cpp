@@ -3,7 +3,7 @@
 #include <rehearse/session.h>
 #include <rehearse/trace.h>
 
-#include "model/clock.h"
+#include "base/clock.h"
 #include "pairs.h"
 #include "sr1_run.h"
 #include "viewing/stepping/tick_view.h"

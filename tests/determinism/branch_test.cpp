@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "base/clock.h"
 #include "fixture_scenarios.h"
-#include "model/clock.h"
 #include "support/temporary_folder.h"
 
 namespace rehearse {
@@ -60,9 +60,8 @@ class Branches : public ::testing::TestWithParam<FixtureCase> {
   const test::TemporaryFolder folder_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Of, Branches, ::testing::ValuesIn(fixture_cases()), [](const auto& of) {
-  return of.param.name + "_" + name_of(of.param.solver);
-});
+INSTANTIATE_TEST_SUITE_P(Of, Branches, ::testing::ValuesIn(fixture_cases()),
+                         [](const auto& of) { return of.param.name + "_" + name_of(of.param.solver); });
 
 TEST_P(Branches, WithoutAnyChangeAreTheirSource) {
   auto scenario = Scenario::load(fs::path(FIXTURES_DIR) / "scenarios" / (GetParam().name + ".yaml"));

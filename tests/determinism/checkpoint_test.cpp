@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "base/clock.h"
 #include "fixture_scenarios.h"
-#include "model/clock.h"
 #include "support/temporary_folder.h"
 
 namespace rehearse {
@@ -32,9 +32,8 @@ class Checkpoints : public ::testing::TestWithParam<FixtureCase> {
   const test::TemporaryFolder folder_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Of, Checkpoints, ::testing::ValuesIn(fixture_cases()), [](const auto& of) {
-  return of.param.name + "_" + name_of(of.param.solver);
-});
+INSTANTIATE_TEST_SUITE_P(Of, Checkpoints, ::testing::ValuesIn(fixture_cases()),
+                         [](const auto& of) { return of.param.name + "_" + name_of(of.param.solver); });
 
 /// Each message of `later` is the same bytes in `recording`; those of pictures and scans that had been captured before
 /// may be missing there, nothing else. Returns how many were compared.

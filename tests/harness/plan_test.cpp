@@ -1,7 +1,7 @@
 // Sobol's sequence and Latin hypercubes as plans of campaigns.
+#include "base/text.h"
 #include "campaigns/plan/case_values.h"
 #include "campaigns/plan/plan_points.h"
-#include "model/text.h"
 #include "scenario_files.h"
 
 #include <gmock/gmock.h>

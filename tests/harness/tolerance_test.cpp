@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "core/mcap/glob.h"
+#include "base/glob.h"
 
 namespace rehearse {
 namespace {

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "core/mcap/hashing.h"
+#include "base/hashing.h"
 #include "core/trace/filter.h"
 #include "gtest/testing/test_recordings.h"
 #include "small_traces.h"

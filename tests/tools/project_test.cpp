@@ -6,8 +6,8 @@
 
 #include <array>
 
+#include "base/file_descriptor.h"
 #include "command.h"
-#include "model/file_descriptor.h"
 
 namespace rehearse::test {
 namespace {

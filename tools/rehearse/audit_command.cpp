@@ -12,13 +12,13 @@
 #include <vector>
 
 #include "audit_mode.h"
+#include "base/replaceable.h"
+#include "base/write_hint.h"
 #include "command.h"
 #include "core/golden/stale_report.h"
 #include "core/guard/interruption.h"
-#include "core/mcap/replaceable.h"
 #include "coverage_text.h"
 #include "instruction_check.h"
-#include "model/write_hint.h"
 #include "options.h"
 #include "output.h"
 #include "progress.h"
@@ -199,7 +199,7 @@ Result<void> check_page(const std::string& html) {
   if constexpr (!has_viewing) {
     return left_out("--html", "viewing");
   } else {
-    if (const auto page = report_page(); !page) return page.errors();
+    REHEARSE_TRY(report_page());
     return check_replaceable(html, report_magic, "report");
   }
 }

@@ -151,22 +151,20 @@ Result<CheckReport> check(const CheckSettings& settings, const Scenario& scenari
   Progress progress("checking " + scenario.name,
                     settings.check.controller + settings.check.plant + settings.check.closed);
   CheckOptions options = settings.check;
-  const auto proving = proof_mode();
-  if (!proving) return proving.errors();
-  if (proving->on && !settings.simulate) options.certificates = pending_folder() / "proofs";
-  options.sampled = proving->sampled;
+  const auto proving = REHEARSE_TRY(proof_mode());
+  if (proving.on && !settings.simulate) options.certificates = pending_folder() / "proofs";
+  options.sampled = proving.sampled;
   options.run.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
   if (is_interposed()) options.run.watch = &watch;
   const Simulation simulation{record_whole, run_plant, describe_plant, record_whole_from};
   if (const fs::path golden = named_golden(settings, scenario); !golden.empty())
     return check_scenario(scenario, golden, folder / (scenario.name + ".mcap"), options, simulation);
-  const auto mode = golden_mode();
-  if (!mode) return mode.errors();
+  const auto mode = REHEARSE_TRY(golden_mode());
   // check_golden reports a scenario that names no golden
-  const auto goldens = scenario.golden.empty() ? Result<fs::path>(fs::path()) : find_golden_folder(scenario.file);
-  if (!goldens) return goldens.errors();
-  GoldenStore store(*goldens, folder);
-  return check_golden(scenario, store, *mode, options, simulation);
+  const auto goldens =
+      REHEARSE_TRY(scenario.golden.empty() ? Result<fs::path>(fs::path()) : find_golden_folder(scenario.file));
+  GoldenStore store(goldens, folder);
+  return check_golden(scenario, store, mode, options, simulation);
 }
 
 /// The file name of a run's trace.
@@ -234,9 +232,8 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
   if (!settings.json) tell_verdict(checked, settings.verbose);
   checked.line_advice = line_advice(scenario, checked.report, golden_of(settings, scenario), settings.check.run);
   add_page(settings, scenario, waiting.folder() / (name + ".mcap"), checked);
-  const auto told = waiting.publish(checked.report.message);
-  if (!told) return told.errors();
-  if (!told->empty()) checked.report.remarks.push_back(*told);
+  const auto told = REHEARSE_TRY(waiting.publish(checked.report.message));
+  if (!told.empty()) checked.report.remarks.push_back(told);
   if (checked.page) checked.page->file = pending_folder() / checked.page->file.lexically_relative(waiting.folder());
   return checked;
 }
@@ -245,12 +242,11 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
 Result<CheckOutcome> check_one(const CheckSettings& settings, const Scenario& scenario,
                                const std::vector<std::string>& notes) {
   tell_warnings(scenario);
-  const auto checked = check_beside_others(settings, scenario, notes);
-  if (!checked) return checked.errors();
-  if (!settings.json) tell_files(*checked, settings.verbose);
-  tell_missed_deadlines(control_times_of(checked->report), settings.deadline);
-  CheckOutcome outcome = outcome_of(scenario, *checked, settings.json);
-  outcome.history = history_line(settings.stamp, scenario.name, checked->report);
+  const auto checked = REHEARSE_TRY(check_beside_others(settings, scenario, notes));
+  if (!settings.json) tell_files(checked, settings.verbose);
+  tell_missed_deadlines(control_times_of(checked.report), settings.deadline);
+  CheckOutcome outcome = outcome_of(scenario, checked, settings.json);
+  outcome.history = history_line(settings.stamp, scenario.name, checked.report);
   return outcome;
 }
 
@@ -285,10 +281,9 @@ Exit check_side_by_side(const CheckSettings& settings, const std::vector<std::st
   std::size_t done = 0;
   const auto make = [&](std::size_t i) -> Result<MadePart> {
     begin_own_processes();
-    const auto outcome = check_file(settings, files[i], false);
-    if (!outcome) return outcome.errors();
-    if (!*outcome) return MadePart{};
-    return MadePart{form_of(**outcome), (*outcome)->exit == Exit::controller_failed};
+    const auto outcome = REHEARSE_TRY(check_file(settings, files[i], false));
+    if (!outcome) return MadePart{};
+    return MadePart{form_of(*outcome), outcome->exit == Exit::controller_failed};
   };
   const auto take = [&](const std::string& form) {
     const std::string& file = files[done++];

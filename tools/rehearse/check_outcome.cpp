@@ -12,6 +12,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/write_hint.h"
 #include "control_times.h"
 #include "core/check/check_json.h"
 #include "core/check/compared.h"
@@ -21,7 +22,6 @@
 #include "core/scenario/trace_scenario.h"
 #include "core/simulation/recorded_view.h"
 #include "core/trace/run_facts.h"
-#include "model/write_hint.h"
 #include "scenario_text.h"
 #include "viewing/report/report_index.h"
 #include "wings.h"
@@ -182,9 +182,8 @@ void each_member(Passed<CheckOutcome> auto& outcome, auto& each) {
 
 Result<Scenario> read_scenario(const std::string& file) {
   if (!file.ends_with(".mcap")) return Scenario::load(file);
-  const auto trace = mcap::Reader::open(file);
-  if (!trace) return trace.errors();
-  if (RunFacts::of(**trace).is_of_log) return scenario_of(**trace);
+  const auto trace = REHEARSE_TRY(mcap::Reader::open(file));
+  if (RunFacts::of(*trace).is_of_log) return scenario_of(*trace);
   return error_in(file, "it isn't a recording of a robot's log", "check the scenario, with --golden and this trace");
 }
 

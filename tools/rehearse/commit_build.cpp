@@ -30,12 +30,11 @@ std::string end_of(const std::string& text) {
 Result<std::string> run_or_fail(std::vector<std::string> words, const std::string& what) {
   const std::string program = words[0];
   if (find_program(program).empty()) return error(fmt::format("{}: there is no {} on the PATH", what, program));
-  const auto output = run(std::move(words));
-  if (!output) return output.errors();
-  if (output->status != 0)
-    return error(fmt::format("{} fails: {}", what, plain_text(end_of(output->text))),
+  const auto output = REHEARSE_TRY(run(std::move(words)));
+  if (output.status != 0)
+    return error(fmt::format("{} fails: {}", what, plain_text(end_of(output.text))),
                  "build that commit yourself, and name its library: --beside OLD.so");
-  return output->text;
+  return output.text;
 }
 
 /// What git rev-parse prints for these words, in the working folder.
@@ -53,11 +52,8 @@ Result<fs::path> build_library(const fs::path& sources, const fs::path& build, c
   const std::vector<std::string> compile{"cmake", "--build", build.string(), "--parallel"};
   std::vector<std::string> compile_target = compile;
   compile_target.insert(compile_target.end(), {"--target", library.stem().string()});
-  const auto configured =
-      run_or_fail({"cmake", "-S", sources.string(), "-B", build.string(), "-DCMAKE_BUILD_TYPE=Debug"}, what);
-  if (!configured) return configured.errors();
-  if (!run_or_fail(compile_target, what))
-    if (const auto compiled = run_or_fail(compile, what); !compiled) return compiled.errors();
+  REHEARSE_TRY(run_or_fail({"cmake", "-S", sources.string(), "-B", build.string(), "-DCMAKE_BUILD_TYPE=Debug"}, what));
+  if (!run_or_fail(compile_target, what)) REHEARSE_TRY(run_or_fail(compile, what));
   std::error_code failed;
   std::vector<fs::path> found;
   for (auto file = fs::recursive_directory_iterator(build, failed); !failed && file != fs::end(file);
@@ -70,10 +66,9 @@ Result<fs::path> build_library(const fs::path& sources, const fs::path& build, c
 /// The folder of the repository that has the user's CMake project: the working folder, if it has a CMakeLists.txt, or
 /// the top folder. Relative to the top folder.
 Result<fs::path> project_below(const fs::path& top) {
-  const auto inner = rev_parse({"--show-prefix"});
-  if (!inner) return inner.errors();
+  const auto inner = REHEARSE_TRY(rev_parse({"--show-prefix"}));
   std::error_code ignored;
-  return fs::exists(top / *inner / "CMakeLists.txt", ignored) ? fs::path(*inner) : fs::path();
+  return fs::exists(top / inner / "CMakeLists.txt", ignored) ? fs::path(inner) : fs::path();
 }
 
 }  // namespace
@@ -85,28 +80,22 @@ bool is_commit(const std::string& word) {
 }
 
 Result<fs::path> build_of_commit(const std::string& commit, const fs::path& library, const fs::path& folder) {
-  const auto top = rev_parse({"--show-toplevel"});
-  if (!top) return top.errors();
-  const auto number = rev_parse({"--verify", commit + "^{commit}"});
-  if (!number) return number.errors();
-  const auto project = project_below(*top);
-  if (!project) return project.errors();
+  const auto top = REHEARSE_TRY(rev_parse({"--show-toplevel"}));
+  const auto number = REHEARSE_TRY(rev_parse({"--verify", commit + "^{commit}"}));
+  const auto project = REHEARSE_TRY(project_below(top));
   const std::string what = "the build of " + commit;
   const fs::path sources = folder / "old";
   const std::vector<std::vector<std::string>> steps{
-      {"git", "clone", "--quiet", "--no-checkout", "--shared", *top, sources.string()},
-      {"git", "-C", sources.string(), "checkout", "--quiet", "--detach", *number}};
-  for (const std::vector<std::string>& step : steps)
-    if (const auto done = run_or_fail(step, what); !done) return done.errors();
-  return build_library(sources / *project, folder / "old-build", library, what);
+      {"git", "clone", "--quiet", "--no-checkout", "--shared", top, sources.string()},
+      {"git", "-C", sources.string(), "checkout", "--quiet", "--detach", number}};
+  for (const std::vector<std::string>& step : steps) REHEARSE_TRY(run_or_fail(step, what));
+  return build_library(sources / project, folder / "old-build", library, what);
 }
 
 Result<fs::path> build_of_sources(const fs::path& library, const fs::path& folder) {
-  const auto top = rev_parse({"--show-toplevel"});
-  if (!top) return top.errors();
-  const auto project = project_below(*top);
-  if (!project) return project.errors();
-  return build_library(fs::path(*top) / *project, folder / "new-build", library, "the build of the present sources");
+  const auto top = REHEARSE_TRY(rev_parse({"--show-toplevel"}));
+  const auto project = REHEARSE_TRY(project_below(top));
+  return build_library(fs::path(top) / project, folder / "new-build", library, "the build of the present sources");
 }
 
 }  // namespace rehearse::tool

@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "base/clock.h"
 #include "core/guard/child_process.h"
 #include "core/host/controller_library.h"
 #include "core/host/hosted_language.h"
@@ -19,7 +20,6 @@
 #include "core/mcap/whole_input.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
-#include "model/clock.h"
 #include "output.h"
 
 namespace rehearse::tool {
@@ -77,7 +77,7 @@ Result<std::int64_t> count_ticks(mcap::Reader& trace, std::size_t controllers) {
     if (msg::decode(reader, tick) && tick.controller_results.size() == controllers) ++ticks;
     return true;
   };
-  if (auto read = trace.for_each_message(count, channels); !read) return read.errors();
+  REHEARSE_TRY(trace.for_each_message(count, channels));
   return ticks;
 }
 
@@ -92,10 +92,9 @@ Result<void> tell_other_libraries(const mcap::Reader& trace, const Scenario& sce
         library = other;
         folder = fs::current_path();
       }
-    const auto file = find_controller_library(library, folder);
-    if (!file) return file.errors();
-    if (recorded.controllers.contains(known.label) && !recorded.had_library(known.label, hash_of_controller(*file)))
-      fmt::print("{} is not the library that {} was recorded with\n", file->string(), known.label);
+    const auto file = REHEARSE_TRY(find_controller_library(library, folder));
+    if (recorded.controllers.contains(known.label) && !recorded.had_library(known.label, hash_of_controller(file)))
+      fmt::print("{} is not the library that {} was recorded with\n", file.string(), known.label);
   }
   return {};
 }
@@ -125,10 +124,9 @@ Result<Scenario> scenario_for_gdb(const fs::path& trace) {
   if (fs::exists(trace, ignored) && !fs::is_regular_file(trace, ignored))
     return error(fmt::format("{} can be read only once, and gdb starts the replay anew", trace.string()),
                  "write it into a file");
-  const auto reader = mcap::Reader::open(trace);
-  if (!reader) return reader.errors();
-  if (!(*reader)->damage().empty()) return mcap::with_recover_hint((*reader)->damage());
-  return scenario_of(**reader);
+  const auto reader = REHEARSE_TRY(mcap::Reader::open(trace));
+  if (!reader->damage().empty()) return mcap::with_recover_hint(reader->damage());
+  return scenario_of(*reader);
 }
 
 void add_debugger_options(CLI::App& options, DebuggerOptions& debugger) {
@@ -142,7 +140,7 @@ void add_debugger_options(CLI::App& options, DebuggerOptions& debugger) {
 }
 
 void spell_out_gdb_arguments(std::vector<std::string>& arguments) {
-  const auto dashes = std::find(arguments.begin(), arguments.end(), "--");
+  const auto dashes = std::ranges::find(arguments, "--");
   const bool is_for_gdb = std::any_of(
       arguments.begin(), dashes, [](const std::string& word) { return word == "--gdb" || word.starts_with("--gdb="); });
   if (!is_for_gdb || dashes == arguments.end()) return;
@@ -177,7 +175,7 @@ Result<void> check_debugger(const DebuggerOptions& debugger, const Scenario& sce
   if (known.empty()) return error("--gdb stops in a controller, and this run has none");
   const std::string wanted = debugger.controller();
   const auto is_it = [&](const NamedController& controller) { return controller.is_called(wanted); };
-  if (wanted.empty() || std::any_of(known.begin(), known.end(), is_it)) return {};
+  if (wanted.empty() || std::ranges::any_of(known, is_it)) return {};
   std::vector<std::string> names;
   for (const NamedController& controller : known) names.push_back(controller.label);
   return error(fmt::format("--gdb={}: the run has no controller of that name", wanted),

@@ -74,21 +74,19 @@ Exit accept(const GoldenAcceptSettings& settings) {
   supervise_process();
   begin_own_processes();
   return decide_all(settings, "accepted", [&](GoldenStore& store, const std::string& name) -> Result<Json> {
-    const auto span = seconds_in(settings.span, store.pending_file(name).string());
-    if (!span) return span.errors();
+    const auto span = REHEARSE_TRY(seconds_in(settings.span, store.pending_file(name).string()));
     Selection selection = settings.selection;
-    selection.from = span->from.value_or(0.0);
-    selection.until = span->until;
-    const auto accepted = store.accept_pending(name, selection, again_for(settings, store, name));
-    if (!accepted) return accepted.errors();
-    if (!settings.json) tell_accepted(store, name, *accepted);
-    return json_of_accepted(store, name, *accepted);
+    selection.from = span.from.value_or(0.0);
+    selection.until = span.until;
+    const auto accepted = REHEARSE_TRY(store.accept_pending(name, selection, again_for(settings, store, name)));
+    if (!settings.json) tell_accepted(store, name, accepted);
+    return json_of_accepted(store, name, accepted);
   });
 }
 
 Exit reject(const GoldenAcceptSettings& settings) {
   return decide_all(settings, "rejected", [&](GoldenStore& store, const std::string& name) -> Result<Json> {
-    if (auto gone = store.reject(name); !gone) return gone.errors();
+    REHEARSE_TRY(store.reject(name));
     if (!settings.json) fmt::print("rejected {}: the golden stays as it is\n", name);
     return Json(name);
   });

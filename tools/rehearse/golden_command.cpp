@@ -44,9 +44,8 @@ std::function<Exit()> declare_golden(CLI::App& options) {
 }  // namespace
 
 Result<GoldenStore> open_store() {
-  const auto folder = find_golden_folder("./");
-  if (!folder) return folder.errors();
-  return GoldenStore(*folder);
+  const auto folder = REHEARSE_TRY(find_golden_folder("./"));
+  return GoldenStore(folder);
 }
 
 Result<void> check_may_decide() {

@@ -9,9 +9,9 @@
 #include <map>
 #include <memory>
 
+#include "base/names.h"
 #include "core/trace/run_facts.h"
 #include "golden_verbs.h"
-#include "model/names.h"
 #include "options.h"
 
 namespace rehearse::tool {

@@ -46,50 +46,45 @@ struct Measured {
 Result<void> keep(const GoldenNoiseSettings& settings, const Scenario& scenario, const Trace& run, Measured& measured) {
   if (scenario.golden.empty()) return measured.unwritten = "the scenario names no golden", Result<void>();
   if (settings.duration) return measured.unwritten = "it was measured over another duration", Result<void>();
-  const auto folder = find_golden_folder(scenario.file);
-  if (!folder) return folder.errors();
-  const GoldenStore store(*folder);
+  const auto folder = REHEARSE_TRY(find_golden_folder(scenario.file));
+  const GoldenStore store(folder);
   const fs::path golden = store.trace_file(scenario.golden);
   if (!store.has(scenario.golden)) return measured.unwritten = "there is no golden yet", Result<void>();
-  const auto recorded = Trace::load(golden);
-  if (!recorded) return recorded.errors();
-  if (hash_of_recording(*recorded) != hash_of_recording(run))
+  const auto recorded = REHEARSE_TRY(Trace::load(golden));
+  if (hash_of_recording(recorded) != hash_of_recording(run))
     return measured.unwritten = "the run differs from its golden: check it first", Result<void>();
   const fs::path file = noise_file_of(golden);
-  if (auto written = write_noise_floor(measured.noise, file); !written) return written;
+  REHEARSE_TRY(write_noise_floor(measured.noise, file));
   measured.file = file.string();
   return {};
 }
 
 Result<Measured> measure(const GoldenNoiseSettings& settings, const std::string& file) {
-  auto scenario = Scenario::load(file);
-  if (!scenario) return scenario.errors();
-  if (settings.duration) scenario->duration = *settings.duration;
-  StoppableProgress progress("measuring " + scenario->name);
-  const ScratchFolder scratch(pending_folder() / "noise" / fmt::format("{}.{}", scenario->name, getpid()));
+  auto scenario = REHEARSE_TRY(Scenario::load(file));
+  if (settings.duration) scenario.duration = *settings.duration;
+  StoppableProgress progress("measuring " + scenario.name);
+  const ScratchFolder scratch(pending_folder() / "noise" / fmt::format("{}.{}", scenario.name, getpid()));
   std::error_code failed;
   fs::create_directories(scratch.path(), failed);
   if (failed) return error(fmt::format("the folder {} can't be made: {}", scratch.path().string(), failed.message()));
   RecordOptions running;
   static_cast<HostOptions&>(running) = settings.host;
   const fs::path trace = scratch.path() / "run.mcap";
-  const auto run = own_run([&]() -> Result<RunSummary> { return record(*scenario, trace, running); });
-  if (!run) return run.errors();
+  const auto run = REHEARSE_TRY(own_run([&]() -> Result<RunSummary> { return record(scenario, trace, running); }));
   if (interruption() != 0) throw Interrupted();
-  if (run->failure) return *run->failure;
-  const auto recording = Trace::load(trace);
-  if (!recording) return recording.errors();
+  if (run.failure) return *run.failure;
+  const auto recording = REHEARSE_TRY(Trace::load(trace));
   NoiseOptions options;
   options.patterns = settings.patterns;
   options.host = settings.host;
   options.scratch = scratch.path() / "perturbed";
   options.program = fs::read_symlink("/proc/self/exe", failed);
   options.progress = [&](const std::string&, int done, int all) { progress.show(done, all); };
-  auto noise = measure_noise(*scenario, *recording, {record, run_plant}, options);
+  auto noise = measure_noise(scenario, recording, {record, run_plant}, options);
   if (interruption() != 0) throw Interrupted();
   if (!noise) return noise.errors();
   Measured measured{*std::move(noise), "", ""};
-  if (auto kept = keep(settings, *scenario, *recording, measured); !kept) return kept.errors();
+  REHEARSE_TRY(keep(settings, scenario, recording, measured));
   return measured;
 }
 
@@ -114,8 +109,8 @@ std::vector<Line> grouped(const NoiseFloor& noise) {
     const bool commands = channel.controller.has_value();
     const std::size_t slash = channel.channel.rfind('/');
     const std::string kind = (commands ? "output/" : "") + channel.channel.substr(slash + 1);
-    auto line = std::find_if(lines.begin(), lines.end(),
-                             [&](const Line& other) { return other.kind == kind && other.unit == channel.unit; });
+    auto line = std::ranges::find_if(
+        lines, [&](const Line& other) { return other.kind == kind && other.unit == channel.unit; });
     if (line == lines.end()) line = lines.insert(lines.end(), Line{kind, channel.unit, 0, {}, {}, channel.tolerance});
     ++line->channels;
     line->tolerance = std::min(line->tolerance, channel.tolerance);

@@ -49,7 +49,7 @@ std::set<std::string> names_listed(const fs::path& listing) {
       continue;
     }
     std::string name = suite + word.substr(2);
-    std::replace(name.begin(), name.end(), '/', '-');
+    std::ranges::replace(name, '/', '-');
     names.insert(name);
   }
   return names;
@@ -60,18 +60,16 @@ std::set<std::string> names_listed(const fs::path& listing) {
 Result<std::set<std::string>> named_by_tests(const std::string& program, const GoldenStore& store,
                                              const fs::path& scratch) {
   const fs::path listing = scratch / "tests.txt", pending = scratch / "pending";
-  const auto listed = run_to_end({{program, "--gtest_list_tests"}, environment_of_tests({}), listing});
-  if (!listed) return listed.errors();
+  const auto listed = REHEARSE_TRY(run_to_end({{program, "--gtest_list_tests"}, environment_of_tests({}), listing}));
   std::set<std::string> names = names_listed(listing);
-  if (*listed != 0 || names.empty())
+  if (listed != 0 || names.empty())
     return error(fmt::format("{} lists no tests", program), "name programs that GoogleTest made");
-  const auto ran = run_to_end(
+  const auto ran = REHEARSE_TRY(run_to_end(
       {{program, "--gtest_also_run_disabled_tests=0"},
        environment_of_tests({{"REHEARSE_PENDING", fs::absolute(pending).string()}, {"REHEARSE_REPORT", "never"}}),
-       scratch / "run.txt"});
-  if (!ran) return ran.errors();
-  if (*ran != 0 && *ran != 1)
-    return error(fmt::format("{} ended with status {} before all its tests had run", program, *ran),
+       scratch / "run.txt"}));
+  if (ran != 0 && ran != 1)
+    return error(fmt::format("{} ended with status {} before all its tests had run", program, ran),
                  "mend it first: the goldens of its tests are unknown");
   for (const auto& [name, owners] : reported_golden_owners(GoldenStore(store.folder(), pending))) names.insert(name);
   return names;
@@ -80,12 +78,10 @@ Result<std::set<std::string>> named_by_tests(const std::string& program, const G
 Result<std::set<std::string>> named_by_all_tests(const GoldenPruneSettings& settings, const GoldenStore& store) {
   std::set<std::string> names;
   if (settings.tests.empty()) return names;
-  auto scratch = RunFolder::make(store.where_runs_wait());
-  if (!scratch) return scratch.errors();
+  auto scratch = REHEARSE_TRY(RunFolder::make(store.where_runs_wait()));
   for (const std::string& program : settings.tests) {
-    const auto named = named_by_tests(program, store, scratch->path());
-    if (!named) return named.errors();
-    names.insert(named->begin(), named->end());
+    const auto named = REHEARSE_TRY(named_by_tests(program, store, scratch.path()));
+    names.insert(named.begin(), named.end());
   }
   return names;
 }

@@ -49,10 +49,10 @@ class WrittenFiles {
       if (fs::exists(folder_ / name, problem))
         return error_in((folder_ / name).string(), "it exists, and may have been changed by hand",
                         "name another folder, or remove it");
-    if (auto made = make_folder(fs::absolute(folder_, problem).lexically_normal()); !made) return made;
+    REHEARSE_TRY(make_folder(fs::absolute(folder_, problem).lexically_normal()));
     for (const auto& [name, text] : files) {
       made_.push_back(fs::absolute(folder_ / name, problem));
-      if (auto done = write_text(folder_ / name, text); !done) return done;
+      REHEARSE_TRY(write_text(folder_ / name, text));
     }
     return {};
   }
@@ -62,8 +62,7 @@ class WrittenFiles {
   Result<void> make_folder(const fs::path& folder) {
     std::error_code problem;
     if (folder.empty() || fs::is_directory(folder, problem)) return {};
-    if (folder.has_relative_path())
-      if (auto above = make_folder(folder.parent_path()); !above) return above;
+    if (folder.has_relative_path()) REHEARSE_TRY(make_folder(folder.parent_path()));
     if (!fs::create_directory(folder, problem) && problem)
       return error_in(folder_.string(), "the folder can't be made: " + problem.message());
     if (folder.has_filename()) made_.push_back(folder);

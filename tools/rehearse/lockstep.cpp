@@ -12,13 +12,13 @@
 #include <utility>
 #include <vector>
 
+#include "base/clock.h"
 #include "commit_build.h"
 #include "core/guard/child_process.h"
 #include "core/host/controller_library.h"
 #include "core/host/hosted_language.h"
 #include "core/trace/run_facts.h"
 #include "debugger.h"
-#include "model/clock.h"
 #include "output.h"
 #include "scratch_folder.h"
 
@@ -61,9 +61,8 @@ Result<NamedController> find_controller(const Scenario& scenario, const HostOpti
 }
 
 Result<fs::path> recorded_library(const fs::path& trace, const NamedController& controller, const fs::path& present) {
-  const auto reader = mcap::Reader::open(trace);
-  if (!reader) return reader.errors();
-  if (RunFacts::of(**reader).had_library(controller.label, hash_of_controller(present))) return present;
+  const auto reader = REHEARSE_TRY(mcap::Reader::open(trace));
+  if (RunFacts::of(*reader).had_library(controller.label, hash_of_controller(present))) return present;
   return error(fmt::format("{} isn't the library that was recorded", present.string()),
                "name a copy of the old library, or the commit that it was built from");
 }
@@ -82,28 +81,25 @@ Result<Pair> pair_of(const fs::path& trace, const Scenario& scenario, const std:
   const std::string name = sign == std::string::npos ? "" : beside.substr(0, sign);
   Pair pair;
   pair.old_name = sign == std::string::npos ? beside : beside.substr(sign + 1);
-  const auto controller = find_controller(scenario, host, name);
-  if (!controller) return controller.errors();
-  pair.controller = controller->label;
-  const auto present = find_controller_library(controller->controller->library, folder_of(scenario));
+  const auto controller = REHEARSE_TRY(find_controller(scenario, host, name));
+  pair.controller = controller.label;
+  const auto present = find_controller_library(controller.controller->library, folder_of(scenario));
   const auto given =
-      std::ranges::find_if(host.libraries, [&](const auto& entry) { return controller->is_called(entry.first); });
-  const auto library =
-      given == host.libraries.end() ? present : find_controller_library(given->second, fs::current_path());
-  if (!library) return library.errors();
-  pair.new_library = *library;
-  if (const auto refused = check_language(pair.new_library); !refused) return refused.errors();
+      std::ranges::find_if(host.libraries, [&](const auto& entry) { return controller.is_called(entry.first); });
+  const auto library = REHEARSE_TRY(
+      given == host.libraries.end() ? present : find_controller_library(given->second, fs::current_path()));
+  pair.new_library = library;
+  REHEARSE_TRY(check_language(pair.new_library));
   if (pair.old_name == "recorded") {
     if (!present) return present.errors();
-    const auto recorded = recorded_library(trace, *controller, *present);
-    if (!recorded) return recorded.errors();
-    pair.old_library = *recorded;
+    const auto recorded = REHEARSE_TRY(recorded_library(trace, controller, *present));
+    pair.old_library = recorded;
     return pair;
   }
   const auto old = find_controller_library(pair.old_name, fs::current_path());
   if (old) {
     pair.old_library = *old;
-    if (const auto refused = check_language(*old); !refused) return refused.errors();
+    REHEARSE_TRY(check_language(*old));
     return pair;
   }
   if (!is_commit(pair.old_name)) {
@@ -112,13 +108,11 @@ Result<Pair> pair_of(const fs::path& trace, const Scenario& scenario, const std:
     return problem;
   }
   pair.built.emplace(ScratchFolder::temporary());
-  const auto built = build_of_commit(pair.old_name, pair.new_library, pair.built->path());
-  if (!built) return built.errors();
-  pair.old_library = *built;
+  const auto built = REHEARSE_TRY(build_of_commit(pair.old_name, pair.new_library, pair.built->path()));
+  pair.old_library = built;
   if (given != host.libraries.end()) return pair;
-  const auto present_build = build_of_sources(pair.new_library, pair.built->path());
-  if (!present_build) return present_build.errors();
-  pair.new_library = *present_build;
+  const auto present_build = REHEARSE_TRY(build_of_sources(pair.new_library, pair.built->path()));
+  pair.new_library = present_build;
   return pair;
 }
 
@@ -136,9 +130,9 @@ std::vector<std::string> words_of(const Pair& pair, const fs::path& library, con
 Result<Replayed> replay_alone(std::vector<std::string> words) {
   words.insert(words.begin(), own_program().string());
   words.push_back("--json");
-  const auto output = output_of({std::move(words), environment_with({}), {}, ChildProcess::Errors::discarded});
-  if (!output) return output.errors();
-  const Json report = Json::parse(output->text, nullptr, false);
+  const auto output =
+      REHEARSE_TRY(output_of({std::move(words), environment_with({}), {}, ChildProcess::Errors::discarded}));
+  const Json report = Json::parse(output.text, nullptr, false);
   if (!report.is_object()) return error("the replay failed", "rehearse replay without --beside says why");
   Replayed replayed;
   replayed.ticks = report.value("ticks", std::int64_t{0});
@@ -161,27 +155,24 @@ Json request_of(const Pair& pair, const Replayed& old, const Replayed& present) 
 }
 
 Result<Json> run_gdb(const Json& request) {
-  const auto script = find_gdb_script();
-  if (!script) return script.errors();
+  const auto script = REHEARSE_TRY(find_gdb_script());
   const ScratchFolder folder = ScratchFolder::temporary();
   if (folder.path().empty()) return error("no folder for temporary files can be created");
   const fs::path asked = folder.path() / "request.json", found = folder.path() / "result.json";
-  if (const auto written = write_text(asked, request.dump()); !written) return written.errors();
+  REHEARSE_TRY(write_text(asked, request.dump()));
   std::vector<std::string> words{find_program("gdb").string(),
                                  "-q",
                                  "-nx",
                                  "-batch",
                                  "-x",
-                                 script->string(),
+                                 script.string(),
                                  "-ex",
                                  fmt::format("rehearse-lockstep {} {}", asked.string(), found.string()),
                                  own_program().string()};
-  const auto output = output_of({std::move(words), environment_with({}), {}});
-  if (!output) return output.errors();
+  const auto output = REHEARSE_TRY(output_of({std::move(words), environment_with({}), {}}));
   std::ifstream stream(found);
   Json result = Json::parse(stream, nullptr, false);
-  if (!result.is_object())
-    return error("gdb failed: " + output->text, "a container needs --cap-add=SYS_PTRACE for gdb");
+  if (!result.is_object()) return error("gdb failed: " + output.text, "a container needs --cap-add=SYS_PTRACE for gdb");
   if (result.contains("failure")) return error(result["failure"].get<std::string>());
   return result;
 }

@@ -19,14 +19,12 @@ class LateReader : public mcap::ContainerReader {
  public:
   Result<mcap::ConvertedPtr> convert_file(mcap::Container container, mcap::Bytes bytes, const std::string& name,
                                           const std::filesystem::path& path) const override {
-    const auto reader = load(name);
-    if (!reader) return reader.errors();
-    return (*reader)->convert_file(container, bytes, name, path);
+    const auto reader = REHEARSE_TRY(load(name));
+    return reader->convert_file(container, bytes, name, path);
   }
   Result<mcap::OpenedFolder> open_folder(const std::filesystem::path& folder, const std::string& name) const override {
-    const auto reader = load(name);
-    if (!reader) return reader.errors();
-    return (*reader)->open_folder(folder, name);
+    const auto reader = REHEARSE_TRY(load(name));
+    return reader->open_folder(folder, name);
   }
 
  private:

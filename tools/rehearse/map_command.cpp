@@ -9,9 +9,9 @@
 #include <memory>
 #include <string>
 
+#include "base/write_hint.h"
 #include "command.h"
 #include "logs/map/map_draft.h"
-#include "model/write_hint.h"
 #include "options.h"
 #include "output.h"
 

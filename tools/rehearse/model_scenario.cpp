@@ -146,10 +146,9 @@ std::vector<double> rest_posture(const Model& model) {
 }
 
 Result<std::string> scenario_text(const ModelScenario& settings, const std::string& model_file) {
-  const Result<Model> model = load_model(settings.model, settings.urdf);
-  if (!model) return model.errors();
+  const Model model = REHEARSE_TRY(load_model(settings.model, settings.urdf));
   std::string position;
-  const std::string floor = placed_text(settings, *model, position);
+  const std::string floor = placed_text(settings, model, position);
   std::string text = settings.run ? heading(*settings.run) : "";
   text += fmt::format("rehearse: 1\nname: {}\nduration: {}    # [s]\n",
                       plain_name(fs::path(settings.run ? settings.run->log : settings.model).stem().string()),
@@ -157,8 +156,8 @@ Result<std::string> scenario_text(const ModelScenario& settings, const std::stri
   if (settings.run) text += fmt::format("time_step: {}\n", settings.run->time_step);
   if (!settings.solver.empty()) text += fmt::format("solver: {{method: {}}}\n", settings.solver);
   text += fmt::format("\nbodies:\n{}  - name: {}\n    model: {}\n{}{}{}", floor,
-                      settings.run ? settings.run->body : plain_name(model->name), quoted(model_file),
-                      loading_text(settings.urdf), position, joints_text(settings, *model));
+                      settings.run ? settings.run->body : plain_name(model.name), quoted(model_file),
+                      loading_text(settings.urdf), position, joints_text(settings, model));
   if (!settings.controllers.empty()) text += "    controllers:\n";
   for (const std::string& library : settings.controllers) text += fmt::format("      - library: {}\n", quoted(library));
   if (!settings.run) return text;
@@ -170,10 +169,9 @@ Result<std::string> scenario_text(const ModelScenario& settings, const std::stri
 }
 
 Result<Scenario> scenario_of_model(const ModelScenario& settings) {
-  auto text = scenario_text(settings, settings.model);
-  if (!text) return text.errors();
+  auto text = REHEARSE_TRY(scenario_text(settings, settings.model));
   const auto named = [](const std::string& file, const UrdfOptions& options) { return load_model(file, options); };
-  return Scenario::parse(*std::move(text), fs::path(settings.model).stem().string() + ".yaml", named);
+  return Scenario::parse(std::move(text), fs::path(settings.model).stem().string() + ".yaml", named);
 }
 
 Result<void> check_unused(const std::string& file) {
@@ -184,7 +182,7 @@ Result<void> check_unused(const std::string& file) {
 
 Result<void> save_scenario(const ModelScenario& settings, const std::string& file) {
   std::error_code ignored;
-  if (auto unused = check_unused(file); !unused) return unused;
+  REHEARSE_TRY(check_unused(file));
   const fs::path folder = fs::absolute(file, ignored).parent_path();
   const auto seen_from_there = [&](const std::string& path) {
     return path.find('/') == std::string::npos && !fs::exists(path, ignored)
@@ -195,9 +193,8 @@ Result<void> save_scenario(const ModelScenario& settings, const std::string& fil
   for (std::string& library : saved.controllers) library = seen_from_there(library);
   for (auto& [name, package] : saved.urdf.packages)
     package = fs::absolute(package, ignored).lexically_proximate(folder);
-  const auto text = scenario_text(saved, seen_from_there(settings.model));
-  if (!text) return text.errors();
-  return write_text(file, *text);
+  const auto text = REHEARSE_TRY(scenario_text(saved, seen_from_there(settings.model)));
+  return write_text(file, text);
 }
 
 }  // namespace rehearse::tool

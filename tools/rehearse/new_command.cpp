@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/write_hint.h"
 #include "command.h"
-#include "model/write_hint.h"
 #include "new_project.h"
 #include "output.h"
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "model/text.h"
+#include "base/text.h"
 
 namespace rehearse::tool {
 namespace {
@@ -129,22 +129,19 @@ void add_time_span(CLI::App& options, TimeSpan& span, const std::string& from, c
 Result<SecondsSpan> seconds_in(const TimeSpan& span, const std::string& recording) {
   SecondsSpan seconds;
   if (span.is_all()) return seconds;
-  auto reader = mcap::Reader::open(recording);
-  if (!reader) return reader.errors();
+  auto reader = REHEARSE_TRY(mcap::Reader::open(recording));
   if (span.from) {
-    const auto from = mcap::seconds_in(*span.from, **reader);
-    if (!from) return from.errors();
-    seconds.from = *from;
+    const auto from = REHEARSE_TRY(mcap::seconds_in(*span.from, *reader));
+    seconds.from = from;
   }
   if (span.until) {
-    const auto until = mcap::seconds_in(*span.until, **reader);
-    if (!until) return until.errors();
-    seconds.until = *until;
+    const auto until = REHEARSE_TRY(mcap::seconds_in(*span.until, *reader));
+    seconds.until = until;
   }
-  const auto times = mcap::log_times(**reader);
+  const auto times = mcap::log_times(*reader);
   const bool is_after = times && seconds.from && *seconds.from > static_cast<double>(times->second) * 1e-9;
   if (is_after || (seconds.until && *seconds.until <= seconds.from.value_or(0.0)))
-    return mcap::refusal_of_empty(**reader);
+    return mcap::refusal_of_empty(*reader);
   return seconds;
 }
 

@@ -12,8 +12,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/text.h"
 #include "core/compare/report_json.h"
-#include "model/text.h"
 
 namespace rehearse::tool {
 

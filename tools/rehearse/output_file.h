@@ -9,8 +9,8 @@
 #include <string>
 #include <string_view>
 
+#include "base/replaceable.h"
 #include "command.h"
-#include "core/mcap/replaceable.h"
 #include "output.h"
 #include "progress.h"
 #include "scratch_folder.h"

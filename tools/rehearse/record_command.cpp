@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/clock.h"
+#include "base/replaceable.h"
 #include "command.h"
 #include "control_times.h"
 #include "core/check/check_json.h"
@@ -24,10 +26,8 @@
 #include "core/host/interposer.h"
 #include "core/host/source_age.h"
 #include "core/host/virtualised.h"
-#include "core/mcap/replaceable.h"
 #include "core/scenario/scenario_variations.h"
 #include "debugger.h"
-#include "model/clock.h"
 #include "model_scenario.h"
 #include "options.h"
 #include "output.h"
@@ -131,13 +131,12 @@ Result<std::vector<ExpectationResult>> judge(const Scenario& scenario, const std
 
 /// Executes a sample of the recording again, to verify that it repeats itself.
 Result<Reproduction> verify(const RecordSettings& settings, const Scenario& scenario, const std::string& trace) {
-  const auto recording = Trace::load(trace);
-  if (!recording) return recording.errors();
+  const auto recording = REHEARSE_TRY(Trace::load(trace));
   Progress progress("verifying");
   ReproductionOptions trying;
   static_cast<HostOptions&>(trying) = settings.record;
   trying.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
-  return reproduce(scenario, *recording, trace + ".again", trying, {rehearse::record, run_plant});
+  return reproduce(scenario, recording, trace + ".again", trying, {rehearse::record, run_plant});
 }
 
 Exit run_in_gdb(const RecordSettings& settings, const Scenario& scenario, const CLI::App& options) {
@@ -282,7 +281,7 @@ Result<void> prepare_model(RecordSettings& settings) {
 
 /// Checks that the trace may be written, and can be read again if needed.
 Result<void> check_trace(const RecordSettings& settings, const Scenario& scenario, const std::string& trace) {
-  if (auto allowed = check_replaceable(trace, mcap_magic, "trace"); !allowed) return allowed;
+  REHEARSE_TRY(check_replaceable(trace, mcap_magic, "trace"));
   std::error_code none;
   const bool readable = !std::filesystem::exists(trace, none) || std::filesystem::is_regular_file(trace, none);
   if (readable || (!settings.verify && scenario.expectations.empty())) return {};

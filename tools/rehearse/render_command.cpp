@@ -18,10 +18,10 @@
 #include <utility>
 #include <vector>
 
+#include "base/replaceable.h"
+#include "base/write_hint.h"
 #include "command.h"
-#include "core/mcap/replaceable.h"
 #include "core/simulation/viewpoint.h"
-#include "model/write_hint.h"
 #include "model_scenario.h"
 #include "options.h"
 #include "output.h"
@@ -139,18 +139,16 @@ struct Scene {
 Result<Scene> load_scene(const std::string& file, const UrdfOptions& options) {
   Scene scene;
   if (is_model(file)) {
-    Result<Model> model = load_model(file, options);
-    if (!model) return model.errors();
-    const auto shared = std::make_shared<const Model>(*std::move(model));
+    Model model = REHEARSE_TRY(load_model(file, options));
+    const auto shared = std::make_shared<const Model>(std::move(model));
     scene.models.push_back(
         {shared, forward_kinematics(*shared, Eigen::Isometry3d::Identity(), rest_posture(*shared)), false});
     return scene;
   }
-  const Result<Scenario> scenario = Scenario::load(file);
-  if (!scenario) return scenario.errors();
-  tell_warnings(*scenario);
-  for (const ScenarioBody& body : scenario->bodies) scene.models.push_back(place(body));
-  scene.look = scenario->look;
+  const Scenario scenario = REHEARSE_TRY(Scenario::load(file));
+  tell_warnings(scenario);
+  for (const ScenarioBody& body : scenario.bodies) scene.models.push_back(place(body));
+  scene.look = scenario.look;
   return scene;
 }
 

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "audit_mode.h"
+#include "base/replaceable.h"
 #include "command.h"
 #include "control_times.h"
 #include "core/check/check_json.h"
@@ -28,7 +29,6 @@
 #include "core/guard/supervise.h"
 #include "core/host/source_age.h"
 #include "core/host/virtualised.h"
-#include "core/mcap/replaceable.h"
 #include "core/scenario/trace_scenario.h"
 #include "debugger.h"
 #include "lockstep.h"

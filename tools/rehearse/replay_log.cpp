@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "base/replaceable.h"
 #include "control_times.h"
 #include "core/guard/interruption.h"
 #include "core/guard/own_process.h"
@@ -17,7 +18,6 @@
 #include "core/host/controller_library.h"
 #include "core/host/source_age.h"
 #include "core/host/virtualised.h"
-#include "core/mcap/replaceable.h"
 #include "model_scenario.h"
 #include "output.h"
 #include "progress.h"

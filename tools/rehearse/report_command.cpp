@@ -52,19 +52,18 @@ Json json_of_report(const fs::path& file, const ReportSummary& summary) {
 
 /// The coverage of the run, made by `rehearse audit --coverage`, which prints its errors. `exit`: its status.
 Result<std::string> coverage_of(const ReportSettings& settings, Exit& exit) {
-  const auto program = program_of_wing("audit", "--coverage");
-  if (!program) return program.errors();
-  std::vector<std::string> words{program->string(), "audit", settings.trace, "--coverage", "--json"};
+  const auto program = REHEARSE_TRY(program_of_wing("audit", "--coverage"));
+  std::vector<std::string> words{program.string(), "audit", settings.trace, "--coverage", "--json"};
   for (const auto& [name, library] : settings.host.libraries)
     words.push_back(fmt::format("--controller={}={}", name, library));
   words.push_back(fmt::format("--call-limit={}", settings.host.call_limit));
   if (settings.host.memory_limit > 0.0) words.push_back(fmt::format("--memory-limit={}", settings.host.memory_limit));
   if (settings.options.until) words.push_back(fmt::format("--until={}", *settings.options.until));
-  const auto output = output_of({std::move(words), environment_with({}), {}, ChildProcess::Errors::shown});
-  if (!output) return output.errors();
+  const auto output =
+      REHEARSE_TRY(output_of({std::move(words), environment_with({}), {}, ChildProcess::Errors::shown}));
   if (interruption() != 0) throw Interrupted();
-  exit = static_cast<Exit>(output->status.value_or(static_cast<int>(Exit::bad_input)));
-  return output->text;
+  exit = static_cast<Exit>(output.status.value_or(static_cast<int>(Exit::bad_input)));
+  return output.text;
 }
 
 /// Checks options that only a replay needs.

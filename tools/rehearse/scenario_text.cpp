@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "model/names.h"
+#include "base/names.h"
 #include "output.h"
 
 namespace rehearse::tool {

@@ -60,9 +60,8 @@ void print_output(const WorkerPool::Answer& answer) {
 Result<WorkerPool::Answer> next_answer(WorkerPool& pool, int& told) {
   for (;;) {
     if (interruption() != 0 && told == 0) pool.tell(told = interruption());
-    auto answer = pool.wait();
-    if (!answer) return answer.errors();
-    if (*answer) return **std::move(answer);
+    auto answer = REHEARSE_TRY(pool.wait());
+    if (answer) return *std::move(answer);
   }
 }
 

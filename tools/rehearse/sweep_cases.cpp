@@ -33,10 +33,9 @@ Json json_of_result(const Campaign& campaign, const CaseResult& result) {
 /// The first result of a case; none: it has none.
 Result<std::optional<CaseResult>> kept_result(const Campaign& campaign, std::int64_t number) {
   std::optional<CaseResult> found;
-  auto read = campaign.read_results([&](const CaseResult& result) {
+  REHEARSE_TRY(campaign.read_results([&](const CaseResult& result) {
     if (result.number == number && !result.again && !found) found = result;
-  });
-  if (!read) return read.errors();
+  }));
   return found;
 }
 

@@ -182,12 +182,10 @@ Exit work_and_finish(Campaign& campaign, SweepSettings& settings) {
 }
 
 Result<fs::path> golden_of(const std::string& file) {
-  const auto scenario = Scenario::load(file);
-  if (!scenario) return scenario.errors();
-  if (scenario->golden.empty()) return error_in(file, "--golden: the scenario names no golden");
-  const auto folder = find_golden_folder(file);
-  if (!folder) return folder.errors();
-  const fs::path trace = GoldenStore(*folder).trace_file(scenario->golden);
+  const auto scenario = REHEARSE_TRY(Scenario::load(file));
+  if (scenario.golden.empty()) return error_in(file, "--golden: the scenario names no golden");
+  const auto folder = REHEARSE_TRY(find_golden_folder(file));
+  const fs::path trace = GoldenStore(folder).trace_file(scenario.golden);
   std::error_code ignored;
   if (!fs::exists(trace, ignored)) return error_in(trace.string(), "the golden doesn't exist");
   return fs::absolute(trace, ignored);

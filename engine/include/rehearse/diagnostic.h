@@ -2,7 +2,8 @@
 //
 // A data error (a bad file, a bad argument, a controller that failed) is a value: a function that can meet one
 // returns Result<T>, which contains either the value or at least one Diagnostic. A programmer error (a broken invariant
-// of Rehearse itself) is REHEARSE_ASSERT, which is checked in every build. Nothing here throws.
+// of Rehearse itself) is REHEARSE_ASSERT, which is checked in every build. Nothing here throws. REHEARSE_TRY passes the
+// diagnostics of a called function on to the caller.
 #pragma once
 
 #include <optional>
@@ -108,10 +109,21 @@ class [[nodiscard]] Result<void> {
   }
   bool ok() const { return errors_.empty(); }
   explicit operator bool() const { return ok(); }
+  void value() const { REHEARSE_ASSERT(ok(), "value() asked of a Result that failed"); }
   const Diagnostics& errors() const { return errors_; }
 
  private:
   Diagnostics errors_;
 };
+
+/// The value of a Result. If there is none, the function that contains this expression returns the diagnostics.
+/// A statement of its own, or the initialiser of a variable:
+///     const Trace trace = REHEARSE_TRY(Trace::load(file));
+#define REHEARSE_TRY(...)                                           \
+  __extension__({                                                   \
+    auto&& rehearse_tried = (__VA_ARGS__);                          \
+    if (!rehearse_tried.ok()) return rehearse_tried.errors();       \
+    std::forward<decltype(rehearse_tried)>(rehearse_tried).value(); \
+  })
 
 }  // namespace rehearse

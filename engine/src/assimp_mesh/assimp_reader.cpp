@@ -32,7 +32,7 @@ class Stream : public Assimp::MemoryIOStream {
       : MemoryIOStream(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()), open_(open) {
     open_.push_back(this);
   }
-  ~Stream() override { open_.erase(std::find(open_.begin(), open_.end(), this)); }
+  ~Stream() override { open_.erase(std::ranges::find(open_, this)); }
 
  private:
   std::vector<Assimp::IOStream*>& open_;
@@ -120,9 +120,8 @@ Result<MeshReading> convert(const aiScene& scene, MeshFormat format, MeshInput& 
   MeshReading reading;
   warn_of_missing(format, input, reading.warnings);
   const MeshMaterials materials(scene, format, input, reading.warnings);
-  Result<std::vector<MeshPart>> parts = read_parts(scene, format, materials, scale, selection);
-  if (!parts) return parts.errors();
-  reading.data.parts = *std::move(parts);
+  std::vector<MeshPart> parts = REHEARSE_TRY(read_parts(scene, format, materials, scale, selection));
+  reading.data.parts = std::move(parts);
   return reading;
 }
 

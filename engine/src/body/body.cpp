@@ -53,12 +53,11 @@ void take_triangles(Model& model, const UrdfOptions& options) {
 }  // namespace
 
 Result<Model> load_body(const std::filesystem::path& file, const UrdfOptions& options) {
-  Result<std::string> text = read_mesh_file(file);
-  if (!text) return text.errors();
-  if (text->size() > max_body_bytes)
+  std::string text = REHEARSE_TRY(read_mesh_file(file));
+  if (text.size() > max_body_bytes)
     return error_in(file.string(),
-                    fmt::format("the file has {} bytes, more than {} MiB", text->size(), max_body_bytes >> 20));
-  return parse_body(*text, file.string(), options);
+                    fmt::format("the file has {} bytes, more than {} MiB", text.size(), max_body_bytes >> 20));
+  return parse_body(text, file.string(), options);
 }
 
 Result<Model> parse_body(const std::string& text, const std::string& name, const UrdfOptions& options) {

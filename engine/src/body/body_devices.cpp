@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/text.h"
 #include "body_elements.h"
-#include "model/text.h"
 
 namespace rehearse::body {
 namespace {

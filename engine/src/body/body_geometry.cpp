@@ -3,9 +3,9 @@
 
 #include <cmath>
 
+#include "base/text.h"
 #include "body_elements.h"
 #include "mesh/convex_hull.h"
-#include "model/text.h"
 
 namespace rehearse::body {
 namespace {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/text.h"
 #include "body_draft.h"
-#include "model/text.h"
 
 namespace rehearse::body {
 namespace {

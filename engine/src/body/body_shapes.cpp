@@ -1,9 +1,9 @@
 // Shapes: geometry, colour and place.
 #include <fmt/format.h>
 
+#include "base/text.h"
 #include "body_elements.h"
 #include "mesh/convex_hull.h"
-#include "model/text.h"
 
 namespace rehearse::body {
 namespace {

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/text.h"
 #include "mesh/vrml_tree.h"
-#include "model/text.h"
 #include "vrml_shapes.h"
 #include "yaml_writer.h"
 
@@ -31,8 +31,7 @@ constexpr SensorForm sensors[] = {
     {"TactileSensor", ""}};
 
 const SensorForm* sensor_form(const VrmlNode& node) {
-  const auto* found = std::find_if(std::begin(sensors), std::end(sensors),
-                                   [&node](const SensorForm& form) { return form.type == node.type; });
+  const auto* found = std::ranges::find_if(sensors, [&node](const SensorForm& form) { return form.type == node.type; });
   return found == std::end(sensors) ? nullptr : found;
 }
 
@@ -283,9 +282,8 @@ bool is_vrml(std::string_view name, std::string_view text) {
 }
 
 Result<YamlNodePtr> body_of_vrml(std::string_view text) {
-  const Result<std::vector<VrmlNodePtr>> nodes = parse_vrml(text);
-  if (!nodes) return nodes.errors();
-  return BodyWriter().write(*nodes);
+  const std::vector<VrmlNodePtr> nodes = REHEARSE_TRY(parse_vrml(text));
+  return BodyWriter().write(nodes);
 }
 
 }  // namespace rehearse::body

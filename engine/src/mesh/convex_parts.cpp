@@ -85,7 +85,7 @@ std::vector<CutPlane> planes_at_concave_edges(const TriangleSoup& soup) {
   }
   std::vector<std::pair<double, CutPlane>> sorted;
   for (const auto& [key, weighted] : weights) sorted.push_back(weighted);
-  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::ranges::stable_sort(sorted, [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<CutPlane> planes;
   for (std::size_t i = 0; i < std::min(concave_planes, sorted.size()); ++i) planes.push_back(sorted[i].second);
   return planes;
@@ -154,8 +154,8 @@ class Decomposer {
 
   std::vector<Piece> pieces() {
     while (pieces_.size() < max_convex_parts && !is_near()) {
-      const auto worst = std::max_element(pieces_.begin(), pieces_.end(),
-                                          [](const Piece& a, const Piece& b) { return a.surplus < b.surplus; });
+      const auto worst =
+          std::ranges::max_element(pieces_, [](const Piece& a, const Piece& b) { return a.surplus < b.surplus; });
       if (worst->surplus < least_gain * judgement_.hull) break;
       split(static_cast<std::size_t>(worst - pieces_.begin()));
     }
@@ -295,9 +295,8 @@ Result<ConvexHulls> convex_parts(const MeshData& mesh) {
     const Judgement judgement = judge(solid);
     const bool is_hull = judgement.hull <= 0.0 || (judgement.volume && *judgement.excess() <= tolerated_excess);
     if (!is_hull && add_parts(solid, name, judgement, result)) continue;
-    auto hull = convex_hull(std::move(solid.vertices), name, result.remarks);
-    if (!hull) return hull.errors();
-    result.hulls.push_back(*std::move(hull));
+    auto hull = REHEARSE_TRY(convex_hull(std::move(solid.vertices), name, result.remarks));
+    result.hulls.push_back(std::move(hull));
   }
   if (result.hulls.empty()) return error("it has no triangles");
   return result;

@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/text.h"
 #include "mesh_input.h"
-#include "model/text.h"
 
 namespace rehearse {
 namespace {
@@ -141,7 +141,7 @@ Result<void> read_grid(std::string_view text, const std::string& name, Heightmap
     const std::string_view line = text.substr(0, text.find('\n'));
     text.remove_prefix(std::min(line.size() + 1, text.size()));
     const std::size_t before = map.heights.size();
-    if (auto read = read_line(line, name, number, map.heights); !read) return read;
+    REHEARSE_TRY(read_line(line, name, number, map.heights));
     const std::size_t count = map.heights.size() - before;
     if (count == 0) continue;
     if (rows > 0 && count != columns)
@@ -195,8 +195,7 @@ Result<Mesh> read_heightmap(const std::string& bytes, const std::string& name, c
   auto map = std::make_shared<Heightmap>();
   map->size = settings.size;
   const bool is_picture = std::filesystem::path(name).extension() == ".png";
-  const Result<void> read = is_picture ? read_picture(bytes, name, *map) : read_grid(bytes, name, *map);
-  if (!read) return read.errors();
+  REHEARSE_TRY(is_picture ? read_picture(bytes, name, *map) : read_grid(bytes, name, *map));
   for (double& height : map->heights) height *= settings.height;
   Mesh mesh;
   mesh.data = std::make_shared<const MeshData>(surface_of(*map, name));

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "model/user_cache.h"
+#include "base/user_cache.h"
 
 namespace rehearse {
 namespace {

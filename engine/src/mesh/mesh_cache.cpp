@@ -29,21 +29,19 @@ class MeshCache {
   Result<SharedMesh> mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale,
                           const MeshSelection& selection) {
     const std::lock_guard lock(mutex_);
-    const auto found = find(file, scale, selection);
-    if (!found) return found.errors();
-    const MeshReading& reading = (*found)->reading;
-    return SharedMesh{{*found, &reading.data}, reading.warnings};
+    const auto found = REHEARSE_TRY(find(file, scale, selection));
+    const MeshReading& reading = found->reading;
+    return SharedMesh{{found, &reading.data}, reading.warnings};
   }
 
   Result<std::shared_ptr<const ConvexHulls>> hulls(const std::filesystem::path& file, const Eigen::Vector3d& scale,
                                                    MeshContact contact, const MeshSelection& selection) {
     const std::lock_guard lock(mutex_);
-    const auto found = find(file, scale, selection);
-    if (!found) return found.errors();
-    auto& hulls = contact == MeshContact::parts ? (*found)->parts : (*found)->hulls;
-    if (!hulls) hulls = contact_hulls((*found)->reading.data, contact, HullStore::of_user());
+    const auto found = REHEARSE_TRY(find(file, scale, selection));
+    auto& hulls = contact == MeshContact::parts ? found->parts : found->hulls;
+    if (!hulls) hulls = contact_hulls(found->reading.data, contact, HullStore::of_user());
     if (!*hulls) return hulls->errors();
-    return std::shared_ptr<const ConvexHulls>(*found, &**hulls);
+    return std::shared_ptr<const ConvexHulls>(found, &**hulls);
   }
 
   std::uint64_t count() {
@@ -57,11 +55,10 @@ class MeshCache {
     const Key key = key_of(file, scale, selection);
     if (const auto known = meshes_.find(key); known != meshes_.end())
       if (std::shared_ptr<CachedMesh> held = known->second.lock()) return held;
-    Result<MeshReading> fresh = read_mesh(file, scale, selection);
-    if (!fresh) return fresh.errors();
+    MeshReading fresh = REHEARSE_TRY(read_mesh(file, scale, selection));
     ++count_;
     std::erase_if(meshes_, [](const auto& entry) { return entry.second.expired(); });
-    auto read = std::make_shared<CachedMesh>(CachedMesh{*std::move(fresh), std::nullopt, std::nullopt});
+    auto read = std::make_shared<CachedMesh>(CachedMesh{std::move(fresh), std::nullopt, std::nullopt});
     meshes_[key] = read;
     return read;
   }

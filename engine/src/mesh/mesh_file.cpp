@@ -26,10 +26,9 @@ Result<MeshReading> read(MeshFormat format, MeshInput& input, const Eigen::Vecto
   const bool is_plain_stl = format == MeshFormat::stl && is_whole && is_binary_stl(input.bytes());
   if (format != MeshFormat::vrml && !is_plain_stl) return read_by_assimp(format, input, scale, selection);
   MeshReading reading;
-  Result<std::vector<MeshPart>> parts = is_plain_stl ? read_binary_stl(input.bytes(), scale, selection.z_up)
-                                                     : read_vrml_parts(input, selection, scale, reading.warnings);
-  if (!parts) return parts.errors();
-  reading.data.parts = *std::move(parts);
+  std::vector<MeshPart> parts = REHEARSE_TRY(is_plain_stl ? read_binary_stl(input.bytes(), scale, selection.z_up)
+                                                          : read_vrml_parts(input, selection, scale, reading.warnings));
+  reading.data.parts = std::move(parts);
   return reading;
 }
 
@@ -48,10 +47,9 @@ Result<MeshReading> read_mesh(const std::filesystem::path& file, const Eigen::Ve
                               const MeshSelection& selection) {
   const Result<MeshFormat> format = mesh_format_of(file);
   if (!format) return at(file, format.errors());
-  Result<std::string> bytes = read_mesh_file(file);
-  if (!bytes) return bytes.errors();
+  std::string bytes = REHEARSE_TRY(read_mesh_file(file));
   try {
-    MeshInput input(file, *std::move(bytes));
+    MeshInput input(file, std::move(bytes));
     if (auto checked = check_mesh_bytes(*format, input.bytes()); !checked) return at(file, checked.errors());
     Result<MeshReading> reading = read(*format, input, scale, selection);
     if (!reading) return at(file, reading.errors());

@@ -7,8 +7,8 @@
 #include <cstring>
 #include <utility>
 
-#include "model/names.h"
-#include "model/text.h"
+#include "base/names.h"
+#include "base/text.h"
 
 namespace rehearse {
 namespace {

@@ -52,11 +52,10 @@ Result<Texture> decode_png_texture(std::string_view bytes) {
 }
 
 Result<Texture> decode_jpeg_texture(std::string_view bytes) {
-  const Result<Image> image = decode_jpeg(bytes_of(bytes));
-  if (!image) return image.errors();
-  Texture texture = empty_texture(image->width, image->height);
+  const Image image = REHEARSE_TRY(decode_jpeg(bytes_of(bytes)));
+  Texture texture = empty_texture(image.width, image.height);
   for (std::size_t pixel = 0; pixel < texture.rgba.size() / 4; ++pixel) {
-    std::copy_n(&image->pixels[3 * pixel], 3, &texture.rgba[4 * pixel]);
+    std::copy_n(&image.pixels[3 * pixel], 3, &texture.rgba[4 * pixel]);
     texture.rgba[4 * pixel + 3] = 255;
   }
   return texture;
@@ -74,12 +73,11 @@ Result<Texture> decode_texture(std::string_view bytes) {
 }
 
 Result<Texture> read_picture(const std::filesystem::path& file, const std::string& name) {
-  const Result<std::string> bytes = read_mesh_file(file);
-  if (!bytes) return bytes.errors();
-  Result<Texture> texture = decode_texture(*bytes);
+  const std::string bytes = REHEARSE_TRY(read_mesh_file(file));
+  Result<Texture> texture = decode_texture(bytes);
   if (!texture) return texture;
   texture->file = name;
-  texture->digest = fmt::format("{:016x}", XXH3_64bits(bytes->data(), bytes->size()));
+  texture->digest = fmt::format("{:016x}", XXH3_64bits(bytes.data(), bytes.size()));
   return texture;
 }
 

@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "model/text.h"
+#include "base/text.h"
 
 namespace rehearse {
 namespace {

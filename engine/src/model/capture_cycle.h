@@ -6,7 +6,7 @@
 // waits and carries over the delay of a capture). The cycle depends on the tick number alone.
 #pragma once
 
-#include "clock.h"
+#include "base/clock.h"
 
 #include <algorithm>
 #include <cmath>

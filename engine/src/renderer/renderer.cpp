@@ -167,7 +167,7 @@ void Renderer::Impl::paint_translucent(const Sight& sight) {
     if (!item.translucent() || !sight.may_hold(item)) continue;
     sorted.emplace_back(static_cast<float>((sight.from_world * item.world_centre).z()), &item);
   }
-  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::stable_sort(sorted, [](const auto& a, const auto& b) { return a.first < b.first; });
   for (const auto& [z, item] : sorted) {
     const gl::Instance instance = instance_of(*item, sight.from_world);
     const Batch& batch = maker.batches()[item->batch];
@@ -227,9 +227,8 @@ Renderer::~Renderer() = default;
 void Renderer::forgo_threads() { gl::Context::forgo_threads(); }
 
 Result<std::unique_ptr<Renderer>> Renderer::create(const Look& look) {
-  Result<std::unique_ptr<gl::Context>> context = gl::Context::create();
-  if (!context) return context.errors();
-  auto impl = std::make_unique<Impl>(std::move(*context));
+  std::unique_ptr<gl::Context> context = REHEARSE_TRY(gl::Context::create());
+  auto impl = std::make_unique<Impl>(std::move(context));
   impl->look = look;
   if (look.lights.size() > max_lights)
     return error("there are " + std::to_string(look.lights.size()) + " lights",

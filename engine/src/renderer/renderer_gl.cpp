@@ -78,7 +78,7 @@ void Context::forgo_threads() {
 }
 
 Result<std::unique_ptr<Context>> Context::create() {
-  if (auto loaded = load_functions(); !loaded) return loaded.errors();
+  REHEARSE_TRY(load_functions());
   const WithoutThreads without;
   std::unique_ptr<Context> context(new Context);
   const int attributes[] = {OSMESA_FORMAT,
@@ -95,7 +95,7 @@ Result<std::unique_ptr<Context>> Context::create() {
   if (!OSMesaMakeCurrent(context->handle_, context->window_.data(), GL_UNSIGNED_BYTE, 1, 1)) {
     return error("OSMesa can't make its own context current");
   }
-  if (const Result<void> able = context->check_abilities(); !able) return able.errors();
+  REHEARSE_TRY(context->check_abilities());
   return context;
 }
 

@@ -73,21 +73,19 @@ Vision::~Vision() = default;
 
 Result<std::unique_ptr<Vision>> Vision::create(double time_step, std::vector<std::shared_ptr<const Model>> models,
                                                std::vector<std::vector<bool>> active, const Look& look) {
-  auto renderer = Renderer::create(look);
-  if (!renderer) return renderer.errors();
+  auto renderer = REHEARSE_TRY(Renderer::create(look));
   std::unique_ptr<Vision> vision(new Vision);
   Impl& impl = *vision->impl_;
   impl.models = std::move(models);
-  impl.renderer = std::move(*renderer);
+  impl.renderer = std::move(renderer);
   impl.look = look;
   impl.add_shapes();
-  if (auto added = impl.add_lights(); !added) return added.errors();
+  REHEARSE_TRY(impl.add_lights());
   for (std::size_t body = 0; body < impl.models.size(); ++body) {
     for (std::size_t device = 0; device < impl.models[body]->devices.size(); ++device) {
       const auto* camera = std::get_if<Camera>(&impl.models[body]->devices[device].kind);
       if (!camera || !active[body][device]) continue;
-      if (auto checked = impl.check_size(*camera, impl.models[body]->devices[device].name); !checked)
-        return checked.errors();
+      REHEARSE_TRY(impl.check_size(*camera, impl.models[body]->devices[device].name));
       impl.cameras.push_back({static_cast<int>(body),
                               static_cast<int>(device),
                               {camera->frame_rate, time_step},

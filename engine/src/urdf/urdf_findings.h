@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-#include "model/text.h"
+#include "base/text.h"
 
 namespace rehearse::urdf {
 

@@ -4,9 +4,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "base/text.h"
 #include "mesh/mesh_format.h"
 #include "model/shape_bounds.h"
-#include "model/text.h"
 #include "urdf_draft.h"
 
 namespace rehearse::urdf {

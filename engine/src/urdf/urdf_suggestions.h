@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "model/names.h"
-#include "model/text.h"
+#include "base/names.h"
+#include "base/text.h"
 
 namespace rehearse::urdf {
 

@@ -6,9 +6,9 @@
 #include <numbers>
 #include <utility>
 
+#include "base/chance.h"
 #include "decay.h"
 #include "model/acting_faults.h"
-#include "model/chance.h"
 
 namespace rehearse {
 namespace {

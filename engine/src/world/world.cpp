@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <cstring>
 
+#include "base/clock.h"
+#include "base/digest.h"
 #include "beams.h"
 #include "connections.h"
 #include "contacts.h"
 #include "direct_step.h"
 #include "friction.h"
 #include "kinematic_body.h"
-#include "model/clock.h"
-#include "model/digest.h"
 #include "ode_body.h"
 #include "ode_runtime.h"
 #include "sleep.h"
@@ -388,7 +388,7 @@ bool World::Impl::has_links_of(const std::map<LinkPair, FrictionPatch>& patches)
     return body >= 0 && static_cast<std::size_t>(body) < bodies.size() && link >= 0 &&
            static_cast<std::size_t>(link) < bodies[body]->description().model->links.size();
   };
-  return std::all_of(patches.begin(), patches.end(), [&](const auto& patch) {
+  return std::ranges::all_of(patches, [&](const auto& patch) {
     const LinkPair& pair = patch.first;
     return has(pair.body, pair.link) && has(pair.other_body, pair.other_link);
   });

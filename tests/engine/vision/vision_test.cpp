@@ -1,7 +1,7 @@
 // The ticks at which cameras capture and at which their pictures arrive.
 
 #include "renderer/vision.h"
-#include "model/clock.h"
+#include "base/clock.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // The ticks at which range sensors scan and at which their scans arrive.
 
-#include "model/clock.h"
 #include "world/scanner.h"
+#include "base/clock.h"
 
 #include <set>
 

@@ -1,5 +1,5 @@
 // Hashes of files, and which of them are kept.
-#include "core/mcap/hashing.h"
+#include "base/hashing.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 #include <fstream>
 #include <string>
 
-#include "core/mcap/file_identity.h"
+#include "base/file_identity.h"
 #include "support/bytes_read.h"
 #include "support/temporary_folder.h"
 

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "core/mcap/glob.h"
+#include "base/glob.h"
 #include "core/trace/select.h"
 #include "mcap_files.h"
 
@@ -125,7 +125,8 @@ TEST(McapSelect, TakesTimesFromTheFirstUpToTheLastWithoutIt) {
   EXPECT_THAT(taken(*reader, {}), ElementsAre("5", "6", "7", "8", "9"));
   EXPECT_THAT(taken(*reader, {.from = moment("2.001"), .until = moment("2.003")}), ElementsAre("6", "7"));
   EXPECT_THAT(taken(*reader, {.from = moment("+0.001"), .until = moment("+0.003")}), ElementsAre("6", "7"));
-  EXPECT_THAT(taken(*reader, {.until = moment("1")}), ElementsAre("nothing was recorded in the span that is asked for"));
+  EXPECT_THAT(taken(*reader, {.until = moment("1")}),
+              ElementsAre("nothing was recorded in the span that is asked for"));
 }
 
 TEST(McapSelect, TakesTicksWithBothEnds) {

@@ -15,8 +15,8 @@
 #include <optional>
 #include <string>
 
-#include "core/mcap/file_identity.h"
-#include "core/mcap/hashing.h"
+#include "base/file_identity.h"
+#include "base/hashing.h"
 #include "support/bytes_read.h"
 #include "support/temporary_folder.h"
 

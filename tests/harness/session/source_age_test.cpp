@@ -16,7 +16,7 @@
 #include <functional>
 #include <string>
 
-#include "core/mcap/file_identity.h"
+#include "base/file_identity.h"
 #include "support/bytes_read.h"
 #include "support/shell.h"
 #include "support/temporary_folder.h"

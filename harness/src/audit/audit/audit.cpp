@@ -8,13 +8,13 @@
 #include <set>
 
 #include "aspects.h"
+#include "base/clock.h"
 #include "core/golden/golden_files.h"
 #include "core/host/controller_library.h"
 #include "core/host/virtualised.h"
 #include "core/scenario/trace_scenario.h"
 #include "instruction_profile.h"
 #include "judgement.h"
-#include "model/clock.h"
 #include "realtime.h"
 #include "valgrind_report.h"
 
@@ -107,21 +107,20 @@ Result<void> Audit::record() {
   words.insert(words.end(), {"--call-limit", fmt::format("{}", options_.call_limit)});
   if (options_.until) words.insert(words.end(), {"--duration", fmt::format("{}", *options_.until)});
   const fs::path log = options_.scratch / "recording.calls", output = options_.scratch / "recording.txt";
-  auto changes = interposer_environment({log, options_.scratch / "copies", plain_replay(options_).everywhere, {}, {}});
-  if (!changes) return changes.errors();
-  for (const auto& [name, value] : pinned_environment()) (*changes)[name] = value;
-  if (options_.virtualise) changes->merge(virtualised_environment(options_.seed));
-  const auto status = run_to_end({words, environment_with(*changes), output}, options_.should_stop);
-  if (!status) return status.errors();
+  auto changes = REHEARSE_TRY(
+      interposer_environment({log, options_.scratch / "copies", plain_replay(options_).everywhere, {}, {}}));
+  for (const auto& [name, value] : pinned_environment()) changes[name] = value;
+  if (options_.virtualise) changes.merge(virtualised_environment(options_.seed));
+  const auto status = REHEARSE_TRY(run_to_end({words, environment_with(changes), output}, options_.should_stop));
   std::error_code ignored;
   if (!fs::exists(trace_, ignored)) {
     auto said = read_text(output);
     if (said && said->starts_with("error: ")) said = said->substr(7);
     while (said && said->ends_with('\n')) said->pop_back();
-    return error(said && !said->empty() ? *said : fmt::format("recording it ended with status {}", *status));
+    return error(said && !said->empty() ? *said : fmt::format("recording it ended with status {}", status));
   }
   const auto reader = mcap::Reader::open(trace_);
-  if (!reader || !(*reader)->damage().empty()) report_.failure = error(why_cut_off(log, *status));
+  if (!reader || !(*reader)->damage().empty()) report_.failure = error(why_cut_off(log, status));
   evidence_.recorded_here = true;
   tell(what_, 0);
   ++done_;
@@ -140,9 +139,8 @@ Result<void> Audit::find_libraries(const Scenario& scenario) {
       name = given->second;
       directory = fs::current_path();
     }
-    const auto file = find_controller_library(name, directory);
-    if (!file) return file.errors();
-    libraries_.push_back({label, fs::absolute(*file)});
+    const auto file = REHEARSE_TRY(find_controller_library(name, directory));
+    libraries_.push_back({label, fs::absolute(file)});
     return {};
   };
   Diagnostics missing;
@@ -175,25 +173,21 @@ Result<void> Audit::prepare() {
   if (is_trace(subject_)) {
     trace_ = fs::absolute(subject_);
   } else {
-    const auto scenario = Scenario::load(subject_);
-    if (!scenario) return scenario.errors();
-    if (auto found = find_libraries(*scenario); !found) return found;
-    if (auto made = record(); !made) return made;
+    const auto scenario = REHEARSE_TRY(Scenario::load(subject_));
+    REHEARSE_TRY(find_libraries(scenario));
+    REHEARSE_TRY(record());
   }
   if (report_.failure) return {};
-  const auto reader = mcap::Reader::open(trace_);
-  if (!reader) return reader.errors();
-  if (!(*reader)->damage().empty()) return (*reader)->damage();
-  const auto scenario = scenario_of(**reader);
-  if (!scenario) return scenario.errors();
-  evidence_.time_step = report_.time_step = scenario->time_step;
+  const auto reader = REHEARSE_TRY(mcap::Reader::open(trace_));
+  if (!reader->damage().empty()) return reader->damage();
+  const auto scenario = REHEARSE_TRY(scenario_of(*reader));
+  evidence_.time_step = report_.time_step = scenario.time_step;
   evidence_.virtualised = options_.virtualise;
-  if (const auto seed = virtualised_seed(**reader)) {
+  if (const auto seed = virtualised_seed(*reader)) {
     options_.virtualise = evidence_.virtualised = true;  // as in the recording
     options_.seed = *seed;
   }
-  if (is_trace(subject_))
-    if (auto found = find_libraries(*scenario); !found) return found;
+  if (is_trace(subject_)) REHEARSE_TRY(find_libraries(scenario));
   evidence_.fixed_addresses = can_fix_addresses();
   if (!evidence_.fixed_addresses) {
     Diagnostic& remark = report_.remarks.emplace_back(
@@ -211,10 +205,9 @@ Result<void> Audit::prepare() {
 
 Result<void> Audit::run_first() {
   tell("replaying", 2);
-  auto outcomes = processes_->run({plain_replay(options_), still_replay(options_)});
-  if (!outcomes) return outcomes.errors();
-  evidence_.plain = std::move((*outcomes)[0]);
-  evidence_.still = std::move((*outcomes)[1]);
+  auto outcomes = REHEARSE_TRY(processes_->run({plain_replay(options_), still_replay(options_)}));
+  evidence_.plain = std::move(outcomes[0]);
+  evidence_.still = std::move(outcomes[1]);
   take_first(evidence_.plain.passes[0]);
   return {};
 }
@@ -229,7 +222,7 @@ void Audit::take_first(const ReplayPass& pass) {
   report_.commands = report_.ticks * numbers;
   report_.controller_refused = pass.refused;
   if (pass.failure) report_.failure = error(*pass.failure);
-  const auto refusal = std::find_if(pass.remarks.begin(), pass.remarks.end(), [](const Diagnostic& remark) {
+  const auto refusal = std::ranges::find_if(pass.remarks, [](const Diagnostic& remark) {
     return remark.message.find(" returned false") != std::string::npos;
   });
   if (!report_.failure && pass.refused)
@@ -250,9 +243,8 @@ Result<void> Audit::run_experiments() {
   for (const Experiment& experiment : evidence_.experiments)
     all.insert(all.end(), experiment.settings.begin(), experiment.settings.end());
   tell("replaying", static_cast<int>(all.size()));
-  auto outcomes = processes_->run(all);
-  if (!outcomes) return outcomes.errors();
-  auto next = outcomes->begin();
+  auto outcomes = REHEARSE_TRY(processes_->run(all));
+  auto next = outcomes.begin();
   for (const Experiment& experiment : evidence_.experiments) {
     std::vector<ReplayOutcome>& taken = evidence_.outcomes.emplace_back();
     for (std::size_t i = 0; i < experiment.settings.size(); ++i) taken.push_back(std::move(*next++));
@@ -269,7 +261,7 @@ Result<void> Audit::ask_places(const std::vector<ObservedCall>& seen, const std:
     std::vector<const ObservedCall*> places;
     for (const ObservedCall& call : seen) {
       const auto same = [&](const ObservedCall* known) { return known->place == call.place; };
-      if (aspect_of(call).factor == factor && std::none_of(places.begin(), places.end(), same)) places.push_back(&call);
+      if (aspect_of(call).factor == factor && std::ranges::none_of(places, same)) places.push_back(&call);
     }
     if (places.size() < 2) continue;
     if (places.size() > most_places) places.resize(most_places);
@@ -279,13 +271,12 @@ Result<void> Audit::ask_places(const std::vector<ObservedCall>& seen, const std:
     }
   }
   tell("asking which call it is", static_cast<int>(settings.size()));
-  const auto outcomes = processes_->run(settings);
-  if (!outcomes) return outcomes.errors();
+  const auto outcomes = REHEARSE_TRY(processes_->run(settings));
   const std::string& controller = seen.empty() ? std::string() : seen[0].controller;
-  for (std::size_t i = 0; i < outcomes->size(); ++i) {
-    report_.replays += static_cast<int>((*outcomes)[i].passes.size());
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    report_.replays += static_cast<int>(outcomes[i].passes.size());
     tried[i].second =
-        difference(evidence_.still.passes[0], (*outcomes)[i].passes[0], evidence_.time_step, controller).has_value();
+        difference(evidence_.still.passes[0], outcomes[i].passes[0], evidence_.time_step, controller).has_value();
   }
   return {};
 }
@@ -295,9 +286,8 @@ Result<void> Audit::run_valgrind() {
   ReplaySettings settings;
   settings.name = "valgrind";
   settings.valgrind = ValgrindTool::memcheck;
-  const auto outcomes = processes_->run({settings});
-  if (!outcomes) return outcomes.errors();
-  const ReplayOutcome& outcome = (*outcomes)[0];
+  const auto outcomes = REHEARSE_TRY(processes_->run({settings}));
+  const ReplayOutcome& outcome = outcomes[0];
   if (outcome.valgrind_report.empty())
     return error("valgrind can't be started", "apt-get install valgrind, or leave out --valgrind");
   std::vector<fs::path> files;
@@ -315,9 +305,8 @@ Result<void> Audit::run_realtime() {
   ReplaySettings settings = plain_replay(options_);
   settings.name = "realtime";
   settings.costs = true;
-  auto outcomes = processes_->run({settings});
-  if (!outcomes) return outcomes.errors();
-  const ReplayOutcome& outcome = (*outcomes)[0];
+  auto outcomes = REHEARSE_TRY(processes_->run({settings}));
+  const ReplayOutcome& outcome = outcomes[0];
   take_first(outcome.passes[0]);
   report_.replays = 1;
   for (ControllerAudit& controller : report_.controllers)
@@ -336,9 +325,8 @@ Result<void> Audit::run_realtime() {
 /// Replaces all other examinations.
 Result<void> Audit::run_instructions() {
   constexpr double most_ticks = 100'000;
-  const auto reader = mcap::Reader::open(trace_);
-  if (!reader) return reader.errors();
-  const auto& size = (*reader)->statistics();
+  const auto reader = REHEARSE_TRY(mcap::Reader::open(trace_));
+  const auto& size = reader->statistics();
   const double seconds = size ? 1e-9 * static_cast<double>(size->message_end_time - size->message_start_time) : 0.0;
   if (const double ticks = std::min(seconds, options_.until.value_or(seconds)) / evidence_.time_step;
       ticks > most_ticks)
@@ -350,9 +338,8 @@ Result<void> Audit::run_instructions() {
   settings.name = "instructions";
   settings.valgrind = ValgrindTool::callgrind;
   settings.other_addresses = false;
-  auto outcomes = processes_->run({settings});
-  if (!outcomes) return outcomes.errors();
-  const ReplayOutcome& outcome = (*outcomes)[0];
+  auto outcomes = REHEARSE_TRY(processes_->run({settings}));
+  const ReplayOutcome& outcome = outcomes[0];
   take_first(outcome.passes[0]);
   report_.replays = 1;
   if (report_.failure) {
@@ -361,10 +348,9 @@ Result<void> Audit::run_instructions() {
   }
   std::map<std::string, fs::path> files;
   for (const AuditedLibrary& library : libraries_) files[library.label] = fs::canonical(library.file);
-  auto counts = read_instruction_profiles(outcome.instruction_profile, files);
-  if (!counts) return counts.errors();
+  auto counts = REHEARSE_TRY(read_instruction_profiles(outcome.instruction_profile, files));
   for (ControllerAudit& controller : report_.controllers) {
-    controller.instructions = std::move((*counts)[controller.controller]);
+    controller.instructions = std::move(counts[controller.controller]);
     report_.verdict +=
         (report_.verdict.empty() ? "" : "; ") + instructions_sentence(controller.controller, *controller.instructions);
   }
@@ -380,9 +366,8 @@ Result<void> Audit::run_coverage() {
   ReplaySettings settings = plain_replay(options_);
   settings.name = "coverage";
   settings.coverage = true;
-  auto outcomes = processes_->run({settings});
-  if (!outcomes) return outcomes.errors();
-  const ReplayPass& pass = (*outcomes)[0].passes[0];
+  auto outcomes = REHEARSE_TRY(processes_->run({settings}));
+  const ReplayPass& pass = outcomes[0].passes[0];
   take_first(pass);
   report_.replays = 1;
   for (ControllerAudit& controller : report_.controllers)
@@ -400,7 +385,7 @@ Result<void> Audit::judge() {
     if (report_.failure) continue;
     controller.factors = judge_factors(evidence_, controller.controller);
     std::vector<std::pair<CodePlace, bool>> tried;
-    if (auto asked = ask_places(seen, controller.factors, tried); !asked) return asked;
+    REHEARSE_TRY(ask_places(seen, controller.factors, tried));
     judge_calls(evidence_, seen, controller, tried);
     conclude(evidence_, seen, controller);
     controller.rests_on = what_it_rests_on(evidence_, seen, controller);
@@ -443,7 +428,7 @@ void Audit::sum_up() {
   const auto count = [&](const ReplayOutcome& outcome) { report_.replays += static_cast<int>(outcome.passes.size()); };
   count(evidence_.plain);
   count(evidence_.still);
-  for (const auto& outcomes : evidence_.outcomes) std::for_each(outcomes.begin(), outcomes.end(), count);
+  for (const auto& outcomes : evidence_.outcomes) std::ranges::for_each(outcomes, count);
   const std::string given = options_.virtualise ? ", with simulated time and seeded random numbers" : "";
   if (report_.failure) {
     report_.deterministic = false;
@@ -490,13 +475,12 @@ void Audit::sum_up() {
 }
 
 Result<AuditReport> Audit::run() {
-  if (auto ready = prepare(); !ready) return ready.errors();
+  REHEARSE_TRY(prepare());
   const auto only = options_.realtime       ? &Audit::run_realtime
                     : options_.instructions ? &Audit::run_instructions
                     : options_.coverage     ? &Audit::run_coverage
                                             : static_cast<Result<void> (Audit::*)()>(nullptr);
-  if (!report_.failure && !only)
-    if (auto done = run_first(); !done) return done.errors();
+  if (!report_.failure && !only) REHEARSE_TRY(run_first());
   for (const AuditedLibrary& library : libraries_) {
     ControllerAudit& controller = report_.controllers.emplace_back();
     controller.controller = library.label;
@@ -505,15 +489,12 @@ Result<AuditReport> Audit::run() {
     if (auto code = scan_library(library.file)) controller.code = *std::move(code);
   }
   if (only) {
-    if (!report_.failure)
-      if (auto done = (this->*only)(); !done) return done.errors();
+    if (!report_.failure) REHEARSE_TRY((this->*only)());
     return report_;
   }
-  if (!report_.failure)
-    if (auto done = run_experiments(); !done) return done.errors();
-  if (options_.valgrind && !report_.failure)
-    if (auto done = run_valgrind(); !done) return done.errors();
-  if (auto done = judge(); !done) return done.errors();
+  if (!report_.failure) REHEARSE_TRY(run_experiments());
+  if (options_.valgrind && !report_.failure) REHEARSE_TRY(run_valgrind());
+  REHEARSE_TRY(judge());
   sum_up();
   return report_;
 }

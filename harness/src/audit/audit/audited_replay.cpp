@@ -150,10 +150,9 @@ Result<void> make_audited_replay(const AuditedReplay& work) {
   AuditedReplay here = work;
   here.trace = fs::absolute(work.trace);
   for (int number = 1; number <= work.passes; ++number) {
-    auto outputs = OutputsWriter::create(folder / fmt::format("{}.outputs", number));
-    if (!outputs) return outputs.errors();
-    Json result = pass(here, *outputs);
-    if (!outputs->complete()) return error("the commands of the controllers can't be stored: the disk is full");
+    auto outputs = REHEARSE_TRY(OutputsWriter::create(folder / fmt::format("{}.outputs", number)));
+    Json result = pass(here, outputs);
+    if (!outputs.complete()) return error("the commands of the controllers can't be stored: the disk is full");
     const fs::path file = folder / fmt::format("{}.json", number);
     std::ofstream stream(file);
     stream << result.dump(1, ' ', false, Json::error_handler_t::replace);

@@ -156,12 +156,11 @@ bool install_handler() { return false; }
 
 Result<void> watch_library(const fs::path& file) {
   if (std::ranges::find(libraries, file, &WatchedLibrary::file) != libraries.end()) return {};
-  const auto map = map_code(file);
-  if (!map) return map.errors();
+  const auto map = REHEARSE_TRY(map_code(file));
   if (!install_handler()) return error("the executed lines can't be found here: the system forbids to change code");
   std::map<std::uint64_t, std::pair<bool, std::optional<CodeMap::Jump>>> places;
-  for (const CodeMap::Statement& statement : map->statements) places[statement.address].first = true;
-  for (const CodeMap::Jump& jump : map->jumps) places[jump.address].second = jump;
+  for (const CodeMap::Statement& statement : map.statements) places[statement.address].first = true;
+  for (const CodeMap::Jump& jump : map.jumps) places[jump.address].second = jump;
   WatchedLibrary& library = libraries.emplace_back();
   library.file = file;
   library.breakpoints = std::vector<Breakpoint>(places.size());

@@ -75,8 +75,7 @@ bool is_of_conversion(const CodeSection& section, const CodeMap::Jump& jump) {
 }  // namespace
 
 Result<CodeMap> map_code(const fs::path& file) {
-  const auto library = read_library(file);
-  if (!library) return library.errors();
+  const auto library = REHEARSE_TRY(read_library(file));
   LineTable table = Symbols(file).lines();
   CodeMap map;
   map.files = std::move(table.files);
@@ -85,7 +84,7 @@ Result<CodeMap> map_code(const fs::path& file) {
 
   Disassembler disassembler;
   for (auto row = table.rows.begin(); row != table.rows.end(); ++row) {
-    const CodeSection* const section = section_with(*library, row->address);
+    const CodeSection* const section = section_with(library, row->address);
     // The linker leaves rows of removed functions, at addresses outside of the code.
     if (!section || row->line == 0 || !is_own[static_cast<std::size_t>(row->file)]) continue;
     if (row->is_statement) map.statements.push_back({row->address, row->file, row->line});

@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "base/clock.h"
 #include "code_map.h"
 #include "core/compare/report_json.h"
 #include "core/host/hosted_language.h"
 #include "core/host/source_age.h"
-#include "model/clock.h"
 #include "symbols.h"
 
 namespace rehearse {
@@ -45,9 +45,8 @@ class CoverageSum {
       return error(fmt::format("controller '{}' is written in {}: it has no machine code, in which lines are watched",
                                file.filename().string(), hosted->language.name),
                    fmt::format("{}'s own package coverage lists its lines", hosted->language.name));
-    auto map = map_code(file);
-    if (!map) return map.errors();
-    maps_.emplace(file, *std::move(map));
+    auto map = REHEARSE_TRY(map_code(file));
+    maps_.emplace(file, std::move(map));
     return {};
   }
   void add(const fs::path& library, const Execution& execution) { executions_[library].push_back(execution); }
@@ -183,9 +182,8 @@ Result<CoverageReport> coverage(const std::vector<fs::path>& recordings, const A
       own.progress = nullptr;
       options.progress("replaying", static_cast<int>(i), static_cast<int>(recordings.size()));
     }
-    auto audited = audit(recordings[i], own);
-    if (!audited) return audited.errors();
-    audits.push_back(*std::move(audited));
+    auto audited = REHEARSE_TRY(audit(recordings[i], own));
+    audits.push_back(std::move(audited));
     const AuditReport& replayed = audits.back();
     if (replayed.failure && !report.failure) {
       report.failure = replayed.failure;

@@ -15,10 +15,10 @@
 #include <sstream>
 #include <utility>
 
-#include "core/mcap/hashing.h"
+#include "base/hashing.h"
+#include "base/text.h"
+#include "base/write_hint.h"
 #include "instruction_profile.h"
-#include "model/text.h"
-#include "model/write_hint.h"
 #include "symbols.h"
 
 namespace rehearse {
@@ -199,13 +199,12 @@ Result<void> keep_instructions(const AuditReport& report, const fs::path& golden
 }
 
 Result<InstructionJudgement> judge_instructions(const AuditReport& report, const fs::path& golden) {
-  const auto kept = read(instructions_file_of(golden));
-  if (!kept) return kept.errors();
+  const auto kept = REHEARSE_TRY(read(instructions_file_of(golden)));
   const KeptInstructions present = counts_of(report, golden);
   InstructionJudgement judgement;
   for (const ControllerAudit& controller : report.controllers) {
     if (!controller.instructions) continue;
-    ComparedInstructions compared = compare(*kept, present, controller.controller);
+    ComparedInstructions compared = compare(kept, present, controller.controller);
     judgement.has_grown = judgement.has_grown || compared.grown > 0;
     judgement.was_compared = judgement.was_compared || compared.not_compared.empty();
     judgement.verdict += (judgement.verdict.empty() ? "" : "; ") + sentence(compared, *controller.instructions);

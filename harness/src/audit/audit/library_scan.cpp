@@ -23,11 +23,10 @@ constexpr std::string_view kind_names[] = {"fast_math_startup", "float_mode_chan
 /// The kind of finding for an instruction, if any.
 std::optional<Kind> kind_of(std::string_view mnemonic) {
   const auto begins_with_one_of = [&](std::initializer_list<std::string_view> beginnings) {
-    return std::any_of(beginnings.begin(), beginnings.end(),
-                       [&](std::string_view beginning) { return mnemonic.starts_with(beginning); });
+    return std::ranges::any_of(beginnings, [&](std::string_view beginning) { return mnemonic.starts_with(beginning); });
   };
   const auto is_one_of = [&](std::initializer_list<std::string_view> names) {
-    return std::find(names.begin(), names.end(), mnemonic) != names.end();
+    return std::ranges::find(names, mnemonic) != names.end();
   };
   switch (mnemonic.empty() ? 0 : mnemonic[0]) {
     case 'v':
@@ -172,15 +171,14 @@ void add_imports(const ElfLibrary& library, std::vector<AuditedCode>& findings) 
 }  // namespace
 
 Result<std::vector<AuditedCode>> scan_library(const std::filesystem::path& file) {
-  const auto library = read_library(file);
-  if (!library) return library.errors();
+  const auto library = REHEARSE_TRY(read_library(file));
   const Symbols symbols(file);
   std::vector<AuditedCode> findings;
-  const auto startup = StartupSearch(*library).find();
+  const auto startup = StartupSearch(library).find();
   if (startup) findings.push_back(finding_of(Kind::fast_math_startup, {1, *startup, "ldmxcsr"}, symbols));
-  for (const auto& [kind, spot] : remarkable_instructions(*library, startup))
+  for (const auto& [kind, spot] : remarkable_instructions(library, startup))
     findings.push_back(finding_of(kind, spot, symbols));
-  add_imports(*library, findings);
+  add_imports(library, findings);
   return findings;
 }
 

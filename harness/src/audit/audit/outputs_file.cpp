@@ -12,9 +12,9 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "base/clock.h"
 #include "core/kinds/channel_name.h"
 #include "core/replay/output_record.h"
-#include "model/clock.h"
 
 namespace rehearse {
 

@@ -141,10 +141,10 @@ Result<std::vector<std::string>> ReplayProcesses::environment(const ReplaySettin
   if (settings.valgrind == ValgrindTool::callgrind) {
     changes["LD_BIND_NOW"] = "1";  // else the first call of a function also looks up its address
   } else if (settings.valgrind == ValgrindTool::none) {
-    const auto watched = interposer_environment({folder_of(settings) / "calls", folder_of(settings) / "copies",
-                                                 settings.everywhere, settings.only, settings.there});
-    if (!watched) return watched.errors();
-    for (const auto& [name, value] : *watched) changes[name] = value;
+    const auto watched =
+        REHEARSE_TRY(interposer_environment({folder_of(settings) / "calls", folder_of(settings) / "copies",
+                                             settings.everywhere, settings.only, settings.there}));
+    for (const auto& [name, value] : watched) changes[name] = value;
   }
   return environment_with(changes);
 }
@@ -157,15 +157,13 @@ Result<ReplayProcesses::Child> ReplayProcesses::start(const ReplaySettings& sett
   std::error_code failed;
   fs::create_directories(elsewhere, failed);
   if (failed) return error(fmt::format("the folder {} can't be made: {}", elsewhere.string(), failed.message()));
-  const auto variables = environment(settings);
-  if (!variables) return variables.errors();
-  const auto process = rehearse::start({.words = command_line(settings),
-                                        .environment = *variables,
-                                        .output = child.folder / "output.txt",
-                                        .folder = settings.other_folder ? elsewhere : fs::path(),
-                                        .fixed_addresses = !settings.other_addresses});
-  if (!process) return process.errors();
-  child.process = *process;
+  const auto variables = REHEARSE_TRY(environment(settings));
+  const auto process = REHEARSE_TRY(rehearse::start({.words = command_line(settings),
+                                                     .environment = variables,
+                                                     .output = child.folder / "output.txt",
+                                                     .folder = settings.other_folder ? elsewhere : fs::path(),
+                                                     .fixed_addresses = !settings.other_addresses}));
+  child.process = process;
   return child;
 }
 
@@ -227,10 +225,9 @@ Result<std::vector<ReplayOutcome>> ReplayProcesses::run(const std::vector<Replay
 }
 
 Result<ReplayPass> ReplayProcesses::read_pass(const Child& child, int number) const {
-  auto outputs = Outputs::read(child.folder / fmt::format("{}.outputs", number));
-  if (!outputs) return outputs.errors();
+  auto outputs = REHEARSE_TRY(Outputs::read(child.folder / fmt::format("{}.outputs", number)));
   ReplayPass pass;
-  pass.outputs = *std::move(outputs);
+  pass.outputs = std::move(outputs);
   const fs::path file = child.folder / fmt::format("{}.json", number);
   const auto text = read_text(file);
   if (!text) {  // the process ended before it wrote anything
@@ -271,9 +268,8 @@ Result<ReplayOutcome> ReplayProcesses::outcome(const Child& child) const {
   for (int number = 1; number <= child.settings->passes; ++number) {
     // The previous pass ended the process.
     if (!fs::exists(child.folder / fmt::format("{}.outputs", number), ignored)) break;
-    auto pass = read_pass(child, number);
-    if (!pass) return pass.errors();
-    outcome.passes.push_back(*std::move(pass));
+    auto pass = REHEARSE_TRY(read_pass(child, number));
+    outcome.passes.push_back(std::move(pass));
   }
   if (child.settings->valgrind == ValgrindTool::callgrind) outcome.instruction_profile = profile_of(*child.settings);
   if (child.settings->valgrind == ValgrindTool::memcheck) {

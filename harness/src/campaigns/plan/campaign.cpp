@@ -46,7 +46,7 @@ Result<void> Campaign::read_results(const std::function<void(const CaseResult&)>
     if (entry->path().filename().string().starts_with("results") && entry->path().extension() == ".jsonl")
       files.push_back(entry->path());
   if (failed) return error_in(folder_.string(), fmt::format("it can't be read: {}", failed.message()));
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   for (const fs::path& file : files) {
     std::ifstream stream(file, std::ios::binary);
     std::int64_t number = 0;
@@ -65,7 +65,7 @@ Result<void> Campaign::read_results(const std::function<void(const CaseResult&)>
 
 Result<std::vector<std::int64_t>> Campaign::unfinished_slices(std::int64_t count) const {
   FinishedCases done(*this);
-  if (auto read = read_results([&](const CaseResult& result) { done.take(result); }); !read) return read.errors();
+  REHEARSE_TRY(read_results([&](const CaseResult& result) { done.take(result); }));
   std::vector<std::int64_t> unfinished;
   for (Slice slice{1, count}; slice.index <= count; ++slice.index) {
     const auto lacks = [&](std::int64_t number, const std::vector<bool>& results, bool again) {

@@ -13,11 +13,11 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "base/hashing.h"
+#include "base/text.h"
 #include "case_values.h"
 #include "core/golden/golden_files.h"
-#include "core/mcap/hashing.h"
 #include "csv_text.h"
-#include "model/text.h"
 #include "result_lines.h"
 
 namespace rehearse {
@@ -162,14 +162,13 @@ Result<Campaign> CampaignFolder::begin(Scenario scenario, const fs::path& folder
   campaign.options_ = options;
   if (campaign.scenario_.variations.empty())
     return error_in(campaign.scenario_.file, "the scenario varies nothing", "expected vary: with some parameters");
-  auto values = CaseValues::make(campaign.scenario_, options.seed, options.cases, {options.steered, options.own_share});
-  if (!values) return values.errors();
-  campaign.values_ = *std::move(values);
-  const auto round = campaign.values_->round();
-  if (!round) return round.errors();
-  if (options.cases == 0 && *round == 1)
+  auto values = REHEARSE_TRY(
+      CaseValues::make(campaign.scenario_, options.seed, options.cases, {options.steered, options.own_share}));
+  campaign.values_ = std::move(values);
+  const auto round = REHEARSE_TRY(campaign.values_->round());
+  if (options.cases == 0 && round == 1)
     return error_in(campaign.scenario_.file, "the number of cases isn't stated", "expected --cases N");
-  if (options.cases == 0) campaign.options_.cases = *round;
+  if (options.cases == 0) campaign.options_.cases = round;
   return campaign;
 }
 
@@ -205,9 +204,8 @@ Result<Campaign> CampaignFolder::read(const fs::path& folder) {
   if (!fs::exists(facts_file(folder), ignored))
     return error_in(folder.string(), "it is no campaign: there is no campaign.json",
                     "make one: rehearse sweep SCENARIO --cases N -o DIR");
-  const auto text = read_text(facts_file(folder));
-  if (!text) return text.errors();
-  const Json facts = Json::parse(*text, nullptr, false);
+  const auto text = REHEARSE_TRY(read_text(facts_file(folder)));
+  const Json facts = Json::parse(text, nullptr, false);
   const std::string file = facts_file(folder).string();
   if (!facts.is_object() || facts.value("file", "") != kind_of_file)
     return error_in(file, "it isn't the file of a campaign");
@@ -224,22 +222,20 @@ Result<Campaign> CampaignFolder::read(const fs::path& folder) {
 }
 
 Result<Campaign> CampaignFolder::read_facts(const fs::path& folder, const Json& facts) {
-  auto scenario = Scenario::load(facts.at("scenario").get<std::string>());
-  if (!scenario) return scenario.errors();
+  auto scenario = REHEARSE_TRY(Scenario::load(facts.at("scenario").get<std::string>()));
   for (const auto& [name, hash] : facts.at("sources").items()) {
-    const Json now = sources_of_campaign(*scenario);
+    const Json now = sources_of_campaign(scenario);
     if (now.contains(name) && now[name] == hash) continue;
     return error_in(folder.string(),
                     fmt::format("{} has changed since the campaign began",
-                                name == "scenario" ? scenario->file : fmt::format("the model {}", name)),
+                                name == "scenario" ? scenario.file : fmt::format("the model {}", name)),
                     "restore it, or begin another campaign in a new folder");
   }
-  auto campaign = begin(*std::move(scenario), folder, options_of(facts.at("options")));
+  auto campaign = begin(std::move(scenario), folder, options_of(facts.at("options")));
   if (!campaign) return campaign;
   campaign->digest_ = facts.at("plan").get<std::string>();
-  const auto on_disk = hash_of_file(plan_file(folder));
-  if (!on_disk) return on_disk.errors();
-  if (hash_text(*on_disk) != campaign->digest_ || digest_of_plan(*campaign) != campaign->digest_)
+  const auto on_disk = REHEARSE_TRY(hash_of_file(plan_file(folder)));
+  if (hash_text(on_disk) != campaign->digest_ || digest_of_plan(*campaign) != campaign->digest_)
     return error_in(plan_file(folder).string(), "the plan was changed since the campaign began",
                     "restore it, or begin another campaign in a new folder");
   auto nominal = result_of_json(facts.at("nominal"));

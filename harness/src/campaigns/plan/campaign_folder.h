@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "model/file_descriptor.h"
+#include "base/file_descriptor.h"
 
 namespace rehearse {
 

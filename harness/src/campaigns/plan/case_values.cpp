@@ -8,10 +8,10 @@
 #include <numbers>
 #include <optional>
 
+#include "base/names.h"
+#include "base/text.h"
 #include "core/scenario/normal_quantile.h"
 #include "csv_text.h"
-#include "model/names.h"
-#include "model/text.h"
 
 namespace rehearse {
 namespace {
@@ -55,7 +55,7 @@ class Parameters final : public ExpressionSource {
   }
 
   Result<std::size_t> find_series(std::string_view name) override {
-    const auto found = std::find(names_.begin(), names_.end(), name);
+    const auto found = std::ranges::find(names_, name);
     if (found != names_.end()) return static_cast<std::size_t>(found - names_.begin());
     return error(fmt::format("no parameter before it is named '{}'", name), name_hint(name, names_, "parameters"));
   }
@@ -94,28 +94,26 @@ Result<std::shared_ptr<const CaseValues>> CaseValues::make(const Scenario& scena
     const Variation& variation = made->variations()[i];
     made->lists_.push_back(variation.values);
     if (variation.distribution == Distribution::from_file)
-      if (auto read = made->read_column(variation, made->lists_.back()); !read) return read.errors();
-    if (variation.distribution == Distribution::linked)
-      if (auto parsed = made->parse_link(i); !parsed) return parsed.errors();
+      REHEARSE_TRY(made->read_column(variation, made->lists_.back()));
+    if (variation.distribution == Distribution::linked) REHEARSE_TRY(made->parse_link(i));
   }
-  if (auto points = made->make_points(cases); !points) return points.errors();
+  REHEARSE_TRY(made->make_points(cases));
   return std::shared_ptr<const CaseValues>(made);
 }
 
 Result<void> CaseValues::read_column(const Variation& variation, std::vector<std::string>& rows) const {
   const std::filesystem::path file = std::filesystem::path(scenario_.file).parent_path() / variation.file;
-  const auto table = read_csv(file);
-  if (!table) return table.errors();
-  const std::vector<std::string>& heading = table->front();
-  const auto column = std::find(heading.begin(), heading.end(), variation.column);
+  const auto table = REHEARSE_TRY(read_csv(file));
+  const std::vector<std::string>& heading = table.front();
+  const auto column = std::ranges::find(heading, variation.column);
   if (column == heading.end())
     return at(variation.place, error(fmt::format("{} has no column '{}'", variation.file, variation.column),
                                      name_hint(variation.column, heading, "columns")));
   const auto index = static_cast<std::size_t>(column - heading.begin());
-  for (std::size_t row = 1; row < table->size(); ++row) {
-    if (index >= (*table)[row].size() || (*table)[row][index].empty())
+  for (std::size_t row = 1; row < table.size(); ++row) {
+    if (index >= table[row].size() || table[row][index].empty())
       return error_in(file.string(), fmt::format("row {} has no value in column '{}'", row, variation.column));
-    rows.push_back((*table)[row][index]);
+    rows.push_back(table[row][index]);
   }
   if (rows.empty()) return error_in(file.string(), "there are no values below the first line");
   return {};
@@ -136,9 +134,8 @@ Result<void> CaseValues::make_points(std::int64_t cases) {
                       "expected plan: random or latin_hypercube, or fewer parameters that are drawn"));
   }
   if (cases == 0) {
-    const auto all = round();
-    if (!all) return all.errors();
-    cases = *all;
+    const auto all = REHEARSE_TRY(round());
+    cases = all;
   }
   if (kind == PlanKind::latin_hypercube && cases > PlanPoints::most_latin_cases)
     return error_in(scenario_.file,
@@ -244,9 +241,8 @@ Result<void> CaseValues::check_bounds() const {
     for (const std::string& value : extremes(i)) {
       std::vector<std::string> values(variations().size());
       values[i] = value;
-      const auto text = scenario_.varied_text(with_links(values));
-      if (!text) return text.errors();
-      const auto varied = Scenario::load_text(*text, scenario_.file);
+      const auto text = REHEARSE_TRY(scenario_.varied_text(with_links(values)));
+      const auto varied = Scenario::load_text(text, scenario_.file);
       if (varied) continue;
       const Diagnostic& first = varied.errors().front();
       wrong.push_back(

@@ -6,8 +6,8 @@
 #include <numeric>
 #include <utility>
 
-#include "core/mcap/hashing.h"
-#include "model/names.h"
+#include "base/hashing.h"
+#include "base/names.h"
 
 namespace rehearse {
 namespace {

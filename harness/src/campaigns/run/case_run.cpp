@@ -12,9 +12,9 @@
 #include <cstring>
 #include <utility>
 
+#include "base/hashing.h"
 #include "campaigns/plan/result_lines.h"
 #include "core/check/unknown_series.h"
-#include "core/mcap/hashing.h"
 #include "core/scenario/campaign_claims.h"
 #include "core/trace/run_facts.h"
 
@@ -50,16 +50,15 @@ Result<void> compare_with_golden(const Scenario& scenario, const CampaignOptions
   if (options.golden.empty() || !result.passed()) return {};
   CompareOptions comparing;
   comparing.until = scenario.horizon;
-  const auto compared = compare(options.golden, trace, scenario.tolerances, comparing);
-  if (!compared) return compared.errors();
-  if (compared->within) return {};
+  const auto compared = REHEARSE_TRY(compare(options.golden, trace, scenario.tolerances, comparing));
+  if (compared.within) return {};
   result.verdict = CaseVerdict::differs;
-  result.sentence = verdict(*compared);
+  result.sentence = verdict(compared);
   result.reason = "beyond the golden's tolerances";
-  if (compared->first) {
+  if (compared.first) {
     result.reason =
-        fmt::format("{} {} is beyond the golden's tolerances", compared->first->channel, compared->first->element);
-    result.tick = compared->first->tick;
+        fmt::format("{} {} is beyond the golden's tolerances", compared.first->channel, compared.first->element);
+    result.tick = compared.first->tick;
   }
   return {};
 }

@@ -39,10 +39,9 @@ Result<std::vector<KeptFailure>> run_kept_failures(const Campaign& campaign, con
       made.push_back(std::move(failure));
       continue;
     }
-    auto run =
-        run_alone(campaign.folder(), options_for(*scenario, campaign.options()), scenario->text, file, {}, simulation);
-    if (!run) return run.errors();
-    failure.result = std::move(run->result);
+    auto run = REHEARSE_TRY(
+        run_alone(campaign.folder(), options_for(*scenario, campaign.options()), scenario->text, file, {}, simulation));
+    failure.result = std::move(run.result);
     made.push_back(std::move(failure));
   }
   return made;

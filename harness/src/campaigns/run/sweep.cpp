@@ -162,7 +162,7 @@ Result<void> Work::take(const WorkerPool::Answer& answer, Phase phase) {
   CaseResult result = result_of(answer);
   result.again = phase == Phase::again;
   if (phase == Phase::first && answer.text) keep_trace(campaign_, result, answer.folder / trace_name);
-  if (auto written = file_.append(result); !written) return written;
+  REHEARSE_TRY(file_.append(result));
   ++progress_.done;
   ++progress_.here;
   if (!result.passed() && !result.again) ++progress_.failed;
@@ -178,21 +178,20 @@ Result<void> Work::run_queue(Phase phase) {
     while (!queue_.empty() && pool_.has_room()) {
       const std::int64_t number = queue_.front();
       queue_.pop_front();
-      if (auto given = pool_.give(number); !given) return given;
+      REHEARSE_TRY(pool_.give(number));
     }
     if (pool_.is_idle() && queue_.empty()) return {};
-    const auto answer = pool_.wait();
-    if (!answer) return answer.errors();
-    if (!*answer) continue;
-    if (auto taken = take(**answer, phase); !taken) return taken;
+    const auto answer = REHEARSE_TRY(pool_.wait());
+    if (!answer) continue;
+    REHEARSE_TRY(take(*answer, phase));
   }
 }
 
 Result<void> Work::run() {
-  if (auto read = read_results(); !read) return read;
+  REHEARSE_TRY(read_results());
   const std::deque<std::int64_t> again = queue_of(Phase::again);
   queue_ = queue_of(Phase::first);
-  if (auto run = run_queue(Phase::first); !run) return run;
+  REHEARSE_TRY(run_queue(Phase::first));
   if (!goes_on() || !pool_.is_idle()) return {};
   pool_.renew_all();  // in processes that haven't run them
   lost_.clear();
@@ -209,21 +208,19 @@ Result<CaseRun> run_alone(const Campaign& campaign, const std::string& text, con
 
 Result<CaseRun> run_alone(const fs::path& campaign, const CampaignOptions& options, const std::string& text,
                           const fs::path& file, const fs::path& trace, const Simulation& simulation) {
-  const auto scratch = RunFolder::make(campaign / "running");
-  if (!scratch) return scratch.errors();
-  WorkerPool pool(workers(options, 1, scratch->path()), [&](std::int64_t, const fs::path& folder) {
+  const auto scratch = REHEARSE_TRY(RunFolder::make(campaign / "running"));
+  WorkerPool pool(workers(options, 1, scratch.path()), [&](std::int64_t, const fs::path& folder) {
     const auto run = timed_case(file, text, options, folder / trace_name, simulation);
     if (!run) return WorkerPool::Made{hindrance + run.errors().front().message};
     const Json answer{
         {"result", json_of_result(run->result)}, {"expectations", run->expectations}, {"libraries", run->libraries}};
     return WorkerPool::Made{answer.dump(-1, ' ', false, Json::error_handler_t::replace)};
   });
-  if (auto given = pool.give(0); !given) return given.errors();
+  REHEARSE_TRY(pool.give(0));
   std::optional<WorkerPool::Answer> answer;
   while (!answer && interruption() == 0) {
-    auto next = pool.wait();
-    if (!next) return next.errors();
-    answer = *std::move(next);
+    auto next = REHEARSE_TRY(pool.wait());
+    answer = std::move(next);
   }
   if (!answer) return interrupted();
   if (answer->text && answer->text->starts_with(hindrance))
@@ -276,20 +273,19 @@ std::string change_of(const std::string& controller) {
 
 Result<TextRun> run_text(const Campaign& campaign, const std::string& text, const fs::path& trace,
                          const Simulation& simulation) {
-  auto run = run_alone(campaign, text, campaign.scenario().file, trace, simulation);
-  if (!run) return run.errors();
-  return TextRun{std::move(run->result), changed_in_case(campaign, run->libraries)};
+  auto run = REHEARSE_TRY(run_alone(campaign, text, campaign.scenario().file, trace, simulation));
+  return TextRun{std::move(run.result), changed_in_case(campaign, run.libraries)};
 }
 
 namespace {
 
 /// Results of different controllers, models or programs must not be counted together.
 Result<void> check_nominal(const Campaign& campaign, const Simulation& simulation) {
-  const auto now = run_alone(campaign, campaign.scenario().text, campaign.scenario().file, {}, simulation);
-  if (!now) return now.errors();
-  if (const auto changed = changed_libraries(campaign, now->libraries); !changed.empty())
+  const auto now =
+      REHEARSE_TRY(run_alone(campaign, campaign.scenario().text, campaign.scenario().file, {}, simulation));
+  if (const auto changed = changed_libraries(campaign, now.libraries); !changed.empty())
     return error_in(campaign.folder().string(), change_of(changed.front()), new_campaign);
-  if (now->result.repeats(campaign.nominal())) return {};
+  if (now.result.repeats(campaign.nominal())) return {};
   return error_in(
       campaign.folder().string(), "the nominal run has changed since the campaign began",
       "something that it depends on has changed, or it doesn't repeat itself: rehearse audit; begin another "
@@ -313,14 +309,12 @@ WorkerPool::Made made_case(const Campaign& campaign, std::int64_t number, const 
 
 Result<Campaign> create_campaign(const fs::path& scenario, const fs::path& folder, const CampaignOptions& options,
                                  const Simulation& simulation) {
-  auto loaded = Scenario::load(scenario);
-  if (!loaded) return loaded.errors();
-  auto campaign = CampaignFolder::begin(*std::move(loaded), folder, options);
+  auto loaded = REHEARSE_TRY(Scenario::load(scenario));
+  auto campaign = CampaignFolder::begin(std::move(loaded), folder, options);
   if (!campaign) return campaign;
-  if (auto bounds = CampaignFolder::check_bounds(*campaign); !bounds) return bounds.errors();
-  if (auto allowed = CampaignFolder::check_unused(folder); !allowed) return allowed.errors();
-  const auto lock = CampaignLock::take(folder, false);
-  if (!lock) return lock.errors();
+  REHEARSE_TRY(CampaignFolder::check_bounds(*campaign));
+  REHEARSE_TRY(CampaignFolder::check_unused(folder));
+  const auto lock = REHEARSE_TRY(CampaignLock::take(folder, false));
   auto nominal = run_alone(*campaign, campaign->scenario().text, scenario, {}, simulation);
   if (!nominal || nominal->result.verdict == CaseVerdict::invalid) {
     std::error_code ignored;
@@ -329,29 +323,24 @@ Result<Campaign> create_campaign(const fs::path& scenario, const fs::path& folde
     if (!nominal) return nominal.errors();
     return error_in(scenario.string(), "the scenario can't run with its nominal values: " + nominal->result.sentence);
   }
-  auto written = CampaignFolder::write_new(*campaign, nominal->result, nominal->libraries, nominal->expectations);
-  if (!written) return written.errors();
+  REHEARSE_TRY(CampaignFolder::write_new(*campaign, nominal->result, nominal->libraries, nominal->expectations));
   return campaign;
 }
 
 Result<void> run_cases(Campaign& campaign, const SweepOptions& options, const Simulation& simulation) {
   const fs::path& own_folder = campaign.folder();
-  const auto lock = CampaignLock::take(own_folder, options.slice.has_value());
-  if (!lock) return lock.errors();
-  auto file = ResultFile::open(result_file(own_folder, options.slice));
-  if (!file) return file.errors();
-  if (!CampaignFolder::take_new(campaign))
-    if (auto same = check_nominal(campaign, simulation); !same) return same;
-  if (auto done = set_ending_failures(own_folder, 0); !done) return done;
-  const auto scratch = RunFolder::make(own_folder / "running");
-  if (!scratch) return scratch.errors();
+  REHEARSE_TRY(CampaignLock::take(own_folder, options.slice.has_value()));
+  auto file = REHEARSE_TRY(ResultFile::open(result_file(own_folder, options.slice)));
+  if (!CampaignFolder::take_new(campaign)) REHEARSE_TRY(check_nominal(campaign, simulation));
+  REHEARSE_TRY(set_ending_failures(own_folder, 0));
+  const auto scratch = REHEARSE_TRY(RunFolder::make(own_folder / "running"));
   std::error_code ignored;
   fs::create_directories(trace_folder(own_folder), ignored);
-  WorkerPool pool(workers(campaign.options(), std::max<std::size_t>(options.jobs, 1), scratch->path()),
+  WorkerPool pool(workers(campaign.options(), std::max<std::size_t>(options.jobs, 1), scratch.path()),
                   [&](std::int64_t number, const fs::path& folder) {
                     return made_case(campaign, number, folder / trace_name, simulation);
                   });
-  Work work(campaign, options, *file, pool);
+  Work work(campaign, options, file, pool);
   if (auto done = work.run(); !done || !work.ended_by_failures()) return done;
   return set_ending_failures(own_folder, options.most_failures);
 }

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/names.h"
 #include "campaigns/plan/campaign_folder.h"
 #include "campaigns/plan/case_values.h"
 #include "campaigns/statistics/case_table.h"
 #include "core/guard/interruption.h"
 #include "likelihood_ratio.h"
-#include "model/names.h"
 
 namespace rehearse {
 namespace {
@@ -65,7 +65,7 @@ Result<std::vector<std::size_t>> steered_variations(const Scenario& scenario, co
   for (const Variation& variation : scenario.variations)
     if (can_be_steered(variation)) names.push_back(variation.name);
   for (const std::string& name : over)
-    if (std::find(names.begin(), names.end(), name) == names.end())
+    if (std::ranges::find(names, name) == names.end())
       return error_in(scenario.file, fmt::format("no parameter '{}' can be steered", name),
                       name_hint(name, names, "parameters") + "; whole numbers and lists can't be steered");
   if (names.empty())
@@ -73,7 +73,7 @@ Result<std::vector<std::size_t>> steered_variations(const Scenario& scenario, co
   std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < scenario.variations.size(); ++i) {
     const Variation& variation = scenario.variations[i];
-    const bool is_named = over.empty() || std::find(over.begin(), over.end(), variation.name) != over.end();
+    const bool is_named = over.empty() || std::ranges::find(over, variation.name) != over.end();
     if (can_be_steered(variation) && is_named) indices.push_back(i);
   }
   return indices;
@@ -97,7 +97,7 @@ std::vector<std::size_t> elite_of(const std::vector<double>& margins) {
   std::vector<std::size_t> cases;
   for (std::size_t i = 0; i < margins.size(); ++i)
     if (!std::isnan(margins[i])) cases.push_back(i);
-  std::stable_sort(cases.begin(), cases.end(), [&](std::size_t a, std::size_t b) { return margins[a] < margins[b]; });
+  std::ranges::stable_sort(cases, [&](std::size_t a, std::size_t b) { return margins[a] < margins[b]; });
   const auto share = static_cast<std::size_t>(elite_share * static_cast<double>(cases.size()));
   const auto violating =
       static_cast<std::size_t>(std::ranges::count_if(cases, [&](std::size_t number) { return margins[number] < 0.0; }));
@@ -150,10 +150,9 @@ Result<Campaign> Search::begin(const fs::path& folder) const {
 
 Result<void> Search::steer_by(const Campaign& campaign, std::size_t expectation,
                               const std::vector<std::size_t>& indices, SearchRound& round) {
-  const auto table = CaseTable::of(campaign);
-  if (!table) return table.errors();
-  const std::vector<double>& margins = table->margins[expectation];
-  for (std::size_t i = table->size(); i-- > 0;) {
+  const auto table = REHEARSE_TRY(CaseTable::of(campaign));
+  const std::vector<double>& margins = table.margins[expectation];
+  for (std::size_t i = table.size(); i-- > 0;) {
     if (!(margins[i] < 0.0)) continue;
     ++round.violations;
     round.first_failure = static_cast<std::int64_t>(i);
@@ -169,7 +168,7 @@ Result<void> Search::steer_by(const Campaign& campaign, std::size_t expectation,
     const Variation& variation = campaign.scenario().variations[i];
     std::vector<double> values;
     for (const std::size_t number : elite)
-      values.push_back(is_logarithmic(variation) ? std::log(table->values[i][number]) : table->values[i][number]);
+      values.push_back(is_logarithmic(variation) ? std::log(table.values[i][number]) : table.values[i][number]);
     options_.steered.push_back(steered(variation, campaign.options(), values));
   }
   ++options_.seed;
@@ -177,36 +176,31 @@ Result<void> Search::steer_by(const Campaign& campaign, std::size_t expectation,
 }
 
 Result<Campaign> Search::run_campaign(const fs::path& folder) {
-  auto campaign = begin(folder);
-  if (!campaign) return campaign.errors();
-  if (const auto found = find_expectation(*campaign, search_.expectation); !found) return found.errors();
-  if (const auto found = steered_variations(campaign->scenario(), search_.over); !found) return found.errors();
-  if (auto worked = run_cases(*campaign, sweep_, simulation_); !worked) return worked.errors();
+  auto campaign = REHEARSE_TRY(begin(folder));
+  REHEARSE_TRY(find_expectation(campaign, search_.expectation));
+  REHEARSE_TRY(steered_variations(campaign.scenario(), search_.over));
+  REHEARSE_TRY(run_cases(campaign, sweep_, simulation_));
   if (interruption() != 0) return error("interrupted; the same command continues");
   return campaign;
 }
 
 Result<SearchRound> Search::run_round(const fs::path& folder) {
-  auto campaign = run_campaign(folder);
-  if (!campaign) return campaign.errors();
-  const auto expectation = find_expectation(*campaign, search_.expectation);
-  const auto indices = steered_variations(campaign->scenario(), search_.over);
-  auto summary = write_campaign_report(*campaign);
-  if (!summary) return summary.errors();
-  SearchRound round{folder, *std::move(summary), 0.0, 0, {}};
-  if (auto steered = steer_by(*campaign, *expectation, *indices, round); !steered) return steered.errors();
+  auto campaign = REHEARSE_TRY(run_campaign(folder));
+  const auto expectation = find_expectation(campaign, search_.expectation);
+  const auto indices = steered_variations(campaign.scenario(), search_.over);
+  auto summary = REHEARSE_TRY(write_campaign_report(campaign));
+  SearchRound round{folder, std::move(summary), 0.0, 0, {}};
+  REHEARSE_TRY(steer_by(campaign, *expectation, *indices, round));
   return round;
 }
 
 Result<FailureProbability> Search::estimate(const fs::path& folder) {
   options_.cases = search_.estimate;
   options_.own_share = own_share;
-  const auto campaign = run_campaign(folder);
-  if (!campaign) return campaign.errors();
-  if (auto summary = write_campaign_report(*campaign); !summary) return summary.errors();
-  const auto table = CaseTable::of(*campaign);
-  if (!table) return table.errors();
-  const std::vector<Variation>& variations = campaign->scenario().variations;
+  const auto campaign = REHEARSE_TRY(run_campaign(folder));
+  REHEARSE_TRY(write_campaign_report(campaign));
+  const auto table = REHEARSE_TRY(CaseTable::of(campaign));
+  const std::vector<Variation>& variations = campaign.scenario().variations;
   std::vector<Variation> own;
   std::vector<SteeredVariation> steered;
   std::vector<std::size_t> indices;
@@ -217,12 +211,12 @@ Result<FailureProbability> Search::estimate(const fs::path& folder) {
     own.push_back(variations[i]);
     steered.push_back(steer(variations[i], *parameter));
   }
-  const std::vector<double>& margins = table->margins[*find_expectation(*campaign, search_.expectation)];
+  const std::vector<double>& margins = table.margins[*find_expectation(campaign, search_.expectation)];
   std::vector<double> ratios;
-  for (std::size_t number = 0; number < table->size(); ++number) {
+  for (std::size_t number = 0; number < table.size(); ++number) {
     if (!(margins[number] < 0.0)) continue;
     std::vector<double> values;
-    for (const std::size_t i : indices) values.push_back(table->values[i][number]);
+    for (const std::size_t i : indices) values.push_back(table.values[i][number]);
     ratios.push_back(likelihood_ratio(own, steered, values, own_share));
   }
   const double least_share_of_density = std::pow(own_share, static_cast<double>(own.size()));
@@ -242,15 +236,13 @@ Result<SearchResult> search(const fs::path& scenario, const fs::path& folder, co
   SearchResult made;
   std::int64_t failures = 0;
   while (made.rounds.size() < static_cast<std::size_t>(search.rounds) && failures < search.most_failures) {
-    auto round = rounds.run_round(folder / fmt::format("round-{}", made.rounds.size() + 1));
-    if (!round) return round.errors();
-    failures += round->violations;
-    made.rounds.push_back(*std::move(round));
+    auto round = REHEARSE_TRY(rounds.run_round(folder / fmt::format("round-{}", made.rounds.size() + 1)));
+    failures += round.violations;
+    made.rounds.push_back(std::move(round));
   }
   if (search.estimate == 0) return made;
-  auto probability = rounds.estimate(folder / "estimate");
-  if (!probability) return probability.errors();
-  made.probability = *std::move(probability);
+  auto probability = REHEARSE_TRY(rounds.estimate(folder / "estimate"));
+  made.probability = std::move(probability);
   return made;
 }
 

@@ -7,11 +7,11 @@
 #include <optional>
 #include <set>
 
+#include "base/text.h"
 #include "campaigns/run/case_run.h"
 #include "core/golden/golden_files.h"
 #include "core/guard/interruption.h"
 #include "core/scenario/scenario_variations.h"
-#include "model/text.h"
 
 namespace rehearse {
 namespace {
@@ -123,10 +123,9 @@ Result<bool> Shrinker::remove_parameters() {
                           differing.begin() + static_cast<std::ptrdiff_t>(end));
       for (const Indices& candidate : {alone, without(differing, begin, end)}) {
         if (candidate.size() == size || is_smaller) continue;
-        const auto tried = attempt(candidate);
-        if (!tried) return tried.errors();
-        if (*tried == Tried::ended) return false;
-        if (*tried == Tried::is_other) continue;
+        const auto tried = REHEARSE_TRY(attempt(candidate));
+        if (tried == Tried::ended) return false;
+        if (tried == Tried::is_other) continue;
         parts = candidate.size() < size - (end - begin) ? 2 : std::max<std::size_t>(parts - 1, 2);
         differing = candidate;
         is_smaller = true;
@@ -152,10 +151,9 @@ Result<bool> Shrinker::bisect(std::size_t index) {
     std::vector<std::string> values = best_.values;
     values[index] = fmt::format("{}", number);
     if (values[index] == best_.values[index] || number == *nominal) break;
-    const auto tried = attempt(values, best_.duration);
-    if (!tried) return tried.errors();
-    if (*tried == Tried::ended) return false;
-    (*tried == Tried::fails ? fails : passes) = share;
+    const auto tried = REHEARSE_TRY(attempt(values, best_.duration));
+    if (tried == Tried::ended) return false;
+    (tried == Tried::fails ? fails : passes) = share;
   }
   return true;
 }
@@ -192,25 +190,23 @@ Result<bool> Shrinker::cut_duration() {
     const double tried_at = i == 0 ? passes + 2.0 * step : 0.5 * (passes + fails);
     const double duration = number_in<double>(fmt::format("{:.6g}", std::ceil(tried_at / step) * step)).value();
     if (duration >= fails) break;
-    const auto tried = attempt(best_.values, duration);
-    if (!tried) return tried.errors();
-    if (*tried == Tried::ended) return false;
-    (*tried == Tried::fails ? fails : passes) = duration;
-    if (i == 0 && *tried == Tried::fails) break;
+    const auto tried = REHEARSE_TRY(attempt(best_.values, duration));
+    if (tried == Tried::ended) return false;
+    (tried == Tried::fails ? fails : passes) = duration;
+    if (i == 0 && tried == Tried::fails) break;
   }
   return true;
 }
 
 Result<Shrunk> Shrinker::run() {
-  const auto first = attempt(case_values_, best_.duration);
-  if (!first) return first.errors();
+  const auto first = REHEARSE_TRY(attempt(case_values_, best_.duration));
   if (best_.scenario.empty() && interruption() != 0) return error("interrupted: nothing was shrunk");
   if (wanted_.passed())
     return error_in(campaign_.folder().string(), fmt::format("case {} passes", best_.number),
                     best_.changed.empty()
                         ? "expected a case that fails: rehearse sweep report lists some"
                         : fmt::format("the controller {} has changed since the campaign began", best_.changed.front()));
-  Result<bool> going_on = *first != Tried::ended;
+  Result<bool> going_on = first != Tried::ended;
   if (*going_on) going_on = remove_and_bisect();
   if (going_on && *going_on) going_on = cut_duration();
   if (!going_on) return going_on.errors();
@@ -226,22 +222,20 @@ Result<std::string> moved_text(const Scenario& scenario, std::string text, const
   const auto moved = Scenario::load_text(text, scenario.file);  // a campaign may vary models
   if (!moved) return moved.errors();
   const auto move = [&](const std::string& place, const std::string& written) -> Result<void> {
-    auto changed = text_with(text, scenario.file, place, (from / written).lexically_relative(to).string());
-    if (!changed) return changed.errors();
-    text = *std::move(changed);
+    auto changed =
+        REHEARSE_TRY(text_with(text, scenario.file, place, (from / written).lexically_relative(to).string()));
+    text = std::move(changed);
     return {};
   };
   for (const ScenarioBody& body : moved->bodies) {
     const std::string place = "bodies." + body.name;
     if (!body.model_file.empty() && !fs::path(body.model_file).is_absolute())
-      if (auto done = move(place + ".model", body.model_file); !done) return done.errors();
+      REHEARSE_TRY(move(place + ".model", body.model_file));
     for (const auto& [package, directory] : body.packages)
-      if (!fs::path(directory).is_absolute())
-        if (auto done = move(place + ".packages." + package, directory); !done) return done.errors();
+      if (!fs::path(directory).is_absolute()) REHEARSE_TRY(move(place + ".packages." + package, directory));
     for (const ScenarioController& controller : body.controllers)
       if (controller.library.find('/') != std::string::npos && !fs::path(controller.library).is_absolute())
-        if (auto done = move(place + ".controllers." + controller.name + ".library", controller.library); !done)
-          return done.errors();
+        REHEARSE_TRY(move(place + ".controllers." + controller.name + ".library", controller.library));
   }
   return text;
 }
@@ -255,7 +249,7 @@ std::string comment_of(const Campaign& campaign, const Shrunk& shrunk) {
     text += fmt::format("#   {}: {} instead of {} ({})\n", variations[i].name, shrunk.values[i], variations[i].nominal,
                         variations[i].path);
   std::string sentence = shrunk.result.sentence;
-  std::replace(sentence.begin(), sentence.end(), '\n', ' ');
+  std::ranges::replace(sentence, '\n', ' ');
   return text + "# " + sentence + "\n";
 }
 
@@ -263,7 +257,7 @@ std::string comment_of(const Campaign& campaign, const Shrunk& shrunk) {
 
 Result<Shrunk> shrink(const Campaign& campaign, std::int64_t number, const ShrinkOptions& options,
                       const Simulation& simulation) {
-  if (auto there = campaign.check_number(number); !there) return there.errors();
+  REHEARSE_TRY(campaign.check_number(number));
   return Shrinker(campaign, number, options, simulation).run();
 }
 
@@ -274,14 +268,14 @@ Result<void> write_shrunk(const Campaign& campaign, const Shrunk& shrunk, const 
     if (text) text = text_without(*text, campaign.scenario().file, key);
   if (!text) return text.errors();
   *text = comment_of(campaign, shrunk) + *text;
-  if (auto written = replace_text(file, *text); !written) return written;
+  REHEARSE_TRY(replace_text(file, *text));
   if (!simulation.record) return {};
-  const auto again = run_alone(campaign, *text, file, fs::path(file).replace_extension(".mcap"), simulation);
-  if (!again) return again.errors();
-  if (again->result.verdict == shrunk.result.verdict && again->result.reason == shrunk.result.reason) return {};
+  const auto again =
+      REHEARSE_TRY(run_alone(campaign, *text, file, fs::path(file).replace_extension(".mcap"), simulation));
+  if (again.result.verdict == shrunk.result.verdict && again.result.reason == shrunk.result.reason) return {};
   return error_in(file.string(),
-                  fmt::format("the written scenario ends differently: {}: {}", to_string(again->result.verdict),
-                              again->result.sentence),
+                  fmt::format("the written scenario ends differently: {}: {}", to_string(again.result.verdict),
+                              again.result.sentence),
                   "does a controller read files beside the scenario? name a file there with -o");
 }
 

@@ -10,10 +10,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "base/hashing.h"
+#include "base/text.h"
 #include "core/golden/golden_files.h"
 #include "core/guard/child_process.h"
-#include "core/mcap/hashing.h"
-#include "model/text.h"
 
 namespace rehearse {
 namespace {
@@ -42,9 +42,8 @@ fs::path submission_file(const Campaign& campaign) { return slurm_folder(campaig
 
 Result<Submission> submission_of(const Campaign& campaign) {
   const fs::path file = submission_file(campaign);
-  const auto text = read_text(file);
-  if (!text) return text.errors();
-  const Json object = Json::parse(*text, nullptr, false);
+  const auto text = REHEARSE_TRY(read_text(file));
+  const Json object = Json::parse(text, nullptr, false);
   Submission submission;
   if (object.is_object()) submission = {object.value("name", ""), object.value("tasks", std::int64_t{0})};
   if (submission.name.empty() || submission.tasks < 1) return error_in(file.string(), "the file is damaged");
@@ -63,10 +62,11 @@ Result<Submission> make_submission(const Campaign& campaign, const SlurmOptions&
   std::error_code failed;
   const fs::path folder = fs::absolute(campaign.folder(), failed).lexically_normal();
   fs::create_directories(slurm_folder(campaign), failed);
-  const Submission made{"rehearse-" + hash_text(hash_bytes(folder.c_str(), folder.native().size())), tasks_for(campaign, options)};
-  if (auto written = replace_text(slurm_folder(campaign) / "task.sh", task_script); !written) return written.errors();
+  const Submission made{"rehearse-" + hash_text(hash_bytes(folder.c_str(), folder.native().size())),
+                        tasks_for(campaign, options)};
+  REHEARSE_TRY(replace_text(slurm_folder(campaign) / "task.sh", task_script));
   const Json object{{"name", made.name}, {"tasks", made.tasks}};
-  if (auto written = replace_text(submission_file(campaign), object.dump() + '\n'); !written) return written.errors();
+  REHEARSE_TRY(replace_text(submission_file(campaign), object.dump() + '\n'));
   return made;
 }
 
@@ -78,13 +78,12 @@ Result<std::string> answer_of(std::vector<std::string> words) {
     return error(fmt::format("there is no {} on the PATH", words[0]),
                  "run this where Slurm's commands are; without Slurm remove DIR/slurm, and resume");
   const std::string name = std::exchange(words[0], program.string());
-  auto output = output_of({std::move(words), environment_with({})}, patience);
-  if (!output) return output.errors();
-  std::string text = std::move(output->text);
+  auto output = REHEARSE_TRY(output_of({std::move(words), environment_with({})}, patience));
+  std::string text = std::move(output.text);
   while (!text.empty() && text.back() == '\n') text.pop_back();
-  if (!output->status) return error(fmt::format("{} doesn't answer{}{}", name, text.empty() ? "" : ": ", text));
-  if (*output->status != 0)
-    return error(text.empty() ? fmt::format("{} fails with status {}", name, *output->status) : text,
+  if (!output.status) return error(fmt::format("{} doesn't answer{}{}", name, text.empty() ? "" : ": ", text));
+  if (*output.status != 0)
+    return error(text.empty() ? fmt::format("{} fails with status {}", name, *output.status) : text,
                  "the plan is kept: rehearse sweep resume DIR, with --slurm or without");
   return text;
 }
@@ -97,9 +96,8 @@ std::optional<std::int64_t> integer_in(std::string_view text) {
 
 /// An array has indices from 0 to this number - 1.
 Result<std::int64_t> largest_array() {
-  const auto settings = answer_of({"scontrol", "show", "config"});
-  if (!settings) return settings.errors();
-  std::istringstream lines(*settings);
+  const auto settings = REHEARSE_TRY(answer_of({"scontrol", "show", "config"}));
+  std::istringstream lines(settings);
   for (std::string line; std::getline(lines, line);) {
     if (!line.starts_with("MaxArraySize")) continue;
     const auto number = integer_in(std::string_view(line).substr(std::min(line.size(), line.find('=') + 2)));
@@ -143,12 +141,11 @@ Result<std::int64_t> submit_array(const Campaign& campaign, const Submission& su
   for (const std::string& word : {(folder / "slurm/task.sh").string(), own_program().string(), folder.string(),
                                   fmt::format("{}", submission.tasks), fmt::format("{}", offset)})
     words.push_back(word);
-  const auto answer = answer_of(std::move(words));
-  if (!answer) return answer.errors();
-  std::istringstream lines(*answer);  // a warning may precede the number
+  const auto answer = REHEARSE_TRY(answer_of(std::move(words)));
+  std::istringstream lines(answer);  // a warning may precede the number
   for (std::string line; std::getline(lines, line);)
     if (const auto number = integer_in(line)) return *number;
-  return error(fmt::format("sbatch states no number of a job: {}", *answer));
+  return error(fmt::format("sbatch states no number of a job: {}", answer));
 }
 
 }  // namespace
@@ -159,12 +156,11 @@ bool is_in_slurm(const Campaign& campaign) {
 }
 
 Result<SlurmQueue> slurm_queue(const Campaign& campaign) {
-  const auto submission = submission_of(campaign);
-  if (!submission) return submission.errors();
-  const auto states = answer_of({"squeue", "--noheader", "--array", "--format=%T", "--name=" + submission->name});
-  if (!states) return states.errors();
+  const auto submission = REHEARSE_TRY(submission_of(campaign));
+  const auto states =
+      REHEARSE_TRY(answer_of({"squeue", "--noheader", "--array", "--format=%T", "--name=" + submission.name}));
   SlurmQueue queue;
-  std::istringstream lines(*states);
+  std::istringstream lines(states);
   for (std::string line; std::getline(lines, line);)
     ++(line == "RUNNING" || line == "COMPLETING" ? queue.running : queue.waiting);
   return queue;
@@ -178,41 +174,37 @@ std::string to_string(const SlurmQueue& queue) {
 
 Result<void> check_slurm_queue(const Campaign& campaign) {
   if (!is_in_slurm(campaign)) return {};
-  const auto queue = slurm_queue(campaign);
-  if (!queue) return queue.errors();
-  if (queue->running + queue->waiting == 0) return {};
-  return error_in(campaign.folder().string(), to_string(*queue),
+  const auto queue = REHEARSE_TRY(slurm_queue(campaign));
+  if (queue.running + queue.waiting == 0) return {};
+  return error_in(campaign.folder().string(), to_string(queue),
                   fmt::format("wait for their end, or stop them: scancel --name={}", submission_of(campaign)->name));
 }
 
 Result<std::string> submit_to_slurm(const Campaign& campaign, const SlurmOptions& options) {
-  if (auto free = check_slurm_queue(campaign); !free) return free.errors();
-  const auto largest = largest_array();
-  if (!largest) return largest.errors();
-  const auto submission = is_in_slurm(campaign) ? submission_of(campaign) : make_submission(campaign, options);
-  if (!submission) return submission.errors();
-  if (options.tasks > 0 && options.tasks != submission->tasks)
-    return error_in(campaign.folder().string(),
-                    fmt::format("the campaign was submitted in {} tasks", submission->tasks), "leave --tasks out");
-  const auto slices = campaign.unfinished_slices(submission->tasks);
-  if (!slices) return slices.errors();
+  REHEARSE_TRY(check_slurm_queue(campaign));
+  const auto largest = REHEARSE_TRY(largest_array());
+  const auto submission =
+      REHEARSE_TRY(is_in_slurm(campaign) ? submission_of(campaign) : make_submission(campaign, options));
+  if (options.tasks > 0 && options.tasks != submission.tasks)
+    return error_in(campaign.folder().string(), fmt::format("the campaign was submitted in {} tasks", submission.tasks),
+                    "leave --tasks out");
+  const auto slices = REHEARSE_TRY(campaign.unfinished_slices(submission.tasks));
   std::vector<std::string> jobs;
-  for (std::size_t i = 0; i < slices->size();) {
-    const std::int64_t offset = ((*slices)[i] - 1) / *largest * *largest;
+  for (std::size_t i = 0; i < slices.size();) {
+    const std::int64_t offset = (slices[i] - 1) / largest * largest;
     Numbers indices;
-    for (; i < slices->size() && (*slices)[i] - 1 < offset + *largest; ++i)
-      indices.push_back((*slices)[i] - 1 - offset);
-    const auto job = submit_array(campaign, *submission, indices, offset, options);
+    for (; i < slices.size() && slices[i] - 1 < offset + largest; ++i) indices.push_back(slices[i] - 1 - offset);
+    const auto job = submit_array(campaign, submission, indices, offset, options);
     if (!job && jobs.empty()) return job.errors();
     if (!job)
-      return error(fmt::format("only {} of {} tasks were submitted: {}", i - indices.size(), slices->size(),
+      return error(fmt::format("only {} of {} tasks were submitted: {}", i - indices.size(), slices.size(),
                                job.errors().front().message),
                    "submit the others after the end of these: rehearse sweep resume DIR --slurm");
     jobs.push_back(fmt::format("{}", *job));
   }
   if (jobs.empty()) return std::string("all cases have results");
   return fmt::format("{} in {}: Slurm's job{} {}", count_text(campaign.options().cases, "case"),
-                     count_text(slices->size(), "task"), jobs.size() == 1 ? "" : "s", fmt::join(jobs, ", "));
+                     count_text(slices.size(), "task"), jobs.size() == 1 ? "" : "s", fmt::join(jobs, ", "));
 }
 
 }  // namespace rehearse

@@ -82,13 +82,12 @@ Result<void> check_comparable(const Campaign& now, const Campaign& before, bool 
                     "run both with the same vary:, --cases and --seed");
   if (!claims_margin) return {};
   for (const Campaign* campaign : {&before, &now}) {
-    const auto summary = summary_of(*campaign);
-    if (!summary) return summary.errors();
-    if (summary->until_failures == 0) continue;
+    const auto summary = REHEARSE_TRY(summary_of(*campaign));
+    if (summary.until_failures == 0) continue;
     const std::string folder = campaign->folder().string();
     return error_in(folder,
                     fmt::format("the work ended with failure {}: its cases aren't a fair sample for a margin",
-                                summary->until_failures),
+                                summary.until_failures),
                     fmt::format("run the others: rehearse sweep resume {}", folder));
   }
   return {};

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/text.h"
 #include "core/scenario/normal_quantile.h"
-#include "model/text.h"
 
 namespace rehearse {
 namespace {

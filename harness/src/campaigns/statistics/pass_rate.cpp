@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/text.h"
 #include "core/scenario/normal_quantile.h"
-#include "model/text.h"
 
 namespace rehearse {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "model/text.h"
+#include "base/text.h"
 
 namespace rehearse::import {
 namespace {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "model/text.h"
+#include "base/text.h"
 #include "project_run.h"
 
 namespace rehearse::import {

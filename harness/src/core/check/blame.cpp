@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/clock.h"
 #include "changed_files.h"
 #include "check_run.h"
 #include "core/compare/divergence_text.h"
@@ -20,7 +21,6 @@
 #include "core/scenario/structure_change.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
-#include "model/clock.h"
 #include "other_processor.h"
 #include "own_run.h"
 
@@ -179,7 +179,7 @@ const Divergence* state_before(const Divergence& place, const Comparison& compar
 /// True if the world agrees with the golden under the noise of the recorded scenario, instead of this one's.
 bool is_noise(const Suspects& with, const Divergence& place, const Scenario& recorded) {
   const auto noisy = [](const Scenario& scenario) {
-    return std::any_of(scenario.bodies.begin(), scenario.bodies.end(), [](const ScenarioBody& body) {
+    return std::ranges::any_of(scenario.bodies, [](const ScenarioBody& body) {
       return !body.errors.devices.empty() || !body.errors.joints.empty();
     });
   };
@@ -241,10 +241,9 @@ Cause cause_of(const Suspects& with, const Divergence& place, const Comparison& 
             fmt::format("; with the golden's seed {} instead of {}, the world agrees", seed, with.scenario.seed)};
   }
   if (files.empty()) return {stage, "", "; scenario and models are what they were: the simulation itself changed"};
-  const bool has_meshes = std::any_of(recorded->bodies.begin(), recorded->bodies.end(), [](const ScenarioBody& body) {
-    return std::any_of(body.model->links.begin(), body.model->links.end(), [](const Link& link) {
-      return std::any_of(link.collisions.begin(), link.collisions.end(), is_mesh);
-    });
+  const bool has_meshes = std::ranges::any_of(recorded->bodies, [](const ScenarioBody& body) {
+    return std::ranges::any_of(body.model->links,
+                               [](const Link& link) { return std::ranges::any_of(link.collisions, is_mesh); });
   });
   if (has_meshes) return {stage, "", also_changed};
   PlantOptions options;

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <functional>
 
+#include "base/names.h"
 #include "core/recording/recorder.h"
 #include "core/scenario/key_changes.h"
-#include "model/names.h"
 
 namespace rehearse {
 namespace {

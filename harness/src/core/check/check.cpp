@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "base/clock.h"
+#include "base/hashing.h"
 #include "blame.h"
 #include "check_run.h"
 #include "code_of.h"
@@ -12,14 +14,12 @@
 #include "core/compare/scenario_changes.h"
 #include "core/compare/series_rules.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/hashing.h"
 #include "core/recording/provenance.h"
 #include "core/replay/plant_level.h"
 #include "core/scenario/branch_origin.h"
 #include "core/trace/run_facts.h"
 #include "core/trace/trace_windows.h"
 #include "expectation_judge.h"
-#include "model/clock.h"
 #include "noise_floor.h"
 #include "own_run.h"
 #include "proof.h"
@@ -105,14 +105,12 @@ Result<void> Check::check_controller() {
 /// Without a simulation: it is proved that the world makes the golden. Levels that remain unproved are simulated later.
 Result<void> Check::check_proved(const Proof& proof) {
   if (options.plant) report.plant = LevelState::proved;
-  if (options.controller || options.closed)
-    if (auto done = check_controller(); !done) return done;
+  if (options.controller || options.closed) REHEARSE_TRY(check_controller());
   const bool repeats = report.replay && report.replay->repeats_the_run;
   std::vector<ExpectationResult> results;
   if (options.closed && repeats) {
-    auto judged = judge_expectations(scenario.expectations, golden.file());
-    if (!judged) return judged.errors();
-    results = *std::move(judged);
+    auto judged = REHEARSE_TRY(judge_expectations(scenario.expectations, golden.file()));
+    results = std::move(judged);
   }
   report.proved = (repeats || (!options.controller && !options.closed)) && !first_violation(results);
   if (!options.controller) {  // not requested
@@ -121,7 +119,7 @@ Result<void> Check::check_proved(const Proof& proof) {
     report.controller_problem.clear();
   }
   if (!report.proved) return {};
-  if (auto told = tell_unmatched_rules(proof); !told) return told;
+  REHEARSE_TRY(tell_unmatched_rules(proof));
   report.expectations = std::move(results);
   if (options.closed) report.closed = LevelState::proved;
   report.verdict = {VerdictCode::same,
@@ -146,13 +144,12 @@ Result<void> Check::tell_unmatched_rules(const Proof& proof) {
   for (std::string& stated : surveyed.all())
     if (stated.starts_with(rules)) facts = std::move(stated);
   if (facts.empty()) {
-    const auto whole = load_without_messages(golden.file());
-    if (!whole) return whole.errors();
-    const Trace* traces[] = {&*whole};
+    const auto whole = REHEARSE_TRY(load_without_messages(golden.file()));
+    const Trace* traces[] = {&whole};
     facts = rules;
     for (const ToleranceRule& rule : scenario.tolerances)
       if (!unmatched_rules({rule}, traces).empty()) facts += unmatched_line(rule);
-    if (auto stored = surveyed.add(facts); !stored) return stored;
+    REHEARSE_TRY(surveyed.add(facts));
   }
   for (const ToleranceRule& rule : scenario.tolerances)
     if (facts.find(unmatched_line(rule)) != std::string::npos)
@@ -165,9 +162,8 @@ Result<void> Check::certify(const Proof& proof) {
   const bool is_equal = report.closed == LevelState::equal && report.controller != LevelState::differs;
   if (!is_equal || report.run->ending()) return {};
   if (report.horizon) {  // only the time before the horizon was compared
-    const auto compared = compare(golden.file(), actual, scenario.tolerances, {});
-    if (!compared) return compared.errors();
-    if (!compared->equal) return {};
+    const auto compared = REHEARSE_TRY(compare(golden.file(), actual, scenario.tolerances, {}));
+    if (!compared.equal) return {};
   }
   if (auto stored = proof.certify(); !stored) report.remarks.push_back(stored.errors()[0].message);
   return {};
@@ -205,24 +201,23 @@ Result<void> Check::check_closed() {
   CompareOptions what;
   what.until = report.horizon;
   ExpectationJudge judge(scenario.expectations);
-  auto compared = compare_files(golden.file(), actual, scenario.tolerances, what, [&judge](const Trace& piece) {
-    if (!judge.needs_order()) judge.take(piece);
-  });
-  if (!compared) return compared.errors();
-  report.comparison = std::move(compared->comparison);
+  auto compared =
+      REHEARSE_TRY(compare_files(golden.file(), actual, scenario.tolerances, what, [&judge](const Trace& piece) {
+        if (!judge.needs_order()) judge.take(piece);
+      }));
+  report.comparison = std::move(compared.comparison);
   report.remarks.insert(report.remarks.end(), report.comparison->not_compared.begin(),
                         report.comparison->not_compared.end());
-  const Trace& fresh = compared->actual;
+  const Trace& fresh = compared.actual;
   report.closed = state_of(*report.comparison);
   const bool compares_samples = RunFacts::of(golden).state_rate.has_value();
-  auto judged =
-      compares_samples || judge.needs_order() ? judge_expectations(scenario.expectations, actual) : judge.finish(fresh);
-  if (!judged) return judged.errors();
-  report.expectations = *std::move(judged);
+  auto judged = REHEARSE_TRY(compares_samples || judge.needs_order() ? judge_expectations(scenario.expectations, actual)
+                                                                     : judge.finish(fresh));
+  report.expectations = std::move(judged);
   if (report.closed == LevelState::differs || first_violation(report.expectations))
     tell_files(fresh, *report.comparison, actual, "this run");
   blame();
-  if (auto done = test_reproduction(); !done) return done;
+  REHEARSE_TRY(test_reproduction());
   if (report.not_reproduced) tell_files(fresh, *report.comparison, actual, "this run");
   if (duration) tell_duration(*duration, fresh);
   judge_by_expectations(fresh);
@@ -239,13 +234,11 @@ Result<void> Check::tell_time_step(const Divergence& change) {
   report.first = change;
   report.other_duration = true;
   if (!options.closed) return {};
-  const auto fresh = load_without_messages(actual);
-  if (!fresh) return fresh.errors();
+  const auto fresh = REHEARSE_TRY(load_without_messages(actual));
   report.message = fmt::format("this run: {}", actual.string());
-  auto judged = judge_expectations(scenario.expectations, actual);
-  if (!judged) return judged.errors();
-  report.expectations = *std::move(judged);
-  judge_by_expectations(*fresh);
+  auto judged = REHEARSE_TRY(judge_expectations(scenario.expectations, actual));
+  report.expectations = std::move(judged);
+  judge_by_expectations(fresh);
   return {};
 }
 
@@ -265,21 +258,19 @@ void Check::tell_duration(const Divergence& change, const Trace& fresh) {
 /// doesn't repeat itself, different bits are chance, and a golden that is met by chance proves nothing.
 Result<void> Check::test_reproduction() {
   if (report.closed != LevelState::within || report.comparison->words_alone) return {};
-  const auto fresh = Trace::load(actual);
-  if (!fresh) return fresh.errors();
-  auto found = try_reproduction(scenario, *fresh, actual, options.run, simulation);
-  if (!found) return found.errors();
+  const auto fresh = REHEARSE_TRY(Trace::load(actual));
+  auto found = REHEARSE_TRY(try_reproduction(scenario, fresh, actual, options.run, simulation));
   const Divergence& bit = *report.comparison->first_bit;
-  if (found->reproduced() && !report.comparison->same_origin) return {};
+  if (found.reproduced() && !report.comparison->same_origin) return {};
   report.not_reproduced = true;
   report.verdict = {
       VerdictCode::golden_not_certified,
       "the golden isn't certified, though this run is within its tolerances: " +
-          (found->reproduced() ? "it states the same programs, files and controllers, but this run, which repeats "
-                                 "itself, has different bits: " +
-                                     to_string(bit)
-                               : found->verdict)};
-  report.first = found->first ? found->first : bit;
+          (found.reproduced() ? "it states the same programs, files and controllers, but this run, which repeats "
+                                "itself, has different bits: " +
+                                    to_string(bit)
+                              : found.verdict)};
+  report.first = found.first ? found.first : bit;
   return {};
 }
 
@@ -334,9 +325,8 @@ Result<void> Check::find_noise() {
   const fs::path file = noise_file_of(golden.file());
   std::error_code ignored;
   if (!fs::exists(file, ignored)) return {};
-  auto whole = Trace::load(golden.file());
-  if (!whole) return whole.errors();
-  whole_golden = *std::move(whole);
+  auto whole = REHEARSE_TRY(Trace::load(golden.file()));
+  whole_golden = std::move(whole);
   auto found = load_noise_floor(file);
   if (found)
     noise = *std::move(found);
@@ -361,26 +351,22 @@ void Check::judge_tolerances() {
 }
 
 Result<void> Check::make_closed_loop() {
-  auto run = make_run(scenario, golden, world_is_known && report.replay ? &*report.replay : nullptr, actual,
-                      options.run, simulation);
-  if (!run) return run.errors();
-  report.simulated_from = run->from;
-  report.run = std::move(run->summary);
+  auto run = REHEARSE_TRY(make_run(scenario, golden, world_is_known && report.replay ? &*report.replay : nullptr,
+                                   actual, options.run, simulation));
+  report.simulated_from = run.from;
+  report.run = std::move(run.summary);
   return {};
 }
 
 /// Makes the levels that aren't proved.
 Result<void> Check::simulate() {
-  if (auto done = find_noise(); !done) return done;
-  if (options.closed)
-    if (auto made = make_closed_loop(); !made) return made;
+  REHEARSE_TRY(find_noise());
+  if (options.closed) REHEARSE_TRY(make_closed_loop());
   if (const auto change = changed_time_step(scenario, golden)) return tell_time_step(*change);
-  if (options.controller && report.controller == LevelState::not_compared)
-    if (auto done = check_controller(); !done) return done;
-  if (options.plant && report.plant == LevelState::not_compared)
-    if (auto done = check_plant(); !done) return done;
+  if (options.controller && report.controller == LevelState::not_compared) REHEARSE_TRY(check_controller());
+  if (options.plant && report.plant == LevelState::not_compared) REHEARSE_TRY(check_plant());
   if (options.closed) {
-    if (auto done = check_closed(); !done) return done;
+    REHEARSE_TRY(check_closed());
   } else {
     blame();
   }
@@ -404,9 +390,8 @@ std::string why_no_world(const Trace& golden) {
 Result<Scenario> with_pushes_of(const std::optional<BranchOrigin>& origin, Scenario scenario) {
   if (!origin) return scenario;
   for (const std::string& text : origin->push) {
-    const auto push = parse_push(text, scenario);
-    if (!push) return push.errors();
-    scenario.pushes.push_back(*push);
+    const auto push = REHEARSE_TRY(parse_push(text, scenario));
+    scenario.pushes.push_back(push);
   }
   return scenario;
 }
@@ -434,9 +419,8 @@ void remove_run_of(const fs::path& actual) {
 
 /// Simulates a share of the proved checks as well.
 Result<CheckReport> sampled(Check check) {
-  const auto chosen = is_sampled(check.scenario.name, check.options.sampled);
-  if (!chosen) return chosen.errors();
-  if (!*chosen) return std::move(check.report);
+  const auto chosen = REHEARSE_TRY(is_sampled(check.scenario.name, check.options.sampled));
+  if (!chosen) return std::move(check.report);
   CheckOptions simulating = check.options;
   simulating.certificates.reset();
   auto again = check_scenario(check.scenario, check.golden.file(), check.actual, simulating, check.simulation);
@@ -460,33 +444,30 @@ Result<CheckReport> check_scenario(const Scenario& plain, const fs::path& golden
     const auto whole = load_without_messages(golden);
     return whole ? outline.errors() : whole.errors();
   }
-  if (const auto known = check_version(*outline); !known) return known.errors();
-  const auto pushed = with_pushes_of(RunFacts::of(*outline).branch, plain);
-  if (!pushed) return pushed.errors();
-  const Scenario& scenario = *pushed;
+  REHEARSE_TRY(check_version(*outline));
+  const auto pushed = REHEARSE_TRY(with_pushes_of(RunFacts::of(*outline).branch, plain));
+  const Scenario& scenario = pushed;
   CheckOptions options = asked;
   Check proving{scenario, *outline, actual, options, simulation, {}};
   leave_out_levels(*outline, options, proving.report);
   const Proof proof(scenario, *outline, options, simulation);
-  if (proof.holds())
-    if (auto done = proving.check_proved(proof); !done) return done.errors();
+  if (proof.holds()) REHEARSE_TRY(proving.check_proved(proof));
   if (proving.report.proved) {
-    if (auto known = refuse_unknown_series(scenario, proving.report, {golden}); !known) return known.errors();
+    REHEARSE_TRY(refuse_unknown_series(scenario, proving.report, {golden}));
     return sampled(std::move(proving));
   }
 
-  const auto expected = proof.holds() ? load_commands(golden) : load_without_messages(golden);
-  if (!expected) return expected.errors();
-  Check check{scenario, *expected, actual, options, simulation, std::move(proving.report)};
+  const auto expected = REHEARSE_TRY(proof.holds() ? load_commands(golden) : load_without_messages(golden));
+  Check check{scenario, expected, actual, options, simulation, std::move(proving.report)};
   check.report.not_proved = proof.objection();
   check.world_is_known = proof.holds();
-  if (auto done = check.simulate(); !done) return done.errors();
+  REHEARSE_TRY(check.simulate());
   if (check.report.failed()) check.report.verdict.lead(code_of_failure(check.report));
   if (auto known = refuse_unknown_series(scenario, check.report, {golden, actual}); !known) {
     remove_run_of(actual);
     return known.errors();
   }
-  if (auto done = check.certify(proof); !done) return done.errors();
+  REHEARSE_TRY(check.certify(proof));
   if (check.report.within()) remove_run_of(actual);
   return std::move(check.report);
 }

@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 #include <rehearse/compare.h>
 
+#include "base/hashing.h"
 #include "check_run.h"
 #include "code_of.h"
-#include "core/mcap/hashing.h"
 #include "core/recording/provenance.h"
 #include "core/trace/run_facts.h"
 #include "proof.h"
@@ -19,13 +19,11 @@ namespace {
 Result<CheckReport> check_by_expectations(const Scenario& scenario, const fs::path& actual, const CheckOptions& options,
                                           const Simulation& simulation) {
   CheckReport report;
-  auto run = make_run(scenario, actual, options.run, simulation);
-  if (!run) return run.errors();
-  report.run = std::move(*run);
+  auto run = REHEARSE_TRY(make_run(scenario, actual, options.run, simulation));
+  report.run = std::move(run);
   if (scenario.expectations.empty()) return report;
-  auto judged = judge_expectations(scenario.expectations, actual);
-  if (!judged) return judged.errors();
-  report.expectations = *std::move(judged);
+  auto judged = REHEARSE_TRY(judge_expectations(scenario.expectations, actual));
+  report.expectations = std::move(judged);
   if (auto known = refuse_unknown_series(scenario, report, {actual}); !known) {
     std::error_code ignored;
     fs::remove(actual, ignored);
@@ -33,9 +31,8 @@ Result<CheckReport> check_by_expectations(const Scenario& scenario, const fs::pa
   }
   report.verdict = {code_of(report.expectations), verdict(report.expectations)};
   if (const ExpectationResult* violation = first_violation(report.expectations)) {
-    const auto fresh = Trace::load_in_pieces(actual, [](const Trace&) {});
-    if (!fresh) return fresh.errors();
-    report.first = divergence_of(*violation, *fresh);
+    const auto fresh = REHEARSE_TRY(Trace::load_in_pieces(actual, [](const Trace&) {}));
+    report.first = divergence_of(*violation, fresh);
     report.message = fmt::format("this run: {}{}", actual.string(), violation_lines(report.expectations));
   }
   return report;
@@ -44,14 +41,12 @@ Result<CheckReport> check_by_expectations(const Scenario& scenario, const fs::pa
 /// True if a run that is to become a golden repeats itself. If it doesn't, the reason is in the report.
 Result<bool> certify_candidate(const Scenario& scenario, const fs::path& actual, const HostOptions& host,
                                const Simulation& simulation, CheckReport& report) {
-  const auto candidate = Trace::load(actual);
-  if (!candidate) return candidate.errors();
-  const auto found = try_reproduction(scenario, *candidate, actual, host, simulation);
-  if (!found) return found.errors();
-  if (found->reproduced()) return true;
+  const auto candidate = REHEARSE_TRY(Trace::load(actual));
+  const auto found = REHEARSE_TRY(try_reproduction(scenario, candidate, actual, host, simulation));
+  if (found.reproduced()) return true;
   report.not_reproduced = true;
-  report.verdict = {VerdictCode::golden_not_certified, fmt::format("this run becomes no golden: {}", found->verdict)};
-  report.first = found->first;
+  report.verdict = {VerdictCode::golden_not_certified, fmt::format("this run becomes no golden: {}", found.verdict)};
+  report.first = found.first;
   report.message = fmt::format("this run: {}", actual.string());
   return false;
 }
@@ -84,10 +79,9 @@ Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, G
       report->message = fmt::format("this run: {}\n{}", actual.string(), acceptance_advice(scenario.golden));
     return report;
   }
-  auto certified = certify_candidate(scenario, actual, options.run, simulation, *report);
-  if (!certified) return certified.errors();
-  if (!*certified) return report;
-  if (auto accepted = store.accept_pending(scenario.golden); !accepted) return accepted.errors();
+  auto certified = REHEARSE_TRY(certify_candidate(scenario, actual, options.run, simulation, *report));
+  if (!certified) return report;
+  REHEARSE_TRY(store.accept_pending(scenario.golden));
   report->golden_written = true;
   report->verdict.lead(VerdictCode::golden_written,
                        fmt::format("wrote the new golden {}", store.trace_file(scenario.golden).string()));
@@ -113,10 +107,9 @@ Result<void> settle_pending(const Scenario& scenario, GoldenStore& store, Golden
   } else if (first_violation(report.expectations)) {
     report.message += fmt::format("\nif the run is right, correct the expectations in {}", scenario.file);
   } else if (mode == GoldenMode::accept) {
-    auto certified = certify_candidate(scenario, store.pending_file(name), host, simulation, report);
-    if (!certified) return certified.errors();
-    if (!*certified) return {};
-    if (auto accepted = store.accept_pending(name); !accepted) return accepted.errors();
+    auto certified = REHEARSE_TRY(certify_candidate(scenario, store.pending_file(name), host, simulation, report));
+    if (!certified) return {};
+    REHEARSE_TRY(store.accept_pending(name));
     report.golden_written = true;
     report.message = fmt::format("replaced {}", store.trace_file(name).string());
   } else {
@@ -135,7 +128,7 @@ Result<void> check_digest(const Scenario& scenario, const GoldenStore& store,
   const Certificates known(*certificates, "digest-" + hash_text(*golden));
   const std::string agreement = fmt::format("digest: {}\nprograms: {}\n", hash_text(*digest), programs);
   if (known.has(agreement)) return {};
-  if (auto agrees = store.check_digest(scenario.golden); !agrees) return agrees;
+  REHEARSE_TRY(store.check_digest(scenario.golden));
   (void)known.add(agreement);  // without the certificate, the next check reads both files again
   return {};
 }
@@ -155,12 +148,11 @@ Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, G
   auto report = check_scenario(scenario, store.trace_file(name), actual, options, simulation);
   if (!report) return report;
   if (options.closed && !report->within()) {
-    if (auto kept = store.keep_pending_verdict(name, report->verdict.text()); !kept) return kept.errors();
-    if (auto done = settle_pending(scenario, store, mode, options.run, simulation, *report); !done)
-      return done.errors();
+    REHEARSE_TRY(store.keep_pending_verdict(name, report->verdict.text()));
+    REHEARSE_TRY(settle_pending(scenario, store, mode, options.run, simulation, *report));
   } else if (const auto digest = check_digest(scenario, store, options.certificates); !digest) {
     if (mode != GoldenMode::accept) return digest.errors();
-    if (auto renewed = store.accept(name, store.trace_file(name)); !renewed) return renewed.errors();
+    REHEARSE_TRY(store.accept(name, store.trace_file(name)));
   }
   return report;
 }

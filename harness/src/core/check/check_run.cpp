@@ -18,11 +18,10 @@ Result<ResumedRun> make_run(const Scenario& scenario, const Trace& golden, const
   const bool begins_alike =
       replayed && replayed->first_other_hash && !replayed->failure && !replayed->controller_refused;
   if (!begins_alike || !simulation.record_from) {
-    auto whole = make_run(scenario, actual, options, simulation);
-    if (!whole) return whole.errors();
-    return ResumedRun{*std::move(whole), 0};
+    auto whole = REHEARSE_TRY(make_run(scenario, actual, options, simulation));
+    return ResumedRun{std::move(whole), 0};
   }
-  if (auto made = make_folder_of(actual); !made) return made.errors();
+  REHEARSE_TRY(make_folder_of(actual));
   return own_run([&]() -> Result<ResumedRun> {
     return simulation.record_from(scenario, golden, *replayed->first_other_hash, actual, options);
   });
@@ -30,7 +29,7 @@ Result<ResumedRun> make_run(const Scenario& scenario, const Trace& golden, const
 
 Result<RunSummary> make_run(const Scenario& scenario, const fs::path& actual, const RecordOptions& options,
                             const Simulation& simulation) {
-  if (auto made = make_folder_of(actual); !made) return made.errors();
+  REHEARSE_TRY(make_folder_of(actual));
   return own_run([&]() -> Result<RunSummary> { return simulation.record(scenario, actual, options); });
 }
 
@@ -79,10 +78,9 @@ LevelState state_of(const ReplayReport& replayed, bool computes_alike) {
 Result<ControllerLevel> replay_golden(const Scenario& scenario, const Trace& golden, const HostOptions& host) {
   ReplayOptions replaying = as_here(host);
   replaying.tolerances = scenario.tolerances;
-  auto replayed = own_replay(golden.file(), replaying);
-  if (!replayed) return replayed.errors();
-  const LevelState state = state_of(*replayed, computes_alike(scenario, golden));
-  return ControllerLevel{*std::move(replayed), state};
+  auto replayed = REHEARSE_TRY(own_replay(golden.file(), replaying));
+  const LevelState state = state_of(replayed, computes_alike(scenario, golden));
+  return ControllerLevel{std::move(replayed), state};
 }
 
 bool any_level_differs(const CheckReport& report) {

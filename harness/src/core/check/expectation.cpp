@@ -11,12 +11,12 @@
 #include <string_view>
 #include <utility>
 
+#include "base/clock.h"
+#include "base/hashing.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/hashing.h"
 #include "core/trace/trace_windows.h"
 #include "expectation_judge.h"
 #include "expectation_text.h"
-#include "model/clock.h"
 
 namespace rehearse {
 
@@ -38,13 +38,12 @@ Result<std::vector<ExpectationResult>> judge_file(const std::vector<Expectation>
   for (;;) {
     ExpectationJudge judge(expectations, names ? &*names : nullptr);
     const auto take = [&judge](const Trace& piece) { judge.take(piece); };
-    auto last = load_pieces(recording, wanted, take, piece_size,
-                            judge.needs_order() ? PieceOrder::of_time : PieceOrder::of_file, damage);
-    if (!last) return last.errors();
-    std::vector<ExpectationResult> results = judge.finish(*last);
+    auto last = REHEARSE_TRY(load_pieces(recording, wanted, take, piece_size,
+                                         judge.needs_order() ? PieceOrder::of_time : PieceOrder::of_file, damage));
+    std::vector<ExpectationResult> results = judge.finish(last);
     found_all = judge.found_all() && !judge.any_mistake();
     if (!judge.lacked_names() || names) return results;
-    names = *std::move(last);
+    names = std::move(last);
   }
 }
 
@@ -110,15 +109,13 @@ Result<JudgedRecording> judge_recording(const std::vector<Expectation>& expectat
   ExpectationJudge judge(expectations);
   ContentHash content;
   const bool judges = !judge.needs_order();
-  const auto last = Trace::load_in_pieces(recording, [&](const Trace& piece) {
+  const auto last = REHEARSE_TRY(Trace::load_in_pieces(recording, [&](const Trace& piece) {
     if (judges) judge.take(piece);
     content.take(piece);
-  });
-  if (!last) return last.errors();
-  if (judges) return JudgedRecording{judge.finish(*last), content.value()};
-  auto judged = judge_expectations(expectations, recording);
-  if (!judged) return judged.errors();
-  return JudgedRecording{*std::move(judged), content.value()};
+  }));
+  if (judges) return JudgedRecording{judge.finish(last), content.value()};
+  auto judged = REHEARSE_TRY(judge_expectations(expectations, recording));
+  return JudgedRecording{std::move(judged), content.value()};
 }
 
 const ExpectationResult* first_violation(const std::vector<ExpectationResult>& results) {

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <utility>
 
+#include "base/clock.h"
+#include "base/glob.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/glob.h"
 #include "core/trace/run_facts.h"
 #include "expectation_text.h"
-#include "model/clock.h"
 
 namespace rehearse {
 namespace {

@@ -6,10 +6,10 @@
 #include <limits>
 #include <numbers>
 
+#include "base/glob.h"
+#include "base/names.h"
 #include "core/kinds/channel_name.h"
 #include "core/kinds/kind.h"
-#include "core/mcap/glob.h"
-#include "model/names.h"
 
 namespace rehearse {
 

@@ -8,11 +8,11 @@
 #include <set>
 #include <utility>
 
+#include "base/clock.h"
 #include "core/expression/unit.h"
 #include "core/kinds/channel_name.h"
 #include "core/scenario/declared_source.h"
 #include "expectation_text.h"
-#include "model/clock.h"
 
 namespace rehearse {
 namespace {
@@ -48,14 +48,12 @@ ViolatingSample sample_of(const TickJudgement& at, const TickClock& clock) {
 }  // namespace
 
 Result<Formula> parse_formula(const Expectation& e, ExpressionSource& source) {
-  auto condition = parse_condition(e.expression, e, source);
-  if (!condition) return condition.errors();
-  Formula formula{quantifier_of(e), *std::move(condition), {}, {}, nanoseconds(e.delay), nanoseconds(e.lasting), {}};
+  auto condition = REHEARSE_TRY(parse_condition(e.expression, e, source));
+  Formula formula{quantifier_of(e), std::move(condition), {}, {}, nanoseconds(e.delay), nanoseconds(e.lasting), {}};
   for (auto [text, to] : {std::pair(&e.after, &formula.after), std::pair(&e.except, &formula.except)}) {
     if (text->empty()) continue;
-    auto parsed = parse_condition(*text, e, source);
-    if (!parsed) return parsed.errors();
-    *to = *std::move(parsed);
+    auto parsed = REHEARSE_TRY(parse_condition(*text, e, source));
+    *to = std::move(parsed);
   }
   if (e.from) formula.span.from = nanoseconds(*e.from);
   if (e.until) formula.span.until = nanoseconds(*e.until);

@@ -169,13 +169,11 @@ Result<void> write_noise_floor(const NoiseFloor& noise, const fs::path& file) {
 }
 
 Result<NoiseFloor> load_noise_floor(const fs::path& file) {
-  const auto text = read_text(file);
-  if (!text) return text.errors();
-  const auto root = parse_yaml(*text, file.string());
-  if (!root) return root.errors();
+  const auto text = REHEARSE_TRY(read_text(file));
+  const auto root = REHEARSE_TRY(parse_yaml(text, file.string()));
   Findings findings(file.string());
   NoiseFloor noise;
-  read_file(findings, **root, noise);
+  read_file(findings, *root, noise);
   if (findings.any_error()) return findings.errors();
   return noise;
 }

@@ -7,10 +7,10 @@
 #include <limits>
 #include <map>
 
+#include "base/hashing.h"
 #include "core/compare/compare_provenance.h"
 #include "core/compare/series_rules.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/hashing.h"
 #include "core/trace/run_facts.h"
 
 namespace rehearse {

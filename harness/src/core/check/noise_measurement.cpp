@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
+#include "base/clock.h"
 #include "core/compare/series_rules.h"
 #include "core/recording/provenance.h"
 #include "core/trace/run_facts.h"
-#include "model/clock.h"
 #include "noise_floor.h"
 #include "own_run.h"
 #include "perturbed_run.h"
@@ -65,9 +65,8 @@ class NoiseMeasurement {
 };
 
 ChannelNoise& NoiseMeasurement::place(const std::string& channel, const std::string& unit) {
-  const auto found = std::find_if(floor_.channels.begin(), floor_.channels.end(), [&](const ChannelNoise& noise) {
-    return noise.channel == channel && noise.unit == unit;
-  });
+  const auto found = std::ranges::find_if(
+      floor_.channels, [&](const ChannelNoise& noise) { return noise.channel == channel && noise.unit == unit; });
   if (found != floor_.channels.end()) return *found;
   ChannelNoise& added = floor_.channels.emplace_back();
   added.channel = channel;
@@ -91,8 +90,8 @@ void NoiseMeasurement::list_channels() {
 }
 
 bool NoiseMeasurement::has_pictures() const {
-  return std::any_of(recording_.channels().begin(), recording_.channels().end(),
-                     [](const TraceChannel& channel) { return is_picture(channel) && channel.messages() > 0; });
+  return std::ranges::any_of(recording_.channels(),
+                             [](const TraceChannel& channel) { return is_picture(channel) && channel.messages() > 0; });
 }
 
 /// The perturbations, including those that can't be made on this machine.
@@ -137,11 +136,10 @@ void NoiseMeasurement::take(const std::vector<ChannelComparison>& channels) {
 }
 
 Result<void> NoiseMeasurement::take_plant(const fs::path& file, Perturbation& perturbation) {
-  const auto trace = Trace::load(file);
-  if (!trace) return trace.errors();
+  const auto trace = REHEARSE_TRY(Trace::load(file));
   CompareOptions what;
   what.stages = {Stage::physics, Stage::sensors, Stage::renderer};
-  const Comparison comparison = compare(recording_, *trace, scenario_.tolerances, what);
+  const Comparison comparison = compare(recording_, trace, scenario_.tolerances, what);
   take(comparison.channels);
   if (comparison.first && !perturbation.beyond) perturbation.beyond = comparison.first;
   std::error_code ignored;
@@ -162,12 +160,11 @@ double strayed_until(const Trace& recording, const Trace& trace, double time) {
 }
 
 Result<void> NoiseMeasurement::take_closed(const fs::path& file, Perturbation& perturbation) {
-  const auto trace = Trace::load(file);
-  if (!trace) return trace.errors();
-  const Comparison comparison = compare(recording_, *trace, scenario_.tolerances);
+  const auto trace = REHEARSE_TRY(Trace::load(file));
+  const Comparison comparison = compare(recording_, trace, scenario_.tolerances);
   if (comparison.first) perturbation.horizon = comparison.first->time;
   const double end = perturbation.horizon.value_or(recording_.duration());
-  const double half = strayed_until(recording_, *trace, 0.5 * end), whole = strayed_until(recording_, *trace, end);
+  const double half = strayed_until(recording_, trace, 0.5 * end), whole = strayed_until(recording_, trace, end);
   const double growth = half > 0.0 && end > 0.0 ? std::pow(whole / half, 2.0 / end) : 1.0;
   if (growth > 2.0) floor_.growth = std::max(floor_.growth.value_or(growth), growth);
   std::error_code ignored;
@@ -179,17 +176,16 @@ Result<void> NoiseMeasurement::nudged(Step& step) {
   PlantOptions moving;
   moving.nudge = step.nudge;
   const fs::path file = options_.scratch / "perturbed.mcap";
-  const auto plant = own_plant(simulation_.run_plant)(scenario_, recording_, file, moving);
-  if (!plant) return plant.errors();
-  if (plant->failure) return *plant->failure;
-  if (auto done = take_plant(file, step.perturbation); !done) return done;
+  const auto plant = REHEARSE_TRY(own_plant(simulation_.run_plant)(scenario_, recording_, file, moving));
+  if (plant.failure) return *plant.failure;
+  REHEARSE_TRY(take_plant(file, step.perturbation));
   if (!step.perturbation.closed) return {};
   RecordOptions running;
   static_cast<HostOptions&>(running) = options_.host;
   running.nudge = step.nudge;
-  const auto closed = own_run([&]() -> Result<RunSummary> { return simulation_.record(scenario_, file, running); });
-  if (!closed) return closed.errors();
-  if (closed->failure) return *closed->failure;
+  const auto closed =
+      REHEARSE_TRY(own_run([&]() -> Result<RunSummary> { return simulation_.record(scenario_, file, running); }));
+  if (closed.failure) return *closed.failure;
   return take_closed(file, step.perturbation);
 }
 
@@ -204,19 +200,16 @@ Result<void> NoiseMeasurement::in_another_process(Step& step) {
   run.plant = perturbation.plant;
   run.closed = perturbation.closed;
   run.host = options_.host;
-  const auto outcome = run_perturbed_process(options_.program, run, step.environment);
-  if (!outcome) return outcome.errors();
-  if (step.of_mathematics && outcome->same_mathematics)
+  const auto outcome = REHEARSE_TRY(run_perturbed_process(options_.program, run, step.environment));
+  if (step.of_mathematics && outcome.same_mathematics)
     perturbation.not_made = "without the pin, the C library computes the same bits on this processor";
-  for (const auto& [where, difference] : outcome->commands) {
+  for (const auto& [where, difference] : outcome.commands) {
     std::optional<double>& noise = place(where.first, where.second).controller;
     noise = std::max(noise.value_or(0.0), difference);
   }
-  perturbation.beyond = outcome->beyond;
-  if (run.plant)
-    if (auto done = take_plant(run.folder / "plant.mcap", perturbation); !done) return done;
-  if (run.closed)
-    if (auto done = take_closed(run.folder / "closed.mcap", perturbation); !done) return done;
+  perturbation.beyond = outcome.beyond;
+  if (run.plant) REHEARSE_TRY(take_plant(run.folder / "plant.mcap", perturbation));
+  if (run.closed) REHEARSE_TRY(take_closed(run.folder / "closed.mcap", perturbation));
   std::error_code ignored;
   fs::remove(run.folder / "report.json", ignored);
   return {};
@@ -236,8 +229,7 @@ Result<NoiseFloor> NoiseMeasurement::measure() {
     if (options_.progress) options_.progress(step.perturbation.name, done, static_cast<int>(steps.size()));
     ++done;
     if (step.perturbation.not_made.empty()) {
-      const Result<void> made = step.nudge ? nudged(step) : in_another_process(step);
-      if (!made) return made.errors();
+      REHEARSE_TRY(step.nudge ? nudged(step) : in_another_process(step));
     }
     floor_.perturbations.push_back(std::move(step.perturbation));
   }

@@ -3,10 +3,10 @@
 #include <string>
 #include <utility>
 
+#include "base/hashing.h"
 #include "core/compare/difference_answer.h"
 #include "core/guard/own_process.h"
 #include "core/host/control_times_answer.h"
-#include "core/mcap/hashing.h"
 #include "core/replay/replay_recording.h"
 
 namespace rehearse {
@@ -49,7 +49,7 @@ Result<ResumedRun> own_run(const std::function<Result<ResumedRun>()>& run) { ret
 
 Result<void> own_run(const std::function<Result<void>()>& run) {
   const auto made = in_own_process<bool>([&run]() -> Result<bool> {
-    if (auto done = run(); !done) return done.errors();
+    REHEARSE_TRY(run());
     return true;
   });
   return made ? Result<void>() : made.errors();
@@ -74,7 +74,7 @@ Result<std::vector<std::uint64_t>> replayed_outputs(const std::filesystem::path&
     options.on_outputs = [&hashes](std::int64_t, const std::vector<std::uint64_t>& row) {
       hashes.push_back(hash_bytes(row.data(), row.size() * sizeof(row[0])));
     };
-    if (auto replayed = replay(recording, options); !replayed) return replayed.errors();
+    REHEARSE_TRY(replay(recording, options));
     return hashes;
   });
 }

@@ -6,11 +6,11 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "base/hashing.h"
 #include "check_run.h"
 #include "core/compare/place_json.h"
 #include "core/golden/golden_files.h"
 #include "core/guard/interruption.h"
-#include "core/mcap/hashing.h"
 #include "own_run.h"
 
 namespace rehearse {
@@ -43,12 +43,11 @@ Result<void> replay_into(const PerturbedRun& run, const Scenario& scenario, Json
     double& so_far = largest[{found.channel, found.unit}];
     so_far = std::max(so_far, finite(found.difference));
   };
-  const auto replayed = replay(run.recording, options);
-  if (!replayed) return replayed.errors();
-  if (replayed->failure) return *replayed->failure;
+  const auto replayed = REHEARSE_TRY(replay(run.recording, options));
+  if (replayed.failure) return *replayed.failure;
   for (const auto& [place, difference] : largest)
     report["commands"].push_back({{"channel", place.first}, {"unit", place.second}, {"difference", difference}});
-  report["beyond"] = json_of_place(replayed->beyond);
+  report["beyond"] = json_of_place(replayed.beyond);
   return {};
 }
 
@@ -67,9 +66,8 @@ std::vector<std::string> command_line(const fs::path& program, const PerturbedRu
 }
 
 Result<PerturbedOutcome> outcome_in(const fs::path& file) {
-  const auto text = read_text(file);
-  if (!text) return text.errors();
-  const Json report = Json::parse(*text, nullptr, false);
+  const auto text = REHEARSE_TRY(read_text(file));
+  const Json report = Json::parse(text, nullptr, false);
   PerturbedOutcome outcome;
   try {
     outcome.same_mathematics = report.at("mathematics").get<std::uint64_t>() == hash_of_mathematics();
@@ -85,27 +83,24 @@ Result<PerturbedOutcome> outcome_in(const fs::path& file) {
 }  // namespace
 
 Result<void> make_perturbed_run(const PerturbedRun& run, const Simulation& simulation) {
-  auto scenario = Scenario::load(run.scenario);
-  if (!scenario) return scenario.errors();
-  scenario->duration = run.duration;
+  auto scenario = REHEARSE_TRY(Scenario::load(run.scenario));
+  scenario.duration = run.duration;
   Json report{{"mathematics", hash_of_mathematics()}, {"commands", Json::array()}, {"beyond", nullptr}};
   if (run.plant) {
-    const auto recording = Trace::load(run.recording);
-    if (!recording) return recording.errors();
-    const auto plant = own_plant(simulation.run_plant)(*scenario, *recording, run.folder / "plant.mcap", {});
-    if (!plant) return plant.errors();
-    if (plant->failure) return *plant->failure;
+    const auto recording = REHEARSE_TRY(Trace::load(run.recording));
+    const auto plant =
+        REHEARSE_TRY(own_plant(simulation.run_plant)(scenario, recording, run.folder / "plant.mcap", {}));
+    if (plant.failure) return *plant.failure;
   }
   if (run.closed) {
     RecordOptions options;
     static_cast<HostOptions&>(options) = run.host;
-    const auto closed = own_run(
-        [&]() -> Result<RunSummary> { return simulation.record(*scenario, run.folder / "closed.mcap", options); });
-    if (!closed) return closed.errors();
-    if (closed->failure) return *closed->failure;
+    const auto closed = REHEARSE_TRY(own_run(
+        [&]() -> Result<RunSummary> { return simulation.record(scenario, run.folder / "closed.mcap", options); }));
+    if (closed.failure) return *closed.failure;
   }
   if (run.controller)  // last: this process itself runs the controllers
-    if (auto done = replay_into(run, *scenario, report); !done) return done;
+    REHEARSE_TRY(replay_into(run, scenario, report));
   std::ofstream stream(run.folder / report_file);
   stream << report.dump(1);
   stream.close();
@@ -117,12 +112,11 @@ Result<PerturbedOutcome> run_perturbed_process(const fs::path& program, const Pe
                                                const EnvironmentChanges& changes) {
   EnvironmentChanges unpinned = changes;
   unpinned.insert_or_assign("REHEARSE_PIN", std::string("off"));
-  const auto status = run_to_end({.words = command_line(program, run),
-                                  .environment = environment_with(unpinned),
-                                  .errors = ChildProcess::Errors::shown},
-                                 [] { return interruption() != 0; });
-  if (!status) return status.errors();
-  if (*status != 0) return error(fmt::format("the perturbed run failed with status {}", *status));
+  const auto status = REHEARSE_TRY(run_to_end({.words = command_line(program, run),
+                                               .environment = environment_with(unpinned),
+                                               .errors = ChildProcess::Errors::shown},
+                                              [] { return interruption() != 0; }));
+  if (status != 0) return error(fmt::format("the perturbed run failed with status {}", status));
   return outcome_in(run.folder / report_file);
 }
 

@@ -10,15 +10,15 @@
 #include <utility>
 #include <vector>
 
+#include "base/hashing.h"
+#include "base/names.h"
+#include "base/text.h"
+#include "base/user_cache.h"
 #include "core/golden/golden_files.h"
 #include "core/golden/state_samples.h"
-#include "core/mcap/hashing.h"
 #include "core/replay/plant_level.h"
 #include "core/scenario/plant_text.h"
 #include "core/trace/run_facts.h"
-#include "model/names.h"
-#include "model/text.h"
-#include "model/user_cache.h"
 
 namespace rehearse {
 namespace {
@@ -97,7 +97,7 @@ bool Certificates::has(const std::string& facts) const {
 
 Result<void> Certificates::add(const std::string& facts) const {
   const fs::path file = file_for(facts);
-  if (auto made = make_folder_of(file); !made) return made;
+  REHEARSE_TRY(make_folder_of(file));
   const fs::path whole = fs::path(file).concat(fmt::format(".{}", getpid()));
   std::ofstream stream(whole, std::ios::binary);
   stream << facts;
@@ -182,9 +182,8 @@ Result<ProofMode> proof_mode() {
 }
 
 Result<bool> is_sampled(const std::string& name, int percent) {
-  const auto day = date_of_today();
-  if (!day) return day.errors();
-  const std::string text = *day + " " + name;
+  const auto day = REHEARSE_TRY(date_of_today());
+  const std::string text = day + " " + name;
   return static_cast<int>(hash_bytes(text.data(), text.size()) % 100) < percent;
 }
 

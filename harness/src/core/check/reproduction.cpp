@@ -55,11 +55,10 @@ struct Trial {
 
 Result<void> Trial::replay_controllers() {
   const ReplayOptions replaying = as_here(options);
-  const auto replayed = own_replay(recording.file(), replaying);
-  if (!replayed) return replayed.errors();
-  result.replayed = replayed->ticks;
-  result.failure = replayed->failure;
-  result.first = replayed->first;
+  const auto replayed = REHEARSE_TRY(own_replay(recording.file(), replaying));
+  result.replayed = replayed.ticks;
+  result.failure = replayed.failure;
+  result.first = replayed.first;
   return {};
 }
 
@@ -69,18 +68,16 @@ Result<std::string> Trial::simulate(std::int64_t from, std::optional<std::int64_
   running.from = from;
   running.until = until;
   running.resync = false;
-  if (auto made = make_folder_of(scratch); !made) return made.errors();
-  const auto run = simulation.run_plant(scenario, recording, scratch, running);
-  if (!run) return run.errors();
-  result.simulated += run->ticks;
+  REHEARSE_TRY(make_folder_of(scratch));
+  const auto run = REHEARSE_TRY(simulation.run_plant(scenario, recording, scratch, running));
+  result.simulated += run.ticks;
   ++result.spans;
-  result.failure = run->failure;
-  const auto part = Trace::load(scratch);
-  if (!part) return part.errors();
+  result.failure = run.failure;
+  const auto part = REHEARSE_TRY(Trace::load(scratch));
   CompareOptions exact;
   exact.stages = stages_of_plant;
-  result.first = compare(overlap(recording, *part), *part, {}, exact).first_bit;
-  return run->from_the_start;
+  result.first = compare(overlap(recording, part), part, {}, exact).first_bit;
+  return run.from_the_start;
 }
 
 Result<void> Trial::simulate_spans() {
@@ -89,13 +86,12 @@ Result<void> Trial::simulate_spans() {
   for (std::size_t i = 0; i < spans.size() && !whole && result.reproduced(); ++i) {
     if (options.progress) options.progress(static_cast<std::int64_t>(i), std::ssize(spans));
     const auto [from, until] = spans[i];
-    const auto from_the_start = simulate(from, until);
-    if (!from_the_start) return from_the_start.errors();
-    whole = !from_the_start->empty();
+    const auto from_the_start = REHEARSE_TRY(simulate(from, until));
+    whole = !from_the_start.empty();
   }
   if (whole && result.reproduced()) {
     result.spans = 0;
-    if (auto done = simulate(0, std::nullopt); !done) return done.errors();
+    REHEARSE_TRY(simulate(0, std::nullopt));
   }
   std::error_code ignored;
   fs::remove(scratch, ignored);
@@ -125,9 +121,8 @@ Result<Reproduction> reproduce(const Scenario& scenario, const Trace& recording,
   Simulation simulation = given;
   simulation.run_plant = own_plant(std::move(simulation.run_plant));
   Trial trial{scenario, recording, scratch, options, simulation, {}};
-  if (auto done = trial.replay_controllers(); !done) return done.errors();
-  if (trial.result.reproduced())
-    if (auto done = trial.simulate_spans(); !done) return done.errors();
+  REHEARSE_TRY(trial.replay_controllers());
+  if (trial.result.reproduced()) REHEARSE_TRY(trial.simulate_spans());
   trial.result.verdict = trial.text();
   return std::move(trial.result);
 }

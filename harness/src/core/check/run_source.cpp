@@ -6,11 +6,11 @@
 #include <cmath>
 #include <limits>
 
+#include "base/clock.h"
+#include "base/glob.h"
 #include "core/expression/joint_series.h"
 #include "core/expression/name_search.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/glob.h"
-#include "model/clock.h"
 
 namespace rehearse {
 namespace {
@@ -43,15 +43,13 @@ std::size_t RunSource::use(const std::string& name) {
 }
 
 Result<std::size_t> RunSource::find_series(std::string_view name) {
-  const auto found = find_name(name, all_names_, "series");
-  if (!found) return found.errors();
-  return use(all_names_[*found]);
+  const auto found = REHEARSE_TRY(find_name(name, all_names_, "series"));
+  return use(all_names_[found]);
 }
 
 Result<std::size_t> RunSource::find_joint_series(std::string_view joint, std::string_view quantity, bool of_command) {
-  const auto found = find_joint_name(joint, quantity, of_command, all_names_);
-  if (!found) return found.errors();
-  return use(all_names_[*found]);
+  const auto found = REHEARSE_TRY(find_joint_name(joint, quantity, of_command, all_names_));
+  return use(all_names_[found]);
 }
 
 /// The names of links were compared with the models when the scenario was read.

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <utility>
 
+#include "base/glob.h"
 #include "core/compare/series_rules.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/glob.h"
 #include "formula_judge.h"
 
 namespace rehearse {
@@ -178,9 +178,8 @@ Result<void> refuse_unknown_series(const Scenario& scenario, const CheckReport& 
   for (const fs::path& recording : recordings) {
     std::error_code ignored;
     if (!fs::exists(recording, ignored)) continue;
-    auto trace = Trace::load_in_pieces(recording, [](const Trace&) {});
-    if (!trace) return trace.errors();
-    traces.push_back(*std::move(trace));
+    auto trace = REHEARSE_TRY(Trace::load_in_pieces(recording, [](const Trace&) {}));
+    traces.push_back(std::move(trace));
   }
   std::vector<const Trace*> pointers;
   for (const Trace& trace : traces) pointers.push_back(&trace);

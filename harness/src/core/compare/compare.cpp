@@ -10,6 +10,8 @@
 #include <set>
 #include <utility>
 
+#include "base/clock.h"
+#include "base/quiet_thread.h"
 #include "channel_findings.h"
 #include "compare_channel.h"
 #include "compare_provenance.h"
@@ -17,12 +19,10 @@
 #include "compare_variables.h"
 #include "compared_files.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/quiet_thread.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
 #include "core/trace/trace_windows.h"
 #include "divergence_text.h"
-#include "model/clock.h"
 #include "series_rules.h"
 
 namespace rehearse {
@@ -81,7 +81,7 @@ int rank_of(Stage stage) {
 }  // namespace
 
 bool CompareOptions::takes(Stage stage) const {
-  return stages.empty() || std::find(stages.begin(), stages.end(), stage) != stages.end();
+  return stages.empty() || std::ranges::find(stages, stage) != stages.end();
 }
 
 bool comes_before(const Divergence& a, const Divergence& b) {
@@ -90,8 +90,8 @@ bool comes_before(const Divergence& a, const Divergence& b) {
 }
 
 std::size_t column_of(const TraceChannel& channel, std::string_view element) {
-  const auto found = std::find_if(channel.columns.begin(), channel.columns.end(),
-                                  [&](const TraceColumn& column) { return column.element == element; });
+  const auto found =
+      std::ranges::find_if(channel.columns, [&](const TraceColumn& column) { return column.element == element; });
   return static_cast<std::size_t>(found - channel.columns.begin());
 }
 
@@ -180,10 +180,9 @@ void conclude(Comparison& comparison, std::vector<ChannelComparison> channels) {
                              return channel.channel == run_topics::events;
                            });
   comparison.agreement = agreement_of(comparison);
-  std::stable_sort(comparison.channels.begin(), comparison.channels.end(),
-                   [](const ChannelComparison& a, const ChannelComparison& b) {
-                     return a.is_lone != b.is_lone ? b.is_lone : comes_before(*a.first_bit, *b.first_bit);
-                   });
+  std::ranges::stable_sort(comparison.channels, [](const ChannelComparison& a, const ChannelComparison& b) {
+    return a.is_lone != b.is_lone ? b.is_lone : comes_before(*a.first_bit, *b.first_bit);
+  });
 }
 
 /// True if a compared stage makes some of the channel's values. Checkpoints are compared by the state's hash; a
@@ -302,9 +301,9 @@ RunComparer::RunComparer(const RunSurvey& golden, const RunSurvey& actual, const
   for (const TraceChannel& channel : traces_.golden.channels()) {
     const TraceChannel* other = counterpart(traces_.golden, channel, traces_.actual);
     if (!taken(channel) || !other) continue;
-    const bool differing_events = std::any_of(
-        of_events_.begin(), of_events_.end(),
-        [&](const ChannelComparison& events) { return events.channel == channel.topic && events.first_bit; });
+    const bool differing_events = std::ranges::any_of(of_events_, [&](const ChannelComparison& events) {
+      return events.channel == channel.topic && events.first_bit;
+    });
     comparers_.emplace_back(traces_, PairedChannel{channel, *other, golden.of(channel), actual.of(*other)},
                             differing_events);
   }
@@ -372,9 +371,8 @@ namespace {
 Result<std::optional<Trace>> samples_of(const Trace& trace, const Trace& other) {
   const auto rate = RunFacts::of(other).state_rate;
   if (!rate || RunFacts::of(trace).state_rate == rate) return std::optional<Trace>();
-  auto samples = load_samples(trace.file(), *rate);
-  if (!samples) return samples.errors();
-  return std::optional(*std::move(samples));
+  auto samples = REHEARSE_TRY(load_samples(trace.file(), *rate));
+  return std::optional(std::move(samples));
 }
 
 Comparison compare_whole(const Trace& golden, const Trace& actual, const std::vector<ToleranceRule>& rules,
@@ -482,8 +480,7 @@ Result<void> compare_windows(RunComparer& comparer, std::size_t window_size, Tra
     comparer.take({golden_windows.window(), actual_windows.window(), begin, end});
   }
   if (damage == Trace::Damage::tolerate) return {};
-  for (TraceWindows* windows : {&golden_windows, &actual_windows})
-    if (auto whole = windows->verdict(); !whole) return whole;
+  for (TraceWindows* windows : {&golden_windows, &actual_windows}) REHEARSE_TRY(windows->verdict());
   return {};
 }
 
@@ -492,24 +489,22 @@ Result<void> compare_windows(RunComparer& comparer, std::size_t window_size, Tra
 Result<ComparedFiles> compare_files(const std::filesystem::path& golden, const std::filesystem::path& actual,
                                     const std::vector<ToleranceRule>& rules, const CompareOptions& options,
                                     const Trace::OnPiece& on_actual, std::size_t window_size, Trace::Damage damage) {
-  const auto golden_outline = Trace::outline(golden);
-  if (!golden_outline) return golden_outline.errors();
-  const auto actual_outline = Trace::outline(actual);
-  if (!actual_outline) return actual_outline.errors();
-  for (const Trace* trace : {&*golden_outline, &*actual_outline})
+  const auto golden_outline = REHEARSE_TRY(Trace::outline(golden));
+  const auto actual_outline = REHEARSE_TRY(Trace::outline(actual));
+  for (const Trace* trace : {&golden_outline, &actual_outline})
     if (const auto known = check_version(*trace); !known)
-      return ComparedFiles{refusal(known.errors()[0]), *actual_outline};
-  WatchedLimits limits(*golden_outline, *actual_outline);
-  const auto of_golden = RunFacts::of(*golden_outline).state_rate, of_actual = RunFacts::of(*actual_outline).state_rate;
+      return ComparedFiles{refusal(known.errors()[0]), actual_outline};
+  WatchedLimits limits(golden_outline, actual_outline);
+  const auto of_golden = RunFacts::of(golden_outline).state_rate, of_actual = RunFacts::of(actual_outline).state_rate;
   std::optional<SurveyedFile> golden_file;
-  std::thread reads_golden = mcap::start_quiet_thread(
+  std::thread reads_golden = start_quiet_thread(
       [&] { golden_file.emplace(golden, of_actual, rules, std::move(limits.golden), window_size, damage); });
   const SurveyedFile actual_file(actual, of_golden, rules, std::move(limits.actual), window_size, damage, on_actual);
   reads_golden.join();
   if (!golden_file->whole) return golden_file->whole.errors();
   if (!actual_file.whole) return actual_file.whole.errors();
   RunComparer comparer(golden_file->survey, actual_file.survey, rules, options);
-  if (auto compared = compare_windows(comparer, window_size, damage); !compared) return compared.errors();
+  REHEARSE_TRY(compare_windows(comparer, window_size, damage));
   Comparison comparison = comparer.finish();
   return ComparedFiles{std::move(comparison), *actual_file.whole};
 }
@@ -517,16 +512,14 @@ Result<ComparedFiles> compare_files(const std::filesystem::path& golden, const s
 Result<Comparison> compare(const std::filesystem::path& golden, const std::filesystem::path& actual,
                            const std::vector<ToleranceRule>& rules, const CompareOptions& options,
                            std::size_t window_size) {
-  auto compared = compare_files(golden, actual, rules, options, {}, window_size);
-  if (!compared) return compared.errors();
-  return std::move(compared->comparison);
+  auto compared = REHEARSE_TRY(compare_files(golden, actual, rules, options, {}, window_size));
+  return std::move(compared.comparison);
 }
 
 Result<std::vector<ToleranceRule>> tolerances_of(const Trace& trace) {
   if (!trace.find_attachment("scenario.yaml")) return std::vector<ToleranceRule>();
-  auto scenario = recorded_scenario(trace);
-  if (!scenario) return scenario.errors();
-  return scenario->tolerances;
+  auto scenario = REHEARSE_TRY(recorded_scenario(trace));
+  return scenario.tolerances;
 }
 
 }  // namespace rehearse

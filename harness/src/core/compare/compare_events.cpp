@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
+#include "base/glob.h"
 #include "channel_findings.h"
 #include "compare_structure.h"
 #include "core/kinds/channel_name.h"
 #include "core/kinds/cost_fields.h"
-#include "core/mcap/glob.h"
 #include "core/trace/event_stream.h"
 #include "event_sequences.h"
 
@@ -221,8 +221,8 @@ void compare_events(ComparedTraces& traces, const AddChannel& add, std::vector<E
     for (const auto* sequence : of_channel) judge(traces, sequence->first, sequence->second, findings, differences);
   }
   for (auto& [body, spans] : traces.blanked)
-    std::sort(spans.begin(), spans.end(), [](const BlankedSpan& a, const BlankedSpan& b) { return a.from < b.from; });
-  std::stable_sort(differences.begin(), differences.end(), [](const EventDifference& a, const EventDifference& b) {
+    std::ranges::sort(spans, [](const BlankedSpan& a, const BlankedSpan& b) { return a.from < b.from; });
+  std::ranges::stable_sort(differences, [](const EventDifference& a, const EventDifference& b) {
     return a.expected.value_or(a.actual.value_or(0)) < b.expected.value_or(b.actual.value_or(0));
   });
 }

@@ -10,8 +10,8 @@
 #include <cstdlib>
 #include <functional>
 
+#include "base/hashing.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/hashing.h"
 #include "core/trace/run_facts.h"
 #include "run_survey.h"
 #include "series_rules.h"

@@ -100,7 +100,7 @@ std::string prefix_of(const fs::path& recording) { return recording.stem().strin
 
 std::string file_name(const fs::path& recording, std::string topic) {
   if (topic.starts_with('/')) topic.erase(0, 1);
-  std::replace(topic.begin(), topic.end(), '/', '.');
+  std::ranges::replace(topic, '/', '.');
   return prefix_of(recording) + topic + ".png";
 }
 
@@ -138,7 +138,7 @@ Result<std::vector<fs::path>> write_picture_differences(const Trace& golden, con
     if (!expected || !other || !expected->same_size(*other)) continue;
     const Tolerance tolerance = picture_tolerance(*of_golden, rules);
     const fs::path file = beside.parent_path() / file_name(beside, channel.channel);
-    if (auto done = write(file, side_by_side(*expected, *other, tolerance)); !done) return done.errors();
+    REHEARSE_TRY(write(file, side_by_side(*expected, *other, tolerance)));
     written.push_back(file);
   }
   return written;

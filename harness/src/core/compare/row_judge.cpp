@@ -5,11 +5,11 @@
 #include <iterator>
 #include <tuple>
 
+#include "base/clock.h"
 #include "compared_traces.h"
 #include "core/kinds/channel_name.h"
 #include "core/trace/trace_windows.h"
 #include "divergence_text.h"
-#include "model/clock.h"
 
 namespace rehearse {
 

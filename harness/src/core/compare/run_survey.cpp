@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "base/hashing.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/hashing.h"
 #include "series_rules.h"
 #include "series_scale.h"
 

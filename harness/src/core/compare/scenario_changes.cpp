@@ -8,8 +8,8 @@
 #include <set>
 #include <string_view>
 
+#include "base/clock.h"
 #include "core/trace/run_facts.h"
-#include "model/clock.h"
 
 namespace rehearse {
 namespace {

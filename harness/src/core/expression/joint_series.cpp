@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "model/names.h"
+#include "base/names.h"
 #include "name_search.h"
 
 namespace rehearse {

@@ -13,10 +13,10 @@
 #include <numeric>
 #include <vector>
 
+#include "base/hashing.h"
 #include "core/compare/divergence_text.h"
 #include "core/compare/series_rules.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/hashing.h"
 #include "core/trace/event_stream.h"
 #include "core/trace/run_facts.h"
 #include "core/trace/trace_windows.h"
@@ -117,12 +117,11 @@ class ChannelDigest {
     fmt::format_to(Out(text), "\n{} {}: {} {}\n", channel.topic, channel.type, messages_,
                    is_picture(channel) ? "pictures" : "messages");
     for (std::size_t column = 0; column < series_.size(); ++column) series_[column].describe(channel, column, text);
-    const auto beams = std::count_if(channel.columns.begin(), channel.columns.end(), is_range);
+    const auto beams = std::ranges::count_if(channel.columns, is_range);
     if (beams > 0)
       fmt::format_to(Out(text), "  ranges of {} beams [m] min {} max {}, nothing {} times\n", beams,
                      number_text(nearest_, "", "m"), number_text(farthest_, "", "m"), nothing_);
-    if (std::any_of(channel.columns.begin(), channel.columns.end(),
-                    [&](const TraceColumn& column) { return is_contact(channel, column); }))
+    if (std::ranges::any_of(channel.columns, [&](const TraceColumn& column) { return is_contact(channel, column); }))
       fmt::format_to(Out(text), "  at a point at most {} N along an axis, {} m deep\n", number_text(force_, "", "N"),
                      number_text(depth_, "", "m"));
   }
@@ -208,8 +207,7 @@ Result<std::string> digest_of(const Trace& trace) {
     for (const std::size_t i : all) digests[i].take(window.channels()[i]);
     return true;
   });
-  const auto hash = hash_of_channels(trace, all, digests);
-  if (!hash) return hash.errors();
+  const auto hash = REHEARSE_TRY(hash_of_channels(trace, all, digests));
   std::string text = fmt::format("{} of a recording; derived from it, not to be edited\n\n", digest_form);
   std::vector<Acceptance> history = history_of(trace.metadata());
   if (!history.empty()) text += acceptance_text(history.back()) + "\n";
@@ -221,7 +219,7 @@ Result<std::string> digest_of(const Trace& trace) {
   }
   text += "\noutcome\n";
   describe_facts(trace, records::outcome, text);
-  fmt::format_to(Out(text), "  content: {}\n", hash_text(*hash));
+  fmt::format_to(Out(text), "  content: {}\n", hash_text(hash));
   if (history.size() > 1) {
     history.pop_back();
     text += "\naccepted before\n" + history_text(history);

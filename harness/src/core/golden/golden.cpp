@@ -9,9 +9,9 @@
 #include <map>
 #include <string_view>
 
+#include "base/hashing.h"
 #include "core/mcap/container.h"
 #include "core/mcap/file_view.h"
-#include "core/mcap/hashing.h"
 #include "core/scenario/project.h"
 #include "core/trace/run_facts.h"
 #include "golden_files.h"
@@ -119,12 +119,10 @@ bool GoldenStore::has(const std::string& name) const {
 }
 
 Result<void> GoldenStore::check_digest(const std::string& name) const {
-  const auto trace = Trace::load_in_pieces(trace_file(name), [](const Trace&) {});
-  if (!trace) return trace.errors();
-  const auto expected = digest_of(*trace);
-  if (!expected) return expected.errors();
+  const auto trace = REHEARSE_TRY(Trace::load_in_pieces(trace_file(name), [](const Trace&) {}));
+  const auto expected = REHEARSE_TRY(digest_of(trace));
   const auto stated = read_text(digest_file(name));
-  if (stated && *stated == *expected) return {};
+  if (stated && *stated == expected) return {};
   std::error_code ignored;
   const bool interrupted = fs::exists(digest_file(name).string() + ".new", ignored);
   if (stated && stated->starts_with("digest ") && !stated->starts_with(digest_form))

@@ -11,11 +11,11 @@
 #include <fstream>
 #include <set>
 
+#include "base/file_descriptor.h"
+#include "base/hashing.h"
 #include "core/mcap/copy.h"
-#include "core/mcap/hashing.h"
 #include "core/trace/run_facts.h"
 #include "golden_files.h"
-#include "model/file_descriptor.h"
 #include "state_samples.h"
 
 namespace rehearse {
@@ -53,7 +53,7 @@ std::vector<Acceptance> history_in(const fs::path& file) {
 Result<Trace> load_run(const fs::path& file) {
   auto trace = Trace::load(file);
   if (!trace) return trace;
-  if (const auto known = check_trace_version(trace->metadata(), trace->file()); !known) return known.errors();
+  REHEARSE_TRY(check_trace_version(trace->metadata(), trace->file()));
   const auto outcome = RunFacts::of(*trace).outcome;
   if (!outcome) return error(fmt::format("{} isn't a finished recording, so it can't become a golden", file.string()));
   if (outcome->failure)
@@ -63,9 +63,8 @@ Result<Trace> load_run(const fs::path& file) {
 }
 
 Result<std::string> digest_of_file(const fs::path& file) {
-  const auto trace = Trace::load(file);
-  if (!trace) return trace.errors();
-  return digest_of(*trace);
+  const auto trace = REHEARSE_TRY(Trace::load(file));
+  return digest_of(trace);
 }
 
 /// Fails if another process accepted or rejected the run while this one waited for its turn.
@@ -136,11 +135,10 @@ std::string GoldenStore::pending_verdict(const std::string& name) const {
 }
 
 Result<void> GoldenStore::keep_pending_verdict(const std::string& name, const std::string& verdict) const {
-  const auto content = hash_of_file(pending_file(name));
-  if (!content) return content.errors();
+  const auto content = REHEARSE_TRY(hash_of_file(pending_file(name)));
   const fs::path file = verdict_file_of(pending_file(name));
   std::ofstream stream(file, std::ios::binary);  // in the folder of the run, from where both are published
-  stream << hash_text(*content) << '\n' << verdict << '\n';
+  stream << hash_text(content) << '\n' << verdict << '\n';
   if (stream.flush()) return {};
   return error(fmt::format("{} can't be written", file.string()));
 }
@@ -159,12 +157,10 @@ std::vector<std::string> GoldenStore::pending() const {
 /// `judged`: the verdict of a check; empty: the two recordings are compared here.
 Result<Accepted> GoldenStore::replace(const std::string& name, const fs::path& trace_path, const std::string& part,
                                       const std::string& judged) {
-  const auto run = load_run(trace_path);
-  if (!run) return run.errors();
-  const auto today = date_of_today();
-  if (!today) return today.errors();
+  const auto run = REHEARSE_TRY(load_run(trace_path));
+  const auto today = REHEARSE_TRY(date_of_today());
   Accepted accepted;
-  Acceptance acceptance{*today, "first", part, "", {}};
+  Acceptance acceptance{today, "first", part, "", {}};
   std::vector<Acceptance> history;
   if (has(name)) {
     acceptance.kind = part.empty() ? "replaced" : "partial";
@@ -172,15 +168,14 @@ Result<Accepted> GoldenStore::replace(const std::string& name, const fs::path& t
     if (const auto golden = Trace::load(trace_file(name)); !golden) {
       acceptance.verdict = "the golden before it can't be read: " + golden.errors()[0].message;
     } else {
-      accepted.moved = compare_by_its_tolerances(*golden, *run);
+      accepted.moved = compare_by_its_tolerances(*golden, run);
       accepted.verdict = acceptance.verdict = judged.empty() ? verdict(*accepted.moved) : judged;
       acceptance.moved = moved_lines(*accepted.moved);
-      if (is_same_run(*golden, *run, *accepted.moved)) {
+      if (is_same_run(*golden, run, *accepted.moved)) {
         accepted.changed = !check_digest(name);
         if (!accepted.changed) return accepted;
-        const auto digest = digest_of(*golden);
-        if (!digest) return digest.errors();
-        if (auto done = replace_text(digest_file(name), *digest); !done) return done.errors();
+        const auto digest = REHEARSE_TRY(digest_of(*golden));
+        REHEARSE_TRY(replace_text(digest_file(name), digest));
         return accepted;
       }
     }
@@ -188,12 +183,10 @@ Result<Accepted> GoldenStore::replace(const std::string& name, const fs::path& t
   history.push_back(std::move(acceptance));
   const auto write_trace = [&](const fs::path& file) -> Result<void> {
     const RemovedFile scratch{file.string() + ".samples"};
-    const auto kept = with_state_samples(trace_path, scratch.file);
-    if (!kept) return kept.errors();
-    return mcap::copy_with_metadata(*kept, file, acceptance_prefix, records_of(history));
+    const auto kept = REHEARSE_TRY(with_state_samples(trace_path, scratch.file));
+    return mcap::copy_with_metadata(kept, file, acceptance_prefix, records_of(history));
   };
-  if (auto done = replace_together(trace_file(name), write_trace, digest_file(name), digest_of_file); !done)
-    return done.errors();
+  REHEARSE_TRY(replace_together(trace_file(name), write_trace, digest_file(name), digest_of_file));
   return accepted;
 }
 
@@ -202,47 +195,43 @@ Result<Accepted> GoldenStore::accept(const std::string& name, const fs::path& tr
 }
 
 Result<Accepted> GoldenStore::accept_pending(const std::string& name) {
-  if (auto found = find_pending(name); !found) return found.errors();
+  REHEARSE_TRY(find_pending(name));
   const RunLock alone(pending_file(name));
-  if (auto waits = still_waits(pending_file(name), name); !waits) return waits.errors();
+  REHEARSE_TRY(still_waits(pending_file(name), name));
   auto accepted = replace(name, pending_file(name), "", pending_verdict(name));
   if (!accepted) {
     const auto waits = still_waits(pending_file(name), name);  // a check or a rejection may have removed it
     return waits ? accepted : waits.errors();
   }
-  if (auto gone = remove_waiting(pending_file(name)); !gone) return gone.errors();
+  REHEARSE_TRY(remove_waiting(pending_file(name)));
   return accepted;
 }
 
 Result<Accepted> GoldenStore::accept_pending(const std::string& name, const Selection& selection,
                                              const Reexecution& again) {
   if (selection.is_all()) return accept_pending(name);
-  if (auto found = find_pending(name); !found) return found.errors();
+  REHEARSE_TRY(find_pending(name));
   if (!has(name))
     return error(fmt::format("there is no golden {}, so no part of it can be kept", trace_file(name).string()),
                  "accept all of the run");
-  const auto golden = Trace::load(trace_file(name));
-  if (!golden) return golden.errors();
-  if (const auto known = check_trace_version(golden->metadata(), golden->file()); !known) return known.errors();
+  const auto golden = REHEARSE_TRY(Trace::load(trace_file(name)));
+  REHEARSE_TRY(check_trace_version(golden.metadata(), golden.file()));
   const RemovedFile scratch{pending_file(name).string() + ".samples"};
-  const auto kept = with_state_samples(pending_file(name), scratch.file);
-  if (!kept) return kept.errors();
-  const auto run = load_run(*kept);
-  if (!run) return run.errors();
-  if (RunFacts::of(*run).state_rate != RunFacts::of(*golden).state_rate)
+  const auto kept = REHEARSE_TRY(with_state_samples(pending_file(name), scratch.file));
+  const auto run = REHEARSE_TRY(load_run(kept));
+  if (RunFacts::of(run).state_rate != RunFacts::of(golden).state_rate)
     return error("the golden keeps the state at another rate than the run's scenario asks for",
                  "accept all of the run");
   const RemovedFile candidate{pending_file(name).string() + ".candidate"};
-  const auto made = make_partial(*golden, *run, selection, candidate.file, again);
-  if (!made) return made.errors();
-  if (*made != candidate.file) return accept_pending(name);
+  const auto made = REHEARSE_TRY(make_partial(golden, run, selection, candidate.file, again));
+  if (made != candidate.file) return accept_pending(name);
   auto accepted = replace(name, candidate.file, to_string(selection), "");
   if (accepted) accepted->whole = false;
   return accepted;
 }
 
 Result<void> GoldenStore::reject(const std::string& name) {
-  if (auto found = find_pending(name); !found) return found;
+  REHEARSE_TRY(find_pending(name));
   return remove_waiting(pending_file(name));
 }
 

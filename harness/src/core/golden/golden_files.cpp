@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "model/write_hint.h"
+#include "base/write_hint.h"
 #include "run_folder.h"
 #include "stale_report.h"
 
@@ -119,29 +119,28 @@ Result<void> prepare_folder_of(const fs::path& golden) {
 Result<void> replace_together(const fs::path& trace, const std::function<Result<void>(const fs::path&)>& write_trace,
                               const fs::path& digest,
                               const std::function<Result<std::string>(const fs::path&)>& make_digest) {
-  if (auto able = prepare_folder_of(trace); !able) return able;
+  REHEARSE_TRY(prepare_folder_of(trace));
   const FolderLock alone(folder_of(trace));  // two simultaneous acceptances use the same names of drafts
   remove_drafts_left_behind(folder_of(trace));
   const Draft new_trace(trace), new_digest(digest);
-  if (auto done = write_trace(new_trace.file()); !done) return done;
-  const auto text = make_digest(new_trace.file());
-  if (!text) return text.errors();
-  if (auto done = write_text(new_digest.file(), *text); !done) return done;
-  if (auto done = sync(new_trace.file()); !done) return done;
-  if (auto done = sync(new_digest.file()); !done) return done;
-  if (auto done = new_trace.replace_target(); !done) return done;
-  if (auto done = new_digest.replace_target(); !done) return done;
+  REHEARSE_TRY(write_trace(new_trace.file()));
+  const auto text = REHEARSE_TRY(make_digest(new_trace.file()));
+  REHEARSE_TRY(write_text(new_digest.file(), text));
+  REHEARSE_TRY(sync(new_trace.file()));
+  REHEARSE_TRY(sync(new_digest.file()));
+  REHEARSE_TRY(new_trace.replace_target());
+  REHEARSE_TRY(new_digest.replace_target());
   return sync_folder_of(trace);
 }
 
 Result<void> replace_text(const fs::path& file, const std::string& text) {
-  if (auto able = prepare_folder_of(file); !able) return able;
+  REHEARSE_TRY(prepare_folder_of(file));
   const FolderLock alone(folder_of(file));
   remove_drafts_left_behind(folder_of(file));
   const Draft draft(file);
-  if (auto done = write_text(draft.file(), text); !done) return done;
-  if (auto done = sync(draft.file()); !done) return done;
-  if (auto done = draft.replace_target(); !done) return done;
+  REHEARSE_TRY(write_text(draft.file(), text));
+  REHEARSE_TRY(sync(draft.file()));
+  REHEARSE_TRY(draft.replace_target());
   return sync_folder_of(file);
 }
 

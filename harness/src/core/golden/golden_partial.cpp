@@ -7,13 +7,13 @@
 
 #include <algorithm>
 
+#include "base/names.h"
 #include "core/compare/divergence_text.h"
 #include "core/host/controller_host.h"
 #include "core/recording/provenance.h"
 #include "core/replay/plant_level.h"
 #include "core/scenario/trace_scenario.h"
 #include "golden_files.h"
-#include "model/names.h"
 #include "partial_candidate.h"
 
 namespace rehearse {
@@ -54,21 +54,17 @@ Result<Scenario> scenario_to_run(const Trace& recording, const std::vector<fs::p
 
 /// The libraries that execute the candidate; they may differ from the run's, and become the candidate's.
 Result<mcap::StringMap> controllers_of(const Trace& run, const HostOptions& options) {
-  const auto scenario = recorded_scenario(run);
-  if (!scenario) return scenario.errors();
-  const auto host = ControllerHost::create(*scenario, options);
-  if (!host) return host.errors();
-  return controller_facts(**host);
+  const auto scenario = REHEARSE_TRY(recorded_scenario(run));
+  const auto host = REHEARSE_TRY(ControllerHost::create(scenario, options));
+  return controller_facts(*host);
 }
 
 /// The first difference on the plant level, bit for bit.
 Result<std::optional<Divergence>> first_of_plant(const fs::path& candidate, const Reexecution& again) {
-  const auto recording = Trace::load(candidate);
-  if (!recording) return recording.errors();
-  const auto scenario = scenario_to_run(*recording, again.scenarios);
-  if (!scenario) return scenario.errors();
+  const auto recording = REHEARSE_TRY(Trace::load(candidate));
+  const auto scenario = REHEARSE_TRY(scenario_to_run(recording, again.scenarios));
   const fs::path file = candidate.string() + ".plant";
-  const auto level = compare_plant({nullptr, again.run_plant}, *scenario, *recording, file, {});
+  const auto level = compare_plant({nullptr, again.run_plant}, scenario, recording, file, {});
   std::error_code ignored;
   fs::remove(file, ignored);
   if (!level) return level.errors();
@@ -84,15 +80,13 @@ Result<std::optional<std::string>> first_break(const fs::path& candidate, const 
         "the kept part differs from this run, and without physics nothing shows that it fits the accepted part");
   ReplayOptions options;
   static_cast<HostOptions&>(options) = again.host;
-  const auto commands = again.replay ? again.replay(candidate, options) : replay(candidate, options);
-  if (!commands) return commands.errors();
-  const auto plant = first_of_plant(candidate, again);
-  if (!plant) return plant.errors();
-  if (commands->failure) return std::optional<std::string>(commands->failure->message);
-  if (commands->first && !(*plant && comes_before(**plant, *commands->first)))
+  const auto commands = REHEARSE_TRY(again.replay ? again.replay(candidate, options) : replay(candidate, options));
+  const auto plant = REHEARSE_TRY(first_of_plant(candidate, again));
+  if (commands.failure) return std::optional<std::string>(commands.failure->message);
+  if (commands.first && !(plant && comes_before(*plant, *commands.first)))
     return std::optional("with its inputs, the controllers give other commands, first at " +
-                         to_string(*commands->first));
-  if (*plant) return std::optional("with its commands, the world moves differently, first at " + to_string(**plant));
+                         to_string(*commands.first));
+  if (plant) return std::optional("with its commands, the world moves differently, first at " + to_string(*plant));
   return std::optional<std::string>();
 }
 
@@ -109,26 +103,24 @@ std::string to_string(const Selection& selection) {
 
 Result<fs::path> make_partial(const Trace& golden, const Trace& run, const Selection& selection,
                               const fs::path& candidate_file, const Reexecution& again) {
-  auto candidate = PartialCandidate::make(golden, run, selection);
-  if (!candidate) return candidate.errors();
-  if (!candidate->anything_moves())
+  auto candidate = REHEARSE_TRY(PartialCandidate::make(golden, run, selection));
+  if (!candidate.anything_moves())
     return error(fmt::format("nothing of {} differs from the golden", to_string(selection)),
-                 candidate->is_the_run() ? "nothing else differs either"
-                                         : "different: " + listed(candidate->moved_but_kept(), companions_named));
-  if (candidate->is_the_run()) return fs::path(run.file());
-  if (const auto& start = candidate->other_start()) return refusal(*start, *candidate);
+                 candidate.is_the_run() ? "nothing else differs either"
+                                        : "different: " + listed(candidate.moved_but_kept(), companions_named));
+  if (candidate.is_the_run()) return fs::path(run.file());
+  if (const auto& start = candidate.other_start()) return refusal(*start, candidate);
 
-  const auto controllers = controllers_of(run, again.host);
-  if (!controllers) return controllers.errors();
-  if (auto written = candidate->write(run, *controllers, candidate_file); !written) return written.errors();
+  const auto controllers = REHEARSE_TRY(controllers_of(run, again.host));
+  REHEARSE_TRY(candidate.write(run, controllers, candidate_file));
   const auto broken = first_break(candidate_file, again);
   std::optional<Diagnostics> refused;
   if (!broken)
     refused = broken.errors();
   else if (*broken)
-    refused = Diagnostics{refusal(**broken, *candidate)};
-  else if (const auto& mixed = candidate->mixed())
-    refused = Diagnostics{refusal(*mixed, *candidate)};
+    refused = Diagnostics{refusal(**broken, candidate)};
+  else if (const auto& mixed = candidate.mixed())
+    refused = Diagnostics{refusal(*mixed, candidate)};
   if (!refused) return candidate_file;
   std::error_code ignored;
   fs::remove(candidate_file, ignored);

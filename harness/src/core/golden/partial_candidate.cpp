@@ -13,10 +13,10 @@
 #include <limits>
 #include <utility>
 
+#include "base/clock.h"
+#include "base/glob.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/glob.h"
 #include "core/trace/run_facts.h"
-#include "model/clock.h"
 
 namespace rehearse {
 namespace {
@@ -56,29 +56,24 @@ const std::vector<std::uint64_t>& tick_times(const Trace& trace) {
 
 Result<PartialCandidate> PartialCandidate::make(const Trace& golden, const Trace& run, const Selection& selection) {
   PartialCandidate candidate;
-  if (auto chosen = candidate.choose_parts(golden, run, selection); !chosen) return chosen.errors();
-  if (auto alike = candidate.compare_structure(golden, run); !alike) return alike.errors();
+  REHEARSE_TRY(candidate.choose_parts(golden, run, selection));
+  REHEARSE_TRY(candidate.compare_structure(golden, run));
 
   const auto read = [&candidate](const Trace& trace) -> Result<std::map<std::uint64_t, std::vector<Message>>> {
     std::map<std::uint64_t, std::vector<Message>> by_time;
-    const auto reader = mcap::Reader::open(trace.file());
-    if (!reader) return reader.errors();
-    const auto pass = (*reader)->for_each_message_in_order([&](const mcap::Message& message) {
+    const auto reader = REHEARSE_TRY(mcap::Reader::open(trace.file()));
+    REHEARSE_TRY(reader->for_each_message_in_order([&](const mcap::Message& message) {
       const std::string_view topic = *candidate.topics_.insert(message.channel->topic).first;
       by_time[message.log_time].push_back({topic, message.log_time, {message.data.begin(), message.data.end()}});
       return true;
-    });
-    if (!pass) return pass.errors();
+    }));
     return by_time;
   };
-  auto of_run = read(run);
-  if (!of_run) return of_run.errors();
-  auto of_golden = read(golden);
-  if (!of_golden) return of_golden.errors();
-  for (const auto& [time, messages] : *of_golden) of_run->try_emplace(time);
-  for (auto& [time, messages] : *of_run)
-    if (auto mixed = candidate.mix_tick(std::move(messages), std::move((*of_golden)[time])); !mixed)
-      return mixed.errors();
+  auto of_run = REHEARSE_TRY(read(run));
+  auto of_golden = REHEARSE_TRY(read(golden));
+  for (const auto& [time, messages] : of_golden) of_run.try_emplace(time);
+  for (auto& [time, messages] : of_run)
+    REHEARSE_TRY(candidate.mix_tick(std::move(messages), std::move(of_golden[time])));
   return candidate;
 }
 
@@ -162,11 +157,10 @@ Result<void> PartialCandidate::mix_tick(std::vector<Message> run, std::vector<Me
     const Part& part = parts_.find(message.topic)->second;
     const bool some = !part.whole && !part.elements.empty() && message.time >= from_ && message.time < until_;
     if (differs && some && of_golden) {
-      auto data = mix_joints(part, message, *of_golden);
-      if (!data) return data.errors();
-      account(message, false, *data != message.data, sources);
-      account(message, true, *data != of_golden->data, sources);
-      message.data = std::move(*data);
+      auto data = REHEARSE_TRY(mix_joints(part, message, *of_golden));
+      account(message, false, data != message.data, sources);
+      account(message, true, data != of_golden->data, sources);
+      message.data = std::move(data);
     } else if (is_selected(message)) {
       account(message, true, differs, sources);
     } else {
@@ -270,35 +264,33 @@ void PartialCandidate::note_mixed(std::uint64_t time, std::string_view kept, std
 
 Result<void> PartialCandidate::write(const Trace& run, const mcap::StringMap& controllers,
                                      const std::filesystem::path& file) const {
-  auto writer = mcap::Writer::create(file);
-  if (!writer) return writer.errors();
-  mcap::Writer& out = **writer;
+  auto writer = REHEARSE_TRY(mcap::Writer::create(file));
+  mcap::Writer& out = *writer;
   for (const mcap::Attachment& attachment : run.attachments())
-    if (auto done = out.add_attachment(attachment.name, attachment.media_type, attachment.data); !done) return done;
+    REHEARSE_TRY(out.add_attachment(attachment.name, attachment.media_type, attachment.data));
   const auto write_metadata = [&](bool outcome) -> Result<void> {
     for (const mcap::Metadata& metadata : run.metadata()) {
       if ((metadata.name == records::outcome) != outcome || metadata.name.starts_with(acceptance_prefix)) continue;
       mcap::StringMap values = metadata.values;
       if (metadata.name == records::provenance)
         for (const auto& [controller, library] : controllers) values[controller] = library;
-      if (auto done = out.add_metadata(metadata.name, values); !done) return done;
+      REHEARSE_TRY(out.add_metadata(metadata.name, values));
     }
     return {};
   };
-  if (auto done = write_metadata(false); !done) return done;
-  const auto reader = mcap::Reader::open(run.file());
-  if (!reader) return reader.errors();
+  REHEARSE_TRY(write_metadata(false));
+  const auto reader = REHEARSE_TRY(mcap::Reader::open(run.file()));
   std::map<std::string, std::uint16_t, std::less<>> channels;
-  for (const auto& [id, channel] : (*reader)->channels()) {
-    const mcap::Schema* schema = (*reader)->schema_of(channel);
+  for (const auto& [id, channel] : reader->channels()) {
+    const mcap::Schema* schema = reader->schema_of(channel);
     const std::uint16_t schema_id = schema ? out.add_schema(schema->name, schema->encoding, schema->data) : 0;
     channels[channel.topic] = out.add_channel(schema_id, channel.topic, channel.message_encoding, channel.metadata,
                                               chunk_group_of(ChannelName::parse(channel.topic)));
   }
   for (const Message& message : messages_)
     if (const auto channel = channels.find(message.topic); channel != channels.end())
-      if (auto done = out.write(channel->second, message.time, message.time, message.data); !done) return done;
-  if (auto done = write_metadata(true); !done) return done;
+      REHEARSE_TRY(out.write(channel->second, message.time, message.time, message.data));
+  REHEARSE_TRY(write_metadata(true));
   return out.close();
 }
 

@@ -12,9 +12,9 @@
 #include <string_view>
 #include <vector>
 
-#include "core/mcap/hashing.h"
+#include "base/hashing.h"
+#include "base/write_hint.h"
 #include "golden_files.h"
-#include "model/write_hint.h"
 
 namespace rehearse {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
-#include "core/mcap/file_identity.h"
-#include "model/file_descriptor.h"
+#include "base/file_descriptor.h"
+#include "base/file_identity.h"
 
 namespace rehearse {
 

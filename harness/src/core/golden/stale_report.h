@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string_view>
 
-#include "core/mcap/replaceable.h"
+#include "base/replaceable.h"
 
 namespace rehearse {
 

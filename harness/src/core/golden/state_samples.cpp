@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "base/glob.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/glob.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/filter.h"
 #include "core/trace/run_facts.h"
@@ -47,18 +47,15 @@ std::optional<StateRate> state_rate_of(const Scenario& scenario, const Trace& ru
 
 Result<std::filesystem::path> with_state_samples(const std::filesystem::path& recording,
                                                  const std::filesystem::path& scratch) {
-  const auto outline = Trace::outline(recording);
-  if (!outline) return outline.errors();
-  const RunFacts facts = RunFacts::of(*outline);
-  if (facts.state_rate || facts.is_of_log || !outline->find_attachment("scenario.yaml")) return recording;
-  const auto scenario = recorded_scenario(*outline);
+  const auto outline = REHEARSE_TRY(Trace::outline(recording));
+  const RunFacts facts = RunFacts::of(outline);
+  if (facts.state_rate || facts.is_of_log || !outline.find_attachment("scenario.yaml")) return recording;
+  const auto scenario = recorded_scenario(outline);
   if (!scenario || !scenario->golden_state_rate) return recording;
-  const auto whole = Trace::load_in_pieces(recording, [](const Trace&) {});
-  if (!whole) return whole.errors();
+  const auto whole = REHEARSE_TRY(Trace::load_in_pieces(recording, [](const Trace&) {}));
   mcap::FilterOptions options;
-  options.samples = state_rate_of(*scenario, *whole);
-  const auto written = mcap::filter(recording, scratch, options);
-  if (!written) return written.errors();
+  options.samples = state_rate_of(*scenario, whole);
+  REHEARSE_TRY(mcap::filter(recording, scratch, options));
   return scratch;
 }
 

@@ -101,16 +101,15 @@ Result<pid_t> start(const ChildProcess& process) {
 }
 
 Result<int> run_to_end(const ChildProcess& process, const std::function<bool()>& should_stop) {
-  const auto child = start(process);
-  if (!child) return child.errors();
+  const auto child = REHEARSE_TRY(start(process));
   int status = 0;
   for (pid_t ended = 0; ended == 0; std::this_thread::sleep_for(look_interval)) {
-    ended = waitpid(*child, &status, WNOHANG);
+    ended = waitpid(child, &status, WNOHANG);
     if (ended < 0 && errno == EINTR) ended = 0;
     if (ended < 0) return error(fmt::format("{} was lost: {}", process.words[0], strerror(errno)));
     if (ended != 0 || !should_stop || !should_stop()) continue;
-    ::kill(*child, SIGKILL);
-    waitpid(*child, &status, 0);
+    ::kill(child, SIGKILL);
+    waitpid(child, &status, 0);
     return error(fmt::format("{} was stopped", process.words[0]));
   }
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);

@@ -8,7 +8,7 @@
 #include <exception>
 #include <typeinfo>
 
-#include "model/text.h"
+#include "base/text.h"
 
 namespace rehearse {
 namespace {

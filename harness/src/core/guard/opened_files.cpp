@@ -11,7 +11,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "core/mcap/hashing.h"
+#include "base/hashing.h"
 
 namespace rehearse {
 namespace {

@@ -13,11 +13,11 @@
 #include <exception>
 #include <stdexcept>
 
+#include "base/file_descriptor.h"
+#include "base/hashing.h"
 #include "c_library.h"
-#include "core/mcap/hashing.h"
 #include "guarded_call.h"
 #include "interruption.h"
-#include "model/file_descriptor.h"
 #include "process_end.h"
 #include "process_guard.h"
 #include "supervise.h"

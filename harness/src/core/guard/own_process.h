@@ -30,15 +30,14 @@ bool begin_without_guests();
 template <class Outcome>
 Result<Outcome> in_own_process(const std::function<Result<Outcome>()>& make) {
   if (!has_own_processes()) return make();
-  const auto text = call_in_own_process([&make] {
+  const auto text = REHEARSE_TRY(call_in_own_process([&make] {
     const Result<Outcome> made = make();
     AnswerWriter form;
     form(made ? Diagnostics() : made.errors());
     if (made) form(*made);
     return form.text();
-  });
-  if (!text) return text.errors();
-  AnswerReader form(*text);
+  }));
+  AnswerReader form(text);
   Diagnostics errors;
   form(errors);
   if (!errors.empty()) return errors;

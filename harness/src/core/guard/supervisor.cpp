@@ -27,12 +27,12 @@
 #include <string_view>
 #include <utility>
 
+#include "base/hashing.h"
 #include "c_library.h"
 #include "child_process.h"
 #include "core/keeper/remote_writer.h"
 #include "core/keeper/ring.h"
 #include "core/keeper/trace_keeper.h"
-#include "core/mcap/hashing.h"
 #include "guarded_call.h"
 #include "interruption.h"
 #include "process_end.h"

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <string>
 
-#include "core/mcap/hashing.h"
+#include "base/hashing.h"
 
 namespace rehearse {
 

@@ -175,10 +175,9 @@ Result<void> WorkerPool::share() {
 }
 
 Result<void> WorkerPool::give(std::int64_t job) {
-  const auto place = std::find_if(places_.begin(), places_.end(), [](const Place& known) { return !known.job; });
+  const auto place = std::ranges::find_if(places_, [](const Place& known) { return !known.job; });
   REHEARSE_ASSERT(place != places_.end(), "a job needs a place");
-  if (!shared_)
-    if (auto shared = share(); !shared) return shared;
+  if (!shared_) REHEARSE_TRY(share());
   std::error_code failed;
   if (!place->folder.empty()) std::filesystem::create_directories(place->folder, failed);
   if (failed) return error_in(place->folder.string(), fmt::format("it can't be made: {}", failed.message()));
@@ -198,8 +197,7 @@ Result<void> WorkerPool::start_missing() {
   std::size_t missing = std::min(given_, workers_.size());
   for (Worker& worker : workers_) {
     if (missing == 0) break;
-    if (worker.process == 0)
-      if (auto started = start(worker); !started) return started;
+    if (worker.process == 0) REHEARSE_TRY(start(worker));
     --missing;
   }
   return {};
@@ -273,7 +271,7 @@ void WorkerPool::serve(const Worker& worker, int socket) const noexcept {
 Result<std::optional<WorkerPool::Answer>> WorkerPool::wait() {
   for (Worker& worker : workers_)
     if (auto answer = next_received(worker)) return answer;
-  if (auto started = start_missing(); !started) return started.errors();
+  REHEARSE_TRY(start_missing());
   // workers that have a next job need no answer: several are read at a time, because each time interrupts a worker
   if (shared_ && shared_->waiting(places_.size()) >= workers_.size()) ::usleep(reading_pause_us);
   std::vector<pollfd> sockets;

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "model/file_descriptor.h"
+#include "base/file_descriptor.h"
 
 namespace rehearse {
 

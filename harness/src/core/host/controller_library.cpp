@@ -16,13 +16,13 @@
 #include <utility>
 #include <vector>
 
+#include "base/hashing.h"
 #include "body_loading.h"
 #include "core/guard/exception_text.h"
 #include "core/guard/guarded_call.h"
 #include "core/guard/own_library.h"
 #include "core/guard/process_end.h"
 #include "core/guard/supervisor.h"
-#include "core/mcap/hashing.h"
 #include "core/scenario/project.h"
 #include "hosted_language.h"
 #include "loaded_libraries.h"

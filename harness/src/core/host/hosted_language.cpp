@@ -5,8 +5,8 @@
 
 #include <map>
 
+#include "base/hashing.h"
 #include "core/guard/own_library.h"
-#include "core/mcap/hashing.h"
 
 namespace rehearse {
 namespace {

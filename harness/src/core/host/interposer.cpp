@@ -102,13 +102,12 @@ Result<fs::path> interposer_library() {
 }
 
 Result<std::map<std::string, std::optional<std::string>>> interposer_environment(const InterposerSettings& settings) {
-  const auto library = interposer_library();
-  if (!library) return library.errors();
-  if (library->string().find_first_of(": ") != std::string::npos)
-    return error("the interposer can't be loaded from " + library->string(),
+  const auto library = REHEARSE_TRY(interposer_library());
+  if (library.string().find_first_of(": ") != std::string::npos)
+    return error("the interposer can't be loaded from " + library.string(),
                  "LD_PRELOAD takes no path with a space or a colon");
   std::map<std::string, std::optional<std::string>> changes;
-  changes["LD_PRELOAD"] = with_own("LD_PRELOAD", library->string(), ':');
+  changes["LD_PRELOAD"] = with_own("LD_PRELOAD", library.string(), ':');
   changes[settings_variable] = text_of(settings);
   // Without this AddressSanitizer demands to be loaded first.
   changes["ASAN_OPTIONS"] = with_own("ASAN_OPTIONS", "verify_asan_link_order=0", ':');

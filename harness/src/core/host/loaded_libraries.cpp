@@ -16,7 +16,7 @@
 #include <string_view>
 #include <utility>
 
-#include "core/mcap/hashing.h"
+#include "base/hashing.h"
 
 namespace rehearse {
 namespace {

@@ -12,9 +12,9 @@
 #include <system_error>
 #include <utility>
 
+#include "base/file_identity.h"
+#include "base/hashing.h"
 #include "controller_host.h"
-#include "core/mcap/file_identity.h"
-#include "core/mcap/hashing.h"
 #include "core/scenario/project.h"
 #include "hosted_language.h"
 #include "library_origin.h"

@@ -59,10 +59,9 @@ Result<void> virtualise_process_like(const std::filesystem::path& trace) {
   if (!reader) return {};  // the reader of the trace reports it
   const auto seed = virtualised_seed(**reader);
   if (!seed || !virtualisation().empty()) return {};
-  const auto interposed = interposer_environment({{}, {}, virtualised(*seed), {}, {}});
-  if (!interposed) return interposed.errors();
+  const auto interposed = REHEARSE_TRY(interposer_environment({{}, {}, virtualised(*seed), {}, {}}));
   EnvironmentChanges changes = virtualised_environment(*seed);
-  changes.insert(interposed->begin(), interposed->end());
+  changes.insert(interposed.begin(), interposed.end());
   replace_process("/proc/self/exe", pointers_to(own_arguments()).data(), changes);
   return error(
       fmt::format("{} was recorded with simulated time and seeded random numbers, and this process can't start "

@@ -209,7 +209,7 @@ void share_recordings_with_forks(bool shared) {
 Result<std::unique_ptr<mcap::Writer>> create_recording(const std::filesystem::path& file) {
   if (!to_parent) return mcap::Writer::create(file, trace_call::form_of_recordings());
   auto writer = std::make_unique<RemoteWriter>();
-  if (auto created = writer->create(file); !created) return created.errors();
+  REHEARSE_TRY(writer->create(file));
   return std::unique_ptr<mcap::Writer>(std::move(writer));
 }
 

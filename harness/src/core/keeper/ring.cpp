@@ -10,7 +10,7 @@
 #include <limits>
 #include <new>
 
-#include "core/mcap/hashing.h"
+#include "base/hashing.h"
 
 namespace rehearse {
 namespace {

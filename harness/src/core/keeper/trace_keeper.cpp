@@ -10,8 +10,8 @@
 #include <functional>
 #include <utility>
 
+#include "base/quiet_thread.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/quiet_thread.h"
 #include "core/trace/run_facts.h"
 #include "trace_call.h"
 
@@ -70,9 +70,8 @@ Result<void> TraceKeeper::Kept::create(Bytes rest) {
   if (!read(rest, call)) return error("the call can't be read");
   file = call.file;
   name = call.name;
-  auto created = mcap::Writer::create(file, trace_call::form_of_recordings());
-  if (!created) return created.errors();
-  writer = *std::move(created);
+  auto created = REHEARSE_TRY(mcap::Writer::create(file, trace_call::form_of_recordings()));
+  writer = std::move(created);
   return {};
 }
 
@@ -167,7 +166,7 @@ bool TraceKeeper::Kept::call(const Head& head, Bytes rest, Result<void>& result)
   }
 }
 
-TraceKeeper::TraceKeeper(Ring& ring) : from_child_(ring), thread_(mcap::start_quiet_thread([this] { run(); })) {}
+TraceKeeper::TraceKeeper(Ring& ring) : from_child_(ring), thread_(start_quiet_thread([this] { run(); })) {}
 
 TraceKeeper::~TraceKeeper() { finish(); }
 

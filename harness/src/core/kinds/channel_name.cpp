@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/mcap/glob.h"
+#include "base/glob.h"
 
 namespace rehearse {
 namespace {

@@ -71,9 +71,8 @@ constexpr DeviceMeasurement image_measurement{
         reading.depth = nullptr;
         return true;
       }
-      auto image = image_of(std::move(message));
-      if (!image) return image.errors();
-      reading.image = std::make_shared<const Image>(std::move(*image));
+      auto image = REHEARSE_TRY(image_of(std::move(message)));
+      reading.image = std::make_shared<const Image>(std::move(image));
       return true;
     },
     .make = make_camera,

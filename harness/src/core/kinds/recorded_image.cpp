@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "core/mcap/hashing.h"
+#include "base/hashing.h"
 #include "picture/picture.h"
 
 namespace rehearse {

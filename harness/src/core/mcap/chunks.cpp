@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "model/text.h"
+#include "base/text.h"
 #include "record_layout.h"
 #include "record_pass.h"
 

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-#include "model/text.h"
+#include "base/text.h"
 
 namespace rehearse::mcap {
 

@@ -11,7 +11,7 @@
 #include <optional>
 #include <string>
 
-#include "temporary_file.h"
+#include "base/temporary_file.h"
 
 namespace rehearse::mcap {
 

@@ -91,12 +91,10 @@ Result<void> write(const std::filesystem::path& file, std::initializer_list<Byte
 
 Result<void> copy_with_metadata(const std::filesystem::path& source, const std::filesystem::path& target,
                                 std::string_view replaced, const std::vector<Metadata>& added) {
-  const auto view = FileView::open(source);
-  if (!view) return view.errors();
-  const Bytes bytes = view->bytes();
-  const auto reader = Reader::open_bytes(bytes, source.string());
-  if (!reader) return reader.errors();
-  if (!(*reader)->damage().empty()) return (*reader)->damage();
+  const auto view = REHEARSE_TRY(FileView::open(source));
+  const Bytes bytes = view.bytes();
+  const auto reader = REHEARSE_TRY(Reader::open_bytes(bytes, source.string()));
+  if (!reader->damage().empty()) return reader->damage();
   const Cut cut = cut_before(bytes, replaced);
   if (cut.data_crc != 0 && cut.data_crc != crc32(bytes.first(cut.data_end)))
     return error_in(source.string(), "damaged: the CRC of the data section doesn't match");

@@ -6,7 +6,7 @@
 #include <system_error>
 #include <utility>
 
-#include "model/write_hint.h"
+#include "base/write_hint.h"
 
 namespace rehearse::mcap {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "model/text.h"
+#include "base/text.h"
 
 namespace rehearse::mcap {
 
@@ -390,10 +390,9 @@ Examination examine_view(const FileView& view, Bytes bytes, const ExamineOptions
 }
 
 Result<Examination> examine(const std::filesystem::path& file, const ExamineOptions& options) {
-  const auto view = FileView::open(file);
-  if (!view) return view.errors();
-  if (!begins_with_magic(view->bytes())) return not_mcap(view->name(), view->bytes());
-  return examine_view(*view, view->bytes(), options);
+  const auto view = REHEARSE_TRY(FileView::open(file));
+  if (!begins_with_magic(view.bytes())) return not_mcap(view.name(), view.bytes());
+  return examine_view(view, view.bytes(), options);
 }
 
 }  // namespace rehearse::mcap

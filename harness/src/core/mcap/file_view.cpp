@@ -1,6 +1,6 @@
 #include "file_view.h"
 
-#include "temporary_file.h"
+#include "base/temporary_file.h"
 
 #include <fmt/format.h>
 
@@ -38,7 +38,7 @@ Result<Input> Input::open(const std::filesystem::path& file) {
       return input.unreadable("it is a socket's file", "- reads standard input");
     return input.unreadable(std::strerror(problem));
   }
-  if (auto fine = input.look(); !fine) return fine.errors();
+  REHEARSE_TRY(input.look());
   return input;
 }
 
@@ -144,10 +144,9 @@ Result<std::shared_ptr<const TemporaryFile>> keep(Input& input) {
   if (kept->descriptor() < 0) return failure(input.name(), keeping, errno);
   std::vector<std::byte> piece(std::size_t{1} << 18);
   while (true) {
-    const auto came = input.read(piece);
-    if (!came) return came.errors();
-    if (*came == 0) return std::shared_ptr<const TemporaryFile>(kept);
-    if (!kept->append(Bytes(piece).first(*came))) return failure(input.name(), keeping, errno);
+    const auto came = REHEARSE_TRY(input.read(piece));
+    if (came == 0) return std::shared_ptr<const TemporaryFile>(kept);
+    if (!kept->append(Bytes(piece).first(came))) return failure(input.name(), keeping, errno);
   }
 }
 
@@ -173,16 +172,14 @@ bool was_cut(Bytes mapped) {
 
 Result<FileView> FileView::open(const std::filesystem::path& file) {
   if (const std::filesystem::path folder = folder_of(file); !folder.empty()) return open_folder(folder);
-  auto input = Input::open(file);
-  if (!input) return input.errors();
+  auto input = REHEARSE_TRY(Input::open(file));
   auto kept = std::shared_ptr<const TemporaryFile>();
-  if (input->mappable_size() == 0) {
-    auto stored = keep_for_all(*input);
-    if (!stored) return stored.errors();
-    kept = *stored;
+  if (input.mappable_size() == 0) {
+    auto stored = REHEARSE_TRY(keep_for_all(input));
+    kept = stored;
   }
-  auto view = kept ? map(kept->descriptor(), kept->size(), input->name())
-                   : map(input->descriptor(), input->mappable_size(), input->name());
+  auto view = kept ? map(kept->descriptor(), kept->size(), input.name())
+                   : map(input.descriptor(), input.mappable_size(), input.name());
   if (!view) return view;
   const Container container = container_of(view->bytes());
   const ContainerReader* reader = container_reader();
@@ -190,18 +187,16 @@ Result<FileView> FileView::open(const std::filesystem::path& file) {
       container == Container::sqlite || container == Container::zstd || container == Container::ros1_bag;
   if (!reader || !is_other) return view;
   const std::filesystem::path path = kept ? std::filesystem::path(kept->path()) : file;
-  auto converted = reader->convert_file(container, view->bytes(), view->name(), path);
-  if (!converted) return converted.errors();
-  return map_converted(*converted, view->name());
+  auto converted = REHEARSE_TRY(reader->convert_file(container, view->bytes(), view->name(), path));
+  return map_converted(converted, view->name());
 }
 
 Result<FileView> FileView::open_folder(const std::filesystem::path& path) {
   const std::string name = (path.has_filename() ? path : path.parent_path()).string();  // without a / at its end
   const ContainerReader* reader = container_reader();
   if (!reader) return error_in(name, "can't read the trace: it is a directory");
-  const auto folder = reader->open_folder(path, name);
-  if (!folder) return folder.errors();
-  return folder->only_file.empty() ? map_converted(folder->converted, name) : open(folder->only_file);
+  const auto folder = REHEARSE_TRY(reader->open_folder(path, name));
+  return folder.only_file.empty() ? map_converted(folder.converted, name) : open(folder.only_file);
 }
 
 Result<FileView> FileView::map_converted(const ConvertedPtr& converted, const std::string& name) {

@@ -7,8 +7,8 @@
 #include <memory>
 #include <utility>
 
+#include "base/file_descriptor.h"
 #include "container.h"
-#include "model/file_descriptor.h"
 
 namespace rehearse::mcap {
 

@@ -11,8 +11,8 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include "base/digest.h"
 #include "file_identity.h"
-#include "model/digest.h"
 
 namespace rehearse {
 

@@ -9,9 +9,9 @@
 #include <set>
 #include <tuple>
 
+#include "base/text.h"
 #include "chunks.h"
 #include "draft.h"
-#include "model/text.h"
 #include "reader_impl.h"
 #include "whole_input.h"
 
@@ -33,12 +33,11 @@ struct OpenSource {
 };
 
 Result<std::unique_ptr<OpenSource>> open_source(const MergeSource& source) {
-  auto reader = Reader::open(source.file);
-  if (!reader) return reader.errors();
-  if (!(*reader)->damage().empty()) return with_recover_hint((*reader)->damage());
+  auto reader = REHEARSE_TRY(Reader::open(source.file));
+  if (!reader->damage().empty()) return with_recover_hint(reader->damage());
   auto open = std::make_unique<OpenSource>();
   open->prefix = source.prefix;
-  open->reader = std::move(*reader);
+  open->reader = std::move(reader);
   open->messages = std::make_unique<OrderedMessages>(*open->reader);
   return open;
 }
@@ -101,14 +100,14 @@ Result<void> Merger::write_extras() {
       ++merged_.attachments;
       if (++names["the attachment " + in_quotes(attachment.name)] == 2)
         merged_.remarks.push_back(fmt::format("the attachment {} occurs more than once", in_quotes(attachment.name)));
-      if (auto done = copy(attachment, writer_); !done) return done;
+      REHEARSE_TRY(copy(attachment, writer_));
     }
     for (const Metadata& metadata : reader.metadata()) {
       ++merged_.metadata;
       if (++names["the metadata record " + in_quotes(metadata.name)] == 2)
         merged_.remarks.push_back(
             fmt::format("the metadata record {} occurs more than once", in_quotes(metadata.name)));
-      if (auto done = writer_.add_metadata(metadata.name, metadata.values); !done) return done;
+      REHEARSE_TRY(writer_.add_metadata(metadata.name, metadata.values));
     }
   }
   return writer_.add_metadata("rehearse.merge", note);
@@ -138,11 +137,11 @@ Result<void> Merger::write_messages() {
 
 Result<Merged> Merger::run() {
   for (std::size_t i = 0; i < sources_.size(); ++i) define(*sources_[i], static_cast<int>(i));
-  if (auto done = write_extras(); !done) return done.errors();
-  if (auto done = write_messages(); !done) return done.errors();
+  REHEARSE_TRY(write_extras());
+  REHEARSE_TRY(write_messages());
   for (const auto& source : sources_)
     if (const auto verdict = source->messages->verdict(); !verdict) return with_recover_hint(verdict.errors());
-  if (auto done = writer_.close(); !done) return done.errors();
+  REHEARSE_TRY(writer_.close());
   return merged_;
 }
 
@@ -155,23 +154,20 @@ Result<Merged> merge(const std::vector<MergeSource>& sources, const std::filesys
   std::vector<std::unique_ptr<OpenSource>> open;
   std::vector<std::filesystem::path> files;
   for (const MergeSource& source : sources) {
-    auto opened = open_source(source);
-    if (!opened) return opened.errors();
-    open.push_back(std::move(*opened));
+    auto opened = REHEARSE_TRY(open_source(source));
+    open.push_back(std::move(opened));
     files.push_back(source.file);
   }
-  auto draft = Draft::begin(target, files);
-  if (!draft) return draft.errors();
+  auto draft = REHEARSE_TRY(Draft::begin(target, files));
   WriterOptions form;
   form.profile = open.front()->reader->profile();
   for (const auto& source : open)
     if (source->reader->profile() != form.profile) form.profile.clear();
-  auto writer = draft->open_writer(form);
-  if (!writer) return writer.errors();
-  auto merged = Merger(open, **writer, options).run();
+  auto writer = REHEARSE_TRY(draft.open_writer(form));
+  auto merged = Merger(open, *writer, options).run();
   if (!merged) return merged;
-  merged->bytes = draft->size();
-  if (auto done = draft->finish(); !done) return done.errors();
+  merged->bytes = draft.size();
+  REHEARSE_TRY(draft.finish());
   return merged;
 }
 

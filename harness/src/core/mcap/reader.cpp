@@ -109,7 +109,7 @@ void Reader::Impl::learn_from_chunks() {
     }
   }
   const auto is_known = [this](std::uint16_t channel) { return contents_.channels.contains(channel); };
-  if (std::all_of(unknown_channels_.begin(), unknown_channels_.end(), is_known)) return;
+  if (std::ranges::all_of(unknown_channels_, is_known)) return;
   for (const std::size_t i : others) learn_from_chunk(chunks_[i]);
 }
 
@@ -214,18 +214,17 @@ std::optional<StoredChunk> Reader::Impl::stored_chunk(const Chunk& chunk) {
 }
 
 Result<std::unique_ptr<Reader>> Reader::open(const std::filesystem::path& file, ReaderOptions options) {
-  auto view = FileView::open(file);
-  if (!view) return view.errors();
-  const Bytes bytes = view->bytes();
-  std::string name = view->name();
-  auto impl = std::make_unique<Impl>(std::move(*view), bytes, std::move(name), options);
-  if (auto opened = impl->open(); !opened) return opened.errors();
+  auto view = REHEARSE_TRY(FileView::open(file));
+  const Bytes bytes = view.bytes();
+  std::string name = view.name();
+  auto impl = std::make_unique<Impl>(std::move(view), bytes, std::move(name), options);
+  REHEARSE_TRY(impl->open());
   return std::unique_ptr<Reader>(new Reader(std::move(impl)));
 }
 
 Result<std::unique_ptr<Reader>> Reader::open_bytes(Bytes bytes, std::string name, ReaderOptions options) {
   auto impl = std::make_unique<Impl>(FileView(), bytes, std::move(name), options);
-  if (auto opened = impl->open(); !opened) return opened.errors();
+  REHEARSE_TRY(impl->open());
   return std::unique_ptr<Reader>(new Reader(std::move(impl)));
 }
 

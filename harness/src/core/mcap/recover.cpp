@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/text.h"
 #include "draft.h"
 #include "file_view.h"
-#include "model/text.h"
 #include "record_layout.h"
 
 namespace rehearse::mcap {
@@ -201,8 +201,8 @@ Recovery begin_recovery(const FileView& file, const Examination& from) {
     recovery.remarks.push_back(fmt::format("{} private records aren't kept", from.private_records));
   std::size_t mended = 0;
   for (const Finding& finding : from.findings.list()) {
-    const bool is_loss = std::any_of(from.lost.begin(), from.lost.end(),
-                                     [&](const LostBytes& lost) { return lost.begin == finding.place.offset; });
+    const bool is_loss =
+        std::ranges::any_of(from.lost, [&](const LostBytes& lost) { return lost.begin == finding.place.offset; });
     if (finding.severity != Severity::error || is_loss) continue;
     if (mended++ < listed)
       recovery.remarks.push_back(fmt::format("byte {}: {}", finding.place.offset, finding.message));
@@ -216,9 +216,8 @@ Result<void> write_saved(const FileView& file, const std::filesystem::path& sour
                          const Examination& from, const RecoverOptions& options, Recovery& recovery) {
   WriterOptions form;
   form.profile = as_utf8(from.contents.profile);
-  auto writer = draft.open_writer(form);
-  if (!writer) return writer.errors();
-  const std::vector<std::uint16_t> ids = define(**writer, from, recovery);
+  auto writer = REHEARSE_TRY(draft.open_writer(form));
+  const std::vector<std::uint16_t> ids = define(*writer, from, recovery);
   Result<void> written;
   recovery.first_time = std::numeric_limits<std::uint64_t>::max();
   OnSaved saved;
@@ -227,19 +226,19 @@ Result<void> write_saved(const FileView& file, const std::filesystem::path& sour
     ++recovery.channels[message.channel->id].saved;
     recovery.first_time = std::min(recovery.first_time, message.log_time);
     recovery.last_time = std::max(recovery.last_time, message.log_time);
-    written = (*writer)->write(ids[message.channel->id], message.log_time, message.publish_time, message.data,
-                               message.sequence);
+    written =
+        writer->write(ids[message.channel->id], message.log_time, message.publish_time, message.data, message.sequence);
     return written.ok();
   };
   saved.attachment = [&](const Attachment& attachment) {
     ++recovery.attachments;
-    written = (*writer)->add_attachment(as_utf8(attachment.name), as_utf8(attachment.media_type), attachment.data,
-                                        attachment.log_time, attachment.create_time);
+    written = writer->add_attachment(as_utf8(attachment.name), as_utf8(attachment.media_type), attachment.data,
+                                     attachment.log_time, attachment.create_time);
     return written.ok();
   };
   saved.metadata = [&](const Metadata& metadata) {
     ++recovery.metadata;
-    written = (*writer)->add_metadata(as_utf8(metadata.name), as_utf8(metadata.values));
+    written = writer->add_metadata(as_utf8(metadata.name), as_utf8(metadata.values));
     return written.ok();
   };
   SavedPass(file, from, options, recovery, saved).run();
@@ -250,24 +249,22 @@ Result<void> write_saved(const FileView& file, const std::filesystem::path& sour
                     "nothing can be saved: it has no message, no attachment and no metadata that is whole");
   count_losses(file, from, recovery);
   if (!recovery.is_whole()) {
-    if (auto noted = (*writer)->add_metadata("rehearse.recover", note_of(source, options, recovery)); !noted)
-      return noted;
+    REHEARSE_TRY(writer->add_metadata("rehearse.recover", note_of(source, options, recovery)));
   }
-  return (*writer)->close();
+  return writer->close();
 }
 
 /// Checks that the written file is whole.
 Result<void> examine_written(const std::filesystem::path& written, const std::filesystem::path& target,
                              const Recovery& recovery) {
-  const auto examination = examine(written);
-  if (!examination) return examination.errors();
-  for (const Finding& finding : examination->findings.list())
+  const auto examination = REHEARSE_TRY(examine(written));
+  for (const Finding& finding : examination.findings.list())
     if (finding.severity == Severity::error)
       return error_in(target.string(), fmt::format("the saved file isn't valid, so it isn't kept: at byte {}: {}",
                                                    finding.place.offset, finding.message));
-  if (examination->messages != recovery.messages)
+  if (examination.messages != recovery.messages)
     return error_in(target.string(), fmt::format("{} messages were saved, but {} are in the file, so it isn't kept",
-                                                 recovery.messages, examination->messages));
+                                                 recovery.messages, examination.messages));
   return {};
 }
 
@@ -275,20 +272,18 @@ Result<void> examine_written(const std::filesystem::path& written, const std::fi
 
 Result<Recovery> recover(const std::filesystem::path& source, const std::filesystem::path& target,
                          const RecoverOptions& options) {
-  const auto view = FileView::open(source);
-  if (!view) return view.errors();
-  auto draft = Draft::begin(target, std::span(&source, 1));
-  if (!draft) return draft.errors();
+  const auto view = REHEARSE_TRY(FileView::open(source));
+  auto draft = REHEARSE_TRY(Draft::begin(target, std::span(&source, 1)));
   ExamineOptions examining;
   examining.max_chunk_size = options.max_chunk_size;
   examining.trust_damaged = options.trust_damaged;
   examining.progress = half_of(options.progress, 0);
-  const Examination from = examine_view(*view, view->bytes(), examining);
+  const Examination from = examine_view(view, view.bytes(), examining);
   if (from.saved.empty()) return error_in(source.string(), "nothing can be saved: it has no MCAP record that is whole");
-  Recovery recovery = begin_recovery(*view, from);
-  if (auto done = write_saved(*view, source, *draft, from, options, recovery); !done) return done.errors();
-  if (auto whole = examine_written(draft->file(), target, recovery); !whole) return whole.errors();
-  if (auto done = draft->finish(); !done) return done.errors();
+  Recovery recovery = begin_recovery(view, from);
+  REHEARSE_TRY(write_saved(view, source, draft, from, options, recovery));
+  REHEARSE_TRY(examine_written(draft.file(), target, recovery));
+  REHEARSE_TRY(draft.finish());
   return recovery;
 }
 

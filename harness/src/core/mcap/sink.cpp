@@ -12,9 +12,9 @@
 #include <cstring>
 #include <utility>
 
+#include "base/file_descriptor.h"
+#include "base/write_hint.h"
 #include "codec.h"
-#include "model/file_descriptor.h"
-#include "model/write_hint.h"
 
 namespace rehearse::mcap {
 
@@ -78,7 +78,7 @@ Result<void> Sink::verify() {
   std::uint32_t crc = 0;
   for (std::uint64_t offset = 0; offset < size_;) {
     const Bytes::size_type count = std::min<std::uint64_t>(block.size(), size_ - offset);
-    if (auto got = read_back(offset, std::span(block).first(count)); !got) return got;
+    REHEARSE_TRY(read_back(offset, std::span(block).first(count)));
     crc = crc32(Bytes(block).first(count), crc);
     offset += count;
   }

@@ -76,8 +76,7 @@ Result<void> ReadBack::run() {
   std::array<std::byte, record_head + 8 + 8 + 8 + 4 + (4 + 4) + 8> start;
   for (std::uint64_t offset = magic.size(); offset < data_size_;) {
     const std::uint64_t wanted = std::min<std::uint64_t>(start.size(), data_size_ - offset);
-    const auto read = file_.read_back(offset, std::span(start).first(wanted));
-    if (!read) return read.errors();
+    REHEARSE_TRY(file_.read_back(offset, std::span(start).first(wanted)));
     ByteReader in(Bytes(start).first(wanted));
     const auto opcode = in.get<std::uint8_t>();
     const auto length = in.get<std::uint64_t>();

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include "model/file_descriptor.h"
+#include "base/file_descriptor.h"
 
 namespace rehearse::mcap {
 

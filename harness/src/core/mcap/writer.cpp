@@ -272,9 +272,8 @@ Result<void> FileWriter::close() {
 }
 
 Result<std::unique_ptr<Writer>> Writer::create(const std::filesystem::path& file, WriterOptions options) {
-  auto sink = Sink::open(file);
-  if (!sink) return sink.errors();
-  return std::unique_ptr<Writer>(std::make_unique<FileWriter>(std::move(*sink), file.string(), options));
+  auto sink = REHEARSE_TRY(Sink::open(file));
+  return std::unique_ptr<Writer>(std::make_unique<FileWriter>(std::move(sink), file.string(), options));
 }
 
 }  // namespace rehearse::mcap

@@ -10,9 +10,9 @@
 #include <optional>
 #include <string_view>
 
-#include "core/mcap/file_identity.h"
-#include "core/mcap/hashing.h"
-#include "model/user_cache.h"
+#include "base/file_identity.h"
+#include "base/hashing.h"
+#include "base/user_cache.h"
 
 namespace rehearse {
 namespace {
@@ -83,9 +83,8 @@ Result<Hashes> code_hashes_of(const Libraries& libraries) {
     if (auto kept = find(file, identity, libraries)) return *std::move(kept);
   Hashes hashes;
   for (const auto& [name, library] : libraries) {
-    const auto hash = code_hash_of(library);
-    if (!hash) return hash.errors();
-    hashes.emplace(name, *hash);
+    const auto hash = REHEARSE_TRY(code_hash_of(library));
+    hashes.emplace(name, hash);
   }
   if (!identity.empty() && identity_of(libraries) == identity) keep(file, identity, hashes);
   return hashes;

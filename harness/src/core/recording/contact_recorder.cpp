@@ -19,8 +19,7 @@ Result<void> ContactRecorder::write(TraceOutput& output, std::int64_t tick, cons
   while (before != touching_.end() || now != touching.end()) {
     const bool ends = now == touching.end() || (before != touching_.end() && *before < *now);
     const bool begins = !ends && (before == touching_.end() || *now < *before);
-    if (ends || begins)
-      if (auto done = write_change(output, tick, ends ? *before : *now, begins); !done) return done;
+    if (ends || begins) REHEARSE_TRY(write_change(output, tick, ends ? *before : *now, begins));
     if (!begins) ++before;
     if (!ends) ++now;
   }
@@ -47,7 +46,7 @@ Result<void> ContactRecorder::write_input(TraceOutput& output, std::int64_t tick
     for (const ContactReading& contact : contacts[i])
       input_message_.contacts.push_back({point(contact.position.data()), vector3(contact.normal),
                                          vector3(contact.force), vector3(contact.velocity), contact.depth});
-    if (auto done = output.write(channels[i], tick, input_message_); !done) return done;
+    REHEARSE_TRY(output.write(channels[i], tick, input_message_));
   }
   return {};
 }

@@ -65,7 +65,7 @@ Result<void> DeviceRecorder::write(TraceOutput& output, std::int64_t tick, const
   for (Channel& channel : channels_) {
     if (channel.values && channel.values->size() == reading.values.size()) {
       channel.values->set(reading.values);
-      if (auto done = output.write(channel.id, tick, *channel.values); !done) return done;
+      REHEARSE_TRY(output.write(channel.id, tick, *channel.values));
       continue;
     }
     const bool at_capture = channel.form->measurement->has_capture_time;

@@ -153,11 +153,10 @@ int Recorder::descriptor() const { return impl_->writer->descriptor(); }
 Result<std::unique_ptr<Recorder>> Recorder::create(const std::filesystem::path& file, const Scenario& scenario,
                                                    const mcap::StringMap& provenance) {
   auto impl = std::make_unique<Impl>(scenario);
-  auto writer = create_recording(file);
-  if (!writer) return writer.errors();
-  impl->writer = std::move(*writer);
-  if (auto attached = impl->attach_sources(); !attached) return attached.errors();
-  if (auto written = impl->writer->add_metadata(records::provenance, provenance); !written) return written.errors();
+  auto writer = REHEARSE_TRY(create_recording(file));
+  impl->writer = std::move(writer);
+  REHEARSE_TRY(impl->attach_sources());
+  REHEARSE_TRY(impl->writer->add_metadata(records::provenance, provenance));
   return std::unique_ptr<Recorder>(new Recorder(std::move(impl)));
 }
 
@@ -178,7 +177,7 @@ const char* media_type_of(const ScenarioBody& body) {
 
 Result<void> Recorder::Impl::attach_sources() {
   for (const SourceFile& source : sources_of(scenario))
-    if (auto done = writer->add_attachment(source.name, source.media_type, bytes_of(source.text)); !done) return done;
+    REHEARSE_TRY(writer->add_attachment(source.name, source.media_type, bytes_of(source.text)));
   return {};
 }
 
@@ -290,9 +289,8 @@ void Recorder::Impl::declare_body(const ScenarioBody& body) {
 
 Result<void> Recorder::record_state(std::int64_t tick, const Observation& seen, const Observation& read) {
   for (std::size_t i = 0; i < seen.bodies.size(); ++i)
-    if (auto done = impl_->write_body(tick, i, seen.bodies[i], read.bodies[i].joints); !done) return done;
-  if (seen.joystick)
-    if (auto done = impl_->write_joystick(tick, *seen.joystick); !done) return done;
+    REHEARSE_TRY(impl_->write_body(tick, i, seen.bodies[i], read.bodies[i].joints));
+  if (seen.joystick) REHEARSE_TRY(impl_->write_joystick(tick, *seen.joystick));
   if (tick % impl_->transform_interval != 0) return {};
   return impl_->write_transforms(tick, seen);
 }
@@ -301,7 +299,7 @@ Result<void> Recorder::record_truths(std::int64_t tick, const std::vector<TrueRe
   for (const TrueReading& truth : truths) {
     const BodyChannels& channels = impl_->bodies[static_cast<std::size_t>(truth.body)];
     const DeviceRecorder& device = channels.devices[static_cast<std::size_t>(truth.device)];
-    if (auto done = device.write_truth(*impl_, tick, truth.values); !done) return done;
+    REHEARSE_TRY(device.write_truth(*impl_, tick, truth.values));
   }
   return {};
 }
@@ -332,24 +330,21 @@ Result<void> Recorder::Impl::write_actuators(std::int64_t tick, BodyChannels& ch
 Result<void> Recorder::Impl::write_body(std::int64_t tick, std::size_t index, const BodyObservation& seen,
                                         const std::vector<JointReading>& read) {
   BodyChannels& channels = bodies[index];
-  if (channels.joints)
-    if (auto done = write_joints(tick, channels, channels.joints, seen.joints); !done) return done;
-  if (channels.measured_joints)
-    if (auto done = write_joints(tick, channels, channels.measured_joints, read); !done) return done;
-  if (channels.actuators)
-    if (auto done = write_actuators(tick, channels, seen.actuators); !done) return done;
+  if (channels.joints) REHEARSE_TRY(write_joints(tick, channels, channels.joints, seen.joints));
+  if (channels.measured_joints) REHEARSE_TRY(write_joints(tick, channels, channels.measured_joints, read));
+  if (channels.actuators) REHEARSE_TRY(write_actuators(tick, channels, seen.actuators));
   for (const BodyChannels::FreeLink& free : channels.free_links) {
     const LinkReading& link = seen.links[free.link];
     channels.pose_message.set({link.position.data(), 3});
     channels.pose_message.set({link.rotation.coeffs().data(), 4}, 3);
     channels.twist_message.set({link.velocity.data(), 3});
     channels.twist_message.set({link.angular_velocity.data(), 3}, 3);
-    if (auto done = write(free.pose, tick, channels.pose_message); !done) return done;
-    if (auto done = write(free.twist, tick, channels.twist_message); !done) return done;
+    REHEARSE_TRY(write(free.pose, tick, channels.pose_message));
+    REHEARSE_TRY(write(free.twist, tick, channels.twist_message));
   }
   for (std::size_t i = 0; i < seen.devices.size(); ++i) {
     if (!seen.devices[i].fresh) continue;
-    if (auto done = channels.devices[i].write(*this, tick, seen.devices[i]); !done) return done;
+    REHEARSE_TRY(channels.devices[i].write(*this, tick, seen.devices[i]));
   }
   return {};
 }
@@ -400,11 +395,9 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
     const HostedController& hosted = host->controllers()[c];
     message.controller_results.push_back(hosted.tick.result);
     ControllerChannels& channels = impl.controllers[c];
-    if (!inputs_are_written)
-      if (auto done = impl.write_inputs(tick, hosted, channels); !done) return done;
-    if (hosted.tick.has_output)
-      if (auto done = channels.output.write(impl, tick, hosted.io->output_values()); !done) return done;
-    if (auto done = impl.write_delay(tick, hosted, channels); !done) return done;
+    if (!inputs_are_written) REHEARSE_TRY(impl.write_inputs(tick, hosted, channels));
+    if (hosted.tick.has_output) REHEARSE_TRY(channels.output.write(impl, tick, hosted.io->output_values()));
+    REHEARSE_TRY(impl.write_delay(tick, hosted, channels));
     for (const DeviceOutput& output : hosted.tick.device_outputs) {
       const Model& model = *impl.scenario.bodies[hosted.body].model;
       std::uint16_t& channel = channels.devices[output.device];
@@ -417,11 +410,10 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
       state.header = {impl.stamp(tick),
                       impl.scenario.bodies[hosted.body].name + "/" + model.devices[output.device].name};
       state.values = output.values;
-      if (auto done = impl.write(channel, tick, state); !done) return done;
+      REHEARSE_TRY(impl.write(channel, tick, state));
     }
-    if (auto done = impl.write_variables(tick, hosted, channels.variables); !done) return done;
-    if (host->counts_costs() && hosted.tick.has_output)
-      if (auto done = impl.write_cost(tick, hosted, channels.cost); !done) return done;
+    REHEARSE_TRY(impl.write_variables(tick, hosted, channels.variables));
+    if (host->counts_costs() && hosted.tick.has_output) REHEARSE_TRY(impl.write_cost(tick, hosted, channels.cost));
   }
   if (host) ++impl.size.ticks;
   return impl.close_tick(tick, hashes);
@@ -432,12 +424,11 @@ Result<void> Recorder::record_inputs(std::int64_t tick, const ControllerHost& ho
   if (!writes_pending(*impl.writer)) return {};
   // The outputs of a controller come between its inputs and those of the next: of several the inputs are pending.
   impl.inputs_are_written = impl.controllers.size() == 1;
-  if (impl.inputs_are_written)
-    if (auto done = impl.write_inputs(tick, host.controllers()[0], impl.controllers[0]); !done) return done;
+  if (impl.inputs_are_written) REHEARSE_TRY(impl.write_inputs(tick, host.controllers()[0], impl.controllers[0]));
   const PendingMessages pending(*impl.writer);
   const RecordingSize size = impl.size;
   for (std::size_t c = 0; !impl.inputs_are_written && c < impl.controllers.size(); ++c)
-    if (auto done = impl.write_inputs(tick, host.controllers()[c], impl.controllers[c]); !done) return done;
+    REHEARSE_TRY(impl.write_inputs(tick, host.controllers()[c], impl.controllers[c]));
   impl.tick_message.controller_results.assign(impl.controllers.size(), false);
   auto done = impl.close_tick(tick, hashes);
   impl.size = size;
@@ -448,7 +439,7 @@ Result<void> Recorder::record_inputs(std::int64_t tick, const ControllerHost& ho
 Result<void> Recorder::Impl::write_inputs(std::int64_t tick, const HostedController& hosted,
                                           ControllerChannels& channels) {
   if (!hosted.tick.has_input) return {};
-  if (auto done = channels.input.write(*this, tick, hosted.io->input_values()); !done) return done;
+  REHEARSE_TRY(channels.input.write(*this, tick, hosted.io->input_values()));
   return contact_recorder->write_input(*this, tick, channels.contacts, hosted.io->input_contacts());
 }
 
@@ -480,7 +471,7 @@ Result<void> Recorder::Impl::write_variables(std::int64_t tick, const HostedCont
   for (std::size_t i = 0; i < channels.size(); ++i) {
     if (!variables[i].is_set) continue;
     if (!channels[i]) channels[i] = channel<msg::Float64>(ChannelName::of_variable(hosted.label, variables[i].name));
-    if (auto done = write(channels[i], tick, msg::Float64{variables[i].value}); !done) return done;
+    REHEARSE_TRY(write(channels[i], tick, msg::Float64{variables[i].value}));
   }
   return {};
 }
@@ -544,14 +535,13 @@ Result<void> Recorder::record_checkpoint(std::int64_t tick, std::span<const std:
 }
 
 Result<void> Recorder::record_events(const std::vector<msg::Event>& events) {
-  for (const msg::Event& event : events)
-    if (auto done = impl_->write(impl_->event_channel, event.tick, event); !done) return done;
+  for (const msg::Event& event : events) REHEARSE_TRY(impl_->write(impl_->event_channel, event.tick, event));
   return {};
 }
 
 Result<void> Recorder::close(const RunOutcome& outcome) {
-  if (auto done = impl_->writer->add_metadata(records::devices_read, impl_->devices_read); !done) return done;
-  if (auto done = impl_->writer->add_metadata(records::outcome, outcome.metadata()); !done) return done;
+  REHEARSE_TRY(impl_->writer->add_metadata(records::devices_read, impl_->devices_read));
+  REHEARSE_TRY(impl_->writer->add_metadata(records::outcome, outcome.metadata()));
   return impl_->writer->close();
 }
 

@@ -92,10 +92,10 @@ void SideRecorder::add_link(TraceOutput& output, ChannelName name, const Model& 
 }
 
 Result<void> SideRecorder::write(TraceOutput& output, std::int64_t tick, const std::vector<double>& values) {
-  if (auto done = write_joints(output, tick, values); !done) return done;
+  REHEARSE_TRY(write_joints(output, tick, values));
   for (LinkChannel& link : links_) {
     link.message.set(std::span(values).subspan(link.field.offset, width_of(link.field.quantity)));
-    if (auto done = output.write(link.channel, tick, link.message); !done) return done;
+    REHEARSE_TRY(output.write(link.channel, tick, link.message));
   }
   return {};
 }
@@ -103,7 +103,7 @@ Result<void> SideRecorder::write(TraceOutput& output, std::int64_t tick, const s
 Result<void> SideRecorder::write_joints(TraceOutput& output, std::int64_t tick, const std::vector<double>& values) {
   if (joints_) {
     for (std::size_t i = 0; i < joint_offsets_.size(); ++i) joint_message_.set(i, values[joint_offsets_[i]]);
-    if (auto done = output.write(joints_, tick, joint_message_); !done) return done;
+    REHEARSE_TRY(output.write(joints_, tick, joint_message_));
   }
   if (!accelerations_) return {};
   for (std::size_t i = 0; i < acceleration_offsets_.size(); ++i)

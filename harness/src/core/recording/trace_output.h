@@ -14,9 +14,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/clock.h"
 #include "core/kinds/channel_name.h"
 #include "fixed_message.h"
-#include "model/clock.h"
 
 namespace rehearse {
 

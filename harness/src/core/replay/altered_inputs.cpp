@@ -9,7 +9,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "model/text.h"
+#include "base/text.h"
 
 namespace rehearse {
 namespace {
@@ -52,12 +52,11 @@ Result<AlteredInputs::Alteration> AlteredInputs::parse_one(const std::string& te
                                 target->is_angle ? ", nor an angle as 30deg, nor nan, nor inf" : ", nor nan, nor inf"));
   found.operand = *operand * unit;
   if (at == std::string::npos) return found;
-  const auto span = parse_span(text, at + 1, scenario.time_step);
-  if (!span) return span.errors();
-  if (span->first >= scenario.ticks())
+  const auto span = REHEARSE_TRY(parse_span(text, at + 1, scenario.time_step));
+  if (span.first >= scenario.ticks())
     return error_at({text, at + 1, text.size() - at - 1},
                     fmt::format("the run ends before that, at tick {}", scenario.ticks() - 1));
-  found.span = *span;
+  found.span = span;
   return found;
 }
 
@@ -91,10 +90,10 @@ bool AlteredInputs::is_read(const InputTarget& target, const ControllerHost& hos
         break;
       case InputTarget::Kind::device:
       case InputTarget::Kind::ranges:
-        if (std::any_of(devices.begin(), devices.end(), is_target)) return true;
+        if (std::ranges::any_of(devices, is_target)) return true;
         break;
       case InputTarget::Kind::contact:
-        if (std::any_of(links.begin(), links.end(), is_target)) return true;
+        if (std::ranges::any_of(links, is_target)) return true;
         break;
       case InputTarget::Kind::axis:
       case InputTarget::Kind::button: break;
@@ -198,13 +197,13 @@ std::int64_t AlteredInputs::begins() const {
 }
 
 bool AlteredInputs::alters_joints(int body) const {
-  return std::any_of(alterations_.begin(), alterations_.end(), [&](const Alteration& alteration) {
+  return std::ranges::any_of(alterations_, [&](const Alteration& alteration) {
     return alteration.target.kind == InputTarget::Kind::joint && alteration.target.body == body;
   });
 }
 
 bool AlteredInputs::alters_device(int body, int device) const {
-  return std::any_of(alterations_.begin(), alterations_.end(), [&](const Alteration& alteration) {
+  return std::ranges::any_of(alterations_, [&](const Alteration& alteration) {
     const InputTarget& target = alteration.target;
     const bool of_device = target.kind == InputTarget::Kind::device || target.kind == InputTarget::Kind::ranges;
     return of_device && target.body == body && target.owner == device;
@@ -212,8 +211,7 @@ bool AlteredInputs::alters_device(int body, int device) const {
 }
 
 bool AlteredInputs::alters_joystick() const {
-  return std::any_of(alterations_.begin(), alterations_.end(),
-                     [](const Alteration& alteration) { return alteration.target.body < 0; });
+  return std::ranges::any_of(alterations_, [](const Alteration& alteration) { return alteration.target.body < 0; });
 }
 
 }  // namespace rehearse

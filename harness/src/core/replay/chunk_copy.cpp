@@ -30,8 +30,7 @@ bool ChunkCopy::is_whole(const mcap::Message& message) const {
 Result<void> ChunkCopy::take(const mcap::Message& message) {
   if (std::ranges::binary_search(picture_channels_, message.channel->id) && is_whole(message))
     recorder_.count_pictures(message, *source_.schema_of(*message.channel));
-  while (next_ < whole_.size() && whole_[next_].end_time < message.log_time)
-    if (auto copied = copy_next(); !copied) return copied;
+  while (next_ < whole_.size() && whole_[next_].end_time < message.log_time) REHEARSE_TRY(copy_next());
   return {};
 }
 
@@ -42,8 +41,7 @@ Result<void> ChunkCopy::copy_next() {
 }
 
 Result<void> ChunkCopy::finish() {
-  while (next_ < whole_.size())
-    if (auto copied = copy_next(); !copied) return copied;
+  while (next_ < whole_.size()) REHEARSE_TRY(copy_next());
   if (!source_.can_copy_chunks()) return in_recording(source_, error("it was changed while it was read"));
   std::uint64_t begin = end_;
   for (const mcap::Chunk& chunk : source_.chunks())

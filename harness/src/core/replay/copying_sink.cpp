@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/clock.h"
 #include "core/kinds/channel_name.h"
-#include "model/clock.h"
 
 namespace rehearse {
 
@@ -29,8 +29,8 @@ CopyingSink::Part CopyingSink::part_of(const mcap::Channel& channel) const {
   if (name.kind == ChannelKind::tick) return Part::tick;
   if (name.kind == ChannelKind::events) return Part::events;
   if (name.kind == ChannelKind::cost) return Part::controller;
-  const bool is_hosted = std::any_of(host_.controllers().begin(), host_.controllers().end(),
-                                     [&](const HostedController& hosted) { return hosted.label == name.label(); });
+  const bool is_hosted = std::ranges::any_of(
+      host_.controllers(), [&](const HostedController& hosted) { return hosted.label == name.label(); });
   return is_hosted ? Part::controller : Part::state;
 }
 
@@ -93,8 +93,7 @@ Result<void> CopyingSink::take_output(const mcap::Message& message, const mcap::
 
 Result<void> CopyingSink::emit(const TickData& now) {
   same_outputs_ = same_outputs_ && now.host->output_hash() == from_->recorded().output_hash;
-  if (!altered_.empty())
-    if (auto done = record_altered(now); !done) return done;
+  if (!altered_.empty()) REHEARSE_TRY(record_altered(now));
   return RecordingSink::emit(now);
 }
 
@@ -102,12 +101,11 @@ Result<void> CopyingSink::record_altered(const TickData& now) {
   for (std::size_t b = 0; b < now.seen->bodies.size(); ++b) {
     const BodyObservation& seen = now.seen->bodies[b];
     const int body = static_cast<int>(b);
-    if (altered_.alters_joints(body))
-      if (auto done = recorder_.record_measured_joints(now.tick, body, seen.joints); !done) return done;
+    if (altered_.alters_joints(body)) REHEARSE_TRY(recorder_.record_measured_joints(now.tick, body, seen.joints));
     for (std::size_t d = 0; d < seen.devices.size(); ++d) {
       const int device = static_cast<int>(d);
       if (!seen.devices[d].fresh || !altered_.alters_device(body, device)) continue;
-      if (auto done = recorder_.record_reading(now.tick, body, device, seen.devices[d]); !done) return done;
+      REHEARSE_TRY(recorder_.record_reading(now.tick, body, device, seen.devices[d]));
     }
   }
   if (!altered_.alters_joystick()) return {};

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "model/clock.h"
+#include "base/clock.h"
 
 namespace rehearse {
 namespace {

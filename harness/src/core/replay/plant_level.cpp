@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "model/clock.h"
+#include "base/clock.h"
 
 namespace rehearse {
 
@@ -17,18 +17,15 @@ Result<void> make_folder_of(const std::filesystem::path& file) {
 Result<PlantLevel> compare_plant(const Simulation& simulation, const Scenario& scenario, const Trace& golden,
                                  const std::filesystem::path& file, const PlantOptions& options,
                                  const NoiseOfSeries& noise) {
-  if (auto made = make_folder_of(file); !made) return made.errors();
-  auto run = simulation.run_plant(scenario, golden, file, options);
-  if (!run) return run.errors();
-  auto trace = Trace::outline(file);
-  if (!trace) return trace.errors();
+  REHEARSE_TRY(make_folder_of(file));
+  auto run = REHEARSE_TRY(simulation.run_plant(scenario, golden, file, options));
+  auto trace = REHEARSE_TRY(Trace::outline(file));
   CompareOptions what;
   what.stages = stages_of_plant;
   what.noise_floors = noise;
   if (options.until) what.until = time_of(*options.until, scenario.time_step);
-  auto comparison = compare(golden.file(), file, scenario.tolerances, what);
-  if (!comparison) return comparison.errors();
-  return PlantLevel{*std::move(run), *std::move(trace), *std::move(comparison)};
+  auto comparison = REHEARSE_TRY(compare(golden.file(), file, scenario.tolerances, what));
+  return PlantLevel{std::move(run), std::move(trace), std::move(comparison)};
 }
 
 }  // namespace rehearse

@@ -122,7 +122,7 @@ Result<void> RecordedOutputs::accept(const mcap::Message& message) {
 
 Result<void> RecordedOutputs::accept_later(const mcap::Message& message, std::int64_t tick) {
   Channel& channel = *by_id_.at(message.channel->id);
-  if (auto done = read(channel, message); !done) return done;
+  REHEARSE_TRY(read(channel, message));
   judge_.add_golden(channel.judged, tick, channel.expected);
   return {};
 }

@@ -4,8 +4,8 @@
 #include <iterator>
 #include <utility>
 
+#include "base/clock.h"
 #include "core/kinds/channel_name.h"
-#include "model/clock.h"
 #include "output_record.h"
 
 namespace rehearse {

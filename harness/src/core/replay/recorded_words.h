@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "base/hashing.h"
 #include "core/host/controller_host.h"
-#include "core/mcap/hashing.h"
 
 namespace rehearse {
 

@@ -5,8 +5,8 @@
 
 #include <utility>
 
+#include "base/clock.h"
 #include "core/kinds/channel_name.h"
-#include "model/clock.h"
 
 namespace rehearse {
 

@@ -8,13 +8,13 @@
 #include <utility>
 
 #include "altered_inputs.h"
+#include "base/clock.h"
 #include "core/guard/float_mode.h"
 #include "core/host/controller_host.h"
 #include "core/mcap/whole_input.h"
 #include "core/run/hosted_commands.h"
 #include "core/run/run.h"
 #include "core/scenario/trace_scenario.h"
-#include "model/clock.h"
 #include "recorded_files.h"
 #include "recorded_inputs.h"
 #include "recording_source.h"
@@ -69,11 +69,10 @@ Result<ReplayReport> replay_into(mcap::Reader& recording, const Scenario& scenar
   host.start();
   AlteredInputs altered;
   RecordingSource source(scenario, recording, host, altered);
-  if (auto known = check_inputs(recording, scenario, host, source); !known) return known.errors();
-  auto parsed = AlteredInputs::parse(options.set, scenario);
-  if (!parsed) return parsed.errors();
-  altered = *std::move(parsed);
-  if (auto read = altered.check_read_by(host); !read) return read.errors();
+  REHEARSE_TRY(check_inputs(recording, scenario, host, source));
+  auto parsed = REHEARSE_TRY(AlteredInputs::parse(options.set, scenario));
+  altered = std::move(parsed);
+  REHEARSE_TRY(altered.check_read_by(host));
   if (options.until) source.end_before(static_cast<std::uint64_t>(std::llround(std::max(0.0, *options.until) * 1e9)));
 
   report.other_inputs = other_inputs(recording, scenario, host, source.inputs());
@@ -83,14 +82,12 @@ Result<ReplayReport> replay_into(mcap::Reader& recording, const Scenario& scenar
   run.report_progress(options.progress, scenario.ticks());
   const bool same_channels = has_channels_of(recording, scenario, host);
   comparison.take_events();
-  if (!host.failure())
-    if (auto done = replay_ticks(run, source, comparison, scenario, options, damage, report); !done)
-      return done.errors();
+  if (!host.failure()) REHEARSE_TRY(replay_ticks(run, source, comparison, scenario, options, damage, report));
   if (source.was_cut_short()) comparison.end_lines();  // the recorded controllers were not stopped there
   host.stop(report.ticks);
   comparison.take_events();
   if (!source.was_cut_short()) comparison.end_lines();
-  if (auto judged = comparison.finish(); !judged) return judged.errors();
+  REHEARSE_TRY(comparison.finish());
   append_as_warnings(altered.unused(), report.remarks);
   report.failure = host.failure();
   report.controller_refused = host.any_refused();
@@ -112,9 +109,8 @@ Result<ReplayReport> replay_recording(mcap::Reader& recording, const Scenario& s
   const StandardFloatMode float_mode;
   std::optional<RecordedFiles> files;  // outlives the controllers
   if (options.provides_files) files.emplace(recording);
-  auto host = ControllerHost::create(scenario, options);
-  if (!host) return host.errors();
-  auto report = replay_into(recording, scenario, options, damage, **host);
+  auto host = REHEARSE_TRY(ControllerHost::create(scenario, options));
+  auto report = replay_into(recording, scenario, options, damage, *host);
   if (!report) return report;
   if (report->first) append_as_warnings(other_arithmetic_than(recording, scenario), report->remarks);
   for (Diagnostic& remark : float_mode.remarks()) report->remarks.push_back(std::move(remark));
@@ -124,12 +120,10 @@ Result<ReplayReport> replay_recording(mcap::Reader& recording, const Scenario& s
 Result<ReplayReport> replay_by(
     const std::filesystem::path& trace, const ReplayOptions& options,
     const std::function<Result<ReplayReport>(const std::function<Result<ReplayReport>()>& part)>& run) {
-  auto reader = mcap::Reader::open(trace);
-  if (!reader) return reader.errors();
-  if (!(*reader)->damage().empty()) return mcap::with_recover_hint((*reader)->damage());
-  const auto scenario = scenario_of(**reader);
-  if (!scenario) return scenario.errors();
-  return run([&] { return replay_recording(**reader, *scenario, options); });
+  auto reader = REHEARSE_TRY(mcap::Reader::open(trace));
+  if (!reader->damage().empty()) return mcap::with_recover_hint(reader->damage());
+  const auto scenario = REHEARSE_TRY(scenario_of(*reader));
+  return run([&] { return replay_recording(*reader, scenario, options); });
 }
 
 Result<ReplayReport> replay(const std::filesystem::path& trace, const ReplayOptions& options) {

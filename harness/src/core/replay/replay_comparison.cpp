@@ -10,9 +10,9 @@
 #include <span>
 #include <utility>
 
+#include "base/clock.h"
 #include "core/compare/compare_variables.h"
 #include "core/kinds/channel_name.h"
-#include "model/clock.h"
 
 namespace rehearse {
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/clock.h"
 #include "copying_sink.h"
 #include "core/guard/float_mode.h"
 #include "core/guard/process_guard.h"
@@ -14,7 +15,6 @@
 #include "core/run/hosted_commands.h"
 #include "core/scenario/branch_origin.h"
 #include "core/scenario/trace_scenario.h"
-#include "model/clock.h"
 
 namespace rehearse {
 namespace {
@@ -32,41 +32,37 @@ mcap::StringMap facts_of(const Scenario& scenario, const ControllerHost& host, c
 
 Result<void> write(mcap::Reader& reader, const Scenario& scenario, const std::string& source, const fs::path& trace,
                    const ReplayOptions& options) {
-  auto host = ControllerHost::create(scenario, options);
-  if (!host) return host.errors();
-  auto altered = AlteredInputs::parse(options.set, scenario);
-  if (!altered) return altered.errors();
-  Command at_rest = (*host)->initialize(initial_observation(scenario));
-  if (auto read = altered->check_read_by(**host); !read) return read;
-  auto recorder = Recorder::create(trace, scenario, facts_of(scenario, **host, reader));
-  if (!recorder) return recorder.errors();
-  std::optional<ProtectedDescriptor> descriptor(std::in_place, (*recorder)->descriptor(), "the recording");
+  auto host = REHEARSE_TRY(ControllerHost::create(scenario, options));
+  auto altered = REHEARSE_TRY(AlteredInputs::parse(options.set, scenario));
+  Command at_rest = host->initialize(initial_observation(scenario));
+  REHEARSE_TRY(altered.check_read_by(*host));
+  auto recorder = REHEARSE_TRY(Recorder::create(trace, scenario, facts_of(scenario, *host, reader)));
+  std::optional<ProtectedDescriptor> descriptor(std::in_place, recorder->descriptor(), "the recording");
   BranchOrigin origin;
   origin.source = source;
   origin.simulated = false;
   origin.set = options.set;
   for (const auto& [name, library] : options.libraries)
     origin.controllers.push_back(name + "=" + fs::path(library).filename().string());
-  if (auto done = (*recorder)->add_metadata(records::branch, origin.metadata()); !done) return done;
+  REHEARSE_TRY(recorder->add_metadata(records::branch, origin.metadata()));
   for (std::size_t body = 0; body < scenario.bodies.size(); ++body)
-    if (altered->alters_joints(static_cast<int>(body))) (*recorder)->measure_joints(static_cast<int>(body));
-  (*recorder)->declare(host->get());
-  (*host)->start();
-  RecordingSource inputs(scenario, reader, **host, *altered);
-  HostedCommands commands(**host, HostedCommands::Written::in_time);
-  CopyingSink copy(scenario, reader, **host, **recorder, *altered);
+    if (altered.alters_joints(static_cast<int>(body))) recorder->measure_joints(static_cast<int>(body));
+  recorder->declare(host.get());
+  host->start();
+  RecordingSource inputs(scenario, reader, *host, altered);
+  HostedCommands commands(*host, HostedCommands::Written::in_time);
+  CopyingSink copy(scenario, reader, *host, *recorder, altered);
   Run run(scenario.time_step, inputs, commands, copy, 0, Run::no_end);
   run.command = std::move(at_rest);
-  if (auto done = copy.copy(inputs, run, std::nullopt); !done) return done;
+  REHEARSE_TRY(copy.copy(inputs, run, std::nullopt));
   const std::optional<msg::Tick>& last = inputs.last_state();
-  (*host)->stop(last ? last->tick : run.tick());
-  if (last)
-    if (auto done = (*recorder)->record_tick(last->tick, nullptr, {last->state_hash, 0, 0}); !done) return done;
-  if (auto done = (*recorder)->record_events((*host)->take_events()); !done) return done;
+  host->stop(last ? last->tick : run.tick());
+  if (last) REHEARSE_TRY(recorder->record_tick(last->tick, nullptr, {last->state_hash, 0, 0}));
+  REHEARSE_TRY(recorder->record_events(host->take_events()));
   RunOutcome outcome{.ticks = run.tick(), .complete = last.has_value(), .checkpoints = "none"};
-  if ((*host)->failure()) outcome.failure = (*host)->failure()->message;
+  if (host->failure()) outcome.failure = host->failure()->message;
   descriptor.reset();
-  return (*recorder)->close(outcome);
+  return recorder->close(outcome);
 }
 
 }  // namespace
@@ -76,14 +72,11 @@ Result<void> write_replay(const fs::path& recording, const fs::path& trace, cons
   std::error_code ignored;
   if (fs::equivalent(recording, trace, ignored))
     return error_in(trace.string(), "it is the recording itself", "name another file for the replay");
-  auto reader = mcap::Reader::open(recording);
-  if (!reader) return reader.errors();
-  if (!(*reader)->damage().empty()) return mcap::with_recover_hint((*reader)->damage());
-  const auto scenario = scenario_of(**reader);
-  if (!scenario) return scenario.errors();
-  const auto source = name_and_hash(recording);
-  if (!source) return source.errors();
-  return write(**reader, *scenario, *source, trace, options);
+  auto reader = REHEARSE_TRY(mcap::Reader::open(recording));
+  if (!reader->damage().empty()) return mcap::with_recover_hint(reader->damage());
+  const auto scenario = REHEARSE_TRY(scenario_of(*reader));
+  const auto source = REHEARSE_TRY(name_and_hash(recording));
+  return write(*reader, scenario, source, trace, options);
 }
 
 }  // namespace rehearse

@@ -253,9 +253,8 @@ class IdlParser {
 }  // namespace
 
 Result<Schema> parse_idl(std::string_view type, std::string_view text, std::string file) {
-  const auto lines = IdlParser(text, file).parse(type);
-  if (!lines) return lines.errors();
-  return Schema::parse(type, *lines, std::move(file));
+  const auto lines = REHEARSE_TRY(IdlParser(text, file).parse(type));
+  return Schema::parse(type, lines, std::move(file));
 }
 
 }  // namespace rehearse::ros2msg

@@ -5,11 +5,9 @@
 namespace rehearse {
 
 Result<void> RecordingSink::begin_tick(const TickData& now) {
-  if (!now.checkpoint.empty())
-    if (auto done = recorder_.record_checkpoint(now.tick, now.checkpoint); !done) return done;
-  if (auto done = recorder_.record_state(now.tick, *now.seen, *now.read); !done) return done;
-  if (now.truths)
-    if (auto done = recorder_.record_truths(now.tick, *now.truths); !done) return done;
+  if (!now.checkpoint.empty()) REHEARSE_TRY(recorder_.record_checkpoint(now.tick, now.checkpoint));
+  REHEARSE_TRY(recorder_.record_state(now.tick, *now.seen, *now.read));
+  if (now.truths) REHEARSE_TRY(recorder_.record_truths(now.tick, *now.truths));
   if (auto done = record_contacts(now); !done || !now.host) return done;
   input_hash_ = now.host->input_hash(*now.read);
   return recorder_.record_inputs(now.tick, *now.host, {now.state_hash, *input_hash_, 0});
@@ -26,8 +24,8 @@ Result<void> RecordingSink::emit(const TickData& now) {
   TickHashes hashes{now.state_hash, 0, 0};
   const std::optional<std::uint64_t> known = std::exchange(input_hash_, std::nullopt);
   if (now.host) hashes = {now.state_hash, known ? *known : now.host->input_hash(*now.read), now.host->output_hash()};
-  if (auto done = recorder_.record_tick(now.tick, now.host, hashes); !done) return done;
-  if (auto done = record_events(now.events); !done) return done;
+  REHEARSE_TRY(recorder_.record_tick(now.tick, now.host, hashes));
+  REHEARSE_TRY(record_events(now.events));
   return now.host ? record_events(now.host->take_events()) : Result<void>();
 }
 

@@ -15,9 +15,9 @@ Result<bool> Run::step() {
   if ((interruption_ = interrupted_at(tick_, time_step_))) return false;
 
   commands_->prepare(now);
-  if (auto taken = sink_->begin_tick(now); !taken) return taken.errors();
+  REHEARSE_TRY(sink_->begin_tick(now));
   commands_->act(now);
-  if (auto emitted = sink_->emit(now); !emitted) return emitted.errors();
+  REHEARSE_TRY(sink_->emit(now));
   if (!now.alive) return false;
   const auto advanced = source_->advance(now, *commands_);
   if (!advanced) return advanced;
@@ -30,17 +30,15 @@ Result<bool> Run::step() {
 
 Result<void> Run::go() {
   for (;;) {
-    const auto going_on = step();
-    if (!going_on) return going_on.errors();
-    if (!*going_on) return {};
+    const auto going_on = REHEARSE_TRY(step());
+    if (!going_on) return {};
   }
 }
 
 Result<void> Run::close() {
   TickData now{tick_, command, true};
-  const auto observed = source_->observe(now);
-  if (!observed) return observed.errors();
-  if (auto taken = sink_->begin_tick(now); !taken) return taken;
+  REHEARSE_TRY(source_->observe(now));
+  REHEARSE_TRY(sink_->begin_tick(now));
   return sink_->emit(now);
 }
 

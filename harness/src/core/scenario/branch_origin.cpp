@@ -6,18 +6,17 @@
 #include <array>
 #include <vector>
 
-#include "core/mcap/hashing.h"
-#include "model/clock.h"
-#include "model/names.h"
-#include "model/text.h"
+#include "base/clock.h"
+#include "base/hashing.h"
+#include "base/names.h"
+#include "base/text.h"
 #include "tick_span.h"
 
 namespace rehearse {
 
 Result<std::string> name_and_hash(const std::filesystem::path& file) {
-  const auto hash = hash_of_file(file);
-  if (!hash) return hash.errors();
-  return fmt::format("{} {}", file.filename().string(), hash_text(*hash));
+  const auto hash = REHEARSE_TRY(hash_of_file(file));
+  return fmt::format("{} {}", file.filename().string(), hash_text(hash));
 }
 
 namespace {
@@ -71,8 +70,7 @@ Result<Push> parse_push(const std::string& text, const Scenario& scenario) {
     const std::string_view word = std::string_view(text).substr(begin, end - begin);
     const std::array<std::pair<std::string_view, Eigen::Vector3d*>, 3> known{
         {{"force=", &push.force}, {"torque=", &push.torque}, {"at=", &push.point}}};
-    const auto key =
-        std::find_if(known.begin(), known.end(), [&](const auto& one) { return word.starts_with(one.first); });
+    const auto key = std::ranges::find_if(known, [&](const auto& one) { return word.starts_with(one.first); });
     if (key == known.end() || !parse_vector(word.substr(key->first.size()), *key->second))
       return wrong(begin, word.size(),
                    fmt::format("'{}' is none of force=X,Y,Z [N], torque=X,Y,Z [N·m], at=X,Y,Z [m]", word));
@@ -80,10 +78,9 @@ Result<Push> parse_push(const std::string& text, const Scenario& scenario) {
     begin = end;
   }
   if (!has_effect) return wrong(0, text.size(), "the push has neither force nor torque");
-  const auto span = parse_span(text, at + 1, scenario.time_step);
-  if (!span) return span.errors();
-  push.from = time_of(span->first, scenario.time_step);
-  push.until = time_of(span->last + 1, scenario.time_step);
+  const auto span = REHEARSE_TRY(parse_span(text, at + 1, scenario.time_step));
+  push.from = time_of(span.first, scenario.time_step);
+  push.until = time_of(span.last + 1, scenario.time_step);
   return push;
 }
 

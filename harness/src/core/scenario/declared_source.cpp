@@ -25,18 +25,16 @@ Result<std::size_t> DeclaredSource::find_series(std::string_view name) {
 Result<std::vector<std::size_t>> DeclaredSource::find_links(std::string_view name) {
   const auto is_of_body = [&](const std::string& link) { return link.starts_with(std::string(name) + "/"); };
   if (scenario_.bodies.empty() || std::ranges::any_of(links_, is_of_body)) return std::vector<std::size_t>{0};
-  const auto found = find_name(name, links_, "link");
-  if (!found) return found.errors();
-  return std::vector<std::size_t>{*found};
+  const auto found = REHEARSE_TRY(find_name(name, links_, "link"));
+  return std::vector<std::size_t>{found};
 }
 
 Result<std::size_t> DeclaredSource::find_joint_series(std::string_view joint, std::string_view quantity,
                                                       bool of_command) {
   std::string_view name = joint;
   if (!scenario_.bodies.empty()) {
-    const auto found = find_name(joint, joints_, "joint");
-    if (!found) return found.errors();
-    name = joints_[*found];
+    const auto found = REHEARSE_TRY(find_name(joint, joints_, "joint"));
+    name = joints_[found];
   }
   const std::size_t slash = name.rfind('/');
   const std::string body = slash == std::string_view::npos ? "*" : std::string(name.substr(0, slash));

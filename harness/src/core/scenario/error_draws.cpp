@@ -1,4 +1,4 @@
-#include "model/chance.h"
+#include "base/chance.h"
 #include "normal_quantile.h"
 #include "sensor_error.h"
 

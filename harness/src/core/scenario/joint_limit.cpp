@@ -54,9 +54,8 @@ std::vector<std::string> link_names(const Scenario& scenario) {
 
 Result<JointLimit> joint_limit(const Scenario& scenario, std::string_view joint, std::string_view limit) {
   const std::vector<NamedJoint> joints = moving_joints(scenario);
-  const auto found = find_name(joint, joint_names(scenario), "joint");
-  if (!found) return found.errors();
-  const NamedJoint& named = joints[*found];
+  const auto found = REHEARSE_TRY(find_name(joint, joint_names(scenario), "joint"));
+  const NamedJoint& named = joints[found];
   const double value = value_of(*named.joint, limit);
   if (!std::isfinite(value)) return error(fmt::format("joint '{}' has no {} limit", named.name, limit));
   return JointLimit{value, unit_of_limit(*named.joint, limit)};

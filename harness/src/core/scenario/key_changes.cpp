@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "model/text.h"
+#include "base/text.h"
 #include "plant_text.h"
 #include "yaml/yaml_tree.h"
 

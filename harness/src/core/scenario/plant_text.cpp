@@ -19,7 +19,7 @@ constexpr std::string_view of_controller[] = {"library", "options", "delay", "op
 
 template <std::size_t count>
 bool is_one_of(std::string_view word, const std::string_view (&words)[count]) {
-  return std::find(std::begin(words), std::end(words), word) != std::end(words);
+  return std::ranges::find(words, word) != std::end(words);
 }
 
 enum class Inside { scenario, bodies, body, controllers, controller, other };
@@ -70,10 +70,9 @@ void write(const YamlNode& node, Inside inside, int depth, std::string& text) {
 bool only_judges(std::string_view key) { return key != "options" && is_one_of(key, judging); }
 
 Result<std::string> plant_text(const Scenario& scenario) {
-  const Result<YamlNodePtr> root = parse_yaml(scenario.text, scenario.file);
-  if (!root) return root.errors();
+  const YamlNodePtr root = REHEARSE_TRY(parse_yaml(scenario.text, scenario.file));
   std::string text;
-  write(**root, Inside::scenario, 0, text);
+  write(*root, Inside::scenario, 0, text);
   return text;
 }
 

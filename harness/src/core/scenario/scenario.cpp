@@ -21,7 +21,7 @@ namespace {
 bool is_golden_name(std::string_view text) {
   const std::size_t dot = text.find('.');
   const auto is_word = [](std::string_view part) {
-    return !part.empty() && std::all_of(part.begin(), part.end(), [](char c) {
+    return !part.empty() && std::ranges::all_of(part, [](char c) {
       return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
     });
   };
@@ -240,7 +240,7 @@ Diagnostic at(const Place& place, Diagnostic diagnostic) {
 std::int64_t Scenario::ticks() const { return std::lround(duration / time_step); }
 
 bool Scenario::runs_camera(const std::string& body, const std::string& camera) const {
-  return !cameras || std::find(cameras->begin(), cameras->end(), body + "/" + camera) != cameras->end();
+  return !cameras || std::ranges::find(*cameras, body + "/" + camera) != cameras->end();
 }
 
 bool Scenario::runs_a_camera() const {
@@ -252,9 +252,8 @@ bool Scenario::runs_a_camera() const {
 }
 
 Result<Scenario> Scenario::load(const std::filesystem::path& file) {
-  Result<std::string> text = read_yaml_file(file, "a scenario");
-  if (!text) return text.errors();
-  return load_text(std::move(*text), file);
+  std::string text = REHEARSE_TRY(read_yaml_file(file, "a scenario"));
+  return load_text(std::move(text), file);
 }
 
 namespace {
@@ -328,46 +327,42 @@ Result<Scenario> Scenario::load_text(std::string text, const std::filesystem::pa
 
 Result<Scenario> load_with(const std::filesystem::path& file,
                            const std::vector<std::pair<std::string, std::string>>& values) {
-  Result<std::string> text = read_yaml_file(file, "a scenario");
-  if (!text) return text.errors();
+  std::string text = REHEARSE_TRY(read_yaml_file(file, "a scenario"));
   StatedValues put;
   for (const auto& value : values) {
-    if (auto done = state_value(file, value, put, *text); !done) return done.errors();
+    REHEARSE_TRY(state_value(file, value, put, text));
     put.push_back(value);
   }
-  auto scenario = Scenario::load_text(*std::move(text), file);
+  auto scenario = Scenario::load_text(std::move(text), file);
   if (!scenario) return with_values(values, scenario.errors());
   return scenario;
 }
 
 Result<Scenario> Scenario::parse(std::string text, const std::string& file, const ModelSource& models,
                                  const FileSource& files) {
-  const Result<YamlNodePtr> root = parse_yaml(text, file);
-  if (!root) return root.errors();
+  const YamlNodePtr root = REHEARSE_TRY(parse_yaml(text, file));
   Scenario scenario;
   scenario.file = file;
   scenario.text = std::move(text);
   Findings findings(file);
-  read_scenario(findings, **root, models, files, scenario);
+  read_scenario(findings, *root, models, files, scenario);
   if (findings.any_error()) return findings.errors();
   scenario.warnings = findings.warnings();
   return scenario;
 }
 
 Result<std::vector<ToleranceRule>> load_tolerances(const std::filesystem::path& file) {
-  Result<std::string> text = read_yaml_file(file, "a scenario");
-  if (!text) return text.errors();
-  const Result<YamlNodePtr> root = parse_yaml(std::move(*text), file.string());
-  if (!root) return root.errors();
+  std::string text = REHEARSE_TRY(read_yaml_file(file, "a scenario"));
+  const YamlNodePtr root = REHEARSE_TRY(parse_yaml(std::move(text), file.string()));
   Findings findings(file.string());
   Scenario scenario;  // read_tolerances() writes the list into it
   scenario.file = file.string();
-  if ((*root)->kind != YamlNode::Kind::map) {
-    expected(findings, **root, "the file", "a map with a list of tolerances");
-  } else if (find_key(**root, "rehearse") != nullptr) {
-    if (const YamlNode* node = find_key(**root, "tolerances")) read_tolerances(findings, *node, scenario);
+  if (root->kind != YamlNode::Kind::map) {
+    expected(findings, *root, "the file", "a map with a list of tolerances");
+  } else if (find_key(*root, "rehearse") != nullptr) {
+    if (const YamlNode* node = find_key(*root, "tolerances")) read_tolerances(findings, *node, scenario);
   } else {
-    const Keys keys(findings, **root, tolerances_file_form());
+    const Keys keys(findings, *root, tolerances_file_form());
     if (const YamlNode* node = keys.require("tolerances", "a list of tolerances, each with its channel"))
       read_tolerances(findings, *node, scenario);
   }

@@ -1,5 +1,5 @@
-#include "core/mcap/glob.h"
-#include "model/names.h"
+#include "base/glob.h"
+#include "base/names.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
@@ -295,8 +295,7 @@ void read_actuators(Findings& findings, const YamlNode& node, ScenarioBody& body
   for (const YamlNodePtr& rule : read_list(findings, node, "actuators", "a list of {joint: PATTERN, KEY: VALUE, ...}"))
     reader.read_rule(*rule);
   reader.check();
-  if (std::none_of(body.actuators.begin(), body.actuators.end(), [](const auto& each) { return each.has_value(); }))
-    body.actuators.clear();
+  if (std::ranges::none_of(body.actuators, [](const auto& each) { return each.has_value(); })) body.actuators.clear();
 }
 
 }  // namespace rehearse

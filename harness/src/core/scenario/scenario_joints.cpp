@@ -1,4 +1,4 @@
-#include "model/names.h"
+#include "base/names.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
 

@@ -1,8 +1,8 @@
 // The `noise` of a scenario: deviations of the readings of sensors and joints from the truth.
 #include <rehearse/scenario.h>
 
-#include "core/mcap/glob.h"
-#include "model/names.h"
+#include "base/glob.h"
+#include "base/names.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
@@ -24,7 +24,7 @@ namespace {
 /// Whether a key of noise names a quantity.
 bool is_quantity(std::string_view key) {
   const std::vector<MeasuredQuantity>& all = measured_quantities();
-  return std::any_of(all.begin(), all.end(), [&](const MeasuredQuantity& each) { return each.name == key; });
+  return std::ranges::any_of(all, [&](const MeasuredQuantity& each) { return each.name == key; });
 }
 
 /// The numbers of an IMU's data sheet beside its rate, by the names of Kalibr's imu.yaml.
@@ -132,7 +132,7 @@ std::vector<NoiseReader::Given> NoiseReader::read_quantities(const Keys& keys,
     for (const Target* target : targets) {
       for (const MeasuredQuantity& quantity : target->quantities) {
         if (quantity.name == entry.name) found[target->slides ? 1 : 0] = quantity;
-        if (std::find(known.begin(), known.end(), quantity.name) == known.end()) known.emplace_back(quantity.name);
+        if (std::ranges::find(known, quantity.name) == known.end()) known.emplace_back(quantity.name);
       }
     }
     if (!found[0] && !found[1])
@@ -181,7 +181,7 @@ Exposure NoiseReader::read_exposure(const Keys& keys, const std::vector<const Ta
     place = place ? place : frames;
   }
   if (!place) return exposure;
-  if (std::none_of(targets.begin(), targets.end(), [](const Target* target) { return target->camera != nullptr; }))
+  if (std::ranges::none_of(targets, [](const Target* target) { return target->camera != nullptr; }))
     findings_.error(*place, fmt::format("{} is no camera", targets[0]->name), "only cameras have an exposure");
   constexpr double rounding = 1e-9;  // [s]: a rate of 30 Hz and an exposure of 33.333333 ms
   for (const Target* target : targets) {
@@ -240,10 +240,9 @@ void NoiseReader::read_data_sheet(const Keys& keys, const std::vector<const Targ
   const Keys sheet(findings_, *node, data_sheet_form());
   if (!sheet.is_map()) return;
   const auto measured = [](const Target& target, std::string_view name) {
-    return std::find_if(target.quantities.begin(), target.quantities.end(),
-                        [&](const MeasuredQuantity& each) { return each.name == name; });
+    return std::ranges::find_if(target.quantities, [&](const MeasuredQuantity& each) { return each.name == name; });
   };
-  const auto imu = std::find_if(targets.begin(), targets.end(), [&](const Target* target) {
+  const auto imu = std::ranges::find_if(targets, [&](const Target* target) {
     return measured(*target, "angular_velocity") != target->quantities.end() &&
            measured(*target, "acceleration") != target->quantities.end();
   });

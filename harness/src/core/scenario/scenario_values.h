@@ -141,7 +141,7 @@ class Keys {
             std::initializer_list<std::pair<std::string_view, std::type_identity_t<Value>>> words, Value& out) const {
     const YamlNode* node = find(key);
     check_words(key, words.size(), [&](std::string_view word) {
-      return std::any_of(words.begin(), words.end(), [&](const auto& each) { return each.first == word; });
+      return std::ranges::any_of(words, [&](const auto& each) { return each.first == word; });
     });
     for (const auto& [word, value] : words)
       if (node == nullptr && value == out) set_default(key, {std::string(word)});

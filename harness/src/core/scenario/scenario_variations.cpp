@@ -8,7 +8,7 @@
 #include <numeric>
 #include <span>
 
-#include "model/names.h"
+#include "base/names.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
@@ -219,8 +219,8 @@ void VariationReader::read_values(const YamlNode& node, const char* label, Varia
 
 /// False if the distribution isn't stated, or twice.
 bool VariationReader::read_distribution(const YamlNode& node, const Keys& keys, Variation& variation) {
-  const auto count = std::count_if(std::begin(distribution_keys), std::end(distribution_keys),
-                                   [&](std::string_view key) { return keys.find(key) != nullptr; });
+  const auto count =
+      std::ranges::count_if(distribution_keys, [&](std::string_view key) { return keys.find(key) != nullptr; });
   if (count != 1) {
     findings_.error(node, fmt::format("'{}' has {} distributions", variation.name, count),
                     "expected one of uniform, log_uniform, normal, choice, grid, file, linked");
@@ -364,7 +364,7 @@ bool VariationReader::take_number(const YamlNode& path, Variation& variation) {
   std::string_view unit;
   const bool is_number = leading_number(variation.nominal, unit).has_value();
   const auto all_numbers = [&] {
-    return std::all_of(variation.values.begin(), variation.values.end(), [](const std::string& value) {
+    return std::ranges::all_of(variation.values, [](const std::string& value) {
       std::string_view rest;
       return leading_number(value, rest) && rest.empty();
     });
@@ -388,10 +388,9 @@ std::optional<Variation> VariationReader::read(const NamedEntry& entry) {
   variation.name = entry.name;
   variation.place = {scenario_.file, entry.key->line, entry.key->column};
   constexpr std::string_view reserved[] = {"tick", "time", "differs", "case", "verdict", "again"};
-  const bool is_word = std::all_of(variation.name.begin(), variation.name.end(), is_word_letter) &&
+  const bool is_word = std::ranges::all_of(variation.name, is_word_letter) &&
                        std::isalpha(static_cast<unsigned char>(variation.name[0])) != 0;
-  if (variation.name.empty() || !is_word ||
-      std::find(std::begin(reserved), std::end(reserved), variation.name) != std::end(reserved)) {
+  if (variation.name.empty() || !is_word || std::ranges::find(reserved, variation.name) != std::end(reserved)) {
     findings_.error(*entry.key, fmt::format("a parameter is named '{}'", shortened(variation.name)),
                     "expected a word of letters, digits and '_', none of tick, time, differs, case, verdict, again");
     return std::nullopt;
@@ -410,7 +409,7 @@ std::optional<Variation> VariationReader::read(const NamedEntry& entry) {
 
 /// The text for a value that isn't in quotes or in an option string.
 std::string yaml_scalar(const std::string& value) {
-  const bool is_plain = !value.empty() && std::all_of(value.begin(), value.end(), [](char c) {
+  const bool is_plain = !value.empty() && std::ranges::all_of(value, [](char c) {
     return is_word_letter(c) || plain_letters.find(c) != std::string_view::npos;
   });
   return is_plain ? value : '"' + value + '"';
@@ -448,9 +447,8 @@ namespace {
 
 /// Puts a value into the place of a variation in the text.
 Result<void> put_value(const Variation& variation, const std::string& value, std::string& text) {
-  const bool can_be_written = std::none_of(value.begin(), value.end(), [](char c) {
-    return static_cast<unsigned char>(c) < 0x20 || c == '"' || c == '\'' || c == '\\';
-  });
+  const bool can_be_written = std::ranges::none_of(
+      value, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == '"' || c == '\'' || c == '\\'; });
   if (!can_be_written)
     return at(variation.place,
               error(fmt::format("'{}' has a value with quotes, backslashes or control characters", variation.name)));
@@ -467,12 +465,12 @@ Result<std::string> Scenario::varied_text(const std::vector<std::string>& values
   REHEARSE_ASSERT(values.size() == variations.size(), "a value for each variation");
   std::vector<std::size_t> order(variations.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return variations[a].begin > variations[b].begin; });
+  std::ranges::stable_sort(order,
+                           [&](std::size_t a, std::size_t b) { return variations[a].begin > variations[b].begin; });
   std::string varied = text;
   for (const std::size_t i : order) {  // from the end on, so that the other places stay
     if (values[i].empty() || values[i] == variations[i].nominal) continue;
-    if (auto put = put_value(variations[i], values[i], varied); !put) return put.errors();
+    REHEARSE_TRY(put_value(variations[i], values[i], varied));
   }
   return varied;
 }
@@ -488,32 +486,30 @@ std::optional<Variation> place_of(Findings& findings, const YamlNode& root, cons
 
 Result<std::string> text_with(const std::string& text, const std::string& file, const std::string& path,
                               const std::string& value) {
-  const auto root = parse_yaml(text, file);
-  if (!root) return root.errors();
+  const auto root = REHEARSE_TRY(parse_yaml(text, file));
   Findings findings(file);
   Scenario scenario;
   scenario.file = file;
   scenario.text = text;
-  const auto place = place_of(findings, **root, scenario, path);
+  const auto place = place_of(findings, *root, scenario, path);
   if (!place) return findings.errors();
   std::string changed = text;
-  if (auto put = put_value(*place, value, changed); !put) return put.errors();
+  REHEARSE_TRY(put_value(*place, value, changed));
   return changed;
 }
 
 Result<std::string> text_without(const std::string& text, const std::string& file, const std::string& key) {
-  const auto root = parse_yaml(text, file);
-  if (!root) return root.errors();
+  const auto root = REHEARSE_TRY(parse_yaml(text, file));
   const auto begin_of = [&](int line) {
     std::size_t at = 0;
     for (int i = 1; i < line && at != std::string::npos; ++i) at = text.find('\n', at) + 1;
     return at;
   };
-  for (std::size_t i = 0; i < (*root)->keys.size(); ++i) {
-    if ((*root)->keys[i]->text != key) continue;
-    const std::size_t begin = begin_of((*root)->keys[i]->line);
-    const bool is_last = i + 1 == (*root)->keys.size();
-    return text.substr(0, begin) + (is_last ? "" : text.substr(begin_of((*root)->keys[i + 1]->line)));
+  for (std::size_t i = 0; i < root->keys.size(); ++i) {
+    if (root->keys[i]->text != key) continue;
+    const std::size_t begin = begin_of(root->keys[i]->line);
+    const bool is_last = i + 1 == root->keys.size();
+    return text.substr(0, begin) + (is_last ? "" : text.substr(begin_of(root->keys[i + 1]->line)));
   }
   return text;
 }

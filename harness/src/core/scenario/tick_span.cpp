@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "model/text.h"
+#include "base/text.h"
 
 namespace rehearse {
 namespace {

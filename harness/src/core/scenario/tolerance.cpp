@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "base/glob.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/glob.h"
 
 namespace rehearse {
 

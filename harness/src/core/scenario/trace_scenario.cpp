@@ -50,9 +50,8 @@ Result<Scenario> scenario_of(const mcap::Reader& trace) {
   scenario->duration = run.duration.value_or(scenario->duration);
   if (run.branch) {
     for (const std::string& text : run.branch->push) {
-      const auto push = parse_push(text, *scenario);
-      if (!push) return push.errors();
-      scenario->pushes.push_back(*push);
+      const auto push = REHEARSE_TRY(parse_push(text, *scenario));
+      scenario->pushes.push_back(push);
     }
   }
   return scenario;
@@ -65,9 +64,8 @@ std::filesystem::path folder_of(const Scenario& scenario) {
 }
 
 Result<Scenario> recorded_scenario(const Trace& trace) {
-  const auto reader = mcap::Reader::open(trace.file());
-  if (!reader) return reader.errors();
-  return scenario_of(**reader);
+  const auto reader = REHEARSE_TRY(mcap::Reader::open(trace.file()));
+  return scenario_of(*reader);
 }
 
 }  // namespace rehearse

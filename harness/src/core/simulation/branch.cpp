@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/clock.h"
+#include "base/text.h"
 #include "branch_source.h"
 #include "closed_loop.h"
 #include "core/guard/float_mode.h"
@@ -22,8 +24,6 @@
 #include "core/scenario/branch_origin.h"
 #include "core/trace/run_facts.h"
 #include "led_world.h"
-#include "model/clock.h"
-#include "model/text.h"
 #include "recorded_checkpoints.h"
 
 namespace rehearse {
@@ -68,9 +68,8 @@ class Branch {
 };
 
 Result<void> Branch::open() {
-  auto source = BranchSource::open(from_.trace, options_.scenario);
-  if (!source) return source.errors();
-  source_.emplace(*std::move(source));
+  auto source = REHEARSE_TRY(BranchSource::open(from_.trace, options_.scenario));
+  source_.emplace(std::move(source));
   scenario_ = &source_->scenario;
   return {};
 }
@@ -126,9 +125,8 @@ Result<void> Branch::add_pushes() {
 
 Result<void> Branch::choose_checkpoint() {
   checkpoints_.emplace(checkpoints_before(source_->recording, *scenario_, origin_.tick));
-  const auto objection = checkpoints_->objection();
-  if (!objection) return objection.errors();
-  checkpoint_ = objection->empty() ? latest_checkpoint(*checkpoints_, *scenario_, origin_.tick) : 0;
+  const auto objection = REHEARSE_TRY(checkpoints_->objection());
+  checkpoint_ = objection.empty() ? latest_checkpoint(*checkpoints_, *scenario_, origin_.tick) : 0;
   origin_.checkpoint = checkpoint_ > 0 ? fmt::format("tick {}", checkpoint_) : "none, from the start";
   summary_.world = checkpoint_ > 0
                        ? fmt::format(
@@ -136,7 +134,7 @@ Result<void> Branch::choose_checkpoint() {
                              "commands",
                              checkpoint_, origin_.tick)
                        : fmt::format("the world was led from the start to tick {} by the recorded commands{}",
-                                     origin_.tick, objection->empty() ? "" : ": " + *objection);
+                                     origin_.tick, objection.empty() ? "" : ": " + objection);
   return {};
 }
 
@@ -144,9 +142,8 @@ Result<void> Branch::choose_checkpoint() {
 Result<std::vector<std::string>> Branch::altered_before() const {
   std::vector<std::string> before;
   for (const std::string& text : options_.set) {
-    const auto altered = AlteredInputs::parse({text}, *scenario_);
-    if (!altered) return altered.errors();
-    if (altered->begins() < origin_.tick) before.push_back(text);
+    const auto altered = REHEARSE_TRY(AlteredInputs::parse({text}, *scenario_));
+    if (altered.begins() < origin_.tick) before.push_back(text);
   }
   return before;
 }
@@ -158,18 +155,16 @@ Result<void> Branch::replay_before(const std::vector<std::string>& altered) {
   replaying.on_message = nullptr;  // the lines come again
   replaying.until = origin_.time;
   replaying.set = altered;
-  auto report = replay_recording(*source_->reader, *scenario_, replaying);
-  if (!report) return report.errors();
-  summary_.before = *std::move(report);
+  auto report = REHEARSE_TRY(replay_recording(*source_->reader, *scenario_, replaying));
+  summary_.before = std::move(report);
   if (!summary_.before.failure) return {};
   return error_in(file_, "before the moment, " + summary_.before.failure->message);
 }
 
 Result<void> Branch::create(ClosedLoop& loop) {
-  auto altered = AlteredInputs::parse(options_.set, *scenario_);
-  if (!altered) return altered.errors();
-  loop.altered = *std::move(altered);
-  if (auto created = loop.create(trace_, options_); !created) return created;
+  auto altered = REHEARSE_TRY(AlteredInputs::parse(options_.set, *scenario_));
+  loop.altered = std::move(altered);
+  REHEARSE_TRY(loop.create(trace_, options_));
   origin_.set = options_.set;
   const RunFacts source = RunFacts::of(source_->recording);
   for (const auto& [fact, library] : controller_facts(*loop.host))
@@ -179,21 +174,20 @@ Result<void> Branch::create(ClosedLoop& loop) {
     origin_.acted_until = origin_.tick;
   else if (source_->origin && source_->origin->acted_until)
     origin_.acted_until = std::min(*source_->origin->acted_until, origin_.tick);
-  if (auto done = loop.recorder->add_metadata(records::branch, origin_.metadata()); !done) return done;
+  REHEARSE_TRY(loop.recorder->add_metadata(records::branch, origin_.metadata()));
   for (std::size_t body = 0; body < scenario_->bodies.size(); ++body)
     if (loop.altered.alters_joints(static_cast<int>(body))) loop.recorder->measure_joints(static_cast<int>(body));
   loop.initialize();
-  if (auto read = loop.altered.check_read_by(*loop.host); !read) return read;
+  REHEARSE_TRY(loop.altered.check_read_by(*loop.host));
   loop.start();
   return {};
 }
 
 /// Moves the world to its state at the moment, with all pending captures.
 Result<void> Branch::lead_world(ClosedLoop& loop) {
-  auto led = rehearse::lead_world(*scenario_, source_->recording, *checkpoints_, checkpoint_, origin_.tick, *loop.plant,
-                                  *loop.world, *loop.recorder);
-  if (!led) return led.errors();
-  moved_ = std::move(led->command);
+  auto led = REHEARSE_TRY(rehearse::lead_world(*scenario_, source_->recording, *checkpoints_, checkpoint_, origin_.tick,
+                                               *loop.plant, *loop.world, *loop.recorder));
+  moved_ = std::move(led.command);
   const auto recorded = source_->state_hash(origin_.tick);
   if (!recorded || loop.plant->world().state_hash() == *recorded) return {};
   summary_.run.remarks.push_back(
@@ -226,12 +220,12 @@ Result<void> Branch::repeat_source(ClosedLoop& loop) {
   };
   comparison.take_events();
   loop.run->change(inputs, comparison, origin_.tick);
-  if (auto driven = inputs.drive(*loop.run, take, channels, moment); !driven) return driven;
+  REHEARSE_TRY(inputs.drive(*loop.run, take, channels, moment));
   comparison.end_lines();
-  if (auto judged = comparison.finish(); !judged) return judged;
+  REHEARSE_TRY(comparison.finish());
   if (loop.run->tick() < origin_.tick || !comparison.repeats_all() || !before.equal() || before.words.different > 0)
     return error("the controllers don't repeat the recording");
-  if (auto copied = copy.finish(); !copied) return copied;
+  REHEARSE_TRY(copy.finish());
   summary_.copied_chunks = static_cast<std::int64_t>(copy.chunks());
   return {};
 }
@@ -242,28 +236,26 @@ Result<void> Branch::copy_source(ClosedLoop& loop) {
   CopyingSink copy(*scenario_, *source_->reader, *loop.host, *loop.recorder, loop.altered);
   copy.keep_acted(origin_.acted_until, source_->origin ? source_->origin->acted_until : std::nullopt);
   loop.run->change(inputs, copy, origin_.tick);
-  if (auto done = copy.copy(inputs, *loop.run, origin_.tick); !done) return done;
+  REHEARSE_TRY(copy.copy(inputs, *loop.run, origin_.tick));
   if (loop.host->failure()) return error_in(file_, "before the moment, " + loop.host->failure()->message);
   return {};
 }
 
 Result<BranchSummary> Branch::make() {
-  if (auto opened = open(); !opened) return opened.errors();
+  REHEARSE_TRY(open());
   std::error_code ignored;
   if (fs::equivalent(from_.trace, trace_, ignored))
     return error_in(trace_.string(), "that is the recording to branch from", "name another file for the branch");
-  if (auto found = find_moment(); !found) return found.errors();
-  if (auto set = set_end(); !set) return set.errors();
-  if (auto added = add_pushes(); !added) return added.errors();
-  if (auto chosen = choose_checkpoint(); !chosen) return chosen.errors();
-  auto hash = name_and_hash(from_.trace);
-  if (!hash) return hash.errors();
-  origin_.source = *std::move(hash);
-  const auto altered = altered_before();
-  if (!altered) return altered.errors();
-  if (altered->empty())
+  REHEARSE_TRY(find_moment());
+  REHEARSE_TRY(set_end());
+  REHEARSE_TRY(add_pushes());
+  REHEARSE_TRY(choose_checkpoint());
+  auto hash = REHEARSE_TRY(name_and_hash(from_.trace));
+  origin_.source = std::move(hash);
+  const auto altered = REHEARSE_TRY(altered_before());
+  if (altered.empty())
     if (auto run = go_on_as_recorded()) return *std::move(run);
-  if (auto replayed = replay_before(*altered); !replayed) return replayed.errors();
+  REHEARSE_TRY(replay_before(altered));
 
   auto run = go_on();
   if (run) return run;
@@ -291,14 +283,14 @@ std::optional<BranchSummary> Branch::go_on_as_recorded() {
 /// Runs the branch itself; its source was checked, or is assumed to be repeated.
 Result<BranchSummary> Branch::go_on() {
   ClosedLoop loop(*scenario_);
-  if (auto created = create(loop); !created) return created.errors();
-  if (auto led = lead_world(loop); !led) return led.errors();
-  if (auto copied = repeats_ ? repeat_source(loop) : copy_source(loop); !copied) return copied.errors();
-  auto run = loop.go_on(std::move(moved_), source_->checkpoint_interval(*checkpoints_), options_.progress);
-  if (!run) return run.errors();
-  run->remarks.insert(run->remarks.begin(), summary_.run.remarks.begin(), summary_.run.remarks.end());
-  for (Diagnostic& remark : loop.altered.unused()) run->remarks.push_back(std::move(remark));
-  summary_.run = *std::move(run);
+  REHEARSE_TRY(create(loop));
+  REHEARSE_TRY(lead_world(loop));
+  REHEARSE_TRY(repeats_ ? repeat_source(loop) : copy_source(loop));
+  auto run =
+      REHEARSE_TRY(loop.go_on(std::move(moved_), source_->checkpoint_interval(*checkpoints_), options_.progress));
+  run.remarks.insert(run.remarks.begin(), summary_.run.remarks.begin(), summary_.run.remarks.end());
+  for (Diagnostic& remark : loop.altered.unused()) run.remarks.push_back(std::move(remark));
+  summary_.run = std::move(run);
   summary_.tick = origin_.tick;
   summary_.time = origin_.time;
   return std::move(summary_);

@@ -9,13 +9,13 @@
 #include <span>
 #include <utility>
 
+#include "base/clock.h"
 #include "core/kinds/channel_name.h"
 #include "core/recording/provenance.h"
 #include "core/replay/recording_source.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
 #include "core/trace/trace_windows.h"
-#include "model/clock.h"
 
 namespace rehearse {
 namespace {
@@ -49,22 +49,21 @@ Result<void> take_meshes(BranchSource& source, const std::filesystem::path& scen
                                   "--from-checkpoint TRACE@..."));
     return {};
   }
-  auto loaded = Scenario::load(scenario_file);
-  if (!loaded) return loaded.errors();
+  auto loaded = REHEARSE_TRY(Scenario::load(scenario_file));
   const auto other = [&](const std::string& what) {
     return error_in(scenario_file.string(),
                     fmt::format("{} has changed since {} was recorded", what, source.reader->name()));
   };
-  if (loaded->text != scenario.text) return other("it");
-  for (const ScenarioBody& body : loaded->bodies) {
+  if (loaded.text != scenario.text) return other("it");
+  for (const ScenarioBody& body : loaded.bodies) {
     if (body.model_file.empty()) continue;
     if (body.model->source_text != text_of(body.model_file)) return other(body.model_file);
     if (mesh_digests(*body.model) != text_of(body.model_file + ".meshes")) return other("a mesh of " + body.model_file);
   }
-  loaded->seed = scenario.seed;
-  loaded->duration = scenario.duration;
-  loaded->pushes = scenario.pushes;
-  scenario = *std::move(loaded);
+  loaded.seed = scenario.seed;
+  loaded.duration = scenario.duration;
+  loaded.pushes = scenario.pushes;
+  scenario = std::move(loaded);
   return {};
 }
 
@@ -82,21 +81,18 @@ Result<void> check_simulated(const BranchSource& source) {
 
 Result<BranchSource> BranchSource::open(const std::filesystem::path& file, const std::filesystem::path& scenario_file) {
   BranchSource source;
-  auto reader = mcap::Reader::open(file);
-  if (!reader) return reader.errors();
-  source.reader = std::move(*reader);
-  auto scenario = scenario_of(*source.reader);
-  if (!scenario) return scenario.errors();
-  source.scenario = *std::move(scenario);
-  if (auto taken = take_meshes(source, scenario_file); !taken) return taken.errors();
-  auto recording = load_without_messages(*source.reader, file);
-  if (!recording) return recording.errors();
-  source.recording = *std::move(recording);
+  auto reader = REHEARSE_TRY(mcap::Reader::open(file));
+  source.reader = std::move(reader);
+  auto scenario = REHEARSE_TRY(scenario_of(*source.reader));
+  source.scenario = std::move(scenario);
+  REHEARSE_TRY(take_meshes(source, scenario_file));
+  auto recording = REHEARSE_TRY(load_without_messages(*source.reader, file));
+  source.recording = std::move(recording);
   source.origin = RunFacts::of(*source.reader).branch;
-  if (auto simulated = check_simulated(source); !simulated) return simulated.errors();
-  const bool has_pictures =
-      std::any_of(source.recording.channels().begin(), source.recording.channels().end(),
-                  [](const TraceChannel& channel) { return channel.type == msg::CompressedImage::type_name; });
+  REHEARSE_TRY(check_simulated(source));
+  const bool has_pictures = std::ranges::any_of(source.recording.channels(), [](const TraceChannel& channel) {
+    return channel.type == msg::CompressedImage::type_name;
+  });
   source.scenario.record_frames = source.scenario.record_frames && has_pictures;
   const TraceChannel* ticks = source.recording.find_channel(run_topics::tick);
   source.whole_ticks = ticks ? static_cast<std::int64_t>(ticks->earlier + ticks->messages()) : 0;

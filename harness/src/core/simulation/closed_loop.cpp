@@ -4,24 +4,21 @@
 
 #include <utility>
 
+#include "base/clock.h"
 #include "core/guard/float_mode.h"
 #include "core/mcap/sink.h"
 #include "core/recording/provenance.h"
-#include "model/clock.h"
 
 namespace rehearse {
 
 Result<void> ClosedLoop::create(const std::filesystem::path& trace, const HostOptions& options) {
-  auto made = Plant::create(scenario);
-  if (!made) return made.errors();
-  plant = std::move(*made);
-  auto hosting = ControllerHost::create(scenario, options);
-  if (!hosting) return hosting.errors();
-  host = std::move(*hosting);
-  auto recording = Recorder::create(
-      trace, scenario, provenance(scenario, host.get(), World::engine_description(), plant->renderer_description()));
-  if (!recording) return recording.errors();
-  recorder = std::move(*recording);
+  auto made = REHEARSE_TRY(Plant::create(scenario));
+  plant = std::move(made);
+  auto hosting = REHEARSE_TRY(ControllerHost::create(scenario, options));
+  host = std::move(hosting);
+  auto recording = REHEARSE_TRY(Recorder::create(
+      trace, scenario, provenance(scenario, host.get(), World::engine_description(), plant->renderer_description())));
+  recorder = std::move(recording);
   descriptor.emplace(recorder->descriptor(), "the recording");
   file = trace;
   world.emplace(scenario, *plant);
@@ -100,8 +97,8 @@ Result<RunSummary> ClosedLoop::finish() {
   summary.failure = failure();
   summary.end = end();
   if (!summary.failure)  // a complete run ends with the state after the last step
-    if (auto done = run->close(); !done) return done.errors();
-  if (auto done = sink->record_events(host->take_events()); !done) return done.errors();
+    REHEARSE_TRY(run->close());
+  REHEARSE_TRY(sink->record_events(host->take_events()));
   if (auto done = close_file(); !done) {
     if (!recorder->is_changed_by_others()) return done.errors();
     summary.trace_changed = true;
@@ -130,9 +127,8 @@ Result<RunSummary> ClosedLoop::go_on(Command led, std::int64_t interval, Run::Pr
   run->change(*world, *sink, scenario.ticks());
   run->report_progress(std::move(progress), scenario.ticks() - run->tick());
   for (;;) {
-    const Result<bool> going_on = step();
-    if (!going_on) return going_on.errors();
-    if (!*going_on) return finish();
+    const bool going_on = REHEARSE_TRY(step());
+    if (!going_on) return finish();
   }
 }
 
@@ -142,10 +138,10 @@ Result<void> ClosedLoop::close_file() {
   outcome.checkpoints = world->checkpoint_verdict();
   descriptor.reset();
   if (const auto files = host->files_read(); !files.empty())
-    if (auto done = recorder->add_metadata(records::files, files); !done) return done;
+    REHEARSE_TRY(recorder->add_metadata(records::files, files));
   for (const auto& [name, text] : host->input_copies())
-    if (auto done = recorder->attach(name, "application/octet-stream", text); !done) return done;
-  if (auto done = recorder->close(outcome); !done) return done;
+    REHEARSE_TRY(recorder->attach(name, "application/octet-stream", text));
+  REHEARSE_TRY(recorder->close(outcome));
   return {};
 }
 

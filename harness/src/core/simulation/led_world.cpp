@@ -66,14 +66,12 @@ std::int64_t latest_checkpoint(const RecordedCheckpoints& checkpoints, const Sce
 Result<LedWorld> lead_world(const Scenario& scenario, const Trace& recording, RecordedCheckpoints& checkpoints,
                             std::int64_t from, std::int64_t moment, Plant& plant, WorldSource& world,
                             Recorder& recorder) {
-  auto commands = RecordedCommands::find(scenario, recording);
-  if (!commands) return commands.errors();
+  auto commands = REHEARSE_TRY(RecordedCommands::find(scenario, recording));
   ContactsSink sink(recorder);
-  Run leading(scenario.time_step, world, *commands, sink, from, moment);
-  const auto restored = begin_at_checkpoint(from, plant, checkpoints, *commands, leading.command);
-  if (!restored) return restored.errors();
-  REHEARSE_ASSERT(*restored, "the checkpoint was chosen from the recorded ones");
-  if (auto led = leading.go(); !led) return led.errors();
+  Run leading(scenario.time_step, world, commands, sink, from, moment);
+  const auto restored = REHEARSE_TRY(begin_at_checkpoint(from, plant, checkpoints, commands, leading.command));
+  REHEARSE_ASSERT(restored, "the checkpoint was chosen from the recorded ones");
+  REHEARSE_TRY(leading.go());
   if (leading.interruption()) return *leading.interruption();
   if (!leading.broke_down()) return LedWorld{std::move(leading.command), sink.state_hash};
   return error_in(recording.file(), fmt::format("led by the recorded commands, the simulation exploded after tick {}",

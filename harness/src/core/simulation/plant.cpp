@@ -1,6 +1,6 @@
 #include "plant.h"
 
-#include "model/clock.h"
+#include "base/clock.h"
 
 #include <algorithm>
 #include <utility>
@@ -19,8 +19,7 @@ std::vector<std::shared_ptr<const Model>> exposed_models(const Scenario& scenari
   std::vector<std::shared_ptr<const Model>> models = models_of(scenario);
   for (std::size_t b = 0; b < models.size(); ++b) {
     const std::vector<ReadingErrors>& errors = scenario.bodies[b].errors.devices;
-    if (std::all_of(errors.begin(), errors.end(), [](const auto& each) { return each.exposure.is_instant(); }))
-      continue;
+    if (std::ranges::all_of(errors, [](const auto& each) { return each.exposure.is_instant(); })) continue;
     Model model = *models[b];
     for (std::size_t i = 0; i < errors.size(); ++i)
       if (auto* camera = std::get_if<Camera>(&model.devices[i].kind)) camera->exposure = errors[i].exposure;
@@ -61,13 +60,11 @@ std::vector<WorldBody> world_bodies(const Scenario& scenario) {
 
 Result<std::unique_ptr<Plant>> Plant::create(const Scenario& scenario, const Scenario* noise_of) {
   std::unique_ptr<Plant> plant(new Plant(scenario, noise_of ? *noise_of : scenario));
-  auto world = World::create(scenario, world_bodies(scenario));
-  if (!world) return world.errors();
-  plant->world_ = std::move(*world);
+  auto world = REHEARSE_TRY(World::create(scenario, world_bodies(scenario)));
+  plant->world_ = std::move(world);
   plant->scanner_ = std::make_unique<Scanner>(*plant->world_, scenario.time_step, models_of(scenario));
-  auto vision = make_vision(scenario);
-  if (!vision) return vision.errors();
-  plant->vision_ = std::move(*vision);
+  auto vision = REHEARSE_TRY(make_vision(scenario));
+  plant->vision_ = std::move(vision);
   return plant;
 }
 
@@ -96,7 +93,7 @@ bool step_world(World& world, const Scenario& scenario, const Command& command) 
 }
 
 void use_up_wrenches(Command& command) {
-  for (BodyCommand& body : command.bodies) std::fill(body.external.begin(), body.external.end(), Wrench{});
+  for (BodyCommand& body : command.bodies) std::ranges::fill(body.external, Wrench{});
 }
 
 bool Plant::step(Command& command) {

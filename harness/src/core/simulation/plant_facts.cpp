@@ -13,9 +13,9 @@
 #include <cpuid.h>
 #endif
 
+#include "base/hashing.h"
 #include "core/host/loaded_libraries.h"
 #include "core/host/virtualised.h"
-#include "core/mcap/hashing.h"
 #include "core/recording/code_hashes.h"
 #include "core/recording/provenance.h"
 #include "core/recording/recorder.h"
@@ -34,10 +34,9 @@ std::string hash_of(const std::string& text) { return hash_text(hash_bytes(text.
 Result<mcap::StringMap> facts_of(std::map<std::string, LoadedLibrary> libraries) {
   // it has no file: the kernel provides it
   std::erase_if(libraries, [](const auto& entry) { return entry.second.file == "linux-vdso.so.1"; });
-  const auto hashes = code_hashes_of(libraries);
-  if (!hashes) return hashes.errors();
+  const auto hashes = REHEARSE_TRY(code_hashes_of(libraries));
   mcap::StringMap facts;
-  for (const auto& [name, hash] : *hashes)
+  for (const auto& [name, hash] : hashes)
     facts.emplace(name.empty() ? "the program " + own_program().filename().string() : "the library " + name, hash);
   return facts;
 }
@@ -113,10 +112,9 @@ std::string environment_of_renderer() {
 }
 
 Result<void> add_scenario(const Scenario& scenario, mcap::StringMap& plant) {
-  const auto text = plant_text(scenario);
-  if (!text) return text.errors();
-  plant["the scenario"] = hash_of(fmt::format("{}{} {} {} {}", *text, scenario.duration, scenario.time_step,
-                                              scenario.seed, scenario.record_frames));
+  const auto text = REHEARSE_TRY(plant_text(scenario));
+  plant["the scenario"] = hash_of(
+      fmt::format("{}{} {} {} {}", text, scenario.duration, scenario.time_step, scenario.seed, scenario.record_frames));
   for (const SourceFile& source : sources_of(scenario))
     if (source.name != "scenario.yaml") plant[source.name] = hash_of(source.text);
   return {};
@@ -135,8 +133,8 @@ Result<mcap::StringMap> describe_plant(const Scenario& scenario) {
   if (!processor) return processor.errors();
   plant["the processor"] = *processor;
   plant["the renderer's environment"] = environment_of_renderer();
-  if (auto added = add_libraries(scenario, plant); !added) return added.errors();
-  if (auto added = add_scenario(scenario, plant); !added) return added.errors();
+  REHEARSE_TRY(add_libraries(scenario, plant));
+  REHEARSE_TRY(add_scenario(scenario, plant));
   return plant;
 }
 

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <optional>
 
+#include "base/clock.h"
 #include "core/compare/scenario_changes.h"
 #include "core/guard/float_mode.h"
 #include "core/recording/provenance.h"
 #include "core/recording/recorder.h"
 #include "core/run/recording_sink.h"
 #include "core/trace/trace_windows.h"
-#include "model/clock.h"
 #include "world_source.h"
 
 namespace rehearse {
@@ -39,16 +39,14 @@ class SetBackWorld final : public WorldSource {
       : WorldSource(scenario, plant), plant_(plant), checkpoints_(checkpoints), options_(options), summary_(summary) {}
 
   Result<bool> advance(TickData& now, Commander& commands) override {
-    if (options_.resync && summary_.from_the_start.empty())
-      if (auto done = set_back(now.tick); !done) return done.errors();
+    if (options_.resync && summary_.from_the_start.empty()) REHEARSE_TRY(set_back(now.tick));
     return WorldSource::advance(now, commands);
   }
 
  private:
   Result<void> set_back(std::int64_t tick) {
-    const auto restored = checkpoints_.restore(tick, plant_.world());
-    if (!restored) return restored.errors();
-    if (!*restored) return {};
+    const auto restored = REHEARSE_TRY(checkpoints_.restore(tick, plant_.world()));
+    if (!restored) return {};
     ++summary_.restored;
     if (options_.nudge) plant_.world().nudge(*options_.nudge + static_cast<std::uint32_t>(tick));
     return {};
@@ -64,7 +62,7 @@ class SetBackWorld final : public WorldSource {
 Result<void> go(Run& run, std::int64_t last, PlantSummary& summary) {
   const std::int64_t from = run.tick();
   if (from > last) return {};
-  if (auto done = run.go(); !done) return done;
+  REHEARSE_TRY(run.go());
   if (run.interruption()) return *run.interruption();
   summary.ticks = run.tick() - from;
   if (!run.broke_down()) return run.close();
@@ -82,38 +80,33 @@ Result<PlantSummary> run_plant(const Scenario& scenario, const Trace& recording,
     return error_in(recording.file(),
                     fmt::format("its time step is {} s, and that of {} is {} s: no tick of it can be repeated",
                                 change->expected, scenario.name, change->actual));
-  auto commands = RecordedCommands::find(scenario, recording);
-  if (!commands) return commands.errors();
-  auto plant = Plant::create(scenario, options.noise_of);
-  if (!plant) return plant.errors();
-  auto recorder = Recorder::create(
-      trace, scenario, provenance(scenario, nullptr, World::engine_description(), (*plant)->renderer_description()));
-  if (!recorder) return recorder.errors();
-  (*recorder)->declare(nullptr);
+  auto commands = REHEARSE_TRY(RecordedCommands::find(scenario, recording));
+  auto plant = REHEARSE_TRY(Plant::create(scenario, options.noise_of));
+  auto recorder = REHEARSE_TRY(Recorder::create(
+      trace, scenario, provenance(scenario, nullptr, World::engine_description(), plant->renderer_description())));
+  recorder->declare(nullptr);
   PlantSummary summary;
   RecordedCheckpoints checkpoints(recording, scenario);
-  auto objection = checkpoints.objection();
-  if (!objection) return objection.errors();
-  summary.from_the_start = *std::move(objection);
+  auto objection = REHEARSE_TRY(checkpoints.objection());
+  summary.from_the_start = std::move(objection);
 
   const std::int64_t end = last_tick_of(recording, scenario.time_step);
   const std::int64_t last = std::min(end, options.until.value_or(end));
-  SetBackWorld world(scenario, **plant, checkpoints, options, summary);
-  RecordingSink sink(**recorder);
+  SetBackWorld world(scenario, *plant, checkpoints, options, summary);
+  RecordingSink sink(*recorder);
   if (options.from > 0) sink.take_contacts_for_known(options.from + 2);
-  Run run(scenario.time_step, world, *commands, sink, options.from, last);
+  Run run(scenario.time_step, world, commands, sink, options.from, last);
   run.report_progress(options.progress, last - options.from);
-  const auto begun = begin_at_checkpoint(options.from, **plant, checkpoints, *commands, run.command);
-  if (!begun) return begun.errors();
-  if (!*begun) return error(fmt::format("the recording has no checkpoint at tick {}", options.from));
+  const auto begun = REHEARSE_TRY(begin_at_checkpoint(options.from, *plant, checkpoints, commands, run.command));
+  if (!begun) return error(fmt::format("the recording has no checkpoint at tick {}", options.from));
   summary.restored = options.from > 0 ? 1 : 0;
-  if (options.from == 0 && options.nudge) (*plant)->world().nudge(*options.nudge);
+  if (options.from == 0 && options.nudge) plant->world().nudge(*options.nudge);
   if (end < 0) return error_in(recording.file(), "it has no ticks: nothing of the run was recorded");
-  if (auto done = go(run, last, summary); !done) return done.errors();
+  REHEARSE_TRY(go(run, last, summary));
 
   RunOutcome outcome{.ticks = summary.ticks, .complete = !summary.failure};
   if (summary.failure) outcome.failure = summary.failure->message;
-  if (auto closed = (*recorder)->close(outcome); !closed) return closed.errors();
+  REHEARSE_TRY(recorder->close(outcome));
   return summary;
 }
 

@@ -11,11 +11,11 @@
 #include <span>
 #include <utility>
 
+#include "base/clock.h"
 #include "checkpoint_trial.h"
 #include "core/recording/recorder.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
-#include "model/clock.h"
 #include "plant.h"
 #include "sensor_errors.h"
 
@@ -34,9 +34,8 @@ RecordedCheckpoints::RecordedCheckpoints(const Trace& recording, const Scenario&
 }
 
 Result<msg::Checkpoint> RecordedCheckpoints::read(std::size_t row) const {
-  const auto payload = (messages_ ? messages_->window() : recording_).payload(*channel_, row);
-  if (!payload) return payload.errors();
-  CdrReader reader(*payload);
+  const auto payload = REHEARSE_TRY((messages_ ? messages_->window() : recording_).payload(*channel_, row));
+  CdrReader reader(payload);
   msg::Checkpoint checkpoint;
   if (msg::decode(reader, checkpoint)) return checkpoint;
   return error_in(recording_.file(),
@@ -48,10 +47,9 @@ Result<std::string> RecordedCheckpoints::objection() const {
   const auto outcome = RunFacts::of(recording_).outcome;
   if (outcome && outcome->checkpoints.value_or(CheckpointTrial::exact) != CheckpointTrial::exact)
     return fmt::format("the recording says that its checkpoints are {}", *outcome->checkpoints);
-  const auto first = read(0);
-  if (!first) return first.errors();
-  if (first->format != checkpoint_format)
-    return fmt::format("its checkpoints are in the form '{}', and this version restores '{}'", first->format,
+  const auto first = REHEARSE_TRY(read(0));
+  if (first.format != checkpoint_format)
+    return fmt::format("its checkpoints are in the form '{}', and this version restores '{}'", first.format,
                        checkpoint_format);
   return std::string();
 }
@@ -68,18 +66,16 @@ bool RecordedCheckpoints::has_its_own_scenario() const {
 }
 
 Result<void> RecordedCheckpoints::make_recorded_world() {
-  const auto recorded = recorded_scenario(recording_);
-  if (!recorded) return recorded.errors();
-  readings_size_ = SensorErrors(*recorded).save().size();
-  std::vector<WorldBody> bodies = world_bodies(*recorded);
+  const auto recorded = REHEARSE_TRY(recorded_scenario(recording_));
+  readings_size_ = SensorErrors(recorded).save().size();
+  std::vector<WorldBody> bodies = world_bodies(recorded);
   for (WorldBody& body : bodies) {  // a recording contains no meshes, and a state no shapes
     Model model = *body.model;
     for (Link& link : model.links) link.collisions.clear();
     body.model = std::make_shared<const Model>(std::move(model));
   }
-  auto world = World::create(*recorded, std::move(bodies));
-  if (!world) return world.errors();
-  recorded_world_ = *std::move(world);
+  auto world = REHEARSE_TRY(World::create(recorded, std::move(bodies)));
+  recorded_world_ = std::move(world);
   return {};
 }
 
@@ -88,15 +84,14 @@ Result<bool> RecordedCheckpoints::restore(std::int64_t tick, World& world, std::
   const std::uint64_t time = nanoseconds_of(tick, scenario_.time_step);
   const auto found = std::lower_bound(channel_->times.begin(), channel_->times.end(), time);
   if (found == channel_->times.end() || *found != time) return false;
-  const auto checkpoint = read(static_cast<std::size_t>(found - channel_->times.begin()));
-  if (!checkpoint) return checkpoint.errors();
+  const auto checkpoint = REHEARSE_TRY(read(static_cast<std::size_t>(found - channel_->times.begin())));
   if (!std::exchange(prepared_, true)) {
     if (has_its_own_scenario())
       readings_size_ = SensorErrors(scenario_).save().size();
     else if (auto made = make_recorded_world(); !made)
       return made.errors();
   }
-  const auto whole = std::as_bytes(std::span(checkpoint->data));
+  const auto whole = std::as_bytes(std::span(checkpoint.data));
   const auto state = whole.first(whole.size() - std::min(whole.size(), readings_size_));
   const auto rest = whole.subspan(state.size());
   if (readings && !recorded_world_) readings->assign(rest.begin(), rest.end());

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <set>
 
+#include "base/clock.h"
 #include "core/trace/run_facts.h"
-#include "model/clock.h"
 
 namespace rehearse {
 namespace {
@@ -175,7 +175,7 @@ Result<void> RecordedCommands::add(const ChannelName& name, int body, const Scen
                              commanded.name));
   };
   if (name.kind == ChannelKind::joints) {
-    if (auto added = add_joints(source); !added) return added;
+    REHEARSE_TRY(add_joints(source));
   } else if (name.kind == ChannelKind::device_state) {
     source.kind = Kind::device;
     source.target = commanded.model->find_device(name.owner);

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "model/clock.h"
+#include "base/clock.h"
 #include "picture/picture.h"
 #include "viewpoint.h"
 
@@ -71,10 +71,9 @@ Result<Image> draw_recorded(const Scenario& scenario, const Trace& recording, st
   const double distance = (view.target - view.eye).norm();
   camera.near_clip = std::min(0.01 * distance, 0.1);
   camera.far_clip = std::max(1000.0, 100.0 * distance);
-  const auto renderer = Renderer::create(scenario.look);
-  if (!renderer) return renderer.errors();
-  for (const PlacedModel& placed : scene) add_to(**renderer, placed);
-  return (*renderer)->draw(camera, look_at(view.eye, view.target), Quality::fine).color;
+  const auto renderer = REHEARSE_TRY(Renderer::create(scenario.look));
+  for (const PlacedModel& placed : scene) add_to(*renderer, placed);
+  return renderer->draw(camera, look_at(view.eye, view.target), Quality::fine).color;
 }
 
 }  // namespace

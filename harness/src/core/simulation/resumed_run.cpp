@@ -20,35 +20,32 @@ namespace {
 /// The latest checkpoint from which the world can be led to the moment; 0: the start.
 Result<std::int64_t> checkpoint_before(std::int64_t moment, const RecordedCheckpoints& checkpoints,
                                        const Scenario& scenario) {
-  const auto objection = checkpoints.objection();
-  if (!objection) return objection.errors();
-  return objection->empty() ? latest_checkpoint(checkpoints, scenario, moment) : 0;
+  const auto objection = REHEARSE_TRY(checkpoints.objection());
+  return objection.empty() ? latest_checkpoint(checkpoints, scenario, moment) : 0;
 }
 
 /// None: the part before the moment can't be taken from the golden as it is.
 Result<std::optional<RunSummary>> resume(const Scenario& scenario, const Trace& golden,
                                          RecordedCheckpoints& checkpoints, std::int64_t checkpoint, std::int64_t moment,
                                          const std::filesystem::path& trace, const RecordOptions& options) {
-  auto reader = mcap::Reader::open(golden.file());
-  if (!reader) return reader.errors();
+  auto reader = REHEARSE_TRY(mcap::Reader::open(golden.file()));
   ClosedLoop loop(scenario);
-  if (auto created = loop.create(trace, options); !created) return created.errors();
+  REHEARSE_TRY(loop.create(trace, options));
   loop.initialize();
   loop.start();
-  if (auto done = loop.sink->record_events(loop.host->take_events()); !done) return done.errors();
-  auto led = lead_world(scenario, golden, checkpoints, checkpoint, moment, *loop.plant, *loop.world, *loop.recorder);
-  if (!led) return led.errors();
-  RecordingSource inputs(scenario, **reader, *loop.host, loop.altered);
-  CopyingSink copy(scenario, **reader, *loop.host, *loop.recorder, loop.altered, &loop.summary.remarks);
+  REHEARSE_TRY(loop.sink->record_events(loop.host->take_events()));
+  auto led = REHEARSE_TRY(
+      lead_world(scenario, golden, checkpoints, checkpoint, moment, *loop.plant, *loop.world, *loop.recorder));
+  RecordingSource inputs(scenario, *reader, *loop.host, loop.altered);
+  CopyingSink copy(scenario, *reader, *loop.host, *loop.recorder, loop.altered, &loop.summary.remarks);
   loop.run->change(inputs, copy, moment);
-  if (auto done = copy.copy(inputs, *loop.run, moment); !done) return done.errors();
-  if (loop.host->failure() || !copy.same_outputs() || inputs.recorded().state_hash != led->hash_before)
+  REHEARSE_TRY(copy.copy(inputs, *loop.run, moment));
+  if (loop.host->failure() || !copy.same_outputs() || inputs.recorded().state_hash != led.hash_before)
     return std::optional<RunSummary>();
 
   const auto interval = std::max<std::int64_t>(1, std::llround(options.checkpoint_period / scenario.time_step));
-  auto summary = loop.go_on(std::move(led->command), interval, options.progress);
-  if (!summary) return summary.errors();
-  return std::optional<RunSummary>(*std::move(summary));
+  auto summary = REHEARSE_TRY(loop.go_on(std::move(led.command), interval, options.progress));
+  return std::optional<RunSummary>(std::move(summary));
 }
 
 /// Events of the world have their order among events of the controllers only in a run that is made.
@@ -65,16 +62,13 @@ Result<ResumedRun> record_from(const Scenario& scenario, const Trace& golden, st
                                const std::filesystem::path& trace, const RecordOptions& options) {
   const StandardFloatMode float_mode;
   RecordedCheckpoints checkpoints = checkpoints_before(golden, scenario, moment);
-  const auto checkpoint = checkpoint_before(moment, checkpoints, scenario);
-  if (!checkpoint) return checkpoint.errors();
-  if (*checkpoint > 0 && options.checkpoint_period > 0.0 && !has_events_of_world(golden)) {
-    auto resumed = resume(scenario, golden, checkpoints, *checkpoint, moment, trace, options);
-    if (!resumed) return resumed.errors();
-    if (*resumed) return ResumedRun{**std::move(resumed), *checkpoint};
+  const auto checkpoint = REHEARSE_TRY(checkpoint_before(moment, checkpoints, scenario));
+  if (checkpoint > 0 && options.checkpoint_period > 0.0 && !has_events_of_world(golden)) {
+    auto resumed = REHEARSE_TRY(resume(scenario, golden, checkpoints, checkpoint, moment, trace, options));
+    if (resumed) return ResumedRun{*std::move(resumed), checkpoint};
   }
-  auto whole = record(scenario, trace, options);
-  if (!whole) return whole.errors();
-  return ResumedRun{*std::move(whole), 0};
+  auto whole = REHEARSE_TRY(record(scenario, trace, options));
+  return ResumedRun{std::move(whole), 0};
 }
 
 }  // namespace rehearse

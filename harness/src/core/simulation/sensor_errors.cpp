@@ -8,8 +8,8 @@
 #include <utility>
 #include <variant>
 
-#include "core/mcap/hashing.h"
-#include "model/chance.h"
+#include "base/chance.h"
+#include "base/hashing.h"
 
 namespace rehearse {
 namespace {

@@ -35,7 +35,7 @@ Result<std::unique_ptr<Session>> Session::create(const Scenario& scenario, const
   const StandardFloatMode float_mode;
   auto loop = std::make_unique<ClosedLoop>(scenario);
   loop->summary.remarks = float_mode.remarks();
-  if (auto created = loop->create(trace, options); !created) return created.errors();
+  REHEARSE_TRY(loop->create(trace, options));
   if (options.nudge) loop->plant->world().nudge(*options.nudge);
   if (options.checkpoint_period > 0.0)
     loop->world->save_checkpoints(
@@ -44,18 +44,16 @@ Result<std::unique_ptr<Session>> Session::create(const Scenario& scenario, const
   loop->initialize();
   loop->plant->obey(-1, loop->run->command);
   loop->start();
-  if (auto done = record_remarks(*loop); !done) return done.errors();
-  if (auto done = loop->sink->record_events(loop->host->take_events()); !done) return done.errors();
+  REHEARSE_TRY(record_remarks(*loop));
+  REHEARSE_TRY(loop->sink->record_events(loop->host->take_events()));
   return std::unique_ptr<Session>(new Session(std::move(loop)));
 }
 
 Result<RunSummary> record(const Scenario& scenario, const std::filesystem::path& trace, const RecordOptions& options) {
-  auto session = Session::create(scenario, trace, options);
-  if (!session) return session.errors();
+  auto session = REHEARSE_TRY(Session::create(scenario, trace, options));
   for (;;) {
-    const Result<bool> going_on = (*session)->step();
-    if (!going_on) return going_on.errors();
-    if (!*going_on) return (*session)->finish();
+    const bool going_on = REHEARSE_TRY(session->step());
+    if (!going_on) return session->finish();
   }
 }
 

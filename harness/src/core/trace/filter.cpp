@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/glob.h"
+#include "base/text.h"
 #include "core/mcap/chunks.h"
 #include "core/mcap/draft.h"
-#include "core/mcap/glob.h"
 #include "core/mcap/reader_impl.h"
 #include "core/mcap/whole_input.h"
-#include "model/text.h"
 #include "run_facts.h"
 
 namespace rehearse::mcap {
@@ -56,8 +56,8 @@ class Filter {
 
 bool Filter::chosen(const Channel& channel) const {
   return selector_.takes_topic(channel.topic) &&
-         std::none_of(options_.exclude.begin(), options_.exclude.end(),
-                      [&](const std::string& pattern) { return matches(pattern, channel.topic); });
+         std::ranges::none_of(options_.exclude,
+                              [&](const std::string& pattern) { return matches(pattern, channel.topic); });
 }
 
 bool Filter::is_taken(const Message& message) const {
@@ -80,26 +80,23 @@ Result<void> Filter::write_extras_before(std::uint64_t offset) {
   const auto& attachments = reader_.attachments();
   for (; next_attachment_ < attachments.size() && attachments[next_attachment_].offset < offset; ++next_attachment_) {
     const std::string& name = attachments[next_attachment_].name;
-    if (std::none_of(options_.attachments.begin(), options_.attachments.end(),
-                     [&](const std::string& pattern) { return matches(pattern, name); }))
+    if (std::ranges::none_of(options_.attachments, [&](const std::string& pattern) { return matches(pattern, name); }))
       continue;
     ++filtered_.attachments;
-    if (auto done = copy(attachments[next_attachment_], writer_); !done) return done;
+    REHEARSE_TRY(copy(attachments[next_attachment_], writer_));
   }
   const auto& metadata = reader_.metadata();
   for (; next_metadata_ < metadata.size() && metadata[next_metadata_].offset < offset; ++next_metadata_) {
     if (!options_.metadata) continue;
     ++filtered_.metadata;
-    if (auto done = writer_.add_metadata(metadata[next_metadata_].name, metadata[next_metadata_].values); !done)
-      return done;
+    REHEARSE_TRY(writer_.add_metadata(metadata[next_metadata_].name, metadata[next_metadata_].values));
   }
   return {};
 }
 
 /// Writes the rate of the state, and the record that names the source.
 Result<void> Filter::write_note() {
-  if (options_.samples)
-    if (auto done = writer_.add_metadata(records::state_rate, options_.samples->metadata()); !done) return done;
+  if (options_.samples) REHEARSE_TRY(writer_.add_metadata(records::state_rate, options_.samples->metadata()));
   if (!options_.cuts() || !options_.metadata) return {};
   StringMap note{{"source", printable(std::filesystem::path(reader_.name()).filename().string(), 200)},
                  {"source_messages", std::to_string(filtered_.messages + filtered_.left_out)}};
@@ -139,9 +136,9 @@ Result<Filtered> Filter::run() {
   if (!read) return with_recover_hint(read.errors());
   if (filtered_.messages == 0)
     if (const auto refused = selector_.refusal_of_empty(reader_)) return *refused;
-  if (auto done = write_extras_before(std::numeric_limits<std::uint64_t>::max()); !done) return done.errors();
-  if (auto done = write_note(); !done) return done.errors();
-  if (auto done = writer_.close(); !done) return done.errors();
+  REHEARSE_TRY(write_extras_before(std::numeric_limits<std::uint64_t>::max()));
+  REHEARSE_TRY(write_note());
+  REHEARSE_TRY(writer_.close());
   return filtered_;
 }
 
@@ -160,8 +157,7 @@ Result<void> check_attachments(const Reader& reader, const FilterOptions& option
   std::vector<std::string> names;
   for (const Attachment& attachment : reader.attachments()) names.push_back(attachment.name);
   for (const std::string& pattern : options.attachments) {
-    if (std::any_of(names.begin(), names.end(), [&](const std::string& name) { return matches(pattern, name); }))
-      continue;
+    if (std::ranges::any_of(names, [&](const std::string& name) { return matches(pattern, name); })) continue;
     return error_in(reader.name(), fmt::format("no attachment matches '{}'", pattern),
                     names.empty() ? "it has no attachments" : "it has " + printable(join(names), 200));
   }
@@ -172,25 +168,21 @@ Result<void> check_attachments(const Reader& reader, const FilterOptions& option
 
 Result<Filtered> filter(const std::filesystem::path& source, const std::filesystem::path& target,
                         const FilterOptions& options) {
-  const auto reader = Reader::open(source);
-  if (!reader) return reader.errors();
-  const FileView& view = (*reader)->impl().file_;
+  const auto reader = REHEARSE_TRY(Reader::open(source));
+  const FileView& view = reader->impl().file_;
   if (view.converted() && !view.converted()->damage.empty()) return view.converted()->damage;
-  if (!(*reader)->damage().empty()) return with_recover_hint((*reader)->damage());
-  auto selector = Selector::of(options.selection, **reader);
-  if (!selector) return selector.errors();
-  if (const auto checked = check_attachments(**reader, options); !checked) return checked.errors();
-  auto draft = Draft::begin(target, std::span(&source, 1));
-  if (!draft) return draft.errors();
+  if (!reader->damage().empty()) return with_recover_hint(reader->damage());
+  auto selector = REHEARSE_TRY(Selector::of(options.selection, *reader));
+  REHEARSE_TRY(check_attachments(*reader, options));
+  auto draft = REHEARSE_TRY(Draft::begin(target, std::span(&source, 1)));
   const ChannelGroups groups = groups_of(view, view.bytes());
-  auto writer = draft->open_writer(form_of(**reader, options));
-  if (!writer) return writer.errors();
-  auto filtered = Filter(view, **reader, **writer, *selector, groups, options).run();
+  auto writer = REHEARSE_TRY(draft.open_writer(form_of(*reader, options)));
+  auto filtered = Filter(view, *reader, *writer, selector, groups, options).run();
   if (!filtered) return filtered;
-  filtered->bytes = draft->size();
-  if (std::string remark = private_remark(groups, (*reader)->name()); !remark.empty())
+  filtered->bytes = draft.size();
+  if (std::string remark = private_remark(groups, reader->name()); !remark.empty())
     filtered->remarks.push_back(std::move(remark));
-  if (auto done = draft->finish(); !done) return done.errors();
+  REHEARSE_TRY(draft.finish());
   return filtered;
 }
 

@@ -10,7 +10,7 @@
 #include <iterator>
 #include <vector>
 
-#include "model/text.h"
+#include "base/text.h"
 
 namespace rehearse {
 

@@ -8,8 +8,8 @@
 #include <chrono>
 #include <limits>
 
-#include "core/mcap/glob.h"
-#include "model/text.h"
+#include "base/glob.h"
+#include "base/text.h"
 #include "run_facts.h"
 
 namespace rehearse::mcap {
@@ -21,7 +21,7 @@ constexpr std::uint64_t wall_clock_begins = 100'000'000 * ns_per_s;  // 1973; no
 constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
 
 bool is_digits(std::string_view text) {
-  return std::all_of(text.begin(), text.end(), [](char c) { return '0' <= c && c <= '9'; });
+  return std::ranges::all_of(text, [](char c) { return '0' <= c && c <= '9'; });
 }
 
 /// A date in UTC as nanoseconds since 1970.
@@ -115,23 +115,23 @@ Result<TickSpan> parse_tick_span(std::string_view text) {
 
 bool Selection::takes_topic(std::string_view topic) const {
   return topics.empty() ||
-         std::any_of(topics.begin(), topics.end(), [&](const std::string& pattern) { return matches(pattern, topic); });
+         std::ranges::any_of(topics, [&](const std::string& pattern) { return matches(pattern, topic); });
 }
 
 Result<Selector> Selector::of(Selection selection, Reader& reader) {
   Selector selector(std::move(selection));
-  if (const auto known = selector.check_topics(reader); !known) return known.errors();
-  if (const auto found = selector.find_span(reader); !found) return found.errors();
+  REHEARSE_TRY(selector.check_topics(reader));
+  REHEARSE_TRY(selector.find_span(reader));
   if (selector.selection_.ticks) {
-    if (const auto found = selector.find_ticks(reader); !found) return found.errors();
+    REHEARSE_TRY(selector.find_ticks(reader));
   }
   return selector;
 }
 
 Result<void> Selector::check_topics(const Reader& reader) const {
   for (const std::string& pattern : selection_.topics) {
-    const bool found = std::any_of(reader.channels().begin(), reader.channels().end(),
-                                   [&](const auto& entry) { return matches(pattern, entry.second.topic); });
+    const bool found =
+        std::ranges::any_of(reader.channels(), [&](const auto& entry) { return matches(pattern, entry.second.topic); });
     if (!found)
       return error_in(reader.name(), fmt::format("no topic matches '{}'", pattern),
                       "rehearse info lists the topics; * stands for any text");
@@ -176,14 +176,12 @@ Result<void> Selector::find_span(Reader& reader) {
   const auto times = log_times(reader);
   if (!times) return {};
   if (selection_.from) {
-    const auto moment = moment_in(*selection_.from, reader);
-    if (!moment) return moment.errors();
-    begin_ = *moment;
+    const auto moment = REHEARSE_TRY(moment_in(*selection_.from, reader));
+    begin_ = moment;
   }
   if (selection_.until) {
-    const auto moment = moment_in(*selection_.until, reader);
-    if (!moment) return moment.errors();
-    end_ = *moment;
+    const auto moment = REHEARSE_TRY(moment_in(*selection_.until, reader));
+    end_ = moment;
   }
   if (begin_ <= times->second && (!end_ || (*end_ > times->first && *end_ > begin_))) return {};
   return mcap::refusal_of_empty(reader);
@@ -234,9 +232,8 @@ Result<std::uint64_t> moment_in(const TimeBound& bound, Reader& reader) {
 }
 
 Result<double> seconds_in(const TimeBound& bound, Reader& reader) {
-  const auto moment = moment_in(bound, reader);
-  if (!moment) return moment.errors();
-  return static_cast<double>(*moment) * 1e-9;
+  const auto moment = REHEARSE_TRY(moment_in(bound, reader));
+  return static_cast<double>(moment) * 1e-9;
 }
 
 std::optional<std::pair<std::uint64_t, std::uint64_t>> log_times(Reader& reader) {

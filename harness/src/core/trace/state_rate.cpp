@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/text.h"
 #include "core/kinds/channel_name.h"
-#include "model/text.h"
 #include "run_facts.h"
 
 namespace rehearse {

@@ -212,9 +212,8 @@ const mcap::StringMap* Trace::find_metadata(std::string_view name) const {
 
 Result<std::vector<std::byte>> Trace::payload(const TraceChannel& channel, std::size_t index) const {
   REHEARSE_ASSERT(index < channel.locations.size(), "the channel keeps locations, and has that many messages");
-  const auto message = reader_->message_at(channel.locations[index]);
-  if (!message) return message.errors();
-  return std::vector<std::byte>(message->data.begin(), message->data.end());
+  const auto message = REHEARSE_TRY(reader_->message_at(channel.locations[index]));
+  return std::vector<std::byte>(message.data.begin(), message.data.end());
 }
 
 const mcap::Schema* Trace::schema_of(const TraceChannel& channel) const {
@@ -234,9 +233,8 @@ Result<std::vector<std::byte>> Trace::rest(const TraceChannel& channel, std::siz
   if (!maker) maker = MessageRest::make(channel.type, channel.encoding, schema_of(channel));
   const TraceRest* rest = channel.rest_of(index);
   REHEARSE_ASSERT(maker != nullptr && rest != nullptr, "only a channel whose schema is known has rests");
-  const auto message = reader_->message_at(rest->location);
-  if (!message) return message.errors();
-  maker->take(message->data, message->log_time);
+  const auto message = REHEARSE_TRY(reader_->message_at(rest->location));
+  maker->take(message.data, message.log_time);
   return maker->bytes_at(channel.times[index]);
 }
 

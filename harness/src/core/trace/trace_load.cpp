@@ -6,8 +6,8 @@
 #include <iterator>
 #include <numeric>
 
+#include "base/hashing.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/hashing.h"
 #include "core/ros2msg/message_format.h"
 #include "core/ros2msg/ros2msg.h"
 #include "message_rest.h"
@@ -174,28 +174,26 @@ TraceChannel messages_at(const TraceChannel& channel, const std::vector<std::siz
 
 /// Sorts the messages of a channel by their times; messages of equal times keep their order.
 void put_in_order(TraceChannel& channel) {
-  if (std::is_sorted(channel.times.begin(), channel.times.end())) return;
+  if (std::ranges::is_sorted(channel.times)) return;
   std::vector<std::size_t> order(channel.messages());
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return channel.times[a] < channel.times[b]; });
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return channel.times[a] < channel.times[b]; });
   channel = messages_at(channel, order);
 }
 
 }  // namespace
 
 Result<void> TraceLoader::open(const mcap::ReaderOptions& options) {
-  auto reader = mcap::Reader::open(file_, options);
-  if (!reader) return reader.errors();
+  auto reader = REHEARSE_TRY(mcap::Reader::open(file_, options));
   trace_.file_ = file_.string();
   trace_.events_ = std::make_shared<std::vector<msg::Event>>();
   trace_.contact_changes_ = std::make_shared<std::vector<msg::ContactChange>>();
-  trace_.reader_ = std::move(*reader);
+  trace_.reader_ = std::move(reader);
   return {};
 }
 
 Result<Trace> TraceLoader::load(const std::function<bool(const mcap::Channel&)>& wanted) {
-  if (auto opened = open({}); !opened) return opened.errors();
+  REHEARSE_TRY(open({}));
   std::vector<std::uint16_t> chosen;
   for (const auto& [id, channel] : trace_.reader_->channels()) {
     const mcap::Schema* schema = trace_.reader_->schema_of(channel);
@@ -229,8 +227,8 @@ Result<Trace> TraceLoader::load(const std::function<bool(const mcap::Channel&)>&
   if (on_piece_)
     trace_.events_.reset();
   else
-    std::stable_sort(trace_.events_->begin(), trace_.events_->end(), earlier);
-  std::stable_sort(trace_.contact_changes_->begin(), trace_.contact_changes_->end(), earlier);
+    std::ranges::stable_sort(*trace_.events_, earlier);
+  std::ranges::stable_sort(*trace_.contact_changes_, earlier);
   return std::move(trace_);
 }
 
@@ -357,7 +355,7 @@ TraceWindows::TraceWindows(const Trace& whole, std::span<const std::size_t> chan
   trace_.contact_changes_ = std::make_shared<std::vector<msg::ContactChange>>();
   for (const auto& [id, channel] : trace_.reader_->channels()) {
     TraceChannel& table = trace_.channels_[sources_.size()];
-    if (std::find(channels.begin(), channels.end(), sources_.size()) != channels.end()) ids.push_back(id);
+    if (std::ranges::find(channels, sources_.size()) != channels.end()) ids.push_back(id);
     by_id_[id] = &sources_.emplace_back(channel, trace_.reader_->schema_of(channel), table.columns);
     by_id_[id]->take_samples(trace_.state_samples_.get());
     if (trace_.keeps_undecoded_) by_id_[id]->keep_undecoded(trace_.reader_->schema_of(channel));
@@ -388,8 +386,8 @@ std::optional<std::uint64_t> TraceWindows::next_time() const {
 Result<void> TraceWindows::verdict() { return messages_->verdict(); }
 
 bool is_without_messages(const Trace& trace) {
-  return std::any_of(trace.channels().begin(), trace.channels().end(),
-                     [](const TraceChannel& table) { return table.earlier > 0 && table.times.empty(); });
+  return std::ranges::any_of(trace.channels(),
+                             [](const TraceChannel& table) { return table.earlier > 0 && table.times.empty(); });
 }
 
 void for_each_window(const Trace& trace, const std::vector<std::size_t>& channels,
@@ -413,9 +411,8 @@ void name_series(std::span<TraceChannel* const> channels, std::map<std::string, 
     const std::string topic = channel.topic.starts_with('/') ? channel.topic.substr(1) : channel.topic;
     // The last prefix is for a topic of two channels.
     for (const std::string& prefix : {series_name(topic, ""), topic + "/", fmt::format("{}#{}/", topic, c)}) {
-      const bool taken = std::any_of(channel.columns.begin(), channel.columns.end(), [&](const TraceColumn& column) {
-        return series.contains(prefix + column.element);
-      });
+      const bool taken = std::ranges::any_of(
+          channel.columns, [&](const TraceColumn& column) { return series.contains(prefix + column.element); });
       if (taken) continue;
       for (std::size_t i = 0; i < channel.columns.size(); ++i) {
         channel.columns[i].series = prefix + channel.columns[i].element;
@@ -427,13 +424,13 @@ void name_series(std::span<TraceChannel* const> channels, std::map<std::string, 
 }
 
 Result<Trace> TraceLoader::outline() {
-  if (auto opened = open({.opening = mcap::Opening::by_summary}); !opened) return opened.errors();
+  REHEARSE_TRY(open({.opening = mcap::Opening::by_summary}));
   assemble();
   return std::move(trace_);
 }
 
 Result<Trace> TraceLoader::sizes() {
-  if (auto opened = open({}); !opened) return opened.errors();
+  REHEARSE_TRY(open({}));
   assemble();
   const auto& statistics = trace_.reader_->statistics();
   REHEARSE_ASSERT(statistics, "a file whose chunks can be copied has statistics");

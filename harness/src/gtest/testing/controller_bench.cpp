@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "base/clock.h"
 #include "core/guard/cost_counter.h"
 #include "core/host/controller_host.h"
 #include "core/kinds/cost_fields.h"
@@ -17,7 +18,6 @@
 #include "core/scenario/body_faults.h"
 #include "core/simulation/sensor_errors.h"
 #include "model/acting_faults.h"
-#include "model/clock.h"
 #include "realtime_assertions.h"
 
 namespace rehearse {

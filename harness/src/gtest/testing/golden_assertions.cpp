@@ -12,12 +12,12 @@
 #include <filesystem>
 #include <vector>
 
+#include "base/glob.h"
 #include "core/check/code_of.h"
 #include "core/check/compared.h"
 #include "core/check/noise_floor.h"
 #include "core/check/unknown_series.h"
 #include "core/golden/run_folder.h"
-#include "core/mcap/glob.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
 #include "test_history.h"
@@ -33,9 +33,8 @@ namespace fs = std::filesystem;
 /// defaults apply.
 Result<Scenario> scenario_in(const Trace& trace) {
   if (!trace.find_attachment("scenario.yaml")) return Scenario();
-  const auto reader = mcap::Reader::open(trace.file());
-  if (!reader) return reader.errors();
-  auto scenario = scenario_of(**reader);
+  const auto reader = REHEARSE_TRY(mcap::Reader::open(trace.file()));
+  auto scenario = scenario_of(*reader);
   if (!scenario) return scenario;
   if (const std::string file = scenario_file_of(trace); !file.empty()) {
     for (Expectation& expectation : scenario->expectations) expectation.place.file = file;
@@ -48,10 +47,9 @@ bool is_at_least_0(double value) { return std::isfinite(value) && value >= 0.0; 
 
 bool has_series(const Trace& trace, const std::string& pattern) {
   const auto& series = trace.series();
-  if (std::any_of(series.begin(), series.end(), [&](const auto& named) { return matches(pattern, named.first); }))
-    return true;
-  return std::any_of(trace.channels().begin(), trace.channels().end(),  // pictures have no series
-                     [&](const TraceChannel& channel) { return matches("/" + pattern, channel.topic); });
+  if (std::ranges::any_of(series, [&](const auto& named) { return matches(pattern, named.first); })) return true;
+  return std::ranges::any_of(trace.channels(),  // pictures have no series
+                             [&](const TraceChannel& channel) { return matches("/" + pattern, channel.topic); });
 }
 
 /// A mistake in the options; empty if there is none.
@@ -97,7 +95,7 @@ std::vector<ToleranceRule> rules_of(const Scenario& scenario, const MatchOptions
 }
 
 bool wants(const MatchOptions& options, Level level) {
-  return std::find(options.levels.begin(), options.levels.end(), level) != options.levels.end();
+  return std::ranges::find(options.levels, level) != options.levels.end();
 }
 
 /// The horizon by the measured noise of a golden, if it was measured.
@@ -133,11 +131,10 @@ Result<CheckReport> check_recording(const Trace& trace, const Scenario& judged_b
 /// The reason why a run of this program must not become a golden: it doesn't repeat itself. Empty if it does.
 Result<std::string> doubt_about(const Trace& trace) {
   if (scenario_file_of(trace).empty()) return std::string();
-  const auto scenario = Scenario::load(scenario_file_of(trace));
-  if (!scenario) return scenario.errors();
-  const auto found = reproduce(*scenario, trace, fs::path(trace.file()).concat(".again"), {}, simulation());
-  if (!found) return found.errors();
-  return found->reproduced() ? std::string() : found->verdict;
+  const auto scenario = REHEARSE_TRY(Scenario::load(scenario_file_of(trace)));
+  const auto found =
+      REHEARSE_TRY(reproduce(scenario, trace, fs::path(trace.file()).concat(".again"), {}, simulation()));
+  return found.reproduced() ? std::string() : found.verdict;
 }
 
 /// The text that `rehearse check` would print.

@@ -7,10 +7,10 @@
 #include <string_view>
 #include <utility>
 
+#include "base/clock.h"
 #include "core/guard/cost_counter.h"
 #include "core/kinds/channel_name.h"
 #include "core/kinds/cost_fields.h"
-#include "model/clock.h"
 
 namespace rehearse::internal {
 namespace {

@@ -44,11 +44,10 @@ Result<RunSummary> own_record(const Scenario& scenario, const fs::path& file, co
 Result<RunSummary> simulate_proved(const Scenario& scenario, const fs::path& golden, const fs::path& file) {
   auto run = own_record(scenario, file);
   if (!run || run->ending()) return run;
-  const auto compared = compare(golden, file, scenario.tolerances, {});
-  if (!compared) return compared.errors();
-  if (compared->equal) return run;
+  const auto compared = REHEARSE_TRY(compare(golden, file, scenario.tolerances, {}));
+  if (compared.equal) return run;
   return error(fmt::format("the proof was wrong: it found no change since {}, but simulated: {}", golden.string(),
-                           verdict(*compared)));
+                           verdict(compared)));
 }
 
 /// Makes a run whose world is proved to make the golden.
@@ -59,14 +58,12 @@ Result<RunSummary> make_known(const Scenario& scenario, const std::string& test,
   auto level = replay_golden(scenario, *golden, with_controllers_of(scenario, {}));
   ReplayReport* const replayed = level ? &level->replay : nullptr;
   if (!replayed || !replayed->repeats_the_run) {
-    auto run = make_run(scenario, *golden, replayed, file, {}, simulation());
-    if (!run) return run.errors();
-    recorded.is_whole = run->from == 0;
-    return std::move(run->summary);
+    auto run = REHEARSE_TRY(make_run(scenario, *golden, replayed, file, {}, simulation()));
+    recorded.is_whole = run.from == 0;
+    return std::move(run.summary);
   }
-  const auto chosen = is_sampled(test, sampled);
-  if (!chosen) return chosen.errors();
-  if (*chosen) return simulate_proved(scenario, recorded.golden, file);
+  const auto chosen = REHEARSE_TRY(is_sampled(test, sampled));
+  if (chosen) return simulate_proved(scenario, recorded.golden, file);
   std::error_code failed;
   fs::copy_file(recorded.golden, file, fs::copy_options::overwrite_existing, failed);
   if (failed)
@@ -99,16 +96,14 @@ fs::path certificates_of(const GoldenStore& store) { return store.where_runs_wai
 
 Result<RunSummary> make_recording(const Scenario& scenario, const std::string& test, const fs::path& file) {
   const GoldenStore store = golden_store();
-  const auto proving = proof_mode();
-  if (!proving) return proving.errors();
-  const auto mode = golden_mode();
-  if (!mode) return mode.errors();
+  const auto proving = REHEARSE_TRY(proof_mode());
+  const auto mode = REHEARSE_TRY(golden_mode());
   Recorded& recorded = recordings()[file.string()];
   recorded = {scenario.file, {}, std::nullopt};
   RecordOptions counting;
   counting.counts_costs = wants_realtime();
   if (counting.counts_costs) return own_record(scenario, file, counting);
-  if (!proving->on || *mode != GoldenMode::check || !store.has(test)) return own_record(scenario, file);
+  if (!proving.on || mode != GoldenMode::check || !store.has(test)) return own_record(scenario, file);
   recorded.golden = store.trace_file(test);
   const auto golden = Trace::outline(recorded.golden);
   if (!golden || !check_version(*golden)) return own_record(scenario, file);  // the comparison reports the error
@@ -117,7 +112,7 @@ Result<RunSummary> make_recording(const Scenario& scenario, const std::string& t
   options.certificates = certificates_of(store);
   recorded.proof.emplace(scenario, *golden, options, simulation());
   if (!recorded.proof->holds()) return own_record(scenario, file);
-  return make_known(scenario, test, file, proving->sampled, recorded);
+  return make_known(scenario, test, file, proving.sampled, recorded);
 }
 
 std::string scenario_file_of(const Trace& trace) {
@@ -133,9 +128,8 @@ bool is_proved(const Trace& trace) {
 Result<void> certify(const Trace& trace, const std::vector<ToleranceRule>& rules) {
   const Recorded* recorded = find(trace);
   if (!recorded || !recorded->proof || recorded->proof->holds() || !recorded->is_whole) return {};
-  const auto compared = compare(recorded->golden, trace.file(), rules, {});
-  if (!compared) return compared.errors();
-  return compared->equal ? recorded->proof->certify() : Result<void>();
+  const auto compared = REHEARSE_TRY(compare(recorded->golden, trace.file(), rules, {}));
+  return compared.equal ? recorded->proof->certify() : Result<void>();
 }
 
 }  // namespace rehearse::internal

@@ -8,8 +8,8 @@
 #include <map>
 #include <string>
 
+#include "base/text.h"
 #include "core/mcap/file_view.h"
-#include "model/text.h"
 #include "sqlite_bag.h"
 #include "standard_types.h"
 
@@ -66,9 +66,9 @@ void compare_topics(const bag::Folder& folder, const CountedLog& found, Diagnost
                               in_quotes(topic.name), in_quotes(there->second.type))));
   }
   for (const auto& [name, topic] : found.topics)
-    if (topic.messages > 0 &&
-        std::none_of(folder.topics.begin(), folder.topics.end(),
-                     [&name = name](const bag::FolderTopic& stated) { return stated.name == name; }))
+    if (topic.messages > 0 && std::ranges::none_of(folder.topics, [&name = name](const bag::FolderTopic& stated) {
+          return stated.name == name;
+        }))
       findings.push_back(finding(folder, Severity::error, 0,
                                  fmt::format("it doesn't state the topic {}, which has {} messages in the files",
                                              in_quotes(name), topic.messages)));
@@ -77,9 +77,8 @@ void compare_topics(const bag::Folder& folder, const CountedLog& found, Diagnost
 }  // namespace
 
 Diagnostics examine_metadata(const bag::Folder& folder, const std::filesystem::path& path) {
-  const auto log = mcap::Reader::open(path);
-  if (!log) return log.errors();
-  const CountedLog found = count(**log);
+  const auto log = REHEARSE_TRY(mcap::Reader::open(path));
+  const CountedLog found = count(*log);
   Diagnostics findings;
   if (folder.messages && static_cast<std::uint64_t>(folder.messages->value) != found.messages)
     findings.push_back(

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "base/text.h"
 #include "core/mcap/container.h"
-#include "model/text.h"
 #include "yaml/yaml_tree.h"
 
 namespace rehearse::bag {
@@ -161,13 +161,11 @@ void FolderReader::read_topics(const YamlNode& bag) {
 Result<Folder> FolderReader::read() {
   std::error_code ignored;
   if (!fs::exists(folder_.metadata, ignored)) return read_without_metadata();
-  const auto text = read_yaml_file(folder_.metadata, "the metadata of a rosbag2 folder");
-  if (!text) return text.errors();
-  const auto root = parse_yaml(*text, folder_.metadata.string());
-  if (!root) return root.errors();
-  const YamlNode* bag = find(root->get(), top_key);
+  const auto text = REHEARSE_TRY(read_yaml_file(folder_.metadata, "the metadata of a rosbag2 folder"));
+  const auto root = REHEARSE_TRY(parse_yaml(text, folder_.metadata.string()));
+  const YamlNode* bag = find(root.get(), top_key);
   if (bag == nullptr || bag->kind != YamlNode::Kind::map)
-    return wrong(**root, fmt::format("it has no map '{}'", top_key), "expected the metadata of a rosbag2 folder");
+    return wrong(*root, fmt::format("it has no map '{}'", top_key), "expected the metadata of a rosbag2 folder");
   number(find(bag, "version"), "version");  // only to report a mistake in it
   read_storage(*bag);
   read_compression(*bag);
@@ -195,8 +193,7 @@ Result<Folder> FolderReader::read_without_metadata() {
                     fmt::format("can't read the trace: it is a directory without {}, and with {} logs of rosbag2",
                                 file_name, parts.empty() ? "no" : "too many"),
                     "name a file in it; or ros2 bag reindex makes this file from the files in the folder");
-  std::stable_sort(parts.begin(), parts.end(),
-                   [](const PartName& a, const PartName& b) { return a.number < b.number; });
+  std::ranges::stable_sort(parts, [](const PartName& a, const PartName& b) { return a.number < b.number; });
   for (std::size_t i = 1; i < parts.size(); ++i)
     if (parts[i].recording != parts[0].recording || parts[i].number == parts[i - 1].number)
       return error_in(

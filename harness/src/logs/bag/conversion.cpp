@@ -16,9 +16,9 @@
 #include <utility>
 
 #include "bag_folder.h"
+#include "base/text.h"
 #include "core/mcap/codec.h"
 #include "core/mcap/container.h"
-#include "model/text.h"
 #include "ros1_bag.h"
 #include "sqlite_bag.h"
 #include "standard_types.h"
@@ -35,7 +35,7 @@ constexpr std::uint64_t largest_ratio = 1000;
 constexpr std::uint64_t always_allowed = std::uint64_t{64} << 20;  // decompressed size that no ratio limits [bytes]
 constexpr std::uint64_t largest_message = std::uint64_t{1} << 30;  // decompressed [bytes]
 
-Diagnostic not_kept(const std::string& name, const mcap::TemporaryFile& file, std::string_view why) {
+Diagnostic not_kept(const std::string& name, const TemporaryFile& file, std::string_view why) {
   return error_in(name, fmt::format("can't convert it to MCAP in {}: {}", file.folder(), why),
                   "TMPDIR is the folder for temporary files");
 }
@@ -199,7 +199,7 @@ class Conversions {
     for (const auto& [made_of, conversion] : kept_)
       if (!key.empty() && made_of == key) return conversion;
     const auto made = std::make_shared<mcap::Converted>();
-    if (const Result<void> done = make(*made); !done) return done.errors();
+    REHEARSE_TRY(make(*made));
     if (!key.empty()) kept_.emplace_back(key, made);
     if (kept_.size() > kept_conversions) kept_.pop_front();
     return mcap::ConvertedPtr(made);
@@ -264,23 +264,19 @@ class DatabaseName {
 
 Result<void> convert_database(mcap::Converted& converted, const std::string& name, const fs::path& file) {
   const DatabaseName named(file);
-  auto log = SqliteBag::open(named.path(), name);
-  if (!log) return log.errors();
-  converted.form = fmt::format("rosbag2 database (SQLite, schema version {})", (*log)->schema_version());
-  auto copy = LogCopy::begin(converted, name, "rosbag2 sqlite3");
-  if (!copy) return copy.errors();
-  if (auto done = (*copy)->add(**log); !done) return done;
-  return (*copy)->finish();
+  auto log = REHEARSE_TRY(SqliteBag::open(named.path(), name));
+  converted.form = fmt::format("rosbag2 database (SQLite, schema version {})", log->schema_version());
+  auto copy = REHEARSE_TRY(LogCopy::begin(converted, name, "rosbag2 sqlite3"));
+  REHEARSE_TRY(copy->add(*log));
+  return copy->finish();
 }
 
 Result<void> convert_ros1(mcap::Converted& converted, const std::string& name, mcap::Bytes bytes) {
-  auto log = Ros1Bag::open(bytes, name);
-  if (!log) return log.errors();
+  auto log = REHEARSE_TRY(Ros1Bag::open(bytes, name));
   converted.form = "bag of ROS 1 (version 2.0)";
-  auto copy = LogCopy::begin(converted, name, "rosbag", "ros1");
-  if (!copy) return copy.errors();
-  if (auto done = (*copy)->add(**log); !done) return done;
-  return (*copy)->finish();
+  auto copy = REHEARSE_TRY(LogCopy::begin(converted, name, "rosbag", "ros1"));
+  REHEARSE_TRY(copy->add(*log));
+  return copy->finish();
 }
 
 /// Decompresses the file into the temporary file of `plain`. A stream that is cut is damage.
@@ -303,7 +299,7 @@ Result<void> decompress(mcap::Converted& plain, const std::string& name, mcap::B
 }
 
 Result<void> convert_compressed(mcap::Converted& converted, const std::string& name, mcap::Bytes bytes) {
-  if (auto done = decompress(converted, name, bytes); !done) return done;
+  REHEARSE_TRY(decompress(converted, name, bytes));
   std::vector<std::byte> start(16);
   start.resize(std::max<ssize_t>(0, ::pread(converted.file->descriptor(), start.data(), start.size(), 0)));
   const mcap::Container inner = mcap::container_of(start);
@@ -316,9 +312,8 @@ Result<void> convert_compressed(mcap::Converted& converted, const std::string& n
     problems.insert(problems.end(), converted.damage.begin(), converted.damage.end());
     return problems;
   }
-  const std::unique_ptr<mcap::TemporaryFile> plain =
-      std::exchange(converted.file, std::make_unique<mcap::TemporaryFile>());
-  if (auto done = convert_database(converted, name, plain->path()); !done) return done;
+  const std::unique_ptr<TemporaryFile> plain = std::exchange(converted.file, std::make_unique<TemporaryFile>());
+  REHEARSE_TRY(convert_database(converted, name, plain->path()));
   converted.form += ", compressed by zstd";
   return {};
 }
@@ -328,22 +323,19 @@ Result<void> join(mcap::Converted& converted, const Folder& folder, const std::s
   converted.form =
       fmt::format("rosbag2 folder{} ({} {} of {})", folder.metadata.empty() ? " without metadata.yaml" : "",
                   folder.files.size(), folder.files.size() == 1 ? "file" : "files", folder.storage);
-  auto copy = LogCopy::begin(converted, name, "rosbag2 " + folder.storage);
-  if (!copy) return copy.errors();
-  if (folder.compressed_messages) (*copy)->decompress_messages();
+  auto copy = REHEARSE_TRY(LogCopy::begin(converted, name, "rosbag2 " + folder.storage));
+  if (folder.compressed_messages) copy->decompress_messages();
   for (const fs::path& file : folder.files) {
     converted.size += size_of_database(file);
     if (folder.storage == "sqlite3" && file.extension() == ".db3") {
-      auto log = SqliteBag::open(file, file.string());
-      if (!log) return log.errors();
-      if (auto done = (*copy)->add(**log); !done) return done;
+      auto log = REHEARSE_TRY(SqliteBag::open(file, file.string()));
+      REHEARSE_TRY(copy->add(*log));
     } else {
-      auto log = mcap::Reader::open(file);
-      if (!log) return log.errors();
-      if (auto done = (*copy)->add(**log); !done) return done;
+      auto log = REHEARSE_TRY(mcap::Reader::open(file));
+      REHEARSE_TRY(copy->add(*log));
     }
   }
-  return (*copy)->finish();
+  return copy->finish();
 }
 
 Result<mcap::ConvertedPtr> convert_folder(const Folder& folder, const std::string& name) {
@@ -365,12 +357,10 @@ class BagReader : public mcap::ContainerReader {
   }
 
   Result<mcap::OpenedFolder> open_folder(const fs::path& path, const std::string& name) const override {
-    const auto folder = read_folder(path);
-    if (!folder) return folder.errors();
-    if (folder->files.size() == 1 && !folder->compressed_messages) return mcap::OpenedFolder{folder->files[0], nullptr};
-    auto converted = convert_folder(*folder, name);
-    if (!converted) return converted.errors();
-    return mcap::OpenedFolder{{}, *std::move(converted)};
+    const auto folder = REHEARSE_TRY(read_folder(path));
+    if (folder.files.size() == 1 && !folder.compressed_messages) return mcap::OpenedFolder{folder.files[0], nullptr};
+    auto converted = REHEARSE_TRY(convert_folder(folder, name));
+    return mcap::OpenedFolder{{}, std::move(converted)};
   }
 };
 

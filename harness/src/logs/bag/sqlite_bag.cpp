@@ -15,7 +15,7 @@
 #include <system_error>
 #include <utility>
 
-#include "model/text.h"
+#include "base/text.h"
 
 namespace rehearse::bag {
 
@@ -222,9 +222,8 @@ Result<void> SqliteBag::Impl::open(const std::filesystem::path& file) {
   std::string opened_name = file.string();
   int mode = SQLITE_OPEN_READONLY;
   if (files_of(file).size() > 1) {
-    const auto copied = copy.make(file, name);
-    if (!copied) return copied.errors();
-    opened_name = copied->string();
+    const auto copied = REHEARSE_TRY(copy.make(file, name));
+    opened_name = copied.string();
     mode = SQLITE_OPEN_READWRITE;
   } else if (is_in_wal_mode(file)) {
     opened_name = immutable_name(file);
@@ -248,7 +247,7 @@ Result<void> SqliteBag::Impl::open(const std::filesystem::path& file) {
   const auto tables = check_tables();  // opens the side files, too
   copy.remove();
   if (!tables) return tables;
-  if (auto done = read_topics(); !done) return done;
+  REHEARSE_TRY(read_topics());
   return read_definitions();
 }
 
@@ -262,10 +261,9 @@ Result<Statement> SqliteBag::Impl::prepare(const std::string& query) const {
 /// The columns of a table; none if there is no such table.
 Result<std::set<std::string>> SqliteBag::Impl::columns_of(const std::string& table) const {
   std::set<std::string> columns;
-  auto statement = prepare(fmt::format("SELECT name FROM pragma_table_info('{}')", table));
-  if (!statement) return statement.errors();
+  auto statement = REHEARSE_TRY(prepare(fmt::format("SELECT name FROM pragma_table_info('{}')", table)));
   int status = SQLITE_ROW;
-  while ((status = sqlite3_step(statement->get())) == SQLITE_ROW) columns.insert(text_at(statement->get(), 0));
+  while ((status = sqlite3_step(statement.get())) == SQLITE_ROW) columns.insert(text_at(statement.get(), 0));
   if (status != SQLITE_DONE) return failed("it can't be read");
   return columns;
 }
@@ -274,12 +272,11 @@ Result<void> SqliteBag::Impl::check_tables() {
   const std::pair<const char*, std::vector<const char*>> needed[] = {
       {"topics", {"id", "name", "type", "serialization_format"}}, {"messages", {"topic_id", "timestamp", "data"}}};
   for (const auto& [table, all] : needed) {
-    const auto columns = columns_of(table);
-    if (!columns) return columns.errors();
-    if (columns->empty())
+    const auto columns = REHEARSE_TRY(columns_of(table));
+    if (columns.empty())
       return wrong(fmt::format("the database has no table '{}'", table), "expected a .db3 file of rosbag2");
     for (const char* column : all)
-      if (!columns->contains(column))
+      if (!columns.contains(column))
         return wrong(fmt::format("the table '{}' has no column '{}'", table, column),
                      "expected a .db3 file of rosbag2");
   }
@@ -295,10 +292,9 @@ Result<void> SqliteBag::Impl::check_tables() {
 
 Result<void> SqliteBag::Impl::read_topics() {
   const char* profiles = schema_version >= 2 ? "offered_qos_profiles" : "''";
-  auto statement =
-      prepare(fmt::format("SELECT id, name, type, serialization_format, {} FROM topics ORDER BY id", profiles));
-  if (!statement) return statement.errors();
-  sqlite3_stmt* row = statement->get();
+  auto statement = REHEARSE_TRY(
+      prepare(fmt::format("SELECT id, name, type, serialization_format, {} FROM topics ORDER BY id", profiles)));
+  sqlite3_stmt* row = statement.get();
   int status = SQLITE_ROW;
   while ((status = sqlite3_step(row)) == SQLITE_ROW) {
     if (topics.size() == most_topics) return wrong(fmt::format("it has more than {} topics", most_topics));
@@ -311,9 +307,9 @@ Result<void> SqliteBag::Impl::read_topics() {
 
 Result<void> SqliteBag::Impl::read_definitions() {
   if (schema_version < 4) return {};
-  auto statement = prepare("SELECT topic_type, encoding, encoded_message_definition FROM message_definitions");
-  if (!statement) return statement.errors();
-  sqlite3_stmt* row = statement->get();
+  auto statement =
+      REHEARSE_TRY(prepare("SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"));
+  sqlite3_stmt* row = statement.get();
   int status = SQLITE_ROW;
   while ((status = sqlite3_step(row)) == SQLITE_ROW)
     definitions.emplace(text_at(row, 0), Definition{text_at(row, 1), text_at(row, 2)});
@@ -340,10 +336,9 @@ std::optional<std::uint64_t> SqliteBag::Impl::count_unread(const std::vector<Unr
 }
 
 Result<void> SqliteBag::for_each_message(const OnMessage& callback) {
-  auto statement =
-      impl_->prepare("SELECT rowid, topic_id, timestamp, data FROM messages WHERE rowid >= ? ORDER BY rowid");
-  if (!statement) return statement.errors();
-  RowCursor cursor(*std::move(statement));
+  auto statement = REHEARSE_TRY(
+      impl_->prepare("SELECT rowid, topic_id, timestamp, data FROM messages WHERE rowid >= ? ORDER BY rowid"));
+  RowCursor cursor(std::move(statement));
   sqlite3_stmt* row = cursor.row();
   std::map<std::string, std::pair<std::uint64_t, std::int64_t>> wrong_rows;  // number and first row, by reason
   std::uint64_t read = 0, left_out = 0;
@@ -390,7 +385,7 @@ Result<void> SqliteBag::for_each_message(const OnMessage& callback) {
       message.time = static_cast<std::uint64_t>(time);
       message.data = {static_cast<const std::byte*>(sqlite3_column_blob(row, 3)),
                       static_cast<std::size_t>(sqlite3_column_bytes(row, 3))};
-      if (auto done = callback(message); !done) return done;
+      REHEARSE_TRY(callback(message));
     }
     if (message.id == no_end) break;
     next = message.id + 1;
@@ -429,7 +424,7 @@ std::vector<std::string> SqliteBag::examine() {
 Result<std::unique_ptr<SqliteBag>> SqliteBag::open(const std::filesystem::path& file, const std::string& name) {
   auto impl = std::make_unique<Impl>();
   impl->name = name;
-  if (auto done = impl->open(file); !done) return done.errors();
+  REHEARSE_TRY(impl->open(file));
   return std::unique_ptr<SqliteBag>(new SqliteBag(std::move(impl)));
 }
 

@@ -212,22 +212,20 @@ void LogMapReader::check_something_is_mapped(const YamlNode& root) {
 
 Result<LogMap> LogMap::parse(std::string text, const std::string& file, const Model& model,
                              const std::vector<LogTopic>& topics) {
-  const Result<YamlNodePtr> root = parse_yaml(text, file);
-  if (!root) return root.errors();
+  const YamlNodePtr root = REHEARSE_TRY(parse_yaml(text, file));
   LogMap map;
   map.file = file;
   map.text = std::move(text);
   Findings findings(file);
-  LogMapReader(findings, model, topics, map).read(**root);
+  LogMapReader(findings, model, topics, map).read(*root);
   if (findings.any_error()) return findings.errors();
   return map;
 }
 
 Result<LogMap> LogMap::load(const std::filesystem::path& file, const Model& model,
                             const std::vector<LogTopic>& topics) {
-  Result<std::string> text = read_yaml_file(file, "a map");
-  if (!text) return text.errors();
-  return parse(std::move(*text), file.string(), model, topics);
+  std::string text = REHEARSE_TRY(read_yaml_file(file, "a map"));
+  return parse(std::move(text), file.string(), model, topics);
 }
 
 }  // namespace rehearse

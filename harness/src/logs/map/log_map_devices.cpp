@@ -1,9 +1,9 @@
 // The sources of a map for devices: inertial sensors, force sensors, cameras and range sensors.
 #include <fmt/format.h>
 
+#include "base/names.h"
 #include "log_map_parts.h"
 #include "map_forms.h"
-#include "model/names.h"
 
 namespace rehearse {
 namespace {

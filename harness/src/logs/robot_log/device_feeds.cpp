@@ -7,10 +7,10 @@
 #include <deque>
 #include <limits>
 
+#include "base/clock.h"
 #include "log_feed.h"
 #include "log_track.h"
 #include "message_reader.h"
-#include "model/clock.h"
 #include "sensor_codecs.h"
 
 namespace rehearse {
@@ -98,8 +98,8 @@ class BulkFeed : public DeviceFeed {
 
   /// Shows the latest message that can be read.
   void look(const LogMoment& moment, Observation& seen) override {
-    const auto later = std::find_if(waiting_.begin(), waiting_.end(),
-                                    [&](const Waiting& message) { return message.time > moment.time; });
+    const auto later =
+        std::ranges::find_if(waiting_, [&](const Waiting& message) { return message.time > moment.time; });
     for (auto newest = later; newest != waiting_.begin();) {
       --newest;
       arrived_ = newest->time;
@@ -170,17 +170,15 @@ class PictureFeed : public BulkFeed {
     if (!raw && !compressed) return misfit(payload);
     measured(raw ? raw->header : compressed->header);
     if (is_depth) {
-      auto depth = depth_of(*raw);
-      if (!depth) return depth.errors();
-      if (auto fits = check_size(depth->width, depth->height); !fits) return fits;
-      const auto shared = std::make_shared<const DepthImage>(*std::move(depth));
+      auto depth = REHEARSE_TRY(depth_of(*raw));
+      REHEARSE_TRY(check_size(depth.width, depth.height));
+      const auto shared = std::make_shared<const DepthImage>(std::move(depth));
       for (const int index : source().devices) freshen(seen, index).depth = shared;
     } else {
-      auto color = raw ? color_of(*raw) : color_of(*compressed);
-      if (!color) return color.errors();
-      if (auto fits = check_size(color->width, color->height); !fits) return fits;
-      if (compressed) color->file = compressed->data;
-      const auto shared = std::make_shared<const Image>(*std::move(color));
+      auto color = REHEARSE_TRY(raw ? color_of(*raw) : color_of(*compressed));
+      REHEARSE_TRY(check_size(color.width, color.height));
+      if (compressed) color.file = compressed->data;
+      const auto shared = std::make_shared<const Image>(std::move(color));
       for (const int index : source().devices) freshen(seen, index).image = shared;
     }
     return {};
@@ -208,9 +206,8 @@ class RangeFeed : public BulkFeed {
     for (const int index : source().devices) {
       const auto& sensor = std::get<RangeSensor>(device(index).kind);
       if (scan) compare_angles(*scan, sensor, device(index).name);
-      auto ranges = scan ? ranges_of(*scan, sensor) : ranges_of(*cloud, sensor);
-      if (!ranges) return ranges.errors();
-      freshen(seen, index).ranges = std::make_shared<const std::vector<float>>(*std::move(ranges));
+      auto ranges = REHEARSE_TRY(scan ? ranges_of(*scan, sensor) : ranges_of(*cloud, sensor));
+      freshen(seen, index).ranges = std::make_shared<const std::vector<float>>(std::move(ranges));
     }
     return {};
   }

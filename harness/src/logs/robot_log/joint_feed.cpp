@@ -46,9 +46,8 @@ class JointFeed : public LogFeed {
   }
 
   Result<void> take(std::int64_t time, mcap::Bytes payload) override {
-    const auto read = reader_.read(payload);
-    if (!read) return read.errors();
-    const JointArrays* state = *read;
+    const auto read = REHEARSE_TRY(reader_.read(payload));
+    const JointArrays* state = read;
     const std::size_t count = state->names().size();
     for (const auto& [what, values] : {std::pair("positions", &state->position()),
                                        {"velocities", &state->velocity()},
@@ -182,8 +181,8 @@ class RootFeed : public LogFeed {
     if (!source_.frame.empty()) {
       const msg::TFMessage* message = transforms_.read(payload);
       if (!message) return misfit(payload);
-      const auto found = std::find_if(message->transforms.begin(), message->transforms.end(),
-                                      [this](const auto& one) { return one.child_frame_id == source_.frame; });
+      const auto found = std::ranges::find_if(message->transforms,
+                                              [this](const auto& one) { return one.child_frame_id == source_.frame; });
       if (found == message->transforms.end()) return {};  // transforms of other frames
       const msg::Vector3& place = found->transform.translation;
       pose = {{place.x, place.y, place.z}, found->transform.rotation};

@@ -10,7 +10,7 @@
 #include <set>
 #include <utility>
 
-#include "model/clock.h"
+#include "base/clock.h"
 
 namespace rehearse {
 namespace {

@@ -10,7 +10,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/mcap/glob.h"
+#include "base/glob.h"
 #include "joint_messages.h"
 #include "number_messages.h"
 
@@ -29,15 +29,13 @@ CommandReader::~CommandReader() = default;
 
 Result<CommandedJoints> CommandReader::read(mcap::Bytes payload) {
   CommandedJoints joints(joints_);
-  const Result<void> done = source_.is_array ? read_array(payload, joints) : read_states(payload, joints);
-  if (!done) return done.errors();
+  REHEARSE_TRY(source_.is_array ? read_array(payload, joints) : read_states(payload, joints));
   return joints;
 }
 
 Result<void> CommandReader::read_states(mcap::Bytes payload, CommandedJoints& joints) {
-  const auto read = readers_->states.read(payload);
-  if (!read) return read.errors();
-  const JointArrays* state = *read;
+  const auto read = REHEARSE_TRY(readers_->states.read(payload));
+  const JointArrays* state = read;
   const std::vector<JointRename>& named = readers_->names.find(state->names());
   for (std::size_t i = 0; i < named.size(); ++i) {
     const JointRename& joint = named[i];
@@ -90,9 +88,8 @@ void keep_largest(CommandedJoints& largest, const CommandedJoints& joints) {
 }
 
 Result<void> LogCommands::take(std::int64_t time, mcap::Bytes payload) {
-  auto joints = reader_.read(payload);
-  if (!joints) return joints.errors();
-  samples_.push_back({time, *std::move(joints)});
+  auto joints = REHEARSE_TRY(reader_.read(payload));
+  samples_.push_back({time, std::move(joints)});
   return {};
 }
 

@@ -12,16 +12,16 @@
 #include <optional>
 #include <utility>
 
+#include "base/clock.h"
+#include "base/hashing.h"
+#include "base/replaceable.h"
 #include "core/guard/float_mode.h"
-#include "core/mcap/hashing.h"
-#include "core/mcap/replaceable.h"
 #include "core/trace/select.h"
 #include "log_causes.h"
 #include "log_memory.h"
 #include "log_replayer.h"
 #include "logs/bag/bag_folder.h"
 #include "logs/bag/sqlite_bag.h"
-#include "model/clock.h"
 
 namespace rehearse {
 namespace {
@@ -38,10 +38,9 @@ std::pair<std::uintmax_t, fs::file_time_type> state_of(const fs::path& file) {
 Result<std::string> hash_of(const fs::path& log) {
   std::vector<fs::path> files = bag::SqliteBag::files_of(log);
   if (const fs::path path = bag::folder_of(log); !path.empty()) {
-    const auto folder = bag::read_folder(path);
-    if (!folder) return folder.errors();
+    const auto folder = REHEARSE_TRY(bag::read_folder(path));
     files.clear();
-    for (const fs::path& file : folder->files)
+    for (const fs::path& file : folder.files)
       for (const fs::path& part : bag::SqliteBag::files_of(file)) files.push_back(part);
   }
   std::vector<char> block(1 << 20);
@@ -244,14 +243,12 @@ Result<LogReplayReport> replay_parts(const ReplayedLog& log, LogMap map, const f
     }
     options.span.end = i < map.restarts.size() ? std::optional<std::int64_t>(time_of(i)) : end;
     if (end && options.span.end) options.span.end = std::min(*options.span.end, *end);
-    if (i > 0)
-      if (auto free = check_replaceable(name_of_part(trace, i), mcap_magic, "trace"); !free) return free.errors();
-    auto part = replay_part(log, map, name_of_part(trace, i), options);
-    if (!part) return part.errors();
+    if (i > 0) REHEARSE_TRY(check_replaceable(name_of_part(trace, i), mcap_magic, "trace"));
+    auto part = REHEARSE_TRY(replay_part(log, map, name_of_part(trace, i), options));
     if (!all)
-      all = *std::move(part);
+      all = std::move(part);
     else
-      all->after_restarts.push_back(*std::move(part));
+      all->after_restarts.push_back(std::move(part));
     if (all->failure || (i > 0 && all->after_restarts.back().failure)) break;
   }
   return *std::move(all);
@@ -267,9 +264,8 @@ Result<LogSpan> span_of(const LogReplayOptions& options, mcap::Reader& log) {
   span.ending = static_cast<std::int64_t>(std::min(times->second, latest));
   for (const auto& [bound, of_end] : {std::pair(options.from, false), std::pair(options.until, true)}) {
     if (!bound) continue;
-    const auto moment = mcap::moment_in(*bound, log);
-    if (!moment) return moment.errors();
-    const auto time = static_cast<std::int64_t>(std::min(*moment, latest));
+    const auto moment = REHEARSE_TRY(mcap::moment_in(*bound, log));
+    const auto time = static_cast<std::int64_t>(std::min(moment, latest));
     if (of_end)
       span.end = time;
     else
@@ -285,28 +281,23 @@ Result<LogSpan> span_of(const LogReplayOptions& options, mcap::Reader& log) {
 
 Result<LogReplayReport> replay_log(const fs::path& log, const fs::path& trace, const LogReplayOptions& stated) {
   const StandardFloatMode float_mode;
-  auto reader = mcap::Reader::open(log);
-  if (!reader) return reader.errors();
-  const std::vector<LogTopic> topics = topics_of(**reader);
+  auto reader = REHEARSE_TRY(mcap::Reader::open(log));
+  const std::vector<LogTopic> topics = topics_of(*reader);
   if (topics.empty()) return error_in(log.string(), "it contains no channel", "expected a ROS 2 bag");
   UrdfOptions urdf;
   urdf.meshes = UrdfOptions::Meshes::skip;  // nothing collides, and nothing is rendered
-  auto model = load_model(stated.model, urdf);
-  if (!model) return model.errors();
-  auto map = LogMap::load(stated.map, *model, topics);
-  if (!map) return map.errors();
+  auto model = REHEARSE_TRY(load_model(stated.model, urdf));
+  auto map = REHEARSE_TRY(LogMap::load(stated.map, model, topics));
   std::error_code ignored;
   if (fs::equivalent(log, trace, ignored))
     return error_in(trace.string(), "that is the log itself", "name another file for the recording");
   LogReplayOptions options = stated;
-  auto span = span_of(stated, **reader);
-  if (!span) return span.errors();
-  options.span = *span;
+  auto span = REHEARSE_TRY(span_of(stated, *reader));
+  options.span = span;
   const auto before = state_of(log);
-  auto hash = hash_of(log);
-  if (!hash) return hash.errors();
-  auto report = replay_parts({**reader, topics, std::make_shared<const Model>(*std::move(model)), *std::move(hash)},
-                             *std::move(map), trace, std::move(options));
+  auto hash = REHEARSE_TRY(hash_of(log));
+  auto report = replay_parts({*reader, topics, std::make_shared<const Model>(std::move(model)), std::move(hash)},
+                             std::move(map), trace, std::move(options));
   if (state_of(log) != before) {
     if (fs::is_regular_file(trace, ignored)) fs::remove(trace, ignored);
     return error_in(log.string(), "it changed while it was read", "replay it when nothing writes it any more");

@@ -9,14 +9,14 @@
 #include <limits>
 #include <utility>
 
+#include "base/clock.h"
+#include "base/hashing.h"
 #include "core/guard/own_process.h"
 #include "core/host/given_state.h"
-#include "core/mcap/hashing.h"
 #include "core/recording/provenance.h"
 #include "log_answers.h"
 #include "log_mistakes.h"
 #include "log_scenario.h"
-#include "model/clock.h"
 #include "topic_watch.h"
 
 namespace rehearse {
@@ -86,10 +86,9 @@ std::int64_t LogReplayer::first_tick_with(std::int64_t message) const {
 Result<void> LogReplayer::make_ticks(std::int64_t start, std::int64_t end) {
   log_ticks_.emplace(start, map_.time_step);
   if (map_.tick) {
-    if (auto fits = check_interval(); !fits) return fits;
-    auto plan = TickPlan::make(map_, sources_, survey_);
-    if (!plan) return plan.errors();
-    plan_.emplace(*std::move(plan));
+    REHEARSE_TRY(check_interval());
+    auto plan = REHEARSE_TRY(TickPlan::make(map_, sources_, survey_));
+    plan_.emplace(std::move(plan));
     log_ticks_ = plan_->ticks(survey_.tick_messages, start);
     if (!keeps_survey_) survey_.tick_messages = {};
     if (log_ticks_->size() == 0)
@@ -129,9 +128,8 @@ std::int64_t LogReplayer::ticks_before(std::int64_t end, double all) const {
 
 /// Fails unless the nominal time step is the interval of the messages: missing messages are found by it.
 Result<void> LogReplayer::check_interval() const {
-  const auto source = std::find_if(sources_.begin(), sources_.end(), [this](const MappedSource& mapped) {
-    return mapped.source->topic == map_.tick->topic;
-  });
+  const auto source = std::ranges::find_if(
+      sources_, [this](const MappedSource& mapped) { return mapped.source->topic == map_.tick->topic; });
   const double interval = seconds_of(survey_.sources[source - sources_.begin()].intervals.median());
   constexpr double allowed = 0.25;
   if (interval == 0.0 || std::abs(interval - map_.time_step) <= allowed * map_.time_step) return {};
@@ -150,14 +148,13 @@ Result<LogReplayReport> LogReplayer::run(const std::vector<LogTopic>& topics, st
   survey_ = known ? known->survey : rehearse::survey(log_, map_, *model_, sources_, *times_);
   append_as_warnings(survey_.damage, report_.remarks);  // the undamaged data is used
   convert_span();
-  if (auto found = find_span(); !found) return found.errors();
+  REHEARSE_TRY(find_span());
   observations_.emplace(map_, *model_, sources_, survey_, *log_ticks_, plan_ ? &*plan_ : nullptr);
-  if (auto made = observations_->make_feeds(topics); !made) return made.errors();
+  REHEARSE_TRY(observations_->make_feeds(topics));
   if (options_.memory) observations_->watch_order(*times_);
-  auto made = in_own_process<Fed>([this] { return feed(); });
-  if (!made) return made.errors();
-  if (options_.commands) *options_.commands = std::move(made->second);
-  return std::move(made->first);
+  auto made = REHEARSE_TRY(in_own_process<Fed>([this] { return feed(); }));
+  if (options_.commands) *options_.commands = std::move(made.second);
+  return std::move(made.first);
 }
 
 Result<LogReplayer::Fed> LogReplayer::feed() {
@@ -166,7 +163,7 @@ Result<LogReplayer::Fed> LogReplayer::feed() {
   if (errors_.empty())
     if (auto done = run_ticks_before(std::numeric_limits<std::int64_t>::max()); !done) errors_ = done.errors();
   if (!errors_.empty()) return errors_;
-  if (auto done = finish(); !done) return done.errors();
+  REHEARSE_TRY(finish());
   return Fed(std::move(report_), options_.commands ? *options_.commands : CommandRecord());
 }
 
@@ -186,13 +183,11 @@ Result<void> LogReplayer::run_ticks_before(std::int64_t time) {
   // Up to the end of the tick whose commands are compared.
   const std::int64_t ahead = map_.commands ? std::max(0, map_.commands->shift) + 1 : 0;
   while (!over_ && log_ticks_->time((run_ ? run_->tick() : 0) + ahead) < time) {
-    if (!run_)
-      if (auto begun = begin(); !begun) return begun;
-    if (auto taken = take_state(); !taken) return taken;
-    const auto going_on = run_->step();
-    if (!going_on) return going_on.errors();
+    if (!run_) REHEARSE_TRY(begin());
+    REHEARSE_TRY(take_state());
+    const auto going_on = REHEARSE_TRY(run_->step());
     over_ =
-        !*going_on || run_->tick() == ticks_ || (options_.most_beyond && report_.ticks_beyond > *options_.most_beyond);
+        !going_on || run_->tick() == ticks_ || (options_.most_beyond && report_.ticks_beyond > *options_.most_beyond);
   }
   return {};
 }
@@ -202,9 +197,8 @@ Result<void> LogReplayer::begin() {
   const BodyObservation& seen = observations_->look_first();
   if (Diagnostics unreadable = observations_->unreadable_sources(); !unreadable.empty()) return unreadable;
   for (Diagnostic& remark : observations_->take_remarks()) report_.remarks.push_back(std::move(remark));
-  auto scenario = make_scenario(seen);
-  if (!scenario) return scenario.errors();
-  scenario_ = *std::move(scenario);
+  auto scenario = REHEARSE_TRY(make_scenario(seen));
+  scenario_ = std::move(scenario);
   first_seen_.joints = seen.joints;
   first_seen_.links = {seen.links[0]};
   observations_->complete_posture(scenario_->bodies[0].joints);
@@ -237,16 +231,15 @@ Result<void> LogReplayer::host_controller() {
     auto comparable = check_commands(*host_, *model_, *map_.commands, *found, report_.remarks);
     if (!comparable) return comparable;
   }
-  if (auto done = state_tolerances(); !done) return done;
-  auto recorder = Recorder::create(trace_, *scenario_, provenance_of_log());
-  if (!recorder) return recorder.errors();
-  recorder_ = std::move(*recorder);
+  REHEARSE_TRY(state_tolerances());
+  auto recorder = REHEARSE_TRY(Recorder::create(trace_, *scenario_, provenance_of_log()));
+  recorder_ = std::move(recorder);
   descriptor_.emplace(recorder_->descriptor(), "the recording");
-  if (auto done = recorder_->attach("map.yaml", "application/yaml", map_.text); !done) return done;
+  REHEARSE_TRY(recorder_->attach("map.yaml", "application/yaml", map_.text));
   recorder_->declare(host_.get());
   host_->start();
   state_places_ = none.asked();
-  if (auto fits = check_state(); !fits) return fits;
+  REHEARSE_TRY(check_state());
   commands_.emplace(*host_, HostedCommands::Written::at_once);
   sink_.emplace(*recorder_, options_, span_.compared_from, map_, *scenario_, *observations_, report_);
   run_.emplace(map_.time_step, *observations_, *commands_, *sink_, 0, ticks_);
@@ -258,10 +251,9 @@ Result<void> LogReplayer::host_controller() {
 /// States the tolerances of the commands, by their ranges in the log, in the scenario of the recording.
 Result<void> LogReplayer::state_tolerances() {
   if (!map_.commands) return {};
-  auto stated = make_scenario(first_seen_, observations_->commands()->tolerances(*host_));
-  if (!stated) return stated.errors();
-  scenario_->tolerances = std::move(stated->tolerances);  // the host keeps a reference to the scenario
-  scenario_->text = std::move(stated->text);
+  auto stated = REHEARSE_TRY(make_scenario(first_seen_, observations_->commands()->tolerances(*host_)));
+  scenario_->tolerances = std::move(stated.tolerances);  // the host keeps a reference to the scenario
+  scenario_->text = std::move(stated.text);
   return {};
 }
 
@@ -305,9 +297,8 @@ Result<void> LogReplayer::start_again(std::map<std::string, double> state) {
   if (host_->failure()) return {};
   commands_.reset();
   host_.reset();
-  auto host = ControllerHost::create(*scenario_, options_);
-  if (!host) return host.errors();
-  host_ = std::move(*host);
+  auto host = REHEARSE_TRY(ControllerHost::create(*scenario_, options_));
+  host_ = std::move(host);
   const GivenState given(std::move(state));
   Observation begin = initial_observation(*scenario_);
   for (std::size_t id = 0; id < begin.bodies[0].joints.size(); ++id)
@@ -389,11 +380,11 @@ Result<void> LogReplayer::finish() {
   report_.failure = run_->interruption() ? run_->interruption() : host_->failure();
   report_.controller_refused = host_->any_refused();
   report_.control_times = host_->control_times();
-  if (auto done = sink_->record_events(host_->take_events()); !done) return done;
+  REHEARSE_TRY(sink_->record_events(host_->take_events()));
   report_topics();
   report_ticks();
   count_without_inputs();
-  if (auto done = close_file(); !done) return done;
+  REHEARSE_TRY(close_file());
   if (report_.has_commands && report_.values == 0 && !report_.failure)
     report_.remarks.push_back(
         at(map_.commands->place,
@@ -429,7 +420,7 @@ Result<void> LogReplayer::close_file() {
   report_.channels = size.channels;
   report_.pictures = size.pictures;
   report_.duration = static_cast<double>(size.ticks) * map_.time_step;
-  if (auto done = recorder_->close(outcome); !done) return done;
+  REHEARSE_TRY(recorder_->close(outcome));
   std::error_code ignored;
   report_.bytes = fs::file_size(trace_, ignored);
   return {};

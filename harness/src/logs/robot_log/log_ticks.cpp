@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "model/clock.h"
+#include "base/clock.h"
 
 namespace rehearse {
 

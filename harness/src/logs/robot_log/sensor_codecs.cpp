@@ -48,14 +48,14 @@ void read_row(const std::uint8_t* bytes, bool swap, std::vector<Number>& row) {
   if (!swap) return;
   for (Number& number : row) {
     auto places = std::bit_cast<std::array<std::uint8_t, sizeof(Number)>>(number);
-    std::reverse(places.begin(), places.end());
+    std::ranges::reverse(places);
     number = std::bit_cast<Number>(places);
   }
 }
 
 template <class Number>
 Result<DepthImage> distances(const msg::Image& message, float meters) {
-  if (auto fits = check_size(message, sizeof(Number)); !fits) return fits.errors();
+  REHEARSE_TRY(check_size(message, sizeof(Number)));
   const bool swap = (message.is_bigendian != 0) != (std::endian::native == std::endian::big);
   DepthImage depth{static_cast<int>(message.width), static_cast<int>(message.height), {}};
   depth.meters.resize(std::size_t{message.width} * message.height);
@@ -137,7 +137,7 @@ bool is_whole(const msg::PointCloud2& cloud) {
 Result<Image> color_of(const msg::Image& message) {
   for (const ColorLayout& layout : color_layouts) {
     if (message.encoding != layout.encoding) continue;
-    if (auto fits = check_size(message, layout.bytes); !fits) return fits.errors();
+    REHEARSE_TRY(check_size(message, layout.bytes));
     Image image{static_cast<int>(message.width), static_cast<int>(message.height), {}};
     image.pixels.resize(std::size_t{message.width} * message.height * 3);
     std::uint8_t* color = image.pixels.data();
@@ -164,7 +164,7 @@ Result<DepthImage> depth_of(const msg::Image& message) {
 }
 
 Result<std::vector<float>> ranges_of(const msg::LaserScan& scan, const RangeSensor& sensor) {
-  if (auto fits = check_count(scan.ranges.size(), sensor, "scan"); !fits) return fits.errors();
+  REHEARSE_TRY(check_count(scan.ranges.size(), sensor, "scan"));
   std::vector<float> ranges = scan.ranges;
   for (float& range : ranges)
     range = distance_of(static_cast<double>(range), static_cast<double>(scan.range_min),
@@ -174,7 +174,7 @@ Result<std::vector<float>> ranges_of(const msg::LaserScan& scan, const RangeSens
 
 Result<std::vector<float>> ranges_of(const msg::PointCloud2& cloud, const RangeSensor& sensor) {
   const std::size_t count = std::size_t{cloud.width} * cloud.height;
-  if (auto fits = check_count(count, sensor, "cloud"); !fits) return fits.errors();
+  REHEARSE_TRY(check_count(count, sensor, "cloud"));
   if (!is_whole(cloud)) return error(fmt::format("a cloud of {} points has {} bytes", count, cloud.data.size()));
   const auto range = PointValues::find(cloud, "range");
   const auto x = PointValues::find(cloud, "x"), y = PointValues::find(cloud, "y"), z = PointValues::find(cloud, "z");

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "model/clock.h"
+#include "base/clock.h"
 
 namespace rehearse {
 

@@ -161,16 +161,15 @@ Result<std::unique_ptr<ChannelTable>> ChannelTable::make(const mcap::Channel& ch
     return error(fmt::format("messages of encoding '{}'{} can't be decoded", channel.message_encoding,
                              schema == nullptr ? " without a schema" : ""));
   }
-  auto series = SeriesTable::make(channel, schema, false);
-  if (!series) return series.errors();
+  auto series = REHEARSE_TRY(SeriesTable::make(channel, schema, false));
   auto parsed = ros2msg::schema_of(channel.message_encoding, *schema, "schema " + schema->name);
-  if (!parsed && *series != nullptr) return std::unique_ptr<ChannelTable>(std::move(*series));
+  if (!parsed && series != nullptr) return std::unique_ptr<ChannelTable>(std::move(series));
   if (!parsed) return parsed.errors();
-  const auto columns = *series == nullptr ? std::nullopt : std::optional<ColumnFields>(schema->name);
+  const auto columns = series == nullptr ? std::nullopt : std::optional<ColumnFields>(schema->name);
   std::unique_ptr<ChannelTable> fields =
       std::make_unique<FieldTable>(std::move(*parsed), describe_channel(channel, schema), columns, bytes);
-  if (*series == nullptr) return fields;
-  return std::unique_ptr<ChannelTable>(std::make_unique<WholeTable>(std::move(*series), std::move(fields)));
+  if (series == nullptr) return fields;
+  return std::unique_ptr<ChannelTable>(std::make_unique<WholeTable>(std::move(series), std::move(fields)));
 }
 
 Result<std::unique_ptr<SeriesTable>> SeriesTable::make(const mcap::Channel& channel, const mcap::Schema* schema,

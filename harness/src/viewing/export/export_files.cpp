@@ -7,7 +7,7 @@
 #include <fstream>
 #include <system_error>
 
-#include "model/write_hint.h"
+#include "base/write_hint.h"
 
 namespace rehearse {
 namespace {
@@ -94,7 +94,7 @@ LineFiles::~LineFiles() {
 
 Result<void> LineFiles::begin(const std::filesystem::path& file, std::string_view line) {
   held_[file].clear();
-  if (const auto written = write(draft_of(file), nullptr, 0, std::ios::trunc); !written) return written;
+  REHEARSE_TRY(write(draft_of(file), nullptr, 0, std::ios::trunc));
   return append(file, line);
 }
 
@@ -105,10 +105,10 @@ Result<void> LineFiles::append(const std::filesystem::path& file, std::string_vi
 }
 
 Result<void> LineFiles::finish() {
-  if (const auto written = flush(); !written) return written;
+  REHEARSE_TRY(flush());
   while (!held_.empty()) {
     const auto done = held_.extract(held_.begin());
-    if (const auto put = put_in_place(done.key()); !put) return put;
+    REHEARSE_TRY(put_in_place(done.key()));
   }
   return {};
 }
@@ -116,7 +116,7 @@ Result<void> LineFiles::finish() {
 Result<void> LineFiles::flush() {
   for (auto& [file, lines] : held_) {
     if (lines.empty()) continue;
-    if (const auto written = write(draft_of(file), lines.data(), lines.size(), std::ios::app); !written) return written;
+    REHEARSE_TRY(write(draft_of(file), lines.data(), lines.size(), std::ios::app));
     lines.clear();
   }
   size_ = 0;

@@ -5,8 +5,8 @@
 #include <optional>
 #include <set>
 
+#include "base/replaceable.h"
 #include "channel_table.h"
-#include "core/mcap/replaceable.h"
 #include "export_files.h"
 #include "export_source.h"
 #include "picture_file.h"
@@ -61,8 +61,7 @@ std::string picture_name(std::int64_t number, std::string_view extension) {
 Result<void> check_album(const Album& album, std::int64_t number) {
   for (const auto& [extension, magic, kind] :
        {std::tuple("png", png_magic, "PNG"), std::tuple("jpg", jpeg_magic, "JPEG")}) {
-    if (auto allowed = check_replaceable(album.folder / picture_name(number, extension), magic, kind); !allowed)
-      return allowed;
+    REHEARSE_TRY(check_replaceable(album.folder / picture_name(number, extension), magic, kind));
   }
   return {};
 }
@@ -71,25 +70,22 @@ Result<void> check_album(const Album& album, std::int64_t number) {
 
 Result<ExportReport> export_frames(const std::filesystem::path& trace, const std::filesystem::path& folder,
                                    const ExportOptions& options) {
-  auto source = ExportSource::open(trace, options);
-  if (!source) return source.errors();
-  source->expect_passes(1);
+  auto source = REHEARSE_TRY(ExportSource::open(trace, options));
+  source.expect_passes(1);
   ExportReport report;
-  const auto channels = picture_channels(*source, report);
+  const auto channels = picture_channels(source, report);
   if (channels.empty()) return error(fmt::format("{}: no selected topic has pictures", trace.string()));
   std::map<std::uint16_t, Album> albums;
   TopicNames names;
   for (const mcap::Channel* channel : channels) {
     const std::string name = names.name_for(channel->topic);
     albums[channel->id] = {{folder / (name + ".csv"), channel->topic, 0, 3, 0}, folder / name};
-    if (const auto allowed = check_replaceable(folder / (name + ".csv"), table_magic, "table of Rehearse"); !allowed)
-      return allowed.errors();
+    REHEARSE_TRY(check_replaceable(folder / (name + ".csv"), table_magic, "table of Rehearse"));
   }
   LineFiles files;
   for (const auto& [id, album] : albums) {
-    if (const auto made = make_folder(album.folder); !made) return made.errors();
-    const auto begun = files.begin(album.topic.file, std::string(table_magic) + ",captured [s],file\n");
-    if (!begun) return begun.errors();
+    REHEARSE_TRY(make_folder(album.folder));
+    REHEARSE_TRY(files.begin(album.topic.file, std::string(table_magic) + ",captured [s],file\n"));
   }
   std::string line;
   const auto put = [&](const mcap::Message& message, const PictureFile& picture) -> Result<void> {
@@ -102,8 +98,8 @@ Result<ExportReport> export_frames(const std::filesystem::path& trace, const std
     line += ',';
     if (!picture.extension.empty()) {
       const std::string name = picture_name(number, picture.extension);
-      if (auto allowed = check_album(album, number); !allowed) return allowed;
-      if (auto written = write_file(album.folder / name, picture.bytes); !written) return written;
+      REHEARSE_TRY(check_album(album, number));
+      REHEARSE_TRY(write_file(album.folder / name, picture.bytes));
       ++album.topic.pictures;
       append_cell(line, (album.folder.filename() / name).string());
     }
@@ -111,20 +107,19 @@ Result<ExportReport> export_frames(const std::filesystem::path& trace, const std
     line += '\n';
     return files.append(album.topic.file, line);
   };
-  if (const auto written = for_each_picture(*source, channels, put); !written) return written.errors();
-  if (const auto finished = files.finish(); !finished) return finished.errors();
+  REHEARSE_TRY(for_each_picture(source, channels, put));
+  REHEARSE_TRY(files.finish());
   for (auto& [id, album] : albums) report.written.push_back(std::move(album.topic));
-  report.damage = source->damage();
+  report.damage = source.damage();
   return report;
 }
 
 Result<ExportReport> export_video(const std::filesystem::path& trace, const std::filesystem::path& file,
                                   const ExportOptions& options) {
-  if (const auto known = VideoEncoder::check_output(file); !known) return known.errors();
-  auto source = ExportSource::open(trace, options);
-  if (!source) return source.errors();
+  REHEARSE_TRY(VideoEncoder::check_output(file));
+  auto source = REHEARSE_TRY(ExportSource::open(trace, options));
   ExportReport report;
-  const auto channels = picture_channels(*source, report);
+  const auto channels = picture_channels(source, report);
   if (channels.size() != 1) {
     std::string found;
     for (const mcap::Channel* channel : channels) found += (found.empty() ? "" : ", ") + channel->topic;
@@ -145,18 +140,17 @@ Result<ExportReport> export_video(const std::filesystem::path& trace, const std:
     ++count;
     return {};
   };
-  if (const auto learned = for_each_picture(*source, channels, learn); !learned) return learned.errors();
+  REHEARSE_TRY(for_each_picture(source, channels, learn));
   if (count == 0) return error(fmt::format("{}: {} has no picture", trace.string(), channels[0]->topic));
   const double rate = last > first ? static_cast<double>(count - 1) * 1e9 / static_cast<double>(last - first) : 1.0;
-  auto encoder = VideoEncoder::begin(file, extension, rate);
-  if (!encoder) return encoder.errors();
+  auto encoder = REHEARSE_TRY(VideoEncoder::begin(file, extension, rate));
   const auto put = [&](const mcap::Message&, const PictureFile& picture) -> Result<void> {
-    return picture.extension.empty() ? Result<void>() : (*encoder)->put(picture.bytes);
+    return picture.extension.empty() ? Result<void>() : encoder->put(picture.bytes);
   };
-  if (const auto written = for_each_picture(*source, channels, put); !written) return written.errors();
-  if (const auto ended = (*encoder)->end(); !ended) return ended.errors();
+  REHEARSE_TRY(for_each_picture(source, channels, put));
+  REHEARSE_TRY(encoder->end());
   report.written.push_back({file, channels[0]->topic, 0, 0, count});
-  report.damage = source->damage();
+  report.damage = source.damage();
   return report;
 }
 

@@ -5,11 +5,9 @@
 namespace rehearse {
 
 Result<ExportSource> ExportSource::open(const std::filesystem::path& trace, const ExportOptions& options) {
-  auto reader = mcap::Reader::open(trace);
-  if (!reader) return reader.errors();
-  auto selector = mcap::Selector::of(options.selection, **reader);
-  if (!selector) return selector.errors();
-  return ExportSource(std::move(*reader), std::move(*selector), options);
+  auto reader = REHEARSE_TRY(mcap::Reader::open(trace));
+  auto selector = REHEARSE_TRY(mcap::Selector::of(options.selection, *reader));
+  return ExportSource(std::move(reader), std::move(selector), options);
 }
 
 ExportSource::ExportSource(std::unique_ptr<mcap::Reader> reader, mcap::Selector selector, const ExportOptions& options)

@@ -7,8 +7,8 @@
 #include <optional>
 #include <set>
 
+#include "base/replaceable.h"
 #include "channel_table.h"
-#include "core/mcap/replaceable.h"
 #include "export_files.h"
 #include "export_source.h"
 #include "trace_export.h"
@@ -49,7 +49,7 @@ Result<Outputs> learn_columns(ExportSource& source, bool bytes, ExportReport& re
       report.skipped.push_back({channel->topic, table.errors().front().message});
     }
   }
-  const auto learned = source.pass([&](const mcap::Message& message) -> Result<void> {
+  REHEARSE_TRY(source.pass([&](const mcap::Message& message) -> Result<void> {
     const auto output = outputs.find(message.channel->id);
     if (output == outputs.end()) return {};
     if (output->second.table->read(message.data)) {
@@ -59,8 +59,7 @@ Result<Outputs> learn_columns(ExportSource& source, bool bytes, ExportReport& re
                   fmt::format("the message at {} ns doesn't fit its schema, or has too many values", message.log_time));
     }
     return {};
-  });
-  if (!learned) return learned.errors();
+  }));
   for (auto output = outputs.begin(); output != outputs.end();) {
     if (output->second.topic.rows > 0) {
       ++output;
@@ -119,7 +118,7 @@ Result<JoinedTable> JoinedTable::learn(ExportSource& source, const std::string& 
       joined.parts_.push_back({std::move(*table), 0, is_clock, false});
     }
   }
-  const auto learned = source.pass([&](const mcap::Message& message) -> Result<void> {
+  REHEARSE_TRY(source.pass([&](const mcap::Message& message) -> Result<void> {
     const auto part = joined.by_channel_.find(message.channel->id);
     if (part == joined.by_channel_.end()) return {};
     if (!joined.parts_[part->second].table->read(message.data)) {
@@ -129,8 +128,7 @@ Result<JoinedTable> JoinedTable::learn(ExportSource& source, const std::string& 
       joined.has_rows_ = true;
     }
     return {};
-  });
-  if (!learned) return learned.errors();
+  }));
   std::vector<TraceChannel*> channels;
   for (Part& part : joined.parts_) {
     part.columns = part.table->channel().columns.size();
@@ -166,7 +164,7 @@ void JoinedTable::take(const mcap::Message& message, std::string& line) {
 }
 
 void JoinedTable::end_row(std::string& line) {
-  const bool is_row = std::any_of(parts_.begin(), parts_.end(), [](const Part& p) { return p.is_clock && p.is_there; });
+  const bool is_row = std::ranges::any_of(parts_, [](const Part& p) { return p.is_clock && p.is_there; });
   if (is_row && time_) {
     append_seconds(line, *time_);
     for (const Part& part : parts_) {
@@ -185,62 +183,55 @@ void JoinedTable::end_row(std::string& line) {
 
 Result<ExportReport> export_tables(const std::filesystem::path& trace, const std::filesystem::path& folder,
                                    const ExportOptions& options) {
-  auto source = ExportSource::open(trace, options);
-  if (!source) return source.errors();
+  auto source = REHEARSE_TRY(ExportSource::open(trace, options));
   ExportReport report;
-  auto outputs = learn_columns(*source, options.bytes, report);
-  if (!outputs) return outputs.errors();
+  auto outputs = REHEARSE_TRY(learn_columns(source, options.bytes, report));
   TopicNames names;
-  for (auto& [id, output] : *outputs) {
+  for (auto& [id, output] : outputs) {
     output.topic.file = folder / (names.name_for(output.topic.topic) + ".csv");
     output.topic.columns = 1 + static_cast<std::int64_t>(output.table->columns().size());
-    if (const auto allowed = check_replaceable(output.topic.file, table_magic, "table of Rehearse"); !allowed)
-      return allowed.errors();
+    REHEARSE_TRY(check_replaceable(output.topic.file, table_magic, "table of Rehearse"));
   }
-  if (const auto made = make_folder(folder); !made) return made.errors();
+  REHEARSE_TRY(make_folder(folder));
   LineFiles files;
-  for (const auto& [id, output] : *outputs) {
-    if (const auto begun = files.begin(output.topic.file, heading(output.table->columns())); !begun)
-      return begun.errors();
+  for (const auto& [id, output] : outputs) {
+    REHEARSE_TRY(files.begin(output.topic.file, heading(output.table->columns())));
   }
   std::string line;
-  const auto written = source->pass([&](const mcap::Message& message) -> Result<void> {
-    const auto output = outputs->find(message.channel->id);
-    if (output == outputs->end() || !output->second.table->read(message.data)) return {};
+  REHEARSE_TRY(source.pass([&](const mcap::Message& message) -> Result<void> {
+    const auto output = outputs.find(message.channel->id);
+    if (output == outputs.end() || !output->second.table->read(message.data)) return {};
     line.clear();
     append_seconds(line, message.log_time);
     output->second.table->append_row(line);
     line += '\n';
     return files.append(output->second.topic.file, line);
-  });
-  if (!written) return written.errors();
-  if (const auto finished = files.finish(); !finished) return finished.errors();
-  for (auto& [id, output] : *outputs) {
+  }));
+  REHEARSE_TRY(files.finish());
+  for (auto& [id, output] : outputs) {
     note_left_out(output.topic.topic, *output.table, report);
     report.written.push_back(std::move(output.topic));
   }
-  report.damage = source->damage();
+  report.damage = source.damage();
   return report;
 }
 
 Result<ExportReport> export_joined(const std::filesystem::path& trace, const std::filesystem::path& file,
                                    const ExportOptions& options) {
-  auto source = ExportSource::open(trace, options);
-  if (!source) return source.errors();
-  if (const auto allowed = check_replaceable(file, table_magic, "table of Rehearse"); !allowed) return allowed.errors();
+  auto source = REHEARSE_TRY(ExportSource::open(trace, options));
+  REHEARSE_TRY(check_replaceable(file, table_magic, "table of Rehearse"));
   ExportReport report;
-  auto joined = JoinedTable::learn(*source, options.clock, report);
-  if (!joined) return joined.errors();
-  if (!joined->has_rows() && !options.clock.empty())
+  auto joined = REHEARSE_TRY(JoinedTable::learn(source, options.clock, report));
+  if (!joined.has_rows() && !options.clock.empty())
     return error(fmt::format("{}: no selected message is a series of numbers on '{}', so there are no rows",
                              trace.string(), options.clock),
                  "rehearse info lists the topics");
-  if (!joined->has_rows())
+  if (!joined.has_rows())
     return error(fmt::format("{}: no selected message is a tick, so there are no rows to join by", trace.string()),
                  "select /tick too; of a log without ticks, --clock TOPIC names the topic that makes the rows");
   LineFiles files;
-  if (const auto begun = files.begin(file, joined->heading_line()); !begun) return begun.errors();
-  ExportedTopic all{file, "", 0, joined->columns(), 0};
+  REHEARSE_TRY(files.begin(file, joined.heading_line()));
+  ExportedTopic all{file, "", 0, joined.columns(), 0};
   std::string line;
   const auto put_row = [&]() -> Result<void> {
     if (line.empty()) return {};
@@ -249,17 +240,16 @@ Result<ExportReport> export_joined(const std::filesystem::path& trace, const std
     line.clear();
     return appended;
   };
-  const auto written = source->pass([&](const mcap::Message& message) -> Result<void> {
-    joined->take(message, line);
+  REHEARSE_TRY(source.pass([&](const mcap::Message& message) -> Result<void> {
+    joined.take(message, line);
     return put_row();
-  });
-  if (!written) return written.errors();
-  joined->end_row(line);
-  if (const auto put = put_row(); !put) return put.errors();
-  if (const auto finished = files.finish(); !finished) return finished.errors();
-  joined->note_all_left_out(report);
+  }));
+  joined.end_row(line);
+  REHEARSE_TRY(put_row());
+  REHEARSE_TRY(files.finish());
+  joined.note_all_left_out(report);
   report.written.push_back(std::move(all));
-  report.damage = source->damage();
+  report.damage = source.damage();
   return report;
 }
 

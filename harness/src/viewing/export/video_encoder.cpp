@@ -14,7 +14,7 @@
 #include <system_error>
 #include <vector>
 
-#include "core/mcap/replaceable.h"
+#include "base/replaceable.h"
 #include "export_files.h"
 
 extern char** environ;
@@ -57,7 +57,7 @@ Result<void> VideoEncoder::check_output(const std::filesystem::path& file) {
     return error(fmt::format("'{}' is no kind of video", file.extension().string()),
                  ".mp4, .mkv, .webm, .gif, .apng or .webp");
   }
-  if (const auto plain = check_replaceable(file, "", "video"); !plain) return plain;
+  REHEARSE_TRY(check_replaceable(file, "", "video"));
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored) || std::filesystem::file_size(file, ignored) == 0) return {};
   std::string begin(kind->magic_at + kind->magic.size(), '\0');

@@ -192,10 +192,10 @@ Result<void> ViewerExport::describe_bodies() {
           warning(fmt::format("{} has no description: it is no URDF, and no box, sphere or cylinder", body.name)));
       continue;
     }
-    if (auto done = put_first("/" + body.name + "/robot_description", msg::String{*urdf}); !done) return done;
+    REHEARSE_TRY(put_first("/" + body.name + "/robot_description", msg::String{*urdf}));
     if (any || body.controllers.empty()) continue;
     any = true;
-    if (auto done = put_first("/robot_description", msg::String{*urdf}); !done) return done;
+    REHEARSE_TRY(put_first("/robot_description", msg::String{*urdf}));
   }
   return {};
 }
@@ -283,7 +283,7 @@ Result<void> ViewerExport::copy_messages() {
                                   channel.metadata, channel.topic.ends_with("/image") ? mcap::pictures : mcap::numbers);
   }
   const auto has_type = [&](std::string_view type) {
-    return std::any_of(types.begin(), types.end(), [&](const auto& one) { return one.second == type; });
+    return std::ranges::any_of(types, [&](const auto& one) { return one.second == type; });
   };
   if (has_type(msg::Event::type_name)) rosout_ = add_topic<msg::Log>("/rosout");
   for (const auto& [id, channel] : log_.channels())
@@ -304,14 +304,13 @@ Result<ViewerReport> ViewerExport::run() {
     start_ = message.log_time;
     return false;
   }));
-  for (const mcap::Attachment& attachment : log_.attachments())
-    if (auto done = mcap::copy(attachment, writer_); !done) return done.errors();
+  for (const mcap::Attachment& attachment : log_.attachments()) REHEARSE_TRY(mcap::copy(attachment, writer_));
   for (const mcap::Metadata& metadata : log_.metadata())
-    if (auto done = writer_.add_metadata(metadata.name, metadata.values); !done) return done.errors();
-  if (auto done = describe_bodies(); !done) return done.errors();
-  if (auto done = put_frames(); !done) return done.errors();
-  if (auto done = copy_messages(); !done) return done.errors();
-  if (auto done = writer_.close(); !done) return done.errors();
+    REHEARSE_TRY(writer_.add_metadata(metadata.name, metadata.values));
+  REHEARSE_TRY(describe_bodies());
+  REHEARSE_TRY(put_frames());
+  REHEARSE_TRY(copy_messages());
+  REHEARSE_TRY(writer_.close());
   if (options_.contacts && markers_.empty())
     report_.remarks.push_back(
         warning("there are no markers of contacts: the recording has no contact forces",
@@ -323,19 +322,15 @@ Result<ViewerReport> ViewerExport::run() {
 
 Result<ViewerReport> export_for_viewer(const std::filesystem::path& trace, const std::filesystem::path& file,
                                        const ViewerOptions& options) {
-  const auto log = mcap::Reader::open(trace);
-  if (!log) return log.errors();
-  const auto scenario = scenario_of(**log);
-  if (!scenario) return scenario.errors();
-  auto draft = mcap::Draft::begin(file, std::span(&trace, 1));
-  if (!draft) return draft.errors();
+  const auto log = REHEARSE_TRY(mcap::Reader::open(trace));
+  const auto scenario = REHEARSE_TRY(scenario_of(*log));
+  auto draft = REHEARSE_TRY(mcap::Draft::begin(file, std::span(&trace, 1)));
   mcap::WriterOptions form;
-  form.profile = (*log)->profile();
-  auto writer = draft->open_writer(form);
-  if (!writer) return writer.errors();
-  auto report = ViewerExport(**log, *scenario, **writer, options).run();
+  form.profile = log->profile();
+  auto writer = REHEARSE_TRY(draft.open_writer(form));
+  auto report = ViewerExport(*log, scenario, *writer, options).run();
   if (!report) return report;
-  if (auto done = draft->finish(); !done) return done.errors();
+  REHEARSE_TRY(draft.finish());
   return report;
 }
 

@@ -26,7 +26,7 @@ struct Shown {
   std::vector<std::string> topics;
   Scenario scenario;
 
-  bool has(const std::string& topic) const { return std::find(topics.begin(), topics.end(), topic) != topics.end(); }
+  bool has(const std::string& topic) const { return std::ranges::find(topics, topic) != topics.end(); }
   /// Topics with that end, as /image.
   std::vector<std::string> ending(std::string_view end) const {
     std::vector<std::string> found;
@@ -43,12 +43,10 @@ struct Shown {
 };
 
 Result<Shown> contents_of(const fs::path& trace) {
-  const auto log = mcap::Reader::open(trace);
-  if (!log) return log.errors();
-  auto scenario = scenario_of(**log);
-  if (!scenario) return scenario.errors();
-  Shown shown{{}, *std::move(scenario)};
-  for (const auto& [id, channel] : (*log)->channels()) shown.topics.push_back(channel.topic);
+  const auto log = REHEARSE_TRY(mcap::Reader::open(trace));
+  auto scenario = REHEARSE_TRY(scenario_of(*log));
+  Shown shown{{}, std::move(scenario)};
+  for (const auto& [id, channel] : log->channels()) shown.topics.push_back(channel.topic);
   return shown;
 }
 
@@ -227,20 +225,18 @@ Result<void> write_layout(const fs::path& trace, const fs::path& file) {
   if (form != ".json" && form != ".xml")
     return error_in(file.string(), "the form of a layout follows from the file's name",
                     "expected .json for Foxglove and Lichtblick, .xml for PlotJuggler");
-  const auto shown = contents_of(trace);
-  if (!shown) return shown.errors();
-  return write_text(file, form == ".json" ? layout_json(*shown) : layout_xml(*shown));
+  const auto shown = REHEARSE_TRY(contents_of(trace));
+  return write_text(file, form == ".json" ? layout_json(shown) : layout_xml(shown));
 }
 
 Result<std::vector<fs::path>> export_robot(const fs::path& trace, const fs::path& folder) {
-  const auto log = mcap::Reader::open(trace);
-  if (!log) return log.errors();
-  if (const auto scenario = scenario_of(**log); !scenario) return scenario.errors();
-  if (auto made = make_folder(folder); !made) return made.errors();
+  const auto log = REHEARSE_TRY(mcap::Reader::open(trace));
+  REHEARSE_TRY(scenario_of(*log));
+  REHEARSE_TRY(make_folder(folder));
   std::vector<fs::path> files;
   std::set<std::string> names;
   std::string meshes;
-  for (const mcap::Attachment& attachment : (*log)->attachments()) {
+  for (const mcap::Attachment& attachment : log->attachments()) {
     constexpr std::string_view of_meshes = ".meshes";
     if (attachment.name.ends_with(of_meshes)) {
       meshes += fmt::format("# {}: hash, file\n{}",
@@ -253,11 +249,11 @@ Result<std::vector<fs::path>> export_robot(const fs::path& trace, const fs::path
       name = fmt::format("{}_{}{}", fs::path(attachment.name).stem().string(), i,
                          fs::path(attachment.name).extension().string());
     files.push_back(folder / name);
-    if (auto done = write_text(files.back(), attachment.text()); !done) return done.errors();
+    REHEARSE_TRY(write_text(files.back(), attachment.text()));
   }
   if (meshes.empty()) return files;
   files.push_back(folder / "meshes.txt");
-  if (auto done = write_text(files.back(), meshes); !done) return done.errors();
+  REHEARSE_TRY(write_text(files.back(), meshes));
   return files;
 }
 

@@ -11,10 +11,10 @@
 #include <fstream>
 #include <utility>
 
+#include "base/file_descriptor.h"
+#include "base/text.h"
+#include "base/write_hint.h"
 #include "core/compare/report_json.h"
-#include "model/file_descriptor.h"
-#include "model/text.h"
-#include "model/write_hint.h"
 
 namespace rehearse {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include "core/mcap/replaceable.h"
-#include "model/write_hint.h"
+#include "base/replaceable.h"
+#include "base/write_hint.h"
 #include "viewing/report/html_text.h"
 
 namespace rehearse {
@@ -71,7 +71,7 @@ std::string page_of(const Trends& trends) {
 }  // namespace
 
 Result<void> write_history_page(const Trends& trends, const fs::path& file) {
-  if (auto allowed = check_replaceable(file, page_magic, "history"); !allowed) return allowed;
+  REHEARSE_TRY(check_replaceable(file, page_magic, "history"));
   std::ofstream stream(file, std::ios::binary | std::ios::trunc);
   stream << page_of(trends);
   stream.close();

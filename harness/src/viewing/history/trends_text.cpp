@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/text.h"
 #include "core/compare/report_json.h"
-#include "model/text.h"
 #include "trends.h"
 
 namespace rehearse {

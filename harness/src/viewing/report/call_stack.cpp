@@ -39,9 +39,9 @@ Result<CallStack> call_stack_at(const fs::path& trace, const std::string& contro
   for (const auto& [name, library] : host.libraries) words.push_back(fmt::format("--controller={}={}", name, library));
   for (const std::string& word : {std::string("-batch"), std::string("-ex"), "rehearse-stack " + command})
     words.push_back("--gdb-arg=" + word);
-  const auto output = output_of({std::move(words), environment_with({}), {}, ChildProcess::Errors::discarded}, limit);
-  if (!output) return output.errors();
-  std::istringstream lines(output->text);
+  const auto output =
+      REHEARSE_TRY(output_of({std::move(words), environment_with({}), {}, ChildProcess::Errors::discarded}, limit));
+  std::istringstream lines(output.text);
   for (std::string line; std::getline(lines, line);) {
     if (!line.starts_with("{")) continue;
     const ReportJson read = ReportJson::parse(line, nullptr, false);

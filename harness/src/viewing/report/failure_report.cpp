@@ -64,9 +64,8 @@ Result<std::optional<FailureReport>> write_failure_report(const CheckReport& che
   if (checked.run && trace == actual) options.control_times = checked.run->control_times;
   const std::optional<fs::path> beside = fs::is_regular_file(golden, ignored) ? std::optional(golden) : std::nullopt;
   const fs::path file = fs::path(trace).replace_extension(".html");
-  auto written = write_report(trace, beside, file, options);
-  if (!written) return written.errors();
-  return std::optional(FailureReport{file, *std::move(written)});
+  auto written = REHEARSE_TRY(write_report(trace, beside, file, options));
+  return std::optional(FailureReport{file, std::move(written)});
 }
 
 }  // namespace rehearse

@@ -12,12 +12,12 @@
 #include <utility>
 #include <vector>
 
+#include "base/glob.h"
 #include "core/check/expectation_judge.h"
 #include "core/compare/compared_files.h"
 #include "core/compare/compared_traces.h"
 #include "core/compare/series_rules.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/glob.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
 #include "report_coverage.h"
@@ -129,10 +129,9 @@ Result<void> ReportMaker::judge() {
   CompareOptions how;
   how.until = options_.horizon;
   how.on_difference = [this](const DifferingValue& value) { judged_->take(value); };
-  auto compared =
-      compare_files(golden_->file, actual_.file, rules, how, {}, Trace::usual_piece_size, Trace::Damage::tolerate);
-  if (!compared) return compared.errors();
-  comparison_ = options_.comparison ? *options_.comparison : std::move(compared->comparison);
+  auto compared = REHEARSE_TRY(
+      compare_files(golden_->file, actual_.file, rules, how, {}, Trace::usual_piece_size, Trace::Damage::tolerate));
+  comparison_ = options_.comparison ? *options_.comparison : std::move(compared.comparison);
   judged_->conclude(*comparison_);
   return {};
 }
@@ -196,8 +195,8 @@ void ReportMaker::conclude() {
 
 bool ReportMaker::is_wanted(const TraceChannel& channel) const {
   if (options_.topics.empty()) return true;
-  return std::any_of(options_.topics.begin(), options_.topics.end(),
-                     [&](const std::string& pattern) { return matches(pattern, channel.topic); });
+  return std::ranges::any_of(options_.topics,
+                             [&](const std::string& pattern) { return matches(pattern, channel.topic); });
 }
 
 /// The channels of both runs with the same topic, in the order of the run; then those of the golden alone.
@@ -232,7 +231,7 @@ void ReportMaker::find_focus() {
       for (const auto* place : {&channel.first, &channel.first_bit, &channel.worst}) mark(*place);
   for (const ExpectationResult& result : expectations_)
     for (const auto* sample : {&result.first, &result.worst}) mark(*sample);
-  std::sort(focus_.marks.begin(), focus_.marks.end());
+  std::ranges::sort(focus_.marks);
 }
 
 PartSizes ReportMaker::part_sizes() const {
@@ -275,7 +274,7 @@ Result<ReportMaker::WrittenSeries> ReportMaker::write_channels(ReportJson& objec
                          summary_.omitted);
   std::int64_t done = 0;
   std::uint64_t series_size = 0;
-  const auto read = rows.for_each([&](const ShownChannel& channel) {
+  REHEARSE_TRY(rows.for_each([&](const ShownChannel& channel) {
     const std::uint64_t before = blobs.coded();
     if (is_picture(channel.either())) {
       pictures.write(channel);
@@ -284,8 +283,7 @@ Result<ReportMaker::WrittenSeries> ReportMaker::write_channels(ReportJson& objec
       series_size += blobs.coded() - before;
     }
     if (options_.progress) options_.progress(++done, all);
-  });
-  if (!read) return read.errors();
+  }));
   omit_rows(rows);
   if (left_out > 0)
     summary_.omitted.push_back(fmt::format("Of {} topics, which were not asked for, no series is shown.", left_out));
@@ -328,7 +326,7 @@ void ReportMaker::write_happenings(ReportJson& object, BlobWriter& blobs) {
           {{"run", index}, {"tick", change.tick}, {"a", change.link}, {"b", change.other}, {"begins", change.begins}});
     ++index;
   }
-  std::stable_sort(contacts.begin(), contacts.end(), [](const ReportJson& a, const ReportJson& b) {
+  std::ranges::stable_sort(contacts, [](const ReportJson& a, const ReportJson& b) {
     return a["tick"].get<std::int64_t>() < b["tick"].get<std::int64_t>();
   });
   object["contacts"] = std::move(contacts);
@@ -371,9 +369,8 @@ void ReportMaker::omit_damage() {
 
 /// Judges the run, and makes all of the report's object except its series, pictures and messages.
 Result<ReportJson> ReportMaker::head(const fs::path& actual_file, const fs::path& golden_file) {
-  auto coverage = coverage_with_sources(options_.coverage);
-  if (!coverage) return coverage.errors();
-  coverage_ = *std::move(coverage);
+  auto coverage = REHEARSE_TRY(coverage_with_sources(options_.coverage));
+  coverage_ = std::move(coverage);
   omit_damage();
   const auto read_scenario = [&](const ReportedRun& run, std::optional<Scenario>& scenario) {
     auto read = recorded_scenario(run.trace);
@@ -384,7 +381,7 @@ Result<ReportJson> ReportMaker::head(const fs::path& actual_file, const fs::path
   };
   read_scenario(actual_, scenario_);
   if (golden_) read_scenario(*golden_, golden_scenario_);
-  if (auto judged = judge(); !judged) return judged.errors();
+  REHEARSE_TRY(judge());
   TickRange range;
   range.take(actual_.clock);
   if (golden_) range.take(golden_->clock);
@@ -434,39 +431,35 @@ Result<ReportJson> ReportMaker::head(const fs::path& actual_file, const fs::path
 
 /// Writes the file with at most about so many numbers; a trial only if their size suits the report.
 Result<ReportMaker::Attempt> ReportMaker::write(ReportJson object, std::uint64_t most_cells, bool is_trial) {
-  auto file = open_();
-  if (!file) return file.errors();
-  BlobWriter blobs([&file](const std::string& id, ByteSpan coded) { file->put_blob(id, coded); });
+  auto file = REHEARSE_TRY(open_());
+  BlobWriter blobs([&file](const std::string& id, ByteSpan coded) { file.put_blob(id, coded); });
   summary_.omitted = omitted_;
-  auto series = write_channels(object, blobs, most_cells);
-  if (!series) return series.errors();
-  Attempt attempt{static_cast<double>(series->coded) / static_cast<double>(part_sizes().series), false};
+  auto series = REHEARSE_TRY(write_channels(object, blobs, most_cells));
+  Attempt attempt{static_cast<double>(series.coded) / static_cast<double>(part_sizes().series), false};
   constexpr double too_small = 0.4;
-  if (is_trial && (attempt.fill > 1.0 || (attempt.fill < too_small && series->is_limited))) return attempt;
+  if (is_trial && (attempt.fill > 1.0 || (attempt.fill < too_small && series.is_limited))) return attempt;
   write_happenings(object, blobs);
   object["call_stack"] = call_stack_json();
   object["control_times"] = json_of(options_.control_times);
   object["coverage"] = coverage_entry(blobs, coverage_);
   object["omitted"] = summary_.omitted;
-  if (auto done = file->finish(object); !done) return done.errors();
-  summary_.bytes = file->bytes();
-  summary_.data_bytes = file->data_bytes();
+  REHEARSE_TRY(file.finish(object));
+  summary_.bytes = file.bytes();
+  summary_.data_bytes = file.data_bytes();
   attempt.is_written = true;
   return attempt;
 }
 
 Result<ReportSummary> ReportMaker::make(const fs::path& actual_file, const fs::path& golden_file) {
-  const auto object = head(actual_file, golden_file);
-  if (!object) return object.errors();
+  const auto object = REHEARSE_TRY(head(actual_file, golden_file));
   omitted_ = summary_.omitted;
   // A number takes about a byte, coded; random ones take eight, others that hardly change a tenth.
   constexpr int most_trials = 3;
   std::uint64_t cells = options_.max_size;
   for (int trial = 0;; ++trial) {
-    const auto attempt = write(*object, cells, trial < most_trials);
-    if (!attempt) return attempt.errors();
-    if (attempt->is_written) return summary_;
-    cells = static_cast<std::uint64_t>(0.85 * static_cast<double>(cells) / std::max(0.05, attempt->fill));
+    const auto attempt = REHEARSE_TRY(write(object, cells, trial < most_trials));
+    if (attempt.is_written) return summary_;
+    cells = static_cast<std::uint64_t>(0.85 * static_cast<double>(cells) / std::max(0.05, attempt.fill));
   }
 }
 
@@ -474,27 +467,23 @@ Result<ReportSummary> ReportMaker::make(const fs::path& actual_file, const fs::p
 
 Result<ReportSummary> write_report(const fs::path& trace, const std::optional<fs::path>& golden, const fs::path& report,
                                    const ReportOptions& options) {
-  auto page = options.page.empty() ? report_page() : Result<fs::path>(options.page);
-  if (!page) return page.errors();
+  auto page = REHEARSE_TRY(options.page.empty() ? report_page() : Result<fs::path>(options.page));
   std::vector<fs::path> sources{trace};
   if (golden) sources.push_back(*golden);
-  sources.push_back(*page);
-  const auto open = [&] { return ReportFile::begin(report, *page, sources); };
+  sources.push_back(page);
+  const auto open = [&] { return ReportFile::begin(report, page, sources); };
   if (auto file = open(); !file) return file.errors();  // before the work
-  const auto actual_file = SourceFile::make(trace, report.string() + ".actual.part", options);
-  if (!actual_file) return actual_file.errors();
-  auto actual = read_run(*actual_file, trace);
-  if (!actual) return actual.errors();
+  const auto actual_file = REHEARSE_TRY(SourceFile::make(trace, report.string() + ".actual.part", options));
+  auto actual = REHEARSE_TRY(read_run(actual_file, trace));
   std::optional<Result<SourceFile>> golden_file;
   std::optional<ReportedRun> expected;
   if (golden) {
     golden_file.emplace(SourceFile::make(*golden, report.string() + ".golden.part", options));
     if (!*golden_file) return golden_file->errors();
-    auto run = read_run(**golden_file, *golden);
-    if (!run) return run.errors();
-    expected = *std::move(run);
+    auto run = REHEARSE_TRY(read_run(**golden_file, *golden));
+    expected = std::move(run);
   }
-  ReportMaker maker(options, open, *std::move(actual), std::move(expected));
+  ReportMaker maker(options, open, std::move(actual), std::move(expected));
   return maker.make(trace, golden ? *golden : fs::path());
 }
 

@@ -61,16 +61,13 @@ ReportJson coverage_entry(BlobWriter& blobs, const ReportJson& coverage) {
 }
 
 Result<std::uintmax_t> write_coverage_page(const std::string& coverage, const fs::path& file, const fs::path& page) {
-  const auto form = page.empty() ? report_page() : Result<fs::path>(page);
-  if (!form) return form.errors();
-  const auto covered = coverage_with_sources(coverage);
-  if (!covered) return covered.errors();
-  if (covered->is_null()) return error("there is no coverage to show");
-  auto report = ReportFile::begin(file, *form, std::vector<fs::path>{*form});
-  if (!report) return report.errors();
-  BlobWriter blobs([&report](const std::string& id, ByteSpan coded) { report->put_blob(id, coded); });
-  const std::size_t recordings = (*covered)["recordings"].size();
-  const std::string& verdict = (*covered)["verdict"].get_ref<const std::string&>();
+  const auto form = REHEARSE_TRY(page.empty() ? report_page() : Result<fs::path>(page));
+  const auto covered = REHEARSE_TRY(coverage_with_sources(coverage));
+  if (covered.is_null()) return error("there is no coverage to show");
+  auto report = REHEARSE_TRY(ReportFile::begin(file, form, std::vector<fs::path>{form}));
+  BlobWriter blobs([&report](const std::string& id, ByteSpan coded) { report.put_blob(id, coded); });
+  const std::size_t recordings = covered["recordings"].size();
+  const std::string& verdict = covered["verdict"].get_ref<const std::string&>();
   ReportJson object{
       {"format", 1},
       {"title", recordings == 1 ? "1 recording" : fmt::format("{} recordings", recordings)},
@@ -81,12 +78,12 @@ Result<std::uintmax_t> write_coverage_page(const std::string& coverage, const fs
       {"end", 0},
       {"first", nullptr},
       {"call_stack", nullptr},
-      {"coverage", coverage_entry(blobs, *covered)}};
+      {"coverage", coverage_entry(blobs, covered)}};
   for (const char* empty : {"runs", "expectations", "divergences", "worst", "control_times", "spans", "axes", "series",
                             "cameras", "events", "contacts", "robots", "meshes", "omitted"})
     object[empty] = ReportJson::array();
-  if (const auto done = report->finish(object); !done) return done.errors();
-  return report->bytes();
+  REHEARSE_TRY(report.finish(object));
+  return report.bytes();
 }
 
 }  // namespace rehearse

@@ -9,9 +9,9 @@
 #include <cstdlib>
 #include <iterator>
 
-#include "core/mcap/replaceable.h"
+#include "base/replaceable.h"
+#include "base/write_hint.h"
 #include "core/trace/message_json.h"
-#include "model/write_hint.h"
 
 namespace rehearse {
 namespace {
@@ -79,17 +79,15 @@ std::string report_link(const fs::path& report, std::optional<std::int64_t> tick
 }
 
 Result<ReportFile> ReportFile::begin(const fs::path& file, const fs::path& page, std::span<const fs::path> sources) {
-  if (auto allowed = check_replaceable(file, report_magic, "report"); !allowed) return allowed.errors();
-  const auto text = read_page(page);
-  if (!text) return text.errors();
-  auto draft = mcap::Draft::begin(file, sources);
-  if (!draft) return draft.errors();
-  const std::size_t place = text->find(place_of_data);
-  ReportFile report(std::move(*draft), file, text->substr(place + place_of_data.size()));
+  REHEARSE_TRY(check_replaceable(file, report_magic, "report"));
+  const auto text = REHEARSE_TRY(read_page(page));
+  auto draft = REHEARSE_TRY(mcap::Draft::begin(file, sources));
+  const std::size_t place = text.find(place_of_data);
+  ReportFile report(std::move(draft), file, text.substr(place + place_of_data.size()));
   if (!report.stream_)
     return error_in(file.string(), "the report can't be written", write_hint(file, "name another file with -o"));
   report.put(report_magic);
-  report.put(without_doctype(std::string_view(*text).substr(0, place)));
+  report.put(without_doctype(std::string_view(text).substr(0, place)));
   return report;
 }
 

@@ -193,14 +193,13 @@ Result<void> ShownRows::find_extremes() {
     for (std::size_t k = 0; k < pairs_.size(); ++k)
       if (const auto place = read_place(pairs_[k], i); place && choices_[k].stretch > 0) wanted[*place] = &choices_[k];
     ExtremesFinder finder(std::move(wanted));
-    const auto read = load_pieces(
+    REHEARSE_TRY(load_pieces(
         run(i)->file, nullptr, [&finder](const Trace& piece) { finder.take(piece); }, Trace::usual_piece_size,
-        PieceOrder::of_time, Trace::Damage::tolerate);
-    if (!read) return read.errors();
+        PieceOrder::of_time, Trace::Damage::tolerate));
     finder.finish();
   }
   for (Choice& choice : choices_) {
-    std::sort(choice.times.begin(), choice.times.end());
+    std::ranges::sort(choice.times);
     choice.times.erase(std::unique(choice.times.begin(), choice.times.end()), choice.times.end());
     choice.times.shrink_to_fit();
   }
@@ -282,7 +281,7 @@ void ShownRows::read(std::span<const std::size_t> group, const std::function<voi
         });
       for (std::size_t i = 0; i < runs; ++i) {
         if (!tables[i]) continue;
-        std::sort(chosen[i].begin(), chosen[i].end());
+        std::ranges::sort(chosen[i]);
         chosen[i].erase(std::unique(chosen[i].begin(), chosen[i].end()), chosen[i].end());
         append_messages(i == 0 ? shown[k].actual : shown[k].golden, *tables[i], chosen[i]);
       }
@@ -299,8 +298,7 @@ void ShownRows::read(std::span<const std::size_t> group, const std::function<voi
 }
 
 Result<void> ShownRows::for_each(const std::function<void(const ShownChannel&)>& take) {
-  if (is_thinned())
-    if (auto found = find_extremes(); !found) return found;
+  if (is_thinned()) REHEARSE_TRY(find_extremes());
   std::vector<std::size_t> group;
   double cells = 0.0;
   for (std::size_t k = 0; k < pairs_.size(); ++k) {

@@ -27,16 +27,14 @@ Result<SourceFile> SourceFile::make(const fs::path& file, const fs::path& scratc
   mcap::FilterOptions part;
   if (options.from) part.selection.from = moment_of(*options.from);
   if (options.until) part.selection.until = moment_of(*options.until);
-  const auto filtered = mcap::filter(file, scratch, part);
-  if (!filtered) return filtered.errors();
+  REHEARSE_TRY(mcap::filter(file, scratch, part));
   return source;
 }
 
 Result<ReportedRun> read_run(const SourceFile& file, const fs::path& name) {
-  auto run = ReportedRun::read(file.path());
-  if (!run) return run.errors();
-  if (const auto known = check_version(run->trace); !known) return known.errors();
-  if (!RunFacts::of(run->trace).provenance)
+  auto run = REHEARSE_TRY(ReportedRun::read(file.path()));
+  REHEARSE_TRY(check_version(run.trace));
+  if (!RunFacts::of(run.trace).provenance)
     return error_in(name.string(), "it is an MCAP file, but not a recording of Rehearse: it has no provenance",
                     "rehearse replay turns a robot's log into one");
   return run;

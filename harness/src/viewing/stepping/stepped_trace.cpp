@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
+#include "base/glob.h"
 #include "core/expression/joint_series.h"
 #include "core/expression/name_search.h"
 #include "core/kinds/channel_name.h"
-#include "core/mcap/glob.h"
 #include "core/mcap/whole_input.h"
 #include "core/scenario/joint_limit.h"
 #include "core/scenario/trace_scenario.h"
@@ -97,8 +97,8 @@ Result<void> SteppedTrace::Impl::replay(const SteppingOptions& options) {
     if (!errors.empty()) return errors;
   }
   const auto add = [this](const Diagnostic& remark) {
-    const bool known = std::any_of(remarks_.begin(), remarks_.end(),
-                                   [&](const Diagnostic& other) { return other.message == remark.message; });
+    const bool known =
+        std::ranges::any_of(remarks_, [&](const Diagnostic& other) { return other.message == remark.message; });
     if (!known) remarks_.push_back(remark);
   };
   for (const Diagnostic& remark : replayed_->remarks()) add(remark);
@@ -124,14 +124,12 @@ SteppedTrace::~SteppedTrace() = default;
 
 Result<std::unique_ptr<SteppedTrace>> SteppedTrace::open(const std::filesystem::path& file,
                                                          const SteppingOptions& options) {
-  auto finder = MessageFinder::open(file);
-  if (!finder) return finder.errors();
-  auto scenario = scenario_of((*finder)->reader());
-  if (!scenario) return scenario.errors();
-  auto impl = std::make_unique<Impl>(std::move(*finder), std::move(*scenario));
+  auto finder = REHEARSE_TRY(MessageFinder::open(file));
+  auto scenario = REHEARSE_TRY(scenario_of(finder->reader()));
+  auto impl = std::make_unique<Impl>(std::move(finder), std::move(scenario));
   append_as_warnings(mcap::with_recover_hint(impl->finder_->reader().damage()), impl->remarks_);
-  if (auto found = impl->find_ticks(); !found) return found.errors();
-  if (auto replayed = impl->replay(options); !replayed) return replayed.errors();
+  REHEARSE_TRY(impl->find_ticks());
+  REHEARSE_TRY(impl->replay(options));
   return std::unique_ptr<SteppedTrace>(new SteppedTrace(std::move(impl)));
 }
 
@@ -177,9 +175,8 @@ Result<std::size_t> SteppedTrace::find_series(std::string_view name) {
 Result<std::size_t> SteppedTrace::find_joint_series(std::string_view joint, std::string_view quantity,
                                                     bool of_command) {
   RecordedTicks& recorded = impl_->recorded_;
-  const auto found = find_joint_name(joint, quantity, of_command, recorded.names());
-  if (!found) return found.errors();
-  return series_id(recorded.series().find(recorded.names()[*found])->second);
+  const auto found = REHEARSE_TRY(find_joint_name(joint, quantity, of_command, recorded.names()));
+  return series_id(recorded.series().find(recorded.names()[found])->second);
 }
 
 Result<JointLimit> SteppedTrace::find_limit(std::string_view joint, std::string_view limit) {
@@ -194,9 +191,8 @@ double SteppedTrace::value_at(std::size_t series, double time, std::int64_t tick
 Result<std::vector<std::size_t>> SteppedTrace::find_all_series(std::string_view pattern) {
   std::vector<std::size_t> all;
   if (pattern.find('*') == std::string_view::npos) {
-    const auto one = find_series(pattern);
-    if (!one) return one.errors();
-    return std::vector{*one};
+    const auto one = REHEARSE_TRY(find_series(pattern));
+    return std::vector{one};
   }
   for (const auto& [name, place] : impl_->recorded_.series())
     if (matches(pattern, name) || matches("*/" + std::string(pattern), name)) all.push_back(series_id(place));
@@ -219,9 +215,8 @@ Result<std::vector<std::size_t>> SteppedTrace::find_links(std::string_view name)
   for (std::size_t i = 0; i < contacts.links().size(); ++i)
     if (contacts.links()[i].starts_with(std::string(name) + "/")) of_body.push_back(i);
   if (!of_body.empty()) return of_body;
-  const auto found = find_name(name, contacts.links(), "link");
-  if (!found) return found.errors();
-  return std::vector{*found};
+  const auto found = REHEARSE_TRY(find_name(name, contacts.links(), "link"));
+  return std::vector{found};
 }
 
 double SteppedTrace::value(std::size_t series, std::int64_t tick, CommandSide side) {
@@ -250,13 +245,12 @@ bool SteppedTrace::differs_at(std::int64_t tick) { return impl_->replayed_->diff
 
 bool SteppedTrace::said(std::string_view pattern, std::int64_t tick) {
   const auto all = messages(tick);
-  return std::any_of(all.begin(), all.end(),
-                     [&](const ViewMessage& message) { return matches(pattern, message.text); });
+  return std::ranges::any_of(all, [&](const ViewMessage& message) { return matches(pattern, message.text); });
 }
 
 bool SteppedTrace::happened(std::string_view pattern, std::int64_t tick) {
   const auto all = messages(tick);
-  return std::any_of(all.begin(), all.end(), [&](const ViewMessage& message) {
+  return std::ranges::any_of(all, [&](const ViewMessage& message) {
     return matches(pattern, fmt::format("{} {}: {}", message.severity, message.source, message.text));
   });
 }
@@ -280,16 +274,15 @@ Result<SteppedTrace::Picture> SteppedTrace::picture(std::string_view camera, std
   }
   if (camera.empty() && names.size() > 1)
     return error(fmt::format("there are {} cameras", names.size()), fmt::format("one of {}", fmt::join(names, ", ")));
-  const auto chosen = camera.empty() ? Result<std::size_t>(std::size_t{0}) : find_name(camera, names, "camera");
-  if (!chosen) return chosen.errors();
+  const auto chosen =
+      REHEARSE_TRY(camera.empty() ? Result<std::size_t>(std::size_t{0}) : find_name(camera, names, "camera"));
   const mcap::Reader& reader = impl_->finder_->reader();
-  const auto channel = channel_of(reader, topics[*chosen]);
+  const auto channel = channel_of(reader, topics[chosen]);
   const auto found = impl_->finder_->latest(*channel, impl_->ns(tick));
-  if (!found) return error(fmt::format("{} has no picture up to tick {}", names[*chosen], tick));
+  if (!found) return error(fmt::format("{} has no picture up to tick {}", names[chosen], tick));
   const mcap::Schema* schema = reader.schema_of(reader.channels().at(*channel));
-  auto file = picture_file(schema->name, found->data);
-  if (!file) return file.errors();
-  return Picture{impl_->tick_of(found->time), topics[*chosen], file->extension, std::move(file->bytes)};
+  auto file = REHEARSE_TRY(picture_file(schema->name, found->data));
+  return Picture{impl_->tick_of(found->time), topics[chosen], file.extension, std::move(file.bytes)};
 }
 
 }  // namespace rehearse

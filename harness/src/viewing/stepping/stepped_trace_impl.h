@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "base/clock.h"
 #include "contact_history.h"
 #include "core/kinds/channel_name.h"
 #include "message_finder.h"
-#include "model/clock.h"
 #include "recorded_ticks.h"
 #include "replayed_outputs.h"
 #include "tick_view.h"
