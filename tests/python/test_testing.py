@@ -62,6 +62,22 @@ def test_a_golden_is_made_and_met(project):
     assert "2 passed" in run_pytest(0)
 
 
+# Each changes the process of a run, and what it commands depends on that.
+RUN_STATE = {
+    "a counter": "import builtins; builtins.ticks = getattr(builtins, 'ticks', 0) + 1; self.target = -0.78 - 1e-3 * builtins.ticks",
+    "rand()": "import ctypes; self.target = -0.78 - 1e-12 * ctypes.CDLL(None).rand()",
+}
+
+
+@pytest.mark.parametrize("state", RUN_STATE.values(), ids=RUN_STATE)
+def test_each_run_begins_in_a_process_that_has_run_no_controller(project, state, monkeypatch):
+    hold(state)
+    run_pytest(0, "new")
+    assert "2 passed" in run_pytest(0)
+    monkeypatch.setenv("REHEARSE_PROOF", "off")
+    assert "2 passed" in run_pytest(0)
+
+
 def test_a_change_is_blamed_on_the_controller(project):
     run_pytest(0, "new")
     weaken(project)

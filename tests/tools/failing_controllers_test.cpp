@@ -68,6 +68,16 @@ class FailingController : public Command {
       if (record["name"] == "rehearse.outcome") return record["values"];
     return {};
   }
+  /// The begin of the message of a crash in the line of the controller that has this code.
+  static std::string crash_at(const std::string& code) {
+    std::istringstream source(read_file(MISBEHAVING_SOURCE));
+    int line = 0;
+    for (std::string text; std::getline(source, text);) {
+      ++line;
+      if (text.find(code) != std::string::npos) break;
+    }
+    return "misbehaving.cpp:" + std::to_string(line) + ": controller 'Pendulum/Swing' crashed: ";
+  }
   /// Fails in the 13th call of control(): the trace is kept up to tick 12.
   void expect_failure(const std::string& deed, const std::string& message,
                       const std::vector<std::string>& more = {}) const {
@@ -100,16 +110,20 @@ TEST_F(FailingController, ThatThrowsEndsTheRun) {
 TEST_F(FailingController, ThatFollowsANullPointerEndsTheRun) { expect_failure("crash", "crashed: segmentation fault"); }
 /// The library has debug information, as in all builds but those without it.
 TEST_F(FailingController, ThatFollowsANullPointerIsNamedWithItsLine) {
-  std::istringstream source(read_file(MISBEHAVING_SOURCE));
-  int line = 0;
-  for (std::string text; std::getline(source, text);) {
-    ++line;
-    if (text.find("missing_->u() = 1.0") != std::string::npos) break;
-  }
-  const std::string begin = "misbehaving.cpp:" + std::to_string(line) + ": controller 'Pendulum/Swing' crashed: ";
+  const std::string begin = crash_at("missing_->u() = 1.0");
   EXPECT_THAT(record("crash 12").err, ::testing::StartsWith("error: " + begin));
   const Outcome replayed = rehearse({"replay", "pendulum.mcap"}, no_leak_check_);
   EXPECT_THAT(replayed.out, HasSubstr("failed: " + begin));
+}
+TEST_F(FailingController, ThatGivesANullPointerToTheCLibraryIsNamedWithItsLine) {
+  for (const auto& [deed, code] :
+       {std::pair("memcpy_null", "std::memcpy(nowhere"), {"strlen_null", "std::strlen(nowhere"}}) {
+    const std::string begin = "error: " + crash_at(code) + "segmentation fault";
+    EXPECT_THAT(record(std::string(deed) + " 12").err, ::testing::StartsWith(begin));
+    const Outcome replayed = rehearse({"replay", "pendulum.mcap", "-o", "again.mcap"}, no_leak_check_);
+    EXPECT_EQ(replayed.status, 3);
+    EXPECT_THAT(replayed.err, ::testing::StartsWith(begin)) << "in a process of its own";
+  }
 }
 TEST_F(FailingController, ThatAbortsEndsTheRun) { expect_failure("abort", "crashed: it called abort"); }
 TEST_F(FailingController, ThatExitsEndsTheRun) { expect_failure("exit", "called exit\\(0\\)"); }

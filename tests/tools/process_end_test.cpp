@@ -2,6 +2,7 @@
 #include "command.h"
 
 #include <gmock/gmock.h>
+#include <rehearse/trace.h>
 
 #include <chrono>
 #include <csignal>
@@ -103,6 +104,24 @@ TEST_F(ProcessEnd, FollowsTheFirstSigterm) {
          command.string()},
         "ASAN_OPTIONS=detect_leaks=0 timeout -s KILL 20");
     EXPECT_EQ(outcome.status, 128 + SIGTERM) << jobs << outcome.err;
+  }
+}
+
+/// A call that computes, one that waits in the C library, and one that blocks all signals.
+TEST_F(ProcessEnd, OfAHangingCallFollowsTheFirstSigterm) {
+  for (const char* deed : {"hang", "wait", "block_and_hang"}) {
+    pendulum(MISBEHAVING, std::string(deed) + " 12");
+    const Outcome outcome = run("bash",
+                                {"-c",
+                                 "\"$0\" record pendulum.yaml -o run.mcap --call-limit 50 & "
+                                 "sleep 1; kill -TERM $!; wait $!",
+                                 command.string()},
+                                "ASAN_OPTIONS=detect_leaks=0 timeout -s KILL 20");
+    EXPECT_EQ(outcome.status, 128 + SIGTERM) << deed << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("did not return within 1 s after SIGTERM in control() at tick 12 (0.012 s)"));
+    EXPECT_EQ(rehearse({"doctor", "run.mcap"}).status, 0) << deed;
+    EXPECT_EQ(Trace::load(folder() / "run.mcap")->duration(), 0.012) << deed;
+    fs::remove(folder() / "run.mcap");
   }
 }
 

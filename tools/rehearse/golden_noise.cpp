@@ -10,8 +10,11 @@
 #include <vector>
 
 #include "core/check/noise_floor.h"
+#include "core/check/own_run.h"
 #include "core/check/perturbed_run.h"
 #include "core/guard/interruption.h"
+#include "core/guard/own_process.h"
+#include "core/guard/supervise.h"
 #include "golden_verbs.h"
 #include "options.h"
 #include "progress.h"
@@ -67,7 +70,7 @@ Result<Measured> measure(const GoldenNoiseSettings& settings, const std::string&
   RecordOptions running;
   static_cast<HostOptions&>(running) = settings.host;
   const fs::path trace = scratch.path() / "run.mcap";
-  const auto run = REHEARSE_TRY(record(scenario, trace, running));
+  const auto run = REHEARSE_TRY(own_run([&]() -> Result<RunSummary> { return record(scenario, trace, running); }));
   if (interruption() != 0) throw Interrupted();
   if (run.failure) return *run.failure;
   const auto recording = REHEARSE_TRY(Trace::load(trace));
@@ -194,8 +197,11 @@ Exit perturb(GoldenNoiseSettings& settings) {
 }
 
 Exit run_golden_noise(GoldenNoiseSettings& settings) {
-  if (!settings.perturbed.folder.empty()) return perturb(settings);
-  if (const auto allowed = check_may_decide(); !allowed) return refuse(allowed.errors());
+  const bool is_perturbed = !settings.perturbed.folder.empty();
+  if (const auto allowed = check_may_decide(); !is_perturbed && !allowed) return refuse(allowed.errors());
+  supervise_process();
+  begin_own_processes();
+  if (is_perturbed) return perturb(settings);
   Json all = Json::array();
   for (const std::string& scenario : settings.scenarios) {
     const auto measured = measure(settings, scenario);

@@ -13,6 +13,7 @@
 #include "base/replaceable.h"
 #include "control_times.h"
 #include "core/guard/interruption.h"
+#include "core/guard/own_process.h"
 #include "core/guard/supervise.h"
 #include "core/host/controller_library.h"
 #include "core/host/source_age.h"
@@ -387,6 +388,7 @@ Exit exit_of_all(const LogReplayReport& report) {
 
 Exit replay_log_of(LogSettings settings) {
   supervise_process();
+  if (!is_interposed()) begin_own_processes();
   end_runs_on_signals();
   if (settings.trace.empty()) {
     const std::filesystem::path log = settings.log;  // of a folder, perhaps with a / at its end

@@ -224,6 +224,7 @@ void Renderer::Impl::draw(const Camera& camera, const Eigen::Isometry3d& pose, Q
 
 Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Renderer::~Renderer() = default;
+void Renderer::forgo_threads() { gl::Context::forgo_threads(); }
 
 Result<std::unique_ptr<Renderer>> Renderer::create(const Look& look) {
   std::unique_ptr<gl::Context> context = REHEARSE_TRY(gl::Context::create());

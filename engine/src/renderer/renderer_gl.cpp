@@ -3,8 +3,12 @@
 #include <rehearse/renderer.h>
 
 #include <fmt/format.h>
+#include <pthread.h>
 
+#include <cstdlib>
 #include <limits>
+#include <optional>
+#include <string>
 
 #include "gl_functions.h"
 
@@ -43,10 +47,39 @@ void shrink_without_alpha(const std::vector<std::uint8_t>& rgba, std::size_t row
   }
 }
 
+constexpr const char* threads_of_mesa = "LP_NUM_THREADS";
+
+bool forgoes_threads = false;  // false in forks of a process that does
+
+/// Mesa makes its threads with the first context of a process, as many as the environment states then.
+class WithoutThreads {
+ public:
+  WithoutThreads() {
+    if (!forgoes_threads) return;
+    if (const char* stated = std::getenv(threads_of_mesa)) before_ = stated;
+    setenv(threads_of_mesa, "0", 1);
+  }
+  ~WithoutThreads() {
+    if (!forgoes_threads) return;
+    before_ ? setenv(threads_of_mesa, before_->c_str(), 1) : unsetenv(threads_of_mesa);
+  }
+  WithoutThreads(const WithoutThreads&) = delete;
+  WithoutThreads& operator=(const WithoutThreads&) = delete;
+
+ private:
+  std::optional<std::string> before_;
+};
+
 }  // namespace
+
+void Context::forgo_threads() {
+  static const int noted = pthread_atfork(nullptr, nullptr, [] { forgoes_threads = false; });
+  forgoes_threads = noted == 0;
+}
 
 Result<std::unique_ptr<Context>> Context::create() {
   REHEARSE_TRY(load_functions());
+  const WithoutThreads without;
   std::unique_ptr<Context> context(new Context);
   const int attributes[] = {OSMESA_FORMAT,
                             OSMESA_RGBA,

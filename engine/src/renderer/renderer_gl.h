@@ -21,6 +21,8 @@ namespace rehearse::gl {
 class Context {
  public:
   static Result<std::unique_ptr<Context>> create();
+  /// See Renderer.
+  static void forgo_threads();
   ~Context();
   Context(const Context&) = delete;
   Context& operator=(const Context&) = delete;

@@ -16,6 +16,7 @@
 #include <thread>
 
 #include "core/guard/guarded_call.h"
+#include "core/guard/process_end.h"
 #include "core/guard/worker_pool.h"
 
 namespace rehearse {
@@ -132,6 +133,20 @@ TEST(OwnProcess, EndsWithThisProcess) {
   for (int i = 0; i < 1000 && kill(own, 0) == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_NE(kill(own, 0), 0);
   std::filesystem::remove(file);
+}
+
+TEST(OwnProcess, BeginsWithoutGuestsUntilThisOneLoadsOne) {
+  const auto answer = supervised([] {
+    std::string told = begin_without_guests() ? "without" : "with";
+    static_cast<void>(call_in_own_process([] {
+      note_own_libraries();  // as in the loading of a controller
+      return std::string();
+    }));
+    told += begin_without_guests() ? " without" : " with";
+    note_own_libraries();
+    return told + (begin_without_guests() ? " without" : " with");
+  });
+  EXPECT_EQ(answer.text, "without without with");
 }
 
 TEST(OwnProcess, IsThisOneWithoutASupervisor) {

@@ -66,6 +66,29 @@ void null_write() {
   *nowhere = 1;
 }
 
+/// The C library writes through it.
+void copy_to_null() {
+  char* volatile nowhere = nullptr;
+  const char source[64] = {};
+  volatile std::size_t size = sizeof source;
+  std::memcpy(nowhere, source, size);
+  asm volatile("" : : : "memory");
+}
+
+/// The C library reads through it.
+void measure_null() {
+  char* volatile nowhere = nullptr;
+  volatile std::size_t length = std::strlen(nowhere);
+  static_cast<void>(length);
+}
+
+/// In the C library; a signal that is handled doesn't end it.
+void wait_for_ever() {
+  int ends[2];
+  char nothing = 0;
+  if (pipe(ends) == 0) static_cast<void>(!read(ends[0], &nothing, 1));
+}
+
 /// 50 MB in each hundredth of a second, up to 4 GB.
 void leak() {
   constexpr std::size_t size = 50'000'000;
@@ -119,6 +142,8 @@ void past_the_library(const std::string& deed) {
                 reinterpret_cast<long>(words + 1));
   }
   if (deed == "kill") kill(getpid(), SIGKILL);
+  if (deed == "memcpy_null") copy_to_null();
+  if (deed == "strlen_null") measure_null();
   if (deed == "term") kill(getpid(), SIGTERM);
   if (deed == "overrun") overrun(200);
   if (deed == "thread_crash") std::thread(null_write).join();
@@ -200,6 +225,7 @@ class Misbehaving : public cnoid::SimpleController {
     if (deed_ == "overflow") overflow_stack();
     if (deed_ == "print") std::printf("%s\n", std::string(10000, 'x').c_str());
     if (deed_ == "hang") spin();
+    if (deed_ == "wait") wait_for_ever();
     if (deed_ == "leak") leak();
     past_the_library(deed_);
   }

@@ -3,7 +3,6 @@
 // as that of tests with GoogleTest; it keeps the recordings that it made, as a comparison asks for them.
 #include <rehearse/gtest.h>
 #include <rehearse/logs.h>
-#include <rehearse/pin.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -15,6 +14,7 @@
 #include <utility>
 
 #include "core/guard/supervise.h"
+#include "gtest/testing/test_process.h"
 
 namespace rehearse::python {
 namespace {
@@ -115,8 +115,7 @@ int serve(int in, int out) {
 }  // namespace rehearse::python
 
 int main(int argc, char** argv) {
-  rehearse::pin_process(argv);
-  rehearse::supervise_process();
+  rehearse::internal::begin_test_process(argv);
   if (argc != 3) return 2;
   rehearse::read_rosbag2_logs();
   return rehearse::python::serve(std::atoi(argv[1]), std::atoi(argv[2]));

@@ -94,7 +94,7 @@ std::optional<Blame> unsteady_controller(const Suspects& with, const Divergence&
        fmt::format(
            "{}the controller depends on something besides its recorded inputs: in the closed loop it gave the golden's "
            "commands, but fed with the golden's inputs {}, it differs at {}; `rehearse audit` finds the cause",
-           has_own_processes() ? "" : "an earlier run left data behind, or ",
+           begin_without_guests() ? "" : "an earlier run left data behind, or ",
            has_own_processes() ? "in a process of its own" : "later in the same process", to_string(first))},
       first};
 }

@@ -11,6 +11,7 @@
 #include "core/recording/provenance.h"
 #include "core/trace/run_facts.h"
 #include "noise_floor.h"
+#include "own_run.h"
 #include "perturbed_run.h"
 
 namespace rehearse {
@@ -175,14 +176,15 @@ Result<void> NoiseMeasurement::nudged(Step& step) {
   PlantOptions moving;
   moving.nudge = step.nudge;
   const fs::path file = options_.scratch / "perturbed.mcap";
-  const auto plant = REHEARSE_TRY(simulation_.run_plant(scenario_, recording_, file, moving));
+  const auto plant = REHEARSE_TRY(own_plant(simulation_.run_plant)(scenario_, recording_, file, moving));
   if (plant.failure) return *plant.failure;
   REHEARSE_TRY(take_plant(file, step.perturbation));
   if (!step.perturbation.closed) return {};
   RecordOptions running;
   static_cast<HostOptions&>(running) = options_.host;
   running.nudge = step.nudge;
-  const auto closed = REHEARSE_TRY(simulation_.record(scenario_, file, running));
+  const auto closed =
+      REHEARSE_TRY(own_run([&]() -> Result<RunSummary> { return simulation_.record(scenario_, file, running); }));
   if (closed.failure) return *closed.failure;
   return take_closed(file, step.perturbation);
 }

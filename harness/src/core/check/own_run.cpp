@@ -1,55 +1,17 @@
 #include "own_run.h"
 
-#include <set>
 #include <string>
 #include <utility>
 
 #include "base/hashing.h"
-#include "core/guard/answer.h"
+#include "core/compare/difference_answer.h"
 #include "core/guard/own_process.h"
+#include "core/host/control_times_answer.h"
 #include "core/replay/replay_recording.h"
 
 namespace rehearse {
 
-// The members of results. They are bound by structured bindings, so that a struct with one more doesn't compile here:
-// its value would be lost between two processes.
-
-void each_member(Passed<Diagnostic> auto& value, auto& each) {
-  auto& [severity, file, line, column, message, hint] = value;
-  each(severity), each(file), each(line), each(column), each(message), each(hint);
-}
-
-void each_member(Passed<Divergence> auto& value, auto& each) {
-  auto& [tick, time, channel, element, expected, actual, difference, ulps, tolerance, distance, unit, note, stage] =
-      value;
-  each(tick), each(time), each(channel), each(element), each(expected), each(actual), each(difference), each(ulps);
-  each(tolerance), each(distance), each(unit), each(note), each(stage);
-}
-
-void each_member(const ControlCosts::Count& value, AnswerWriter& each) {
-  auto& [name, total, ticks, first_tick] = value;
-  each(name), each(total), each(ticks), each(first_tick);
-}
-
-/// Names of counts are constants of the program.
-void each_member(ControlCosts::Count& value, AnswerReader& each) {
-  static auto& names = *new std::set<std::string>;
-  auto& [name, total, ticks, first_tick] = value;
-  std::string passed;
-  each(passed), each(total), each(ticks), each(first_tick);
-  name = *names.insert(std::move(passed)).first;
-}
-
-void each_member(Passed<ControlCosts> auto& value, auto& each) {
-  auto& [counts, page_faults] = value;
-  each(counts), each(page_faults);
-}
-
-void each_member(Passed<ControlTimes> auto& value, auto& each) {
-  auto& [controller, period, calls, median, p999, longest, longest_tick, histogram, costs] = value;
-  each(controller), each(period), each(calls), each(median), each(p999), each(longest), each(longest_tick);
-  each(histogram), each(costs);
-}
+// The members of results are bound, as in core/guard/answer.h.
 
 void each_member(Passed<RunSummary> auto& value, auto& each) {
   auto& [ticks, channels, pictures, bytes, failure, end, trace_changed, refused, remarks, control_times] = value;
@@ -74,39 +36,13 @@ void each_member(Passed<ReplayedWords> auto& value, auto& each) {
 
 /// Its members can't be bound, because it has a base with members.
 void each_member(Passed<ReplayReport> auto& value, auto& each) {
-  each(value.values), each(value.values_different), each(value.first), each(value.worst), each(value.beyond);
-  each(value.largest), each(value.most_ulps);
+  each_difference(value, each);
   each(value.controllers), each(value.ticks), each(value.ticks_different), each(value.commands_hold);
   each(value.other_inputs), each(value.failure), each(value.words), each(value.explanation);
   each(value.controller_refused), each(value.other_controllers), each(value.changed_files);
   each(value.same_controllers), each(value.first_other_hash), each(value.repeats_the_run), each(value.remarks);
   each(value.control_times);
 }
-
-namespace {
-
-/// Makes the run in a process of its own, and passes its result on.
-template <class Outcome>
-Result<Outcome> in_own_process(const std::function<Result<Outcome>()>& run) {
-  if (!has_own_processes()) return run();
-  const auto text = REHEARSE_TRY(call_in_own_process([&run] {
-    const Result<Outcome> made = run();
-    AnswerWriter form;
-    form(made ? Diagnostics() : made.errors());
-    if (made) form(*made);
-    return form.text();
-  }));
-  AnswerReader form(text);
-  Diagnostics errors;
-  form(errors);
-  if (!errors.empty()) return errors;
-  Outcome outcome;
-  form(outcome);
-  if (!form.is_whole()) return error("the process of a run passed a damaged result");
-  return outcome;
-}
-
-}  // namespace
 
 Result<RunSummary> own_run(const std::function<Result<RunSummary>()>& run) { return in_own_process(run); }
 Result<ResumedRun> own_run(const std::function<Result<ResumedRun>()>& run) { return in_own_process(run); }

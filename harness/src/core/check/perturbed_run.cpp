@@ -11,6 +11,7 @@
 #include "core/compare/place_json.h"
 #include "core/golden/golden_files.h"
 #include "core/guard/interruption.h"
+#include "own_run.h"
 
 namespace rehearse {
 namespace {
@@ -85,18 +86,21 @@ Result<void> make_perturbed_run(const PerturbedRun& run, const Simulation& simul
   auto scenario = REHEARSE_TRY(Scenario::load(run.scenario));
   scenario.duration = run.duration;
   Json report{{"mathematics", hash_of_mathematics()}, {"commands", Json::array()}, {"beyond", nullptr}};
-  if (run.controller) REHEARSE_TRY(replay_into(run, scenario, report));
   if (run.plant) {
     const auto recording = REHEARSE_TRY(Trace::load(run.recording));
-    const auto plant = REHEARSE_TRY(simulation.run_plant(scenario, recording, run.folder / "plant.mcap", {}));
+    const auto plant =
+        REHEARSE_TRY(own_plant(simulation.run_plant)(scenario, recording, run.folder / "plant.mcap", {}));
     if (plant.failure) return *plant.failure;
   }
   if (run.closed) {
     RecordOptions options;
     static_cast<HostOptions&>(options) = run.host;
-    const auto closed = REHEARSE_TRY(simulation.record(scenario, run.folder / "closed.mcap", options));
+    const auto closed = REHEARSE_TRY(own_run(
+        [&]() -> Result<RunSummary> { return simulation.record(scenario, run.folder / "closed.mcap", options); }));
     if (closed.failure) return *closed.failure;
   }
+  if (run.controller)  // last: this process itself runs the controllers
+    REHEARSE_TRY(replay_into(run, scenario, report));
   std::ofstream stream(run.folder / report_file);
   stream << report.dump(1);
   stream.close();

@@ -4,9 +4,12 @@
 #pragma once
 
 #include <rehearse/cdr.h>
+#include <rehearse/diagnostic.h>
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -30,11 +33,23 @@ template <class T>
 inline constexpr bool is_pair = false;
 template <class A, class B>
 inline constexpr bool is_pair<std::pair<A, B>> = true;
+template <class T>
+inline constexpr bool is_map = false;
+template <class Key, class T>
+inline constexpr bool is_map<std::map<Key, T>> = true;
 }  // namespace detail
 
 /// For the parameter of each_member(): a struct that is written, or read.
 template <class Value, class Struct>
 concept Passed = std::is_same_v<std::remove_const_t<Value>, Struct>;
+
+// The members are bound by structured bindings, so that a struct with one more doesn't compile here: its value would be
+// lost between two processes.
+
+void each_member(Passed<Diagnostic> auto& value, auto& each) {
+  auto& [severity, file, line, column, message, hint] = value;
+  each(severity), each(file), each(line), each(column), each(message), each(hint);
+}
 
 class AnswerWriter {
  public:
@@ -46,10 +61,12 @@ class AnswerWriter {
       form_.put(static_cast<std::int32_t>(value));
     } else if constexpr (std::is_convertible_v<const Value&, std::string_view>) {
       form_.put(std::string_view(value));
+    } else if constexpr (std::is_same_v<Value, std::filesystem::path>) {
+      form_.put(std::string_view(value.native()));
     } else if constexpr (detail::is_optional<Value>) {
       form_.put(value.has_value());
       if (value) (*this)(*value);
-    } else if constexpr (detail::is_vector<Value>) {
+    } else if constexpr (detail::is_vector<Value> || detail::is_map<Value>) {
       form_.put(static_cast<std::uint64_t>(value.size()));
       for (const auto& one : value) (*this)(one);
     } else if constexpr (detail::is_pair<Value>) {
@@ -78,12 +95,21 @@ class AnswerReader {
       value = static_cast<Value>(form_.get<std::int32_t>());
     } else if constexpr (std::is_same_v<Value, std::string>) {
       value = form_.get_string();
+    } else if constexpr (std::is_same_v<Value, std::filesystem::path>) {
+      value = std::string(form_.get_string());
     } else if constexpr (detail::is_optional<Value>) {
       value.reset();
       if (form_.get<bool>()) (*this)(value.emplace());
     } else if constexpr (detail::is_vector<Value>) {
       value.clear();
       for (auto left = form_.get<std::uint64_t>(); left > 0 && form_.ok(); --left) (*this)(value.emplace_back());
+    } else if constexpr (detail::is_map<Value>) {
+      value.clear();
+      for (auto left = form_.get<std::uint64_t>(); left > 0 && form_.ok(); --left) {
+        typename Value::key_type key;
+        (*this)(key);
+        (*this)(value[std::move(key)]);
+      }
     } else if constexpr (detail::is_pair<Value>) {
       (*this)(value.first);
       (*this)(value.second);

@@ -22,11 +22,13 @@
 #include <cstdlib>
 #include <cstring>
 #include <iterator>
+#include <optional>
 #include <string_view>
 #include <thread>
 
 #include "c_library.h"
 #include "exception_text.h"
+#include "guest_frame.h"
 #include "interruption.h"
 #include "process_end.h"
 #include "process_guard.h"
@@ -176,6 +178,7 @@ bool is_fault(int signal_number) {
 }
 
 extern "C" void leave_guarded_code(int signal_number, siginfo_t* fault, void* interrupted) {
+  end_walk_of_frames();
   const bool overflowed = (signal_number == SIGSEGV || signal_number == SIGBUS) &&
                           is_stack_overflow(*fault, *static_cast<const ucontext_t*>(interrupted));
   const bool in_library = is_in_library(*static_cast<const ucontext_t*>(interrupted));
@@ -183,15 +186,16 @@ extern "C" void leave_guarded_code(int signal_number, siginfo_t* fault, void* in
                      : in_library && signal_number == SIGABRT ? damaged_heap
                                                               : signal_number;
   end_if_ending(signal_number == hang_signal ? nullptr : describe_signal(reason));
+  const void* place = is_fault(signal_number) ? program_counter(*static_cast<const ucontext_t*>(interrupted)) : nullptr;
+  if (place && !overflowed && in_controllers_code()) place = guest_frame_of(place);
   if (in_library && !is_forked_by_guest()) {
     // The process can't go on: its next call of the function may wait for ever. Its parent reports the failure.
-    if (in_guarded_call() && thread_failure.state == 2) fail_process_by_thread(thread_failure.deed);
-    if (in_guarded_call()) fail_process(signal_number == hang_signal ? nullptr : describe_signal(reason));
-    if (own_threads && signal_number != hang_signal) fail_process_by_thread(describe_signal(reason));
+    if (in_guarded_call() && thread_failure.state == 2)
+      fail_process_by_thread(thread_failure.deed, thread_failure.place);
+    if (in_guarded_call()) fail_process(signal_number == hang_signal ? nullptr : describe_signal(reason), place);
+    if (own_threads && signal_number != hang_signal) fail_process_by_thread(describe_signal(reason), place);
     if (in_guarded_call() && dies_in_library && signal_number != hang_signal) leave_process(128 + signal_number);
   }
-  const void* const place =
-      is_fault(signal_number) ? program_counter(*static_cast<const ucontext_t*>(interrupted)) : nullptr;
   if (in_guarded_call()) {
     crash_place = place;
     guarding = 0;
@@ -217,9 +221,8 @@ class Watchdog {
   /// A forked process lacks its parent's watchdog thread.
   static void forget() { watchdog_ = nullptr; }
 
-  void begin(double limit, bool yields) {
+  void begin(double limit) {
     limit_.store(limit, std::memory_order_relaxed);
-    yields_.store(yields, std::memory_order_relaxed);
     calls_.fetch_add(1);  // odd: a call is running
     if (sleeps_.load() != 0) wake();
   }
@@ -257,8 +260,10 @@ class Watchdog {
   [[noreturn]] void watch() {
     std::uint64_t seen = 0;
     clock::time_point since = clock::now();
+    std::optional<clock::time_point> signalled;
     for (;;) {
       std::this_thread::sleep_for(look_period());
+      if (!signalled && interruption() != 0) signalled = clock::now();
       const std::uint64_t calls = calls_.load(std::memory_order_acquire);
       if (calls != seen) {
         seen = calls;
@@ -269,9 +274,11 @@ class Watchdog {
         sleep_after(calls);
         continue;
       }
-      const std::chrono::duration<double> age = clock::now() - since;
-      const bool is_signalled = yields_.load(std::memory_order_relaxed) && interruption() != 0;
-      if (age.count() > limit_.load(std::memory_order_relaxed) || (is_signalled && age.count() > limit_after_signal)) {
+      const auto seconds_from = [](clock::time_point past) {
+        return std::chrono::duration<double>(clock::now() - past).count();
+      };
+      if (seconds_from(since) > limit_.load(std::memory_order_relaxed) ||
+          (signalled && seconds_from(std::max(since, *signalled)) > limit_after_signal)) {
         if (!is_traced()) pthread_kill(guarded_thread, hang_signal);
         since = clock::now();
       }
@@ -281,7 +288,6 @@ class Watchdog {
   static inline Watchdog* watchdog_ = nullptr;
   std::atomic<std::uint64_t> calls_{0};
   std::atomic<double> limit_{0.0};
-  std::atomic<bool> yields_{false};
   std::atomic<std::uint32_t> sleeps_{0};  // a futex: 1: no calls are made, and begin() has to wake the thread
 };
 
@@ -309,6 +315,7 @@ void install_handlers() {
   if (installed) return;
   installed = true;
   find_library_code();
+  prepare_guest_frames();
   outside_terminate = std::set_terminate(end_after_terminate);
   struct sigaction action {};
   action.sa_sigaction = leave_guarded_code;
@@ -354,7 +361,7 @@ void end_process_at_library_crashes() { dies_in_library = 1; }
 void guard_rest_of_process(double limit) {
   guarded_thread = pthread_self();
   provide_signal_stack();
-  Watchdog::instance().begin(limit, true);
+  Watchdog::instance().begin(limit);
 }
 
 /// Leaves a gap in the stack above it, so that an array overrun reaches the gap instead of the host's frames.
@@ -375,7 +382,7 @@ void take_thread_failure(CallOutcome& outcome) {
   thread_failure.state.store(0, std::memory_order_release);
 }
 
-CallOutcome guarded_call(const std::function<void()>& code, double limit, bool yields) {
+CallOutcome guarded_call(const std::function<void()>& code, double limit) {
   REHEARSE_ASSERT(!guarding, "guarded calls don't nest");
   prepare_guarded_calls();
   guarded_thread = pthread_self();
@@ -384,7 +391,7 @@ CallOutcome guarded_call(const std::function<void()>& code, double limit, bool y
   if (!(mode_before == standard)) set_float_mode(standard);
   CallOutcome outcome;
   crash_place = nullptr;
-  Watchdog::instance().begin(limit, yields);
+  Watchdog::instance().begin(limit);
   const int signal_number = sigsetjmp(return_point, 0);
   if (signal_number == 0) {
     guarding = 1;
@@ -402,8 +409,7 @@ CallOutcome guarded_call(const std::function<void()>& code, double limit, bool y
   outcome.changed_float_mode = !(outcome.float_mode == standard);
   if (!(outcome.float_mode == mode_before)) set_float_mode(mode_before);
   if (outcome.end == CallEnd::hung)
-    outcome.what = yields && interruption() != 0 ? "did not return, and a signal had ended the run"
-                                                 : fmt::format("did not return within {} s", limit);
+    outcome.what = lateness(limit, interruption());
   else if (outcome.end == CallEnd::exited || signal_number == abort_by_deed)
     outcome.what = last_deed;
   else if (outcome.end == CallEnd::crashed)

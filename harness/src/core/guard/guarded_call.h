@@ -31,12 +31,12 @@ struct CallOutcome {
   const void* place = nullptr;         // the address of the code at which it crashed; null: it isn't known
 };
 
-/// The limit of code that nothing depends on, after a signal has ended the run [s].
+/// The limit of a call after a signal that ends the run, whichever came later [s].
 inline constexpr double limit_after_signal = 1.0;
 
-/// Runs `code` in the standard floating-point mode, at most `limit` seconds of wall time [s]. `yields`: nothing depends
-/// on it, so that limit_after_signal applies, too.
-CallOutcome guarded_call(const std::function<void()>& code, double limit, bool yields = false);
+/// Runs `code` in the standard floating-point mode, at most `limit` seconds of wall time [s], after a signal that ends
+/// the run at most limit_after_signal.
+CallOutcome guarded_call(const std::function<void()>& code, double limit);
 
 /// Installs the signal handlers that end calls, and their stack for this thread, which forks have, too. The first
 /// guarded_call() of a thread does so at the latest.

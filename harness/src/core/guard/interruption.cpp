@@ -87,6 +87,11 @@ void end_if_reader_is_gone() {
 
 int interruption() { return came; }
 
+std::string lateness(double limit, int signal_number) {
+  if (signal_number == 0 || limit <= limit_after_signal) return fmt::format("did not return within {} s", limit);
+  return fmt::format("did not return within {} s after SIG{}", limit_after_signal, sigabbrev_np(signal_number));
+}
+
 std::optional<Diagnostic> interrupted_at(std::int64_t tick, double time_step) {
   if (came == 0) return std::nullopt;
   return error(

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 namespace rehearse {
 
@@ -22,6 +23,10 @@ void end_if_reader_is_gone();
 
 /// The received signal; 0: none.
 int interruption();
+
+/// How a call that was ended exceeded its limit: "did not return within 10 s"; "did not return within 1 s after
+/// SIGTERM", if that signal ended the run (0: none). `limit`: [s].
+std::string lateness(double limit, int signal_number);
 
 /// "interrupted by SIGINT before tick 12 (0.012 s)"; none: no signal was received.
 std::optional<Diagnostic> interrupted_at(std::int64_t tick, double time_step);

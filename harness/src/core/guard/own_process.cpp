@@ -93,11 +93,13 @@ void begin_own_processes() {
   if (forks) prepare_guarded_calls();  // once, not in each fork
 }
 
-bool has_own_processes() { return forks; }
+bool has_own_processes() { return forks && is_supervised(); }
+
+bool begin_without_guests() { return has_own_processes() && !has_loaded_guests(); }
 
 Result<std::string> call_in_own_process(const std::function<std::string()>& work) {
-  if (!forks) return work();
-  static const FileDescriptor file(::memfd_create("answer of a run", MFD_CLOEXEC));
+  if (!has_own_processes()) return work();
+  const FileDescriptor file(::memfd_create("answer of a run", MFD_CLOEXEC));
   if (file < 0 || ::ftruncate(file, 0) != 0)
     return error(fmt::format("there is no memory for the answer of a run: {}", std::strerror(errno)));
   const pid_t run = fork_run();

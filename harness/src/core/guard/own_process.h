@@ -9,6 +9,8 @@
 #include <functional>
 #include <string>
 
+#include "answer.h"
+
 namespace rehearse {
 
 /// From now on call_in_own_process() forks. Without a supervisor, as under a debugger, it has no effect.
@@ -20,5 +22,29 @@ Result<std::string> call_in_own_process(const std::function<std::string()>& work
 
 /// True if call_in_own_process() forks.
 bool has_own_processes();
+
+/// True if it forks, and such a fork has run no controller: this process has loaded none.
+bool begin_without_guests();
+
+/// Calls `make` in such a process and passes its result on.
+template <class Outcome>
+Result<Outcome> in_own_process(const std::function<Result<Outcome>()>& make) {
+  if (!has_own_processes()) return make();
+  const auto text = REHEARSE_TRY(call_in_own_process([&make] {
+    const Result<Outcome> made = make();
+    AnswerWriter form;
+    form(made ? Diagnostics() : made.errors());
+    if (made) form(*made);
+    return form.text();
+  }));
+  AnswerReader form(text);
+  Diagnostics errors;
+  form(errors);
+  if (!errors.empty()) return errors;
+  Outcome outcome;
+  form(outcome);
+  if (!form.is_whole()) return error("the process of a run passed a damaged result");
+  return outcome;
+}
 
 }  // namespace rehearse

@@ -55,7 +55,7 @@ struct Guests {
   std::array<std::uintptr_t, 1024> own_libraries{};  // of the program: their addresses; 0: unused
   char controllers[512] = "";                        // "A/B' or 'A/C"
   double limit = 0.0;                                // [s]
-  bool in_fork = false;
+  bool in_fork = false, are_loaded = false;
 
   bool is_own(std::uintptr_t base) const { return std::ranges::find(own_libraries, base) != own_libraries.end(); }
   std::vector<Library> left() const {
@@ -114,21 +114,31 @@ extern "C" void end_here(int status, void*) {
   leave_process(status);
 }
 
+/// Notes the libraries in memory as those of the program.
+void note_libraries() {
+  guests().own_libraries.fill(0);
+  std::uintptr_t* place = guests().own_libraries.data();
+  dl_iterate_phdr(
+      [](dl_phdr_info* object, std::size_t, void* next) {
+        auto& to = *static_cast<std::uintptr_t**>(next);
+        if (to != guests().own_libraries.data() + guests().own_libraries.size()) *to++ = object->dlpi_addr;
+        return 0;
+      },
+      &place);
+}
+
 }  // namespace
 
 void note_own_libraries() {
-  static const bool noted = [] {
-    std::uintptr_t* place = guests().own_libraries.data();
-    dl_iterate_phdr(
-        [](dl_phdr_info* object, std::size_t, void* next) {
-          auto& to = *static_cast<std::uintptr_t**>(next);
-          if (to != guests().own_libraries.data() + guests().own_libraries.size()) *to++ = object->dlpi_addr;
-          return 0;
-        },
-        &place);
-    return true;
-  }();
-  static_cast<void>(noted);
+  if (!std::exchange(guests().are_loaded, true)) note_libraries();
+}
+
+bool has_loaded_guests() { return guests().are_loaded; }
+
+bool is_code_of_guest(const void* place) {
+  dl_find_object object;
+  if (!has_loaded_guests() || _dl_find_object(const_cast<void*>(place), &object) != 0) return false;
+  return !guests().is_own(object.dlfo_link_map->l_addr);
 }
 
 void guard_process_end(const std::string& controller, double limit) {
@@ -143,8 +153,8 @@ void guard_process_end(const std::string& controller, double limit) {
 }
 
 void note_forked_run() {
-  note_own_libraries();
-  guests().in_fork = true;
+  note_libraries();  // also guests of the process that forked: their threads don't exist here
+  guests().are_loaded = guests().in_fork = true;
   on_exit(end_here, nullptr);
 }
 

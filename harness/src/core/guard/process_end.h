@@ -13,6 +13,10 @@ namespace rehearse {
 /// Must be called before code of a controller is loaded: the libraries in memory belong to the program. Further calls
 /// have no effect.
 void note_own_libraries();
+/// True from that call on.
+bool has_loaded_guests();
+/// True if code was loaded since that call. Takes no lock.
+bool is_code_of_guest(const void* place);
 
 /// Must be called when handlers and destructors of a controller may be left for exit(): its library was unloaded, or
 /// has to stay. Those that were registered before are guarded. `controller`: "BODY/NAME". `limit`: of all of them [s].

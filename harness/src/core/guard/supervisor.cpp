@@ -1,6 +1,8 @@
 #include "supervisor.h"
 
+#include <dlfcn.h>
 #include <fmt/format.h>
+#include <link.h>
 #include <pthread.h>
 #include <rehearse/pin.h>
 #include <signal.h>
@@ -34,8 +36,10 @@
 #include "guarded_call.h"
 #include "interruption.h"
 #include "process_end.h"
+#include "source_line.h"
 #include "streams.h"
 #include "supervise.h"
+#include "supervisor_notes.h"
 
 namespace rehearse {
 namespace {
@@ -45,60 +49,17 @@ constexpr double patience = 0.5;                      // time for a child to end
 constexpr timespec child_look_period{0, 50'000'000};  // at which the child is looked at
 constexpr double longest_look = 1.0;                  // after a longer interval this process was stopped [s]
 
-/// A call into a controller.
-struct NotedCall {
-  std::int64_t tick = 0;
-  double time = 0.0;   // [s] of simulation
-  double limit = 0.0;  // [s]
-  char controller[256] = {};
-  char function[64] = {};
-};
-
-/// A call and its hash: a controller may write into the memory that parent and child share.
-struct SealedCall {
-  NotedCall call;
-  std::uint64_t seal = 0;
-
-  std::uint64_t right_seal() const { return hash_bytes(&call, sizeof call, 1); }
-};
-
-/// A number that a stray write hardly gives.
-constexpr std::uint64_t regular_end = 0x72656775'6c617221;
-
-/// Memory that parent and child share. The child writes, and may be killed at any time. A controller may write there,
-/// so it has no types whose bytes may be invalid.
-struct Notes {
-  std::atomic<std::uint64_t> calls{0};      // number of begins and ends; odd: a call is running
-  std::array<SealedCall, 2> last_calls;     // written in turns: a kill leaves one of them whole
-  std::atomic<std::uint32_t> latest{0};     // index of the last call
-  std::atomic<std::uint64_t> announced{0};  // regular_end: the end was announced
-  int status = 0;                           // the announced exit status
-  std::atomic<double> memory_limit{0.0};    // [bytes]; 0: not stated
-  int tasks_left = 0;
-  char task[512] = {};
-  char deed[512] = {};                 // after the controller's name: how its call failed
-  std::atomic<std::uint32_t> hung{0};  // 1: the call exceeded its limit
-  int checks_leaks = 0;                // 1: a leak checker may change the exit status in exit()
-  std::atomic<std::int32_t> run{0};    // the process of the present run, a child of the child; 0: the child makes it
-};
-
 Notes* notes = nullptr;  // null: this process has no supervisor
 bool forks_run = false;  // the present fork has this process's supervisor
 pid_t present_run = 0;   // a child of this process; 0: none
 
 std::function<void(const std::string&)> tell_failure;
 
-template <std::size_t size>
-void put(char (&place)[size], const char* text) {
-  const std::size_t length = strnlen(text, size - 1);
-  std::memcpy(place, text, length);
-  place[length] = '\0';
-}
-
-/// A guest may have written into the notes.
-template <std::size_t size>
-std::string text_of(const char (&place)[size]) {
-  return std::string(place, strnlen(place, size));
+void note_place(const void* place) {
+  dl_find_object object;
+  if (!place || _dl_find_object(const_cast<void*>(place), &object) != 0) return;
+  put(notes->library, object.dlfo_link_map->l_name);
+  notes->address = reinterpret_cast<std::uintptr_t>(place) - object.dlfo_link_map->l_addr;
 }
 
 constexpr const char* at_the_end = "while its static objects were destroyed";
@@ -135,6 +96,7 @@ class Parent {
   [[noreturn]] void leave_announced();
   [[noreturn]] void leave(int status);
   [[noreturn]] void mirror();
+  void find_line();
   std::string sentence() const;
   std::string close_traces();
 
@@ -144,9 +106,12 @@ class Parent {
   sigset_t received_{};  // signals from outside
   std::uint64_t calls_ = 0;
   std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now(), looked_ = since_;
+  std::string line_;            // "walk.cpp:42: ", of the code that failed; empty: not known
   NotedCall call_;              // the last whose seal was right
   bool gave_terminal_ = false;  // the terminal signals the child, not this process
   bool hung_ = false;
+  int interrupted_ = 0;  // the first signal from outside that ends runs; 0: none
+  std::chrono::steady_clock::time_point interrupted_at_;
   bool damaged_ = false;  // a controller has written into memory that this process reads
   const double default_memory_limit_ = default_memory_limit();  // [bytes]
   double memory_limit_ = 0.0;                                   // the limit that the child exceeded [bytes]
@@ -178,6 +143,7 @@ void Parent::run() {
   }
   if (notes->announced == regular_end && !damaged_) leave_announced();
   if (!damaged_ && (notes->calls == 0 || was_interrupted())) mirror();
+  find_line();
   std::string text = "error: " + sentence() + "\n";
   if (!damaged_ && notes->task[0] != '\0')
     text += fmt::format("error: it was in {}; {} not run\n", text_of(notes->task),
@@ -185,7 +151,8 @@ void Parent::run() {
   text += close_traces();
   std::fputs(text.c_str(), stderr);
   if (tell_failure) tell_failure(sentence());
-  leave(controller_failed);
+  const bool is_late = hung_ || notes->hung == 1;
+  leave(is_late && interrupted_ != 0 ? 128 + interrupted_ : controller_failed);
 }
 
 bool Parent::has_ended() {
@@ -211,6 +178,11 @@ void Parent::pass_on(const siginfo_t& signal) {
   const pid_t runner = this->runner();
   if (signal.si_code <= 0 && (signal.si_pid == child_ || signal.si_pid == runner)) return;
   sigaddset(&received_, signal.si_signo);
+  const int number = signal.si_signo;
+  if (interrupted_ == 0 && (number == SIGINT || number == SIGTERM || number == SIGHUP)) {
+    interrupted_ = number;
+    interrupted_at_ = std::chrono::steady_clock::now();
+  }
   kill(child_, signal.si_signo);
   if (runner != child_) kill(runner, signal.si_signo);
 }
@@ -264,7 +236,10 @@ void Parent::look_for_hang() {
     since_ = now;
     looked_ = now;
   }
-  if (!look_at_call() || seconds_since(since_) < call_.limit + patience) return;
+  const double age = seconds_since(since_);
+  const bool is_late =
+      interrupted_ != 0 && std::min(age, seconds_since(interrupted_at_)) > limit_after_signal + patience;
+  if (!look_at_call() || (age < call_.limit + patience && !is_late)) return;
   if (is_traced_by_other(child_) || is_traced_by_other(runner())) return;
   if (call_.function != std::string_view(destroying)) {
     hung_ = true;
@@ -310,6 +285,11 @@ void Parent::mirror() {
   end_as(ended_);
 }
 
+void Parent::find_line() {
+  if (notes->deed[0] == '\0' || notes->library[0] == '\0' || damaged_) return;
+  if (const auto line = source_line_at(text_of(notes->library), notes->address)) line_ = line->text();
+}
+
 std::string Parent::sentence() const {
   const std::string function = text_of(call_.function), controller = text_of(call_.controller);
   const std::string where = function == destroying ? at_the_end
@@ -320,7 +300,7 @@ std::string Parent::sentence() const {
     return "a controller wrote over memory that it shares with its supervisor" +
            (controller.empty() ? "" : fmt::format("; the last known call: controller '{}' {}", controller, where));
   if (hung_ || notes->hung == 1)
-    return fmt::format("controller '{}' did not return within {} s {}", controller, call_.limit, where);
+    return fmt::format("controller '{}' {} {}", controller, lateness(call_.limit, interrupted_), where);
   if (memory_limit_ > 0.0) {
     const bool in_call = notes->calls % 2 == 1;
     return fmt::format("{} took more than {:.0f} MB of memory{} {}",
@@ -328,7 +308,8 @@ std::string Parent::sentence() const {
                        in_call ? "" : ", after controller '" + controller + "' was called", where);
   }
   const std::string how = end_text(ended_);
-  if (notes->deed[0] != '\0') return fmt::format("controller '{}' {} {}", controller, text_of(notes->deed), where);
+  if (notes->deed[0] != '\0')
+    return fmt::format("{}controller '{}' {} {}", line_, controller, text_of(notes->deed), where);
   if (notes->calls % 2 == 1) return fmt::format("controller '{}' ended the process {} {}", controller, how, where);
   return fmt::format(
       "the process was ended {} after controller '{}' was called {}: by a thread, timer or limit that a controller "
@@ -414,15 +395,17 @@ void note_memory_limit(double bytes) {
   if (notes) notes->memory_limit = bytes;
 }
 
-void fail_process(const char* deed) {
+void fail_process(const char* deed, const void* place) {
   if (!notes) return;
+  note_place(place);
   if (deed) put(notes->deed, deed);
   notes->hung = deed ? 0 : 1;
   kill(getpid(), SIGKILL);
 }
 
-void fail_process_by_thread(const char* deed) {
+void fail_process_by_thread(const char* deed, const void* place) {
   if (!notes) return;
+  note_place(place);
   put(notes->deed, "started a thread that ");
   const std::size_t length = std::strlen(notes->deed);
   std::strncpy(notes->deed + length, deed, sizeof notes->deed - length - 1);

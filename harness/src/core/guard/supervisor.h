@@ -27,10 +27,10 @@ void note_memory_limit(double bytes);
 
 /// Ends the process because a controller's call failed in a way that leaves the process unusable: `deed` after the
 /// controller's name, "crashed: ..."; null: it exceeded its limit. Returns if there is no parent to report it. They are
-/// called in signal handlers.
-void fail_process(const char* deed);
+/// called in signal handlers. `place`: the address of the controller's code; null: it isn't known.
+void fail_process(const char* deed, const void* place = nullptr);
 /// The same for a failure of a thread that a controller started.
-void fail_process_by_thread(const char* deed);
+void fail_process_by_thread(const char* deed, const void* place = nullptr);
 
 /// Announces that the process will regularly end with this exit status.
 void announce_end(int status);

@@ -11,10 +11,10 @@
 #include "core/guard/cost_counter.h"
 #include "core/guard/exception_text.h"
 #include "core/guard/opened_files.h"
+#include "core/guard/source_line.h"
 #include "core/guard/streams.h"
 #include "core/guard/supervisor.h"
 #include "debug_hook.h"
-#include "source_line.h"
 
 namespace rehearse {
 namespace {
@@ -58,12 +58,6 @@ void ControllerHost::event(Severity severity, const std::string& source, std::st
 }
 
 std::vector<msg::Event> ControllerHost::take_events() { return std::exchange(events_, {}); }
-
-/// "walk.cpp:42: ", for the beginning of a message; empty: the line of that code isn't known.
-std::string line_at(const void* place) {
-  const auto line = source_line_of(place);
-  return line ? fmt::format("{}:{}: ", line->file.filename().string(), line->line) : "";
-}
 
 /// The last lines that a controller wrote, for the message of its failure; empty if it wrote none.
 std::string ControllerHost::last_words(const HostedController& hosted) {
@@ -140,7 +134,8 @@ bool ControllerHost::call(HostedController& hosted, const char* function, const 
   if (outcome.end == CallEnd::returned) return true;
   if (outcome.by_thread_of) thread_failed_of_ = outcome.by_thread_of;
   const std::string& label = label_of_failed(hosted, outcome);
-  std::string text = fmt::format("{}controller '{}' {} in {}() at tick {} ({} s){}", line_at(outcome.place), label,
+  const auto line = source_line_of(outcome.place);
+  std::string text = fmt::format("{}controller '{}' {} in {}() at tick {} ({} s){}", line ? line->text() : "", label,
                                  outcome.what, function, tick_, time_of(tick_, scenario_->time_step),
                                  &label == &hosted.label ? last_words(hosted) : "");
   event(Severity::error, label, text);

@@ -285,7 +285,7 @@ void ControllerLibrary::unload() {
         else
           dlclose(handle_);
       },
-      call_limit_, true);
+      call_limit_);
   ProcessGuard::instance().put_right();
   note_call_end();
   if (outcome.end == CallEnd::returned) return;

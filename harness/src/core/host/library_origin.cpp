@@ -1,9 +1,7 @@
 #include "library_origin.h"
 
-#include <elfutils/libdw.h>
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <gelf.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -13,44 +11,13 @@
 #include <string_view>
 #include <system_error>
 
-#include "reader_process.h"
+#include "core/guard/libdw.h"
+#include "core/guard/reader_process.h"
 
 namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Functions of libdw and of the libelf that it links; they are loaded only to read libraries: no run depends on them.
-struct Libdw {
-  decltype(&dwarf_begin) begin = nullptr;
-  decltype(&dwarf_end) end = nullptr;
-  decltype(&dwarf_nextcu) next_unit = nullptr;
-  decltype(&dwarf_offdie) entry_at = nullptr;
-  decltype(&dwarf_getsrcfiles) files_of = nullptr;
-  decltype(&dwarf_filesrc) name_of = nullptr;
-  decltype(&elf_version) version = nullptr;
-  decltype(&elf_begin) begin_elf = nullptr;
-  decltype(&elf_end) end_elf = nullptr;
-  decltype(&elf_nextscn) next_section = nullptr;
-  decltype(&gelf_getshdr) header_of = nullptr;
-  decltype(&elf_getdata) data_of = nullptr;
-  decltype(&gelf_getdyn) entry_of = nullptr;
-  decltype(&elf_strptr) text_at = nullptr;
-
-  /// None: it isn't installed.
-  static std::optional<Libdw> load() {
-    Libdw functions;
-    const LibraryFunctions find("libdw.so.1");
-    const bool found = find("dwarf_begin", functions.begin) && find("dwarf_end", functions.end) &&
-                       find("dwarf_nextcu", functions.next_unit) && find("dwarf_offdie", functions.entry_at) &&
-                       find("dwarf_getsrcfiles", functions.files_of) && find("dwarf_filesrc", functions.name_of) &&
-                       find("elf_version", functions.version) && find("elf_begin", functions.begin_elf) &&
-                       find("elf_end", functions.end_elf) && find("elf_nextscn", functions.next_section) &&
-                       find("gelf_getshdr", functions.header_of) && find("elf_getdata", functions.data_of) &&
-                       find("gelf_getdyn", functions.entry_of) && find("elf_strptr", functions.text_at);
-    return found ? std::optional(functions) : std::nullopt;
-  }
-};
 
 // The child's output: a line for each fact, which begins with its kind.
 constexpr std::string_view source_line = "source ", needed_line = "needed ", searched_line = "searched ";
@@ -68,7 +35,7 @@ void print_sources(const Libdw& dw, int file, std::FILE* to) {
     std::size_t count = 0;
     if (!dw.entry_at(session, unit + header, &entry) || dw.files_of(&entry, &files, &count) != 0) continue;
     for (std::size_t i = 0; i < count; ++i)
-      if (const char* name = dw.name_of(files, i, nullptr, nullptr)) names.insert(name);
+      if (const char* name = dw.file_in(files, i, nullptr, nullptr)) names.insert(name);
   }
   for (const std::string& name : names) fmt::print(to, "{}{}\n", source_line, name);
   dw.end(session);
@@ -84,7 +51,7 @@ void print_linked(const Libdw& dw, int file, std::FILE* to) {
     Elf_Data* const data = dw.data_of(section, nullptr);
     if (!dw.header_of(section, &header) || header.sh_type != SHT_DYNAMIC || !data) continue;
     GElf_Dyn entry;
-    for (int i = 0; dw.entry_of(data, i, &entry) && entry.d_tag != DT_NULL; ++i) {
+    for (int i = 0; dw.dynamic_in(data, i, &entry) && entry.d_tag != DT_NULL; ++i) {
       const bool is_needed = entry.d_tag == DT_NEEDED;
       if (!is_needed && entry.d_tag != DT_RUNPATH && entry.d_tag != DT_RPATH) continue;
       if (const char* text = dw.text_at(elf, header.sh_link, entry.d_un.d_val))

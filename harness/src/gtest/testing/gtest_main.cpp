@@ -1,8 +1,8 @@
 // main() of tests that use <rehearse/gtest.h>.
 #include <gtest/gtest.h>
-#include <rehearse/pin.h>
 
 #include "core/guard/supervise.h"
+#include "test_process.h"
 
 namespace {
 
@@ -19,8 +19,7 @@ class Tasks : public testing::EmptyTestEventListener {
 }  // namespace
 
 int main(int argc, char** argv) {
-  rehearse::pin_process(argv);  // first, because it starts the program once more, before any computation
-  rehearse::supervise_process();
+  rehearse::internal::begin_test_process(argv);
   ::testing::InitGoogleTest(&argc, argv);
   ::testing::UnitTest::GetInstance()->listeners().Append(new Tasks);
   return RUN_ALL_TESTS();

@@ -10,6 +10,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "core/check/own_run.h"
 #include "core/golden/run_folder.h"
 #include "core/host/source_age.h"
 #include "core/scenario/trace_scenario.h"
@@ -115,7 +116,7 @@ TestVerdict replay_and_compare(const GoldenStore& store, const std::string& name
                                store.trace_file(name).string())};
   if (const auto golden = mcap::Reader::open(store.trace_file(name)))
     if (const auto scenario = scenario_of(**golden)) tell_old_libraries(notes_on_old_libraries(*scenario, {}));
-  const auto report = replay(store.trace_file(name));
+  const auto report = own_replay(store.trace_file(name), {});
   if (!report) return {false, to_string(report.errors())};
   if (report->failure) return {false, report->failure->message};
   if (report->values == 0)
@@ -146,7 +147,8 @@ std::string keep_replay_report(const fs::path& golden, const std::string& test, 
   const fs::path file = traces_folder() / (test + ".replay.mcap");
   std::error_code ignored;
   fs::create_directories(traces_folder(), ignored);
-  if (const auto written = write_replay(golden, file, {}); !written) return "\n" + to_string(written.errors());
+  const auto written = own_run([&]() -> Result<void> { return write_replay(golden, file, {}); });
+  if (!written) return "\n" + to_string(written.errors());
   const auto replayed = Trace::load(file);
   if (!replayed) return "\n" + to_string(replayed.errors());
   ComparedTest compared;

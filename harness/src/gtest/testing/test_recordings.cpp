@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/check/check_run.h"
+#include "core/check/own_run.h"
 #include "core/check/proof.h"
 #include "core/trace/run_facts.h"
 #include "realtime_assertions.h"
@@ -35,9 +36,13 @@ const Recorded* find(const Trace& trace) {
   return found == recordings().end() ? nullptr : &found->second;
 }
 
+Result<RunSummary> own_record(const Scenario& scenario, const fs::path& file, const RecordOptions& options = {}) {
+  return own_run([&]() -> Result<RunSummary> { return record(scenario, file, options); });
+}
+
 /// Simulates a run that is proved, and fails if it isn't the golden.
 Result<RunSummary> simulate_proved(const Scenario& scenario, const fs::path& golden, const fs::path& file) {
-  auto run = record(scenario, file);
+  auto run = own_record(scenario, file);
   if (!run || run->ending()) return run;
   const auto compared = REHEARSE_TRY(compare(golden, file, scenario.tolerances, {}));
   if (compared.equal) return run;
@@ -49,7 +54,7 @@ Result<RunSummary> simulate_proved(const Scenario& scenario, const fs::path& gol
 Result<RunSummary> make_known(const Scenario& scenario, const std::string& test, const fs::path& file, int sampled,
                               Recorded& recorded) {
   const auto golden = Trace::load_in_pieces(recorded.golden, [](const Trace&) {});
-  if (!golden) return record(scenario, file);  // the comparison reports the error
+  if (!golden) return own_record(scenario, file);  // the comparison reports the error
   auto level = replay_golden(scenario, *golden, with_controllers_of(scenario, {}));
   ReplayReport* const replayed = level ? &level->replay : nullptr;
   if (!replayed || !replayed->repeats_the_run) {
@@ -97,16 +102,16 @@ Result<RunSummary> make_recording(const Scenario& scenario, const std::string& t
   recorded = {scenario.file, {}, std::nullopt};
   RecordOptions counting;
   counting.counts_costs = wants_realtime();
-  if (counting.counts_costs) return record(scenario, file, counting);
-  if (!proving.on || mode != GoldenMode::check || !store.has(test)) return record(scenario, file);
+  if (counting.counts_costs) return own_record(scenario, file, counting);
+  if (!proving.on || mode != GoldenMode::check || !store.has(test)) return own_record(scenario, file);
   recorded.golden = store.trace_file(test);
   const auto golden = Trace::outline(recorded.golden);
-  if (!golden || !check_version(*golden)) return record(scenario, file);  // the comparison reports the error
-  if (RunFacts::of(*golden).state_rate) return record(scenario, file);    // the test may read the state of any tick
+  if (!golden || !check_version(*golden)) return own_record(scenario, file);  // the comparison reports the error
+  if (RunFacts::of(*golden).state_rate) return own_record(scenario, file);    // the test may read the state of any tick
   CheckOptions options;
   options.certificates = certificates_of(store);
   recorded.proof.emplace(scenario, *golden, options, simulation());
-  if (!recorded.proof->holds()) return record(scenario, file);
+  if (!recorded.proof->holds()) return own_record(scenario, file);
   return make_known(scenario, test, file, proving.sampled, recorded);
 }
 

@@ -27,6 +27,9 @@ class CommandRecord {
   bool begins_steadily(double time_step) const;
   std::int64_t first_time() const { return first_time_; }  // [us]
   const std::map<std::int64_t, std::vector<double>>& all() const { return commands_; }
+  /// For answers between processes.
+  void each_part(auto& each) { each(first_time_), each(commands_); }
+  void each_part(auto& each) const { each(first_time_), each(commands_); }
 
  private:
   std::int64_t first_time_ = 0;  // of the first tick [us]

@@ -43,7 +43,8 @@ struct LogReplayOptions : HostOptions {
   std::filesystem::path map;             // assigns topics to inputs
   std::optional<mcap::TimeBound> from;   // commands before this time are not compared
   std::optional<mcap::TimeBound> until;  // end of the replay, not included
-  /// Called with each difference from the log's commands, in the order of ticks; null: not.
+  /// Called with each difference from the log's commands, in the order of ticks and in the controllers' process; null:
+  /// not.
   std::function<void(const Divergence&)> on_difference;
   // Set by replay_log(), also to find out which ticks are certain (log_memory.h):
   LogSpan span;
@@ -198,7 +199,7 @@ struct LogReplayReport : Differences {
   std::string log_hash;    // of the log's bytes, 16 hexadecimal digits
   std::vector<LogTopicReport> topics;
   std::vector<ControlTimes> control_times;  // of the controller
-  bool has_commands = false;  // the map names topics with commands to compare
+  bool has_commands = false;                // the map names topics with commands to compare
   std::int64_t ticks_compared = 0;
   std::int64_t ticks_different = 0;
   std::int64_t ticks_beyond = 0;  // of them, beyond a tolerance

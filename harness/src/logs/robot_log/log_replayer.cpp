@@ -11,8 +11,10 @@
 
 #include "base/clock.h"
 #include "base/hashing.h"
+#include "core/guard/own_process.h"
 #include "core/host/given_state.h"
 #include "core/recording/provenance.h"
+#include "log_answers.h"
 #include "log_mistakes.h"
 #include "log_scenario.h"
 #include "topic_watch.h"
@@ -150,13 +152,19 @@ Result<LogReplayReport> LogReplayer::run(const std::vector<LogTopic>& topics, st
   observations_.emplace(map_, *model_, sources_, survey_, *log_ticks_, plan_ ? &*plan_ : nullptr);
   REHEARSE_TRY(observations_->make_feeds(topics));
   if (options_.memory) observations_->watch_order(*times_);
+  auto made = REHEARSE_TRY(in_own_process<Fed>([this] { return feed(); }));
+  if (options_.commands) *options_.commands = std::move(made.second);
+  return std::move(made.first);
+}
+
+Result<LogReplayer::Fed> LogReplayer::feed() {
   read_in_order(log_, channels_of(log_, sources_),
                 [this](const mcap::Message& message) { return on_message(message); });
   if (errors_.empty())
     if (auto done = run_ticks_before(std::numeric_limits<std::int64_t>::max()); !done) errors_ = done.errors();
   if (!errors_.empty()) return errors_;
   REHEARSE_TRY(finish());
-  return std::move(report_);
+  return Fed(std::move(report_), options_.commands ? *options_.commands : CommandRecord());
 }
 
 bool LogReplayer::on_message(const mcap::Message& message) {

@@ -21,6 +21,7 @@
 #include "core/run/hosted_commands.h"
 #include "core/run/run.h"
 #include "log_clocks.h"
+#include "log_memory.h"
 #include "log_observations.h"
 #include "log_replay.h"
 #include "log_sink.h"
@@ -43,6 +44,7 @@ class LogReplayer {
               const std::filesystem::path& trace, const LogReplayOptions& options)
       : log_(log), map_(map), model_(std::move(model)), trace_(trace), options_(options) {}
 
+  /// Surveys the log, and runs the controllers in a process that has run none if this one has own processes.
   /// `known`: of a replay by a map with the same topics, clocks and topic of ticks; null: the log is surveyed.
   Result<LogReplayReport> run(const std::vector<LogTopic>& topics, std::string log_hash,
                               const SurveyedLog* known = nullptr);
@@ -55,6 +57,11 @@ class LogReplayer {
   const std::vector<MappedSource>& sources() const { return sources_; }
 
  private:
+  /// The result, and the commands that the options ask for.
+  using Fed = std::pair<LogReplayReport, CommandRecord>;
+
+  /// Runs the controllers.
+  Result<Fed> feed();
   void convert_span();
   Result<void> find_span();
   std::int64_t first_tick_with(std::int64_t message) const;

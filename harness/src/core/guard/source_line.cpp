@@ -2,7 +2,6 @@
 
 #include <dlfcn.h>
 #include <dwarf.h>
-#include <elfutils/libdw.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 
@@ -11,46 +10,13 @@
 #include <string>
 #include <string_view>
 
+#include "libdw.h"
 #include "reader_process.h"
 
 namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct LineFunctions {
-  decltype(&dwarf_begin) begin = nullptr;
-  decltype(&dwarf_nextcu) next_unit = nullptr;
-  decltype(&dwarf_offdie) entry_at = nullptr;
-  decltype(&dwarf_haspc) has_address = nullptr;
-  decltype(&dwarf_getsrc_die) line_at = nullptr;
-  decltype(&dwarf_lineno) number_of = nullptr;
-  decltype(&dwarf_linesrc) file_of = nullptr;
-  decltype(&dwarf_getscopes) scopes_at = nullptr;
-  decltype(&dwarf_tag) tag_of = nullptr;
-  decltype(&dwarf_attr) attribute_of = nullptr;
-  decltype(&dwarf_formudata) number_in = nullptr;
-  decltype(&dwarf_formstring) text_in = nullptr;
-  decltype(&dwarf_getsrcfiles) files_of = nullptr;
-  decltype(&dwarf_filesrc) file_in = nullptr;
-
-  /// False: it isn't installed.
-  bool load() {
-    const LibraryFunctions find("libdw.so.1");
-    return find("dwarf_begin", begin) && find("dwarf_nextcu", next_unit) && find("dwarf_offdie", entry_at) &&
-           find("dwarf_haspc", has_address) && find("dwarf_getsrc_die", line_at) && find("dwarf_lineno", number_of) &&
-           find("dwarf_linesrc", file_of) && find("dwarf_getscopes", scopes_at) && find("dwarf_tag", tag_of) &&
-           find("dwarf_attr", attribute_of) && find("dwarf_formudata", number_in) &&
-           find("dwarf_formstring", text_in) && find("dwarf_getsrcfiles", files_of) && find("dwarf_filesrc", file_in);
-  }
-
-  /// The number of an attribute; 0: it has none.
-  Dwarf_Word number(Dwarf_Die& entry, unsigned name) const {
-    Dwarf_Attribute attribute;
-    Dwarf_Word value = 0;
-    return number_in(attribute_of(&entry, name, &attribute), &value) == 0 ? value : 0;
-  }
-};
 
 bool is_of_another_package(std::string_view file) {
   if (file.starts_with("/usr/")) return true;
@@ -60,7 +26,7 @@ bool is_of_another_package(std::string_view file) {
 }
 
 /// The line at an address of a unit that has it.
-SourceLine line_in(const LineFunctions& dw, Dwarf_Die& unit, Dwarf_Addr address) {
+SourceLine line_in(const Libdw& dw, Dwarf_Die& unit, Dwarf_Addr address) {
   SourceLine found;
   Dwarf_Line* const row = dw.line_at(&unit, address);
   const char* file = row ? dw.file_of(row, nullptr, nullptr) : nullptr;
@@ -83,22 +49,24 @@ SourceLine line_in(const LineFunctions& dw, Dwarf_Die& unit, Dwarf_Addr address)
 }
 
 void print_line_at(const fs::path& library, Dwarf_Addr address, std::FILE* to) {
-  LineFunctions dw;
-  const int file = dw.load() ? ::open(library.c_str(), O_RDONLY | O_CLOEXEC) : -1;
-  Dwarf* const session = file < 0 ? nullptr : dw.begin(file, DWARF_C_READ);
+  const auto dw = Libdw::load();
+  const int file = dw ? ::open(library.c_str(), O_RDONLY | O_CLOEXEC) : -1;
+  Dwarf* const session = file < 0 ? nullptr : dw->begin(file, DWARF_C_READ);
   if (!session) return;
   std::size_t header = 0;
-  for (Dwarf_Off unit = 0, next = 0; dw.next_unit(session, unit, &next, &header, nullptr, nullptr, nullptr) == 0;
+  for (Dwarf_Off unit = 0, next = 0; dw->next_unit(session, unit, &next, &header, nullptr, nullptr, nullptr) == 0;
        unit = next) {
     Dwarf_Die entry;
-    if (!dw.entry_at(session, unit + header, &entry) || dw.has_address(&entry, address) <= 0) continue;
-    const SourceLine found = line_in(dw, entry, address);
+    if (!dw->entry_at(session, unit + header, &entry) || dw->has_address(&entry, address) <= 0) continue;
+    const SourceLine found = line_in(*dw, entry, address);
     if (found.line > 0) fmt::print(to, "{} {}", found.line, found.file.string());
     return;
   }
 }
 
 }  // namespace
+
+std::string SourceLine::text() const { return fmt::format("{}:{}: ", file.filename().string(), line); }
 
 std::optional<SourceLine> source_line_at(const fs::path& library, std::uint64_t address) {
   const std::string text = text_of_child([&](std::FILE* to) { print_line_at(library, address, to); });

@@ -4,12 +4,16 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 namespace rehearse {
 
 struct SourceLine {
   std::filesystem::path file;  // absolute, unless the compiler left out its folder
   int line = 0;
+
+  /// "walk.cpp:42: ", for the beginning of a message.
+  std::string text() const;
 };
 
 /// The line at a virtual address of a library. Of a function that was inlined from a header of another package, the
