@@ -24,7 +24,8 @@ struct PerturbedRun {
   HostOptions host;
 };
 
-/// Makes the runs, each in a process that has run no controller if this one has own processes. Fails if the scenario can't be loaded or a run can't be made.
+/// Makes the runs, each in a process that has run no controller if this one has own processes. Fails if the scenario
+/// can't be loaded or a run can't be made.
 Result<void> make_perturbed_run(const PerturbedRun& run, const Simulation& simulation);
 
 /// The results of such a process.
