@@ -86,26 +86,24 @@ void LogMapReader::read_sensor(const Keys& keys, DeviceSource source, std::strin
 }
 
 /// Reads the source of a sensor of numbers, which can be interpolated.
-void LogMapReader::read_vectors(const Keys& keys, DeviceSource::Kind kind, std::string_view devices, const Needs& needs,
-                                std::string_view type) {
+void LogMapReader::read_vectors(const BoundForm<DeviceSource>& form, const YamlNode& node, DeviceSource::Kind kind,
+                                std::string_view devices, const Needs& needs, std::string_view type) {
+  const Keys keys(findings_, node, form);
   if (!keys.is_map()) return;
   DeviceSource source;
   source.kind = kind;
-  read_source(&keys, source, max_age_of_numbers);
-  read_sampling(keys, source);
+  read_source(form, &keys, source, max_age_of_numbers);
   read_sensor(keys, std::move(source), devices, {needs}, type);
 }
 
 void LogMapReader::read_imu(const YamlNode& node) {
-  const Keys keys(findings_, node, imu_source_form());
-  read_vectors(keys, DeviceSource::Kind::imu, "gyros, accelerometers and IMUs",
+  read_vectors(bound_imu_source_form(), node, DeviceSource::Kind::imu, "gyros, accelerometers and IMUs",
                two_vectors("angular_velocity", "linear_acceleration"), "an Imu");
 }
 
 void LogMapReader::read_wrench(const YamlNode& node) {
-  const Keys keys(findings_, node, wrench_source_form());
-  read_vectors(keys, DeviceSource::Kind::wrench, "force sensors", two_vectors("wrench/force", "wrench/torque"),
-               "a WrenchStamped");
+  read_vectors(bound_wrench_source_form(), node, DeviceSource::Kind::wrench, "force sensors",
+               two_vectors("wrench/force", "wrench/torque"), "a WrenchStamped");
 }
 
 void LogMapReader::read_ranges(const YamlNode& node) {
@@ -113,7 +111,7 @@ void LogMapReader::read_ranges(const YamlNode& node) {
   if (!keys.is_map()) return;
   DeviceSource source;
   source.kind = DeviceSource::Kind::ranges;
-  read_source(&keys, source, max_age_of_pictures);
+  read_source(bound_range_source_form(), &keys, source, max_age_of_pictures);
   const Needs scan{{"ranges/*", number}, {"range_min", number}, {"range_max", number}};
   const Needs cloud{{"fields/*/name", text}, {"fields/*/offset", number}, {"point_step", number}, {"row_step", number},
                     {"width", number},       {"height", number},          {"data", bytes}};
@@ -127,7 +125,7 @@ void LogMapReader::read_camera(const YamlNode& node) {
   if (!picture && !depth)
     findings_.error(node, "a camera has neither 'topic' nor 'depth'", "expected topic: the name of one with pictures");
   DeviceSource common;
-  read_source(&keys, common, max_age_of_pictures);
+  read_source(bound_camera_source_form(), &keys, common, max_age_of_pictures);
   common.devices = read_devices(keys, depth ? DeviceSource::Kind::depth : DeviceSource::Kind::picture,
                                 depth ? "cameras that measure depth" : "cameras");
   const Needs raw{{"encoding", text}, {"width", number}, {"height", number}, {"step", number}, {"data", bytes}};

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/scenario/scenario_values.h"
+#include "bound_map_forms.h"
 #include "log_map.h"
 
 namespace rehearse {
@@ -37,8 +37,6 @@ class LogMapReader {
   // log_map.cpp
   bool check_version(const YamlNode& root);
   void read_body(const Keys& keys, const YamlNode& root);
-  void read_clock(const Keys& keys);
-  static void read_clock_name(const Keys& keys, LogClock& clock);
   void read_tick(const YamlNode& node);
   void read_start(const Keys& keys);
   void read_missing(const Keys& keys);
@@ -62,11 +60,18 @@ class LogMapReader {
                              std::string_view what, LogSource& source);
   /// The keys of a source; none if the source is a topic alone.
   std::optional<Keys> keys_of(const YamlNode& node, const Form& form);
-  /// The settings that all sources have: clock, clock_offset and, unless its default is nullopt, max_age. A setting
-  /// that the source lacks is the map's. Null keys: the source is a topic alone.
-  void read_source(const Keys* keys, LogSource& source, std::optional<double> max_age);
+  /// The bound keys of a source. A clock that the source lacks is the map's, and so is its max_age, unless its default
+  /// is nullopt. Null keys: the source is a topic alone.
+  template <class Source>
+  void read_source(const BoundForm<Source>& form, const Keys* keys, Source& source, std::optional<double> max_age) {
+    source.clock = clock_;
+    if (max_age) source.max_age = max_age_ ? max_age_ : max_age;
+    if (keys == nullptr) return;
+    form.read(*keys, source);
+    if (const YamlNode* offset = keys->find("clock_offset"); offset && source.clock == LogClock::log_time)
+      findings_.error(*offset, "'clock_offset' without stamps", "expected clock: header.stamp, too");
+  }
   void check_clock(const YamlNode& node, const LogTopic& topic, const LogSource& source);
-  static void read_sampling(const Keys& keys, LogSource& source);
   void read_names(const YamlNode& node, std::map<std::string, JointRename>& names);
   std::optional<int> read_joint(const YamlNode& node);
   void read_joints(const YamlNode& node);
@@ -86,8 +91,8 @@ class LogMapReader {
   static Needs two_vectors(std::string_view one, std::string_view other);
   static Needs twist() { return two_vectors("linear", "angular"); }
   static Needs twist_stamped() { return two_vectors("twist/linear", "twist/angular"); }
-  void read_vectors(const Keys& keys, DeviceSource::Kind kind, std::string_view devices, const Needs& needs,
-                    std::string_view type);
+  void read_vectors(const BoundForm<DeviceSource>& form, const YamlNode& node, DeviceSource::Kind kind,
+                    std::string_view devices, const Needs& needs, std::string_view type);
   void read_sensor(const Keys& keys, DeviceSource source, std::string_view devices, const std::vector<Needs>& needs,
                    std::string_view type);
   std::vector<int> read_devices(const Keys& keys, DeviceSource::Kind kind, std::string_view what);
