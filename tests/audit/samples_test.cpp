@@ -13,7 +13,7 @@ std::vector<std::string> scenarios_with_controllers() {
   for (const auto& entry : fs::directory_iterator(fixtures / "scenarios"))
     if (entry.path().extension() == ".yaml" && read_file(entry.path()).find("controllers:") != std::string::npos)
       names.push_back(entry.path().stem().string());
-  std::sort(names.begin(), names.end());
+  std::ranges::sort(names);
   return names;
 }
 

@@ -39,7 +39,7 @@ Cost cost_of(benchmark::State& state, const std::string& arguments) {
 }
 
 double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
+  std::ranges::sort(values);
   return values[values.size() / 2];
 }
 

@@ -216,8 +216,8 @@ bool allows(const Exception& exception, const Finding& finding) {
 
 TEST(Lint, NothingUnorderedNoClockAndNoChanceFeedsARun) {
   for (const Finding& finding : all_findings()) {
-    const bool is_allowed = std::any_of(std::begin(allowed), std::end(allowed),
-                                        [&](const Exception& exception) { return allows(exception, finding); });
+    const bool is_allowed =
+        std::ranges::any_of(allowed, [&](const Exception& exception) { return allows(exception, finding); });
     if (!is_allowed)
       ADD_FAILURE() << finding.file << ":" << finding.line << ": " << finding.rule->name << ": " << finding.rule->why;
   }
@@ -226,8 +226,7 @@ TEST(Lint, NothingUnorderedNoClockAndNoChanceFeedsARun) {
 TEST(Lint, AllowsNothingThatIsGone) {
   const std::vector<Finding> found = all_findings();
   for (const Exception& exception : allowed)
-    EXPECT_TRUE(
-        std::any_of(found.begin(), found.end(), [&](const Finding& finding) { return allows(exception, finding); }))
+    EXPECT_TRUE(std::ranges::any_of(found, [&](const Finding& finding) { return allows(exception, finding); }))
         << exception.file << " has no '" << exception.rule << "' any more";
 }
 
@@ -243,10 +242,10 @@ INSTANTIATE_TEST_SUITE_P(
                       Sample{"  std::map<const Body*, int> order;", "pointer order"},
                       Sample{"std::set<Link *> seen;", "pointer order"}, Sample{"std::map<int, Body*> by_id;", nullptr},
                       Sample{"seed = std::hash<std::string>()(name);", "hash"},
-                      Sample{"std::sort(a.begin(), a.end(), by_depth);", "unstable sort"},
-                      Sample{"std::sort(a.begin(), a.end(), [](int x, int y) {", "unstable sort"},
-                      Sample{"std::sort(a.begin(), a.end());", nullptr},
-                      Sample{"std::stable_sort(a.begin(), a.end(), by_depth);", nullptr},
+                      Sample{"std::ranges::sort(a, by_depth);", "unstable sort"},
+                      Sample{"std::ranges::sort(a, [](int x, int y) {", "unstable sort"},
+                      Sample{"std::ranges::sort(a);", nullptr},
+                      Sample{"std::ranges::stable_sort(a, by_depth);", nullptr},
                       Sample{"const auto now = std::chrono::steady_clock::now();", "clock"},
                       Sample{"clock_gettime(CLOCK_MONOTONIC, &now);", "clock"}, Sample{"time_of(tick, step)", nullptr},
                       Sample{"std::mt19937 generator;", "chance"}, Sample{"int i = rand();", "chance"},

@@ -104,14 +104,14 @@ Result<void> Matrix::find_scenarios() {
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(FIXTURES_DIR "/scenarios"))
     if (entry.path().extension() == ".yaml") files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   for (const std::string& name : options_.scenarios)
-    if (std::none_of(files.begin(), files.end(), [&](const fs::path& file) { return file.stem() == name; }))
+    if (std::ranges::none_of(files, [&](const fs::path& file) { return file.stem() == name; }))
       return error(fmt::format("there is no scenario '{}' among the fixtures", name));
   for (const fs::path& file : files) {
     const std::string name = file.stem();
     const auto& wanted = options_.scenarios;
-    if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), name) == wanted.end()) continue;
+    if (!wanted.empty() && std::ranges::find(wanted, name) == wanted.end()) continue;
     const auto scenario = Scenario::load(file);
     if (!scenario) return scenario.errors();
     Reference found{name, file, scenario->golden, scenario->time_step, scenario->duration, true, {}, 0};
@@ -222,7 +222,7 @@ Outcome Matrix::reference() const {
 Result<void> Matrix::judge_elsewhere(const Reference& reference, const fs::path& file, bool is_equal, const Row& row,
                                      Outcome& outcome) const {
   const std::vector<std::string>& equal = *row.equal_elsewhere;
-  const bool was_equal = std::find(equal.begin(), equal.end(), reference.name) != equal.end();
+  const bool was_equal = std::ranges::find(equal, reference.name) != equal.end();
   const bool right = is_equal == was_equal || !reference.whole;
   outcome.unexpected = outcome.unexpected || !right;
   std::string line = fmt::format("  {}{}: ", right ? "" : "WRONG: ", reference.name);
@@ -284,8 +284,8 @@ double Matrix::seconds() const {
 }
 
 std::size_t Matrix::goldens() const {
-  return static_cast<std::size_t>(std::count_if(references_.begin(), references_.end(),
-                                                [](const Reference& reference) { return !reference.golden.empty(); }));
+  return static_cast<std::size_t>(
+      std::ranges::count_if(references_, [](const Reference& reference) { return !reference.golden.empty(); }));
 }
 
 Result<std::vector<Row>> chosen_rows(const Options& options) {
@@ -301,7 +301,7 @@ Result<std::vector<Row>> chosen_rows(const Options& options) {
   const std::vector<Row> all = rows(builds);
   std::vector<Row> chosen;
   for (const std::string& name : options.rows) {
-    const auto found = std::find_if(all.begin(), all.end(), [&](const Row& row) { return row.name == name; });
+    const auto found = std::ranges::find_if(all, [&](const Row& row) { return row.name == name; });
     if (found == all.end()) return error(fmt::format("there is no row '{}'", name), "matrix --list names them");
     chosen.push_back(*found);
   }
@@ -339,8 +339,8 @@ int print_matrix(const Options& options, const fs::path& folder) {
     return as_expected;
   }
   Matrix matrix(options, folder);
-  const bool with_costs = std::any_of(chosen->begin(), chosen->end(),
-                                      [](const Row& row) { return row.counts_costs && row.impossible.empty(); });
+  const bool with_costs =
+      std::ranges::any_of(*chosen, [](const Row& row) { return row.counts_costs && row.impossible.empty(); });
   if (auto done = matrix.prepare(with_costs); !done) return refuse(done.errors());
   fmt::print("{:<48} {:<63} {}\n", "", "made by", "scenarios, simulated; hash of all messages");
   const Outcome reference = matrix.reference();

@@ -154,7 +154,7 @@ int go_on(const std::vector<std::string_view>& words) {
   auto scenario = Scenario::load(words[1]);
   if (!scenario) return fail(scenario.errors());
   const auto& names = SolverSettings::method_names;
-  const auto method = std::find(names.begin(), names.end(), words[2]);
+  const auto method = std::ranges::find(names, words[2]);
   if (method == names.end()) return fail({error(fmt::format("'{}' is no solver", words[2]))});
   scenario->solver.method = static_cast<SolverSettings::Method>(method - names.begin());
   const auto recording = Trace::load(words[4]);
@@ -191,6 +191,6 @@ int run(const std::vector<std::string_view>& words) {
 
 int main(int argc, char** argv) {
   const std::vector<std::string_view> words(argv + 1, argv + argc);
-  if (std::find(words.begin(), words.end(), "--not-pinned") == words.end()) pin_process(argv);
+  if (std::ranges::find(words, "--not-pinned") == words.end()) pin_process(argv);
   return run(words);
 }

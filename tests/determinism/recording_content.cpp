@@ -60,8 +60,7 @@ std::optional<std::uint64_t> first_difference(const ChannelContent& expected, co
 }
 
 const ChannelContent* find(const std::vector<ChannelContent>& in, const std::string& topic) {
-  const auto found =
-      std::find_if(in.begin(), in.end(), [&](const ChannelContent& channel) { return channel.topic == topic; });
+  const auto found = std::ranges::find_if(in, [&](const ChannelContent& channel) { return channel.topic == topic; });
   return found == in.end() ? nullptr : &*found;
 }
 

@@ -79,7 +79,7 @@ std::string cycle_in(const Rooms& rooms) {
   std::set<std::string> done;
   std::vector<std::string> path;
   const std::function<std::string(const std::string&)> visit = [&](const std::string& name) -> std::string {
-    if (const auto begin = std::find(path.begin(), path.end(), name); begin != path.end()) {
+    if (const auto begin = std::ranges::find(path, name); begin != path.end()) {
       std::string text;
       for (auto step = begin; step != path.end(); ++step) text += *step + " uses ";
       return text + name;
@@ -116,13 +116,12 @@ std::vector<Include> includes_in(const Rooms& rooms, std::istream& stream) {
     Include include{number, match[1], match[3], match[4]};
     if (match[2].matched) {
       if (fs::exists(root / "controllers/include/rehearse" / match[2].str())) continue;  // of the controllers' API
-      const auto owner = std::find_if(rooms.begin(), rooms.end(),
-                                      [&](const auto& room) { return room.second.installed.count(match[2]) > 0; });
+      const auto owner =
+          std::ranges::find_if(rooms, [&](const auto& room) { return room.second.installed.count(match[2]) > 0; });
       include.room = owner == rooms.end() ? "?" : owner->first;
       include.header = match[2];
     } else {
-      const auto owner =
-          std::find_if(rooms.begin(), rooms.end(), [&](const auto& room) { return room.second.path() == match[3]; });
+      const auto owner = std::ranges::find_if(rooms, [&](const auto& room) { return room.second.path() == match[3]; });
       if (owner == rooms.end()) continue;
       include.room = owner->first;
     }
@@ -142,7 +141,7 @@ std::vector<std::string> forbidden_in(const Rooms& rooms, const std::string& nam
   const std::vector<std::string>& uses = rooms.at(name).uses;
   for (const Include& include : includes_in(rooms, stream)) {
     included.insert(include.room);
-    if (include.room == name || std::find(uses.begin(), uses.end(), include.room) != uses.end()) continue;
+    if (include.room == name || std::ranges::find(uses, include.room) != uses.end()) continue;
     found.push_back(at(file, include) + "the room " + name + " may not use the room " + include.room + ": " +
                     include.text);
   }
@@ -166,7 +165,7 @@ std::vector<std::string> sources_in(const std::string& folder) {
   for (const fs::directory_entry& entry : fs::directory_iterator(root / folder))
     if (entry.path().extension() == ".h" || entry.path().extension() == ".cpp")
       files.push_back(entry.path().lexically_relative(root).string());
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   return files;
 }
 

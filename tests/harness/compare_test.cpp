@@ -382,7 +382,7 @@ TEST_F(Compare, KeepsTheTableToSixteenLines) {
   }
   actual_.provenance = {{"a", "1"}};
   const std::string text = table(compared());
-  EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 16) << text;
+  EXPECT_LE(std::ranges::count(text, '\n'), 16) << text;
   EXPECT_THAT(text, HasSubstr("physics"));
 }
 

@@ -106,7 +106,7 @@ std::pair<std::string, int> text_with(const KeyFrame& frame, std::string_view ke
   const bool replaces = frame.instead.contains(std::string(key));
   for (const auto& [name, value] : frame.stated)
     if (name != key && !(replaces && frame.replaced.contains(name))) text += name + ": " + value + ", ";
-  const auto line = 2 + std::count(text.begin(), text.end(), '\n');
+  const auto line = 2 + std::ranges::count(text, '\n');
   text += '\n' + std::string(key) + ": {nonsense: [[]]}\n" + frame.after;
   return {text, static_cast<int>(line)};
 }

@@ -33,8 +33,8 @@ std::size_t width_of(const std::string& text) {
   std::size_t widest = 0;
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);)
-    widest = std::max(widest, static_cast<std::size_t>(
-                                  std::count_if(line.begin(), line.end(), [](char c) { return (c & 0xc0) != 0x80; })));
+    widest = std::max(widest,
+                      static_cast<std::size_t>(std::ranges::count_if(line, [](char c) { return (c & 0xc0) != 0x80; })));
   return widest;
 }
 

@@ -26,7 +26,7 @@ TickClock clock_of(const std::vector<std::int64_t>& ticks) {
 
 void expect_ticks(const TickClock& clock, std::vector<std::int64_t> ticks) {
   constexpr std::uint64_t step = 1'000'000;  // [ns]
-  std::sort(ticks.begin(), ticks.end());
+  std::ranges::sort(ticks);
   ASSERT_EQ(clock.size(), ticks.size());
   EXPECT_EQ(clock.first_time(), static_cast<std::uint64_t>(ticks.front()) * step);
   EXPECT_EQ(clock.last_time(), static_cast<std::uint64_t>(ticks.back()) * step);

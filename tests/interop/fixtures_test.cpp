@@ -14,7 +14,7 @@ std::vector<std::string> scenarios() {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(fs::path(FIXTURES_DIR) / "scenarios"))
     if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
-  std::sort(names.begin(), names.end());
+  std::ranges::sort(names);
   return names;
 }
 

@@ -65,7 +65,7 @@ TEST(CameraFollower, RepeatsItsCommandsWithoutPhysics) { EXPECT_REPLAYS("CameraF
 TEST(CameraFollower, TurnsAsFarAsTheBallRolls) {
   const Trace trace = rehearse::record("scenarios/camera_follower.yaml");
   const std::vector<double> y = trace.values("Ball/Ball/position/y");
-  const double way = *std::max_element(y.begin(), y.end()) - *std::min_element(y.begin(), y.end());
+  const double way = *std::ranges::max_element(y) - *std::ranges::min_element(y);
   EXPECT_GT(way, 0.8);  // [m]
   EXPECT_NEAR(trace.max("Head/PAN/q") - trace.min("Head/PAN/q"),
               std::atan2(trace.max("Ball/Ball/position/y"), 1.2) - std::atan2(trace.min("Ball/Ball/position/y"), 1.2),

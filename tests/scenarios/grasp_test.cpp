@@ -16,9 +16,8 @@ TEST(Grasp, CarriesABlockAside) {
   EXPECT_GT(trace.last("Block/Block/position/z"), 0.1);
   EXPECT_GT(trace.last("Block/Block/position/y"), 0.15) << "it was carried to the left";
   EXPECT_NEAR(trace.last("Block/Block/linear/x"), 0.0, 0.02);
-  EXPECT_TRUE(std::any_of(trace.events().begin(), trace.events().end(), [](const rehearse::msg::Event& event) {
-    return event.text == "both fingers touch the block";
-  }));
+  EXPECT_TRUE(std::ranges::any_of(
+      trace.events(), [](const rehearse::msg::Event& event) { return event.text == "both fingers touch the block"; }));
   EXPECT_MATCHES_GOLDEN(trace);
 }
 
@@ -32,7 +31,7 @@ TEST(Grasp, SaysIfItHoldsNothing) {
   EXPECT_NEAR(bench.joint("LIFT").q_target, 1.29, 0.02);
   EXPECT_EQ(bench.joint("GRIP").q_target, 0.0);
   const auto& said = bench.messages();
-  EXPECT_TRUE(std::any_of(said.begin(), said.end(), [](const std::string& text) {
+  EXPECT_TRUE(std::ranges::any_of(said, [](const std::string& text) {
     return text.find("there is nothing between the fingers") != std::string::npos;
   }));
 }

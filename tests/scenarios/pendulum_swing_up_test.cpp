@@ -43,7 +43,7 @@ TEST(PendulumSwingUp, SwingsToAndFroBeforeItIsUp) {
   for (std::size_t i = 1; i + 1 < q.size() && std::abs(lean(q[i])) > 30.0 * degree; ++i)
     if ((q[i] - q[i - 1]) * (q[i + 1] - q[i]) < 0.0) heights.push_back(std::abs(q[i]));
   ASSERT_GE(heights.size(), 3u);
-  EXPECT_TRUE(std::is_sorted(heights.begin(), heights.end()));
+  EXPECT_TRUE(std::ranges::is_sorted(heights));
 }
 
 TEST(PendulumSwingUp, StaysUpWhenTapped) {

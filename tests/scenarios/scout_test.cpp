@@ -67,7 +67,7 @@ TEST(Scout, TurnsToWhereThereIsSpace) {
   std::vector<double> ranges(169, 0.6);
   std::fill(ranges.begin() + 110, ranges.end(), 5.0);  // on the left
   EXPECT_GT(drive_with(ranges).turn, 0.5);
-  std::reverse(ranges.begin(), ranges.end());
+  std::ranges::reverse(ranges);
   EXPECT_LT(drive_with(ranges).turn, -0.5);
 }
 

@@ -162,7 +162,7 @@ TEST_F(TestReports, ListAllKindsOfTestsFailedOnesFirst) {
   EXPECT_THAT(index, ContainsRegex("<tr class=\"passed\">.*Box.Falls<br><small>golden</small>"));
   const std::vector<std::size_t> order{index.find("Box.Repeats<"), index.find("Box.Starts<"), index.find("Box.IsHigh<"),
                                        index.find("Box.Falls<")};
-  EXPECT_TRUE(std::is_sorted(order.begin(), order.end())) << index;
+  EXPECT_TRUE(std::ranges::is_sorted(order)) << index;
 }
 
 TEST_F(TestReports, ShowTheRobotWhereItDiffersFirst) {

@@ -36,7 +36,7 @@ TEST_F(Demo, PrintsOneNumberOfPicturesAndAtMost25LinesInItsSecondRun) {
   std::ptrdiff_t steps = 0;  // lines before the last part: "1 of 3: ..."
   for (std::size_t at = 0; (at = script.find(" of 3: ", at)) != std::string::npos; ++at) ++steps;
   EXPECT_EQ(steps, 3);
-  EXPECT_LE(std::count(second.out.begin(), second.out.end(), '\n') + steps, 25) << second.out;
+  EXPECT_LE(std::ranges::count(second.out, '\n') + steps, 25) << second.out;
   std::set<std::string> counts;
   for (std::size_t at = 0; (at = second.out.find(" pictures", at)) != std::string::npos; ++at)
     counts.insert(second.out.substr(second.out.rfind(' ', at - 1) + 1, at - second.out.rfind(' ', at - 1) - 1));

@@ -288,7 +288,7 @@ TEST_F(Diff, TellsTheSameWithinTheWidthOfATerminal) {
   int rows = 0;
   std::getline(lines, line);  // the verdict
   for (; std::getline(lines, line) && !line.starts_with("  worst: "); ++rows) {
-    const auto inside = std::count_if(line.begin(), line.end(), [](char c) { return (c & 0xc0) == 0x80; });
+    const auto inside = std::ranges::count_if(line, [](char c) { return (c & 0xc0) == 0x80; });
     EXPECT_LE(static_cast<std::ptrdiff_t>(line.size()) - inside, 120) << line;
   }
   EXPECT_GT(rows, 8);

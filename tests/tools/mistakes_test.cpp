@@ -150,7 +150,7 @@ TEST_F(Mistake, ACrashBesideAGoldenIsNotAdvisedForAcceptance) {
   EXPECT_THAT(checked("CI=true"), Not(HasSubstr("--gdb")));
   const Outcome outcome = rehearse({"check", "fall.yaml"});
   const std::string lines = outcome.out + outcome.err;
-  EXPECT_LE(std::count(lines.begin(), lines.end(), '\n'), 5) << lines;
+  EXPECT_LE(std::ranges::count(lines, '\n'), 5) << lines;
   const std::string all = rehearse({"check", "fall.yaml", "--verbose"}).out;
   EXPECT_THAT(all, HasSubstr("bit-equal: "));
 }

@@ -24,7 +24,7 @@ TEST_F(Record, SaysWhatWasRecordedAndThatItIsAsExpectedAndHowNearly) {
                                          "control\\(\\) of SR1/SR1Minimum: median .* % of the period\n"
                                          "all 2 expectations hold; closest: .* of .* at tick [0-9]+ .*, margin .* %: "
                                          ".*\n$"));
-  EXPECT_LE(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 5);
+  EXPECT_LE(std::ranges::count(outcome.out, '\n'), 5);
 }
 
 TEST_F(Record, TellsWhatIsNotAsExpectedAndKeepsTheRecordingAllTheSame) {
@@ -36,13 +36,13 @@ TEST_F(Record, TellsWhatIsNotAsExpectedAndKeepsTheRecordingAllTheSame) {
   const Outcome outcome = rehearse({"record", "box.yaml"});
   EXPECT_EQ(outcome.status, 2) << "the last one is a mistake of the scenario";
   EXPECT_TRUE(exists("box.mcap"));
-  EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 3);
+  EXPECT_EQ(std::ranges::count(outcome.out, '\n'), 3);
   EXPECT_THAT(outcome.err,
               ContainsRegex("^box.yaml:[0-9]+:15: warning: expected Box/Box/position/z above 0.3 m: 0.29[0-9]* m at "
                             "tick [0-9]+ \\(0.2[0-9]* s\\), at worst "));
   EXPECT_THAT(outcome.err, ContainsRegex("\nbox.yaml:[0-9]+:15: error: .*the run has no such series; the nearest are "
                                          "Box/Box/position/z, "));
-  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 2);
+  EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 2);
 }
 
 /// Expectations of a run are evaluated from its trace.

@@ -55,8 +55,7 @@ TEST_F(Step, PrintsNoPromptToAScript) {
   EXPECT_EQ(outcome.status, 0);
   EXPECT_EQ(outcome.err, "");
   EXPECT_THAT(outcome.out, Not(HasSubstr("(step)")));
-  EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 2)
-      << outcome.out;  // where it was and is; then quit
+  EXPECT_EQ(std::ranges::count(outcome.out, '\n'), 2) << outcome.out;  // where it was and is; then quit
 }
 
 TEST_F(Step, SearchesInBothDirections) {

@@ -163,7 +163,7 @@ TEST_F(Sweep, LosesAndDoublesNoCaseWhenItIsKilled) {
   };
   const auto lines = [&] {
     const std::string text = read_file(campaign + "/results.jsonl");
-    return std::count(text.begin(), text.end(), '\n');
+    return std::ranges::count(text, '\n');
   };
   long wanted = 100;
   std::vector<std::string> words{command.string(), "sweep", "box.yaml", "--cases", "600", "-o", campaign, "-j", "2"};

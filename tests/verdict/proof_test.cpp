@@ -35,7 +35,7 @@ std::vector<std::string> scenarios_with_golden() {
   for (const fs::directory_entry& entry : fs::directory_iterator(FIXTURES_DIR "/scenarios"))
     if (test::read_file(entry.path()).find("\ngolden: ") != std::string::npos)
       names.push_back(entry.path().stem().string());
-  std::sort(names.begin(), names.end());
+  std::ranges::sort(names);
   return names;
 }
 

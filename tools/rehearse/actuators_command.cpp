@@ -15,7 +15,7 @@ namespace {
 
 /// The name as a scalar of YAML.
 std::string scalar(const std::string& name) {
-  const bool is_word = std::all_of(name.begin(), name.end(), [](char c) {
+  const bool is_word = std::ranges::all_of(name, [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
   });
   return is_word ? name : Json(name).dump();

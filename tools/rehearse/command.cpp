@@ -66,7 +66,7 @@ bool errors_as_json = false;
 
 /// The message on one line, without a full stop at its end.
 std::string one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
+  std::ranges::replace(text, '\n', ' ');
   while (!text.empty() && (text.back() == ' ' || text.back() == '.')) text.pop_back();
   return text;
 }
@@ -96,7 +96,7 @@ class WrappedHelp : public CLI::Formatter {
   static std::string list(const char* word, const auto& options) {
     std::vector<std::string> names;
     for (const CLI::Option* option : options) names.push_back(option->get_name());
-    std::sort(names.begin(), names.end());
+    std::ranges::sort(names);
     return names.empty() ? "" : fmt::format("{} {}", word, fmt::join(names, " "));
   }
 
@@ -112,7 +112,7 @@ class WrappedHelp : public CLI::Formatter {
 
 Exit worse(Exit a, Exit b) {
   constexpr Exit order[] = {Exit::done, Exit::odd, Exit::differs, Exit::bad_input, Exit::controller_failed};
-  const auto rank = [&](Exit exit) { return std::find(std::begin(order), std::end(order), exit) - std::begin(order); };
+  const auto rank = [&](Exit exit) { return std::ranges::find(order, exit) - std::begin(order); };
   return rank(a) < rank(b) ? b : a;
 }
 
@@ -208,7 +208,7 @@ Exit run_verb(const Verb& verb, int argc, char** argv) {
   try {
     const std::function<Exit()> run = verb.declare(options);
     std::vector<std::string> arguments(argv + 2, argv + argc);
-    const bool json = std::find(arguments.begin(), arguments.end(), "--json") != arguments.end();
+    const bool json = std::ranges::find(arguments, "--json") != arguments.end();
     errors_as_json = json && name != "cat";  // cat prints lines, and an error comes behind some of them
     if (errors_as_json)
       on_failed_process([](const std::string& sentence) {
@@ -216,7 +216,7 @@ Exit run_verb(const Verb& verb, int argc, char** argv) {
         std::fflush(result_stream());
       });
     spell_out_gdb_arguments(arguments);
-    std::reverse(arguments.begin(), arguments.end());  // CLI11 expects the arguments in this order
+    std::ranges::reverse(arguments);  // CLI11 expects the arguments in this order
     options.parse(arguments);
     if (json) keep_stdout_for_results();
     const Exit exit = run();

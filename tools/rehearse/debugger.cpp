@@ -140,7 +140,7 @@ void add_debugger_options(CLI::App& options, DebuggerOptions& debugger) {
 }
 
 void spell_out_gdb_arguments(std::vector<std::string>& arguments) {
-  const auto dashes = std::find(arguments.begin(), arguments.end(), "--");
+  const auto dashes = std::ranges::find(arguments, "--");
   const bool is_for_gdb = std::any_of(
       arguments.begin(), dashes, [](const std::string& word) { return word == "--gdb" || word.starts_with("--gdb="); });
   if (!is_for_gdb || dashes == arguments.end()) return;
@@ -175,7 +175,7 @@ Result<void> check_debugger(const DebuggerOptions& debugger, const Scenario& sce
   if (known.empty()) return error("--gdb stops in a controller, and this run has none");
   const std::string wanted = debugger.controller();
   const auto is_it = [&](const NamedController& controller) { return controller.is_called(wanted); };
-  if (wanted.empty() || std::any_of(known.begin(), known.end(), is_it)) return {};
+  if (wanted.empty() || std::ranges::any_of(known, is_it)) return {};
   std::vector<std::string> names;
   for (const NamedController& controller : known) names.push_back(controller.label);
   return error(fmt::format("--gdb={}: the run has no controller of that name", wanted),

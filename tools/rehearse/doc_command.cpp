@@ -147,7 +147,7 @@ bool in_pager(const std::string& text) {
 }
 
 Exit show(const std::string& name, bool as_text) {
-  const auto topic = std::find_if(std::begin(topics), std::end(topics), [&](const Topic& t) { return t.name == name; });
+  const auto topic = std::ranges::find_if(topics, [&](const Topic& t) { return t.name == name; });
   if (topic == std::end(topics))
     return refuse(error(fmt::format("there is no topic '{}'", name), "rehearse doc lists the topics"));
   if (const fs::path pages = site(); !as_text && is_terminal(stdout) && !pages.empty())

@@ -34,9 +34,8 @@ struct Visit {
 
   std::uint64_t count(Severity severity) const {
     return examination.findings.count(severity) +
-           static_cast<std::uint64_t>(std::count_if(container.begin(), container.end(), [=](const Diagnostic& finding) {
-             return finding.severity == severity;
-           }));
+           static_cast<std::uint64_t>(std::ranges::count_if(
+               container, [=](const Diagnostic& finding) { return finding.severity == severity; }));
   }
   Exit exit() const {
     if (!unreadable.empty()) return Exit::bad_input;

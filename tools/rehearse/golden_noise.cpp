@@ -106,8 +106,8 @@ std::vector<Line> grouped(const NoiseFloor& noise) {
     const bool commands = channel.controller.has_value();
     const std::size_t slash = channel.channel.rfind('/');
     const std::string kind = (commands ? "output/" : "") + channel.channel.substr(slash + 1);
-    auto line = std::find_if(lines.begin(), lines.end(),
-                             [&](const Line& other) { return other.kind == kind && other.unit == channel.unit; });
+    auto line = std::ranges::find_if(
+        lines, [&](const Line& other) { return other.kind == kind && other.unit == channel.unit; });
     if (line == lines.end()) line = lines.insert(lines.end(), Line{kind, channel.unit, 0, {}, {}, channel.tolerance});
     ++line->channels;
     line->tolerance = std::min(line->tolerance, channel.tolerance);

@@ -49,7 +49,7 @@ std::set<std::string> names_listed(const fs::path& listing) {
       continue;
     }
     std::string name = suite + word.substr(2);
-    std::replace(name.begin(), name.end(), '/', '-');
+    std::ranges::replace(name, '/', '-');
     names.insert(name);
   }
   return names;

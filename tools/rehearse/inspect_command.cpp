@@ -99,8 +99,7 @@ std::vector<MeshUse> mesh_uses(const Model& model) {
       const auto* mesh = std::get_if<Mesh>(&shape.geometry);
       if (mesh == nullptr) continue;
       const bool is_file = !mesh->file.empty();
-      auto use = std::find_if(uses.begin(), uses.end(),
-                              [&](const MeshUse& other) { return is_file && other.file == mesh->file; });
+      auto use = std::ranges::find_if(uses, [&](const MeshUse& other) { return is_file && other.file == mesh->file; });
       if (use == uses.end())
         use = uses.insert(uses.end(), {is_file ? mesh->file : "(in the model)", mesh->data->triangle_count()});
       ++((*use).*number);
@@ -207,7 +206,7 @@ void tell(const Model& model, bool of_scenario = false) {
              root.type == JointType::free ? "free" : "fixed to the world");
   if (model.links.size() > 1) {
     const std::vector<const Link*> links = links_by_joint(model);
-    const bool shows_rotors = std::any_of(links.begin(), links.end(), has_rotor);
+    const bool shows_rotors = std::ranges::any_of(links, has_rotor);
     std::vector<TableRow> rows{{"id", "joint", "type", "moves", "range", "effort"}};
     if (shows_rotors) rows[0].push_back("rotor");
     for (const Link* link : links) {

@@ -35,7 +35,7 @@ Result<std::vector<mcap::MergeSource>> sources_of(const MergeSettings& settings)
   for (const std::string& file : settings.sources) sources.push_back({file, ""});
   for (const std::string& word : settings.prefixes) {
     const std::size_t at = word.rfind('=');
-    const auto source = std::find_if(sources.begin(), sources.end(), [&](const mcap::MergeSource& candidate) {
+    const auto source = std::ranges::find_if(sources, [&](const mcap::MergeSource& candidate) {
       return at != std::string::npos && candidate.file == word.substr(0, at);
     });
     if (source == sources.end())

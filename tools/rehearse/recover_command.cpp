@@ -44,8 +44,8 @@ void tell_lost_messages(const mcap::Recovery& recovery) {
     return;
   }
   // A database states their number alone.
-  const bool by_channel = std::any_of(recovery.channels.begin(), recovery.channels.end(),
-                                      [](const auto& entry) { return entry.second.lost > 0; });
+  const bool by_channel =
+      std::ranges::any_of(recovery.channels, [](const auto& entry) { return entry.second.lost > 0; });
   fmt::print("{} lost{}{}\n", count_text(recovery.lost_messages, "message"),
              recovery.loss_is_known ? "" : ", or more (the file's statistics are lost, too)", by_channel ? ":" : "");
   for (const auto& [id, channel] : recovery.channels)

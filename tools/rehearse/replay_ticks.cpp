@@ -28,7 +28,7 @@ Result<std::vector<Watched>> watched(const TickSettings& settings, SteppedTrace&
       continue;
     }
     for (const std::size_t series : *found) {
-      const bool known = std::any_of(all.begin(), all.end(), [&](const Watched& w) { return w.series == series; });
+      const bool known = std::ranges::any_of(all, [&](const Watched& w) { return w.series == series; });
       if (known) continue;
       const std::string unit = trace.series_unit(series);
       const std::string title = trace.series_name(series) + (unit.empty() ? "" : " [" + unit + "]");

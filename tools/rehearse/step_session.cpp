@@ -270,7 +270,7 @@ StepSession::Answer StepSession::watch(Words rest) {
     const auto found = trace_.find_all_series(rest);
     if (!found) return refuse(found.errors().front());
     for (const std::size_t series : *found)
-      if (std::find(watched_.begin(), watched_.end(), series) == watched_.end()) watched_.push_back(series);
+      if (std::ranges::find(watched_, series) == watched_.end()) watched_.push_back(series);
   }
   if (watched_.empty()) fmt::print("nothing is watched\n");
   for (const std::size_t series : watched_)
@@ -283,8 +283,7 @@ StepSession::Answer StepSession::unwatch(Words rest) {
   if (rest.empty()) return watched_.clear(), Answer::done;
   const auto found = trace_.find_all_series(rest);
   if (!found) return refuse(found.errors().front());
-  std::erase_if(watched_,
-                [&](std::size_t series) { return std::find(found->begin(), found->end(), series) != found->end(); });
+  std::erase_if(watched_, [&](std::size_t series) { return std::ranges::find(*found, series) != found->end(); });
   return Answer::done;
 }
 

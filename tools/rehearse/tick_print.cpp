@@ -27,7 +27,7 @@ std::string ulps_text(std::uint64_t ulps) {
 }
 
 bool has(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
+  return std::ranges::find(names, name) != names.end();
 }
 
 bool is_shown(const ViewValue& value, const TickParts& parts) {
@@ -66,7 +66,7 @@ void add_joints(JointTable& table, const ViewChannel& channel, const std::string
     const std::size_t slash = value.element.rfind('/');
     const std::string joint = value.element.substr(0, slash);
     const std::string quantity = side + (slash == std::string::npos ? "" : value.element.substr(slash + 1));
-    auto column = std::find(table.quantities.begin(), table.quantities.end(), quantity);
+    auto column = std::ranges::find(table.quantities, quantity);
     if (column == table.quantities.end()) {
       table.quantities.push_back(quantity);
       table.units.push_back(value.unit);
@@ -75,7 +75,7 @@ void add_joints(JointTable& table, const ViewChannel& channel, const std::string
     const auto index = static_cast<std::size_t>(column - table.quantities.begin());
     std::string& unit = table.units[index];
     if (unit.find(value.unit) == std::string::npos) unit += " or " + value.unit;
-    auto row = std::find_if(table.rows.begin(), table.rows.end(), [&](const JointRow& r) { return r.joint == joint; });
+    auto row = std::ranges::find_if(table.rows, [&](const JointRow& r) { return r.joint == joint; });
     if (row == table.rows.end()) row = table.rows.insert(table.rows.end(), {joint, {}});
     if (row->values.size() <= index) row->values.resize(index + 1, nullptr);
     row->values[index] = &value;
@@ -83,8 +83,8 @@ void add_joints(JointTable& table, const ViewChannel& channel, const std::string
 }
 
 bool any_replayed(const ViewChannel& channel, const TickParts& parts) {
-  return std::any_of(channel.values.begin(), channel.values.end(),
-                     [&](const ViewValue& value) { return is_shown(value, parts) && value.replayed; });
+  return std::ranges::any_of(channel.values,
+                             [&](const ViewValue& value) { return is_shown(value, parts) && value.replayed; });
 }
 
 void add_cells(TableRow& cells, const ViewValue* value, bool with_replay) {
@@ -121,8 +121,8 @@ std::string joints_text(const ViewChannel& channel, const ViewChannel* commands,
   std::size_t unchanged = 0;
   for (JointRow& joint : table.rows) {
     joint.values.resize(table.quantities.size(), nullptr);
-    const bool is_told = std::any_of(joint.values.begin(), joint.values.end(),
-                                     [&](const ViewValue* value) { return value && is_news(*value, parts); });
+    const bool is_told =
+        std::ranges::any_of(joint.values, [&](const ViewValue* value) { return value && is_news(*value, parts); });
     if (!is_told) {
       ++unchanged;
       continue;
@@ -186,8 +186,7 @@ std::vector<const ViewChannel*> in_order(const TickView& view, const TickParts& 
     const bool of_controller = channel->kind == ViewChannel::Kind::input || channel->kind == ViewChannel::Kind::output;
     return std::tuple(!of_controller, channel->owner.empty(), std::string_view(channel->owner), channel->kind);
   };
-  std::stable_sort(channels.begin(), channels.end(),
-                   [&](const ViewChannel* a, const ViewChannel* b) { return key(a) < key(b); });
+  std::ranges::stable_sort(channels, [&](const ViewChannel* a, const ViewChannel* b) { return key(a) < key(b); });
   return channels;
 }
 
@@ -272,7 +271,7 @@ std::string text_of(const TickView& view, const TickParts& parts) {
   const std::vector<const ViewChannel*> channels = in_order(view, parts);
   std::vector<const ViewChannel*> done;
   for (const ViewChannel* channel : channels) {
-    if (std::find(done.begin(), done.end(), channel) != done.end()) continue;
+    if (std::ranges::find(done, channel) != done.end()) continue;
     const ViewChannel* commands = commands_beside(*channel, channels);
     if (commands) done.push_back(commands);
     const std::string part = channel->is_joints ? joints_text(*channel, commands, parts) : values_text(*channel, parts);

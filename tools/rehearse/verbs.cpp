@@ -71,14 +71,12 @@ constexpr Wing wings[] = {{"", true},
 std::span<const VerbSummary> all_verbs() { return verbs; }
 
 const VerbSummary* find_verb(std::string_view name) {
-  const auto found =
-      std::find_if(std::begin(verbs), std::end(verbs), [&](const auto& verb) { return verb.name == name; });
+  const auto found = std::ranges::find_if(verbs, [&](const auto& verb) { return verb.name == name; });
   return found == std::end(verbs) ? nullptr : found;
 }
 
 bool is_in_this_build(std::string_view wing) {
-  return std::any_of(std::begin(wings), std::end(wings),
-                     [&](const Wing& one) { return one.name == wing && one.is_built; });
+  return std::ranges::any_of(wings, [&](const Wing& one) { return one.name == wing && one.is_built; });
 }
 
 }  // namespace rehearse::tool

@@ -32,7 +32,7 @@ class Stream : public Assimp::MemoryIOStream {
       : MemoryIOStream(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()), open_(open) {
     open_.push_back(this);
   }
-  ~Stream() override { open_.erase(std::find(open_.begin(), open_.end(), this)); }
+  ~Stream() override { open_.erase(std::ranges::find(open_, this)); }
 
  private:
   std::vector<Assimp::IOStream*>& open_;

@@ -165,7 +165,7 @@ std::vector<std::string> names_of_nodes(const aiScene& scene) {
     const aiNode& node = *waiting.back();
     waiting.pop_back();
     const std::string name = name_text(node.mName);
-    if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    if (!name.empty() && std::ranges::find(names, name) == names.end()) names.push_back(name);
     for (unsigned i = node.mNumChildren; i-- > 0;) waiting.push_back(node.mChildren[i]);
   }
   return names;

@@ -65,8 +65,8 @@ void append_as_warnings(Diagnostics findings, Diagnostics& remarks) {
 }
 
 bool has_error(const Diagnostics& diagnostics) {
-  return std::any_of(diagnostics.begin(), diagnostics.end(),
-                     [](const Diagnostic& diagnostic) { return diagnostic.severity == Severity::error; });
+  return std::ranges::any_of(diagnostics,
+                             [](const Diagnostic& diagnostic) { return diagnostic.severity == Severity::error; });
 }
 
 void assertion_failed(const char* expression, const char* file, int line, const char* message) {

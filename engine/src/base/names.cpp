@@ -31,7 +31,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t mo
       diagonal = row[j];
       row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
     }
-    const std::size_t least = *std::min_element(row.begin(), row.end());  // it never decreases from row to row
+    const std::size_t least = *std::ranges::min_element(row);  // it never decreases from row to row
     if (least > most) return least;
   }
   return row[b.size()];
@@ -59,7 +59,7 @@ std::vector<std::string> near_names(std::string_view wanted, const std::vector<s
     const std::size_t distance = edit_distance(wanted_letters, lower(name), most);
     if (distance <= most) near.emplace_back(distance, name);
   }
-  std::stable_sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::stable_sort(near, [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<std::string> result;
   for (std::size_t i = 0; i < std::min<std::size_t>(near.size(), 3); ++i) result.push_back(near[i].second);
   return result;

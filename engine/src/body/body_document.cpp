@@ -202,8 +202,7 @@ Diagnostics Files::report() {
 }
 
 bool Files::has_error() const {
-  return std::any_of(documents_.begin(), documents_.end(),
-                     [](const auto& document) { return document->findings().has_error(); });
+  return std::ranges::any_of(documents_, [](const auto& document) { return document->findings().has_error(); });
 }
 
 }  // namespace rehearse::body

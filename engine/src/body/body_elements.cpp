@@ -10,7 +10,7 @@ namespace rehearse::body {
 namespace {
 
 bool is_one_of(std::string_view type, std::initializer_list<std::string_view> types) {
-  return std::find(types.begin(), types.end(), type) != types.end();
+  return std::ranges::find(types, type) != types.end();
 }
 
 /// Devices of Choreonoid's plugins, and the words for a message.

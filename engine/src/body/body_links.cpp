@@ -115,14 +115,12 @@ void LinkReader::read_loops(const YamlNode& loops) {
     loop.joint.name = name && !name->empty() ? *name : fmt::format("{}-{}", loop.link1, loop.link2);
     read_loop_frame(keys, loop.joint);
     keys.finish();
-    const auto known = std::find_if(std::begin(loop_types), std::end(loop_types),
-                                    [&kind](const auto& type) { return type.first == kind; });
+    const auto known = std::ranges::find_if(loop_types, [&kind](const auto& type) { return type.first == kind; });
     if (known == std::end(loop_types) && kind != "piston")
       document_.error(*item, fmt::format("the type of an extra joint is {}", in_quotes(kind)),
                       "fixed, hinge, ball or piston");
     for (const std::string& name : {loop.link1, loop.link2})
-      if (std::none_of(draft_.links.begin(), draft_.links.end(),
-                       [&name](const LinkDraft& draft) { return draft.link.name == name; }))
+      if (std::ranges::none_of(draft_.links, [&name](const LinkDraft& draft) { return draft.link.name == name; }))
         document_.error(*item, fmt::format("an extra joint is on {}, which is not a link", in_quotes(name)));
     if (loop.link1 == loop.link2)
       document_.error(*item, fmt::format("an extra joint connects {} to itself", in_quotes(loop.link1)));

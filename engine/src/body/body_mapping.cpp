@@ -256,7 +256,7 @@ std::vector<std::pair<std::string, const YamlNode*>> Mapping::unread() const {
 void Mapping::finish(const std::vector<std::string_view>& without_effect) {
   for (const auto& [name, entry] : entries_) {
     if (entry.is_read) continue;
-    const bool is_known = std::find(without_effect.begin(), without_effect.end(), name) != without_effect.end();
+    const bool is_known = std::ranges::find(without_effect, name) != without_effect.end();
     const std::vector<std::string> near = is_known ? std::vector<std::string>() : near_names(name, asked_);
     if (near.empty())
       document_.passed_over(*entry.key, kind_, name);

@@ -36,7 +36,7 @@ bool has_ending(const std::string& uri, std::initializer_list<std::string_view> 
   std::string ending = std::filesystem::path(uri).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return std::find(endings.begin(), endings.end(), ending) != endings.end();
+  return std::ranges::find(endings, ending) != endings.end();
 }
 
 /// Finds all nodes of files that a document names, by uri.

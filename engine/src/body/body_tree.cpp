@@ -77,8 +77,8 @@ void number_joints(Model& model, urdf::Findings& findings) {
     const int id = model.links[static_cast<std::size_t>(link)].joint.controller_id.value_or(-1);
     return id < 0 ? max_body_links : id;
   };
-  std::sort(model.joints.begin(), model.joints.end());
-  std::stable_sort(model.joints.begin(), model.joints.end(), [&](int a, int b) { return place(a) < place(b); });
+  std::ranges::sort(model.joints);
+  std::ranges::stable_sort(model.joints, [&](int a, int b) { return place(a) < place(b); });
   for (std::size_t id = 0; id < model.joints.size(); ++id)
     model.links[static_cast<std::size_t>(model.joints[id])].joint.id = static_cast<int>(id);
 }
@@ -87,8 +87,8 @@ void number_joints(Model& model, urdf::Findings& findings) {
 
 std::optional<Model> join(BodyDraft draft, Files& files) {
   urdf::Findings& findings = files.main().findings();
-  const auto root = std::find_if(draft.links.begin(), draft.links.end(),
-                                 [&draft](const LinkDraft& part) { return part.link.name == draft.root_link; });
+  const auto root =
+      std::ranges::find_if(draft.links, [&draft](const LinkDraft& part) { return part.link.name == draft.root_link; });
   if (root == draft.links.end()) {
     findings.error(0, fmt::format("the root link {} is not a link", in_quotes(draft.root_link)));
     return std::nullopt;

@@ -31,8 +31,7 @@ constexpr SensorForm sensors[] = {
     {"TactileSensor", ""}};
 
 const SensorForm* sensor_form(const VrmlNode& node) {
-  const auto* found = std::find_if(std::begin(sensors), std::end(sensors),
-                                   [&node](const SensorForm& form) { return form.type == node.type; });
+  const auto* found = std::ranges::find_if(sensors, [&node](const SensorForm& form) { return form.type == node.type; });
   return found == std::end(sensors) ? nullptr : found;
 }
 

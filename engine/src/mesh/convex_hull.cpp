@@ -80,9 +80,9 @@ bool is_closed(const std::vector<Triangle>& triangles) {
       reversed.emplace_back(t[(i + 1) % 3], t[i]);
     }
   }
-  std::sort(edges.begin(), edges.end());
-  std::sort(reversed.begin(), reversed.end());
-  return triangles.size() >= 4 && edges == reversed && std::adjacent_find(edges.begin(), edges.end()) == edges.end();
+  std::ranges::sort(edges);
+  std::ranges::sort(reversed);
+  return triangles.size() >= 4 && edges == reversed && std::ranges::adjacent_find(edges) == edges.end();
 }
 
 /// Qhull's state; the destructor frees its memory. (Its C++ classes aren't C++20.)
@@ -182,8 +182,7 @@ std::vector<Outsider> outsiders(const Points& points, const Points& of, const st
       if (distance > farthest[t].distance) farthest[t] = {i, distance};
     }
   }
-  std::stable_sort(farthest.begin(), farthest.end(),
-                   [](const Outsider& a, const Outsider& b) { return a.distance > b.distance; });
+  std::ranges::stable_sort(farthest, [](const Outsider& a, const Outsider& b) { return a.distance > b.distance; });
   return farthest;
 }
 
@@ -245,7 +244,7 @@ class FaceMerger {
   std::vector<std::vector<int>> faces() {
     std::vector<int> order;  // large ones first, because their planes are the most exact
     for (std::size_t i = 0; i < triangles_.size(); ++i) order.push_back(static_cast<int>(i));
-    std::stable_sort(order.begin(), order.end(), [this](int a, int b) {
+    std::ranges::stable_sort(order, [this](int a, int b) {
       return area_vector(points_, triangles_[a]).squaredNorm() > area_vector(points_, triangles_[b]).squaredNorm();
     });
     std::vector<std::vector<int>> faces;
@@ -282,8 +281,8 @@ class FaceMerger {
   bool lies_in(int triangle, const Vector3d& normal, double offset) const {
     const Vector3d area = area_vector(points_, triangles_[triangle]);
     if (area.dot(normal) < 0.0) return false;
-    return std::all_of(triangles_[triangle].begin(), triangles_[triangle].end(),
-                       [&](int vertex) { return std::abs(normal.dot(points_[vertex]) - offset) <= tolerance_; });
+    return std::ranges::all_of(
+        triangles_[triangle], [&](int vertex) { return std::abs(normal.dot(points_[vertex]) - offset) <= tolerance_; });
   }
 
   /// The polygon around the triangles of a region; empty if the region has no single outline.
@@ -334,9 +333,9 @@ ConvexHull numbered(const Points& points, std::vector<std::vector<int>> faces) {
   }
   for (auto& face : faces) {
     for (int& vertex : face) vertex = numbers[vertex];
-    std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
+    std::rotate(face.begin(), std::ranges::min_element(face), face.end());
   }
-  std::sort(faces.begin(), faces.end());
+  std::ranges::sort(faces);
   hull.faces = std::move(faces);
   return hull;
 }
@@ -344,7 +343,7 @@ ConvexHull numbered(const Points& points, std::vector<std::vector<int>> faces) {
 ConvexHull merged(const Points& points, const std::vector<Triangle>& triangles, double tolerance) {
   std::vector<std::vector<int>> faces = FaceMerger(points, triangles, tolerance).faces();
   straighten(faces, points.size());
-  if (faces.size() >= 4 && std::all_of(faces.begin(), faces.end(), [](const auto& face) { return face.size() >= 3; }))
+  if (faces.size() >= 4 && std::ranges::all_of(faces, [](const auto& face) { return face.size() >= 3; }))
     return numbered(points, std::move(faces));
   faces.clear();
   for (const Triangle& triangle : triangles) faces.emplace_back(triangle.begin(), triangle.end());
@@ -358,7 +357,7 @@ class HullMaker {
   /// `volume_of_all`: gets the volume of the hull of all points, unless they are moved; null: it isn't wanted.
   Result<ConvexHull> make(Points points, std::optional<double>* volume_of_all = nullptr) {
     if (points.empty()) return error(object_ + "has no triangles");
-    if (!std::all_of(points.begin(), points.end(), [](const Vector3d& point) { return point.allFinite(); }))
+    if (!std::ranges::all_of(points, [](const Vector3d& point) { return point.allFinite(); }))
       return error(object_ + "has a vertex that is not finite");
     const Spread spread = spread_of(points);
     constexpr double flat = 1e-5;  // share of the size
@@ -395,7 +394,7 @@ class HullMaker {
     for (const Vector3d& point : points)
       for (const double side : {-0.5, 0.5}) both.push_back(point + side * sheet_thickness * normal);
     points = std::move(both);
-    std::sort(points.begin(), points.end(), before);
+    std::ranges::sort(points, before);
     remark(Severity::warning, fmt::format("is flat: contact takes it to be {} mm thick", 1e3 * sheet_thickness),
            "take a box for its collision");
   }
@@ -423,7 +422,7 @@ class HullMaker {
 
 /// Sorts the points, and leaves each position once.
 void sort_points(Points& points) {
-  std::sort(points.begin(), points.end(), before);
+  std::ranges::sort(points, before);
   points.erase(std::unique(points.begin(), points.end()), points.end());
   points.shrink_to_fit();  // six triangles share a vertex of a closed mesh
 }

@@ -85,7 +85,7 @@ std::vector<CutPlane> planes_at_concave_edges(const TriangleSoup& soup) {
   }
   std::vector<std::pair<double, CutPlane>> sorted;
   for (const auto& [key, weighted] : weights) sorted.push_back(weighted);
-  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::ranges::stable_sort(sorted, [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<CutPlane> planes;
   for (std::size_t i = 0; i < std::min(concave_planes, sorted.size()); ++i) planes.push_back(sorted[i].second);
   return planes;
@@ -154,8 +154,8 @@ class Decomposer {
 
   std::vector<Piece> pieces() {
     while (pieces_.size() < max_convex_parts && !is_near()) {
-      const auto worst = std::max_element(pieces_.begin(), pieces_.end(),
-                                          [](const Piece& a, const Piece& b) { return a.surplus < b.surplus; });
+      const auto worst =
+          std::ranges::max_element(pieces_, [](const Piece& a, const Piece& b) { return a.surplus < b.surplus; });
       if (worst->surplus < least_gain * judgement_.hull) break;
       split(static_cast<std::size_t>(worst - pieces_.begin()));
     }

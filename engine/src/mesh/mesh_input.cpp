@@ -41,7 +41,7 @@ MeshInput::MeshInput(const std::filesystem::path& file, std::string bytes)
 
 const std::string* MeshInput::named(const std::string& path) {
   std::string slashes = path;
-  std::replace(slashes.begin(), slashes.end(), '\\', '/');
+  std::ranges::replace(slashes, '\\', '/');
   const std::string* bytes = read(file_.parent_path() / slashes);
   if (bytes == nullptr) bytes = read(file_.parent_path() / percent_decoded(slashes));
   return bytes;

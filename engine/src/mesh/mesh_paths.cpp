@@ -42,7 +42,7 @@ std::vector<std::string> names_like(const fs::path& directory, const std::string
     const std::string other = entry->path().filename().string();
     if (lower_case(other) == lower_case(name)) alike.push_back(other);
   }
-  std::sort(alike.begin(), alike.end());
+  std::ranges::sort(alike);
   return alike;
 }
 

@@ -88,7 +88,7 @@ std::vector<fs::path> PackageSearch::enter(const fs::path& directory) {
   if (is_package) {
     if (const auto name = package_name(directory / "package.xml")) packages_.emplace(*name, directory);
   }
-  std::sort(inner.begin(), inner.end());
+  std::ranges::sort(inner);
   for (const fs::path& found : inner) directories_.emplace(found.filename().string(), found);
   return inner;
 }

@@ -66,7 +66,7 @@ class EarCutter {
     for (std::size_t i = 0; i < left.size(); ++i) {
       const auto [a, b, c] = corner(left, i);
       if (turn(a, b, c) <= 0.0) continue;
-      const bool is_ear = std::none_of(left.begin(), left.end(), [&, a = a, b = b, c = c](int other) {
+      const bool is_ear = std::ranges::none_of(left, [&, a = a, b = b, c = c](int other) {
         if (other == a || other == b || other == c) return false;
         return turn(a, b, other) >= 0.0 && turn(b, c, other) >= 0.0 && turn(c, a, other) >= 0.0;
       });
@@ -98,9 +98,8 @@ Eigen::Vector3d normal_at(const Corner& corner, const std::vector<std::vector<st
 
 std::optional<Diagnostic> check(const PolygonMesh& polygons) {
   const auto in_range = [](const std::vector<std::vector<int>>& faces, std::size_t count) {
-    return std::all_of(faces.begin(), faces.end(), [count](const Polygon& face) {
-      return std::all_of(face.begin(), face.end(),
-                         [count](int i) { return i >= 0 && static_cast<std::size_t>(i) < count; });
+    return std::ranges::all_of(faces, [count](const Polygon& face) {
+      return std::ranges::all_of(face, [count](int i) { return i >= 0 && static_cast<std::size_t>(i) < count; });
     });
   };
   if (!in_range(polygons.faces, polygons.vertices.size()))
@@ -144,7 +143,7 @@ Result<MeshPart> part_of(const PolygonMesh& polygons, const Eigen::Affine3d& pla
   std::vector<Eigen::Vector3d> vertices;
   for (const Eigen::Vector3d& vertex : polygons.vertices) vertices.push_back(place * vertex);
   const auto is_finite = [](const Eigen::Vector3d& vertex) { return vertex.cast<float>().allFinite(); };
-  if (!std::all_of(vertices.begin(), vertices.end(), is_finite)) return error("a vertex isn't finite");
+  if (!std::ranges::all_of(vertices, is_finite)) return error("a vertex isn't finite");
   const bool is_mirrored = place.linear().determinant() < 0.0;
   const bool has_texture = polygons.texture_faces.size() == polygons.faces.size() && !polygons.faces.empty();
   std::vector<Eigen::Vector3d> areas;

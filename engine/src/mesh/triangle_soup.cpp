@@ -120,7 +120,7 @@ TriangleSoup object_of(const MeshData& mesh, int object) {
     soup.vertices.reserve(soup.vertices.size() + part.vertices.size());
     for (const Eigen::Vector3f& vertex : part.vertices) soup.vertices.push_back(vertex.cast<double>());
   }
-  std::stable_sort(soup.vertices.begin(), soup.vertices.end(), before);
+  std::ranges::stable_sort(soup.vertices, before);
   soup.vertices.erase(std::unique(soup.vertices.begin(), soup.vertices.end()), soup.vertices.end());
   soup.vertices.shrink_to_fit();  // six triangles share a vertex of a closed mesh
   for (const MeshPart& part : mesh.parts) {
@@ -165,10 +165,10 @@ TriangleSoup coarsened(const TriangleSoup& soup, int cells) {
     const auto number = [&numbers](int vertex) { return numbers[static_cast<std::size_t>(vertex)]; };
     std::array<int, 3> corners{number(a), number(b), number(c)};
     if (!has_three_corners(corners)) continue;
-    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+    std::rotate(corners.begin(), std::ranges::min_element(corners), corners.end());
     coarse.triangles.push_back(corners);
   }
-  std::sort(coarse.triangles.begin(), coarse.triangles.end());
+  std::ranges::sort(coarse.triangles);
   coarse.triangles.erase(std::unique(coarse.triangles.begin(), coarse.triangles.end()), coarse.triangles.end());
   return without_unused(coarse);
 }
@@ -200,8 +200,8 @@ bool is_closed(const TriangleSoup& soup) {
       reversed.emplace_back(t[(i + 1) % 3], t[i]);
     }
   }
-  std::sort(edges.begin(), edges.end());
-  std::sort(reversed.begin(), reversed.end());
+  std::ranges::sort(edges);
+  std::ranges::sort(reversed);
   return edges == reversed;
 }
 

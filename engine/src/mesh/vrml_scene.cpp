@@ -113,8 +113,7 @@ class SceneReader {
   void read(const VrmlNode& node, const Eigen::Affine3d& place) {
     if (problem || (found_node && !is_within_)) return;
     if (is_within_ && selection_.without.count(node.name) != 0) return;
-    if (!node.name.empty() && std::find(names.begin(), names.end(), node.name) == names.end() &&
-        names.size() < max_names)
+    if (!node.name.empty() && std::ranges::find(names, node.name) == names.end() && names.size() < max_names)
       names.push_back(node.name);
     if (++count_ > max_nodes) return fail(node, "its nodes unfold to more than a million");
     const bool is_selected = !is_within_ && node.name == selection_.node;
@@ -185,7 +184,7 @@ class SceneReader {
     if (!polygons.texture_faces.empty() && polygons.texture_faces != polygons.faces) return;  // they are parallel
     const auto count = static_cast<int>(polygons.vertices.size());
     const auto is_impossible = [count](const std::vector<int>& face) {
-      return std::any_of(face.begin(), face.end(), [count](int corner) { return corner >= count; });
+      return std::ranges::any_of(face, [count](int corner) { return corner >= count; });
     };
     const std::size_t left_out = std::erase_if(polygons.faces, is_impossible);
     if (polygons.texture_coordinates.size() == polygons.vertices.size())
@@ -279,7 +278,7 @@ class SceneReader {
     mesh.crease_angle = node.numbers("creaseAngle", {0.0})[0];
     if (node.numbers("ccw", {1.0})[0] != 0.0) return mesh;
     for (auto* faces : {&mesh.faces, &mesh.texture_faces})
-      for (std::vector<int>& face : *faces) std::reverse(face.begin(), face.end());
+      for (std::vector<int>& face : *faces) std::ranges::reverse(face);
     return mesh;
   }
 

@@ -194,8 +194,7 @@ void DriveReader::read_body(const XMLElement& body, std::string childclass) {
 void DriveReader::read_actuator(const XMLElement& actuator) {
   const std::string name = attribute_of(actuator, "joint");
   if (name.empty()) return;  // of a tendon or a site
-  const auto found =
-      std::find_if(drives_.begin(), drives_.end(), [&](const MjcfDrive& drive) { return drive.joint == name; });
+  const auto found = std::ranges::find_if(drives_, [&](const MjcfDrive& drive) { return drive.joint == name; });
   if (found == drives_.end())
     return fail(actuator, fmt::format("an actuator drives joint '{}', which the model lacks", name),
                 "joint names a hinge or a slide of <worldbody>");

@@ -106,7 +106,7 @@ std::optional<DeviceKind> kind_named(std::string_view name, Names DeviceForm::*l
   if (name.empty()) return std::nullopt;
   for (const DeviceKind& kind : device_kinds()) {
     const Names names = form_of(kind).*list;
-    if (std::find(names.begin(), names.end(), name) != names.end()) return kind;
+    if (std::ranges::find(names, name) != names.end()) return kind;
   }
   return std::nullopt;
 }

@@ -28,8 +28,8 @@ class ObjectSurface {
   }
 
   bool is_closed() {
-    std::sort(edges_.begin(), edges_.end(),
-              [](const Edge& a, const Edge& b) { return std::tie(a.lower, a.upper) < std::tie(b.lower, b.upper); });
+    std::ranges::sort(
+        edges_, [](const Edge& a, const Edge& b) { return std::tie(a.lower, a.upper) < std::tie(b.lower, b.upper); });
     for (std::size_t i = 0; i < edges_.size();) {
       const Edge first = edges_[i];
       int open = 0;

@@ -167,7 +167,7 @@ void Renderer::Impl::paint_translucent(const Sight& sight) {
     if (!item.translucent() || !sight.may_hold(item)) continue;
     sorted.emplace_back(static_cast<float>((sight.from_world * item.world_centre).z()), &item);
   }
-  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::stable_sort(sorted, [](const auto& a, const auto& b) { return a.first < b.first; });
   for (const auto& [z, item] : sorted) {
     const gl::Instance instance = instance_of(*item, sight.from_world);
     const Batch& batch = maker.batches()[item->batch];

@@ -88,14 +88,14 @@ std::vector<Item> ItemMaker::items_of(const Shape& shape, const Color& color) {
 }
 
 const ItemMaker::KnownTexture& ItemMaker::know(const std::shared_ptr<const Texture>& texture) {
-  const auto known = std::find_if(textures_.begin(), textures_.end(), [&](const auto& t) { return t.data == texture; });
+  const auto known = std::ranges::find_if(textures_, [&](const auto& t) { return t.data == texture; });
   if (known != textures_.end()) return *known;
   textures_.push_back({texture, painter_.add(*texture), shines_through(*texture)});
   return textures_.back();
 }
 
 const ItemMaker::KnownMesh& ItemMaker::know(const std::shared_ptr<const MeshData>& mesh) {
-  const auto known = std::find_if(meshes_.begin(), meshes_.end(), [&](const auto& m) { return m.data == mesh; });
+  const auto known = std::ranges::find_if(meshes_, [&](const auto& m) { return m.data == mesh; });
   if (known != meshes_.end()) return *known;
   KnownMesh taken{mesh, {}};
   const std::vector<bool> closed = closed_parts(*mesh);

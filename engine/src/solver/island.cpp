@@ -144,7 +144,7 @@ void Island::set_problem() {
   half_.resize(count);
   for (std::size_t i = 0; i < all_.size(); ++i) {
     const Row& row = all_[i].row;
-    std::fill(half_.begin(), half_.end(), 0.0);
+    std::ranges::fill(half_, 0.0);
     const auto add_columns = [&](int first, const Vector6d& direction) {
       for (int k = 0; k < 6; ++k)
         for (std::size_t c = 0; c < count; ++c) half_[c] += direction[k] * products_[(first + k) * count + c];

@@ -121,8 +121,7 @@ void prepare_for_urdfdom(XMLElement& element) {
 }
 
 bool has_broken_inertial(const urdf::Draft& draft) {
-  return std::any_of(draft.links.begin(), draft.links.end(),
-                     [](const urdf::LinkDraft& link) { return link.has_broken_inertial; });
+  return std::ranges::any_of(draft.links, [](const urdf::LinkDraft& link) { return link.has_broken_inertial; });
 }
 
 /// Reads the robot from a text that passed the first checks; nullopt if there is an error.

@@ -257,7 +257,7 @@ void ignore_second_description(int line, Findings& findings) {
 void report_unread(const std::vector<Unread>& unread, const std::vector<DeviceDraft>& devices, Findings& findings) {
   for (const Unread& part : unread) {
     const char* name = part.element.Attribute("name");
-    const bool is_known = std::any_of(devices.begin(), devices.end(), [&](const DeviceDraft& draft) {
+    const bool is_known = std::ranges::any_of(devices, [&](const DeviceDraft& draft) {
       return name != nullptr && draft.device.name == name && draft.is_of_robot != is_of_robot(part.element);
     });
     if (is_known)

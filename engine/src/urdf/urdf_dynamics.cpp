@@ -129,9 +129,9 @@ void check_mass_ratio(const std::vector<Group>& groups, Findings& findings) {
 /// Adds one note for all links of a kind, at the first of them.
 template <class Predicate>
 void note_all(const Model& model, const Predicate& is_of_kind, const char* text, Findings& findings) {
-  const auto count = std::count_if(model.links.begin(), model.links.end(), is_of_kind);
+  const auto count = std::ranges::count_if(model.links, is_of_kind);
   if (count == 0) return;
-  const Link& first = *std::find_if(model.links.begin(), model.links.end(), is_of_kind);
+  const Link& first = *std::ranges::find_if(model.links, is_of_kind);
   findings.note(first.line,
                 fmt::format("{} ({} of {} links, first {})", text, count, model.links.size(), in_quotes(first.name)));
 }

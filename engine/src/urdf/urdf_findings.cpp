@@ -10,8 +10,7 @@ namespace rehearse::urdf {
 namespace {
 
 void sort_by_line(Diagnostics& diagnostics) {
-  std::stable_sort(diagnostics.begin(), diagnostics.end(),
-                   [](const Diagnostic& a, const Diagnostic& b) { return a.line < b.line; });
+  std::ranges::stable_sort(diagnostics, [](const Diagnostic& a, const Diagnostic& b) { return a.line < b.line; });
 }
 
 /// The hint of a repair that is an error.

@@ -137,10 +137,9 @@ void separate_shapes(XMLElement& element) {
 void check_texture(const Shape& shape, const XMLElement& element, Findings& findings) {
   if (!shape.texture) return;
   const auto* mesh = std::get_if<Mesh>(&shape.geometry);
-  const bool is_shown =
-      mesh && mesh->data && std::any_of(mesh->data->parts.begin(), mesh->data->parts.end(), [](const MeshPart& part) {
-        return !part.texture && !part.texture_coordinates.empty();
-      });
+  const bool is_shown = mesh && mesh->data && std::ranges::any_of(mesh->data->parts, [](const MeshPart& part) {
+                          return !part.texture && !part.texture_coordinates.empty();
+                        });
   if (is_shown) return;
   findings.warning(element.GetLineNum(),
                    fmt::format("the <texture> {} isn't drawn on this shape", in_quotes(shape.texture->file)),

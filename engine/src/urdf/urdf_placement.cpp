@@ -90,8 +90,7 @@ void place_devices(const Draft& draft, Model& model, Findings& findings) {
     placed.link = link;
     settle(device, model, groups, merged, placed, findings);
   }
-  std::stable_sort(model.devices.begin(), model.devices.end(),
-                   [](const Device& a, const Device& b) { return a.link < b.link; });
+  std::ranges::stable_sort(model.devices, [](const Device& a, const Device& b) { return a.link < b.link; });
 }
 
 }  // namespace rehearse::urdf

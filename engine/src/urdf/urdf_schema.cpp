@@ -65,13 +65,12 @@ const std::vector<Rule>& rules() {
 }
 
 bool contains(const std::vector<std::string_view>& names, std::string_view name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
+  return std::ranges::find(names, name) != names.end();
 }
 
 const Rule* find_rule(std::string_view element) {
   const auto& table = rules();
-  const auto found =
-      std::find_if(table.begin(), table.end(), [&](const Rule& rule) { return rule.element == element; });
+  const auto found = std::ranges::find_if(table, [&](const Rule& rule) { return rule.element == element; });
   return found == table.end() ? nullptr : &*found;
 }
 

@@ -61,9 +61,8 @@ const std::vector<Figure>& bullet_figures() {
 }
 
 const Figure* find_figure(const std::vector<Figure>& figures, std::string_view name) {
-  const auto found = std::find_if(figures.begin(), figures.end(), [&](const Figure& figure) {
-    return std::find(figure.names.begin(), figure.names.end(), name) != figure.names.end();
-  });
+  const auto found = std::ranges::find_if(
+      figures, [&](const Figure& figure) { return std::ranges::find(figure.names, name) != figure.names.end(); });
   return found == figures.end() ? nullptr : &*found;
 }
 

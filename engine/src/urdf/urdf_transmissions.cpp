@@ -28,8 +28,7 @@ std::string_view find_text(const XMLElement& transmission, const char* name) {
 constexpr std::initializer_list<const char*> rotor_names = {"drake:rotor_inertia", "rotor_inertia", "rotorInertia"};
 
 bool has_rotor(const XMLElement& transmission) {
-  return std::any_of(rotor_names.begin(), rotor_names.end(),
-                     [&](const char* name) { return !find_text(transmission, name).empty(); });
+  return std::ranges::any_of(rotor_names, [&](const char* name) { return !find_text(transmission, name).empty(); });
 }
 
 std::string describe(const XMLElement& transmission) {

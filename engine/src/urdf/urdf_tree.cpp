@@ -149,8 +149,7 @@ std::vector<int> number_joints(const Draft& draft) {
 /// Depth-first without recursion: a chain may be as long as a file allows.
 void add_links(const Draft& draft, const Graph& graph, int root, Model& model) {
   const std::vector<int> ids = number_joints(draft);
-  model.joints.assign(static_cast<std::size_t>(std::count_if(ids.begin(), ids.end(), [](int id) { return id >= 0; })),
-                      -1);
+  model.joints.assign(static_cast<std::size_t>(std::ranges::count_if(ids, [](int id) { return id >= 0; })), -1);
 
   struct Place {
     int link;    // in the draft

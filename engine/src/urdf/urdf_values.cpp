@@ -62,7 +62,7 @@ Eigen::Matrix3d read_quaternion(const XMLElement& origin, Findings& findings) {
 }  // namespace
 
 bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
-  return std::find(words.begin(), words.end(), word) != words.end();
+  return std::ranges::find(words, word) != words.end();
 }
 
 std::optional<std::vector<double>> parse_numbers(std::string_view text, std::size_t count) {
@@ -140,8 +140,7 @@ std::optional<std::string> read_name(const XMLElement& element, const char* attr
     return std::nullopt;
   }
   const std::string_view name = text;
-  const bool has_control =
-      std::any_of(name.begin(), name.end(), [](unsigned char byte) { return byte < 0x20 || byte == 0x7F; });
+  const bool has_control = std::ranges::any_of(name, [](unsigned char byte) { return byte < 0x20 || byte == 0x7F; });
   if (has_control || !is_utf8(name)) {
     findings.error(element.GetLineNum(), fmt::format("the {} {} of {} isn't plain UTF-8 text", attribute,
                                                      in_quotes(name), tag(element.Name())));

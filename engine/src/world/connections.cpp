@@ -116,7 +116,7 @@ bool Connections::connect(int body, int link, int other_body, int other_link) co
   // a link that is fixed to the world belongs to no body of ODE
   const auto part = [this](int of, int at) { return std::pair(bodies_[of]->mount(at).body, of); };
   const auto a = part(body, link), b = part(other_body, other_link);
-  return std::any_of(slots_.begin(), slots_.end(), [&](const Slot& slot) {
+  return std::ranges::any_of(slots_, [&](const Slot& slot) {
     if (!slot.connected) return false;
     const auto first = part(slot.wanted.body, slot.wanted.link);
     const auto second = part(slot.wanted.other_body, slot.wanted.other_link);

@@ -33,7 +33,7 @@ ContactLaw::ContactLaw(const WorldSettings& settings, const std::vector<WorldBod
       bounce_speed_(2.0 * settings.gravity.norm() * settings.time_step) {
   for (const WorldBody& body : bodies) {
     const std::vector<Link>& links = body.model->links;
-    each_has_its_limit_ |= std::any_of(links.begin(), links.end(), limits_velocity);
+    each_has_its_limit_ |= std::ranges::any_of(links, limits_velocity);
   }
 }
 
@@ -54,7 +54,7 @@ ContactTerms ContactLaw::between(const TouchedSurface& a, const TouchedSurface& 
 const MaterialPair* ContactLaw::pair_of(const TouchedSurface& a, const TouchedSurface& b) const {
   if (pairs_.empty()) return nullptr;
   const auto materials = std::minmax(a.material, b.material);  // clang 14 captures no structured bindings
-  const auto found = std::find_if(pairs_.begin(), pairs_.end(), [&](const MaterialPair& pair) {
+  const auto found = std::ranges::find_if(pairs_, [&](const MaterialPair& pair) {
     return pair.materials[0] == materials.first && pair.materials[1] == materials.second;
   });
   return found == pairs_.end() ? nullptr : &*found;

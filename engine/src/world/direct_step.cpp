@@ -72,14 +72,14 @@ DirectStep::DirectStep(const WorldSettings& settings, double most_velocity,
   // a tree's parts side by side, in the order of its first part
   std::vector<int> roots(found.size());
   const auto index_in_found = [&](dBodyID body) {
-    return static_cast<int>(
-        std::find_if(found.begin(), found.end(), [&](const MovingPart& p) { return p.body == body; }) - found.begin());
+    return static_cast<int>(std::ranges::find_if(found, [&](const MovingPart& p) { return p.body == body; }) -
+                            found.begin());
   };
   for (std::size_t i = 0; i < found.size(); ++i)
     roots[i] = found[i].parent ? roots[index_in_found(found[i].parent)] : static_cast<int>(i);
   std::vector<std::size_t> order(found.size());
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return roots[a] < roots[b]; });
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return roots[a] < roots[b]; });
   for (const std::size_t i : order) {
     const int part = static_cast<int>(parts_.size());
     parts_.push_back(found[i]);

@@ -77,8 +77,8 @@ double beam_to_ground(const Heightmap& map, const Vector3d& from, const Vector3d
   };
   double before = clearance(first);
   while (first < last) {
-    Crossings& edge = *std::min_element(edges.begin(), edges.end(),
-                                        [](const Crossings& a, const Crossings& b) { return a.next() < b.next(); });
+    Crossings& edge =
+        *std::ranges::min_element(edges, [](const Crossings& a, const Crossings& b) { return a.next() < b.next(); });
     const double end = std::min(edge.next(), last);
     const double after = clearance(end);
     if ((before > 0.0) != (after > 0.0)) return first + (end - first) * before / (before - after);

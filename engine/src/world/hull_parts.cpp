@@ -90,15 +90,14 @@ double depth_of(const std::vector<TouchPoint>& touches) {
 
 std::vector<TouchPoint> spread_out(std::vector<TouchPoint> touches) {
   if (touches.size() <= max_touches) return touches;
-  const auto deepest = std::max_element(touches.begin(), touches.end(),
-                                        [](const TouchPoint& a, const TouchPoint& b) { return a.depth < b.depth; });
+  const auto deepest =
+      std::ranges::max_element(touches, [](const TouchPoint& a, const TouchPoint& b) { return a.depth < b.depth; });
   std::vector<TouchPoint> kept{*deepest};
   std::vector<double> distances(touches.size(), std::numeric_limits<double>::infinity());
   while (kept.size() < max_touches) {
     for (std::size_t i = 0; i < touches.size(); ++i)
       distances[i] = std::min(distances[i], (touches[i].position - kept.back().position).squaredNorm());
-    kept.push_back(
-        touches[static_cast<std::size_t>(std::max_element(distances.begin(), distances.end()) - distances.begin())]);
+    kept.push_back(touches[static_cast<std::size_t>(std::ranges::max_element(distances) - distances.begin())]);
   }
   return kept;
 }

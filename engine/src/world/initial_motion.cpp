@@ -30,9 +30,9 @@ Diagnostics check_velocities(const WorldBody& body, const std::string& name) {
   Diagnostics findings;
   const auto& rates = body.joint_velocities;
   const bool root_moves = !body.linear_velocity.isZero(0.0) || !body.angular_velocity.isZero(0.0);
-  const bool joints_move = std::any_of(rates.begin(), rates.end(), [](double rate) { return rate != 0.0; });
+  const bool joints_move = std::ranges::any_of(rates, [](double rate) { return rate != 0.0; });
   const bool is_finite = body.linear_velocity.allFinite() && body.angular_velocity.allFinite() &&
-                         std::all_of(rates.begin(), rates.end(), [](double rate) { return std::isfinite(rate); });
+                         std::ranges::all_of(rates, [](double rate) { return std::isfinite(rate); });
   if (!rates.empty() && rates.size() != body.model->joints.size())
     findings.push_back(error(name + "the model has " + std::to_string(body.model->joints.size()) + " joints, but " +
                              std::to_string(rates.size()) + " initial velocities were given"));

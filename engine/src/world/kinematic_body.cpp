@@ -140,8 +140,8 @@ void KinematicBody::observe(BodyObservation& observation, const WorldSettings& s
 }
 
 bool KinematicBody::plausible() const {
-  return std::all_of(links_.begin(), links_.end(),
-                     [](const LinkReading& link) { return link.position.allFinite() && link.velocity.allFinite(); });
+  return std::ranges::all_of(
+      links_, [](const LinkReading& link) { return link.position.allFinite() && link.velocity.allFinite(); });
 }
 
 std::vector<dBodyID> KinematicBody::ode_bodies() const {

@@ -34,7 +34,7 @@ void on_message(int number, const char* message, va_list arguments) {
   char text[512];
   std::vsnprintf(text, sizeof text, message, arguments);
   std::string told = "ODE message " + std::to_string(number) + ": " + text;
-  if (messages.size() < most_messages && std::find(messages.begin(), messages.end(), told) == messages.end())
+  if (messages.size() < most_messages && std::ranges::find(messages, told) == messages.end())
     messages.push_back(std::move(told));
 }
 

@@ -97,7 +97,7 @@ SimulatedBody::SimulatedBody(WorldBody description)
   const auto acts = [](const Device& device) {
     return std::holds_alternative<Rotor>(device.kind) || std::holds_alternative<Holder>(device.kind);
   };
-  if (std::any_of(model().devices.begin(), model().devices.end(), acts)) acting_devices_.resize(model().devices.size());
+  if (std::ranges::any_of(model().devices, acts)) acting_devices_.resize(model().devices.size());
 }
 
 SimulatedBody::~SimulatedBody() {

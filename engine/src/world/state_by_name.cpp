@@ -20,7 +20,7 @@ const std::vector<std::byte>* StateByName::find(const Name& name) const {
 }
 
 bool StateByName::has_body(const std::string& body) const {
-  return std::any_of(parts_.begin(), parts_.end(), [&](const auto& part) { return std::get<0>(part.first) == body; });
+  return std::ranges::any_of(parts_, [&](const auto& part) { return std::get<0>(part.first) == body; });
 }
 
 void StateTaker::enter(const std::string& body, const std::string& owner, StatePart part) {

@@ -388,7 +388,7 @@ bool World::Impl::has_links_of(const std::map<LinkPair, FrictionPatch>& patches)
     return body >= 0 && static_cast<std::size_t>(body) < bodies.size() && link >= 0 &&
            static_cast<std::size_t>(link) < bodies[body]->description().model->links.size();
   };
-  return std::all_of(patches.begin(), patches.end(), [&](const auto& patch) {
+  return std::ranges::all_of(patches, [&](const auto& patch) {
     const LinkPair& pair = patch.first;
     return has(pair.body, pair.link) && has(pair.other_body, pair.other_link);
   });

@@ -158,8 +158,7 @@ std::optional<Mistake> value_without_key(const std::vector<Line>& lines, std::si
 
 std::optional<Mistake> mistake_of(const std::vector<Line>& lines, const Diagnostic& raw) {
   const std::string& message = raw.message;
-  const auto found =
-      std::find_if(lines.begin(), lines.end(), [&](const Line& line) { return line.number == raw.line; });
+  const auto found = std::ranges::find_if(lines, [&](const Line& line) { return line.number == raw.line; });
   if (found != lines.end() && found->has_tab)
     return Mistake{"there is a tab in the indentation of this line", "indent with spaces"};
   const bool is_value = message == "illegal map value";

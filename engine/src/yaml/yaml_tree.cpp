@@ -242,7 +242,7 @@ Result<YamlNodePtr> parse_yaml(const std::string& text, const std::string& file)
 std::string yaml_text(std::string_view text) {
   const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
   const bool is_plain = !text.empty() && (is_letter(text[0]) || text[0] == '_' || text[0] == '/' || text[0] == '.') &&
-                        std::all_of(text.begin(), text.end(), [&](char c) {
+                        std::ranges::all_of(text, [&](char c) {
                           return is_letter(c) || (c >= '0' && c <= '9') || c == '_' || c == '/' || c == '.' || c == '-';
                         });
   if (is_plain) return std::string(text);

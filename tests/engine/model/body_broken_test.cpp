@@ -119,8 +119,7 @@ void expect_told(const Diagnostics& findings, Severity severity, const Mistake& 
     return finding.severity == severity && finding.line == mistake.line && finding.file == path_of(mistake) &&
            finding.message.starts_with(mistake.message);
   };
-  EXPECT_TRUE(std::any_of(findings.begin(), findings.end(), is_told)) << path_of(mistake) << "\n"
-                                                                      << to_string(findings);
+  EXPECT_TRUE(std::ranges::any_of(findings, is_told)) << path_of(mistake) << "\n" << to_string(findings);
 }
 
 TEST(BrokenBody, IsRefusedWithTheLineAndTheReason) {
@@ -136,8 +135,8 @@ TEST(BrokenBody, IsWarnedOfWhereItCanBeMeant) {
     const Result<Model> result = load_body(path_of(mistake), {.strict = true});
     ASSERT_TRUE(result) << to_string(result.errors());
     expect_told(result->report, Severity::warning, mistake);
-    const auto count = std::count_if(result->report.begin(), result->report.end(),
-                                     [](const Diagnostic& finding) { return finding.severity == Severity::warning; });
+    const auto count = std::ranges::count_if(
+        result->report, [](const Diagnostic& finding) { return finding.severity == Severity::warning; });
     EXPECT_EQ(count, 1) << to_string(result->report);
   }
 }

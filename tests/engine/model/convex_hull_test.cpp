@@ -104,8 +104,8 @@ TEST(ConvexHull, IsMadeOfEachObjectOfAFile) {
 TEST(ConvexHull, DoesNotDependOnTheOrderOfTrianglesAndVertices) {
   MeshPart part = globe_part(0.5, 12, 9);
   const ConvexHull first = hulls_of(mesh_of({part})).hulls[0];
-  std::reverse(part.triangles.begin(), part.triangles.end());
-  std::reverse(part.vertices.begin(), part.vertices.end());
+  std::ranges::reverse(part.triangles);
+  std::ranges::reverse(part.vertices);
   for (auto& triangle : part.triangles)
     for (auto& vertex : triangle) vertex = static_cast<std::uint32_t>(part.vertices.size()) - 1 - vertex;
   const ConvexHull second = hulls_of(mesh_of({part})).hulls[0];

@@ -17,7 +17,7 @@ TEST(HostileMesh, IsRefusedInOneLineWithItsName) {
     const std::filesystem::path file = folder.write(name, content);
     const std::string message = mesh_refusal(file);
     EXPECT_THAT(message, testing::StartsWith(file.string()));
-    EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 1) << message;
+    EXPECT_EQ(std::ranges::count(message, '\n'), 1) << message;
     return message;
   };
   EXPECT_THAT(refused("a.stl", ""), HasSubstr("it is empty"));

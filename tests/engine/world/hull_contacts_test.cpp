@@ -222,7 +222,7 @@ TEST(HullContacts, OfFacesHaveTheirCorners) {
     EXPECT_EQ(touch.normal, Vector3d(0, 0, 1));
     places.emplace_back(touch.position.x(), touch.position.y());
   }
-  std::sort(places.begin(), places.end());
+  std::ranges::sort(places);
   for (int i = 0; i < 4; ++i) {
     EXPECT_NEAR(places[static_cast<std::size_t>(i)].first, i < 2 ? -0.25 : 0.5, 1e-12);
     EXPECT_NEAR(places[static_cast<std::size_t>(i)].second, i % 2 == 0 ? -0.25 : 0.5, 1e-12);
@@ -237,7 +237,7 @@ TEST(HullContacts, OfManyCornersAreEightAllAround) {
   ASSERT_EQ(touches.size(), max_touches);
   std::vector<double> angles;
   for (const TouchPoint& touch : touches) angles.push_back(std::atan2(touch.position.y(), touch.position.x()));
-  std::sort(angles.begin(), angles.end());
+  std::ranges::sort(angles);
   for (std::size_t i = 1; i < angles.size(); ++i) EXPECT_LT(angles[i] - angles[i - 1], 1.2);
 }
 

@@ -21,7 +21,7 @@ TEST(StackFill, ShowsInLocalVariablesWithoutAValue) {
   for (const unsigned char pattern : {0x5a, 0xa5}) {
     StackFill(pattern).paint();
     const std::vector<unsigned char> seen = what_lies_below();
-    EXPECT_GT(std::count(seen.begin(), seen.end(), pattern), 3500);
+    EXPECT_GT(std::ranges::count(seen, pattern), 3500);
   }
 }
 

@@ -70,9 +70,7 @@ TEST(BrokenBagFiles, EachStandsInTheTable) {
   for (const auto& entry : fs::directory_iterator(broken)) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with("bag_") || opens(name)) continue;
-    EXPECT_TRUE(std::any_of(broken_bags().begin(), broken_bags().end(), [&](const BrokenBag& bag) {
-      return bag.file == name;
-    })) << name;
+    EXPECT_TRUE(std::ranges::any_of(broken_bags(), [&](const BrokenBag& bag) { return bag.file == name; })) << name;
   }
 }
 

@@ -71,7 +71,7 @@ class MadeUpSource : public ExpressionSource {
   bool touching(const std::vector<std::size_t>& some, const std::vector<std::size_t>& others,
                 std::int64_t tick) override {
     const auto has = [](const std::vector<std::size_t>& ids, std::size_t id) {
-      return std::find(ids.begin(), ids.end(), id) != ids.end();
+      return std::ranges::find(ids, id) != ids.end();
     };
     const bool foot = has(some, 0) && (others.empty() || has(others, 2));
     const bool floor = has(some, 2) && (others.empty() || has(others, 0));

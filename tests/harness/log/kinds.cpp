@@ -116,7 +116,7 @@ Log run(const Plan& plan, const std::string& controller, Change change) {
     if (plan.tilt_every > 0 && i % plan.tilt_every == 0) log.others.push_back(of_tilt);
     log.states.push_back(state);
     if (i < plan.first_command) continue;
-    if (!bench || std::find(plan.restarts.begin(), plan.restarts.end(), i) != plan.restarts.end()) {
+    if (!bench || std::ranges::find(plan.restarts, i) != plan.restarts.end()) {
       BenchOptions options;
       options.time_step = static_cast<double>(period) * 1e-9;
       options.options = plan.options;
@@ -149,8 +149,7 @@ fs::path write(const Log& log, const fs::path& folder) {
   for (const std::vector<Logged>* part : {&log.states, &log.commands, &log.controller_states, &log.others})
     for (const Logged& message : *part)
       if (message.is_kept) messages.push_back(&message);
-  std::stable_sort(messages.begin(), messages.end(),
-                   [](const Logged* a, const Logged* b) { return a->written < b->written; });
+  std::ranges::stable_sort(messages, [](const Logged* a, const Logged* b) { return a->written < b->written; });
   mcap::WriterOptions options;
   options.chunk_size = 64 * 1024;
   if (log.container == Container::zstd) options.compression = mcap::Compression::zstd;

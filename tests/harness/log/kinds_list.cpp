@@ -244,11 +244,10 @@ const std::vector<Kind>& all() {
        [](Log& log) {
          for (std::size_t i = 0; i < log.states.size(); i += 2)
            for (msg::JointState* joints : {&log.states[i].joints, &log.commands[i].joints})
-             for (auto* values : {&joints->position, &joints->velocity, &joints->effort})
-               std::reverse(values->begin(), values->end());
+             for (auto* values : {&joints->position, &joints->velocity, &joints->effort}) std::ranges::reverse(*values);
          for (std::size_t i = 0; i < log.states.size(); i += 2)
            for (msg::JointState* joints : {&log.states[i].joints, &log.commands[i].joints})
-             std::reverse(joints->name.begin(), joints->name.end());
+             std::ranges::reverse(joints->name);
        },
        usual, "000", "111"},
       {"single_precision", nullptr,

@@ -136,7 +136,7 @@ inline std::vector<RobotMessage> messages(std::int64_t first, std::int64_t step,
     message.logged = message.arrival;
     message.is_kept = !chance.comes(faults.dropped) || i <= 3;
   }
-  std::sort(made.begin(), made.end(), [](const auto& a, const auto& b) { return a.arrival < b.arrival; });
+  std::ranges::sort(made, [](const auto& a, const auto& b) { return a.arrival < b.arrival; });
   return made;
 }
 
@@ -256,8 +256,8 @@ class RobotRunLog : public ::testing::Test {
     add("/joint_commands", run.commands, &RobotMessage::joints);
     add("/other_joint_states", run.states, &RobotMessage::joints);
     add("/efforts", run.commands, &RobotMessage::efforts);
-    std::stable_sort(entries.begin(), entries.end(),
-                     [](const Entry& a, const Entry& b) { return a.time / (5 * period) < b.time / (5 * period); });
+    std::ranges::stable_sort(
+        entries, [](const Entry& a, const Entry& b) { return a.time / (5 * period) < b.time / (5 * period); });
     for (const Entry& entry : entries)
       ASSERT_TRUE((*writer)->write(entry.channel, static_cast<std::uint64_t>(entry.time),
                                    static_cast<std::uint64_t>(entry.time), entry.data));

@@ -65,8 +65,7 @@ std::vector<Variant> all_variants() {
       variant.features.insert(feature.get<std::string>());
     variants.push_back(std::move(variant));
   }
-  std::stable_sort(variants.begin(), variants.end(),
-                   [](const Variant& a, const Variant& b) { return a.file < b.file; });
+  std::ranges::stable_sort(variants, [](const Variant& a, const Variant& b) { return a.file < b.file; });
   return variants;
 }
 
@@ -283,7 +282,7 @@ void expect_messages(const Variant& variant, std::vector<mcap::StringMap> found,
   for (const Said& said : variant.records)
     if (said.type == "Message") expected.push_back(expected_message(said));
   if (in_order)
-    std::stable_sort(expected.begin(), expected.end(), [](const auto& a, const auto& b) {
+    std::ranges::stable_sort(expected, [](const auto& a, const auto& b) {
       return std::stoull(a.at("log_time")) < std::stoull(b.at("log_time"));
     });
   EXPECT_EQ(found, expected);

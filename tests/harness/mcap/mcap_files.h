@@ -37,7 +37,7 @@ class TempFile {
     static int count = 0;
     std::string name = std::string("rehearse_") + test->test_suite_name() + "." + test->name() + "_" +
                        std::to_string(::getpid()) + "_" + std::to_string(count++);
-    std::replace(name.begin(), name.end(), '/', '_');  // in the names of tests with a parameter
+    std::ranges::replace(name, '/', '_');  // in the names of tests with a parameter
     path_ = std::filesystem::temp_directory_path() / name;
   }
   ~TempFile() { std::filesystem::remove(path_); }

@@ -48,7 +48,7 @@ Saved save(const Buffer& bytes, mcap::RecoverOptions options = {}) {
   return saved;
 }
 
-bool has(const std::vector<Seen>& all, const Seen& one) { return std::find(all.begin(), all.end(), one) != all.end(); }
+bool has(const std::vector<Seen>& all, const Seen& one) { return std::ranges::find(all, one) != all.end(); }
 
 /// Checks that the file contains only records of the whole file, each at most once.
 void expect_no_inventions(const Saved& saved, const Saved& whole, const std::string& what) {

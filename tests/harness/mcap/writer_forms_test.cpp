@@ -133,8 +133,7 @@ TEST_P(McapForms, HaveNothingOfWhatIsLeftOut) {
   const auto records = records_of(bytes);
   for (const int opcode : GetParam().without) EXPECT_FALSE(records.contains(opcode)) << "opcode " << opcode;
   for (int opcode = 1; opcode <= 0x0f; ++opcode) {
-    const bool left_out =
-        std::find(GetParam().without.begin(), GetParam().without.end(), opcode) != GetParam().without.end();
+    const bool left_out = std::ranges::find(GetParam().without, opcode) != GetParam().without.end();
     EXPECT_EQ(records.contains(opcode), !left_out) << "opcode " << opcode;
   }
 }

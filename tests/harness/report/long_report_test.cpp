@@ -153,7 +153,7 @@ TEST_F(LongReport, ShowsPicturesAtEqualDistances) {
   EXPECT_LT(summary_.data_bytes, 2'200'000u);
   std::vector<std::int64_t> ticks;
   for (const Json& picture : report["cameras"][0]["pictures"]) ticks.push_back(picture["tick"]);
-  EXPECT_TRUE(std::is_sorted(ticks.begin(), ticks.end()));
+  EXPECT_TRUE(std::ranges::is_sorted(ticks));
   EXPECT_GT(ticks.size(), 50u);
   EXPECT_LT(ticks.size(), 500u);
   EXPECT_EQ(ticks.front(), 0);

@@ -180,8 +180,8 @@ TEST_F(ContactRuns, DifferFromOneWithFewerContactsInTheTickWhereItLeaves) {
   const std::vector<double> count = pushed.values("Rig/C/input/FOOT/contacts/count");
   ASSERT_EQ(count.back(), 0.0);
   const Comparison comparison = compare(golden, pushed, {});
-  const auto channel = std::find_if(comparison.channels.begin(), comparison.channels.end(),
-                                    [](const auto& of) { return of.channel == "/Rig/C/input/FOOT/contacts"; });
+  const auto channel = std::ranges::find_if(comparison.channels,
+                                            [](const auto& of) { return of.channel == "/Rig/C/input/FOOT/contacts"; });
   ASSERT_NE(channel, comparison.channels.end());
   EXPECT_EQ(channel->stage, Stage::inputs);
   ASSERT_TRUE(channel->first.has_value());

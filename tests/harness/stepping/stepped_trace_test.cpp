@@ -86,8 +86,7 @@ TEST_F(Stepped, ShowsATickWithWhatChanged) {
   EXPECT_EQ(input->part, "joints");
   EXPECT_TRUE(input->is_joints);
   const std::vector<double> q = recorded_.values("Rig/C/input/SHOULDER/q");
-  const auto value = std::find_if(input->values.begin(), input->values.end(),
-                                  [](const ViewValue& v) { return v.element == "SHOULDER/q"; });
+  const auto value = std::ranges::find_if(input->values, [](const ViewValue& v) { return v.element == "SHOULDER/q"; });
   ASSERT_NE(value, input->values.end());
   EXPECT_EQ(value->value, q[50]);
   ASSERT_TRUE(value->before);

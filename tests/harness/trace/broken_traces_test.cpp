@@ -59,9 +59,8 @@ TEST(BrokenTraceFiles, EachStandsInTheTable) {
   for (const auto& entry : fs::directory_iterator(fs::path(FIXTURES_DIR) / "broken")) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with("trace_")) continue;
-    EXPECT_TRUE(std::any_of(broken_traces().begin(), broken_traces().end(), [&](const BrokenTrace& broken) {
-      return broken.file == name;
-    })) << name;
+    EXPECT_TRUE(std::ranges::any_of(broken_traces(), [&](const BrokenTrace& broken) { return broken.file == name; }))
+        << name;
   }
 }
 

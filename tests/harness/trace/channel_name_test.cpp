@@ -186,7 +186,8 @@ TEST(ChannelForms, AreFoundForEachSensor) {
     Device device;
     device.kind = kind;
     const std::vector<ChannelKind> kinds = kinds_of(device);
-    EXPECT_EQ(kinds.empty(), quantities_of(device).empty() && !std::holds_alternative<Light>(kind)) << type_name(device);
+    EXPECT_EQ(kinds.empty(), quantities_of(device).empty() && !std::holds_alternative<Light>(kind))
+        << type_name(device);
     EXPECT_EQ(value_elements(device).size(), static_cast<std::size_t>(value_count(device))) << type_name(device);
   }
 }
@@ -222,8 +223,7 @@ void expect_units_of_joints(const mcap::Channel& channel, const ChannelForm& for
     if (!key.starts_with("unit:")) continue;
     const std::string quantity = key.substr(key.rfind('/') + 1);
     EXPECT_TRUE(unit == unit_of_joint(quantity, false) || unit == unit_of_joint(quantity, true)) << key;
-    EXPECT_TRUE(std::any_of(form.groups.begin(), form.groups.end(),
-                            [&](const ElementGroup& group) { return group.name == quantity; }));
+    EXPECT_TRUE(std::ranges::any_of(form.groups, [&](const ElementGroup& group) { return group.name == quantity; }));
   }
 }
 

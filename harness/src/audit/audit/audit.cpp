@@ -222,7 +222,7 @@ void Audit::take_first(const ReplayPass& pass) {
   report_.commands = report_.ticks * numbers;
   report_.controller_refused = pass.refused;
   if (pass.failure) report_.failure = error(*pass.failure);
-  const auto refusal = std::find_if(pass.remarks.begin(), pass.remarks.end(), [](const Diagnostic& remark) {
+  const auto refusal = std::ranges::find_if(pass.remarks, [](const Diagnostic& remark) {
     return remark.message.find(" returned false") != std::string::npos;
   });
   if (!report_.failure && pass.refused)
@@ -261,7 +261,7 @@ Result<void> Audit::ask_places(const std::vector<ObservedCall>& seen, const std:
     std::vector<const ObservedCall*> places;
     for (const ObservedCall& call : seen) {
       const auto same = [&](const ObservedCall* known) { return known->place == call.place; };
-      if (aspect_of(call).factor == factor && std::none_of(places.begin(), places.end(), same)) places.push_back(&call);
+      if (aspect_of(call).factor == factor && std::ranges::none_of(places, same)) places.push_back(&call);
     }
     if (places.size() < 2) continue;
     if (places.size() > most_places) places.resize(most_places);
@@ -428,7 +428,7 @@ void Audit::sum_up() {
   const auto count = [&](const ReplayOutcome& outcome) { report_.replays += static_cast<int>(outcome.passes.size()); };
   count(evidence_.plain);
   count(evidence_.still);
-  for (const auto& outcomes : evidence_.outcomes) std::for_each(outcomes.begin(), outcomes.end(), count);
+  for (const auto& outcomes : evidence_.outcomes) std::ranges::for_each(outcomes, count);
   const std::string given = options_.virtualise ? ", with simulated time and seeded random numbers" : "";
   if (report_.failure) {
     report_.deterministic = false;

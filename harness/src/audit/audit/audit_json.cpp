@@ -84,8 +84,8 @@ std::string to_json(const AuditReport& report) {
   AuditJson object{{"verdict", report.verdict},
                    {"deterministic", report.deterministic},
                    {"realtime_safe", report.realtime_safe ? AuditJson(*report.realtime_safe) : AuditJson(nullptr)}};
-  auto shown = std::find_if(report.controllers.begin(), report.controllers.end(),
-                            [](const ControllerAudit& controller) { return !controller.deterministic; });
+  auto shown = std::ranges::find_if(report.controllers,
+                                    [](const ControllerAudit& controller) { return !controller.deterministic; });
   if (shown == report.controllers.end()) shown = report.controllers.begin();
   const AuditJson first = shown == report.controllers.end() ? AuditJson::object() : object_of(*shown);
   for (const char* key : {"first", "depends_on", "rests_on", "factors", "calls", "library"})

@@ -90,8 +90,7 @@ std::vector<std::uint64_t> startup_functions(const std::vector<Section>& section
       GElf_Rela relocation;
       if (!gelf_getrela(section.data, i, &relocation) || GELF_R_TYPE(relocation.r_info) != R_X86_64_RELATIVE) continue;
       const auto in_table = [&](const Section& table) { return is_table(table) && holds(table, relocation.r_offset); };
-      if (std::any_of(sections.begin(), sections.end(), in_table))
-        functions.push_back(static_cast<std::uint64_t>(relocation.r_addend));
+      if (std::ranges::any_of(sections, in_table)) functions.push_back(static_cast<std::uint64_t>(relocation.r_addend));
     }
   }
   return functions;
@@ -109,7 +108,7 @@ std::vector<std::string> imported_symbols(Elf* elf, const std::vector<Section>& 
       if (name && *name) names.emplace_back(name);
     }
   }
-  std::sort(names.begin(), names.end());
+  std::ranges::sort(names);
   names.erase(std::unique(names.begin(), names.end()), names.end());
   return names;
 }

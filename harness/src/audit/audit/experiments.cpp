@@ -30,7 +30,7 @@ constexpr int usual_machine = 1;
 constexpr const char* comma_locale = "de_DE.UTF-8";
 
 bool any_of_source(const std::vector<ObservedCall>& calls, Source source) {
-  return std::any_of(calls.begin(), calls.end(), [=](const ObservedCall& call) { return call.source == source; });
+  return std::ranges::any_of(calls, [=](const ObservedCall& call) { return call.source == source; });
 }
 
 std::string locale_in_force() {
@@ -66,8 +66,7 @@ class Plan {
 
  private:
   bool any_goes_by(Factor factor) const {
-    return std::any_of(calls_.begin(), calls_.end(),
-                       [=](const ObservedCall& call) { return aspect_of(call).factor == factor; });
+    return std::ranges::any_of(calls_, [=](const ObservedCall& call) { return aspect_of(call).factor == factor; });
   }
   bool calls(Source source) const { return unseen_ || any_of_source(calls_, source); }
 

@@ -40,7 +40,7 @@ std::vector<ObservedCall> calls_of(const Evidence& evidence, const std::string& 
     for (const ObservedCall& call : log->calls) {
       if (!controller.empty() && call.controller != controller) continue;
       const auto same = [&](const ObservedCall& known) { return identity(known) == identity(call); };
-      if (std::none_of(all.begin(), all.end(), same)) all.push_back(call);
+      if (std::ranges::none_of(all, same)) all.push_back(call);
     }
   return all;
 }
@@ -68,8 +68,7 @@ bool is_repeatable(const Evidence& evidence, const std::string& controller) {
 }
 
 const FactorResult* find_factor(const std::vector<FactorResult>& factors, Factor factor) {
-  const auto found =
-      std::find_if(factors.begin(), factors.end(), [=](const FactorResult& result) { return result.factor == factor; });
+  const auto found = std::ranges::find_if(factors, [=](const FactorResult& result) { return result.factor == factor; });
   return found == factors.end() ? nullptr : &*found;
 }
 
@@ -103,8 +102,8 @@ std::vector<FactorResult> judge_factors(const Evidence& evidence, const std::str
     return results.emplace_back(FactorResult{factor, 0, "", {}});
   };
   const std::vector<ObservedCall> calls = calls_of(evidence, controller);
-  const bool has_threads = std::any_of(
-      calls.begin(), calls.end(), [](const ObservedCall& call) { return aspect_of(call).factor == Factor::threads; });
+  const bool has_threads =
+      std::ranges::any_of(calls, [](const ObservedCall& call) { return aspect_of(call).factor == Factor::threads; });
   if (const auto chance = still_difference(evidence, controller)) {
     // It never repeats itself: then a difference under a factor has no meaning.
     keep_earlier(of(Factor::nothing).first, chance);
@@ -116,8 +115,8 @@ std::vector<FactorResult> judge_factors(const Evidence& evidence, const std::str
     }
   } else {
     // Filled memory is compared with unchanged memory, if no other change of the still replay causes the difference.
-    const bool explained = std::any_of(results.begin(), results.end(),
-                                       [](const FactorResult& result) { return result.first.has_value(); });
+    const bool explained =
+        std::ranges::any_of(results, [](const FactorResult& result) { return result.first.has_value(); });
     if (!explained) of(Factor::memory).first = compare(plain, still);
   }
   FactorResult& recording = of(Factor::recording);
@@ -128,8 +127,7 @@ std::vector<FactorResult> judge_factors(const Evidence& evidence, const std::str
     recording.first = plain.differs_from_recording;
     if (recording.first && !recording.first->channel.starts_with("/" + controller + "/")) recording.first.reset();
   }
-  std::sort(results.begin(), results.end(),
-            [](const FactorResult& a, const FactorResult& b) { return a.factor < b.factor; });
+  std::ranges::sort(results, [](const FactorResult& a, const FactorResult& b) { return a.factor < b.factor; });
   return results;
 }
 
@@ -152,7 +150,7 @@ AuditedCall describe(const ObservedCall& call, const Evidence& evidence) {
   look_into(evidence.still);
   for (std::size_t i = 0; i < evidence.outcomes.size(); ++i)
     if (evidence.experiments[i].factor != Factor::folder)  // with this factor it is a different file
-      std::for_each(evidence.outcomes[i].begin(), evidence.outcomes[i].end(), look_into);
+      std::ranges::for_each(evidence.outcomes[i], look_into);
   if (contents.size() > 1) described.note = "its content changed between two runs";
   return described;
 }
@@ -174,9 +172,8 @@ void judge_calls(const Evidence& evidence, const std::vector<ObservedCall>& seen
                          : Reached::no;
       continue;
     }
-    const auto asked =
-        std::find_if(tried.begin(), tried.end(), [&](const auto& t) { return t.first == seen[i].place; });
-    const bool one_is_known = std::any_of(tried.begin(), tried.end(), [](const auto& t) { return t.second; });
+    const auto asked = std::ranges::find_if(tried, [&](const auto& t) { return t.first == seen[i].place; });
+    const bool one_is_known = std::ranges::any_of(tried, [](const auto& t) { return t.second; });
     if (asked != tried.end()) {
       if (one_is_known) call.reached = asked->second ? Reached::yes : unless_reached;
       continue;
@@ -189,7 +186,7 @@ void judge_calls(const Evidence& evidence, const std::vector<ObservedCall>& seen
     if (!result->first) {
       if (!is_restless || (factor != Factor::clock && factor != Factor::random && factor != Factor::machine))
         call.reached = unless_reached;
-    } else if (std::none_of(seen.begin(), seen.end(), alike)) {
+    } else if (std::ranges::none_of(seen, alike)) {
       call.reached = Reached::yes;
     }
   }
@@ -199,7 +196,7 @@ std::vector<std::string> what_it_rests_on(const Evidence& evidence, const std::v
                                           const ControllerAudit& audit) {
   std::vector<std::string> things;
   const auto add = [&](std::string thing) {
-    if (std::find(things.begin(), things.end(), thing) == things.end()) things.push_back(std::move(thing));
+    if (std::ranges::find(things, thing) == things.end()) things.push_back(std::move(thing));
   };
   for (std::size_t i = 0; i < seen.size(); ++i) {
     const Aspect aspect = aspect_of(seen[i]);
@@ -235,8 +232,8 @@ std::vector<std::string> liberties_of(const std::vector<ObservedCall>& calls) {
   std::vector<std::string> sentences;
   std::set<std::pair<std::string, std::string>> told;
   for (const ObservedCall& call : calls) {
-    const auto deed = std::find_if(std::begin(deeds), std::end(deeds),
-                                   [&](const auto& known) { return is_one_of(call.function, known.first); });
+    const auto deed =
+        std::ranges::find_if(deeds, [&](const auto& known) { return is_one_of(call.function, known.first); });
     if (deed == std::end(deeds)) continue;
     if (call.function == "setlocale" && call.argument.find("NULL") != std::string::npos) continue;  // a query only
     if (!told.emplace(call.controller, call.function).second) continue;

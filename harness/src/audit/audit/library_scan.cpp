@@ -23,11 +23,10 @@ constexpr std::string_view kind_names[] = {"fast_math_startup", "float_mode_chan
 /// The kind of finding for an instruction, if any.
 std::optional<Kind> kind_of(std::string_view mnemonic) {
   const auto begins_with_one_of = [&](std::initializer_list<std::string_view> beginnings) {
-    return std::any_of(beginnings.begin(), beginnings.end(),
-                       [&](std::string_view beginning) { return mnemonic.starts_with(beginning); });
+    return std::ranges::any_of(beginnings, [&](std::string_view beginning) { return mnemonic.starts_with(beginning); });
   };
   const auto is_one_of = [&](std::initializer_list<std::string_view> names) {
-    return std::find(names.begin(), names.end(), mnemonic) != names.end();
+    return std::ranges::find(names, mnemonic) != names.end();
   };
   switch (mnemonic.empty() ? 0 : mnemonic[0]) {
     case 'v':

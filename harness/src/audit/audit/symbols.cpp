@@ -93,7 +93,7 @@ bool append_scopes(Dwarf_Die& parent, Dwarf_Addr pc, std::vector<Dwarf_Die>& sco
 std::vector<Dwarf_Die> scopes_around(Dwarf_Die& unit, Dwarf_Addr pc) {
   std::vector<Dwarf_Die> scopes;
   append_scopes(unit, pc, scopes);
-  std::reverse(scopes.begin(), scopes.end());
+  std::ranges::reverse(scopes);
   return scopes;
 }
 

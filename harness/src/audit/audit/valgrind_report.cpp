@@ -24,7 +24,7 @@ std::optional<std::string> place_in(const XMLElement* stack, const std::vector<f
   for (const XMLElement* frame = stack->FirstChildElement("frame"); frame; frame = frame->NextSiblingElement("frame")) {
     std::error_code ignored;
     const fs::path object = fs::weakly_canonical(text_in(*frame, "obj"), ignored);
-    if (std::find(libraries.begin(), libraries.end(), object) == libraries.end()) continue;
+    if (std::ranges::find(libraries, object) == libraries.end()) continue;
     const std::string function = text_in(*frame, "fn"), file = text_in(*frame, "file"), line = text_in(*frame, "line");
     const std::string where = file.empty() ? object.filename().string() : file + (line.empty() ? "" : ":" + line);
     return (function.empty() ? "a function without a name" : function) + " (" + where + ")";
@@ -76,7 +76,7 @@ std::vector<std::string> memory_errors_in(const std::string& xml, const std::vec
   for (const XMLElement* found = document.RootElement()->FirstChildElement("error"); found;
        found = found->NextSiblingElement("error")) {
     std::string sentence = sentence_of(*found, files);
-    if (!sentence.empty() && std::find(sentences.begin(), sentences.end(), sentence) == sentences.end())
+    if (!sentence.empty() && std::ranges::find(sentences, sentence) == sentences.end())
       sentences.push_back(std::move(sentence));
   }
   return sentences;

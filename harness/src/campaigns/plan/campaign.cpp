@@ -46,7 +46,7 @@ Result<void> Campaign::read_results(const std::function<void(const CaseResult&)>
     if (entry->path().filename().string().starts_with("results") && entry->path().extension() == ".jsonl")
       files.push_back(entry->path());
   if (failed) return error_in(folder_.string(), fmt::format("it can't be read: {}", failed.message()));
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   for (const fs::path& file : files) {
     std::ifstream stream(file, std::ios::binary);
     std::int64_t number = 0;

@@ -55,7 +55,7 @@ class Parameters final : public ExpressionSource {
   }
 
   Result<std::size_t> find_series(std::string_view name) override {
-    const auto found = std::find(names_.begin(), names_.end(), name);
+    const auto found = std::ranges::find(names_, name);
     if (found != names_.end()) return static_cast<std::size_t>(found - names_.begin());
     return error(fmt::format("no parameter before it is named '{}'", name), name_hint(name, names_, "parameters"));
   }
@@ -105,7 +105,7 @@ Result<void> CaseValues::read_column(const Variation& variation, std::vector<std
   const std::filesystem::path file = std::filesystem::path(scenario_.file).parent_path() / variation.file;
   const auto table = REHEARSE_TRY(read_csv(file));
   const std::vector<std::string>& heading = table.front();
-  const auto column = std::find(heading.begin(), heading.end(), variation.column);
+  const auto column = std::ranges::find(heading, variation.column);
   if (column == heading.end())
     return at(variation.place, error(fmt::format("{} has no column '{}'", variation.file, variation.column),
                                      name_hint(variation.column, heading, "columns")));

@@ -75,7 +75,7 @@ std::optional<CaseResult> result_of_json(const Json& object) {
   try {
     CaseResult result;
     result.number = object.at("case").get<std::int64_t>();
-    const auto found = std::find(verdict_names.begin(), verdict_names.end(), object.at("verdict").get<std::string>());
+    const auto found = std::ranges::find(verdict_names, object.at("verdict").get<std::string>());
     if (found == verdict_names.end()) return std::nullopt;
     result.verdict = static_cast<CaseVerdict>(found - verdict_names.begin());
     result.sentence = object.at("sentence").get<std::string>();

@@ -65,7 +65,7 @@ Result<std::vector<std::size_t>> steered_variations(const Scenario& scenario, co
   for (const Variation& variation : scenario.variations)
     if (can_be_steered(variation)) names.push_back(variation.name);
   for (const std::string& name : over)
-    if (std::find(names.begin(), names.end(), name) == names.end())
+    if (std::ranges::find(names, name) == names.end())
       return error_in(scenario.file, fmt::format("no parameter '{}' can be steered", name),
                       name_hint(name, names, "parameters") + "; whole numbers and lists can't be steered");
   if (names.empty())
@@ -73,7 +73,7 @@ Result<std::vector<std::size_t>> steered_variations(const Scenario& scenario, co
   std::vector<std::size_t> indices;
   for (std::size_t i = 0; i < scenario.variations.size(); ++i) {
     const Variation& variation = scenario.variations[i];
-    const bool is_named = over.empty() || std::find(over.begin(), over.end(), variation.name) != over.end();
+    const bool is_named = over.empty() || std::ranges::find(over, variation.name) != over.end();
     if (can_be_steered(variation) && is_named) indices.push_back(i);
   }
   return indices;
@@ -97,7 +97,7 @@ std::vector<std::size_t> elite_of(const std::vector<double>& margins) {
   std::vector<std::size_t> cases;
   for (std::size_t i = 0; i < margins.size(); ++i)
     if (!std::isnan(margins[i])) cases.push_back(i);
-  std::stable_sort(cases.begin(), cases.end(), [&](std::size_t a, std::size_t b) { return margins[a] < margins[b]; });
+  std::ranges::stable_sort(cases, [&](std::size_t a, std::size_t b) { return margins[a] < margins[b]; });
   const auto share = static_cast<std::size_t>(elite_share * static_cast<double>(cases.size()));
   const auto violating =
       static_cast<std::size_t>(std::ranges::count_if(cases, [&](std::size_t number) { return margins[number] < 0.0; }));

@@ -249,7 +249,7 @@ std::string comment_of(const Campaign& campaign, const Shrunk& shrunk) {
     text += fmt::format("#   {}: {} instead of {} ({})\n", variations[i].name, shrunk.values[i], variations[i].nominal,
                         variations[i].path);
   std::string sentence = shrunk.result.sentence;
-  std::replace(sentence.begin(), sentence.end(), '\n', ' ');
+  std::ranges::replace(sentence, '\n', ' ');
   return text + "# " + sentence + "\n";
 }
 

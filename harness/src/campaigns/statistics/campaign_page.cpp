@@ -266,7 +266,7 @@ std::string subtitle_of(const Json& report) {
 
 std::string md_cell(std::string text) {
   for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.replace(at, 1, "\\|");
-  std::replace(text.begin(), text.end(), '\n', ' ');
+  std::ranges::replace(text, '\n', ' ');
   return text;
 }
 
@@ -391,7 +391,7 @@ std::vector<std::size_t> by_effect(const Json& report) {
                                    margin.is_null() ? 0.0 : std::abs(margin["correlation"].get<double>()));
     effects.emplace_back(-effect, i);
   }
-  std::stable_sort(effects.begin(), effects.end());
+  std::ranges::stable_sort(effects);
   std::vector<std::size_t> order;
   for (const auto& [effect, index] : effects) order.push_back(index);
   return order;
@@ -409,7 +409,7 @@ std::string pictures_of(const Campaign& campaign, const CaseTable& table, const 
                    fmt::format("{}: {}", variations[i].name, ends_of(table, i)));
   for (std::size_t e = 0; e < table.margins.size(); ++e) {
     const auto is_number = [](double margin) { return std::isfinite(margin); };
-    if (std::none_of(table.margins[e].begin(), table.margins[e].end(), is_number)) continue;  // the margin of an event
+    if (std::ranges::none_of(table.margins[e], is_number)) continue;  // the margin of an event
     const Extent extent = extent_of(table.margins[e]);
     const std::string& expectation = campaign.expectations()[e];
     text +=

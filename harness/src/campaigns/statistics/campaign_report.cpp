@@ -74,7 +74,7 @@ void read_values(const Campaign& campaign, CaseTable& table) {
 }
 
 double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
+  std::ranges::sort(values);
   return quantile_of_sorted(values, 0.5);
 }
 
@@ -86,7 +86,7 @@ Json failures_of(const CaseTable& table) {
   std::vector<std::size_t> order(cases.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::erase_if(order, [&](std::size_t reason) { return cases[reason].empty(); });
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
     return cases[a].size() != cases[b].size() ? cases[a].size() > cases[b].size() : cases[a][0] < cases[b][0];
   });
   Json failures = Json::array();
@@ -115,8 +115,8 @@ Json errors_of(const CaseTable& table) {
     kind.passed += table.passed(static_cast<std::size_t>(number)) ? 1 : 0;
   }
   std::vector<std::pair<std::string, Kind>> order(kinds.begin(), kinds.end());
-  std::stable_sort(order.begin(), order.end(),
-                   [](const auto& a, const auto& b) { return a.second.cases.size() > b.second.cases.size(); });
+  std::ranges::stable_sort(order,
+                           [](const auto& a, const auto& b) { return a.second.cases.size() > b.second.cases.size(); });
   Json errors = Json::array();
   for (auto& [text, kind] : order) {
     const std::size_t count = kind.cases.size();
@@ -209,8 +209,8 @@ Json json_of_margins(const Campaign& campaign, const CaseTable& table, std::size
     found.push_back(margin);
     if (table.passed(i)) passes.emplace_back(margin, static_cast<std::int64_t>(i));
   }
-  std::sort(found.begin(), found.end());
-  std::sort(passes.begin(), passes.end());
+  std::ranges::sort(found);
+  std::ranges::sort(passes);
   const auto quantile = [&](double share) { return number_or_null(quantile_of_sorted(found, share)); };
   Json worst = Json::array();
   for (std::size_t i = 0; i < std::min(passes.size(), listed_passes); ++i)
@@ -232,7 +232,7 @@ Json cells_of(const Campaign& campaign, const CaseTable& table, std::size_t a, s
     for (std::size_t column = 0; column < grid.columns; ++column)
       if (grid.counts[row * grid.columns + column] == 0 && unvisited.size() < listed_cases)
         unvisited.push_back({cell_text(table, a, column), cell_text(table, b, row)});
-  const auto empty = std::count(grid.counts.begin(), grid.counts.end(), std::size_t{0});
+  const auto empty = std::ranges::count(grid.counts, std::size_t{0});
   return {{"parameters", {campaign.scenario().variations[a].name, campaign.scenario().variations[b].name}},
           {"cells", grid.counts.size()},
           {"unvisited", empty},

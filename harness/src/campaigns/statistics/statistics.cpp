@@ -14,7 +14,7 @@ namespace {
 std::vector<std::size_t> order_of(const std::vector<double>& values) {
   std::vector<std::size_t> order(values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
   return order;
 }
 
@@ -22,7 +22,7 @@ std::vector<std::size_t> order_of(const std::vector<double>& values) {
 /// equal size. Equal values are in one part.
 std::vector<std::size_t> parts_of(const std::vector<double>& values) {
   std::vector<double> sorted = values;
-  std::sort(sorted.begin(), sorted.end());
+  std::ranges::sort(sorted);
   std::vector<std::size_t> ends;  // of the runs of equal values
   for (std::size_t i = 1; i <= sorted.size(); ++i)
     if (i == sorted.size() || sorted[i] != sorted[i - 1]) ends.push_back(i);

@@ -64,8 +64,7 @@ constexpr Reason reasons[] = {
 
 const Reason& reason_of(const std::string& type) {
   static constexpr Reason unknown{"", "its class is unknown", true};
-  const auto found = std::find_if(std::begin(reasons), std::end(reasons),
-                                  [&](const Reason& reason) { return type.ends_with(reason.ending); });
+  const auto found = std::ranges::find_if(reasons, [&](const Reason& reason) { return type.ends_with(reason.ending); });
   return found == std::end(reasons) ? unknown : *found;
 }
 
@@ -117,9 +116,8 @@ Result<ImportedProject> ProjectReader::read() {
   const std::vector<const ProjectItem*> items = file_.all();
   choose_simulator();
   const ProjectItem* above = settings_.simulator == nullptr ? nullptr : settings_.simulator->above("WorldItem");
-  const auto world = std::find_if(items.begin(), items.end(), [&](const ProjectItem* item) {
-    return item->type == "WorldItem" && (above == nullptr || item == above);
-  });
+  const auto world = std::ranges::find_if(
+      items, [&](const ProjectItem* item) { return item->type == "WorldItem" && (above == nullptr || item == above); });
   if (world == items.end()) {
     document().error(*file_.root.node, "the project has no WorldItem, so nothing is simulated",
                      "it may be a part of a project: Choreonoid loads several files into one project");

@@ -46,7 +46,7 @@ std::string value_text(const Joint& joint, double value, bool in_degrees) {
 }
 
 bool has_limits(const Model& model) {
-  return std::any_of(model.links.begin(), model.links.end(), [](const Link& link) {
+  return std::ranges::any_of(model.links, [](const Link& link) {
     return is_movable(link.joint.type) && (std::isfinite(link.joint.lower) || std::isfinite(link.joint.upper));
   });
 }
@@ -205,8 +205,7 @@ void ProjectReader::attach(const ProjectItem& item, Mapping& keys, ProjectBody& 
   const auto rows = keys.numbers({"rootAttitude"}, 9);
   const ProjectItem* above = item.above("BodyItem");
   if (!is_attached || above == nullptr) return;
-  const auto parent =
-      std::find_if(bodies_.begin(), bodies_.end(), [&](const ProjectBody& other) { return other.item == above; });
+  const auto parent = std::ranges::find_if(bodies_, [&](const ProjectBody& other) { return other.item == above; });
   if (parent == bodies_.end()) return;  // it can't be used, which is reported
   if (shown != nullptr)
     body.pose.translation() = read_translation(*shown, document()).value_or(body.pose.translation());
@@ -222,8 +221,8 @@ void ProjectReader::attach(const ProjectItem& item, Mapping& keys, ProjectBody& 
     return;
   }
   std::string place = parent->name;
-  const auto holder = std::find_if(parent->model.devices.begin(), parent->model.devices.end(),
-                                   [](const Device& device) { return std::holds_alternative<Holder>(device.kind); });
+  const auto holder = std::ranges::find_if(
+      parent->model.devices, [](const Device& device) { return std::holds_alternative<Holder>(device.kind); });
   if (!link.empty() && parent->model.find_link(link) >= 0)
     place += "/" + link;
   else if (holder != parent->model.devices.end())

@@ -34,7 +34,7 @@ void ProjectReader::read_controllers(const ProjectItem& item, std::set<std::stri
 /// The library as a scenario names it: a path, or a name for the search in builds and in REHEARSE_CONTROLLER_PATH.
 std::string ProjectReader::library_of(const ProjectItem& item, const std::string& written, const std::string& base) {
   std::string path = written;
-  std::replace(path.begin(), path.end(), '\\', '/');
+  std::ranges::replace(path, '\\', '/');
   const fs::path stem = fs::path(path).replace_extension();
   if (is_placed(path)) {
     std::error_code ignored;

@@ -41,7 +41,7 @@ void ProjectReader::choose_simulator() {
     names.push_back(item->name);
   }
   const auto wanted = [&](const auto& test) {
-    const auto found = std::find_if(simulators.begin(), simulators.end(), test);
+    const auto found = std::ranges::find_if(simulators, test);
     return found == simulators.end() ? nullptr : *found;
   };
   if (!options_.simulator.empty()) {
@@ -155,7 +155,7 @@ void ProjectReader::read_ode(Mapping& keys) {
 void ProjectReader::note_unknown_targets(const ProjectItem& item, const std::vector<std::string>& bodies,
                                          const std::vector<std::string>& sensors) {
   for (const std::string& name : bodies)
-    if (std::none_of(bodies_.begin(), bodies_.end(), [&](const ProjectBody& body) { return body.item->name == name; }))
+    if (std::ranges::none_of(bodies_, [&](const ProjectBody& body) { return body.item->name == name; }))
       document().note(*item.node, fmt::format("{} is for the body {}, which isn't there", item.type, in_quotes(name)));
   const auto has_sensor = [&](const std::string& name) {
     for (const ProjectBody& body : bodies_)
@@ -184,7 +184,7 @@ void ProjectReader::read_vision() {
     settings_.has_vision = true;
     settings_.cameras.emplace();
     const auto is_meant = [](const std::vector<std::string>& words, const std::string& name) {
-      return words.empty() || std::find(words.begin(), words.end(), name) != words.end();
+      return words.empty() || std::ranges::find(words, name) != words.end();
     };
     for (const ProjectBody& body : bodies_)
       for (const Device& device : body.model.devices)

@@ -92,11 +92,11 @@ void ScenarioDraft::write_run(const std::string& name, const std::string& projec
   if (!settings_.options.empty())
     line(fmt::format("options: {}    # for every controller", yaml_text(settings_.options)));
   const auto measures_acceleration = [](const ProjectBody& body) {
-    return std::any_of(body.model.devices.begin(), body.model.devices.end(), [](const Device& device) {
+    return std::ranges::any_of(body.model.devices, [](const Device& device) {
       return std::holds_alternative<Accelerometer>(device.kind) || std::holds_alternative<Imu>(device.kind);
     });
   };
-  if (std::any_of(bodies_.begin(), bodies_.end(), measures_acceleration))
+  if (std::ranges::any_of(bodies_, measures_acceleration))
     line("lever_arms: false    # accelerometers measure at their link's origin, as in Choreonoid");
 }
 
@@ -165,7 +165,7 @@ void ScenarioDraft::write_materials() {
   std::vector<std::string> entries;
   for (const ProjectBody& body : bodies_) {
     const auto& links = body.model.links;
-    const bool has_unnamed = std::any_of(links.begin(), links.end(), [](const Link& link) {
+    const bool has_unnamed = std::ranges::any_of(links, [](const Link& link) {
       return link.joint.type != JointType::track && (link.material.empty() || link.material == "default");
     });
     if (is_default_named && has_unnamed) entries.push_back(fmt::format("{}: Default", yaml_text(body.name)));
@@ -196,16 +196,16 @@ std::string ScenarioDraft::write(const std::string& name, const std::string& pro
   for (const Attachment& attachment : attachments)
     line(fmt::format("  - {{type: fixed, between: [{}, {}]}}", yaml_text(attachment.parent),
                      yaml_text(attachment.child)));
-  const bool has_cameras = std::any_of(bodies_.begin(), bodies_.end(), [](const ProjectBody& body) {
-    return std::any_of(body.model.devices.begin(), body.model.devices.end(),
-                       [](const Device& device) { return std::holds_alternative<Camera>(device.kind); });
+  const bool has_cameras = std::ranges::any_of(bodies_, [](const ProjectBody& body) {
+    return std::ranges::any_of(body.model.devices,
+                               [](const Device& device) { return std::holds_alternative<Camera>(device.kind); });
   });
   if (has_cameras && !settings_.has_vision)
     line("\ncameras: none    # the project has no vision simulator");
   else if (has_cameras && settings_.cameras)
     line(fmt::format("\ncameras: [{}]", fmt::join(*settings_.cameras, ", ")));
   const auto has_controllers = [](const ProjectBody& body) { return !body.controllers.empty(); };
-  if (std::any_of(bodies_.begin(), bodies_.end(), has_controllers))
+  if (std::ranges::any_of(bodies_, has_controllers))
     line("\njoystick: []    # at rest; a project contains no moves of it");
   return std::move(text_);
 }

@@ -178,7 +178,7 @@ const Divergence* state_before(const Divergence& place, const Comparison& compar
 /// True if the world agrees with the golden under the noise of the recorded scenario, instead of this one's.
 bool is_noise(const Suspects& with, const Divergence& place, const Scenario& recorded) {
   const auto noisy = [](const Scenario& scenario) {
-    return std::any_of(scenario.bodies.begin(), scenario.bodies.end(), [](const ScenarioBody& body) {
+    return std::ranges::any_of(scenario.bodies, [](const ScenarioBody& body) {
       return !body.errors.devices.empty() || !body.errors.joints.empty();
     });
   };
@@ -240,10 +240,9 @@ Cause cause_of(const Suspects& with, const Divergence& place, const Comparison& 
             fmt::format("; with the golden's seed {} instead of {}, the world agrees", seed, with.scenario.seed)};
   }
   if (files.empty()) return {stage, "", "; scenario and models are what they were: the simulation itself changed"};
-  const bool has_meshes = std::any_of(recorded->bodies.begin(), recorded->bodies.end(), [](const ScenarioBody& body) {
-    return std::any_of(body.model->links.begin(), body.model->links.end(), [](const Link& link) {
-      return std::any_of(link.collisions.begin(), link.collisions.end(), is_mesh);
-    });
+  const bool has_meshes = std::ranges::any_of(recorded->bodies, [](const ScenarioBody& body) {
+    return std::ranges::any_of(body.model->links,
+                               [](const Link& link) { return std::ranges::any_of(link.collisions, is_mesh); });
   });
   if (has_meshes) return {stage, "", also_changed};
   PlantOptions options;

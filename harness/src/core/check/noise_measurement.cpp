@@ -64,9 +64,8 @@ class NoiseMeasurement {
 };
 
 ChannelNoise& NoiseMeasurement::place(const std::string& channel, const std::string& unit) {
-  const auto found = std::find_if(floor_.channels.begin(), floor_.channels.end(), [&](const ChannelNoise& noise) {
-    return noise.channel == channel && noise.unit == unit;
-  });
+  const auto found = std::ranges::find_if(
+      floor_.channels, [&](const ChannelNoise& noise) { return noise.channel == channel && noise.unit == unit; });
   if (found != floor_.channels.end()) return *found;
   ChannelNoise& added = floor_.channels.emplace_back();
   added.channel = channel;
@@ -90,8 +89,8 @@ void NoiseMeasurement::list_channels() {
 }
 
 bool NoiseMeasurement::has_pictures() const {
-  return std::any_of(recording_.channels().begin(), recording_.channels().end(),
-                     [](const TraceChannel& channel) { return is_picture(channel) && channel.messages() > 0; });
+  return std::ranges::any_of(recording_.channels(),
+                             [](const TraceChannel& channel) { return is_picture(channel) && channel.messages() > 0; });
 }
 
 /// The perturbations, including those that can't be made on this machine.

@@ -81,7 +81,7 @@ int rank_of(Stage stage) {
 }  // namespace
 
 bool CompareOptions::takes(Stage stage) const {
-  return stages.empty() || std::find(stages.begin(), stages.end(), stage) != stages.end();
+  return stages.empty() || std::ranges::find(stages, stage) != stages.end();
 }
 
 bool comes_before(const Divergence& a, const Divergence& b) {
@@ -90,8 +90,8 @@ bool comes_before(const Divergence& a, const Divergence& b) {
 }
 
 std::size_t column_of(const TraceChannel& channel, std::string_view element) {
-  const auto found = std::find_if(channel.columns.begin(), channel.columns.end(),
-                                  [&](const TraceColumn& column) { return column.element == element; });
+  const auto found =
+      std::ranges::find_if(channel.columns, [&](const TraceColumn& column) { return column.element == element; });
   return static_cast<std::size_t>(found - channel.columns.begin());
 }
 
@@ -180,10 +180,9 @@ void conclude(Comparison& comparison, std::vector<ChannelComparison> channels) {
                              return channel.channel == run_topics::events;
                            });
   comparison.agreement = agreement_of(comparison);
-  std::stable_sort(comparison.channels.begin(), comparison.channels.end(),
-                   [](const ChannelComparison& a, const ChannelComparison& b) {
-                     return a.is_lone != b.is_lone ? b.is_lone : comes_before(*a.first_bit, *b.first_bit);
-                   });
+  std::ranges::stable_sort(comparison.channels, [](const ChannelComparison& a, const ChannelComparison& b) {
+    return a.is_lone != b.is_lone ? b.is_lone : comes_before(*a.first_bit, *b.first_bit);
+  });
 }
 
 /// True if a compared stage makes some of the channel's values. Checkpoints are compared by the state's hash; a
@@ -302,9 +301,9 @@ RunComparer::RunComparer(const RunSurvey& golden, const RunSurvey& actual, const
   for (const TraceChannel& channel : traces_.golden.channels()) {
     const TraceChannel* other = counterpart(traces_.golden, channel, traces_.actual);
     if (!taken(channel) || !other) continue;
-    const bool differing_events = std::any_of(
-        of_events_.begin(), of_events_.end(),
-        [&](const ChannelComparison& events) { return events.channel == channel.topic && events.first_bit; });
+    const bool differing_events = std::ranges::any_of(of_events_, [&](const ChannelComparison& events) {
+      return events.channel == channel.topic && events.first_bit;
+    });
     comparers_.emplace_back(traces_, PairedChannel{channel, *other, golden.of(channel), actual.of(*other)},
                             differing_events);
   }

@@ -221,8 +221,8 @@ void compare_events(ComparedTraces& traces, const AddChannel& add, std::vector<E
     for (const auto* sequence : of_channel) judge(traces, sequence->first, sequence->second, findings, differences);
   }
   for (auto& [body, spans] : traces.blanked)
-    std::sort(spans.begin(), spans.end(), [](const BlankedSpan& a, const BlankedSpan& b) { return a.from < b.from; });
-  std::stable_sort(differences.begin(), differences.end(), [](const EventDifference& a, const EventDifference& b) {
+    std::ranges::sort(spans, [](const BlankedSpan& a, const BlankedSpan& b) { return a.from < b.from; });
+  std::ranges::stable_sort(differences, [](const EventDifference& a, const EventDifference& b) {
     return a.expected.value_or(a.actual.value_or(0)) < b.expected.value_or(b.actual.value_or(0));
   });
 }

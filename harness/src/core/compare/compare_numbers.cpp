@@ -41,8 +41,8 @@ void keep_larger(double& largest, double difference) {
 constexpr double turn = 2.0 * std::numbers::pi;  // [rad]
 
 bool is_blanked(const std::vector<BlankedSpan>* spans, std::uint64_t time) {
-  return spans && std::any_of(spans->begin(), spans->end(),
-                              [time](const BlankedSpan& span) { return span.from <= time && time <= span.until; });
+  return spans && std::ranges::any_of(
+                      *spans, [time](const BlankedSpan& span) { return span.from <= time && time <= span.until; });
 }
 
 }  // namespace

@@ -176,8 +176,7 @@ std::vector<std::string> remarks_of(const Trace& actual, const std::vector<std::
 std::string explanation_of(Stage stage, std::vector<std::string> reasons, const std::vector<Change>& changes) {
   constexpr std::size_t most = 3;
   for (const Change& change : changes)
-    if (std::find(change.decides.begin(), change.decides.end(), stage) != change.decides.end())
-      reasons.push_back(change.name);
+    if (std::ranges::find(change.decides, stage) != change.decides.end()) reasons.push_back(change.name);
   return listed(reasons, most);
 }
 
@@ -186,8 +185,7 @@ std::string explanation_of(Stage stage, std::vector<std::string> reasons, const 
 void compare_provenance(const ComparedTraces& traces, Comparison& comparison) {
   comparison.changed_files = changed_sources(traces.golden, traces.actual);
   const std::vector<Change> changes = changed_facts(traces.golden, traces.actual, traces.options);
-  comparison.same_arithmetic =
-      std::none_of(changes.begin(), changes.end(), [](const Change& change) { return change.arithmetic; });
+  comparison.same_arithmetic = std::ranges::none_of(changes, [](const Change& change) { return change.arithmetic; });
   comparison.same_origin = comparison.changed_files.empty() && same_facts(traces.golden, traces.actual);
   const std::vector<std::string> remarks = remarks_of(traces.actual, comparison.changed_files, changes);
   comparison.remarks.insert(comparison.remarks.end(), remarks.begin(), remarks.end());
@@ -255,9 +253,9 @@ Diagnostics unmatched_rules(const std::vector<ToleranceRule>& rules, std::span<c
   Diagnostics warnings;
   for (const ToleranceRule& rule : rules) {
     const auto is_meant = [&rule](const std::string& name) { return matches(rule.channel, name); };
-    if (std::any_of(names.begin(), names.end(), is_meant)) continue;
+    if (std::ranges::any_of(names, is_meant)) continue;
     if (!events) events = names_of_events(traces);
-    if (std::any_of(events->begin(), events->end(), is_meant)) continue;
+    if (std::ranges::any_of(*events, is_meant)) continue;
     warnings.push_back(applies_to_nothing(rule));
   }
   return warnings;

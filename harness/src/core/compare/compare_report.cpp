@@ -157,8 +157,7 @@ std::string equal_text(const Comparison& comparison) {
   std::vector<std::pair<std::string, int>> patterns;
   for (const std::string& topic : comparison.equal_channels) {
     const std::string pattern = pattern_of(topic);
-    const auto known =
-        std::find_if(patterns.begin(), patterns.end(), [&](const auto& p) { return p.first == pattern; });
+    const auto known = std::ranges::find_if(patterns, [&](const auto& p) { return p.first == pattern; });
     if (known == patterns.end())
       patterns.emplace_back(pattern, 1);
     else
@@ -169,8 +168,9 @@ std::string equal_text(const Comparison& comparison) {
   for (const auto& [pattern, count] : patterns) {
     std::string item = pattern;
     if (count == 1)
-      item = *std::find_if(comparison.equal_channels.begin(), comparison.equal_channels.end(),
-                           [&, &wanted = pattern](const std::string& topic) { return pattern_of(topic) == wanted; });
+      item = *std::ranges::find_if(comparison.equal_channels, [&, &wanted = pattern](const std::string& topic) {
+        return pattern_of(topic) == wanted;
+      });
     else
       item += fmt::format(" ({})", count);
     if (text.size() + list.size() + item.size() + 8 > line_width) {

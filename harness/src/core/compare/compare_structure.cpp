@@ -272,8 +272,8 @@ class LoneChannels {
 
   /// True if no topic of the other trace has this beginning.
   bool lacks(const std::string& prefix) const {
-    return std::none_of(other_.channels().begin(), other_.channels().end(),
-                        [&](const TraceChannel& channel) { return channel.topic.starts_with(prefix); });
+    return std::ranges::none_of(other_.channels(),
+                                [&](const TraceChannel& channel) { return channel.topic.starts_with(prefix); });
   }
 
   Group group_of(const std::string& topic) const {

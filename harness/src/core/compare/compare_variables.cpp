@@ -31,7 +31,7 @@ std::optional<std::uint64_t> first_difference(const Window& window, const TraceC
 }  // namespace
 
 bool asks_for_variable(std::string_view series, const std::vector<ToleranceRule>& rules) {
-  return std::any_of(rules.begin(), rules.end(), [&](const ToleranceRule& rule) {
+  return std::ranges::any_of(rules, [&](const ToleranceRule& rule) {
     return rule.channel.find(run_topics::variable_part) != std::string::npos && matches(rule.channel, series);
   });
 }
@@ -76,9 +76,8 @@ void VariablesRemark::take(const Window& window) {
 
 std::string VariablesRemark::text() const {
   if (found_.empty()) return {};
-  const auto first = std::min_element(found_.begin(), found_.end(), [](const Found& a, const Found& b) {
-    return std::pair(a.time, a.order) < std::pair(b.time, b.order);
-  });
+  const auto first = std::ranges::min_element(
+      found_, [](const Found& a, const Found& b) { return std::pair(a.time, a.order) < std::pair(b.time, b.order); });
   const std::size_t others = found_.size() - 1;
   return fmt::format("controllers' variables, which no rule compares: {}{}", first->text,
                      others == 0   ? ""

@@ -100,7 +100,7 @@ std::string prefix_of(const fs::path& recording) { return recording.stem().strin
 
 std::string file_name(const fs::path& recording, std::string topic) {
   if (topic.starts_with('/')) topic.erase(0, 1);
-  std::replace(topic.begin(), topic.end(), '/', '.');
+  std::ranges::replace(topic, '/', '.');
   return prefix_of(recording) + topic + ".png";
 }
 

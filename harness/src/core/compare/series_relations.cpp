@@ -35,7 +35,7 @@ std::ptrdiff_t changes(const Values& values) {
 }
 
 bool are_finite(const Values& values) {
-  return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
+  return std::ranges::all_of(values, [](double value) { return std::isfinite(value); });
 }
 
 Profile profile_of(const PairedSeries& series) {
@@ -110,8 +110,8 @@ class RelationFinder {
   void find_own(std::size_t i, std::vector<SeriesRelation>& found) const {
     const Values &present = all_[i].present, &recorded = all_[i].recorded;
     const Profile& own = profiles_[i];
-    const auto largest = std::max_element(recorded.begin(), recorded.end(),
-                                          [](double a, double b) { return std::abs(a) < std::abs(b); });
+    const auto largest =
+        std::ranges::max_element(recorded, [](double a, double b) { return std::abs(a) < std::abs(b); });
     const double factor = present[static_cast<std::size_t>(largest - recorded.begin())] / *largest;
     const double range = std::max(1.0, std::abs(factor)) * own.tolerance;
     if (factor != 0.0 && agree(present, recorded, 0, factor, 0.0, range, own.peak))

@@ -39,7 +39,7 @@ SeriesScales scales_of(const std::filesystem::path& recording, const std::vector
       for (std::size_t i = 0; i < channel.columns.size(); ++i) {
         const TraceColumn& column = channel.columns[i];
         const auto is_meant = [&](const ToleranceRule& rule) { return matches(rule.channel, column.series); };
-        if (column.kind != CellKind::floating || std::none_of(relative.begin(), relative.end(), is_meant)) continue;
+        if (column.kind != CellKind::floating || std::ranges::none_of(relative, is_meant)) continue;
         double& scale = scales[{channel.topic, column.element}];
         scale = std::max(scale, scale_of(channel, i));
       }

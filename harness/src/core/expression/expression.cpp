@@ -54,11 +54,11 @@ std::vector<Expression::Operand> Expression::operands() const {
     const Node& node = nodes_[i];
     if (node.op != Op::series && node.op != Op::contact && node.op != Op::message && node.op != Op::event) continue;
     Operand operand{text_.substr(node.begin, node.end - node.begin), i};
-    const bool known = std::any_of(all.begin(), all.end(), [&](const Operand& o) { return o.text == operand.text; });
+    const bool known = std::ranges::any_of(all, [&](const Operand& o) { return o.text == operand.text; });
     if (!known) all.push_back(std::move(operand));
   }
-  std::stable_sort(all.begin(), all.end(),
-                   [this](const Operand& a, const Operand& b) { return nodes_[a.node].begin < nodes_[b.node].begin; });
+  std::ranges::stable_sort(
+      all, [this](const Operand& a, const Operand& b) { return nodes_[a.node].begin < nodes_[b.node].begin; });
   return all;
 }
 

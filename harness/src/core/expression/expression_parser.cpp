@@ -120,8 +120,7 @@ std::size_t ExpressionParser::add(Op op, Type type, std::size_t begin, std::size
 }
 
 const ExpressionParser::Operator* ExpressionParser::operator_here(std::span<const Operator> operators) const {
-  const auto found =
-      std::find_if(operators.begin(), operators.end(), [this](const Operator& o) { return is_symbol(o.symbol); });
+  const auto found = std::ranges::find_if(operators, [this](const Operator& o) { return is_symbol(o.symbol); });
   return found == operators.end() ? nullptr : &*found;
 }
 

@@ -12,9 +12,7 @@ namespace {
 
 constexpr std::size_t most_shown = 6;
 
-std::size_t segments_of(std::string_view name) {
-  return static_cast<std::size_t>(std::count(name.begin(), name.end(), '/')) + 1;
-}
+std::size_t segments_of(std::string_view name) { return static_cast<std::size_t>(std::ranges::count(name, '/')) + 1; }
 
 /// The last segments of a name.
 std::string_view ending_of(std::string_view name, std::size_t segments) {

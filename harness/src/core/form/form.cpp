@@ -26,7 +26,7 @@ std::string Range::text() const {
 }
 
 const FormKey* Form::find(std::string_view key) const {
-  const auto found = std::find_if(keys.begin(), keys.end(), [&](const FormKey& each) { return each.name == key; });
+  const auto found = std::ranges::find_if(keys, [&](const FormKey& each) { return each.name == key; });
   return found == keys.end() ? nullptr : &*found;
 }
 

@@ -88,7 +88,7 @@ std::vector<std::string> moved_lines(const Comparison& comparison) {
     const bool follows = channel.channel == run_topics::tick || channel.channel == run_topics::transforms;
     if (!follows || channel.missing > 0 || channel.extra > 0) channels.push_back(channel);
   }
-  std::stable_sort(channels.begin(), channels.end(), is_worse);
+  std::ranges::stable_sort(channels, is_worse);
   std::vector<std::string> lines;
   for (std::size_t i = 0; i < std::min(channels_listed, channels.size()); ++i) lines.push_back(line_of(channels[i]));
   if (channels.size() > channels_listed)

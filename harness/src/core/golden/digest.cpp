@@ -117,12 +117,11 @@ class ChannelDigest {
     fmt::format_to(Out(text), "\n{} {}: {} {}\n", channel.topic, channel.type, messages_,
                    is_picture(channel) ? "pictures" : "messages");
     for (std::size_t column = 0; column < series_.size(); ++column) series_[column].describe(channel, column, text);
-    const auto beams = std::count_if(channel.columns.begin(), channel.columns.end(), is_range);
+    const auto beams = std::ranges::count_if(channel.columns, is_range);
     if (beams > 0)
       fmt::format_to(Out(text), "  ranges of {} beams [m] min {} max {}, nothing {} times\n", beams,
                      number_text(nearest_, "", "m"), number_text(farthest_, "", "m"), nothing_);
-    if (std::any_of(channel.columns.begin(), channel.columns.end(),
-                    [&](const TraceColumn& column) { return is_contact(channel, column); }))
+    if (std::ranges::any_of(channel.columns, [&](const TraceColumn& column) { return is_contact(channel, column); }))
       fmt::format_to(Out(text), "  at a point at most {} N along an axis, {} m deep\n", number_text(force_, "", "N"),
                      number_text(depth_, "", "m"));
   }

@@ -145,8 +145,8 @@ void find_library_code() {
 
 bool is_in_library(const ucontext_t& interrupted) {
   const auto place = reinterpret_cast<std::uintptr_t>(program_counter(interrupted));
-  return std::any_of(library_code.begin(), library_code.end(),
-                     [place](const LibraryCode& code) { return place >= code.begin && place < code.end; });
+  return std::ranges::any_of(library_code,
+                             [place](const LibraryCode& code) { return place >= code.begin && place < code.end; });
 }
 
 /// Also called in a signal handler.
@@ -468,8 +468,7 @@ SignalStack::~SignalStack() {
 }
 
 bool ends_calls(int signal_number) {
-  return signal_number == hang_signal ||
-         std::find(std::begin(caught_signals), std::end(caught_signals), signal_number) != std::end(caught_signals);
+  return signal_number == hang_signal || std::ranges::find(caught_signals, signal_number) != std::end(caught_signals);
 }
 
 void abort_controllers_code(const char* deed) {

@@ -78,8 +78,7 @@ void end_runs_on_signals() {
 bool is_reader_gone() {
   pollfd outputs[] = {{STDOUT_FILENO, 0, 0}, {STDERR_FILENO, 0, 0}, {result_descriptor(), 0, 0}};  // poll() ignores -1
   return poll(outputs, std::size(outputs), 0) > 0 &&
-         std::any_of(std::begin(outputs), std::end(outputs),
-                     [](const pollfd& output) { return (output.revents & POLLERR) != 0; });
+         std::ranges::any_of(outputs, [](const pollfd& output) { return (output.revents & POLLERR) != 0; });
 }
 
 void end_if_reader_is_gone() {

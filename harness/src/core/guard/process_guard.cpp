@@ -64,7 +64,7 @@ std::vector<std::string> variables_in(const std::string& block) {
   std::vector<std::string> all;
   for (std::size_t begin = 0; begin < block.size(); begin += all.back().size() + 1)
     all.emplace_back(block.c_str() + begin);
-  std::sort(all.begin(), all.end());
+  std::ranges::sort(all);
   return all;
 }
 
@@ -359,8 +359,7 @@ bool ProcessGuard::keeps(int descriptor) {
   std::string name;
   {
     const std::scoped_lock lock(mutex_);
-    const auto found =
-        std::find_if(protected_.begin(), protected_.end(), [&](const auto& one) { return one.first == descriptor; });
+    const auto found = std::ranges::find_if(protected_, [&](const auto& one) { return one.first == descriptor; });
     if (found == protected_.end()) return false;
     name = found->second;
   }
@@ -377,7 +376,7 @@ std::vector<unsigned int> ProcessGuard::kept_in(unsigned int first, unsigned int
         kept.push_back(number);
   }
   for (const unsigned int descriptor : kept) keeps(static_cast<int>(descriptor));
-  std::sort(kept.begin(), kept.end());
+  std::ranges::sort(kept);
   return kept;
 }
 

@@ -175,7 +175,7 @@ Result<void> WorkerPool::share() {
 }
 
 Result<void> WorkerPool::give(std::int64_t job) {
-  const auto place = std::find_if(places_.begin(), places_.end(), [](const Place& known) { return !known.job; });
+  const auto place = std::ranges::find_if(places_, [](const Place& known) { return !known.job; });
   REHEARSE_ASSERT(place != places_.end(), "a job needs a place");
   if (!shared_) REHEARSE_TRY(share());
   std::error_code failed;

@@ -305,8 +305,8 @@ void ControllerHost::output(Timing timing, Command& command) {
 }
 
 bool ControllerHost::all_done() const {
-  return !controllers_.empty() && std::none_of(controllers_.begin(), controllers_.end(),
-                                               [](const auto& hosted) { return hosted.running && hosted.tick.result; });
+  return !controllers_.empty() &&
+         std::ranges::none_of(controllers_, [](const auto& hosted) { return hosted.running && hosted.tick.result; });
 }
 
 bool ControllerHost::is_delayed(const HostedController& hosted) const {
@@ -316,7 +316,7 @@ bool ControllerHost::is_delayed(const HostedController& hosted) const {
 void ControllerHost::apply_device_output(const HostedController& hosted, const DeviceOutput& output, Command& command) {
   if (output.acted_in_initialize) return;
   const auto is_odd = [](double number) { return !std::isfinite(number); };
-  if (std::any_of(output.values.begin(), output.values.end(), is_odd)) {
+  if (std::ranges::any_of(output.values, is_odd)) {
     event(
         Severity::error, hosted.label,
         fmt::format("gave device '{}' a state that isn't finite at tick {}; it was recorded, but the device keeps the "

@@ -172,7 +172,7 @@ void ControllerIo::enableInput(cnoid::Device* device) {
   if (device->body() != body_)
     throw std::invalid_argument(fmt::format("enableInput: device '{}' belongs to another body", device->name()));
   if (note_if_too_late()) return;
-  if (std::find(input_devices_.begin(), input_devices_.end(), device->index()) == input_devices_.end())
+  if (std::ranges::find(input_devices_, device->index()) == input_devices_.end())
     input_devices_.push_back(device->index());
   io_body_->enable(*device);
 }
@@ -235,8 +235,8 @@ std::vector<std::string> ControllerIo::freeze() {
 }
 
 bool ControllerIo::commands_joint(int joint) const {
-  return std::any_of(outputs_.fields.begin(), outputs_.fields.end(),
-                     [joint](const IoField& field) { return field.quantity <= Quantity::u && field.joint == joint; });
+  return std::ranges::any_of(
+      outputs_.fields, [joint](const IoField& field) { return field.quantity <= Quantity::u && field.joint == joint; });
 }
 
 /// Most inputs and outputs are single numbers of joints: their places are found once.

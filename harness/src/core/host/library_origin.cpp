@@ -140,7 +140,7 @@ std::vector<fs::path> files_of_linked(const LibraryOrigin& origin, const fs::pat
       for (const std::string& folder : origin.searched) places.push_back(folder_of_search(folder, library) / name);
     std::error_code missing;
     const auto there = [&missing](const fs::path& place) { return fs::is_regular_file(place, missing); };
-    const auto found = std::find_if(places.begin(), places.end(), there);
+    const auto found = std::ranges::find_if(places, there);
     if (found == places.end()) continue;
     if (fs::path file = fs::canonical(*found, missing); !missing) files.push_back(std::move(file));
   }

@@ -57,7 +57,7 @@ ControllerVariables::Mistake ControllerVariables::mistake_in(const char* name) c
 }
 
 void ControllerVariables::refuse(Mistake mistake, const char* name) {
-  if (std::find(told_.begin(), told_.end(), mistake) != told_.end()) return;
+  if (std::ranges::find(told_, mistake) != told_.end()) return;
   told_.push_back(mistake);
   switch (mistake) {
     case Mistake::none: break;

@@ -22,7 +22,7 @@ class ValuesDevice final : public cnoid::Device {
       throw std::invalid_argument("a " + type_ + " takes the state of a " + type_ + " only");
     values_ = same->values_;
   }
-  void clearState() override { std::fill(values_.begin(), values_.end(), 0.0); }
+  void clearState() override { std::ranges::fill(values_, 0.0); }
   int stateSize() const override { return static_cast<int>(values_.size()); }
   double* writeState(double* buffer) const override { return std::copy(values_.begin(), values_.end(), buffer); }
   const double* readState(const double* buffer, int size) override {

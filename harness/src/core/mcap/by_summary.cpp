@@ -62,7 +62,7 @@ bool is_record(Bytes data, std::uint64_t offset, std::uint64_t length, std::uint
 /// True if the stated places of the chunks don't overlap, and the first and the last chunk exist.
 bool chunks_fit(std::vector<ChunkIndex>& chunks, Bytes data) {
   const auto earlier = [](const ChunkIndex& a, const ChunkIndex& b) { return a.chunk.offset < b.chunk.offset; };
-  std::stable_sort(chunks.begin(), chunks.end(), earlier);
+  std::ranges::stable_sort(chunks, earlier);
   std::uint64_t end = magic.size();
   for (const ChunkIndex& index : chunks) {
     if (index.chunk.offset < end || index.chunk.offset > data.size()) return false;

@@ -70,7 +70,7 @@ const Schema* Contents::schema_of(const Channel& channel) const {
 }
 
 bool Contents::has_all_schemas() const {
-  return std::all_of(channels.begin(), channels.end(), [this](const auto& entry) {
+  return std::ranges::all_of(channels, [this](const auto& entry) {
     return entry.second.schema_id == 0 || schema_of(entry.second) != nullptr;
   });
 }
@@ -184,7 +184,7 @@ std::string describe_cut(const CutPlace& cut) {
 }
 
 bool is_all_zero(Bytes bytes) {
-  return std::all_of(bytes.begin(), bytes.end(), [](std::byte b) { return b == std::byte{0}; });
+  return std::ranges::all_of(bytes, [](std::byte b) { return b == std::byte{0}; });
 }
 
 std::optional<std::uint32_t> read_data_end(const Record& record, DamageLog& damage) {

@@ -89,7 +89,7 @@ void Examiner::examine_chunk_records(Bytes records, const Chunk& chunk) {
     fail({chunk.offset, {}},
          fmt::format("the Chunk states messages from {} ns to {} ns, but they are from {} ns to {} ns",
                      chunk.start_time, chunk.end_time, first, last));
-  std::stable_sort(chunk_entries_.begin(), chunk_entries_.end(), by_channel);
+  std::ranges::stable_sort(chunk_entries_, by_channel);
   std::vector<std::uint16_t> channels;
   for (const IndexEntry& entry : chunk_entries_)
     if (channels.empty() || channels.back() != entry.channel) channels.push_back(entry.channel);
@@ -103,8 +103,7 @@ void Examiner::examine_message_index(const Record& record) {
   ByteReader in(record.body);
   const auto channel = in.get<std::uint16_t>();
   const Bytes entries = in.get_bytes(in.get<std::uint32_t>());
-  const bool twice = std::any_of(chunk.indexes.begin(), chunk.indexes.end(),
-                                 [&](const auto& known) { return known.first == channel; });
+  const bool twice = std::ranges::any_of(chunk.indexes, [&](const auto& known) { return known.first == channel; });
   if (twice)
     fail(place, fmt::format("a second Message Index of channel {} for the Chunk at byte {}", channel, chunk.offset()));
   chunk.indexes.push_back({channel, record.offset});
@@ -129,7 +128,7 @@ void Examiner::compare_index(const Record& record, std::uint16_t channel, Bytes 
     const auto time = in.get<std::uint64_t>();
     stated.push_back({time, in.get<std::uint64_t>(), channel});
   }
-  std::stable_sort(stated.begin(), stated.end(), by_offset);
+  std::ranges::stable_sort(stated, by_offset);
   auto next = found.first;
   const auto tell_missing = [&](std::uint64_t before) {
     for (; next != last && next->offset < before; ++next)
@@ -159,8 +158,7 @@ void Examiner::leave_chunk() {
   for (std::size_t i = 0; i < chunk_entries_.size(); ++i) {
     const std::uint16_t channel = chunk_entries_[i].channel;
     if (i > 0 && chunk_entries_[i - 1].channel == channel) continue;
-    const bool indexed = std::any_of(chunk.indexes.begin(), chunk.indexes.end(),
-                                     [&](const auto& known) { return known.first == channel; });
+    const bool indexed = std::ranges::any_of(chunk.indexes, [&](const auto& known) { return known.first == channel; });
     if (!indexed)
       fail({chunk.offset(), {}},
            fmt::format("the Chunk has messages of channel {}, but no Message Index for it", channel));

@@ -98,8 +98,7 @@ void Examiner::examine_grouping(const Record& record) {
     groups_.back().second.second = end;
     return;
   }
-  const bool again =
-      std::any_of(groups_.begin(), groups_.end(), [&](const auto& group) { return group.first == record.opcode; });
+  const bool again = std::ranges::any_of(groups_, [&](const auto& group) { return group.first == record.opcode; });
   if (again || (!groups_.empty() && groups_.back().first == op::summary_offset))
     deviate({record.offset, {}},
             fmt::format("the summary isn't grouped: a {} after records of other kinds", name_of(record.opcode)));
@@ -158,8 +157,8 @@ void Examiner::examine_chunk_index(const Record& record) {
     places.push_back({channel, in.get<std::uint64_t>()});
   }
   auto indexes = chunk->indexes;
-  std::sort(places.begin(), places.end());
-  std::sort(indexes.begin(), indexes.end());
+  std::ranges::sort(places);
+  std::ranges::sort(indexes);
   if (places != indexes && !places.empty())
     fail(place, fmt::format("the Chunk Index of the Chunk at byte {} doesn't have the places of its {} message indexes",
                             offset, indexes.size()));
@@ -197,7 +196,7 @@ void Examiner::examine_statistics(const Record& record) {
   if (damaged_) return;  // not all records could be counted
   const auto in_data = [](const auto& definitions) {
     return static_cast<std::uint64_t>(
-        std::count_if(definitions.begin(), definitions.end(), [](const auto& entry) { return entry.second.in_data; }));
+        std::ranges::count_if(definitions, [](const auto& entry) { return entry.second.in_data; }));
   };
   Comparison comparison("the record of statistics");
   comparison.compare<std::uint64_t>("messages", stated->message_count, messages_);
@@ -227,8 +226,7 @@ void Examiner::examine_summary_offset(const Record& record) {
   const auto opcode = in.get<std::uint8_t>();
   const auto begin = in.get<std::uint64_t>();
   const auto length = in.get<std::uint64_t>();
-  const auto group =
-      std::find_if(groups_.begin(), groups_.end(), [&](const auto& candidate) { return candidate.first == opcode; });
+  const auto group = std::ranges::find_if(groups_, [&](const auto& candidate) { return candidate.first == opcode; });
   if (group == groups_.end() || opcode == op::summary_offset)
     return fail(place, fmt::format("a Summary Offset of a group of {} records, which the summary doesn't have",
                                    name_of(opcode)));
@@ -244,16 +242,16 @@ void Examiner::examine_summary_offset(const Record& record) {
 void Examiner::tell_missing_parts() {
   const std::uint64_t begin = *summary_begin_;
   const auto lacking = [&](const std::vector<bool>& indexed, std::string_view kind, const auto& all) {
-    const auto missing = static_cast<std::size_t>(std::count(indexed.begin(), indexed.end(), false));
+    const auto missing = static_cast<std::size_t>(std::ranges::count(indexed, false));
     if (missing == 0 || missing == indexed.size()) return;
-    const auto first = static_cast<std::size_t>(std::find(indexed.begin(), indexed.end(), false) - indexed.begin());
+    const auto first = static_cast<std::size_t>(std::ranges::find(indexed, false) - indexed.begin());
     fail({begin, {}}, fmt::format("the summary has no {} Index for {} of {} records, the first of them at byte {}",
                                   kind, missing, indexed.size(), all[first].offset()));
   };
   lacking(indexed_chunks_, "Chunk", chunks_);
   lacking(indexed_attachments_, "Attachment", attachments_);
   lacking(indexed_metadata_, "Metadata", metadata_);
-  const bool has_index = std::find(indexed_chunks_.begin(), indexed_chunks_.end(), true) != indexed_chunks_.end();
+  const bool has_index = std::ranges::find(indexed_chunks_, true) != indexed_chunks_.end();
   if (!has_index) return;
   if (loose_messages_ > 0)
     findings_.add(Severity::warning, {loose_at_, {}},

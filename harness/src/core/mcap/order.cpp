@@ -129,8 +129,7 @@ MessageOrder::MessageOrder(Reader::Impl& reader, const ChannelSet& channels, Dam
     const bool is_read = chunk.end_time >= from && (!by_index || reader.chunk_channels_[i].has_any_of(channels));
     (is_read ? chunks_ : others_).push_back(chunk);
   }
-  std::stable_sort(chunks_.begin(), chunks_.end(),
-                   [](const Chunk& a, const Chunk& b) { return a.start_time < b.start_time; });
+  std::ranges::stable_sort(chunks_, [](const Chunk& a, const Chunk& b) { return a.start_time < b.start_time; });
   constexpr std::uint64_t small = std::uint64_t{1} << 18;  // [bytes]
   std::uint64_t all = 0;
   for (const Chunk& chunk : chunks_) all += chunk.size;
@@ -249,8 +248,8 @@ void MessageOrder::collect(ChunkAhead& chunk, std::uint64_t begin) const {
   }
   chunk.is_whole = walker.at_end();
   const auto earlier = [](const Waiting& a, const Waiting& b) { return a.log_time < b.log_time; };
-  if (!std::is_sorted(run.order.begin(), run.order.end(), earlier)) {
-    std::stable_sort(run.order.begin(), run.order.end(), earlier);
+  if (!std::ranges::is_sorted(run.order, earlier)) {
+    std::ranges::stable_sort(run.order, earlier);
   }
 }
 

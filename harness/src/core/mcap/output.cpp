@@ -185,8 +185,7 @@ void Output::add_index(const Chunk& chunk, std::uint64_t size, std::uint64_t ind
 /// Writes one MessageIndex record per channel, by ascending channel; `places` gets channel and file offset of each.
 void Output::put_message_indexes(const ChunkData& chunk, ByteWriter& out, ByteWriter& places) const {
   std::vector<IndexEntry> entries = chunk.index;
-  std::stable_sort(entries.begin(), entries.end(),
-                   [](const IndexEntry& a, const IndexEntry& b) { return a.channel < b.channel; });
+  std::ranges::stable_sort(entries, [](const IndexEntry& a, const IndexEntry& b) { return a.channel < b.channel; });
   for (auto first = entries.begin(); first != entries.end();) {
     const auto last = std::find_if(first, entries.end(), [&](const auto& e) { return e.channel != first->channel; });
     places.put(first->channel);

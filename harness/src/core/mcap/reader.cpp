@@ -109,7 +109,7 @@ void Reader::Impl::learn_from_chunks() {
     }
   }
   const auto is_known = [this](std::uint16_t channel) { return contents_.channels.contains(channel); };
-  if (std::all_of(unknown_channels_.begin(), unknown_channels_.end(), is_known)) return;
+  if (std::ranges::all_of(unknown_channels_, is_known)) return;
   for (const std::size_t i : others) learn_from_chunk(chunks_[i]);
 }
 

@@ -87,8 +87,8 @@ bool check_map(Bytes map, const Field& field, std::vector<std::string>& problems
     check_text(value, fmt::format("{} of the key {}", field.name, in_quotes(key)), problems);
     keys.push_back(key);
   }
-  std::sort(keys.begin(), keys.end());
-  const auto twice = std::adjacent_find(keys.begin(), keys.end());
+  std::ranges::sort(keys);
+  const auto twice = std::ranges::adjacent_find(keys);
   if (twice != keys.end())
     problems.push_back(fmt::format("its {} has the key {} more than once", field.name, in_quotes(*twice)));
   return true;

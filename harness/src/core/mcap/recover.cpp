@@ -201,8 +201,8 @@ Recovery begin_recovery(const FileView& file, const Examination& from) {
     recovery.remarks.push_back(fmt::format("{} private records aren't kept", from.private_records));
   std::size_t mended = 0;
   for (const Finding& finding : from.findings.list()) {
-    const bool is_loss = std::any_of(from.lost.begin(), from.lost.end(),
-                                     [&](const LostBytes& lost) { return lost.begin == finding.place.offset; });
+    const bool is_loss =
+        std::ranges::any_of(from.lost, [&](const LostBytes& lost) { return lost.begin == finding.place.offset; });
     if (finding.severity != Severity::error || is_loss) continue;
     if (mended++ < listed)
       recovery.remarks.push_back(fmt::format("byte {}: {}", finding.place.offset, finding.message));

@@ -76,7 +76,7 @@ std::string programs(bool draws, bool has_mesh_files) {
   std::string all;
   for (const auto& [name, id] : build_ids()) {
     const auto names_it = [&name = name](std::string_view prefix) { return name.starts_with(prefix); };
-    if (std::none_of(std::begin(deciding), std::end(deciding), names_it)) continue;
+    if (std::ranges::none_of(deciding, names_it)) continue;
     if (!draws && name.starts_with("libOSMesa.")) continue;
     if (!has_mesh_files && name.starts_with("librehearse_assimp.")) continue;
     if (id.empty()) return {};

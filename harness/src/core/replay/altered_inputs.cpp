@@ -90,10 +90,10 @@ bool AlteredInputs::is_read(const InputTarget& target, const ControllerHost& hos
         break;
       case InputTarget::Kind::device:
       case InputTarget::Kind::ranges:
-        if (std::any_of(devices.begin(), devices.end(), is_target)) return true;
+        if (std::ranges::any_of(devices, is_target)) return true;
         break;
       case InputTarget::Kind::contact:
-        if (std::any_of(links.begin(), links.end(), is_target)) return true;
+        if (std::ranges::any_of(links, is_target)) return true;
         break;
       case InputTarget::Kind::axis:
       case InputTarget::Kind::button: break;
@@ -197,13 +197,13 @@ std::int64_t AlteredInputs::begins() const {
 }
 
 bool AlteredInputs::alters_joints(int body) const {
-  return std::any_of(alterations_.begin(), alterations_.end(), [&](const Alteration& alteration) {
+  return std::ranges::any_of(alterations_, [&](const Alteration& alteration) {
     return alteration.target.kind == InputTarget::Kind::joint && alteration.target.body == body;
   });
 }
 
 bool AlteredInputs::alters_device(int body, int device) const {
-  return std::any_of(alterations_.begin(), alterations_.end(), [&](const Alteration& alteration) {
+  return std::ranges::any_of(alterations_, [&](const Alteration& alteration) {
     const InputTarget& target = alteration.target;
     const bool of_device = target.kind == InputTarget::Kind::device || target.kind == InputTarget::Kind::ranges;
     return of_device && target.body == body && target.owner == device;
@@ -211,8 +211,7 @@ bool AlteredInputs::alters_device(int body, int device) const {
 }
 
 bool AlteredInputs::alters_joystick() const {
-  return std::any_of(alterations_.begin(), alterations_.end(),
-                     [](const Alteration& alteration) { return alteration.target.body < 0; });
+  return std::ranges::any_of(alterations_, [](const Alteration& alteration) { return alteration.target.body < 0; });
 }
 
 }  // namespace rehearse

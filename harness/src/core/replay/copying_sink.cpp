@@ -29,8 +29,8 @@ CopyingSink::Part CopyingSink::part_of(const mcap::Channel& channel) const {
   if (name.kind == ChannelKind::tick) return Part::tick;
   if (name.kind == ChannelKind::events) return Part::events;
   if (name.kind == ChannelKind::cost) return Part::controller;
-  const bool is_hosted = std::any_of(host_.controllers().begin(), host_.controllers().end(),
-                                     [&](const HostedController& hosted) { return hosted.label == name.label(); });
+  const bool is_hosted = std::ranges::any_of(
+      host_.controllers(), [&](const HostedController& hosted) { return hosted.label == name.label(); });
   return is_hosted ? Part::controller : Part::state;
 }
 

@@ -45,8 +45,8 @@ std::string of_the_body(const std::string& series, const Scenario& scenario) {
 /// The numbers of a contact, one after the other: position, normal, force, velocity, depth.
 std::optional<std::size_t> contact_element(std::string_view name) {
   const std::vector<ChannelElement>& elements = elements_of(ChannelKind::contacts);
-  const auto found = std::find_if(elements.begin(), elements.end(),
-                                  [name](const ChannelElement& element) { return element.name == name; });
+  const auto found =
+      std::ranges::find_if(elements, [name](const ChannelElement& element) { return element.name == name; });
   return found == elements.end() ? std::nullopt : std::optional<std::size_t>(found - elements.begin());
 }
 
@@ -134,7 +134,7 @@ std::string near_inputs(const std::string& name_of_series, const Scenario& scena
   if (near.empty()) {
     const std::vector<std::string> near_rests = near_names(without_body(series), rests);
     for (std::size_t i = 0; i < names.size() && near.size() < 3; ++i)
-      if (std::find(near_rests.begin(), near_rests.end(), rests[i]) != near_rests.end()) near.push_back(names[i]);
+      if (std::ranges::find(near_rests, rests[i]) != near_rests.end()) near.push_back(names[i]);
   }
   if (!near.empty()) return fmt::format("similar inputs: {}", fmt::join(near, ", "));
   if (alike.empty()) alike.assign(names.begin(), names.begin() + std::min<std::ptrdiff_t>(3, std::ssize(names)));

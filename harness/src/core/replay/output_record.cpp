@@ -94,7 +94,7 @@ void OutputRecord::add_devices(const HostedController& hosted, const Model& mode
 }
 
 const std::vector<std::uint64_t>& OutputRecord::row() {
-  std::fill(row_.begin(), row_.end(), 0);
+  std::ranges::fill(row_, 0);
   std::size_t word = 0;
   for (std::size_t i = 0; i < host_.controllers().size(); ++i) {
     const HostedController& hosted = host_.controllers()[i];

@@ -40,7 +40,7 @@ struct RecordedInputs::Feed {
   bool has(const IoField& field) const {
     if (!read) return true;
     const std::size_t index = field.quantity == Quantity::dq ? 1 : field.quantity == Quantity::u ? 2 : 0;
-    const auto joint = std::find(joint_ids.begin(), joint_ids.end(), field.joint);
+    const auto joint = std::ranges::find(joint_ids, field.joint);
     return joint != joint_ids.end() && has(index, static_cast<std::size_t>(joint - joint_ids.begin()));
   }
   /// The joints of the model, for the names of the last message.
@@ -103,8 +103,8 @@ void RecordedInputs::add(std::uint16_t id, const ChannelName& name, const std::s
     if (scenario_.joystick) keep();
     return;
   }
-  const auto body = std::find_if(scenario_.bodies.begin(), scenario_.bodies.end(),
-                                 [&](const ScenarioBody& known) { return known.name == name.body; });
+  const auto body =
+      std::ranges::find_if(scenario_.bodies, [&](const ScenarioBody& known) { return known.name == name.body; });
   if (body == scenario_.bodies.end()) return;
   feed.body = static_cast<int>(body - scenario_.bodies.begin());
   const bool of_body = name.side == ChannelSide::none;
@@ -151,8 +151,8 @@ bool RecordedInputs::feeds(const Feed& feed, int body, const IoField& field) con
 
 /// True if a controller's input contains that value of a joint.
 bool RecordedInputs::has_input(int body, const IoField& field) const {
-  return std::any_of(feeds_.begin(), feeds_.end(),
-                     [&](const auto& entry) { return entry.second->read && feeds(*entry.second, body, field); });
+  return std::ranges::any_of(
+      feeds_, [&](const auto& entry) { return entry.second->read && feeds(*entry.second, body, field); });
 }
 
 std::set<std::string> RecordedInputs::joints_read() const {
@@ -171,27 +171,25 @@ std::set<std::string> RecordedInputs::joints_read() const {
 
 bool RecordedInputs::has(int body, const IoField& field) const {
   if (field.quantity == Quantity::wrench) return true;  // always zero: nothing to record
-  return std::any_of(feeds_.begin(), feeds_.end(),
-                     [&](const auto& entry) { return feeds(*entry.second, body, field); });
+  return std::ranges::any_of(feeds_, [&](const auto& entry) { return feeds(*entry.second, body, field); });
 }
 
 bool RecordedInputs::has_device(int body, int device) const {
-  return std::any_of(feeds_.begin(), feeds_.end(), [&](const auto& entry) {
+  return std::ranges::any_of(feeds_, [&](const auto& entry) {
     const Feed& feed = *entry.second;
     return feed.body == body && feed.device == device;
   });
 }
 
 bool RecordedInputs::has_contacts(int body, int link) const {
-  return std::any_of(feeds_.begin(), feeds_.end(), [&](const auto& entry) {
+  return std::ranges::any_of(feeds_, [&](const auto& entry) {
     const Feed& feed = *entry.second;
     return feed.kind == ChannelKind::contacts && feed.body == body && feed.link == link;
   });
 }
 
 bool RecordedInputs::has_joystick() const {
-  return std::any_of(feeds_.begin(), feeds_.end(),
-                     [](const auto& entry) { return entry.second->kind == ChannelKind::joystick; });
+  return std::ranges::any_of(feeds_, [](const auto& entry) { return entry.second->kind == ChannelKind::joystick; });
 }
 
 std::vector<std::uint16_t> RecordedInputs::channels_read_by(const ControllerHost& host, bool whole_state) const {

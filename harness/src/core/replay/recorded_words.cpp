@@ -40,8 +40,8 @@ RecordedWords::RecordedWords(const ControllerHost& host, const mcap::Reader& tra
 
 bool RecordedWords::is_line(const msg::Event& event) const {
   return event.severity == to_string(Severity::note) &&
-         std::any_of(host_.controllers().begin(), host_.controllers().end(),
-                     [&](const HostedController& hosted) { return hosted.label == event.source; });
+         std::ranges::any_of(host_.controllers(),
+                             [&](const HostedController& hosted) { return hosted.label == event.source; });
 }
 
 Result<void> RecordedWords::accept(const mcap::Message& message) {

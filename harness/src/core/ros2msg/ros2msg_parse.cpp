@@ -33,8 +33,7 @@ bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z')
 bool is_name_character(char c) { return is_letter(c) || (c >= '0' && c <= '9') || c == '_'; }
 
 bool is_name(std::string_view text) {
-  return !text.empty() && (is_letter(text[0]) || text[0] == '_') &&
-         std::all_of(text.begin(), text.end(), is_name_character);
+  return !text.empty() && (is_letter(text[0]) || text[0] == '_') && std::ranges::all_of(text, is_name_character);
 }
 
 /// The line without its comment. A # within quotes begins no comment. A quote counts only where a text may begin, so an
@@ -234,10 +233,10 @@ void Parser::begin_definition(std::string_view line) {
 }
 
 void Parser::parse_declaration(std::string_view line) {
-  const auto type_end = std::find_if(line.begin(), line.end(), is_space);
+  const auto type_end = std::ranges::find_if(line, is_space);
   const std::string_view type_text(line.begin(), type_end);
   const std::string_view rest = trim(std::string_view(type_end, line.end()));
-  const auto name_end = std::find_if_not(rest.begin(), rest.end(), is_name_character);
+  const auto name_end = std::ranges::find_if_not(rest, is_name_character);
   const std::string_view name(rest.begin(), name_end);
   const std::string_view value = trim(std::string_view(name_end, rest.end()));
   if (!is_name(name)) return complain(line_, fmt::format("\"{}\" is neither a field nor a constant", line));
@@ -285,7 +284,7 @@ bool Parser::parse_type(std::string_view text, FieldType& type, std::string& mes
     type.primitive = *primitive;
     return true;
   }
-  const bool plain = std::all_of(text.begin(), text.end(), [](char c) { return is_name_character(c) || c == '/'; });
+  const bool plain = std::ranges::all_of(text, [](char c) { return is_name_character(c) || c == '/'; });
   if (text.empty() || !plain) return malformed();
   type.is_message = true;
   message_name = text;

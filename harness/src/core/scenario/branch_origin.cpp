@@ -70,8 +70,7 @@ Result<Push> parse_push(const std::string& text, const Scenario& scenario) {
     const std::string_view word = std::string_view(text).substr(begin, end - begin);
     const std::array<std::pair<std::string_view, Eigen::Vector3d*>, 3> known{
         {{"force=", &push.force}, {"torque=", &push.torque}, {"at=", &push.point}}};
-    const auto key =
-        std::find_if(known.begin(), known.end(), [&](const auto& one) { return word.starts_with(one.first); });
+    const auto key = std::ranges::find_if(known, [&](const auto& one) { return word.starts_with(one.first); });
     if (key == known.end() || !parse_vector(word.substr(key->first.size()), *key->second))
       return wrong(begin, word.size(),
                    fmt::format("'{}' is none of force=X,Y,Z [N], torque=X,Y,Z [N·m], at=X,Y,Z [m]", word));

@@ -58,7 +58,7 @@ Form make_errors_form(const MeasuredQuantity& quantity_of, std::string_view name
 
 Form make_timed_form(const MeasuredQuantity& quantity_of, std::string_view name) {
   const auto all = error_forms();
-  const auto timed = std::find_if(all.begin(), all.end(), [](const ErrorForm* each) { return each->is_timed; });
+  const auto timed = std::ranges::find_if(all, [](const ErrorForm* each) { return each->is_timed; });
   return {name,
           "an offset",
           {{"by", error_numbers(**timed, quantity_of), "the change of the readings", required},
@@ -84,7 +84,7 @@ const std::vector<MeasuredQuantity>& measured_quantities() {
   static const std::vector<MeasuredQuantity> quantities = [] {
     std::vector<MeasuredQuantity> all;
     const auto add = [&](const MeasuredQuantity& quantity) {
-      if (std::none_of(all.begin(), all.end(), [&](const auto& each) { return each.name == quantity.name; }))
+      if (std::ranges::none_of(all, [&](const auto& each) { return each.name == quantity.name; }))
         all.push_back(quantity);
     };
     for (const DeviceKind& kind : device_kinds()) {

@@ -19,7 +19,7 @@ constexpr std::string_view of_controller[] = {"library", "options", "delay", "op
 
 template <std::size_t count>
 bool is_one_of(std::string_view word, const std::string_view (&words)[count]) {
-  return std::find(std::begin(words), std::end(words), word) != std::end(words);
+  return std::ranges::find(words, word) != std::end(words);
 }
 
 enum class Inside { scenario, bodies, body, controllers, controller, other };

@@ -29,7 +29,7 @@ std::vector<fs::path> yaml_files(const fs::path& project, const std::string& nam
          entry.increment(missing))
       if (entry->path().extension() == ".yaml") files.push_back(entry->path());
   }
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   return files;
 }
 
@@ -66,7 +66,7 @@ std::vector<fs::path> build_folders(const fs::path& project) {
     if (entry->path().filename().string().starts_with("build") && entry->is_directory(ignored))
       folders.push_back(entry->path());
   }
-  std::sort(folders.begin(), folders.end());
+  std::ranges::sort(folders);
   return folders;
 }
 

@@ -96,7 +96,7 @@ const BoundForm<Scenario>& bound_scenario_form() {
 bool is_golden_name(std::string_view text) {
   const std::size_t dot = text.find('.');
   const auto is_word = [](std::string_view part) {
-    return !part.empty() && std::all_of(part.begin(), part.end(), [](char c) {
+    return !part.empty() && std::ranges::all_of(part, [](char c) {
       return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
     });
   };
@@ -245,7 +245,7 @@ Diagnostic at(const Place& place, Diagnostic diagnostic) {
 std::int64_t Scenario::ticks() const { return std::lround(duration / time_step); }
 
 bool Scenario::runs_camera(const std::string& body, const std::string& camera) const {
-  return !cameras || std::find(cameras->begin(), cameras->end(), body + "/" + camera) != cameras->end();
+  return !cameras || std::ranges::find(*cameras, body + "/" + camera) != cameras->end();
 }
 
 bool Scenario::runs_a_camera() const {

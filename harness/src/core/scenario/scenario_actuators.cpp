@@ -367,8 +367,7 @@ void read_actuators(Findings& findings, const YamlNode& node, ScenarioBody& body
   for (const YamlNodePtr& rule : read_list(findings, node, "actuators", "a list of {joint: PATTERN, KEY: VALUE, ...}"))
     reader.read_rule(*rule);
   reader.check();
-  if (std::none_of(body.actuators.begin(), body.actuators.end(), [](const auto& each) { return each.has_value(); }))
-    body.actuators.clear();
+  if (std::ranges::none_of(body.actuators, [](const auto& each) { return each.has_value(); })) body.actuators.clear();
 }
 
 }  // namespace rehearse

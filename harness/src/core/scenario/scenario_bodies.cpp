@@ -105,8 +105,8 @@ void BodyReader::read_name(const Keys& keys, ScenarioBody& body) {
   if (!name) return;
   body.name = *name;
   body.place = {scenario_.file, node->line, node->column};
-  const auto same = std::find_if(scenario_.bodies.begin(), scenario_.bodies.end(),
-                                 [&name](const ScenarioBody& other) { return other.name == *name; });
+  const auto same =
+      std::ranges::find_if(scenario_.bodies, [&name](const ScenarioBody& other) { return other.name == *name; });
   if (same != scenario_.bodies.end())
     findings_.error(*node, fmt::format("a second body is named '{}'", *name),
                     fmt::format("the first is in line {}; expected a name of its own", same->place.line));
@@ -140,7 +140,7 @@ void BodyReader::check_contact(const Keys& keys, const ScenarioBody& body) {
 void BodyReader::read_model(const Keys& keys, ScenarioBody& body) {
   std::string_view chosen;
   for (const NamedEntry& entry : keys.entries()) {
-    const auto key = std::find(model_keys.begin(), model_keys.end(), entry.name);
+    const auto key = std::ranges::find(model_keys, entry.name);
     if (key == model_keys.end()) continue;
     if (!chosen.empty()) {
       findings_.error(*entry.key, fmt::format("the body has both '{}' and '{}'", chosen, *key),
@@ -367,7 +367,7 @@ void BodyReader::place_as_model(ScenarioBody& body) {
   const std::vector<Link>& links = body.model->links;
   body.position = links.front().joint.origin.translation();
   body.rotation = Eigen::Quaterniond(links.front().joint.origin.linear()).normalized();
-  if (std::none_of(links.begin(), links.end(), [](const Link& link) { return !link.material.empty(); })) return;
+  if (std::ranges::none_of(links, [](const Link& link) { return !link.material.empty(); })) return;
   for (const Link& link : links) body.materials.push_back(link.material);
 }
 

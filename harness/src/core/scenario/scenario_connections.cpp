@@ -84,7 +84,7 @@ void add(Findings& findings, const YamlNode& node, const Keys& keys, const char*
   connection.name = fmt::format("{} {}", kind, scenario.connections.size() + 1);
   if (name != nullptr) connection.name = read_name(findings, *name, "name").value_or(connection.name);
   const auto is_same = [&](const Connection& other) { return other.name == connection.name; };
-  if (std::any_of(scenario.connections.begin(), scenario.connections.end(), is_same))
+  if (std::ranges::any_of(scenario.connections, is_same))
     findings.error(name == nullptr ? node : *name, fmt::format("a second connection is named '{}'", connection.name),
                    "expected a name of its own");
   scenario.connections.push_back(std::move(connection));

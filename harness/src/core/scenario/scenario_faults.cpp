@@ -108,15 +108,15 @@ std::span<const FaultReader::Kind> FaultReader::kinds() {
 std::vector<std::string> FaultReader::kind_names() {
   std::vector<std::string> names;
   for (const Kind& kind : kinds())
-    if (std::find(names.begin(), names.end(), kind.name) == names.end()) names.emplace_back(kind.name);
+    if (std::ranges::find(names, kind.name) == names.end()) names.emplace_back(kind.name);
   return names;
 }
 
 bool FaultReader::reads(std::string_view kind, std::string_view key) {
   constexpr std::string_view only_some[] = {"by", "quantity", "effort", "mass"};
-  if (std::find(std::begin(only_some), std::end(only_some), key) == std::end(only_some)) return true;
+  if (std::ranges::find(only_some, key) == std::end(only_some)) return true;
   const auto all = kinds();
-  const auto found = std::find_if(all.begin(), all.end(), [&](const Kind& each) { return each.name == kind; });
+  const auto found = std::ranges::find_if(all, [&](const Kind& each) { return each.name == kind; });
   return found == all.end() || found->keys.find(key) != std::string_view::npos;
 }
 
@@ -195,13 +195,13 @@ const FaultReader::Kind* FaultReader::find_kind(const Keys& keys, std::string_vi
 void FaultReader::read(const YamlNode& node) {
   const Keys keys(findings_, node, fault_form());
   if (!keys.is_map()) return;
-  const auto count = std::count_if(std::begin(fault_owners), std::end(fault_owners),
-                                   [&](std::string_view key) { return keys.find(key) != nullptr; });
+  const auto count =
+      std::ranges::count_if(fault_owners, [&](std::string_view key) { return keys.find(key) != nullptr; });
   if (count != 1)
     return findings_.error(node, fmt::format("the fault names {} parts of the body", count),
                            "expected one of sensor, encoder (of a joint), actuator, link and controller");
-  const std::string_view owner = *std::find_if(std::begin(fault_owners), std::end(fault_owners),
-                                               [&](std::string_view key) { return keys.find(key) != nullptr; });
+  const std::string_view owner =
+      *std::ranges::find_if(fault_owners, [&](std::string_view key) { return keys.find(key) != nullptr; });
   const auto found = find_owners(*keys.find(owner), owner);
   const Kind* kind = find_kind(keys, owner);
   const ReadFault fault{keys, node, read_spell_keys(findings_, keys)};
@@ -243,8 +243,8 @@ void FaultReader::add_offset_to(const ReadFault& fault, const YamlNode& by, cons
   const std::vector<MeasuredQuantity> quantities =
       of_joint ? std::vector<MeasuredQuantity>(joint_quantities.begin(), joint_quantities.end())
                : quantities_of(model.devices[index]);
-  const auto found = std::find_if(quantities.begin(), quantities.end(),
-                                  [&](const MeasuredQuantity& each) { return each.name == name.text; });
+  const auto found =
+      std::ranges::find_if(quantities, [&](const MeasuredQuantity& each) { return each.name == name.text; });
   if (found == quantities.end()) {
     std::vector<std::string> names;
     for (const MeasuredQuantity& each : quantities) names.emplace_back(each.name);
@@ -252,17 +252,16 @@ void FaultReader::add_offset_to(const ReadFault& fault, const YamlNode& by, cons
                            name_hint(name.text, names, "quantities"));
   }
   const auto forms = error_forms();
-  const ErrorForm& offset =
-      **std::find_if(forms.begin(), forms.end(), [](const ErrorForm* form) { return form->key == "offset"; });
+  const ErrorForm& offset = **std::ranges::find_if(forms, [](const ErrorForm* form) { return form->key == "offset"; });
   const bool slides = of_joint && is_linear(model.links[static_cast<std::size_t>(model.joints[index])].joint.type);
   const auto numbers = read_error_numbers(findings_, by, offset, *found, slides);
   if (!numbers) return;
   ReadingErrors& errors = errors_of(index, of_joint);
   errors.quantities.resize(quantities.size());
   std::vector<GivenError>& given = errors.quantities[static_cast<std::size_t>(found - quantities.begin())].given;
-  const auto place_of = [&](const ErrorForm* form) { return std::find(forms.begin(), forms.end(), form); };
-  const auto after = std::find_if(given.begin(), given.end(),
-                                  [&](const GivenError& each) { return place_of(each.form) > place_of(&offset); });
+  const auto place_of = [&](const ErrorForm* form) { return std::ranges::find(forms, form); };
+  const auto after =
+      std::ranges::find_if(given, [&](const GivenError& each) { return place_of(each.form) > place_of(&offset); });
   given.insert(after, {&offset, *numbers, fault.when});
 }
 
@@ -287,8 +286,7 @@ void FaultReader::add_lost_commands(const ReadFault& fault, std::span<const std:
 }  // namespace
 
 bool ScenarioController::loses(double time, double time_step) const {
-  return std::any_of(lost.begin(), lost.end(),
-                     [&](const Spell& spell) { return acts(spell.from, spell.until, time, time_step); });
+  return std::ranges::any_of(lost, [&](const Spell& spell) { return acts(spell.from, spell.until, time, time_step); });
 }
 
 const Form& fault_form() {

@@ -30,7 +30,7 @@ void Findings::pass_through(const YamlNode& at, Diagnostics warnings) {
 }
 
 std::vector<Findings::Finding> Findings::in_document_order(std::vector<Finding> findings) {
-  std::stable_sort(findings.begin(), findings.end(), [](const Finding& a, const Finding& b) {
+  std::ranges::stable_sort(findings, [](const Finding& a, const Finding& b) {
     return std::tie(a.line, a.column) < std::tie(b.line, b.column);
   });
   return findings;

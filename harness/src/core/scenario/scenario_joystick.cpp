@@ -170,7 +170,7 @@ void JoystickReader::unknown(const NamedEntry& named, const ControlKind& wanted,
   const std::string_view meant = without_suffix(named.name);
   const std::string there_is_no =
       fmt::format("there is no {} '{}'", wanted.one.substr(wanted.one.find(' ') + 1), shortened(named.name));
-  if (std::find(other.names.begin(), other.names.end(), meant) != other.names.end()) {
+  if (std::ranges::find(other.names, meant) != other.names.end()) {
     findings_.error(*named.key, fmt::format("'{}' is {}", named.name, other.one),
                     fmt::format("write it under {}", other.many));
   } else if (named.name.find_first_not_of("0123456789") == std::string::npos) {

@@ -42,7 +42,7 @@ void set_material(Findings& findings, const NamedEntry& entry, const std::string
 }
 
 void add_once(const std::string& name, std::vector<std::string>& names) {
-  if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  if (!name.empty() && std::ranges::find(names, name) == names.end()) names.push_back(name);
 }
 
 /// The names of all materials that the models state, each once.
@@ -85,14 +85,14 @@ std::optional<std::array<std::string, 2>> read_between(Findings& findings, const
   for (std::size_t i = 0; i < 2; ++i) {
     const auto name = read_text(findings, *node.items[i], "a material", two_names);
     materials[i] = name.value_or("");
-    const bool is_known = std::find(known.begin(), known.end(), materials[i]) != known.end();
+    const bool is_known = std::ranges::find(known, materials[i]) != known.end();
     if (name && !is_known)
       findings.error(*node.items[i], fmt::format("no link has the material '{}'", shortened(*name)),
                      name_hint(*name, known, "materials"));
     is_right &= name && is_known;
   }
   if (!is_right) return std::nullopt;
-  std::sort(materials.begin(), materials.end());
+  std::ranges::sort(materials);
   return materials;
 }
 
@@ -108,7 +108,7 @@ void read_pair(Findings& findings, const YamlNode& node, const std::vector<std::
   if (!materials) return;
   pair.materials = *materials;
   const auto is_same = [&pair](const MaterialPair& other) { return other.materials == pair.materials; };
-  if (std::any_of(scenario.pairs.begin(), scenario.pairs.end(), is_same))
+  if (std::ranges::any_of(scenario.pairs, is_same))
     findings.error(
         *between,
         fmt::format("a second pair of '{}' and '{}'", shortened(pair.materials[0]), shortened(pair.materials[1])),
@@ -123,8 +123,8 @@ const Form& pair_form() { return bound_pair_form(); }
 void read_materials(Findings& findings, const YamlNode* materials, const YamlNode* pairs, Scenario& scenario) {
   std::vector<std::string> known = materials_of_models(scenario);
   if (materials != nullptr) read_materials(findings, *materials, known, scenario);
-  const bool has_all_models = std::all_of(scenario.bodies.begin(), scenario.bodies.end(),
-                                          [](const ScenarioBody& body) { return body.model != nullptr; });
+  const bool has_all_models =
+      std::ranges::all_of(scenario.bodies, [](const ScenarioBody& body) { return body.model != nullptr; });
   if (pairs == nullptr || !has_all_models) return;  // materials of a model that can't be used are unknown
   for (const YamlNodePtr& pair : read_list(findings, *pairs, "pairs", "a list of pairs of materials"))
     read_pair(findings, *pair, known, scenario);

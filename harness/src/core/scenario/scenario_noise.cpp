@@ -73,7 +73,7 @@ const BoundForm<ReadingErrors>& bound_noise_form() {
 /// Whether a key of noise names a quantity.
 bool is_quantity(std::string_view key) {
   const std::vector<MeasuredQuantity>& all = measured_quantities();
-  return std::any_of(all.begin(), all.end(), [&](const MeasuredQuantity& each) { return each.name == key; });
+  return std::ranges::any_of(all, [&](const MeasuredQuantity& each) { return each.name == key; });
 }
 
 /// The numbers of an IMU's data sheet beside its rate, by the names of Kalibr's imu.yaml.
@@ -181,7 +181,7 @@ std::vector<NoiseReader::Given> NoiseReader::read_quantities(const Keys& keys,
     for (const Target* target : targets) {
       for (const MeasuredQuantity& quantity : target->quantities) {
         if (quantity.name == entry.name) found[target->slides ? 1 : 0] = quantity;
-        if (std::find(known.begin(), known.end(), quantity.name) == known.end()) known.emplace_back(quantity.name);
+        if (std::ranges::find(known, quantity.name) == known.end()) known.emplace_back(quantity.name);
       }
     }
     if (!found[0] && !found[1])
@@ -214,7 +214,7 @@ void NoiseReader::check_exposure(const Keys& keys, const std::vector<const Targe
     findings_.error(*frames, "there are subframes without an exposure", "they are the moments of which it is the mean");
   const YamlNode* place = readout ? readout : time ? time : frames;
   if (!place) return;
-  if (std::none_of(targets.begin(), targets.end(), [](const Target* target) { return target->camera != nullptr; }))
+  if (std::ranges::none_of(targets, [](const Target* target) { return target->camera != nullptr; }))
     findings_.error(*place, fmt::format("{} is no camera", targets[0]->name), "only cameras have an exposure");
   constexpr double rounding = 1e-9;  // [s]: a rate of 30 Hz and an exposure of 33.333333 ms
   for (const Target* target : targets) {
@@ -238,8 +238,7 @@ ReadingErrors NoiseReader::read_timing(const Keys& keys, const std::vector<const
                     fmt::format("the jitter is {} s, above the latency of {} s", errors.jitter, errors.latency),
                     "each latency lies between latency - jitter and latency + jitter");
   const YamlNode* rate = keys.find("rate");
-  const auto own =
-      std::find_if(targets.begin(), targets.end(), [](const Target* target) { return target->has_own_rate; });
+  const auto own = std::ranges::find_if(targets, [](const Target* target) { return target->has_own_rate; });
   if (rate && own != targets.end())
     findings_.error(*rate, fmt::format("{} has a rate of its own", (*own)->name),
                     "the model's file or `sensors` states it");
@@ -264,10 +263,9 @@ void NoiseReader::read_data_sheet(const Keys& keys, const std::vector<const Targ
   const Keys sheet(findings_, *node, data_sheet_form());
   if (!sheet.is_map()) return;
   const auto measured = [](const Target& target, std::string_view name) {
-    return std::find_if(target.quantities.begin(), target.quantities.end(),
-                        [&](const MeasuredQuantity& each) { return each.name == name; });
+    return std::ranges::find_if(target.quantities, [&](const MeasuredQuantity& each) { return each.name == name; });
   };
-  const auto imu = std::find_if(targets.begin(), targets.end(), [&](const Target* target) {
+  const auto imu = std::ranges::find_if(targets, [&](const Target* target) {
     return measured(*target, "angular_velocity") != target->quantities.end() &&
            measured(*target, "acceleration") != target->quantities.end();
   });

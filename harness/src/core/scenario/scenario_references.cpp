@@ -112,7 +112,7 @@ void read_camera(Findings& findings, const YamlNode& node, const Scenario& scena
                  std::vector<std::string>& cameras) {
   const auto name = read_text(findings, node, "a camera", "Body/Camera");
   if (!name) return;
-  if (std::find(cameras.begin(), cameras.end(), *name) != cameras.end())
+  if (std::ranges::find(cameras, *name) != cameras.end())
     findings.error(node, fmt::format("the camera '{}' is listed twice", *name), "list it once");
   const std::string body_name = name->substr(0, name->find('/'));
   if (body_name.size() == name->size()) {
@@ -122,7 +122,7 @@ void read_camera(Findings& findings, const YamlNode& node, const Scenario& scena
   const auto body = find_body(findings, node, body_name, scenario);
   if (!body || scenario.bodies[static_cast<std::size_t>(*body)].model == nullptr) return;
   const std::vector<std::string> known = camera_names(scenario);
-  if (std::find(known.begin(), known.end(), *name) == known.end())
+  if (std::ranges::find(known, *name) == known.end())
     findings.error(node, fmt::format("there is no camera '{}'", shortened(*name)), name_hint(*name, known, "cameras"));
   cameras.push_back(*name);
 }

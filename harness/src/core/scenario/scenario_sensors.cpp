@@ -284,7 +284,7 @@ void SensorReader::read_contact(const Keys& keys, Device& device) {
   const Link& link = model_.links[static_cast<std::size_t>(device.link)];
   std::vector<std::string> names;
   for (const Shape& shape : link.collisions) names.push_back(shape.name);
-  const auto found = std::find(names.begin(), names.end(), *name);
+  const auto found = std::ranges::find(names, *name);
   if (found == names.end())
     return findings_.error(*node, fmt::format("link '{}' has no collision '{}'", link.name, shortened(*name)),
                            name_hint(*name, names, "collisions"));
@@ -326,8 +326,7 @@ void read_sensors(Findings& findings, const YamlNode& node, ScenarioBody& body) 
   for (const YamlNodePtr& sensor : read_list(findings, node, "sensors", "a list of {name: N, type: T, link: L, ...}"))
     reader.read(*sensor);
   Model model = reader.take();  // other bodies keep the model of the file
-  std::stable_sort(model.devices.begin(), model.devices.end(),
-                   [](const Device& a, const Device& b) { return a.link < b.link; });
+  std::ranges::stable_sort(model.devices, [](const Device& a, const Device& b) { return a.link < b.link; });
   body.model = std::make_shared<const Model>(std::move(model));
 }
 

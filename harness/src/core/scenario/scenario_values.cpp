@@ -157,7 +157,7 @@ std::optional<std::string> read_text(Findings& findings, const YamlNode& node, s
 std::optional<std::string> read_name(Findings& findings, const YamlNode& node, std::string_view label) {
   constexpr std::size_t longest = 100;
   const bool fits = node.kind == YamlNode::Kind::scalar && !node.text.empty() && node.text.size() <= longest &&
-                    std::none_of(node.text.begin(), node.text.end(), [](char c) {
+                    std::ranges::none_of(node.text, [](char c) {
                       return static_cast<unsigned char>(c) <= 0x20 || c == 0x7f ||
                              std::string_view("/*?[]").find(c) != std::string_view::npos;
                     });
@@ -211,7 +211,7 @@ std::optional<double> read_quantity(Findings& findings, const YamlNode& node, st
                                     std::span<const Unit> units, const Range& range) {
   std::string_view unit;
   if (const auto number = number_with_unit(node, unit)) {
-    const auto known = std::find_if(units.begin(), units.end(), [&](const Unit& each) { return each.name == unit; });
+    const auto known = std::ranges::find_if(units, [&](const Unit& each) { return each.name == unit; });
     const double value = known == units.end() ? *number : *number * known->factor;
     if ((known != units.end() || unit.empty()) && range.contains(value)) return value;
   }
@@ -378,7 +378,7 @@ void Keys::set_default(std::string_view key, std::vector<std::string> elements) 
 
 const YamlNode* Keys::require(std::string_view key, std::string_view what) const {
   const YamlNode* value = find(key);
-  const bool told = std::find(misspelt_.begin(), misspelt_.end(), key) != misspelt_.end();
+  const bool told = std::ranges::find(misspelt_, key) != misspelt_.end();
   if (value == nullptr && is_map() && !told)
     findings_.error(node_, fmt::format("{} has no '{}'", form_.owner, key), fmt::format("expected {}: {}", key, what));
   return value;

@@ -116,7 +116,7 @@ struct Words {
   }
   /// Empty: the value has no word.
   std::string name_of(const Value& value) const {
-    const auto known = std::find_if(all.begin(), all.end(), [&](const auto& each) { return each.second == value; });
+    const auto known = std::ranges::find_if(all, [&](const auto& each) { return each.second == value; });
     return std::string(known == all.end() ? std::string_view() : known->first);
   }
 };

@@ -210,8 +210,8 @@ void VariationReader::read_values(const YamlNode& node, const char* label, Varia
 
 /// False if the distribution isn't stated, or twice.
 bool VariationReader::read_distribution(const YamlNode& node, const Keys& keys, Variation& variation) {
-  const auto count = std::count_if(std::begin(distribution_keys), std::end(distribution_keys),
-                                   [&](std::string_view key) { return keys.find(key) != nullptr; });
+  const auto count =
+      std::ranges::count_if(distribution_keys, [&](std::string_view key) { return keys.find(key) != nullptr; });
   if (count != 1) {
     findings_.error(node, fmt::format("'{}' has {} distributions", variation.name, count),
                     "expected one of uniform, log_uniform, normal, choice, grid, file, linked");
@@ -354,7 +354,7 @@ bool VariationReader::take_number(const YamlNode& path, Variation& variation) {
   std::string_view unit;
   const bool is_number = leading_number(variation.nominal, unit).has_value();
   const auto all_numbers = [&] {
-    return std::all_of(variation.values.begin(), variation.values.end(), [](const std::string& value) {
+    return std::ranges::all_of(variation.values, [](const std::string& value) {
       std::string_view rest;
       return leading_number(value, rest) && rest.empty();
     });
@@ -378,10 +378,9 @@ std::optional<Variation> VariationReader::read(const NamedEntry& entry) {
   variation.name = entry.name;
   variation.place = {scenario_.file, entry.key->line, entry.key->column};
   constexpr std::string_view reserved[] = {"tick", "time", "differs", "case", "verdict", "again"};
-  const bool is_word = std::all_of(variation.name.begin(), variation.name.end(), is_word_letter) &&
+  const bool is_word = std::ranges::all_of(variation.name, is_word_letter) &&
                        std::isalpha(static_cast<unsigned char>(variation.name[0])) != 0;
-  if (variation.name.empty() || !is_word ||
-      std::find(std::begin(reserved), std::end(reserved), variation.name) != std::end(reserved)) {
+  if (variation.name.empty() || !is_word || std::ranges::find(reserved, variation.name) != std::end(reserved)) {
     findings_.error(*entry.key, fmt::format("a parameter is named '{}'", shortened(variation.name)),
                     "expected a word of letters, digits and '_', none of tick, time, differs, case, verdict, again");
     return std::nullopt;
@@ -401,7 +400,7 @@ std::optional<Variation> VariationReader::read(const NamedEntry& entry) {
 
 /// The text for a value that isn't in quotes or in an option string.
 std::string yaml_scalar(const std::string& value) {
-  const bool is_plain = !value.empty() && std::all_of(value.begin(), value.end(), [](char c) {
+  const bool is_plain = !value.empty() && std::ranges::all_of(value, [](char c) {
     return is_word_letter(c) || plain_letters.find(c) != std::string_view::npos;
   });
   return is_plain ? value : '"' + value + '"';
@@ -439,9 +438,8 @@ namespace {
 
 /// Puts a value into the place of a variation in the text.
 Result<void> put_value(const Variation& variation, const std::string& value, std::string& text) {
-  const bool can_be_written = std::none_of(value.begin(), value.end(), [](char c) {
-    return static_cast<unsigned char>(c) < 0x20 || c == '"' || c == '\'' || c == '\\';
-  });
+  const bool can_be_written = std::ranges::none_of(
+      value, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == '"' || c == '\'' || c == '\\'; });
   if (!can_be_written)
     return at(variation.place,
               error(fmt::format("'{}' has a value with quotes, backslashes or control characters", variation.name)));
@@ -458,8 +456,8 @@ Result<std::string> Scenario::varied_text(const std::vector<std::string>& values
   REHEARSE_ASSERT(values.size() == variations.size(), "a value for each variation");
   std::vector<std::size_t> order(variations.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return variations[a].begin > variations[b].begin; });
+  std::ranges::stable_sort(order,
+                           [&](std::size_t a, std::size_t b) { return variations[a].begin > variations[b].begin; });
   std::string varied = text;
   for (const std::size_t i : order) {  // from the end on, so that the other places stay
     if (values[i].empty() || values[i] == variations[i].nominal) continue;

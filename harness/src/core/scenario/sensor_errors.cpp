@@ -30,18 +30,17 @@ bool ReadingErrors::is_timed() const {
 
 bool ReadingErrors::changes_nothing() const {
   return dropout == 0.0 && !is_timed() &&
-         std::all_of(quantities.begin(), quantities.end(), [](const auto& each) { return each.changes_nothing(); });
+         std::ranges::all_of(quantities, [](const auto& each) { return each.changes_nothing(); });
 }
 
 bool ReadingErrors::records_truth() const {
-  return is_timed() || std::any_of(quantities.begin(), quantities.end(), [](const QuantityErrors& of_one) {
-           return std::any_of(of_one.given.begin(), of_one.given.end(),
-                              [](const GivenError& each) { return each.form->records_truth; });
+  return is_timed() || std::ranges::any_of(quantities, [](const QuantityErrors& of_one) {
+           return std::ranges::any_of(of_one.given, [](const GivenError& each) { return each.form->records_truth; });
          });
 }
 
 bool BodyErrors::disturbs_joints() const {
-  return std::any_of(joints.begin(), joints.end(), [](const ReadingErrors& each) { return !each.changes_nothing(); });
+  return std::ranges::any_of(joints, [](const ReadingErrors& each) { return !each.changes_nothing(); });
 }
 
 }  // namespace rehearse

@@ -28,7 +28,7 @@ StatedFault read_stated(const YamlNode& node, const std::string& body, std::size
 }  // namespace
 
 bool StatedFault::contains(std::string_view path) const {
-  return std::any_of(paths.begin(), paths.end(), [&](const std::string& begin) { return path.starts_with(begin); });
+  return std::ranges::any_of(paths, [&](const std::string& begin) { return path.starts_with(begin); });
 }
 
 std::vector<StatedFault> stated_faults(const Scenario& scenario) {

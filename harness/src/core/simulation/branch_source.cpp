@@ -90,9 +90,9 @@ Result<BranchSource> BranchSource::open(const std::filesystem::path& file, const
   source.recording = std::move(recording);
   source.origin = RunFacts::of(*source.reader).branch;
   REHEARSE_TRY(check_simulated(source));
-  const bool has_pictures =
-      std::any_of(source.recording.channels().begin(), source.recording.channels().end(),
-                  [](const TraceChannel& channel) { return channel.type == msg::CompressedImage::type_name; });
+  const bool has_pictures = std::ranges::any_of(source.recording.channels(), [](const TraceChannel& channel) {
+    return channel.type == msg::CompressedImage::type_name;
+  });
   source.scenario.record_frames = source.scenario.record_frames && has_pictures;
   const TraceChannel* ticks = source.recording.find_channel(run_topics::tick);
   source.whole_ticks = ticks ? static_cast<std::int64_t>(ticks->earlier + ticks->messages()) : 0;

@@ -19,8 +19,7 @@ std::vector<std::shared_ptr<const Model>> exposed_models(const Scenario& scenari
   std::vector<std::shared_ptr<const Model>> models = models_of(scenario);
   for (std::size_t b = 0; b < models.size(); ++b) {
     const std::vector<ReadingErrors>& errors = scenario.bodies[b].errors.devices;
-    if (std::all_of(errors.begin(), errors.end(), [](const auto& each) { return each.exposure.is_instant(); }))
-      continue;
+    if (std::ranges::all_of(errors, [](const auto& each) { return each.exposure.is_instant(); })) continue;
     Model model = *models[b];
     for (std::size_t i = 0; i < errors.size(); ++i)
       if (auto* camera = std::get_if<Camera>(&model.devices[i].kind)) camera->exposure = errors[i].exposure;
@@ -94,7 +93,7 @@ bool step_world(World& world, const Scenario& scenario, const Command& command) 
 }
 
 void use_up_wrenches(Command& command) {
-  for (BodyCommand& body : command.bodies) std::fill(body.external.begin(), body.external.end(), Wrench{});
+  for (BodyCommand& body : command.bodies) std::ranges::fill(body.external, Wrench{});
 }
 
 bool Plant::step(Command& command) {

@@ -61,8 +61,7 @@ std::int64_t ReadingLine::arrival_of(std::int64_t tick) const {
 /// A gap ends with each sample with the chance 1 / its mean length; the chance that one begins gives the share.
 bool ReadingLine::is_lost(std::int64_t tick, std::int64_t sample) {
   const double time = time_of_tick(tick);
-  if (std::any_of(errors_.lost.begin(), errors_.lost.end(), [&](const Spell& each) { return each.holds(time); }))
-    return true;
+  if (std::ranges::any_of(errors_.lost, [&](const Spell& each) { return each.holds(time); })) return true;
   if (errors_.burst <= 0.0 || errors_.dropout <= 0.0) return false;
   if (errors_.dropout >= 1.0) return true;
   const double ends = std::min(1.0, interval_ / errors_.burst);
@@ -76,7 +75,7 @@ bool ReadingLine::is_lost(std::int64_t tick, std::int64_t sample) {
 
 bool ReadingLine::is_stuck(std::int64_t tick) const {
   const double time = time_of_tick(tick);
-  return std::any_of(errors_.stuck.begin(), errors_.stuck.end(), [&](const Spell& each) { return each.holds(time); });
+  return std::ranges::any_of(errors_.stuck, [&](const Spell& each) { return each.holds(time); });
 }
 
 bool ReadingLine::pass(std::int64_t tick, std::optional<std::int64_t> sample, std::vector<double>& values) {

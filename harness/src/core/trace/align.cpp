@@ -103,7 +103,7 @@ Times times_of(mcap::Reader& log) {
     times[message.channel->topic].push_back(static_cast<std::int64_t>(message.log_time));
     return true;
   }));
-  for (auto& [topic, all] : times) std::sort(all.begin(), all.end());
+  for (auto& [topic, all] : times) std::ranges::sort(all);
   return times;
 }
 
@@ -119,7 +119,7 @@ Contents contents_of(mcap::Reader& log) {
     return true;
   }));
   for (auto& [topic, all] : contents) {
-    std::sort(all.begin(), all.end());
+    std::ranges::sort(all);
     std::size_t kept = 0;
     for (std::size_t i = 0, end = 0; i < all.size(); i = end) {
       for (end = i + 1; end < all.size() && all[end].first == all[i].first;) ++end;
@@ -176,14 +176,14 @@ Result<std::vector<Sample>> samples_of(mcap::Reader& log, const std::string& ser
       [&](const mcap::Message& message) {
         if (!of_series.replace(message.log_time, message.data)) return true;
         const auto& columns = of_series.table.columns;
-        const auto column = std::find_if(columns.begin(), columns.end(),
-                                         [&](const TraceColumn& one) { return one.element == element; });
+        const auto column =
+            std::ranges::find_if(columns, [&](const TraceColumn& one) { return one.element == element; });
         const double value = of_series.table.number(0, static_cast<std::size_t>(column - columns.begin()));
         if (std::isfinite(value)) samples.push_back({static_cast<std::int64_t>(message.log_time), value});
         return true;
       },
       std::span(&id, 1)));
-  std::stable_sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) { return a.time < b.time; });
+  std::ranges::stable_sort(samples, [](const Sample& a, const Sample& b) { return a.time < b.time; });
   return samples;
 }
 
@@ -394,7 +394,7 @@ Result<void> align_drift(mcap::Reader& first, mcap::Reader& second, const std::s
   REHEARSE_TRY(align_by_series(first, second, by, alignment));
   std::vector<std::int64_t> times;
   for (const TimePair& pair : pairs) times.push_back(pair.second);
-  std::sort(times.begin(), times.end());
+  std::ranges::sort(times);
   // pairs may be one message off; else their median is better than a mean, which a wrong time moves
   if (std::abs(by_pairs - alignment.offset) < median_interval(times) / 2) alignment.offset = by_pairs;
   return {};
@@ -475,7 +475,7 @@ Result<Alignment> write_aligned(const std::filesystem::path& first, const std::f
     const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
     std::nth_element(distances.begin(), middle, distances.end());
     alignment.median_distance = static_cast<double>(*middle) * 1e-9;
-    alignment.largest_distance = static_cast<double>(*std::max_element(distances.begin(), distances.end())) * 1e-9;
+    alignment.largest_distance = static_cast<double>(*std::ranges::max_element(distances)) * 1e-9;
   }
   mcap::WriterOptions form;
   form.profile = b->profile();

@@ -56,8 +56,8 @@ class Filter {
 
 bool Filter::chosen(const Channel& channel) const {
   return selector_.takes_topic(channel.topic) &&
-         std::none_of(options_.exclude.begin(), options_.exclude.end(),
-                      [&](const std::string& pattern) { return matches(pattern, channel.topic); });
+         std::ranges::none_of(options_.exclude,
+                              [&](const std::string& pattern) { return matches(pattern, channel.topic); });
 }
 
 bool Filter::is_taken(const Message& message) const {
@@ -80,8 +80,7 @@ Result<void> Filter::write_extras_before(std::uint64_t offset) {
   const auto& attachments = reader_.attachments();
   for (; next_attachment_ < attachments.size() && attachments[next_attachment_].offset < offset; ++next_attachment_) {
     const std::string& name = attachments[next_attachment_].name;
-    if (std::none_of(options_.attachments.begin(), options_.attachments.end(),
-                     [&](const std::string& pattern) { return matches(pattern, name); }))
+    if (std::ranges::none_of(options_.attachments, [&](const std::string& pattern) { return matches(pattern, name); }))
       continue;
     ++filtered_.attachments;
     REHEARSE_TRY(copy(attachments[next_attachment_], writer_));
@@ -158,8 +157,7 @@ Result<void> check_attachments(const Reader& reader, const FilterOptions& option
   std::vector<std::string> names;
   for (const Attachment& attachment : reader.attachments()) names.push_back(attachment.name);
   for (const std::string& pattern : options.attachments) {
-    if (std::any_of(names.begin(), names.end(), [&](const std::string& name) { return matches(pattern, name); }))
-      continue;
+    if (std::ranges::any_of(names, [&](const std::string& name) { return matches(pattern, name); })) continue;
     return error_in(reader.name(), fmt::format("no attachment matches '{}'", pattern),
                     names.empty() ? "it has no attachments" : "it has " + printable(join(names), 200));
   }

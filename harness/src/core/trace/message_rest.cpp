@@ -48,8 +48,8 @@ std::uint32_t number_at(mcap::Bytes payload, std::size_t position) {
 }  // namespace
 
 ColumnFields::ColumnFields(std::string_view type) {
-  const auto known = std::find_if(columns_by_type.begin(), columns_by_type.end(),
-                                  [type](const ColumnsOfType& known) { return known.type == type; });
+  const auto known =
+      std::ranges::find_if(columns_by_type, [type](const ColumnsOfType& known) { return known.type == type; });
   if (known == columns_by_type.end()) {
     any_number_ = true;
   } else {
@@ -60,8 +60,7 @@ ColumnFields::ColumnFields(std::string_view type) {
 
 bool ColumnFields::covers(const ros2msg::Value& value) const {
   if (any_number_) return value.is_number() && !value.path.starts_with("header/") && !value.path.starts_with("stamp/");
-  return std::any_of(patterns_.begin(), patterns_.end(),
-                     [&](std::string_view pattern) { return matches(pattern, value.path); });
+  return std::ranges::any_of(patterns_, [&](std::string_view pattern) { return matches(pattern, value.path); });
 }
 
 std::unique_ptr<MessageRest> MessageRest::make(const std::string& type, std::string_view encoding,
@@ -87,7 +86,7 @@ bool MessageRest::is_as_before(mcap::Bytes payload, std::uint64_t log_time) cons
     if (std::memcmp(payload.data() + begin, bytes_.data() + begin, end - begin) != 0) return false;
   if (stamps_.empty()) return true;
   if (CdrReader(payload).swapped()) return false;
-  return std::all_of(stamps_.begin(), stamps_.end(), [&](const Stamp& stamp) {
+  return std::ranges::all_of(stamps_, [&](const Stamp& stamp) {
     const msg::Time time{static_cast<std::int32_t>(number_at(payload, stamp.seconds)),
                          number_at(payload, stamp.nanoseconds)};
     return stamp.is_log_time && time.to_ns() == log_time;

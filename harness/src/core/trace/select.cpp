@@ -21,7 +21,7 @@ constexpr std::uint64_t wall_clock_begins = 100'000'000 * ns_per_s;  // 1973; no
 constexpr std::uint64_t never = std::numeric_limits<std::uint64_t>::max();
 
 bool is_digits(std::string_view text) {
-  return std::all_of(text.begin(), text.end(), [](char c) { return '0' <= c && c <= '9'; });
+  return std::ranges::all_of(text, [](char c) { return '0' <= c && c <= '9'; });
 }
 
 /// A date in UTC as nanoseconds since 1970.
@@ -115,7 +115,7 @@ Result<TickSpan> parse_tick_span(std::string_view text) {
 
 bool Selection::takes_topic(std::string_view topic) const {
   return topics.empty() ||
-         std::any_of(topics.begin(), topics.end(), [&](const std::string& pattern) { return matches(pattern, topic); });
+         std::ranges::any_of(topics, [&](const std::string& pattern) { return matches(pattern, topic); });
 }
 
 Result<Selector> Selector::of(Selection selection, Reader& reader) {
@@ -130,8 +130,8 @@ Result<Selector> Selector::of(Selection selection, Reader& reader) {
 
 Result<void> Selector::check_topics(const Reader& reader) const {
   for (const std::string& pattern : selection_.topics) {
-    const bool found = std::any_of(reader.channels().begin(), reader.channels().end(),
-                                   [&](const auto& entry) { return matches(pattern, entry.second.topic); });
+    const bool found =
+        std::ranges::any_of(reader.channels(), [&](const auto& entry) { return matches(pattern, entry.second.topic); });
     if (!found)
       return error_in(reader.name(), fmt::format("no topic matches '{}'", pattern),
                       "rehearse info lists the topics; * stands for any text");

@@ -88,20 +88,19 @@ void TraceCheck::end(std::uint64_t, mcap::Findings& findings) {
 /// reported as notes.
 void TraceCheck::examine_recording(mcap::Findings& findings) const {
   const mcap::Metadata& provenance = metadata_.at(records::provenance);
-  const bool cut =
-      std::any_of(std::begin(cut_by), std::end(cut_by), [this](const char* name) { return metadata_.contains(name); });
+  const bool cut = std::ranges::any_of(cut_by, [this](const char* name) { return metadata_.contains(name); });
   const Severity severity = cut ? Severity::note : Severity::error;
   if (provenances_ > 1)
     findings.add(severity, {provenance.offset, {}},
                  fmt::format("the file has {} records of provenance: it contains several recordings", provenances_));
   if (!provenance.values.contains(facts::trace_version))
     findings.add(Severity::error, {provenance.offset, {}}, "the recording doesn't state its trace_version");
-  if (std::find(attachments_.begin(), attachments_.end(), scenario_name) == attachments_.end())
+  if (std::ranges::find(attachments_, scenario_name) == attachments_.end())
     findings.add(severity, {provenance.offset, {}}, fmt::format("the recording has no attachment {}", scenario_name));
   for (const std::string& name : attachments_)
     for (const std::string_view suffix : {".report", ".meshes"})
-      if (name.ends_with(suffix) && std::find(attachments_.begin(), attachments_.end(),
-                                              name.substr(0, name.size() - suffix.size())) == attachments_.end())
+      if (name.ends_with(suffix) &&
+          std::ranges::find(attachments_, name.substr(0, name.size() - suffix.size())) == attachments_.end())
         findings.add(severity, {provenance.offset, {}},
                      fmt::format("the recording has the attachment {}, but not the attachment that it describes",
                                  in_quotes(name)));

@@ -174,11 +174,10 @@ TraceChannel messages_at(const TraceChannel& channel, const std::vector<std::siz
 
 /// Sorts the messages of a channel by their times; messages of equal times keep their order.
 void put_in_order(TraceChannel& channel) {
-  if (std::is_sorted(channel.times.begin(), channel.times.end())) return;
+  if (std::ranges::is_sorted(channel.times)) return;
   std::vector<std::size_t> order(channel.messages());
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return channel.times[a] < channel.times[b]; });
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return channel.times[a] < channel.times[b]; });
   channel = messages_at(channel, order);
 }
 
@@ -228,8 +227,8 @@ Result<Trace> TraceLoader::load(const std::function<bool(const mcap::Channel&)>&
   if (on_piece_)
     trace_.events_.reset();
   else
-    std::stable_sort(trace_.events_->begin(), trace_.events_->end(), earlier);
-  std::stable_sort(trace_.contact_changes_->begin(), trace_.contact_changes_->end(), earlier);
+    std::ranges::stable_sort(*trace_.events_, earlier);
+  std::ranges::stable_sort(*trace_.contact_changes_, earlier);
   return std::move(trace_);
 }
 
@@ -356,7 +355,7 @@ TraceWindows::TraceWindows(const Trace& whole, std::span<const std::size_t> chan
   trace_.contact_changes_ = std::make_shared<std::vector<msg::ContactChange>>();
   for (const auto& [id, channel] : trace_.reader_->channels()) {
     TraceChannel& table = trace_.channels_[sources_.size()];
-    if (std::find(channels.begin(), channels.end(), sources_.size()) != channels.end()) ids.push_back(id);
+    if (std::ranges::find(channels, sources_.size()) != channels.end()) ids.push_back(id);
     by_id_[id] = &sources_.emplace_back(channel, trace_.reader_->schema_of(channel), table.columns);
     by_id_[id]->take_samples(trace_.state_samples_.get());
     if (trace_.keeps_undecoded_) by_id_[id]->keep_undecoded(trace_.reader_->schema_of(channel));
@@ -387,8 +386,8 @@ std::optional<std::uint64_t> TraceWindows::next_time() const {
 Result<void> TraceWindows::verdict() { return messages_->verdict(); }
 
 bool is_without_messages(const Trace& trace) {
-  return std::any_of(trace.channels().begin(), trace.channels().end(),
-                     [](const TraceChannel& table) { return table.earlier > 0 && table.times.empty(); });
+  return std::ranges::any_of(trace.channels(),
+                             [](const TraceChannel& table) { return table.earlier > 0 && table.times.empty(); });
 }
 
 void for_each_window(const Trace& trace, const std::vector<std::size_t>& channels,
@@ -412,9 +411,8 @@ void name_series(std::span<TraceChannel* const> channels, std::map<std::string, 
     const std::string topic = channel.topic.starts_with('/') ? channel.topic.substr(1) : channel.topic;
     // The last prefix is for a topic of two channels.
     for (const std::string& prefix : {series_name(topic, ""), topic + "/", fmt::format("{}#{}/", topic, c)}) {
-      const bool taken = std::any_of(channel.columns.begin(), channel.columns.end(), [&](const TraceColumn& column) {
-        return series.contains(prefix + column.element);
-      });
+      const bool taken = std::ranges::any_of(
+          channel.columns, [&](const TraceColumn& column) { return series.contains(prefix + column.element); });
       if (taken) continue;
       for (std::size_t i = 0; i < channel.columns.size(); ++i) {
         channel.columns[i].series = prefix + channel.columns[i].element;

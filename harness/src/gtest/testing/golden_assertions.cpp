@@ -47,10 +47,9 @@ bool is_at_least_0(double value) { return std::isfinite(value) && value >= 0.0; 
 
 bool has_series(const Trace& trace, const std::string& pattern) {
   const auto& series = trace.series();
-  if (std::any_of(series.begin(), series.end(), [&](const auto& named) { return matches(pattern, named.first); }))
-    return true;
-  return std::any_of(trace.channels().begin(), trace.channels().end(),  // pictures have no series
-                     [&](const TraceChannel& channel) { return matches("/" + pattern, channel.topic); });
+  if (std::ranges::any_of(series, [&](const auto& named) { return matches(pattern, named.first); })) return true;
+  return std::ranges::any_of(trace.channels(),  // pictures have no series
+                             [&](const TraceChannel& channel) { return matches("/" + pattern, channel.topic); });
 }
 
 /// A mistake in the options; empty if there is none.
@@ -96,7 +95,7 @@ std::vector<ToleranceRule> rules_of(const Scenario& scenario, const MatchOptions
 }
 
 bool wants(const MatchOptions& options, Level level) {
-  return std::find(options.levels.begin(), options.levels.end(), level) != options.levels.end();
+  return std::ranges::find(options.levels, level) != options.levels.end();
 }
 
 /// The horizon by the measured noise of a golden, if it was measured.

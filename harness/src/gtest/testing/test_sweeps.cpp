@@ -47,7 +47,7 @@ std::string failures_of(const Campaign& campaign) {
   if (!read) throw std::runtime_error(to_string(read.errors()));
   std::vector<Kind> order;
   for (auto& [reason, kind] : kinds) order.push_back(std::move(kind));
-  std::stable_sort(order.begin(), order.end(), [](const Kind& a, const Kind& b) { return a.count > b.count; });
+  std::ranges::stable_sort(order, [](const Kind& a, const Kind& b) { return a.count > b.count; });
   std::string text;
   for (const Kind& kind : order)
     text +=

@@ -66,9 +66,9 @@ void compare_topics(const bag::Folder& folder, const CountedLog& found, Diagnost
                               in_quotes(topic.name), in_quotes(there->second.type))));
   }
   for (const auto& [name, topic] : found.topics)
-    if (topic.messages > 0 &&
-        std::none_of(folder.topics.begin(), folder.topics.end(),
-                     [&name = name](const bag::FolderTopic& stated) { return stated.name == name; }))
+    if (topic.messages > 0 && std::ranges::none_of(folder.topics, [&name = name](const bag::FolderTopic& stated) {
+          return stated.name == name;
+        }))
       findings.push_back(finding(folder, Severity::error, 0,
                                  fmt::format("it doesn't state the topic {}, which has {} messages in the files",
                                              in_quotes(name), topic.messages)));

@@ -193,8 +193,7 @@ Result<Folder> FolderReader::read_without_metadata() {
                     fmt::format("can't read the trace: it is a directory without {}, and with {} logs of rosbag2",
                                 file_name, parts.empty() ? "no" : "too many"),
                     "name a file in it; or ros2 bag reindex makes this file from the files in the folder");
-  std::stable_sort(parts.begin(), parts.end(),
-                   [](const PartName& a, const PartName& b) { return a.number < b.number; });
+  std::ranges::stable_sort(parts, [](const PartName& a, const PartName& b) { return a.number < b.number; });
   for (std::size_t i = 1; i < parts.size(); ++i)
     if (parts[i].recording != parts[0].recording || parts[i].number == parts[i - 1].number)
       return error_in(

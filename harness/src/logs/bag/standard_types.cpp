@@ -193,7 +193,7 @@ void add_used_types(const std::string& name, std::vector<std::string>& names) {
   const std::string_view package = std::string_view(name).substr(0, name.find('/'));
   for (const std::string& field : types().at(name)) {
     const std::string used = used_type(field, package);
-    if (used.empty() || std::find(names.begin(), names.end(), used) != names.end()) continue;
+    if (used.empty() || std::ranges::find(names, used) != names.end()) continue;
     names.push_back(used);
     add_used_types(used, names);
   }

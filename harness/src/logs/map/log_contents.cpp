@@ -87,7 +87,7 @@ class TopicReader {
     if (path.starts_with("velocity/")) contents_.has_velocity = true;
     if (path.starts_with("effort/")) contents_.has_effort = true;
     if (!path.starts_with("name/")) return;
-    if (std::find(contents_.names.begin(), contents_.names.end(), value.text) == contents_.names.end())
+    if (std::ranges::find(contents_.names, value.text) == contents_.names.end())
       contents_.names.emplace_back(value.text);
   }
 

@@ -37,9 +37,8 @@ std::vector<std::vector<std::pair<std::string, FieldContent>>> joint_messages() 
 const LogTopic* LogMapReader::find_topic(const YamlNode& node, std::string_view label, const std::vector<Needs>& needs,
                                          std::string_view what, LogSource& source) {
   const auto fits = [&needs](const LogTopic& topic) {
-    return topic.problem.empty() && std::any_of(needs.begin(), needs.end(), [&topic](const Needs& all) {
-             return std::all_of(all.begin(), all.end(),
-                                [&](const auto& need) { return topic.has(need.first, need.second); });
+    return topic.problem.empty() && std::ranges::any_of(needs, [&topic](const Needs& all) {
+             return std::ranges::all_of(all, [&](const auto& need) { return topic.has(need.first, need.second); });
            });
   };
   const auto name = read_text(findings_, node, label, name_of_topic);
@@ -252,7 +251,7 @@ void LogMapReader::read_array_commands(const Keys& keys, CommandSource& source) 
     for (const YamlNodePtr& item :
          read_list(findings_, *joints, "joints", "a list of joints in the order of the numbers")) {
       const std::optional<int> joint = item->kind == YamlNode::Kind::empty ? std::nullopt : read_joint(*item);
-      if (joint && std::find(source.joints.begin(), source.joints.end(), joint) != source.joints.end())
+      if (joint && std::ranges::find(source.joints, joint) != source.joints.end())
         findings_.error(*item, fmt::format("'{}' is in 'joints' twice", shortened(item->text)),
                         "expected each joint for one number");
       source.joints.push_back(joint);

@@ -50,9 +50,8 @@ std::string core_of(std::string_view name) {
 
 bool has_word(std::string_view name, std::initializer_list<std::string_view> wanted) {
   const std::vector<std::string> words = words_of(name);
-  return std::any_of(words.begin(), words.end(), [&](const std::string& word) {
-    return std::find(wanted.begin(), wanted.end(), word) != wanted.end();
-  });
+  return std::ranges::any_of(words,
+                             [&](const std::string& word) { return std::ranges::find(wanted, word) != wanted.end(); });
 }
 
 bool is_of_commands(const TopicContents& topic) {
@@ -158,8 +157,7 @@ void MapDraft::write_joints() {
       for (const auto& [name, joint] : found.similar) count += missing.count(joint);
       return std::tuple(count, topic->has_position, topic->has_velocity, topic->has_effort);
     };
-    const auto best =
-        std::max_element(left.begin(), left.end(), [&](const auto* a, const auto* b) { return adds(a) < adds(b); });
+    const auto best = std::ranges::max_element(left, [&](const auto* a, const auto* b) { return adds(a) < adds(b); });
     if (std::get<0>(adds(*best)) == 0) break;
     const JointMatch found = match(**best);
     for (const std::string& joint : found.equal) missing.erase(joint);
@@ -288,7 +286,7 @@ void MapDraft::write_devices() {
   for (const Part& part : parts) {
     const auto& all = model_.devices;
     const auto fits_part = [&part](const Device& device) { return fits(part.kind, device); };
-    const auto devices = static_cast<std::size_t>(std::count_if(all.begin(), all.end(), fits_part));
+    const auto devices = static_cast<std::size_t>(std::ranges::count_if(all, fits_part));
     std::vector<std::string> lines, missing;
     for (const Device& device : all) {
       if (!fits_part(device)) continue;

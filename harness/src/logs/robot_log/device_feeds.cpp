@@ -98,8 +98,8 @@ class BulkFeed : public DeviceFeed {
 
   /// Shows the latest message that can be read.
   void look(const LogMoment& moment, Observation& seen) override {
-    const auto later = std::find_if(waiting_.begin(), waiting_.end(),
-                                    [&](const Waiting& message) { return message.time > moment.time; });
+    const auto later =
+        std::ranges::find_if(waiting_, [&](const Waiting& message) { return message.time > moment.time; });
     for (auto newest = later; newest != waiting_.begin();) {
       --newest;
       arrived_ = newest->time;

@@ -181,8 +181,8 @@ class RootFeed : public LogFeed {
     if (!source_.frame.empty()) {
       const msg::TFMessage* message = transforms_.read(payload);
       if (!message) return misfit(payload);
-      const auto found = std::find_if(message->transforms.begin(), message->transforms.end(),
-                                      [this](const auto& one) { return one.child_frame_id == source_.frame; });
+      const auto found = std::ranges::find_if(message->transforms,
+                                              [this](const auto& one) { return one.child_frame_id == source_.frame; });
       if (found == message->transforms.end()) return {};  // transforms of other frames
       const msg::Vector3& place = found->transform.translation;
       pose = {{place.x, place.y, place.z}, found->transform.rotation};

@@ -137,7 +137,7 @@ auto reader_of(const ros2msg::Schema& schema, JointRole role) {
 JointMessages::JointMessages(const ros2msg::Schema& schema, JointRole role) {
   const auto has = [&schema](std::string_view name) {
     const auto& fields = schema.definitions[0].fields;
-    return std::any_of(fields.begin(), fields.end(), [name](const auto& field) { return field.name == name; });
+    return std::ranges::any_of(fields, [name](const auto& field) { return field.name == name; });
   };
   if (has("joint_names") && has("points")) {
     read_ = reader_of<Trajectory>(schema, role);

@@ -161,7 +161,7 @@ std::vector<MappedSource> sources_of(const LogMap& map, const Model& model) {
   if (map.commands) add(*map.commands, "commands").commands = &*map.commands;
   if (map.state) add(*map.state, "state").state = &*map.state;
   const auto ticks_too = [&map](const MappedSource& mapped) { return mapped.source->topic == map.tick->topic; };
-  if (map.tick && std::none_of(sources.begin(), sources.end(), ticks_too)) add(*map.tick, "ticks");
+  if (map.tick && std::ranges::none_of(sources, ticks_too)) add(*map.tick, "ticks");
   return sources;
 }
 
@@ -169,7 +169,7 @@ std::vector<std::uint16_t> channels_of(const mcap::Reader& log, const std::vecto
   std::vector<std::uint16_t> channels;
   for (const auto& [id, channel] : log.channels()) {
     const auto maps_it = [topic = channel.topic](const MappedSource& mapped) { return mapped.source->is_on(topic); };
-    if (std::any_of(sources.begin(), sources.end(), maps_it)) channels.push_back(id);
+    if (std::ranges::any_of(sources, maps_it)) channels.push_back(id);
   }
   return channels;
 }

@@ -149,7 +149,7 @@ class Requirements {
     if (is_actuator(device)) return;  // it measures nothing
     for (const DeviceSource& source : map_.devices)
       if (source.kind != DeviceSource::Kind::camera_info &&
-          std::find(source.devices.begin(), source.devices.end(), index) != source.devices.end())
+          std::ranges::find(source.devices, index) != source.devices.end())
         return;
     const char* key = "imus";
     if (std::holds_alternative<ForceSensor>(device.kind)) key = "wrenches";

@@ -20,14 +20,14 @@ std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
 }  // namespace
 
 bool LogObservations::may_miss_input() const {
-  return std::any_of(fed_.begin(), fed_.end(), [](const Fed& fed) { return fed.feed && fed.watch.may_miss(); });
+  return std::ranges::any_of(fed_, [](const Fed& fed) { return fed.feed && fed.watch.may_miss(); });
 }
 
 Result<void> LogObservations::make_feeds(const std::vector<LogTopic>& topics) {
   for (std::size_t i = 0; i < sources_.size(); ++i) {
     const MappedSource& mapped = sources_[i];
-    const auto topic = std::find_if(topics.begin(), topics.end(),
-                                    [&](const LogTopic& known) { return known.name == mapped.source->topic; });
+    const auto topic =
+        std::ranges::find_if(topics, [&](const LogTopic& known) { return known.name == mapped.source->topic; });
     REHEARSE_ASSERT(topic != topics.end(), "the map was read against these topics");
     const ros2msg::Schema& schema = topic->definitions;
     const DurationCounts& intervals = survey_.sources[i].intervals;
@@ -82,7 +82,7 @@ void LogObservations::reject(Fed& fed, std::int64_t time, const Diagnostic& reas
   fed.watch.reject(time);
   if (!fed.unreadable_first) fed.unreadable_first = reason;
   const auto same = [&](const LogUnreadable& known) { return known.reason == reason.message; };
-  auto known = std::find_if(fed.unreadable_for.begin(), fed.unreadable_for.end(), same);
+  auto known = std::ranges::find_if(fed.unreadable_for, same);
   if (known == fed.unreadable_for.end()) {
     if (fed.unreadable_for.size() == most_reasons) return;
     known = fed.unreadable_for.insert(known, {reason.message, 0, seconds_of(time - ticks_.time(0))});
@@ -161,8 +161,7 @@ const BodyObservation& LogObservations::look_first() {
 }
 
 bool LogObservations::has_position(int joint) const {
-  return std::any_of(fed_.begin(), fed_.end(),
-                     [joint](const Fed& fed) { return fed.feed && fed.feed->has_position(joint); });
+  return std::ranges::any_of(fed_, [joint](const Fed& fed) { return fed.feed && fed.feed->has_position(joint); });
 }
 
 void LogObservations::complete_posture(const std::vector<double>& joints) {

@@ -126,9 +126,8 @@ std::int64_t LogReplayer::ticks_before(std::int64_t end, double all) const {
 
 /// Fails unless the nominal time step is the interval of the messages: missing messages are found by it.
 Result<void> LogReplayer::check_interval() const {
-  const auto source = std::find_if(sources_.begin(), sources_.end(), [this](const MappedSource& mapped) {
-    return mapped.source->topic == map_.tick->topic;
-  });
+  const auto source = std::ranges::find_if(
+      sources_, [this](const MappedSource& mapped) { return mapped.source->topic == map_.tick->topic; });
   const double interval = seconds_of(survey_.sources[source - sources_.begin()].intervals.median());
   constexpr double allowed = 0.25;
   if (interval == 0.0 || std::abs(interval - map_.time_step) <= allowed * map_.time_step) return {};

@@ -84,7 +84,7 @@ LogSink::Judged LogSink::compare_tick(const TickData& now) {
     tick.moves = commands != last_commands_;
     last_commands_ = std::move(commands);
   }
-  tick.compared = std::count_if(pairs.begin(), pairs.end(), [](const CommandPair& pair) { return pair.logged; });
+  tick.compared = std::ranges::count_if(pairs, [](const CommandPair& pair) { return pair.logged; });
   timing_.add(std::move(pairs));
   return tick;
 }
@@ -124,8 +124,8 @@ void LogSink::count_if_certain(const Judged& tick) {
 
 void LogSink::judge(Judged tick) {
   // After a difference within tolerance no equal bits are expected.
-  const bool agrees = std::none_of(tick.differences.begin(), tick.differences.end(),
-                                   [this](const Divergence& found) { return !report_.first || found.is_beyond(); });
+  const bool agrees = std::ranges::none_of(
+      tick.differences, [this](const Divergence& found) { return !report_.first || found.is_beyond(); });
   if (agrees) {
     report_.ticks_in_doubt += static_cast<std::int64_t>(in_doubt_.size());
     in_doubt_.clear();

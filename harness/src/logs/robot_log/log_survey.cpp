@@ -82,8 +82,8 @@ class JointSurvey {
       if (!in_message.insert(names[i]).second) found.repeated.insert(names[i]);
       found.names.emplace(names[i], joints[i].joint);
     }
-    unseen_ = std::count_if(renamed_.begin(), renamed_.end(),
-                            [&found](const auto& renamed) { return found.names.count(renamed.first) == 0; });
+    unseen_ = std::ranges::count_if(renamed_,
+                                    [&found](const auto& renamed) { return found.names.count(renamed.first) == 0; });
   }
 
   const std::map<std::string, JointRename>& renamed_;
@@ -143,7 +143,7 @@ LogSurvey survey(mcap::Reader& log, const LogMap& map, const Model& model, const
   found.sources.resize(sources.size());
   std::vector<Surveyed> surveyed(sources.size());
   bool any_time = false;
-  const bool has_relative = std::any_of(map.tolerances.begin(), map.tolerances.end(), is_relative);
+  const bool has_relative = std::ranges::any_of(map.tolerances, is_relative);
   const auto look = [&](const mcap::Message& message) {
     const auto time = times.of(message);
     if (time && map.tick && map.tick->is_on(message.channel->topic)) add_tick(*time, found);

@@ -48,7 +48,7 @@ void read_row(const std::uint8_t* bytes, bool swap, std::vector<Number>& row) {
   if (!swap) return;
   for (Number& number : row) {
     auto places = std::bit_cast<std::array<std::uint8_t, sizeof(Number)>>(number);
-    std::reverse(places.begin(), places.end());
+    std::ranges::reverse(places);
     number = std::bit_cast<Number>(places);
   }
 }

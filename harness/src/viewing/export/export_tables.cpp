@@ -164,7 +164,7 @@ void JoinedTable::take(const mcap::Message& message, std::string& line) {
 }
 
 void JoinedTable::end_row(std::string& line) {
-  const bool is_row = std::any_of(parts_.begin(), parts_.end(), [](const Part& p) { return p.is_clock && p.is_there; });
+  const bool is_row = std::ranges::any_of(parts_, [](const Part& p) { return p.is_clock && p.is_there; });
   if (is_row && time_) {
     append_seconds(line, *time_);
     for (const Part& part : parts_) {

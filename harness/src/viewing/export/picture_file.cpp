@@ -53,7 +53,7 @@ void convert_row(const PixelForm& form, bool is_big_endian, std::span<const std:
     for (std::size_t i = 0; i < from.size() / 4; ++i) {
       std::array<std::uint8_t, 4> bytes;
       std::copy_n(from.begin() + static_cast<std::ptrdiff_t>(4 * i), 4, bytes.begin());
-      if (is_big_endian) std::reverse(bytes.begin(), bytes.end());
+      if (is_big_endian) std::ranges::reverse(bytes);
       const std::uint16_t value = millimetres(std::bit_cast<float>(bytes));
       to[2 * i] = static_cast<std::uint8_t>(value >> 8);
       to[2 * i + 1] = static_cast<std::uint8_t>(value & 0xff);
@@ -102,8 +102,8 @@ Result<PictureFile> from_image(std::span<const std::byte> payload) {
   PictureFile picture;
   picture.stamp = image.header.stamp.to_ns();
   if (image.width == 0 || image.height == 0) return picture;
-  const auto form = std::find_if(pixel_forms.begin(), pixel_forms.end(),
-                                 [&](const PixelForm& known) { return known.encoding == image.encoding; });
+  const auto form =
+      std::ranges::find_if(pixel_forms, [&](const PixelForm& known) { return known.encoding == image.encoding; });
   if (form == pixel_forms.end())
     return error(fmt::format("pictures of encoding '{}' can't be written", image.encoding));
   const std::uint64_t used = std::uint64_t{image.width} * static_cast<std::uint64_t>(form->channels * form->bytes);

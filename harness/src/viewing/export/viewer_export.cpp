@@ -283,7 +283,7 @@ Result<void> ViewerExport::copy_messages() {
                                   channel.metadata, channel.topic.ends_with("/image") ? mcap::pictures : mcap::numbers);
   }
   const auto has_type = [&](std::string_view type) {
-    return std::any_of(types.begin(), types.end(), [&](const auto& one) { return one.second == type; });
+    return std::ranges::any_of(types, [&](const auto& one) { return one.second == type; });
   };
   if (has_type(msg::Event::type_name)) rosout_ = add_topic<msg::Log>("/rosout");
   for (const auto& [id, channel] : log_.channels())

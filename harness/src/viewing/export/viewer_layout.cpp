@@ -26,7 +26,7 @@ struct Shown {
   std::vector<std::string> topics;
   Scenario scenario;
 
-  bool has(const std::string& topic) const { return std::find(topics.begin(), topics.end(), topic) != topics.end(); }
+  bool has(const std::string& topic) const { return std::ranges::find(topics, topic) != topics.end(); }
   /// Topics with that end, as /image.
   std::vector<std::string> ending(std::string_view end) const {
     std::vector<std::string> found;

@@ -195,8 +195,8 @@ void ReportMaker::conclude() {
 
 bool ReportMaker::is_wanted(const TraceChannel& channel) const {
   if (options_.topics.empty()) return true;
-  return std::any_of(options_.topics.begin(), options_.topics.end(),
-                     [&](const std::string& pattern) { return matches(pattern, channel.topic); });
+  return std::ranges::any_of(options_.topics,
+                             [&](const std::string& pattern) { return matches(pattern, channel.topic); });
 }
 
 /// The channels of both runs with the same topic, in the order of the run; then those of the golden alone.
@@ -231,7 +231,7 @@ void ReportMaker::find_focus() {
       for (const auto* place : {&channel.first, &channel.first_bit, &channel.worst}) mark(*place);
   for (const ExpectationResult& result : expectations_)
     for (const auto* sample : {&result.first, &result.worst}) mark(*sample);
-  std::sort(focus_.marks.begin(), focus_.marks.end());
+  std::ranges::sort(focus_.marks);
 }
 
 PartSizes ReportMaker::part_sizes() const {
@@ -326,7 +326,7 @@ void ReportMaker::write_happenings(ReportJson& object, BlobWriter& blobs) {
           {{"run", index}, {"tick", change.tick}, {"a", change.link}, {"b", change.other}, {"begins", change.begins}});
     ++index;
   }
-  std::stable_sort(contacts.begin(), contacts.end(), [](const ReportJson& a, const ReportJson& b) {
+  std::ranges::stable_sort(contacts, [](const ReportJson& a, const ReportJson& b) {
     return a["tick"].get<std::int64_t>() < b["tick"].get<std::int64_t>();
   });
   object["contacts"] = std::move(contacts);

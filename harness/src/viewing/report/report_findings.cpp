@@ -80,9 +80,9 @@ Places::Places(const Comparison& comparison, const Divergence* told) {
   if (!wanted && comparison.first_bit) wanted = &*comparison.first_bit;
   if (!wanted) return;
   const std::string text = to_string(*wanted);
-  if (std::none_of(all.begin(), all.end(), [&](const auto& place) { return to_string(place.first) == text; }))
+  if (std::ranges::none_of(all, [&](const auto& place) { return to_string(place.first) == text; }))
     all.emplace_back(*wanted, wanted->is_beyond());
-  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return comes_before(a.first, b.first); });
+  std::ranges::stable_sort(all, [](const auto& a, const auto& b) { return comes_before(a.first, b.first); });
   for (std::size_t i = 0; i < all.size() && !first; ++i)
     if (to_string(all[i].first) == text) first = i;
 }
@@ -105,8 +105,8 @@ ReportJson worst_json(const Comparison& comparison, const Trace& golden, const T
   const auto multiple = [](const Divergence& place) {
     return place.tolerance > 0.0 ? place.judged() / place.tolerance : std::numeric_limits<double>::max();
   };
-  std::stable_sort(worst.begin(), worst.end(),
-                   [&](const Divergence* a, const Divergence* b) { return multiple(*a) > multiple(*b); });
+  std::ranges::stable_sort(worst,
+                           [&](const Divergence* a, const Divergence* b) { return multiple(*a) > multiple(*b); });
   ReportJson list = ReportJson::array();
   for (const Divergence* place : worst)
     if (ReportJson series = series_at(*place, golden, &actual); !series.is_null()) list.push_back(std::move(series));

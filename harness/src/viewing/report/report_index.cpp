@@ -71,7 +71,7 @@ std::vector<Json> read_results(const fs::path& folder) {
     if (result.is_object() && !text_in(result, "test").empty() && !text_in(result, "state").empty())
       results.push_back(std::move(result));
   }
-  std::stable_sort(results.begin(), results.end(), comes_first);
+  std::ranges::stable_sort(results, comes_first);
   return results;
 }
 
@@ -79,7 +79,7 @@ std::vector<Json> read_results(const fs::path& folder) {
 std::string row_of(const Json& result) {
   const auto text = [&](const char* key) { return html_text(text_in(result, key)); };
   std::string link = text("report");
-  std::replace(link.begin(), link.end(), ' ', '+');  // names of tests contain no blanks
+  std::ranges::replace(link, ' ', '+');  // names of tests contain no blanks
   const auto tick = result.find("tick");
   const bool has_tick = tick != result.end() && tick->is_number_integer();
   if (!link.empty() && has_tick) link += fmt::format("#tick={}", tick->get<std::int64_t>());
@@ -95,8 +95,7 @@ std::string row_of(const Json& result) {
 }
 
 std::string index_of(const std::vector<Json>& results) {
-  const auto bad =
-      std::count_if(results.begin(), results.end(), [](const Json& result) { return !has_passed(result); });
+  const auto bad = std::ranges::count_if(results, [](const Json& result) { return !has_passed(result); });
   std::string rows;
   for (const Json& result : results) rows += row_of(result);
   const std::string title =
@@ -144,8 +143,7 @@ std::optional<fs::path> refresh_index(const fs::path& folder, bool always) {
   const std::vector<Json> results = read_results(folder);
   fs::path index = folder / "index.html";
   std::error_code ignored;
-  if (std::all_of(results.begin(), results.end(), has_passed) && !always && !fs::exists(index, ignored))
-    return std::nullopt;
+  if (std::ranges::all_of(results, has_passed) && !always && !fs::exists(index, ignored)) return std::nullopt;
   if (!check_replaceable(index, index_magic, "index of tests")) return std::nullopt;
   write_text(index, index_of(results));
   return index;

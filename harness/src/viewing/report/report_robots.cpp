@@ -31,13 +31,12 @@ ReportJson vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()};
 ReportJson color_json(const Color& c) { return {c[0], c[1], c[2], c[3]}; }
 
 bool lacks_meshes(const Model& model) {
-  return std::any_of(model.links.begin(), model.links.end(), [](const Link& link) {
+  return std::ranges::any_of(model.links, [](const Link& link) {
     const auto lacks_mesh = [](const Shape& shape) {
       const auto* mesh = std::get_if<Mesh>(&shape.geometry);
       return mesh && !mesh->data;
     };
-    return std::any_of(link.visuals.begin(), link.visuals.end(), lacks_mesh) ||
-           std::any_of(link.collisions.begin(), link.collisions.end(), lacks_mesh);
+    return std::ranges::any_of(link.visuals, lacks_mesh) || std::ranges::any_of(link.collisions, lacks_mesh);
   });
 }
 
@@ -269,8 +268,8 @@ void RobotWriter::add_shape(ReportJson& shapes, const Shape& shape) {
 
 /// The index of a mesh in the report. A mesh with colours of its own is a separate mesh for each colour of a shape.
 int RobotWriter::mesh_of(const MeshData& mesh, const Shape& shape) {
-  const bool has_colors = std::any_of(mesh.parts.begin(), mesh.parts.end(),
-                                      [](const MeshPart& part) { return part.color || part.texture; });
+  const bool has_colors =
+      std::ranges::any_of(mesh.parts, [](const MeshPart& part) { return part.color || part.texture; });
   std::vector<float> shade;
   if (has_colors && shape.color) shade.assign(shape.color->data(), shape.color->data() + shape.color->size());
   const std::vector<double> corners{mesh.lower.x(), mesh.lower.y(), mesh.lower.z(),

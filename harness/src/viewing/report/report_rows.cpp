@@ -199,7 +199,7 @@ Result<void> ShownRows::find_extremes() {
     finder.finish();
   }
   for (Choice& choice : choices_) {
-    std::sort(choice.times.begin(), choice.times.end());
+    std::ranges::sort(choice.times);
     choice.times.erase(std::unique(choice.times.begin(), choice.times.end()), choice.times.end());
     choice.times.shrink_to_fit();
   }
@@ -281,7 +281,7 @@ void ShownRows::read(std::span<const std::size_t> group, const std::function<voi
         });
       for (std::size_t i = 0; i < runs; ++i) {
         if (!tables[i]) continue;
-        std::sort(chosen[i].begin(), chosen[i].end());
+        std::ranges::sort(chosen[i]);
         chosen[i].erase(std::unique(chosen[i].begin(), chosen[i].end()), chosen[i].end());
         append_messages(i == 0 ? shown[k].actual : shown[k].golden, *tables[i], chosen[i]);
       }

@@ -71,8 +71,8 @@ void JudgedValues::take(const DifferingValue& value) {
 void JudgedValues::conclude(const Comparison& comparison) {
   for (const auto* channels : {&comparison.channels, &comparison.same}) {
     for (const ChannelComparison& compared : *channels) {
-      const auto channel = std::find_if(channels_.begin(), channels_.end(),
-                                        [&](const TraceChannel& known) { return known.topic == compared.channel; });
+      const auto channel =
+          std::ranges::find_if(channels_, [&](const TraceChannel& known) { return known.topic == compared.channel; });
       if (channel == channels_.end() || compared.of_events || channel->columns.empty()) continue;
       std::map<std::string_view, double> tolerances;
       for (const SeriesComparison& series : compared.series) tolerances[series.element] = series.tolerance;
@@ -115,7 +115,7 @@ std::vector<std::pair<std::int64_t, std::int64_t>> JudgedValues::spans(std::size
   if (spans.size() <= most) return spans;
   std::vector<std::int64_t> gaps;  // the widest gaps remain
   for (std::size_t i = 1; i < spans.size(); ++i) gaps.push_back(spans[i].first - spans[i - 1].second);
-  std::sort(gaps.begin(), gaps.end());
+  std::ranges::sort(gaps);
   // Gaps of this width are joined, too: of several equal ones none remains.
   const std::int64_t narrowest = gaps[gaps.size() - most];
   std::vector<std::pair<std::int64_t, std::int64_t>> joined{spans.front()};

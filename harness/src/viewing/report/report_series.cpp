@@ -58,7 +58,7 @@ std::size_t SeriesWriter::axis_of(const ReportedRun& run, const TraceChannel& ta
   std::vector<std::uint32_t> ticks;
   ticks.reserve(table.rows());
   for (const std::uint64_t time : table.times) ticks.push_back(static_cast<std::uint32_t>(run.clock.tick_at(time)));
-  const auto known = std::find(axis_ticks_.begin(), axis_ticks_.end(), ticks);
+  const auto known = std::ranges::find(axis_ticks_, ticks);
   if (known != axis_ticks_.end()) return static_cast<std::size_t>(known - axis_ticks_.begin());
   bool is_dense = true;
   for (std::size_t i = 1; i < ticks.size(); ++i) is_dense = is_dense && ticks[i] == ticks[i - 1] + 1;

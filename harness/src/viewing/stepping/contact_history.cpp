@@ -8,14 +8,12 @@
 namespace rehearse {
 namespace {
 
-bool has(const std::vector<std::size_t>& ids, std::size_t id) {
-  return std::find(ids.begin(), ids.end(), id) != ids.end();
-}
+bool has(const std::vector<std::size_t>& ids, std::size_t id) { return std::ranges::find(ids, id) != ids.end(); }
 
 }  // namespace
 
 std::size_t ContactHistory::id_of(const std::string& link) {
-  const auto known = std::find(links_.begin(), links_.end(), link);
+  const auto known = std::ranges::find(links_, link);
   if (known == links_.end()) return links_.push_back(link), links_.size() - 1;
   return static_cast<std::size_t>(known - links_.begin());
 }
@@ -51,7 +49,7 @@ std::vector<ContactHistory::Pair> ContactHistory::at(std::uint64_t time) {
 bool ContactHistory::touching(const std::vector<std::size_t>& links, const std::vector<std::size_t>& others,
                               std::uint64_t time) {
   const auto pairs = at(time);
-  return std::any_of(pairs.begin(), pairs.end(), [&](const Pair& pair) {
+  return std::ranges::any_of(pairs, [&](const Pair& pair) {
     if (!pair.touches) return false;
     if (others.empty()) return has(links, pair.link) || has(links, pair.other);
     return (has(links, pair.link) && has(others, pair.other)) || (has(links, pair.other) && has(others, pair.link));

@@ -38,8 +38,8 @@ Result<std::unique_ptr<MessageFinder>> MessageFinder::open(const std::filesystem
   auto reader = REHEARSE_TRY(mcap::Reader::open(file));
   std::unique_ptr<MessageFinder> finder(new MessageFinder(std::move(reader)));
   for (const mcap::Chunk& chunk : finder->reader_->chunks()) finder->places_.push_back({chunk, 0, false, false, {}});
-  std::stable_sort(finder->places_.begin(), finder->places_.end(),
-                   [](const Place& a, const Place& b) { return a.chunk.start_time < b.chunk.start_time; });
+  std::ranges::stable_sort(finder->places_,
+                           [](const Place& a, const Place& b) { return a.chunk.start_time < b.chunk.start_time; });
   std::uint64_t latest_end = 0;
   for (Place& place : finder->places_) place.latest_end = latest_end = std::max(latest_end, place.chunk.end_time);
   return finder;
@@ -75,7 +75,7 @@ bool MessageFinder::may_have(Place& place, std::uint16_t channel) {
       place.has_index = true;
       place.channels.push_back(id);
     }
-    std::sort(place.channels.begin(), place.channels.end());
+    std::ranges::sort(place.channels);
     let_go(place.chunk.offset, walker.offset());
   }
   return !place.has_index || std::binary_search(place.channels.begin(), place.channels.end(), channel);
@@ -91,8 +91,8 @@ std::shared_ptr<const MessageFinder::Content> MessageFinder::content(std::size_t
   std::size_t held = 0;
   for (const Cached& cached : cache_) held += cached.content->records.size();
   while (cache_.size() >= most_cached || (cache_.size() >= fewest_cached && held > cached_bytes)) {
-    const auto oldest = std::min_element(cache_.begin(), cache_.end(),
-                                         [](const Cached& a, const Cached& b) { return a.used < b.used; });
+    const auto oldest =
+        std::ranges::min_element(cache_, [](const Cached& a, const Cached& b) { return a.used < b.used; });
     held -= oldest->content->records.size();
     cache_.erase(oldest);
   }
@@ -111,8 +111,8 @@ std::shared_ptr<const MessageFinder::Content> MessageFinder::open_chunk(const Pl
   if (opened.fault == mcap::OpenedChunk::Fault::too_short) return content;
   if (!opened.ok()) {
     Diagnostic finding = error_in(reader_->name(), opener.describe(opened));
-    const bool known = std::any_of(damage_.begin(), damage_.end(),
-                                   [&](const Diagnostic& other) { return other.message == finding.message; });
+    const bool known =
+        std::ranges::any_of(damage_, [&](const Diagnostic& other) { return other.message == finding.message; });
     if (!known) damage_.push_back(std::move(finding));
     return content;
   }
@@ -126,7 +126,7 @@ std::shared_ptr<const MessageFinder::Content> MessageFinder::open_chunk(const Pl
     const std::uint64_t data = record.offset + mcap::record_head + mcap::message_head;
     content->entries.push_back({message->channel, message->log_time, data, record.body.size() - mcap::message_head});
   }
-  std::stable_sort(content->entries.begin(), content->entries.end(), before);
+  std::ranges::stable_sort(content->entries, before);
   return content;
 }
 
@@ -141,7 +141,7 @@ std::vector<MessageFinder::Found> MessageFinder::at(std::uint16_t channel, std::
     for (std::size_t entry = begin; entry < end; ++entry) here.push_back(found(content, entry));
     if (!here.empty()) by_offset.emplace_back(at.chunk.offset, std::move(here));
   }
-  std::stable_sort(by_offset.begin(), by_offset.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::stable_sort(by_offset, [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Found> all;
   for (auto& [offset, here] : by_offset) all.insert(all.end(), here.begin(), here.end());
   return all;

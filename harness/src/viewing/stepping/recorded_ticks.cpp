@@ -30,7 +30,7 @@ void RecordedTicks::add_replayed(MessageFinder& variables) {
     const auto same = [&topic = channel.topic](const std::unique_ptr<Source>& other) {
       return other->rows.table.topic == topic;
     };
-    const auto known = std::find_if(sources_.begin(), sources_.end(), same);
+    const auto known = std::ranges::find_if(sources_, same);
     if (known == sources_.end()) {
       sources_.push_back(std::move(source));
     } else if ((*known)->rows.table.type == source->rows.table.type) {

@@ -121,8 +121,8 @@ std::unique_ptr<ReplayedOutputs> ReplayedOutputs::make(mcap::Reader& trace, cons
                                                        const SteppingOptions& options, std::optional<double> until) {
   auto made = std::make_unique<ReplayedOutputs>();
   made->time_step_ = scenario.time_step;
-  const bool has_controllers = std::any_of(scenario.bodies.begin(), scenario.bodies.end(),
-                                           [](const ScenarioBody& body) { return !body.controllers.empty(); });
+  const bool has_controllers =
+      std::ranges::any_of(scenario.bodies, [](const ScenarioBody& body) { return !body.controllers.empty(); });
   if (!has_controllers || !options.replay) return made;
   const ScratchFile scratch;
   auto writer = mcap::Writer::create(scratch.path());

@@ -97,8 +97,8 @@ Result<void> SteppedTrace::Impl::replay(const SteppingOptions& options) {
     if (!errors.empty()) return errors;
   }
   const auto add = [this](const Diagnostic& remark) {
-    const bool known = std::any_of(remarks_.begin(), remarks_.end(),
-                                   [&](const Diagnostic& other) { return other.message == remark.message; });
+    const bool known =
+        std::ranges::any_of(remarks_, [&](const Diagnostic& other) { return other.message == remark.message; });
     if (!known) remarks_.push_back(remark);
   };
   for (const Diagnostic& remark : replayed_->remarks()) add(remark);
@@ -245,13 +245,12 @@ bool SteppedTrace::differs_at(std::int64_t tick) { return impl_->replayed_->diff
 
 bool SteppedTrace::said(std::string_view pattern, std::int64_t tick) {
   const auto all = messages(tick);
-  return std::any_of(all.begin(), all.end(),
-                     [&](const ViewMessage& message) { return matches(pattern, message.text); });
+  return std::ranges::any_of(all, [&](const ViewMessage& message) { return matches(pattern, message.text); });
 }
 
 bool SteppedTrace::happened(std::string_view pattern, std::int64_t tick) {
   const auto all = messages(tick);
-  return std::any_of(all.begin(), all.end(), [&](const ViewMessage& message) {
+  return std::ranges::any_of(all, [&](const ViewMessage& message) {
     return matches(pattern, fmt::format("{} {}: {}", message.severity, message.source, message.text));
   });
 }

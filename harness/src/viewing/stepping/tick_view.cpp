@@ -15,7 +15,7 @@ namespace {
 bool is_shown(const TraceChannel& channel) {
   constexpr std::array<std::string_view, 3> left_out{msg::TFMessage::type_name, msg::Tick::type_name,
                                                      msg::CameraInfo::type_name};
-  return std::find(left_out.begin(), left_out.end(), channel.type) == left_out.end();
+  return std::ranges::find(left_out, channel.type) == left_out.end();
 }
 
 ViewMessage shown(const msg::Event& event, ViewMessage::Where where) {
@@ -59,7 +59,7 @@ ViewChannel SteppedTrace::Impl::channel_at(std::size_t index, std::int64_t tick,
     const bool was_there = value.before && !std::isnan(*value.before);
     if (may_have_fewer && std::isnan(value.value) && !was_there) continue;
     if (differ) {
-      const auto found = std::find_if(differ->begin(), differ->end(), [&](const Divergence& divergence) {
+      const auto found = std::ranges::find_if(*differ, [&](const Divergence& divergence) {
         return divergence.channel == channel.topic && divergence.element == value.element;
       });
       if (found != differ->end()) {
@@ -117,7 +117,7 @@ std::vector<ViewMessage> SteppedTrace::messages(std::int64_t tick) {
     }
   }
   for (const msg::Event& event : impl_->replayed_->events(now)) {
-    const auto same = std::find_if(all.begin(), all.end(), [&](const ViewMessage& message) {
+    const auto same = std::ranges::find_if(all, [&](const ViewMessage& message) {
       return message.where == Where::recorded && message.source == event.source && message.text == event.text;
     });
     if (same == all.end()) {
