@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { existsSync, readFileSync, readdirSync } from 'node:fs';
 import { join } from 'node:path';
-import { environmentVariables, exitStatuses, formKeys, messageTypes, verbs, verdictCodes } from '../../tools/site/facts.mjs';
+import { environmentVariables, exitStatuses, formKeys, keysTable, messageTypes, verbs, verdictCodes } from '../../tools/site/facts.mjs';
 import { publicHeaders } from '../../tools/site/reference.mjs';
 import { sectionOf } from '../../tools/site/markdown.mjs';
 
@@ -36,10 +36,12 @@ const forms = {
   map: reference(['map', 'log_ticks', 'tolerances']),
 };
 const program = join(build, 'bin/rehearse');
+/** A page with the tables that are made of forms. */
+const readWithTables = (file) => read(file).replace(/^<!-- made: keys (\S+) -->$/gm, (line, name) => keysTable(program, name));
 const names = (keys) => keys.map(({ name }) => name);
 for (const [schema, files] of Object.entries(forms))
   for (const { owner, keys } of formKeys(program, schema))
-    covers(`key of ${owner}`, names(keys), files.map(read).join('\n'), files.join(' '));
+    covers(`key of ${owner}`, names(keys), files.map(readWithTables).join('\n'), files.join(' '));
 
 const variables = 'tools/site/pages/reference/environment.md';
 covers('variable', environmentVariables(source), read(variables), variables);

@@ -116,7 +116,7 @@ const Broken all_broken[] = {
     {"light_without_position", 3, 17, "a light has no 'position'.*\\[x, y, z\\]"},
     {"light_direction_zero", 3, 50, "direction is a list.*a direction as in \\[0, 0, -1\\]"},
     {"light_angle_without_direction", 3, 51, "beam_width is given without direction"},
-    {"light_angle_beyond", 3, 77, "cut_off_angle is '200 deg'.*0 to 180 deg"},
+    {"light_angle_beyond", 3, 77, "cut_off_angle is '200 deg'.*180 deg"},
     {"light_intensity_negative", 3, 50, "intensity is -1.*from 0"},
     {"shadows_of_text", 3, 17, "shadows is 'soft'.*true or false"},
     {"look_text", 3, 7, "the look is 'sunny'.*map"},

@@ -9,6 +9,7 @@ namespace rehearse::test {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 class Doc : public Command {};
@@ -25,6 +26,27 @@ TEST_F(Doc, AnUnknownTopicIsNamed) {
   const Outcome outcome = rehearse({"doc", "love"});
   EXPECT_EQ(outcome.status, 2);
   EXPECT_EQ(outcome.err, "error: there is no topic 'love' (rehearse doc lists the topics)\n");
+}
+
+TEST_F(Doc, PutsTheKeysOfTheParserIntoPages) {
+  const std::string solver = done({"doc", "--keys", "scenario.solver"}).out;
+  EXPECT_THAT(
+      solver,
+      HasSubstr("| `erp` | share of a joint's error that is corrected in a step | number from 0 to 1 | `0.4` |\n"));
+  EXPECT_THAT(done({"doc", "scenarios"}).out, HasSubstr(solver));
+  for (const char* topic :
+       {"scenarios", "bodies", "inputs", "noise", "tolerances", "expectations", "variations", "maps"}) {
+    const std::string page = done({"doc", topic}).out;
+    EXPECT_THAT(page, HasSubstr("| key | what | values | default |")) << topic;
+    EXPECT_THAT(page, Not(HasSubstr("<<made:"))) << topic;
+    EXPECT_THAT(page, Not(HasSubstr("there is no form"))) << topic;
+  }
+}
+
+TEST_F(Doc, AnUnknownFormIsNamed) {
+  const Outcome outcome = rehearse({"doc", "--keys", "scenario.love"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err, "error: there is no form 'scenario.love' (expected SCHEMA.FORM, as scenario.solver)\n");
 }
 
 TEST_F(Doc, HelpOfAVerbIsItsHelp) {

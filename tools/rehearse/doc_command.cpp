@@ -17,6 +17,7 @@
 
 #include "command.h"
 #include "core/form/form_schema.h"
+#include "core/form/form_table.h"
 #include "output.h"
 #include "progress.h"
 #include "schemas.h"
@@ -105,6 +106,46 @@ Exit list_topics() {
   return Exit::done;
 }
 
+/// The table of the keys of a form: "scenario.solver" is the form "solver" in the schema "scenario".
+Result<std::string> table_of_keys(const std::string& name) {
+  const std::size_t dot = name.find('.');
+  const std::string schema = name.substr(0, dot), form = dot == std::string::npos ? schema : name.substr(dot + 1);
+  for (const NamedForm& each : all_schemas())
+    if (const Form* found = each.name == schema ? find_form(each.type, form) : nullptr) return table_text(*found);
+  return error(fmt::format("there is no form '{}'", name), "expected SCHEMA.FORM, as scenario.solver");
+}
+
+Exit print_keys(const std::string& name) {
+  const Result<std::string> table = table_of_keys(name);
+  if (!table) return refuse(table.errors());
+  fmt::print("{}", *table);
+  return Exit::done;
+}
+
+/// The page with a table in the place of each line `<<made: keys SCHEMA.FORM>>`.
+std::string with_tables(const std::string& page) {
+  constexpr std::string_view begin = "<<made: keys ", end = ">>";
+  std::string text;
+  std::istringstream lines(page);
+  for (std::string line; std::getline(lines, line);) {
+    const bool is_made = line.starts_with(begin) && line.ends_with(end);
+    const auto table = is_made ? table_of_keys(line.substr(begin.size(), line.size() - begin.size() - end.size()))
+                               : Result<std::string>(line + '\n');
+    text += table ? *table : to_string(table.errors());
+  }
+  return text;
+}
+
+/// Shows a text in the user's pager. False: there is none.
+bool in_pager(const std::string& text) {
+  const char* pager = std::getenv("PAGER");
+  FILE* const to = popen(pager && *pager ? pager : "less", "w");
+  if (!to) return false;
+  std::fputs(text.c_str(), to);
+  constexpr int no_such_program = 127 << 8;  // as the shell states it
+  return pclose(to) != no_such_program;
+}
+
 Exit show(const std::string& name, bool as_text) {
   const auto topic = std::ranges::find_if(topics, [&](const Topic& t) { return t.name == name; });
   if (topic == std::end(topics))
@@ -117,12 +158,8 @@ Exit show(const std::string& name, bool as_text) {
   text << stream.rdbuf();
   if (!stream || text.str().empty())
     return refuse(error(fmt::format("can't read {}", page.string()), "the manual is installed with the command"));
-  if (is_terminal(stdout)) {
-    const char* pager = std::getenv("PAGER");
-    const std::string program = pager && *pager ? pager : "less";
-    execlp(program.c_str(), program.c_str(), page.c_str(), nullptr);
-  }
-  fmt::print("{}", text.str());  // without a terminal or a pager
+  const std::string page_text = with_tables(text.str());
+  if (!is_terminal(stdout) || !in_pager(page_text)) fmt::print("{}", page_text);
   return Exit::done;
 }
 
@@ -153,7 +190,7 @@ Exit write_schemas(const fs::path& folder) {
 }
 
 struct DocSettings {
-  std::string topic, schema, schemas;
+  std::string topic, schema, schemas, keys;
   bool as_text = false;
 };
 
@@ -167,11 +204,17 @@ std::function<Exit()> declare_doc(CLI::App& options) {
                   "print the JSON Schema of a file (scenario, map) or of a verb's --json (check, golden-list)")
       ->type_name("NAME")
       ->excludes(topic);
+  options
+      .add_option("--keys", settings->keys,
+                  "print the keys of a map in a file, with texts, values and defaults, as --keys scenario.solver")
+      ->type_name("NAME")
+      ->excludes(topic);
   options.add_option("--schemas", settings->schemas, "write all JSON Schemas into a folder, each as NAME.json")
       ->type_name("DIR")
       ->excludes(topic);
   return [settings] {
     if (!settings->schema.empty()) return print_schema(settings->schema);
+    if (!settings->keys.empty()) return print_keys(settings->keys);
     if (!settings->schemas.empty()) return write_schemas(settings->schemas);
     return settings->topic.empty() ? list_topics() : show(settings->topic, settings->as_text);
   };

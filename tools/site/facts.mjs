@@ -41,6 +41,9 @@ export function formKeys(program, schema) {
   }));
 }
 
+/** The table of the keys of a form, named as scenario.solver, in Markdown. */
+export const keysTable = (program, name) => execFileSync(program, ['doc', '--keys', name], { encoding: 'utf8' });
+
 /** The variables of the environment that the libraries and the command read, by name. */
 export function environmentVariables(source) {
   const names = new Set();

@@ -2,7 +2,7 @@
 import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { figures } from './figures.mjs';
-import { channelKinds, formKeys, messageTypes, verbGroups, verbs } from './facts.mjs';
+import { channelKinds, formKeys, keysTable, messageTypes, verbGroups, verbs } from './facts.mjs';
 import { drawing, partsOf, reduced, roomsOf } from './graph.mjs';
 
 const cell = (text) => text.replaceAll('|', '\\|').replaceAll('<', '\\<').replaceAll('*', '\\*');
@@ -51,6 +51,14 @@ const keyTable = (schema) => ({ build }) =>
       keys.map(({ name, type, fallback, text }) => [owner, code(name), cell(type), fallback && fallback !== 'required' ? code(fallback) : fallback, cell(text)]),
     ),
   );
+
+/** The keys of one form; outside of code, signs of Markdown are text. */
+const formTable = ({ build, name }) =>
+  keysTable(program(build), name)
+    .trimEnd()
+    .split(/(`[^`]*`)/)
+    .map((part) => (part.startsWith('`') ? part : part.replace(/[<*]/g, '\\$&')))
+    .join('');
 
 const messageTable = ({ source }) =>
   messageTypes(source)
@@ -134,6 +142,7 @@ const architecture = ({ build }) => {
 
 export const makers = {
   verbs: verbTable,
+  keys: formTable,
   'scenario-keys': keyTable('scenario'),
   'map-keys': keyTable('map'),
   messages: messageTable,

@@ -4,6 +4,7 @@
 //   <!-- include: tests/README.md#choreonoids-traps -->   the section, below the heading before it
 //   <!-- text of: tests/README.md#choreonoids-traps -->   the section without its heading, at the place of this line
 //   <!-- made: verbs -->                                  a part made by reference.mjs
+//   <!-- made: keys scenario.solver -->                   the keys of a form, which `rehearse doc` puts there, too
 //
 // A link of a README, or one that begins with `/`, leads to the place in the site where the section is. A link to a
 // file that isn't part of the site becomes its name. A link between pages must lead to a page and a heading of it.
@@ -55,10 +56,10 @@ function linesOf(page, places) {
     if (text.startsWith('```')) inBlock = !inBlock;
     const heading = inBlock ? null : text.match(/^(#+) /);
     if (heading) level = heading[1].length;
-    const order = inBlock ? null : text.match(/^<!-- (include|text of|made): (\S+) -->$/);
+    const order = inBlock ? null : text.match(/^<!-- (include|text of|made): (\S+)(?: (\S+))? -->$/);
     if (!order) lines.push({ file: page.file, text });
     else if (order[1] !== 'made') lines.push(...includeOf(order[1], order[2], level, page, places, index + 1));
-    else lines.push(...from(page.file, makers[order[2]]({ source, build }).split('\n')));
+    else lines.push(...from(page.file, makers[order[2]]({ source, build, name: order[3] }).split('\n')));
   });
   return lines;
 }

@@ -3,7 +3,7 @@
 #include <yaml-cpp/emitter.h>
 
 #include "core/golden/golden_files.h"
-#include "core/scenario/scenario_values.h"
+#include "core/scenario/bound_form.h"
 #include "noise_floor.h"
 
 namespace rehearse {
@@ -15,25 +15,30 @@ constexpr int file_version = 1;
 constexpr Range any_difference{0.0, 1e300};
 constexpr Range any_time{0.0, 1e9, "[s]"};
 
-const Form& perturbation_form() {
-  static const Form form{
+const BoundForm<Perturbation>& perturbation_form() {
+  static const BoundForm<Perturbation> form{
       "perturbation",
       "a perturbation",
-      {{"name", types::text(), "of the perturbation", required},
-       {"not_made", types::text(), "the reason why it wasn't made"},
-       {"levels", types::list(types::word({"controller", "plant", "closed"})), "levels that it changed"},
-       {"horizon", types::number(any_time), "the closed loop left its tolerances then [s]"}}};
+      {{"name", &Perturbation::name, types::text(), "of the perturbation", {"the name of the perturbation"}},
+       {"not_made", &Perturbation::not_made, "the reason why it wasn't made"},
+       FormKey{"levels", types::list(types::word({"controller", "plant", "closed"})), "levels that it changed"},
+       {"horizon", &Perturbation::horizon, any_time, "the closed loop left its tolerances then [s]"}}};
   return form;
 }
 
-const Form& channel_noise_form() {
-  static const Form form{"channel_noise",
-                         "a channel's noise",
-                         {{"channel", types::text(), "its topic", required},
-                          {"unit", types::text(), "of the numbers"},
-                          {"controller", types::number(any_difference), "largest difference of the controller's level"},
-                          {"plant", types::number(any_difference), "largest difference of the plant's level"},
-                          {"tolerance", types::number(any_difference), "the tightest tolerance in force", required}}};
+const BoundForm<ChannelNoise>& channel_noise_form() {
+  static const BoundForm<ChannelNoise> form{
+      "channel_noise",
+      "a channel's noise",
+      {{"channel", &ChannelNoise::channel, types::text(), "its topic", {"a topic"}},
+       {"unit", &ChannelNoise::unit, "of the numbers"},
+       {"controller", &ChannelNoise::controller, any_difference, "largest difference of the controller's level"},
+       {"plant", &ChannelNoise::plant, any_difference, "largest difference of the plant's level"},
+       {"tolerance",
+        &ChannelNoise::tolerance,
+        any_difference,
+        "the tightest tolerance in force",
+        {"the tightest tolerance in force"}}}};
   return form;
 }
 
@@ -80,10 +85,7 @@ void read_levels(Findings& findings, const YamlNode& list, Perturbation& perturb
 Perturbation read_perturbation(Findings& findings, const YamlNode& node) {
   Perturbation perturbation;
   const Keys keys(findings, node, perturbation_form());
-  keys.require("name", "the name of the perturbation");
-  keys.text("name", perturbation.name);
-  keys.text("not_made", perturbation.not_made);
-  keys.number("horizon", perturbation.horizon);
+  perturbation_form().read(keys, perturbation);
   if (const YamlNode* levels = keys.find("levels")) read_levels(findings, *levels, perturbation);
   return perturbation;
 }
@@ -91,26 +93,36 @@ Perturbation read_perturbation(Findings& findings, const YamlNode& node) {
 ChannelNoise read_channel(Findings& findings, const YamlNode& node) {
   ChannelNoise noise;
   const Keys keys(findings, node, channel_noise_form());
-  keys.require("channel", "a topic");
-  keys.require("tolerance", "the tightest tolerance in force");
-  keys.text("channel", noise.channel);
-  keys.text("unit", noise.unit);
-  keys.number("controller", noise.controller);
-  keys.number("plant", noise.plant);
-  keys.number("tolerance", noise.tolerance);
+  channel_noise_form().read(keys, noise);
   return noise;
+}
+
+const BoundForm<NoiseFloor>& bound_noise_file_form() {
+  static const BoundForm<NoiseFloor> form{
+      "noise_file",
+      "a noise file",
+      {FormKey{"noise", types::whole(1, file_version), "the version of the file's form", required},
+       {"scenario", &NoiseFloor::scenario, "the scenario's file"},
+       {"recording",
+        &NoiseFloor::recording,
+        types::text(),
+        "the hash of the recording that was perturbed",
+        {"the hash of the recording that was perturbed"}},
+       {"duration", &NoiseFloor::duration, any_time, "of the recording [s]"},
+       FormKey{"made_with", types::map(types::text()), "the program and the machine"},
+       FormKey{"perturbations", types::list(types::of(perturbation_form)), "runs that were compared with the recording",
+               required},
+       {"growth", &NoiseFloor::growth, any_difference, "of differences, per second"},
+       FormKey{"channels", types::list(types::of(channel_noise_form)), "the noise of each channel", required}}};
+  return form;
 }
 
 void read_file(Findings& findings, const YamlNode& root, NoiseFloor& noise) {
   const Keys keys(findings, root, noise_file_form());
   if (!keys.is_map()) return;
   int version = file_version;
-  if (keys.require("noise", "the version of the file's form, 1")) keys.integer("noise", version);
-  keys.require("recording", "the hash of the recording that was perturbed");
-  keys.text("scenario", noise.scenario);
-  keys.text("recording", noise.recording);
-  keys.number("duration", noise.duration);
-  keys.number("growth", noise.growth);
+  if (keys.require("noise", "the version of the file's form, 1")) keys.read("noise", version);
+  bound_noise_file_form().read(keys, noise);
   if (const YamlNode* facts = keys.find("made_with"))
     for (const NamedEntry& fact : read_entries(findings, *facts)) noise.made_with[fact.name] = fact.value->text;
   const auto each = [&](const char* key, const char* what, auto&& read) {
@@ -125,21 +137,7 @@ void read_file(Findings& findings, const YamlNode& root, NoiseFloor& noise) {
 
 }  // namespace
 
-const Form& noise_file_form() {
-  static const Form form{
-      "noise_file",
-      "a noise file",
-      {{"noise", types::whole(1, file_version), "the version of the file's form", required},
-       {"scenario", types::text(), "the scenario's file"},
-       {"recording", types::text(), "the hash of the recording that was perturbed", required},
-       {"duration", types::number(any_time), "of the recording [s]"},
-       {"made_with", types::map(types::text()), "the program and the machine"},
-       {"perturbations", types::list(types::of(perturbation_form)), "runs that were compared with the recording",
-        required},
-       {"growth", types::number(any_difference), "of differences, per second"},
-       {"channels", types::list(types::of(channel_noise_form)), "the noise of each channel", required}}};
-  return form;
-}
+const Form& noise_file_form() { return bound_noise_file_form(); }
 
 std::string to_yaml(const NoiseFloor& noise) {
   YAML::Emitter out;

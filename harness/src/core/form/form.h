@@ -54,9 +54,9 @@ struct FormKey {
   ValueType type;
   std::string_view text;
   /// The default as it would be written; `required`; empty: there is none, or it depends on other values.
-  std::string_view fallback = "";
+  std::string fallback{};
 };
-inline constexpr std::string_view required = "required";
+inline constexpr const char* required = "required";
 
 /// A map with a fixed set of keys.
 struct Form {

@@ -1,12 +1,12 @@
 // The keys of bodies and of their parts.
 #include <rehearse/body.h>
 
-#include <functional>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "body_forms.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
@@ -19,10 +19,6 @@ constexpr Range any_brightness{0.0, 1.0};
 /// [red, green, blue], with opacity if `most_numbers` is 4.
 ValueType color_of(std::size_t most_numbers) { return types::list(types::number(any_brightness), 3, most_numbers); }
 
-ValueType rotation() {
-  return types::either({types::list(types::quantity(angle_units, any_angle), 3, 3), types::of(rotation_form)});
-}
-
 FormKey color_key() { return {"color", color_of(4), "[red, green, blue], or with opacity, 0 to 1"}; }
 FormKey checker_key() { return {"checker", types::of(checker_form), "squares of a second colour"}; }
 
@@ -33,6 +29,10 @@ ValueType displacement(const Range& range) {
 
 }  // namespace
 
+ValueType rotation_type() {
+  return types::either({types::list(types::quantity(angle_units, any_angle), 3, 3), types::of(rotation_form)});
+}
+
 const Form& rotation_form() {
   constexpr Range any_component{-1e6, 1e6};
   static const Form form{"rotation",
@@ -42,22 +42,6 @@ const Form& rotation_form() {
                           {"quaternion", types::list(types::number(any_component), 4, 4), "[w, x, y, z]"}},
                          {},
                          {{"axis", "quaternion"}, {"angle", "quaternion"}}};
-  return form;
-}
-
-const Form& pose_form() {
-  static const Form form{"pose",
-                         "a pose",
-                         {{"position", types::vector3(any_position), "in the frame of the link [m]", "[0, 0, 0]"},
-                          {"rotation", rotation(), "[roll, pitch, yaw], {axis, angle} or {quaternion}"}}};
-  return form;
-}
-
-const Form& checker_form() {
-  static const Form form{"checker",
-                         "a checker",
-                         {{"color", color_of(3), "of every second square", required},
-                          {"size", types::number(any_length), "side of a square [m]"}}};
   return form;
 }
 
@@ -85,47 +69,6 @@ const Form& cylinder_form() {
   return form;
 }
 
-const Form& heightmap_form() {
-  static const Form form{"heightmap",
-                         "a heightmap",
-                         {{"file", types::text(), "a PNG or a grid of numbers, relative to the scenario", required},
-                          {"size", types::list(types::number(any_length), 2, 2), "full lengths [x, y] [m]", required},
-                          {"height", types::number({-1e4, 1e4, "[m]"}), "of white over black [m]; of a grid a factor"},
-                          color_key()}};
-  return form;
-}
-
-const Form& velocity_form() {
-  static const Form form{"velocity",
-                         "a velocity",
-                         {{"linear", types::vector3(any_velocity), "[x, y, z] [m/s]", "[0, 0, 0]"},
-                          {"angular", types::vector3(any_angular_velocity), "[x, y, z] [rad/s]", "[0, 0, 0]"}}};
-  return form;
-}
-
-const Form& controller_form() {
-  static const Form form{
-      "controller",
-      "a controller",
-      {{"name", types::name(), "names its channels; default: that of its library"},
-       {"library", types::some_text(), "a name such as SR1MinimumController, a path, or FILE.py:CLASS", required},
-       {"options", types::text(), "its option string"},
-       {"delay", types::flag(), "its outputs act one tick later", "true"},
-       {"optional", types::flag(), "the run goes on without it if it refuses to start", "false"},
-       {"children", types::list(types::of(controller_form)),
-        "controllers that this one calls; they nest one level deep"}}};
-  return form;
-}
-
-const Form& link_form() {
-  static const Form form{"link",
-                         "a link",
-                         {{"mass", types::number(any_mass), "[kg]; its inertia changes in proportion"},
-                          {"friction", types::number(any_friction), "coefficient in all directions"},
-                          {"restitution", types::number(any_restitution), "of impacts"}}};
-  return form;
-}
-
 const Form& belt_form() {
   static const Form form{
       "belt",
@@ -135,170 +78,141 @@ const Form& belt_form() {
   return form;
 }
 
-const Form& joint_form() {
-  static const Form form{
-      "joint",
-      "a joint",
-      {{"name", types::name(), "unique among joints and welds"},
-       {"type", types::word({"fixed", "revolute", "prismatic", "spherical"}), "the motion that it leaves", required},
-       {"between", types::list(types::text(), 2, 2), "two links, [BODY/LINK, BODY/LINK]", required},
-       {"at", types::vector3(any_position), "its place in the first link's frame [m]", "[0, 0, 0]"},
-       {"axis", types::vector3({-1e6, 1e6}), "in the first link's frame, of any length but 0"}}};
+const BoundForm<ScenarioBody>& bound_velocity_form() {
+  static const BoundForm<ScenarioBody> form{
+      "velocity",
+      "a velocity",
+      {{"linear", &ScenarioBody::linear_velocity, any_velocity, "[x, y, z] [m/s]"},
+       {"angular", &ScenarioBody::angular_velocity, any_angular_velocity, "[x, y, z] [rad/s]"}}};
   return form;
 }
 
-const Form& weld_form() {
-  static const Form form{"weld",
-                         "a weld",
-                         {{"name", types::name(), "unique among joints and welds"},
-                          {"between", types::list(types::text(), 2, 2), "two links, [BODY/LINK, BODY/LINK]", required},
-                          {"from", types::number(any_time), "when it begins [s]", required},
-                          {"until", types::number(any_time), "when it ends [s]", required}}};
+const BoundForm<Checker>& bound_checker_form() {
+  static const BoundForm<Checker> form{"checker",
+                                       "a checker",
+                                       {FormKey{"color", color_of(3), "of every second square", required},
+                                        {"size", &Checker::size, any_length, "side of a square [m]"}}};
   return form;
 }
 
-namespace {
-
-/// Whether sensors of the kind have more keys than all have.
-bool has_own_keys(const DeviceKind& kind) {
-  return std::holds_alternative<ContactSensor>(kind) || std::holds_alternative<Camera>(kind) ||
-         std::holds_alternative<RangeSensor>(kind);
-}
-
-/// The types of the sensors of some kinds.
-std::vector<std::string> types_of(const std::function<bool(const DeviceKind&)>& is_wanted) {
-  std::vector<std::string> types_of_sensors;
-  for (const DeviceKind& kind : device_kinds())
-    if (is_wanted(kind) && !scenario_type(kind).empty()) types_of_sensors.emplace_back(scenario_type(kind));
-  return types_of_sensors;
-}
-template <class Kind>
-std::vector<std::string> types_of() {
-  return types_of([](const DeviceKind& kind) { return std::holds_alternative<Kind>(kind); });
-}
-
-/// The keys of all sensors, and those of a type.
-std::vector<FormKey> with_common(std::vector<std::string> types_of_sensors, std::vector<FormKey> keys) {
-  std::vector<FormKey> all{{"name", types::name(), "unique among the devices of the body", required},
-                           {"type", types::word(std::move(types_of_sensors)), "the type of the sensor", required},
-                           {"link", types::text(), "the link on which it is", required},
-                           {"pose", types::of(pose_form), "in the frame of the link"}};
-  all.insert(all.end(), keys.begin(), keys.end());
-  return all;
-}
-
-FormKey rate_key(std::string_view fallback) {
-  return {"rate", types::quantity(rate_units, {0.0, 1e6, "[Hz]", true}), "of measurements [Hz]", fallback};
-}
-
-}  // namespace
-
-const Form& sensor_form() {
-  static const Form form{"sensor", "a sensor",
-                         with_common(types_of([](const DeviceKind& kind) { return !has_own_keys(kind); }), {})};
+const BoundForm<HeightmapSettings>& bound_heightmap_form() {
+  static const BoundForm<HeightmapSettings> form{
+      "heightmap",
+      "a heightmap",
+      {FormKey{"file", types::text(), "a PNG or a grid of numbers, relative to the scenario", required},
+       FormKey{"size", types::list(types::number(any_length), 2, 2), "full lengths [x, y] [m]", required},
+       {"height", &HeightmapSettings::height, {-1e4, 1e4, "[m]"}, "of white over black [m]; of a grid a factor"},
+       color_key()}};
   return form;
 }
 
-const Form& form_of_sensor(const DeviceKind& kind) {
-  if (std::holds_alternative<ContactSensor>(kind)) return contact_sensor_form();
-  if (std::holds_alternative<Camera>(kind)) return camera_form();
-  if (std::holds_alternative<RangeSensor>(kind)) return range_sensor_form();
-  return sensor_form();
-}
-
-const Form& contact_sensor_form() {
-  static const Form form{
-      "contact_sensor", "a contact sensor",
-      with_common(types_of<ContactSensor>(),
-                  {{"collision", types::text(), "the shape of its link that is felt; default: all shapes"}})};
+const BoundForm<UrdfOptions>& model_file_keys() {
+  static const BoundForm<UrdfOptions> form{
+      "",
+      "a body with a model file",
+      {{"default_mass", &UrdfOptions::default_mass, any_mass,
+        "of moving links of the model without a mass; default: they are errors [kg]"},
+       {"allow_missing_meshes", &UrdfOptions::allow_missing_meshes,
+        "shapes of the model whose meshes can't be had are left out, with a warning; else they are errors"},
+       {"allow_unknown_devices", &UrdfOptions::allow_unknown_devices,
+        "elements of a body file that are no known devices are left out, with a warning; else they are errors"},
+       {"mesh_up",
+        &UrdfOptions::mesh_z_up,
+        {"y (as glTF states) or z (glTF meshes aren't turned)", {{"y", false}, {"z", true}}},
+        "z: glTF meshes of the model have z up, against their standard, and aren't turned"}}};
   return form;
 }
 
-const Form& camera_form() {
-  static const Form form{
-      "camera", "a camera",
-      with_common(types_of<Camera>(), {rate_key("30"),
-                                       {"width", types::whole(1, max_image_side), "[pixels]", "640"},
-                                       {"height", types::whole(1, max_image_side), "[pixels]", "480"},
-                                       {"horizontal_fov", types::quantity(angle_units, {0.0, 3.1, "[rad]", true}),
-                                        "field of view [rad]", "1.047"},
-                                       {"near", types::number({0.0, 1e6, "[m]", true}), "nothing nearer is drawn [m]"},
-                                       {"far", types::number({0.0, 1e6, "[m]", true}), "nothing farther is drawn [m]"},
-                                       {"shadows", types::flag(), "the sun's shadows are drawn"},
-                                       {"antialiasing", types::flag(), "edges are smooth"}})};
+const BoundForm<Surface>& shape_surface_keys() {
+  static const BoundForm<Surface> form{
+      "",
+      "a shape of the scenario's own",
+      {{"friction", &Surface::friction, any_friction,
+        "of a shape of the scenario's own; a contact has the smaller coefficient of both bodies, or the only one; "
+        "default: that of the solver"},
+       {"mu2", &Surface::second_friction, any_friction, "coefficient across fdir1; friction then acts along it"},
+       {"restitution", &Surface::restitution, any_restitution,
+        "ratio of the speeds after and before a bounce, of a shape of the scenario's own; the smaller or the only one "
+        "applies; default: no bounce"}}};
   return form;
 }
 
-const Form& range_sensor_form() {
-  constexpr Range any_distance{0.0, 1e6, "[m]"};
-  static const Form form{
-      "range_sensor", "a range sensor",
-      with_common(types_of<RangeSensor>(),
-                  {rate_key("10"),
-                   {"yaw", types::of(sweep_form), "of the beams"},
-                   {"pitch", types::of(sweep_form), "of the beams"},
-                   {"min", types::number(any_distance), "beams pass through nearer shapes [m]", "0.1"},
-                   {"max", types::number(any_distance), "beams end here [m]", "10"}})};
-  return form;
-}
-
-const Form& sweep_form() {
-  constexpr Range a_turn{-6.3, 6.3, "[rad]"};
-  constexpr double most_beams = 1e6;
-  static const Form form{"sweep",
-                         "a sweep",
-                         {{"from", types::quantity(angle_units, a_turn), "angle of the first beam [rad]", required},
-                          {"to", types::quantity(angle_units, a_turn), "angle of the last beam [rad]", required},
-                          {"samples", types::whole(1, most_beams), "number of beams", "1"}}};
-  return form;
-}
-
-const Form& body_form() {
+const BoundForm<ScenarioBody>& bound_body_form() {
   const ValueType any_sensor = types::either(
       {types::of(sensor_form), types::of(contact_sensor_form), types::of(camera_form), types::of(range_sensor_form)});
-  static const Form form{
+  static const BoundForm<ScenarioBody> form{
       "body",
       "a body",
-      {{"name", types::name(), "unique in the scenario; names channels", required},
-       {"model", types::text(), "a URDF or .body file, relative to the scenario"},
-       {"packages", types::map(types::some_text()),
-        "NAME: DIRECTORY, the packages of ROS in which the model's meshes are"},
-       {"box", types::of(box_form), "a shape of the scenario's own"},
-       {"sphere", types::of(sphere_form), "a shape of the scenario's own"},
-       {"cylinder", types::of(cylinder_form), "a shape of the scenario's own"},
-       {"heightmap", types::of(heightmap_form), "a ground of the scenario's own"},
-       {"mass", types::number(any_mass), "of a shape of the scenario's own [kg]"},
-       {"default_mass", types::number(any_mass), "of links of the model without a mass [kg]"},
-       {"fixed", types::flag(), "the root link is fixed to the world", "false"},
-       {"dynamics", types::word({"forward", "kinematic"}), "kinematic: it moves as it is commanded", "forward"},
-       {"allow_missing_meshes", types::flag(), "shapes whose mesh isn't found are left out", "false"},
-       {"allow_unknown_devices", types::flag(), "devices of an unknown type are left out", "false"},
-       {"mesh_up", types::word({"y", "z"}), "the upward axis of glTF meshes", "y"},
-       {"joint_limits", types::flag(), "joints stop at the limits of the model"},
-       {"collision", types::word({"automatic", "hull", "parts", "triangles"}), "the form in which meshes are touched",
-        "automatic"},
-       {"self_collision", types::flag(), "links of the body touch each other", "false"},
-       {"effort_limits", types::flag(), "efforts are limited as the model states", "false"},
-       {"friction", types::number(any_friction), "coefficient of a shape of the scenario's own"},
-       {"mu2", types::number(any_friction), "coefficient across fdir1"},
-       {"fdir1", types::vector3({-1e6, 1e6}), "direction of friction, of any length but 0"},
-       {"restitution", types::number(any_restitution), "of a shape of the scenario's own"},
-       {"position", types::vector3(any_position), "of the root link [m]"},
-       {"rotation", rotation(), "[roll, pitch, yaw], {axis, angle} or {quaternion}"},
-       {"joints", types::either({types::map(displacement(any_position)), types::list(displacement(any_position))}),
-        "initial displacements: a map by name, or all by joint id [rad or m]"},
-       {"velocity", types::of(velocity_form), "initial velocity of the root link"},
-       {"controllers", types::list(types::of(controller_form)), "the programs that command it"},
-       {"joint_velocities", types::map(types::number(any_velocity)), "initial velocities by joint [rad/s or m/s]"},
-       {"links", types::map(types::of(link_form)), "masses and surfaces in place of the model's"},
-       {"actuators", types::list(types::of(actuator_form)), "properties of drives, by joint"},
-       {"sensors", types::list(any_sensor), "devices in addition to those of the model"},
-       {"belts", types::list(types::of(belt_form)), "links whose surface runs"},
-       {"faults", types::list(types::of(fault_form)),
-        "failures of its sensors, encoders, actuators, links and controllers"}},
+      {FormKey{"name", types::name(),
+               "unique in the scenario; names its channels; at most 100 bytes, no blanks, no / * ? [ ]", required},
+       FormKey{"model", types::text(), "a URDF or .body file, relative to the scenario"},
+       FormKey{"packages", types::map(types::some_text()),
+               "NAME: DIRECTORY, that of package://NAME or ${NAME} in the model, relative to the scenario; the same "
+               "for all bodies of one model"},
+       FormKey{"box", types::of(box_form), "a shape of the scenario's own"},
+       FormKey{"sphere", types::of(sphere_form), "a shape of the scenario's own"},
+       FormKey{"cylinder", types::of(cylinder_form), "a shape of the scenario's own"},
+       FormKey{"heightmap", types::of(heightmap_form), "a ground of the scenario's own"},
+       FormKey{"mass", types::number(any_mass),
+               "of a box, sphere or cylinder, spread evenly; required unless it is fixed [kg]"},
+       *model_file_keys().find("default_mass"),
+       {"fixed", &ScenarioBody::fixed, "the root link is fixed to the world; a model can fix it, too"},
+       {"dynamics",
+        &ScenarioBody::kinematic,
+        {"forward (it moves by its dynamics) or kinematic (as it is commanded)",
+         {{"forward", false}, {"kinematic", true}}},
+        "forward: it moves by its dynamics; kinematic: it follows its commands exactly, see below"},
+       *model_file_keys().find("allow_missing_meshes"),
+       *model_file_keys().find("allow_unknown_devices"),
+       *model_file_keys().find("mesh_up"),
+       {"joint_limits", &ScenarioBody::joint_limits,
+        "joints stop at the limits of the model; false, as in Choreonoid: they don't; default: they do"},
+       {"collision",
+        &ScenarioBody::contact,
+        {"automatic, hull (meshes are touched as their convex hulls), parts (as convex parts) or triangles (as they "
+         "are)",
+         {{"automatic", MeshContact::automatic},
+          {"hull", MeshContact::hull},
+          {"parts", MeshContact::parts},
+          {"triangles", MeshContact::triangles}}},
+        "what contacts take the model's meshes for, see below; triangles only if the body is fixed"},
+       {"self_collision", &ScenarioBody::self_collision,
+        "its links can collide with each other, see below; default: only links that the model states"},
+       {"effort_limits", &ScenarioBody::effort_limits,
+        "commanded efforts are clamped to the effort limits of the joints"},
+       *shape_surface_keys().find("friction"),
+       *shape_surface_keys().find("mu2"),
+       FormKey{"fdir1", types::vector3({-1e6, 1e6}),
+               "direction of friction in the body's frame, of any length but 0; default: [1, 0, 0]"},
+       *shape_surface_keys().find("restitution"),
+       FormKey{"position", types::vector3(any_position),
+               "of the root link's frame; default: [0, 0, 0], or as in the model [m]"},
+       FormKey{"rotation", rotation_type(),
+               "[roll, pitch, yaw], {axis, angle} or {quaternion}, of the root link's frame, see below"},
+       FormKey{"joints",
+               types::either({types::map(displacement(any_position)), types::list(displacement(any_position))}),
+               "initial displacements: a map by name, or all by joint id; default: 0, or with a warning the limit "
+               "nearest to it [rad or m]"},
+       FormKey{"velocity", types::of(velocity_form),
+               "initial velocity of the root link's origin, world axes; not of a fixed or kinematic body"},
+       FormKey{"controllers", types::list(types::of(controller_form)), "the programs that command it"},
+       FormKey{"joint_velocities", types::map(types::number(any_velocity)),
+               "initial velocities by joint; not of tracks, followers and kinematic bodies [rad/s or m/s]"},
+       FormKey{"links", types::map(types::of(link_form)), "masses and surfaces in place of the model's"},
+       FormKey{"actuators", types::list(types::of(actuator_form)),
+               "properties of drives, by joint: delay, limits, friction, backlash; default: ideal drives"},
+       FormKey{"sensors", types::list(any_sensor), "devices in addition to those of the model"},
+       FormKey{"belts", types::list(types::of(belt_form)), "fixed links whose surface runs as a track's"},
+       FormKey{"faults", types::list(types::of(fault_form)),
+               "failures of its sensors, encoders, actuators, links and controllers for a time"}},
       {},
       {{"model", "box", "sphere", "cylinder", "heightmap"}}};
   return form;
 }
+
+const Form& velocity_form() { return bound_velocity_form(); }
+const Form& checker_form() { return bound_checker_form(); }
+const Form& heightmap_form() { return bound_heightmap_form(); }
+const Form& body_form() { return bound_body_form(); }
 
 }  // namespace rehearse

@@ -5,12 +5,28 @@
 #include <string_view>
 #include <utility>
 
+#include "bound_form.h"
 #include "declared_source.h"
 #include "scenario_forms.h"
 #include "scenario_values.h"
 
 namespace rehearse {
 namespace {
+
+const BoundForm<PassRateClaim>& bound_pass_rate_form() {
+  static const BoundForm<PassRateClaim> form{"pass_rate",
+                                             "a pass rate",
+                                             {{"at_least",
+                                               &PassRateClaim::at_least,
+                                               {0.0, 1.0, "", true, true},
+                                               "the share of the cases that must pass",
+                                               {"a share between 0 and 1 of the cases, as 0.95"}},
+                                              {"confidence",
+                                               &PassRateClaim::confidence,
+                                               {0.5, 1.0, "", false, true},
+                                               "of the two-sided interval of the share that passes"}}};
+  return form;
+}
 
 PlanKind read_plan(Findings& findings, const YamlNode& node) {
   constexpr std::pair<std::string_view, PlanKind> kinds[] = {
@@ -25,9 +41,7 @@ std::optional<PassRateClaim> read_pass_rate(Findings& findings, const YamlNode& 
   const Keys keys(findings, node, pass_rate_form());
   if (!keys.is_map()) return std::nullopt;
   PassRateClaim claim;
-  if (keys.require("at_least", "a share between 0 and 1 of the cases, as 0.95") != nullptr)
-    keys.number("at_least", claim.at_least);
-  keys.number("confidence", claim.confidence);
+  bound_pass_rate_form().read(keys, claim);
   return claim;
 }
 
@@ -65,6 +79,8 @@ std::vector<SometimesClaim> read_sometimes(Findings& findings, const YamlNode& n
 }
 
 }  // namespace
+
+const Form& pass_rate_form() { return bound_pass_rate_form(); }
 
 CampaignClaims read_claims(Findings& findings, const YamlNode& root, const Scenario& scenario) {
   CampaignClaims claims;

@@ -16,8 +16,6 @@
 namespace rehearse {
 namespace {
 
-constexpr Range any_reading_rate{0.0, 1e6, "[Hz]", true};
-
 /// The numbers of an error: one, or one for each axis.
 ValueType error_numbers(const ErrorForm& form, const MeasuredQuantity& quantity_of) {
   std::vector<ValueType> forms_of_number{types::number(form.range)};
@@ -64,8 +62,8 @@ Form make_timed_form(const MeasuredQuantity& quantity_of, std::string_view name)
   return {name,
           "an offset",
           {{"by", error_numbers(**timed, quantity_of), "the change of the readings", required},
-           {"from", types::quantity(time_units, any_time), "when it begins [s]", "0"},
-           {"until", types::quantity(time_units, any_time), "when it ends [s]; default: never"}}};
+           *spell_form().find("from"),
+           *spell_form().find("until")}};
 }
 
 const Form& form_of_quantity(const MeasuredQuantity& quantity_of, const char* prefix,
@@ -110,14 +108,6 @@ const Form& timed_error_form(const MeasuredQuantity& quantity) {
   return form_of_quantity(quantity, "offset_of_", made, make_timed_form);
 }
 
-const Form& spell_form() {
-  static const Form form{"spell",
-                         "stuck",
-                         {{"from", types::quantity(time_units, any_time), "when it begins [s]", "0"},
-                          {"until", types::quantity(time_units, any_time), "when it ends [s]; default: never"}}};
-  return form;
-}
-
 const Form& data_sheet_form() {
   const auto one = [](std::string_view name, UnitName unit, const ErrorForm& error) {
     return FormKey{name, error_numbers(error, {"", unit, 1}), "of the data sheet", required};
@@ -130,32 +120,6 @@ const Form& data_sheet_form() {
        one("accelerometer_noise_density", "m/s²", density_error),
        one("accelerometer_random_walk", "m/s²", bias_walk_error),
        {"update_rate", types::quantity(rate_units, any_reading_rate), "of readings [Hz]", required}}};
-  return form;
-}
-
-const Form& noise_form() {
-  static const Form form = [] {
-    Form noise{"noise",
-               "noise",
-               {{"sensor", types::text(), "Body/Sensor, or a pattern such as SR1/*"},
-                {"joint", types::text(), "Body/Joint, or a pattern such as SR1/*"},
-                {"imu", types::of(data_sheet_form), "the numbers of an IMU's data sheet"},
-                {"dropout", types::number({0.0, 1.0}), "share of readings that are missing", "0"},
-                {"burst", types::quantity(time_units, {0.0, 1e3, "[s]", true}), "mean duration of gaps [s]"},
-                {"rate", types::quantity(rate_units, any_reading_rate), "of readings [Hz]"},
-                {"phase", types::quantity(time_units, any_time), "time of the first reading [s]"},
-                {"latency", types::quantity(time_units, any_latency), "age of readings [s]", "0"},
-                {"jitter", types::quantity(time_units, any_latency), "the latency varies by it [s]"},
-                {"exposure", types::quantity(time_units, any_exposure), "of a camera [s]", "0"},
-                {"subframes", types::whole(1, Exposure::most_frames), "moments of which a picture is the mean", "8"},
-                {"readout", types::quantity(time_units, any_exposure), "of a camera's rows [s]", "0"},
-                {"stuck", types::of(spell_form), "readings don't change in this time"}},
-               {},
-               {{"sensor", "joint"}}};
-    for (const MeasuredQuantity& each : measured_quantities())
-      noise.keys.push_back({each.name, types::of([each]() -> const Form& { return errors_form(each); }), "its errors"});
-    return noise;
-  }();
   return form;
 }
 

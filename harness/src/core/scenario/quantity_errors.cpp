@@ -1,6 +1,7 @@
 // The errors of a quantity in a scenario.
 #include <rehearse/sensor_errors.h>
 
+#include "bound_form.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
@@ -29,17 +30,24 @@ std::optional<GivenError> read_timed(Findings& findings, const YamlNode& node, c
   return GivenError{&form, *numbers, read_spell_keys(findings, keys)};
 }
 
+const BoundForm<Spell>& bound_spell_form() {
+  static const BoundForm<Spell> form{
+      "spell",
+      "stuck",
+      {{"from", &Spell::from, types::quantity(time_units, any_time), "when it begins [s]"},
+       {"until", &Spell::until, types::quantity(time_units, any_time), "when it ends [s]; default: never"}}};
+  return form;
+}
+
 }  // namespace
+
+const Form& spell_form() { return bound_spell_form(); }
 
 Spell read_spell_keys(Findings& findings, const Keys& keys) {
   Spell spell;
-  const YamlNode* from = keys.find("from");
-  const YamlNode* until = keys.find("until");
-  if (from) spell.from = read_quantity(findings, *from, "from", time_units, any_time).value_or(spell.from);
-  if (until) spell.until = read_quantity(findings, *until, "until", time_units, any_time).value_or(spell.until);
-  if (!from) keys.set_default("from", {"0"});
+  bound_spell_form().read(keys, spell);
   if (spell.until <= spell.from)
-    findings.error(*until, fmt::format("until is {}, which is not after from", spell.until),
+    findings.error(*keys.find("until"), fmt::format("until is {}, which is not after from", spell.until),
                    fmt::format("expected a time above {} [s]", spell.from));
   return spell;
 }

@@ -1,6 +1,7 @@
 #include <rehearse/body.h>
 #include <rehearse/scenario.h>
 
+#include "bound_form.h"
 #include "campaign_claims.h"
 #include "mesh/heightmap_file.h"
 #include "scenario_forms.h"
@@ -12,11 +13,85 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 
 namespace rehearse {
 namespace {
+
+/// Whether a check simulates runs that it could prove; always_simulates() reads it, too.
+const Words<bool> simulate_words{"always, or unproved (only runs that a check can't prove)",
+                                 {{"always", true}, {"unproved", false}}};
+
+const BoundForm<Scenario>& bound_record_form() {
+  static const BoundForm<Scenario> form{
+      "record", "record", {{"frames", &Scenario::record_frames, "whether pictures are recorded"}}};
+  return form;
+}
+
+const BoundForm<Scenario>& bound_scenario_form() {
+  constexpr double most_seed = 4294967295.0;
+  static const BoundForm<Scenario> form{
+      "scenario",
+      "the scenario",
+      {FormKey{"rehearse", types::whole(1, 1), "version of the form", required},
+       FormKey{"name", types::text_like("^[^/\n]+$"), "names files of the run; default: the file's name without .yaml"},
+       FormKey{"golden", types::either({types::matching("[A-Za-z0-9_-]+\\.[A-Za-z0-9_-]+"), types::of(golden_form)}),
+               "the recording to compare with, Suite.Test"},
+       FormKey{"duration", types::number({0.0, Scenario::max_duration, "[s]", true}),
+               "duration of the run, of at least one tick; the number of ticks is duration / time_step, rounded [s]",
+               required},
+       {"ends_when_done", &Scenario::ends_when_done,
+        "the run ends after the step in which control() of all controllers returned false; duration is then the "
+        "longest"},
+       {"planar", &Scenario::planar,
+        "root links that aren't fixed stay in the plane of x and z in which they begin: they neither move along y nor "
+        "turn about x and z"},
+       {"time_step",
+        &Scenario::time_step,
+        {Scenario::min_time_step, Scenario::max_time_step, "[s]"},
+        "of physics and controllers [s]"},
+       {"seed", &Scenario::seed, {0, most_seed}, "seed of the physics engine's generator"},
+       {"gravity", &Scenario::gravity, any_acceleration, "[x, y, z] [m/s²]"},
+       {"options", &Scenario::options, "option string for every controller, before its own"},
+       FormKey{"solver", types::of(solver_form), "settings of the physics engine"},
+       {"lever_arms", &Scenario::lever_arms,
+        "accelerometers and IMUs measure at their own place; false: at their link's origin, as in Choreonoid"},
+       FormKey{"bodies", types::list(types::of(body_form), 1), "the bodies of the world, in this order", required},
+       FormKey{"materials", types::map(types::name()),
+               "BODY: NAME or BODY/LINK: NAME, the material of a body's links or of one link"},
+       FormKey{"pairs", types::list(types::of(pair_form)),
+               "what applies between two materials, in place of the values of bodies, models and solver"},
+       FormKey{"joints", types::list(types::of(joint_form)), "joints between links in addition to those of the models"},
+       FormKey{"welds", types::list(types::of(weld_form)), "links that are fixed to each other for a time"},
+       FormKey{"pushes", types::list(types::of(push_form)), "forces from outside"},
+       FormKey{"joystick", types::list(types::of(joystick_entry_form)),
+               "moves of axes and presses of buttons; default: there is no joystick"},
+       FormKey{"noise", types::list(types::of(noise_form)), "errors of readings: noise, latency, rate, gaps"},
+       FormKey{"look", types::of(look_form), "the background's colour, and settings of all cameras"},
+       {"magnetic_field",
+        &Scenario::magnetic_field,
+        {-1e3, 1e3, "[T]"},
+        "[x, y, z], the same everywhere, in world axes [T]"},
+       FormKey{"cameras", types::either({types::word({"all", "none"}), types::list(types::text())}),
+               "cameras that take pictures: all, none, or a list of Body/Camera", "all"},
+       FormKey{"record", types::of(record_form), "parts of the recording"},
+       FormKey{"tolerances", types::list(types::of(tolerance_form)), "allowed differences from the golden"},
+       FormKey{"horizon", types::number({0.0, Scenario::max_duration, "[s]"}),
+               "time up to which channels are compared with the golden, at most the duration; later only expect is "
+               "judged; default: 0.8 of the measured one if the noise was measured, else the whole run [s]"},
+       FormKey{"expect", types::list(types::of(expectation_form)), "properties that the run must have"},
+       FormKey{"simulate", types::word(simulate_words.names()),
+               "what a check simulates: only runs that it can't prove, or all", simulate_words.name_of(false)},
+       FormKey{"vary", types::map(types::of(parameter_form)), "parameters that a campaign varies"},
+       {"realtime",
+        &Scenario::counts_costs,
+        {"counts (the costs of control() are recorded)", {{"counts", true}}},
+        "the costs of control() are recorded and compared, and nothing is proved"},
+       FormKey{"pass_rate", types::of(pass_rate_form), "the share of a campaign's cases that must pass"},
+       FormKey{"sometimes", types::map(types::text()), "NAME: CONDITION, which some case of a campaign must reach"},
+       FormKey{"plan", types::word({"random", "sobol", "latin_hypercube"}), "how a campaign draws its cases",
+               "random"}}};
+  return form;
+}
 
 bool is_golden_name(std::string_view text) {
   const std::size_t dot = text.find('.');
@@ -67,7 +142,6 @@ void read_golden(Findings& findings, const YamlNode& node, Scenario& scenario) {
 }
 
 void read_clock(Findings& findings, const Keys& keys, Scenario& scenario) {
-  keys.number("time_step", scenario.time_step);
   const Range durations{0.0, Scenario::max_duration, "[s]", true};
   const YamlNode* node = keys.require("duration", "the length of the run [s]");
   if (node == nullptr) return;
@@ -87,89 +161,6 @@ void read_horizon(Findings& findings, const YamlNode& node, Scenario& scenario) 
     findings.error(node, fmt::format("horizon is {}, after the end of the run", *horizon),
                    fmt::format("expected a time up to the duration, {} s", scenario.duration));
   scenario.horizon = *horizon;
-}
-
-void read_seed(Findings& findings, const Keys& keys, Scenario& scenario) {
-  if (const YamlNode* node = keys.find("seed")) {
-    const auto seed = read_integer(findings, *node, "seed", 0, std::numeric_limits<std::uint32_t>::max());
-    if (seed) scenario.seed = static_cast<std::uint32_t>(*seed);
-  } else {
-    keys.set_default("seed", {fmt::format("{}", scenario.seed)});
-  }
-}
-
-void read_solver(Findings& findings, const YamlNode& node, SolverSettings& solver) {
-  using enum SolverSettings::Method;
-  const Keys keys(findings, node, solver_form());
-  keys.word("method", "direct (by the tree of joints), quick (iterative, by ODE) or exact (by ODE)",
-            {{"direct", direct}, {"quick", quick}, {"exact", exact}}, solver.method);
-  keys.integer("iterations", solver.iterations);
-  keys.number("over_relaxation", solver.over_relaxation);
-  keys.number("erp", solver.erp);
-  keys.number("cfm", solver.cfm);
-  keys.number("max_correcting_velocity", solver.max_correcting_velocity);
-  keys.number("surface_layer", solver.surface_layer);
-  keys.number("friction", solver.friction);
-  keys.integer("max_contacts", solver.max_contacts);
-  keys.number("belt_depth", solver.belt_depth);
-  keys.number("sleep_after", solver.sleep_after);
-  keys.number("sleep_speed", solver.sleep_speed);
-}
-
-void read_record(Findings& findings, const YamlNode& node, Scenario& scenario) {
-  const Keys keys(findings, node, record_form());
-  keys.flag("frames", scenario.record_frames);
-}
-
-void read_light(Findings& findings, const YamlNode& node, Look& look) {
-  const Keys keys(findings, node, light_form());
-  if (!keys.is_map()) return;
-  SceneLight lamp;
-  if (keys.require("position", "[x, y, z] [m]") != nullptr) keys.vector3("position", lamp.position);
-  if (const YamlNode* color = keys.find("color")) {
-    if (const auto values = read_numbers(findings, *color, "color", 3, 3, {0.0, 1.0}))
-      lamp.light.color = Eigen::Vector3d((*values)[0], (*values)[1], (*values)[2]).cast<float>();
-  }
-  double intensity = 1.0;
-  keys.number("intensity", intensity);
-  lamp.light.intensity = static_cast<float>(intensity);
-  keys.number("range", lamp.light.range);
-  if (keys.find("direction") != nullptr) {
-    LightCone cone;
-    keys.vector3("direction", cone.direction);
-    const auto angle = [&](const char* key, float& out) {
-      const YamlNode* value = keys.find(key);
-      const auto read = value ? read_angle(findings, *value, key) : std::nullopt;
-      if (read && (*read < 0.0 || *read > std::numbers::pi))
-        expected(findings, *value, key, "an angle from 0 to 180 deg");
-      if (read) out = static_cast<float>(*read);
-    };
-    cone.beam_width = 0.5f;
-    cone.cut_off_angle = 0.7f;
-    angle("beam_width", cone.beam_width);
-    angle("cut_off_angle", cone.cut_off_angle);
-    if (cone.direction.isZero(0.0))
-      expected(findings, *keys.find("direction"), "direction", "a direction as in [0, 0, -1]");
-    lamp.light.cone = cone;
-  }
-  for (const char* key : {"beam_width", "cut_off_angle"})
-    if (const YamlNode* found = keys.find(key); found != nullptr && !lamp.light.cone)
-      findings.error(*found, fmt::format("{} is given without direction", key),
-                     "a light without direction shines in all directions");
-  look.lights.push_back(lamp);
-}
-
-void read_look(Findings& findings, const YamlNode& node, Look& look) {
-  const Keys keys(findings, node, look_form());
-  keys.flag("shadows", look.shadows);
-  keys.flag("antialiasing", look.antialiasing);
-  if (const YamlNode* sky = keys.find("sky")) {
-    if (const auto color = read_numbers(findings, *sky, "sky", 3, 3, {0.0, 1.0}))
-      look.sky = Eigen::Vector4d((*color)[0], (*color)[1], (*color)[2], 1.0).cast<float>();
-  }
-  if (const YamlNode* lights = keys.find("lights"))
-    for (const YamlNodePtr& light : read_list(findings, *lights, "lights", "a list of lights, each with a position"))
-      read_light(findings, *light, look);
 }
 
 // False if the rest of the file can't be checked: it isn't a scenario, or has a different version.
@@ -192,19 +183,14 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
                    const Scenario::FileSource& files, Scenario& scenario) {
   if (!check_version(findings, root)) return;
   const Keys keys(findings, root, scenario_form());
+  bound_scenario_form().read(keys, scenario);
   read_names(findings, keys, scenario);
   read_clock(findings, keys, scenario);
   if (const YamlNode* node = keys.find("golden")) read_golden(findings, *node, scenario);
-  keys.flag("ends_when_done", scenario.ends_when_done);
-  keys.flag("planar", scenario.planar);
-  read_seed(findings, keys, scenario);
-  keys.vector3("gravity", scenario.gravity);
-  keys.vector3("magnetic_field", scenario.magnetic_field);
-  keys.text("options", scenario.options);
-  keys.flag("lever_arms", scenario.lever_arms);
   const YamlNode* solver = keys.find("solver");
   read_solver(findings, solver ? *solver : findings.absent_map(root, "solver"), scenario.solver);
-  if (const YamlNode* node = keys.find("record")) read_record(findings, *node, scenario);
+  if (const YamlNode* node = keys.find("record"))
+    bound_record_form().read(Keys(findings, *node, record_form()), scenario);
   if (const YamlNode* node = keys.require("bodies", "a list of the bodies in the world"))
     read_bodies(findings, *node, models, files, scenario);
   read_materials(findings, keys.find("materials"), keys.find("pairs"), scenario);
@@ -219,16 +205,35 @@ void read_scenario(Findings& findings, const YamlNode& root, const Scenario::Mod
   if (const YamlNode* node = keys.find("tolerances")) read_tolerances(findings, *node, scenario);
   if (const YamlNode* node = keys.find("horizon")) read_horizon(findings, *node, scenario);
   if (const YamlNode* node = keys.find("expect")) read_expectations(findings, *node, scenario);
-  keys.word("realtime", "counts (the costs of control() are recorded)", {{"counts", true}}, scenario.counts_costs);
   bool always = false;  // only a check uses it: always_simulates()
-  keys.word("simulate", "always, or unproved (only runs that a check can't prove)",
-            {{"always", true}, {"unproved", false}}, always);
+  keys.read("simulate", simulate_words, always);
   (void)read_claims(findings, root, scenario);  // campaigns use them
   if (const YamlNode* node = keys.find("vary")) read_variations(findings, *node, root, scenario);
   if (!findings.any_error()) check_rates(findings, *keys.find("bodies"), scenario);
 }
 
 }  // namespace
+
+const Form& scenario_form() { return bound_scenario_form(); }
+const Form& record_form() { return bound_record_form(); }
+
+const Form& golden_form() {
+  static const Form form{
+      "golden",
+      "the golden",
+      {{"name", types::matching("[A-Za-z0-9_-]+\\.[A-Za-z0-9_-]+"), "Suite.Test, the recording to compare with"},
+       {"state", types::quantity(std::span(rate_units).first(1), {0.0, 1e9, "[Hz]", true}),
+        "rate of the state and of sensors in the golden; the others are kept at every tick"}}};
+  return form;
+}
+
+const Form& tolerances_file_form() {
+  static const Form form{
+      "tolerances_file",
+      "the file",
+      {{"tolerances", types::list(types::of(tolerance_form)), "allowed differences from the golden", required}}};
+  return form;
+}
 
 Diagnostic at(const Place& place, Diagnostic diagnostic) {
   diagnostic.file = place.file;

@@ -30,28 +30,87 @@ struct ActuatorKey {
 
 constexpr double most = 1e9;
 constexpr ActuatorKey actuator_keys[] = {
-    {"delay", "from a command to its effect [s]", &Actuator::delay, {0.0, 1.0, "[s]"}, Written::time},
-    {"jitter", "the delay varies by it [s]", &Actuator::jitter, {0.0, 1.0, "[s]"}, Written::time},
-    {"quantum", "resolution of the drive's encoder", &Actuator::quantum, {0.0, most}, Written::displacement},
-    {"position_gain", "of the drive's own loop", &Actuator::position_gain, {0.0, most}},
-    {"velocity_gain", "of the drive's own loop", &Actuator::velocity_gain, {0.0, most}},
-    {"period", "of the drive's own loop [s]", &Actuator::period, {0.0, 1.0, "[s]"}, Written::time},
-    {"bandwidth", "of the effort [Hz]", &Actuator::bandwidth, {0.0, 1e6, "[Hz]", true}, Written::rate},
-    {"effort", "largest effort", &Actuator::effort, {0.0, most}},
-    {"velocity", "largest velocity", &Actuator::velocity, {0.0, most}},
-    {"stall_effort", "largest effort at rest", &Actuator::stall_effort, {0.0, most, "", true}},
-    {"no_load_velocity", "velocity at which no effort is left", &Actuator::no_load_velocity, {0.0, most, "", true}},
-    {"continuous_effort", "largest effort while it is hot", &Actuator::continuous_effort, {0.0, most, "", true}},
-    {"thermal_time", "time constant of its heat [s]", &Actuator::thermal_time, {0.0, 1e5, "[s]", true}, Written::time},
-    {"armature", "inertia of the rotor as it acts at the joint", &Actuator::armature, {0.0, most}},
-    {"damping", "resistance in proportion to velocity", &Actuator::damping, {0.0, most}},
-    {"coulomb", "friction in motion", &Actuator::coulomb, {0.0, most}},
-    {"stiction", "friction at rest", &Actuator::stiction, {0.0, most}},
-    {"stribeck", "velocity at which stiction has fallen to coulomb", &Actuator::stribeck, {1e-6, most}},
+    {"quantum",
+     "commands are rounded to its multiples, each in its own unit; 0: any number",
+     &Actuator::quantum,
+     {0.0, most},
+     Written::displacement},
+    {"delay",
+     "from a command to its effect, beside the tick of a controller with delay: true [s]",
+     &Actuator::delay,
+     {0.0, 1.0, "[s]"},
+     Written::time},
+    {"jitter",
+     "each command's delay lies evenly between delay - jitter and delay + jitter; at most delay [s]",
+     &Actuator::jitter,
+     {0.0, 1.0, "[s]"},
+     Written::time},
+    {"position_gain",
+     "of the drive's own loop; default: no loop [N·m/rad or N/m]",
+     &Actuator::position_gain,
+     {0.0, most}},
+    {"velocity_gain",
+     "of the drive's own loop; default: no loop [N·m·s/rad or N·s/m]",
+     &Actuator::velocity_gain,
+     {0.0, most}},
+    {"period",
+     "of that loop, whose effort stays in between; 0: each tick [s]",
+     &Actuator::period,
+     {0.0, 1.0, "[s]"},
+     Written::time},
+    {"bandwidth",
+     "of efforts: a first-order lag with the time constant 1 / (2 pi bandwidth); default: unlimited [Hz]",
+     &Actuator::bandwidth,
+     {0.0, 1e6, "[Hz]", true},
+     Written::rate},
+    {"effort",
+     "largest effort, of commands of effort too; default: that of the model, for drives [N·m or N]",
+     &Actuator::effort,
+     {0.0, most}},
+    {"velocity",
+     "largest velocity of a drive; commands of effort don't obey it; default: that of the model [rad/s or m/s]",
+     &Actuator::velocity,
+     {0.0, most}},
+    {"stall_effort",
+     "effort at rest, of the torque-speed line; with no_load_velocity; default: no line [N·m or N]",
+     &Actuator::stall_effort,
+     {0.0, most, "", true}},
+    {"no_load_velocity",
+     "velocity at which the line reaches 0; with stall_effort [rad/s or m/s]",
+     &Actuator::no_load_velocity,
+     {0.0, most, "", true}},
+    {"continuous_effort",
+     "largest effort while the motor is hot, at most effort; with thermal_time; default: heat limits nothing [N·m or "
+     "N]",
+     &Actuator::continuous_effort,
+     {0.0, most, "", true}},
+    {"thermal_time",
+     "time constant of the heat; with continuous_effort [s]",
+     &Actuator::thermal_time,
+     {0.0, 1e5, "[s]", true},
+     Written::time},
+    {"armature", "inertia of the rotor; default: that of the model [kg·m² or kg]", &Actuator::armature, {0.0, most}},
+    {"backlash",
+     "width of the gap in the gear; needs an armature; 0: none",
+     &Actuator::backlash,
+     {0.0, 1.0},
+     Written::displacement},
+    {"contact_stiffness",
+     "of the teeth on both sides of the gap [N·m/rad or N/m]",
+     &Actuator::contact_stiffness,
+     {0.0, 1e12, "", true}},
+    {"contact_damping", "of the teeth [N·m·s/rad or N·s/m]", &Actuator::contact_damping, {0.0, most}},
     {"efficiency", "of the gear", &Actuator::efficiency, {0.01, 1.0}},
-    {"backlash", "of the gear", &Actuator::backlash, {0.0, 1.0}, Written::displacement},
-    {"contact_stiffness", "of the teeth", &Actuator::contact_stiffness, {0.0, 1e12, "", true}},
-    {"contact_damping", "of the teeth", &Actuator::contact_damping, {0.0, most}},
+    {"damping", "of the joint; default: that of the model [N·m·s/rad or N·s/m]", &Actuator::damping, {0.0, most}},
+    {"coulomb", "dry friction in motion; default: that of the model [N·m or N]", &Actuator::coulomb, {0.0, most}},
+    {"stiction",
+     "dry friction at rest, at least coulomb; default: that in motion [N·m or N]",
+     &Actuator::stiction,
+     {0.0, most}},
+    {"stribeck",
+     "velocity at which the excess of stiction has fallen to 1/e [rad/s or m/s]",
+     &Actuator::stribeck,
+     {1e-6, most}},
 };
 constexpr std::size_t actuator_key_count = std::size(actuator_keys);
 constexpr Range any_gear{1e-3, 1e6};
@@ -154,7 +213,7 @@ void ActuatorReader::read_rule(const YamlNode& node) {
   if (keys.entries().size() == 1)
     findings_.error(node, "the actuator has no property", "expected one, as in delay: 6 ms");
   std::optional<double> gear;
-  keys.number("gear", gear);
+  keys.read("gear", gear);
   const Driven* first = nullptr;
   for (Driven* driven : joints) {
     if (!*driven->actuator) driven->actuator->emplace();
@@ -261,6 +320,12 @@ void ActuatorReader::check() {
   }
 }
 
+/// The default of a key as it would be written, of an actuator of which nothing is stated.
+std::string default_of(const ActuatorKey& key, const ValueType& type) {
+  return std::visit([&](const auto& member) { return one_text(written_default(type, Actuator{}.*member)); },
+                    key.member);
+}
+
 ValueType value_type_of(const ActuatorKey& key) {
   switch (key.written) {
     case Written::time: return types::quantity(time_units, key.range);
@@ -278,9 +343,16 @@ const Form& actuator_form() {
   static const Form form = [] {
     Form actuator{"actuator",
                   "an actuator",
-                  {{"joint", types::text(), "a joint, or a pattern such as *_knee", required},
-                   {"gear", types::number(any_gear), "ratio of the gear between the model's rotor and the joint"}}};
-    for (const ActuatorKey& key : actuator_keys) actuator.keys.push_back({key.name, value_type_of(key), key.text});
+                  {{"joint", types::text(),
+                    "a joint, or a pattern such as *_knee; not of tracks and of joints that follow others", required},
+                   {"gear", types::number(any_gear),
+                    "turns of the rotor for a turn of the joint: the armature of a model that states its rotor's own "
+                    "inertia; default: that of the model"}}};
+    for (const ActuatorKey& key : actuator_keys) {
+      ValueType type = value_type_of(key);
+      std::string fallback = default_of(key, type);
+      actuator.keys.push_back({key.name, std::move(type), key.text, std::move(fallback)});
+    }
     return actuator;
   }();
   return form;

@@ -32,7 +32,7 @@ void read_belt(Findings& findings, const YamlNode& node, const ScenarioBody& bod
   const YamlNode* axis_node =
       keys.require("axis", "the axis of the belt's wheels in the link's frame, as in [0, 1, 0]");
   Eigen::Vector3d axis = Eigen::Vector3d::Zero();
-  if (axis_node) keys.vector3("axis", axis);
+  if (axis_node) keys.read("axis", axis);
   if (!link || !axis_node) return;
   if (axis.isZero(0.0))
     return findings.error(*axis_node, "the axis of a belt is zero", "a direction in the link's frame, as in [0, 1, 0]");

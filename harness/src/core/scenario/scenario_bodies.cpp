@@ -1,6 +1,6 @@
 #include <rehearse/body.h>
 
-#include "mesh/heightmap_file.h"
+#include "body_forms.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
@@ -71,25 +71,11 @@ void BodyReader::read(const YamlNode& node) {
   ScenarioBody body;
   body.place = {scenario_.file, node.line, node.column};
   read_name(keys, body);
-  keys.flag("fixed", body.fixed);
-  keys.word("dynamics", "forward (it moves by its dynamics) or kinematic (as it is commanded)",
-            {{"forward", false}, {"kinematic", true}}, body.kinematic);
-  if (const YamlNode* limits = keys.find("joint_limits"))
-    body.joint_limits = read_flag(findings_, *limits, "joint_limits");
-  keys.flag("effort_limits", body.effort_limits);
+  bound_body_form().read(keys, body);
   if (const YamlNode* limits = keys.find("effort_limits"); limits != nullptr && body.effort_limits && body.kinematic)
     findings_.warning(*limits, "effort_limits does nothing: the body is kinematic",
                       "a kinematic body takes no efforts");
   if (const YamlNode* packages = keys.find("packages")) read_packages(*packages, body);
-  keys.flag("self_collision", body.self_collision);
-  keys.word("collision",
-            "automatic, hull (meshes are touched as their convex hulls), parts (as convex parts) or triangles (as they "
-            "are)",
-            {{"automatic", MeshContact::automatic},
-             {"hull", MeshContact::hull},
-             {"parts", MeshContact::parts},
-             {"triangles", MeshContact::triangles}},
-            body.contact);
   read_model(keys, body);
   if (body.model != nullptr) place_as_model(body);
   if (const YamlNode* belts = keys.find("belts"); belts && body.model) read_belts(findings_, *belts, body);
@@ -97,7 +83,7 @@ void BodyReader::read(const YamlNode& node) {
   if (body.model && links) read_links(findings_, *links, scenario_.solver, body);
   if (body.model) state_links(findings_, links ? *links : keys.absent_map("links"), scenario_.solver, *body.model);
   if (const YamlNode* sensors = keys.find("sensors"); sensors && body.model) read_sensors(findings_, *sensors, body);
-  keys.vector3("position", body.position);
+  keys.read("position", body.position);
   if (const YamlNode* rotation = keys.find("rotation"))
     body.rotation = read_rotation(findings_, *rotation, "rotation").value_or(body.rotation);
   if (body.model != nullptr) {
@@ -194,11 +180,7 @@ void BodyReader::read_model_file(const Keys& keys, const YamlNode& node, Scenari
     options.fixed_root = body.fixed;
     options.kinematic = body.kinematic;
     options.contact = body.contact;
-    keys.number("default_mass", options.default_mass);
-    keys.flag("allow_missing_meshes", options.allow_missing_meshes);
-    keys.flag("allow_unknown_devices", options.allow_unknown_devices);
-    keys.word("mesh_up", "y (as glTF states) or z (glTF meshes aren't turned)", {{"y", false}, {"z", true}},
-              options.mesh_z_up);
+    model_file_keys().read(keys, options);
     options.packages.insert(body.packages.begin(), body.packages.end());
     body.model_file = *file;
     body.model = load_model(node, *file, options);
@@ -254,7 +236,7 @@ std::optional<Checker> BodyReader::read_checker(const YamlNode& node) {
   const Keys keys(findings_, node, checker_form());
   const YamlNode* color = keys.require("color", "[red, green, blue] of every second square");
   Checker checker;
-  keys.number("size", checker.size);
+  bound_checker_form().read(keys, checker);
   if (color == nullptr) return std::nullopt;
   const auto values = read_numbers(findings_, *color, "color", 3, 3, {0.0, 1.0});
   if (!values) return std::nullopt;
@@ -314,7 +296,7 @@ void BodyReader::read_ground(const Keys& keys, const YamlNode& node, ScenarioBod
   HeightmapSettings settings;
   const bool is_picture = name && name->ends_with(".png");
   if (is_picture && parts.require("height", "of white over black [m]") == nullptr) return;
-  parts.number("height", settings.height);
+  bound_heightmap_form().read(parts, settings);
   std::optional<Color> color;
   if (const YamlNode* node_of_color = parts.find("color")) color = read_color(*node_of_color);
   for (const char* key : {"mass", "dynamics", "collision"})
@@ -349,9 +331,7 @@ void BodyReader::read_ground(const Keys& keys, const YamlNode& node, ScenarioBod
 std::optional<Surface> BodyReader::read_surface(const Keys& keys) {
   Surface surface;
   state_surface(keys, scenario_.solver, surface);
-  keys.number("friction", surface.friction);
-  keys.number("mu2", surface.second_friction);
-  keys.number("restitution", surface.restitution);
+  shape_surface_keys().read(keys, surface);
   const YamlNode* direction = keys.find("fdir1");
   if (direction != nullptr && keys.find("mu2") == nullptr) {
     findings_.error(*direction, "fdir1 is given without mu2", "mu2 is the friction across that direction");
@@ -377,8 +357,7 @@ void BodyReader::read_velocities(const Keys& keys, ScenarioBody& body) {
     findings_.error(*root, fmt::format("velocity is given, but {} is fixed", body.name), "a fixed root never moves");
   if (root != nullptr || !body.fixed) {
     const Keys parts(findings_, root ? *root : keys.absent_map("velocity"), velocity_form());
-    parts.vector3("linear", body.linear_velocity);
-    parts.vector3("angular", body.angular_velocity);
+    bound_velocity_form().read(parts, body);
   }
   if (joints != nullptr) read_joint_velocities(findings_, *joints, body);
 }

@@ -1,4 +1,5 @@
 // Joints between links in addition to those of the models, and welds for a time.
+#include "bound_form.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
@@ -15,7 +16,33 @@ namespace {
 using Type = LoopJoint::Type;
 
 constexpr const char* two_links = "a list of two links, [BODY/LINK, BODY/LINK]";
-constexpr const char* types = "fixed, revolute, prismatic or spherical";
+constexpr const char* motions = "fixed, revolute, prismatic or spherical";
+
+/// A joint while it is read.
+struct JointKeys : Connection {
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+};
+
+const BoundForm<JointKeys>& bound_joint_form() {
+  static const BoundForm<JointKeys> form{
+      "joint",
+      "a joint",
+      {FormKey{"name", types::name(), "unique among joints and welds"},
+       {"type",
+        &JointKeys::type,
+        {motions,
+         {{"fixed", Type::fixed},
+          {"revolute", Type::revolute},
+          {"prismatic", Type::prismatic},
+          {"spherical", Type::spherical}}},
+        "the motion that the joint leaves",
+        {motions}},
+       FormKey{"between", types::list(types::text(), 2, 2), "two links, [BODY/LINK, BODY/LINK]", required},
+       {"at", &JointKeys::place, any_position, "its place in the first link's frame, in the initial posture [m]"},
+       FormKey{"axis", types::vector3({-1e6, 1e6}),
+               "required of revolute and prismatic joints: in the first link's frame, of any length but 0"}}};
+  return form;
+}
 
 /// Body and link of "BODY/LINK", or of "BODY", which means its root link.
 std::optional<std::pair<int, int>> read_end(Findings& findings, const YamlNode& node, const Scenario& scenario) {
@@ -66,18 +93,10 @@ void add(Findings& findings, const YamlNode& node, const Keys& keys, const char*
 void read_connection(Findings& findings, const YamlNode& node, Scenario& scenario) {
   const Keys keys(findings, node, joint_form());
   if (!keys.is_map()) return;
-  Connection connection;
-  keys.require("type", types);
-  keys.word("type", types,
-            {{"fixed", Type::fixed},
-             {"revolute", Type::revolute},
-             {"prismatic", Type::prismatic},
-             {"spherical", Type::spherical}},
-            connection.type);
+  JointKeys connection;
+  bound_joint_form().read(keys, connection);
   const bool is_right = read_between(findings, keys, scenario, connection);
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();
-  keys.vector3("at", place);
-  connection.frame.translation() = place;
+  connection.frame.translation() = connection.place;
   const bool has_axis = connection.type == Type::revolute || connection.type == Type::prismatic;
   const YamlNode* axis = keys.find("axis");
   if (axis != nullptr && !has_axis)
@@ -104,6 +123,18 @@ void read_weld(Findings& findings, const YamlNode& node, Scenario& scenario) {
 }
 
 }  // namespace
+
+const Form& joint_form() { return bound_joint_form(); }
+
+const Form& weld_form() {
+  static const Form form{"weld",
+                         "a weld",
+                         {{"name", types::name(), "unique among joints and welds"},
+                          {"between", types::list(types::text(), 2, 2), "two links, [BODY/LINK, BODY/LINK]", required},
+                          {"from", types::number(any_time), "when it begins [s]", required},
+                          {"until", types::number(any_time), "when it ends [s]", required}}};
+  return form;
+}
 
 void read_connections(Findings& findings, const YamlNode& node, Scenario& scenario) {
   for (const YamlNodePtr& joint : read_list(findings, node, "joints", "a list of joints between links"))

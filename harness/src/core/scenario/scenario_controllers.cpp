@@ -1,3 +1,4 @@
+#include "bound_form.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
@@ -9,6 +10,23 @@
 
 namespace rehearse {
 namespace {
+
+const BoundForm<ScenarioController>& bound_controller_form() {
+  static const BoundForm<ScenarioController> form{
+      "controller",
+      "a controller",
+      {FormKey{"name", types::name(),
+               "names its channels, unique in its body, children included; default: the name of its library, or of its "
+               "class"},
+       FormKey{"library", types::some_text(), "a name such as SR1MinimumController, a path, or FILE.py:CLASS",
+               required},
+       {"options", &ScenarioController::options, "its option string"},
+       {"delay", &ScenarioController::delay, "its outputs act one tick later"},
+       {"optional", &ScenarioController::optional, "the run goes on without it if it refuses to take part, see below"},
+       FormKey{"children", types::list(types::of(controller_form)),
+               "controllers that this one calls; they nest one level deep"}}};
+  return form;
+}
 
 // Reads the controllers of one body. Children and their parent need different names, because they share its body's
 // channels.
@@ -39,9 +57,7 @@ class ControllerReader {
         expected(findings_, *library, "library", "a name or a path");
     }
     read_name(keys, library, controller);
-    keys.text("options", controller.options);
-    keys.flag("delay", controller.delay);
-    keys.flag("optional", controller.optional);
+    bound_controller_form().read(keys, controller);
     if (const YamlNode* children = keys.find("children")) {
       if (is_child) {
         findings_.error(*children, "a child controller has children", "they nest one level deep");
@@ -74,6 +90,8 @@ class ControllerReader {
 };
 
 }  // namespace
+
+const Form& controller_form() { return bound_controller_form(); }
 
 std::string name_of_library(const std::string& library) {
   const std::size_t colon = library.rfind(':');

@@ -1,4 +1,5 @@
 // The `expect` of a scenario: properties that a run must have.
+#include "bound_form.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
@@ -9,6 +10,49 @@
 
 namespace rehearse {
 namespace {
+
+const BoundForm<Expectation>& bound_expectation_form() {
+  constexpr Range any_value{-1e12, 1e12};
+  const ValueType measure = types::quantity(angle_units, any_value);
+  const ValueType moment = types::quantity(time_units, any_time);
+  const ValueType condition = types::some_text();
+  static const BoundForm<Expectation> form{
+      "expectation",
+      "an expectation",
+      {FormKey{"channel", types::text_like("^[^/]"),
+               "a pattern of series names, as SR1/*/q: every matching series must be within the bounds, and there must "
+               "be at least one"},
+       FormKey{"event", types::some_text(), "a pattern of SEVERITY SOURCE: TEXT: a matching event must happen"},
+       FormKey{"no_event", types::some_text(), "such a pattern: no matching event may happen; error * are all errors"},
+       FormKey{"above", measure, "a bound; an equal value violates it"},
+       FormKey{"below", measure, "likewise"},
+       FormKey{"near", measure, "the value from which the distance within is measured; an equal distance is right"},
+       FormKey{"within", types::either({measure, types::quantity(time_units, any_time)}),
+               "the distance from near; of a condition: the time in which it must become true, with after or always"},
+       {"abs", &Expectation::absolute, "the bounds apply to the magnitude"},
+       FormKey{"since", moment,
+               "the bounds apply to the change since the latest sample up to that time; not after at or from [s]"},
+       FormKey{"from", moment,
+               "beginning of the span in which every sample counts, included; default: that of the run, or since [s]"},
+       FormKey{"until", moment, "its end, included; default: that of the run [s]"},
+       FormKey{"at",
+               types::either({types::number(any_time), types::quantity(time_units, any_time), types::word({"end"})}),
+               "instead of a span: the latest sample up to that time [s]; end: the last one"},
+       {"sometime", &Expectation::sometime, "one sample of the span is enough"},
+       FormKey{"always", condition, "a condition, true at each tick"},
+       FormKey{"eventually", condition, "a condition, true at some tick"},
+       FormKey{"never", condition, "a condition, true at no tick"},
+       FormKey{"after", condition, "a condition: each time that it becomes true, the expectation is judged"},
+       FormKey{"except", condition, "a condition: its ticks don't count"},
+       FormKey{"for", moment,
+               "how long the condition must last; with except, how long a tick is excepted; with always only beside "
+               "after or except [s]"},
+       FormKey{"margin", types::either({measure, types::matching("[+-]?[0-9.eE+-]+ *%")}),
+               "the least distance from a violation: a share of the bound, as 10 %, or a number in its unit"}},
+      {},
+      {{"channel", "event", "no_event", "always", "eventually", "never"}}};
+  return form;
+}
 
 constexpr std::array subjects{"channel", "event", "no_event", "always", "eventually", "never"};
 constexpr std::size_t first_quantifier = 3;
@@ -42,8 +86,7 @@ void ExpectationReader::read_entry(const YamlNode& node) {
   expectation.place = {scenario_.file, node.line, node.column};
   if (!read_subject(keys, node, expectation)) return;
   if (expectation.subject == Expectation::Subject::series) {
-    keys.flag("abs", expectation.absolute);
-    keys.flag("sometime", expectation.sometime);
+    bound_expectation_form().read(keys, expectation);
     read_bounds(keys, node, expectation);
     read_moment(keys, expectation);
     refuse_of_series(keys);
@@ -211,6 +254,8 @@ void ExpectationReader::read_since(const Keys& keys, Expectation& expectation) c
 }
 
 }  // namespace
+
+const Form& expectation_form() { return bound_expectation_form(); }
 
 void read_expectations(Findings& findings, const YamlNode& node, Scenario& scenario) {
   ExpectationReader reader(findings, scenario);

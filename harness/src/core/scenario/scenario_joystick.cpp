@@ -1,5 +1,6 @@
 // The `joystick` of a scenario: moves of axes and presses of buttons.
 #include "base/names.h"
+#include "bound_form.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
@@ -10,6 +11,37 @@
 
 namespace rehearse {
 namespace {
+
+/// A control has a name and a number.
+std::vector<std::string> with_numbers(const auto& names) {
+  std::vector<std::string> all(names.begin(), names.end());
+  for (std::size_t i = 0; i < names.size(); ++i) all.push_back(std::to_string(i));
+  return all;
+}
+
+/// The state of an entry while it is read.
+struct JoystickEntry {
+  std::optional<double> at;  // [s]; none: the entry can't be used
+  double over = 0.0;         // [s]
+  bool says = false;         // it names an axis or a button
+  bool changes = false;      // at least one of these changes its state
+};
+
+const BoundForm<JoystickEntry>& bound_joystick_entry_form() {
+  static const BoundForm<JoystickEntry> form{
+      "joystick_entry",
+      "a joystick entry",
+      {FormKey{"at", types::number(any_time),
+               "its begin, not before the entry above: it takes effect in the first tick that is not before it [s]",
+               required},
+       FormKey{"axes", types::map(types::number({-1.0, 1.0}), with_numbers(joystick_axes)),
+               "positions to which axes move, up and left negative; triggers from 0 to 1"},
+       FormKey{"buttons", types::map(types::flag(), with_numbers(joystick_buttons)), "true while pressed, or false"},
+       {"over", &JoystickEntry::over, any_time,
+        "duration of a linear move of its axes; buttons change at once; only with axes [s]"}},
+      {{"axes", "buttons"}}};
+  return form;
+}
 
 /// The common properties of axes, or of buttons.
 struct ControlKind {
@@ -38,19 +70,11 @@ class JoystickReader {
   void read_entry(const YamlNode& node);
 
  private:
-  /// The state of an entry while it is read.
-  struct Entry {
-    std::optional<double> at;  // [s]; none: the entry can't be used
-    double over = 0.0;         // [s]
-    bool says = false;         // it names an axis or a button
-    bool changes = false;      // at least one of these changes its state
-  };
-
-  void read_times(const Keys& keys, Entry& entry);
+  void read_times(const Keys& keys, JoystickEntry& entry);
   void check_use(const Keys& keys, const YamlNode& node) const;
   std::vector<NamedEntry> controls(const Keys& keys, std::string_view key, std::string_view what) const;
-  void read_axis(const NamedEntry& named, Entry& entry);
-  void read_button(const NamedEntry& named, Entry& entry);
+  void read_axis(const NamedEntry& named, JoystickEntry& entry);
+  void read_button(const NamedEntry& named, JoystickEntry& entry);
   void unknown(const NamedEntry& named, const ControlKind& wanted, const ControlKind& other) const;
   void told_twice(const NamedEntry& named, double at) const;
 
@@ -65,7 +89,7 @@ class JoystickReader {
 void JoystickReader::read_entry(const YamlNode& node) {
   const Keys keys(findings_, node, joystick_entry_form());
   if (!keys.is_map()) return;
-  Entry entry;
+  JoystickEntry entry;
   read_times(keys, entry);
   for (const NamedEntry& named : controls(keys, "axes", "a map of AXIS: POSITION")) read_axis(named, entry);
   for (const NamedEntry& named : controls(keys, "buttons", "a map of BUTTON: true or false")) read_button(named, entry);
@@ -94,9 +118,9 @@ void JoystickReader::check_use(const Keys& keys, const YamlNode& node) const {
   }
 }
 
-void JoystickReader::read_times(const Keys& keys, Entry& entry) {
+void JoystickReader::read_times(const Keys& keys, JoystickEntry& entry) {
   const Range times{0.0, Scenario::max_duration, "[s]"};
-  keys.number("over", entry.over);
+  bound_joystick_entry_form().read(keys, entry);
   const YamlNode* node = keys.require("at", "when it begins [s]");
   if (node == nullptr) return;
   const auto at = read_number(findings_, *node, "at", times);
@@ -120,7 +144,7 @@ std::vector<NamedEntry> JoystickReader::controls(const Keys& keys, std::string_v
   return {};
 }
 
-void JoystickReader::read_axis(const NamedEntry& named, Entry& entry) {
+void JoystickReader::read_axis(const NamedEntry& named, JoystickEntry& entry) {
   const auto axis = find_control(joystick_axes, named.name);
   if (!axis) return unknown(named, axes_, buttons_);
   const auto to = read_number(findings_, *named.value, joystick_axes[*axis], Range{lowest_position(*axis), 1.0});
@@ -131,7 +155,7 @@ void JoystickReader::read_axis(const NamedEntry& named, Entry& entry) {
   script_.move(*axis, *entry.at, entry.over, *to);
 }
 
-void JoystickReader::read_button(const NamedEntry& named, Entry& entry) {
+void JoystickReader::read_button(const NamedEntry& named, JoystickEntry& entry) {
   const auto button = find_control(joystick_buttons, named.name);
   if (!button) return unknown(named, buttons_, axes_);
   const auto pressed = read_flag(findings_, *named.value, joystick_buttons[*button]);
@@ -161,6 +185,8 @@ void JoystickReader::told_twice(const NamedEntry& named, double at) const {
 }
 
 }  // namespace
+
+const Form& joystick_entry_form() { return bound_joystick_entry_form(); }
 
 void read_joystick(Findings& findings, const YamlNode& node, Scenario& scenario) {
   JoystickScript& script = scenario.joystick.emplace();

@@ -1,3 +1,4 @@
+#include "bound_form.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
@@ -9,6 +10,16 @@
 
 namespace rehearse {
 namespace {
+
+const BoundForm<Surface>& bound_link_form() {
+  static const BoundForm<Surface> form{
+      "link",
+      "a link",
+      {FormKey{"mass", types::number(any_mass), "[kg]; its inertia changes in proportion"},
+       {"friction", &Surface::friction, any_friction, "coefficient in all directions"},
+       {"restitution", &Surface::restitution, any_restitution, "of impacts"}}};
+  return form;
+}
 
 /// The inertia is that of the same shape with another density.
 void read_mass(Findings& findings, const YamlNode& node, Link& link) {
@@ -32,6 +43,8 @@ Keys link_keys(Findings& findings, const YamlNode& node, const SolverSettings& s
 
 }  // namespace
 
+const Form& link_form() { return bound_link_form(); }
+
 void state_surface(const Keys& keys, const SolverSettings& solver, const Surface& known) {
   keys.set_default("friction", {fmt::format("{}", known.friction.value_or(solver.friction))});
   keys.set_default("restitution", {fmt::format("{}", known.restitution.value_or(0.0))});
@@ -52,8 +65,7 @@ void read_links(Findings& findings, const YamlNode& node, const SolverSettings& 
     const Keys keys = link_keys(findings, *entry.value, solver, link);
     if (!link || !keys.is_map()) continue;
     if (const YamlNode* mass = keys.find("mass")) read_mass(findings, *mass, *link);
-    keys.number("friction", link->surface.friction);
-    keys.number("restitution", link->surface.restitution);
+    bound_link_form().read(keys, link->surface);
     if (keys.find("friction")) link->surface.second_friction.reset();  // in all directions
   }
   body.model = std::move(model);

@@ -1,5 +1,6 @@
 // Materials of links, and the friction and restitution of pairs of them.
 #include "base/names.h"
+#include "bound_form.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
@@ -10,6 +11,17 @@
 
 namespace rehearse {
 namespace {
+
+const BoundForm<MaterialPair>& bound_pair_form() {
+  static const BoundForm<MaterialPair> form{
+      "pair",
+      "a pair",
+      {FormKey{"between", types::list(types::text(), 2, 2), "two materials", required},
+       {"friction", &MaterialPair::friction, any_friction, "coefficient between them"},
+       {"restitution", &MaterialPair::restitution, any_restitution, "of impacts between them"}},
+      {{"friction", "restitution"}}};
+  return form;
+}
 
 /// Gives the material to the links that "Body" or "Body/Link" names.
 void set_material(Findings& findings, const NamedEntry& entry, const std::string& material, Scenario& scenario) {
@@ -88,8 +100,7 @@ void read_pair(Findings& findings, const YamlNode& node, const std::vector<std::
   const Keys keys(findings, node, pair_form());
   if (!keys.is_map()) return;
   MaterialPair pair;
-  keys.number("friction", pair.friction);
-  keys.number("restitution", pair.restitution);
+  bound_pair_form().read(keys, pair);
   if (keys.find("friction") == nullptr && keys.find("restitution") == nullptr)
     findings.error(node, "a pair has neither 'friction' nor 'restitution'", "expected at least one of them");
   const YamlNode* between = keys.require("between", "two materials, [A, B]");
@@ -106,6 +117,8 @@ void read_pair(Findings& findings, const YamlNode& node, const std::vector<std::
 }
 
 }  // namespace
+
+const Form& pair_form() { return bound_pair_form(); }
 
 void read_materials(Findings& findings, const YamlNode* materials, const YamlNode* pairs, Scenario& scenario) {
   std::vector<std::string> known = materials_of_models(scenario);

@@ -3,6 +3,7 @@
 
 #include "base/glob.h"
 #include "base/names.h"
+#include "bound_form.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
@@ -13,13 +14,61 @@
 #include <algorithm>
 #include <array>
 #include <optional>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace rehearse {
 namespace {
+
+const BoundForm<ReadingErrors>& bound_noise_form() {
+  static const BoundForm<ReadingErrors> form = [] {
+    const ValueType latency = types::quantity(time_units, any_latency),
+                    exposure = types::quantity(time_units, any_exposure);
+    BoundForm<ReadingErrors> noise{
+        "noise",
+        "noise",
+        {FormKey{"sensor", types::text(), "a pattern of Body/Sensor, such as SR1/*; * matches any text"},
+         FormKey{"joint", types::text(),
+                 "a pattern of Body/Joint; controllers get readings with errors, /Body/joints has the truth"},
+         FormKey{
+             "imu", types::of(data_sheet_form),
+             "the five numbers of an IMU's data sheet, see below; in place of angular_velocity, acceleration and rate"},
+         {"dropout",
+          &ReadingErrors::dropout,
+          {0.0, 1.0},
+          "share of missing readings: without burst beams of a RangeSensor and depths of a RangeCamera have no "
+          "measurement"},
+         {"burst", &ReadingErrors::burst, types::quantity(time_units, {0.0, 1e3, "[s]", true}),
+          "mean duration of a gap: whole readings are missing in bursts; needs dropout [s]"},
+         {"rate", &ReadingErrors::rate, types::quantity(rate_units, any_reading_rate),
+          "of samples; in between, controllers read the last one; not of cameras and range sensors; default: each tick "
+          "[Hz]"},
+         {"phase", &ReadingErrors::phase, types::quantity(time_units, any_time),
+          "time of the first sample; needs rate [s]"},
+         {"latency", &ReadingErrors::latency, latency,
+          "from a sample to its arrival, at the first tick that isn't earlier [s]"},
+         {"jitter", &ReadingErrors::jitter, latency,
+          "the latency of each sample lies evenly between latency - jitter and latency + jitter; at most latency [s]"},
+         {"exposure", [](ReadingErrors& errors) -> double& { return errors.exposure.time; }, exposure,
+          "of cameras: a picture is the mean light of subframes moments from its capture on, for at most a period [s]"},
+         {"subframes",
+          [](ReadingErrors& errors) -> int& { return errors.exposure.frames; },
+          {1, Exposure::most_frames},
+          "of exposure: they lie evenly in it, each as the tick in which it lies"},
+         {"readout", [](ReadingErrors& errors) -> double& { return errors.exposure.readout; }, exposure,
+          "of cameras: the top row begins at the capture, the others evenly within this time; with exposure at most a "
+          "period [s]"},
+         FormKey{"stuck", types::of(spell_form), "the last sample before is repeated; a camera delivers no picture"}},
+        {},
+        {{"sensor", "joint"}}};
+    for (const MeasuredQuantity& each : measured_quantities())
+      noise.keys.push_back(
+          {each.name, types::of([each]() -> const Form& { return errors_form(each); }), "its errors, see below"});
+    return noise;
+  }();
+  return form;
+}
 
 /// Whether a key of noise names a quantity.
 bool is_quantity(std::string_view key) {
@@ -63,8 +112,8 @@ class NoiseReader {
   std::optional<std::vector<const Target*>> find_targets(const Keys& keys, const YamlNode& node) const;
   std::vector<Given> read_quantities(const Keys& keys, const std::vector<const Target*>& targets) const;
   ReadingErrors read_timing(const Keys& keys, const std::vector<const Target*>& targets) const;
-  void read_dropout(const Keys& keys, ReadingErrors& errors) const;
-  Exposure read_exposure(const Keys& keys, const std::vector<const Target*>& targets) const;
+  void check_dropout(const Keys& keys) const;
+  void check_exposure(const Keys& keys, const std::vector<const Target*>& targets, const Exposure& exposure) const;
   void read_data_sheet(const Keys& keys, const std::vector<const Target*>& targets, std::vector<Given>& given,
                        ReadingErrors& timing) const;
 
@@ -151,36 +200,20 @@ std::vector<NoiseReader::Given> NoiseReader::read_quantities(const Keys& keys,
   return given;
 }
 
-void NoiseReader::read_dropout(const Keys& keys, ReadingErrors& errors) const {
-  keys.number("dropout", errors.dropout);
+void NoiseReader::check_dropout(const Keys& keys) const {
   const YamlNode* burst = keys.find("burst");
-  if (!burst) return;
-  errors.burst = read_quantity(findings_, *burst, "burst", time_units, {0.0, 1e3, "[s]", true}).value_or(0.0);
-  if (!keys.find("dropout"))
+  if (burst && !keys.find("dropout"))
     findings_.error(*burst, "there is a burst without a dropout", "dropout is the share of readings in bursts");
 }
 
 /// Of the targets that are cameras.
-Exposure NoiseReader::read_exposure(const Keys& keys, const std::vector<const Target*>& targets) const {
-  Exposure exposure;
-  const YamlNode* place = nullptr;
-  const auto read = [&](std::string_view key, double& out) {
-    const YamlNode* value = keys.find(key);
-    if (value) out = read_quantity(findings_, *value, key, time_units, any_exposure).value_or(out);
-    if (!value) keys.set_default(key, {"0"});
-    place = value ? value : place;
-    return value;
-  };
-  const YamlNode* time = read("exposure", exposure.time);
-  read("readout", exposure.readout);
-  keys.integer("subframes", exposure.frames);
-  if (const YamlNode* frames = keys.find("subframes")) {
-    if (!time)
-      findings_.error(*frames, "there are subframes without an exposure",
-                      "they are the moments of which it is the mean");
-    place = place ? place : frames;
-  }
-  if (!place) return exposure;
+void NoiseReader::check_exposure(const Keys& keys, const std::vector<const Target*>& targets,
+                                 const Exposure& exposure) const {
+  const YamlNode *time = keys.find("exposure"), *readout = keys.find("readout"), *frames = keys.find("subframes");
+  if (frames && !time)
+    findings_.error(*frames, "there are subframes without an exposure", "they are the moments of which it is the mean");
+  const YamlNode* place = readout ? readout : time ? time : frames;
+  if (!place) return;
   if (std::ranges::none_of(targets, [](const Target* target) { return target->camera != nullptr; }))
     findings_.error(*place, fmt::format("{} is no camera", targets[0]->name), "only cameras have an exposure");
   constexpr double rounding = 1e-9;  // [s]: a rate of 30 Hz and an exposure of 33.333333 ms
@@ -194,37 +227,27 @@ Exposure NoiseReader::read_exposure(const Keys& keys, const std::vector<const Ta
         "expected exposure and readout of at most a period together");
     break;
   }
-  return exposure;
 }
 
 /// The errors of whole readings.
 ReadingErrors NoiseReader::read_timing(const Keys& keys, const std::vector<const Target*>& targets) const {
   ReadingErrors errors;
-  const auto read = [&](std::string_view key, std::span<const Spelling> units, const Range& range, double& out) {
-    const YamlNode* value = keys.find(key);
-    if (value) out = read_quantity(findings_, *value, key, units, range).value_or(out);
-    return value;
-  };
-  read("latency", time_units, any_latency, errors.latency);
-  if (!keys.find("latency")) keys.set_default("latency", {"0"});
-  if (const YamlNode* jitter = read("jitter", time_units, any_latency, errors.jitter);
-      jitter && errors.jitter > errors.latency)
+  bound_noise_form().read(keys, errors);
+  if (const YamlNode* jitter = keys.find("jitter"); jitter && errors.jitter > errors.latency)
     findings_.error(*jitter,
                     fmt::format("the jitter is {} s, above the latency of {} s", errors.jitter, errors.latency),
                     "each latency lies between latency - jitter and latency + jitter");
-  if (const YamlNode* rate = read("rate", rate_units, {0.0, 1e6, "[Hz]", true}, errors.rate))
-    for (const Target* target : targets)
-      if (target->has_own_rate) {
-        findings_.error(*rate, fmt::format("{} has a rate of its own", target->name),
-                        "the model's file or `sensors` states it");
-        break;
-      }
-  if (const YamlNode* phase = read("phase", time_units, any_time, errors.phase); phase && !keys.find("rate"))
+  const YamlNode* rate = keys.find("rate");
+  const auto own = std::ranges::find_if(targets, [](const Target* target) { return target->has_own_rate; });
+  if (rate && own != targets.end())
+    findings_.error(*rate, fmt::format("{} has a rate of its own", (*own)->name),
+                    "the model's file or `sensors` states it");
+  if (const YamlNode* phase = keys.find("phase"); phase && !rate)
     findings_.error(*phase, "there is a phase without a rate", "phase is the time of the first sample");
   if (const YamlNode* stuck = keys.find("stuck"))
     if (const auto spell = read_stuck(findings_, *stuck)) errors.stuck.push_back(*spell);
-  read_dropout(keys, errors);
-  errors.exposure = read_exposure(keys, targets);
+  check_dropout(keys);
+  check_exposure(keys, targets, errors.exposure);
   return errors;
 }
 
@@ -257,7 +280,7 @@ void NoiseReader::read_data_sheet(const Keys& keys, const std::vector<const Targ
     if (read && (*read)[0] != number.form.neutral) given.back().errors.given.push_back({&number.form, *read, {}});
   }
   if (const YamlNode* rate = sheet.require("update_rate", "a rate as 400 Hz"))
-    timing.rate = read_quantity(findings_, *rate, "update_rate", rate_units, {0.0, 1e6, "[Hz]", true}).value_or(0.0);
+    timing.rate = read_quantity(findings_, *rate, "update_rate", rate_units, any_reading_rate).value_or(0.0);
 }
 
 /// A later rule replaces an earlier one completely.
@@ -284,6 +307,8 @@ void NoiseReader::read_rule(const YamlNode& node) {
 }
 
 }  // namespace
+
+const Form& noise_form() { return bound_noise_form(); }
 
 void give_room(ScenarioBody& body) {
   body.errors.devices.resize(body.model->devices.size());

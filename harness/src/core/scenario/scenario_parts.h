@@ -13,7 +13,17 @@ namespace rehearse {
 
 inline constexpr Range any_time{0.0, Scenario::max_duration, "[s]"};  // in a run
 inline constexpr Range any_latency{0.0, 1.0, "[s]"};
+inline constexpr Range any_reading_rate{0.0, 1e6, "[Hz]", true};
 inline constexpr Range any_exposure{0.0, 1.0, "[s]"};
+
+/// The type of a rotation: [roll, pitch, yaw], {axis, angle} or {quaternion}.
+ValueType rotation_type();
+
+/// The `solver` map.
+void read_solver(Findings& findings, const YamlNode& node, SolverSettings& solver);
+
+/// The `look` map.
+void read_look(Findings& findings, const YamlNode& node, Look& look);
 
 /// The `bodies` list with its models, each requested once. A body with a mistake is added nevertheless, so that indices
 /// and names of references stay valid. Its model is null if the model is the mistake.

@@ -1,5 +1,6 @@
 // The parts that refer to bodies read before: pushes, cameras, and tolerances.
 #include "base/names.h"
+#include "bound_form.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
@@ -10,6 +11,58 @@
 
 namespace rehearse {
 namespace {
+
+const BoundForm<Push>& bound_push_form() {
+  static const BoundForm<Push> form{
+      "push",
+      "a push",
+      {FormKey{"body", types::text(), "the body that is pushed", required},
+       FormKey{"link", types::text(), "its link; default: the root"},
+       {"force", &Push::force, any_force, "in the world frame [N]"},
+       {"torque", &Push::torque, any_torque, "in the world frame [N·m]"},
+       {"at", &Push::point, any_position, "point of attack of the force, in the link's frame; only with force [m]"},
+       FormKey{"from", types::number(any_time), "when it begins [s]", required},
+       FormKey{"until", types::number(any_time), "when it ends [s]", required}},
+      {{"force", "torque"}}};
+  return form;
+}
+
+const BoundForm<ToleranceRule>& bound_tolerance_form() {
+  constexpr Range a_second{0.0, 1.0, "[s]"};  // a longer delay isn't a delay but a different motion
+  static const BoundForm<ToleranceRule> form{
+      "tolerance",
+      "a tolerance",
+      {FormKey{"channel", types::text_like("^[^/]"),
+               "a pattern of channel names, such as SR1/*/q; * matches any text, slashes included; no slash at its "
+               "beginning",
+               required},
+       {"atol", &ToleranceRule::atol, {0.0, 1e9}, "allowed difference, in the channel's unit"},
+       {"rtol",
+        &ToleranceRule::rtol,
+        {0.0, 1.0},
+        "allowed difference as a share of the channel's largest magnitude in the golden"},
+       {"lead", &ToleranceRule::lead, a_second,
+        "how much earlier than in the golden a value may come, see below; default: 0 [s]"},
+       {"lag", &ToleranceRule::lag, a_second,
+        "how much later than in the golden a value may come, see below; default: 0 [s]"},
+       {"ticks",
+        &ToleranceRule::ticks,
+        {0, 1000},
+        "allowed distance of an event: contacts/LINK/OTHER, limits/BODY/JOINT/u, controller_results/0, events/SOURCE; "
+        "default: 1 for contacts and limits, else 0"},
+       {"pixel_share", &ToleranceRule::pixel_share, {0.0, 1.0}, "share of a picture's pixels that may differ"},
+       {"pixel_delta",
+        &ToleranceRule::pixel_delta,
+        {0.0, 255.0},
+        "difference of a color that still counts as equal [of 255]"},
+       {"pixel_window",
+        &ToleranceRule::pixel_window,
+        {0.0, 1.0},
+        "share of the pixels of any square of 16 x 16 that may differ: those of a missing object are dense, speckle "
+        "isn't; default: 0.25"}},
+      {{"atol", "rtol", "lead", "lag", "ticks", "pixel_share", "pixel_delta", "pixel_window"}}};
+  return form;
+}
 
 std::vector<std::string> camera_names(const Scenario& scenario) {
   std::vector<std::string> names;
@@ -44,9 +97,7 @@ void read_push(Findings& findings, const YamlNode& node, Scenario& scenario) {
   read_target(findings, keys, scenario, push);
   if (keys.find("force") == nullptr && keys.find("torque") == nullptr)
     findings.error(node, "a push has neither 'force' nor 'torque'", "expected force: [x, y, z] in the world frame [N]");
-  keys.vector3("force", push.force);
-  keys.vector3("torque", push.torque);
-  keys.vector3("at", push.point);
+  bound_push_form().read(keys, push);
   if (const YamlNode* at = keys.find("at"); at != nullptr && keys.find("force") == nullptr)
     findings.error(*at, "'at' without 'force'",
                    "it is the point where the force acts; a torque acts on the link as a whole");
@@ -87,15 +138,7 @@ void read_tolerance(Findings& findings, const YamlNode& node, Scenario& scenario
     if (channel->kind == YamlNode::Kind::scalar && (rule.channel.empty() || rule.channel.front() == '/'))
       expected(findings, *channel, "channel", "a pattern such as SR1/*/q, without a slash at its beginning");
   }
-  keys.number("atol", rule.atol);
-  keys.number("rtol", rule.rtol);
-  keys.number("lead", rule.lead);
-  keys.number("lag", rule.lag);
-  if (const YamlNode* ticks = keys.find("ticks"))
-    if (const auto count = read_integer(findings, *ticks, "ticks", 0, 1000)) rule.ticks = static_cast<int>(*count);
-  keys.number("pixel_share", rule.pixel_share);
-  keys.number("pixel_delta", rule.pixel_delta);
-  keys.number("pixel_window", rule.pixel_window);
+  bound_tolerance_form().read(keys, rule);
   if (keys.entries().size() == (keys.find("channel") == nullptr ? 0u : 1u))
     findings.error(node, "a tolerance allows nothing",
                    "expected one of atol, rtol, lead, lag, ticks, pixel_share, pixel_delta, pixel_window");
@@ -110,6 +153,9 @@ double rate_of(const Device& device, const ScenarioBody& body, const Scenario& s
 }
 
 }  // namespace
+
+const Form& push_form() { return bound_push_form(); }
+const Form& tolerance_form() { return bound_tolerance_form(); }
 
 std::optional<int> find_body(Findings& findings, const YamlNode& at, std::string_view name, const Scenario& scenario) {
   std::vector<std::string> names;

@@ -1,6 +1,7 @@
 #include <rehearse/body.h>
 
 #include "base/names.h"
+#include "bound_form.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
@@ -12,6 +13,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -22,8 +24,7 @@ namespace rehearse {
 namespace {
 
 constexpr double a_turn = 6.3, straight_up = 1.6;  // [rad], a little more than 2 pi and pi / 2, for rounded numbers
-constexpr Range any_rate{0.0, 1e6, "[Hz]", true};
-constexpr int most_beams = 1'000'000;  // of one sensor
+constexpr int most_beams = 1'000'000;              // of one sensor
 
 /// A sensor of a scenario looks along x with z up, a device along -z with y up.
 Eigen::Matrix3d looking_along_x() {
@@ -37,6 +38,105 @@ Eigen::Matrix3d looking_along_x() {
 double field_of_view_of(double horizontal, const Camera& camera) {
   if (camera.width < camera.height) return horizontal;
   return 2.0 * std::atan(std::tan(horizontal / 2.0) * camera.height / camera.width);
+}
+
+/// A pose while it is read.
+struct PoseKeys {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+};
+
+const BoundForm<PoseKeys>& bound_pose_form() {
+  static const BoundForm<PoseKeys> form{
+      "pose",
+      "a pose",
+      {{"position", &PoseKeys::position, any_position, "in the frame of the link [m]"},
+       FormKey{"rotation", rotation_type(), "[roll, pitch, yaw], {axis, angle} or {quaternion}"}}};
+  return form;
+}
+
+/// Whether sensors of the kind have more keys than all have.
+bool has_own_keys(const DeviceKind& kind) {
+  return std::holds_alternative<ContactSensor>(kind) || std::holds_alternative<Camera>(kind) ||
+         std::holds_alternative<RangeSensor>(kind);
+}
+
+/// The types of the sensors of some kinds.
+std::vector<std::string> types_of(const std::function<bool(const DeviceKind&)>& is_wanted) {
+  std::vector<std::string> types_of_sensors;
+  for (const DeviceKind& kind : device_kinds())
+    if (is_wanted(kind) && !scenario_type(kind).empty()) types_of_sensors.emplace_back(scenario_type(kind));
+  return types_of_sensors;
+}
+template <class Kind>
+std::vector<std::string> types_of() {
+  return types_of([](const DeviceKind& kind) { return std::holds_alternative<Kind>(kind); });
+}
+
+/// The keys of all sensors, and those of a type.
+template <class Settings>
+std::vector<BoundKey<Settings>> with_common(std::vector<std::string> types_of_sensors,
+                                            std::vector<BoundKey<Settings>> keys = {}) {
+  std::vector<BoundKey<Settings>> all{
+      FormKey{"name", types::name(), "names its channels; unique among the devices of the body", required},
+      FormKey{"type", types::word(std::move(types_of_sensors)), "the type of the sensor", required},
+      FormKey{"link", types::text(), "the link on which it is; of force the one behind the measured joint", required},
+      FormKey{"pose", types::of(pose_form), "in the frame of the link"}};
+  all.insert(all.end(), keys.begin(), keys.end());
+  return all;
+}
+
+/// The key of a sensor with a rate of its own.
+template <class Settings>
+BoundKey<Settings> rate_key(double Settings::*rate) {
+  return {"rate", rate, types::quantity(rate_units, any_reading_rate), "of measurements [Hz]"};
+}
+
+/// A camera while it is read.
+struct CameraKeys : Camera {
+  double horizontal_fov = 1.047;  // [rad], SDF's default
+};
+
+const BoundForm<CameraKeys>& bound_camera_form() {
+  constexpr Range any_side{1, max_image_side};
+  constexpr Range any_distance{0.0, 1e6, "[m]", true};
+  static const BoundForm<CameraKeys> form{
+      "camera", "a camera",
+      with_common<CameraKeys>(types_of<Camera>(),
+                              {rate_key<CameraKeys>(&CameraKeys::frame_rate),
+                               {"width", &CameraKeys::width, any_side, "[pixels]"},
+                               {"height", &CameraKeys::height, any_side, "[pixels]"},
+                               {"horizontal_fov", &CameraKeys::horizontal_fov,
+                                types::quantity(angle_units, {0.0, 3.1, "[rad]", true}), "field of view [rad]"},
+                               {"near", &CameraKeys::near_clip, any_distance, "nothing nearer is drawn; below far [m]"},
+                               {"far", &CameraKeys::far_clip, any_distance, "nothing farther is drawn [m]"},
+                               {"shadows", &CameraKeys::shadows, "the sun's shadows are drawn"},
+                               {"antialiasing", &CameraKeys::antialiasing, "edges are smooth"}})};
+  return form;
+}
+
+const BoundForm<RangeSensor>& bound_range_sensor_form() {
+  constexpr Range any_distance{0.0, 1e6, "[m]"};
+  static const BoundForm<RangeSensor> form{
+      "range_sensor", "a range sensor",
+      with_common<RangeSensor>(
+          types_of<RangeSensor>(),
+          {rate_key(&RangeSensor::scan_rate),
+           FormKey{"yaw", types::of(sweep_form), "of the beams, left is positive; default: one beam, straight ahead"},
+           FormKey{"pitch", types::of(sweep_form),
+                   "of the beams, up is positive, within ±1.6 rad; default: one beam, straight ahead"},
+           {"min", &RangeSensor::min_distance, any_distance, "beams pass through nearer shapes; below max [m]"},
+           {"max", &RangeSensor::max_distance, any_distance, "beams end here [m]"}})};
+  return form;
+}
+
+const BoundForm<Sweep>& bound_sweep_form() {
+  const ValueType angle = types::quantity(angle_units, {-a_turn, a_turn, "[rad]"});
+  static const BoundForm<Sweep> form{"sweep",
+                                     "a sweep",
+                                     {FormKey{"from", angle, "angle of the first beam [rad]", required},
+                                      FormKey{"to", angle, "angle of the last beam [rad]", required},
+                                      {"samples", &Sweep::samples, {1, most_beams}, "number of beams"}}};
+  return form;
 }
 
 class SensorReader {
@@ -62,7 +162,6 @@ class SensorReader {
   void read_name(const Keys& keys, Device& device);
   bool read_link(const Keys& keys, Device& device);
   void read_pose(const YamlNode& node, Device& device);
-  void read_rate(const Keys& keys, double& rate);
   void read_camera(const Keys& keys, Device& device);
   void read_range(const Keys& keys, Device& device);
   std::optional<Sweep> read_sweep(const YamlNode& node, std::string_view label, double most_angle);
@@ -145,38 +244,20 @@ bool SensorReader::read_link(const Keys& keys, Device& device) {
 
 void SensorReader::read_pose(const YamlNode& node, Device& device) {
   const Keys keys(findings_, node, pose_form());
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  keys.vector3("position", position);
-  device.pose.translation() = position;
+  PoseKeys pose;
+  bound_pose_form().read(keys, pose);
+  device.pose.translation() = pose.position;
   if (const YamlNode* rotation = keys.find("rotation"))
     if (const auto turn = read_rotation(findings_, *rotation, "rotation"))
       device.pose.linear() = turn->toRotationMatrix();
 }
 
-void SensorReader::read_rate(const Keys& keys, double& rate) {
-  if (const YamlNode* node = keys.find("rate"))
-    rate = read_quantity(findings_, *node, "rate", rate_units, any_rate).value_or(rate);
-  else
-    keys.set_default("rate", {fmt::format("{}", rate)});
-}
-
 void SensorReader::read_camera(const Keys& keys, Device& device) {
-  auto& camera = std::get<Camera>(device.kind);
+  CameraKeys camera{std::get<Camera>(device.kind)};
   device.pose.linear() = device.pose.linear() * looking_along_x();
-  read_rate(keys, camera.frame_rate);
-  keys.integer("width", camera.width);
-  keys.integer("height", camera.height);
-  double horizontal = 1.047;  // [rad], SDF's default
-  if (const YamlNode* node = keys.find("horizontal_fov"))
-    horizontal =
-        read_quantity(findings_, *node, "horizontal_fov", angle_units, {0.0, 3.1, "[rad]", true}).value_or(horizontal);
-  else
-    keys.set_default("horizontal_fov", {fmt::format("{}", horizontal)});
-  camera.field_of_view = field_of_view_of(horizontal, camera);
-  keys.number("near", camera.near_clip);
-  keys.number("far", camera.far_clip);
-  keys.flag("shadows", camera.shadows);
-  keys.flag("antialiasing", camera.antialiasing);
+  bound_camera_form().read(keys, camera);
+  camera.field_of_view = field_of_view_of(camera.horizontal_fov, camera);
+  device.kind = static_cast<const Camera&>(camera);
   if (camera.near_clip < camera.far_clip) return;
   const YamlNode* node = keys.find("near");
   findings_.error(node ? *node : *keys.find("far"),
@@ -195,7 +276,7 @@ std::optional<Sweep> SensorReader::read_sweep(const YamlNode& node, std::string_
     return number.has_value();
   };
   const bool is_read = read("from", sweep.lower) && read("to", sweep.upper);
-  keys.integer("samples", sweep.samples);
+  bound_sweep_form().read(keys, sweep);
   if (!is_read) return std::nullopt;
   if (sweep.lower > sweep.upper || (sweep.samples > 1 && sweep.lower == sweep.upper)) {
     findings_.error(node, fmt::format("{} goes from {} to {} rad", label, sweep.lower, sweep.upper),
@@ -209,12 +290,10 @@ std::optional<Sweep> SensorReader::read_sweep(const YamlNode& node, std::string_
 void SensorReader::read_range(const Keys& keys, Device& device) {
   auto& laser = std::get<RangeSensor>(device.kind);
   device.pose.linear() = device.pose.linear() * looking_along_x();
-  read_rate(keys, laser.scan_rate);
+  bound_range_sensor_form().read(keys, laser);
   if (const YamlNode* yaw = keys.find("yaw")) laser.yaw = read_sweep(*yaw, "yaw", a_turn).value_or(laser.yaw);
   if (const YamlNode* pitch = keys.find("pitch"))
     laser.pitch = read_sweep(*pitch, "pitch", straight_up).value_or(laser.pitch);
-  keys.number("min", laser.min_distance);
-  keys.number("max", laser.max_distance);
   const double beams = static_cast<double>(laser.yaw.samples) * laser.pitch.samples;
   if (beams > most_beams)
     findings_.error(*keys.find("name"), fmt::format("'{}' has {} beams", device.name, beams),
@@ -250,6 +329,33 @@ void SensorReader::check_force(const Keys& keys, Device& device) {
 }
 
 }  // namespace
+
+const Form& pose_form() { return bound_pose_form(); }
+const Form& camera_form() { return bound_camera_form(); }
+const Form& range_sensor_form() { return bound_range_sensor_form(); }
+const Form& sweep_form() { return bound_sweep_form(); }
+
+const Form& sensor_form() {
+  static const BoundForm<Device> form{
+      "sensor", "a sensor", with_common<Device>(types_of([](const DeviceKind& kind) { return !has_own_keys(kind); }))};
+  return form;
+}
+
+const Form& contact_sensor_form() {
+  static const BoundForm<Device> form{
+      "contact_sensor", "a contact sensor",
+      with_common<Device>(
+          types_of<ContactSensor>(),
+          {FormKey{"collision", types::text(), "the only shape of the link that counts; default: all"}})};
+  return form;
+}
+
+const Form& form_of_sensor(const DeviceKind& kind) {
+  if (std::holds_alternative<ContactSensor>(kind)) return contact_sensor_form();
+  if (std::holds_alternative<Camera>(kind)) return camera_form();
+  if (std::holds_alternative<RangeSensor>(kind)) return range_sensor_form();
+  return sensor_form();
+}
 
 void read_sensors(Findings& findings, const YamlNode& node, ScenarioBody& body) {
   SensorReader reader(findings, body);

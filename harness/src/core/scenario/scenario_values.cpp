@@ -313,6 +313,24 @@ const YamlNode* find_key(const YamlNode& map, std::string_view key) {
   return nullptr;
 }
 
+Written written(double value) { return {fmt::format("{}", value)}; }
+Written written(float value) { return {fmt::format("{}", value)}; }
+Written written(int value) { return {fmt::format("{}", value)}; }
+Written written(std::uint32_t value) { return {fmt::format("{}", value)}; }
+Written written(bool value) { return {value ? "true" : "false"}; }
+Written written(const std::string& value) { return value.empty() ? Written() : Written{value}; }
+Written written(const Eigen::Vector3d& value) {
+  return {fmt::format("{}", value.x()), fmt::format("{}", value.y()), fmt::format("{}", value.z())};
+}
+Written written(const Eigen::Vector3f& value) {
+  return {fmt::format("{}", value.x()), fmt::format("{}", value.y()), fmt::format("{}", value.z())};
+}
+
+std::string one_text(const Written& elements) {
+  if (elements.size() < 2) return elements.empty() ? "" : elements[0];
+  return fmt::format("[{}]", fmt::join(elements, ", "));
+}
+
 Keys::Keys(Findings& findings, const YamlNode& node, const Form& form) : findings_(findings), node_(node), form_(form) {
   if (!is_map()) {
     findings_.error(node, fmt::format("{} is {}", form.owner, describe(node)), "expected a map of KEY: VALUE");
@@ -346,17 +364,9 @@ const Range& Keys::range_of(std::string_view key) const {
   return type.kind == ValueType::Kind::list ? type.parts[0].range : type.range;
 }
 
-void Keys::check_words(std::string_view key, std::size_t count,
-                       const std::function<bool(std::string_view word)>& is_known) const {
-  const std::vector<std::string>& words = row(key).type.words;
-  REHEARSE_ASSERT(words.size() == count && std::ranges::all_of(words, is_known),
-                  "the form has the words that are read");
-}
-
 void Keys::set_default(std::string_view key, std::vector<std::string> elements) const {
   const std::string_view stated = row(key).fallback;
-  REHEARSE_ASSERT(stated.empty() || stated == required ||
-                      stated == (elements.size() == 1 ? elements[0] : fmt::format("[{}]", fmt::join(elements, ", "))),
+  REHEARSE_ASSERT(stated.empty() || stated == required || stated == one_text(elements),
                   "the default is that of the form");
   findings_.set_default(node_, key, std::move(elements));
 }
@@ -369,46 +379,72 @@ const YamlNode* Keys::require(std::string_view key, std::string_view what) const
   return value;
 }
 
-void Keys::number(std::string_view key, double& out) const {
-  if (const YamlNode* node = find(key))
-    out = read_number(findings_, *node, key, range_of(key)).value_or(out);
-  else
-    set_default(key, {fmt::format("{}", out)});
+std::optional<double> Keys::number(std::string_view key, const YamlNode& node) const {
+  const ValueType& type = row(key).type;
+  return type.kind == ValueType::Kind::quantity ? read_quantity(findings_, node, key, type.units, type.range)
+                                                : read_number(findings_, node, key, type.range);
 }
 
-void Keys::number(std::string_view key, std::optional<double>& out) const {
-  if (const YamlNode* node = find(key))
-    out = read_number(findings_, *node, key, range_of(key));
-  else if (out)
-    set_default(key, {fmt::format("{}", *out)});
-}
-
-void Keys::integer(std::string_view key, int& out) const {
+std::optional<std::int64_t> Keys::whole(std::string_view key, const YamlNode& node) const {
   const Range& range = range_of(key);
-  if (const YamlNode* node = find(key))
-    out = static_cast<int>(
-        read_integer(findings_, *node, key, static_cast<std::int64_t>(range.low), static_cast<std::int64_t>(range.high))
-            .value_or(out));
-  else
-    set_default(key, {fmt::format("{}", out)});
+  return read_integer(findings_, node, key, static_cast<std::int64_t>(range.low),
+                      static_cast<std::int64_t>(range.high));
 }
 
-void Keys::text(std::string_view key, std::string& out) const {
-  if (const YamlNode* node = find(key)) out = read_text(findings_, *node, key).value_or(out);
+template <class Value, class Read>
+void Keys::take(std::string_view key, Value& out, Read&& read_stated) const {
+  if (const YamlNode* node = find(key)) {
+    if (const auto value = read_stated(*node)) out = static_cast<Value>(*value);
+  } else if (Written elements = written_default(row(key).type, out); !elements.empty()) {
+    set_default(key, std::move(elements));
+  }
 }
 
-void Keys::flag(std::string_view key, bool& out) const {
-  if (const YamlNode* node = find(key))
-    out = read_flag(findings_, *node, key).value_or(out);
-  else
-    set_default(key, {out ? "true" : "false"});
+void Keys::read(std::string_view key, double& out) const {
+  take(key, out, [&](const YamlNode& node) { return number(key, node); });
 }
 
-void Keys::vector3(std::string_view key, Eigen::Vector3d& out) const {
-  if (const YamlNode* node = find(key))
-    out = read_vector3(findings_, *node, key, range_of(key)).value_or(out);
-  else
-    set_default(key, {fmt::format("{}", out.x()), fmt::format("{}", out.y()), fmt::format("{}", out.z())});
+void Keys::read(std::string_view key, float& out) const {
+  take(key, out, [&](const YamlNode& node) { return number(key, node); });
+}
+
+void Keys::read(std::string_view key, std::optional<double>& out) const {
+  take(key, out, [&](const YamlNode& node) { return number(key, node); });
+}
+
+void Keys::read(std::string_view key, int& out) const {
+  take(key, out, [&](const YamlNode& node) { return whole(key, node); });
+}
+
+void Keys::read(std::string_view key, std::uint32_t& out) const {
+  take(key, out, [&](const YamlNode& node) { return whole(key, node); });
+}
+
+void Keys::read(std::string_view key, std::optional<int>& out) const {
+  take(key, out, [&](const YamlNode& node) { return whole(key, node); });
+}
+
+void Keys::read(std::string_view key, std::string& out) const {
+  take(key, out, [&](const YamlNode& node) { return read_text(findings_, node, key); });
+}
+
+void Keys::read(std::string_view key, bool& out) const {
+  take(key, out, [&](const YamlNode& node) { return read_flag(findings_, node, key); });
+}
+
+void Keys::read(std::string_view key, std::optional<bool>& out) const {
+  take(key, out, [&](const YamlNode& node) { return read_flag(findings_, node, key); });
+}
+
+void Keys::read(std::string_view key, Eigen::Vector3d& out) const {
+  take(key, out, [&](const YamlNode& node) { return read_vector3(findings_, node, key, range_of(key)); });
+}
+
+void Keys::read(std::string_view key, Eigen::Vector3f& out) const {
+  take(key, out, [&](const YamlNode& node) -> std::optional<Eigen::Vector3f> {
+    const auto read = read_vector3(findings_, node, key, range_of(key));
+    return read ? std::optional<Eigen::Vector3f>(read->cast<float>()) : std::nullopt;
+  });
 }
 
 }  // namespace rehearse

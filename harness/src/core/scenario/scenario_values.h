@@ -14,8 +14,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
-#include <initializer_list>
 #include <optional>
 #include <span>
 #include <string>
@@ -105,6 +103,48 @@ std::vector<NamedEntry> read_entries(Findings& findings, const YamlNode& map);
 /// The value of the first such key of a map, or null.
 const YamlNode* find_key(const YamlNode& map, std::string_view key);
 
+/// The words for the values of an enumeration or of a flag. `what` describes them in messages.
+template <class Value>
+struct Words {
+  std::string_view what;
+  std::vector<std::pair<std::string_view, Value>> all;
+
+  std::vector<std::string> names() const {
+    std::vector<std::string> texts;
+    for (const auto& [word, value] : all) texts.emplace_back(word);
+    return texts;
+  }
+  /// Empty: the value has no word.
+  std::string name_of(const Value& value) const {
+    const auto known = std::ranges::find_if(all, [&](const auto& each) { return each.second == value; });
+    return std::string(known == all.end() ? std::string_view() : known->first);
+  }
+};
+
+// A value as it would be written: one element, or those of a list. None: nothing could be written in its place.
+using Written = std::vector<std::string>;
+Written written(double value);
+Written written(float value);
+Written written(int value);
+Written written(std::uint32_t value);
+Written written(bool value);
+Written written(const std::string& value);
+Written written(const Eigen::Vector3d& value);
+Written written(const Eigen::Vector3f& value);
+template <class Value>
+Written written(const std::optional<Value>& value) {
+  return value ? written(*value) : Written();
+}
+/// A default as it would be written; none: the key can't state this value.
+template <class Value>
+Written written_default(const ValueType& type, const Value& value) {
+  if constexpr (std::is_arithmetic_v<Value>)
+    if (!type.range.contains(value)) return {};
+  return written(value);
+}
+/// "0.4", "[0, 0, 1]"; empty: there is no element.
+std::string one_text(const Written& elements);
+
 /// A map with a fixed set of keys. The constructor reports nodes that are no map, unknown keys and duplicate keys.
 class Keys {
  public:
@@ -124,42 +164,46 @@ class Keys {
   bool has_unknown() const { return has_unknown_; }
 
   // Each reads a key into `out`, and leaves `out` unchanged if the key is missing or its value is wrong. Of a missing
-  // key, `out` is the default. The form has the range.
-  void number(std::string_view key, double& out) const;
-  void number(std::string_view key, std::optional<double>& out) const;
-  void integer(std::string_view key, int& out) const;
-  void text(std::string_view key, std::string& out) const;
-  void flag(std::string_view key, bool& out) const;
-  void vector3(std::string_view key, Eigen::Vector3d& out) const;
+  // key, `out` is the default. The form has the range, and the units if there are some.
+  void read(std::string_view key, double& out) const;
+  void read(std::string_view key, float& out) const;
+  void read(std::string_view key, std::optional<double>& out) const;
+  void read(std::string_view key, int& out) const;
+  void read(std::string_view key, std::uint32_t& out) const;
+  void read(std::string_view key, std::optional<int>& out) const;
+  void read(std::string_view key, std::string& out) const;
+  void read(std::string_view key, bool& out) const;
+  void read(std::string_view key, std::optional<bool>& out) const;
+  void read(std::string_view key, Eigen::Vector3d& out) const;
+  void read(std::string_view key, Eigen::Vector3f& out) const;
   /// As Findings::absent_map().
   const YamlNode& absent_map(const std::string& key) const { return findings_.absent_map(node_, key); }
   /// States the default of a missing key that is read in another way. It is that of the form, if the form has one.
   void set_default(std::string_view key, std::vector<std::string> elements) const;
-  /// One of the words, each with its value. `what` describes them.
   template <class Value>
-  void word(std::string_view key, std::string_view what,
-            std::initializer_list<std::pair<std::string_view, std::type_identity_t<Value>>> words, Value& out) const {
+  void read(std::string_view key, const Words<std::type_identity_t<Value>>& words, Value& out) const {
     const YamlNode* node = find(key);
-    check_words(key, words.size(), [&](std::string_view word) {
-      return std::ranges::any_of(words, [&](const auto& each) { return each.first == word; });
-    });
-    for (const auto& [word, value] : words)
-      if (node == nullptr && value == out) set_default(key, {std::string(word)});
-    if (node == nullptr) return;
-    for (const auto& [word, value] : words) {
+    REHEARSE_ASSERT(row(key).type.words == words.names(), "the form has the words that are read");
+    if (node == nullptr) {
+      if (std::string name = words.name_of(out); !name.empty()) set_default(key, {std::move(name)});
+      return;
+    }
+    for (const auto& [word, value] : words.all) {
       if (node->kind != YamlNode::Kind::scalar || node->text != word) continue;
       out = value;
       return;
     }
-    expected(findings_, *node, key, what);
+    expected(findings_, *node, key, words.what);
   }
 
  private:
   const FormKey& row(std::string_view key) const;
   const Range& range_of(std::string_view key) const;
-  /// Asserts that the form has these words.
-  void check_words(std::string_view key, std::size_t count,
-                   const std::function<bool(std::string_view word)>& is_known) const;
+  std::optional<double> number(std::string_view key, const YamlNode& node) const;
+  std::optional<std::int64_t> whole(std::string_view key, const YamlNode& node) const;
+  /// Reads a stated value by a function of the node; else states the default.
+  template <class Value, class Read>
+  void take(std::string_view key, Value& out, Read&& read_stated) const;
 
   Findings& findings_;
   const YamlNode& node_;

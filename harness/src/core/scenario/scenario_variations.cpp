@@ -9,6 +9,7 @@
 #include <span>
 
 #include "base/names.h"
+#include "campaign_forms.h"
 #include "scenario_forms.h"
 #include "scenario_parts.h"
 #include "scenario_values.h"
@@ -177,14 +178,7 @@ void VariationReader::read_normal(const YamlNode& node, Variation& variation) {
   variation.distribution = Distribution::normal;
   const Keys keys(findings_, node, normal_form());
   if (!keys.is_map()) return;
-  keys.require("mean", "the mean before truncation");
-  keys.require("stddev", "the standard deviation before truncation");
-  keys.require("from", "the least value: physics has no infinite numbers");
-  keys.require("to", "the largest value: physics has no infinite numbers");
-  keys.number("mean", variation.mean);
-  keys.number("stddev", variation.stddev);
-  keys.number("from", variation.low);
-  keys.number("to", variation.high);
+  bound_normal_form().read(keys, variation);
   constexpr double farthest = 8.0;  // beyond it the normal distribution's tail has less than 1e-15
   const bool is_empty = variation.low >= variation.high ||
                         variation.low > variation.mean + farthest * variation.stddev ||
@@ -199,12 +193,9 @@ void VariationReader::read_normal(const YamlNode& node, Variation& variation) {
 /// Equal steps from a number to another, both included.
 void VariationReader::read_steps(const YamlNode& node, Variation& variation) {
   const Keys keys(findings_, node, grid_form());
-  double from = 0.0, to = 0.0;
-  int steps = 0;
-  for (const char* key : {"from", "to", "steps"}) keys.require(key, "a number");
-  keys.number("from", from);
-  keys.number("to", to);
-  keys.integer("steps", steps);
+  GridSteps grid;
+  bound_grid_form().read(keys, grid);
+  const auto& [from, to, steps] = grid;
   for (int i = 0; i < steps; ++i)
     variation.values.push_back(fmt::format("{}", i + 1 == steps ? to : from + (to - from) * i / (steps - 1)));
 }
@@ -239,17 +230,16 @@ bool VariationReader::read_distribution(const YamlNode& node, const Keys& keys, 
   }
   if (keys.find("file")) {
     variation.distribution = Distribution::from_file;
-    keys.text("file", variation.file);
+    keys.read("file", variation.file);
     variation.column = variation.name;
-    keys.text("column", variation.column);
+    keys.read("column", variation.column);
   } else if (const YamlNode* column = keys.find("column")) {
     findings_.error(*column, "column is given without file", "it names a column of a CSV file");
   }
   if (keys.find("linked")) {
     variation.distribution = Distribution::linked;
-    keys.text("linked", variation.expression);
+    keys.read("linked", variation.expression);
   }
-  keys.flag("integer", variation.integer);
   return true;
 }
 
@@ -397,9 +387,10 @@ std::optional<Variation> VariationReader::read(const NamedEntry& entry) {
   }
   const Keys keys(findings_, *entry.value, parameter_form());
   if (!keys.is_map()) return std::nullopt;
+  bound_parameter_form().read(keys, variation);
   const YamlNode* path = keys.require("path", "the place of its value, as bodies.Box.mass");
   if (!path || !read_distribution(*entry.value, keys, variation)) return std::nullopt;
-  keys.text("path", variation.path);
+  if (path->kind == YamlNode::Kind::scalar) variation.path = path->text;
   if (!find_place(*path, variation)) return std::nullopt;
   if (variation.before.empty())
     variation.nominal = scenario_.text.substr(variation.begin, variation.end - variation.begin);

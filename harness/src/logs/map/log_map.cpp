@@ -32,10 +32,9 @@ void LogMapReader::read(const YamlNode& root) {
   if (!check_version(root)) return;
   const Keys keys(findings_, root, map_form());
   read_body(keys, root);
-  read_clock(keys);
-  keys.word("begins", "run (the log may begin in the middle of a run) or controller (with the controller's start)",
-            {{"run", false}, {"controller", true}}, map_.begins_with_controller);
-  keys.number("max_age", max_age_);
+  keys.read("clock", clock_words(), clock_);
+  bound_map_form().read(keys, map_);
+  keys.read("max_age", max_age_);
   if (const YamlNode* node = keys.find("controller")) read_controller(*node);
   if (const YamlNode* node = keys.find("joints")) each(*node, "joints", [&](const YamlNode& one) { read_joints(one); });
   for (const LogInput* input : log_inputs())
@@ -76,18 +75,6 @@ void LogMapReader::read_body(const Keys& keys, const YamlNode& root) {
                     "expected body: a short name without blanks and none of / * ? [ ]");
 }
 
-void LogMapReader::read_clock(const Keys& keys) {
-  const Range steps{Scenario::min_time_step, Scenario::max_time_step, "[s]"};
-  if (const YamlNode* node = keys.require("time_step", "the controller's tick [s]"))
-    map_.time_step = read_number(findings_, *node, "time_step", steps).value_or(map_.time_step);
-  read_clock_name(keys, clock_);
-}
-
-void LogMapReader::read_clock_name(const Keys& keys, LogClock& clock) {
-  keys.word("clock", "log_time (when a message was written into the log) or header.stamp (when it was measured)",
-            {{"log_time", LogClock::log_time}, {"header.stamp", LogClock::header_stamp}}, clock);
-}
-
 /// Any topic with messages can be the tick. Its clock is that of the topic's other sources.
 void LogMapReader::read_tick(const YamlNode& node) {
   std::optional<Keys> keys;
@@ -95,11 +82,10 @@ void LogMapReader::read_tick(const YamlNode& node) {
   const YamlNode* topic = keys ? keys->require("topic", name_of_topic) : &node;
   if (topic == nullptr) return;
   TickSource source;
-  read_source(keys ? &*keys : nullptr, source, std::nullopt);
+  read_source(bound_tick_form(), keys ? &*keys : nullptr, source, std::nullopt);
   const auto known = clocks_.find(topic->text);
   if (known != clocks_.end() && !(keys && keys->find("clock"))) source.clock = known->second.first;
   if (!find_topic(*topic, "tick", {{}}, "messages", source)) return;
-  if (keys) keys->flag("grid", source.grid);
   const YamlNode* latency = keys ? keys->find("latency") : nullptr;
   const bool is_of_commands = map_.commands && map_.commands->topic == source.topic;
   source.before_commands = is_of_commands && (latency || source.grid);
@@ -186,8 +172,6 @@ void LogMapReader::read_renamed(const YamlNode& node) {
 }
 
 void LogMapReader::read_missing(const Keys& keys) {
-  keys.word("missing", "hold (the controller is called on old inputs) or skip (it isn't called)",
-            {{"hold", false}, {"skip", true}}, map_.skips_missing);
   if (map_.skips_missing && (!map_.tick || map_.tick->grid))
     findings_.error(*keys.find("missing"), "'missing: skip' without ticks at messages",
                     "expected tick: TOPIC, whose missing messages it is about");
@@ -196,8 +180,7 @@ void LogMapReader::read_missing(const Keys& keys) {
 void LogMapReader::read_controller(const YamlNode& node) {
   const Keys keys(findings_, node, map_controller_form());
   if (const YamlNode* name = keys.find("name")) map_.controller.name = read_name(findings_, *name, "name").value_or("");
-  keys.text("options", map_.controller.options);
-  keys.flag("delay", map_.controller.delay);
+  bound_map_controller_form().read(keys, map_.controller);
 }
 
 void LogMapReader::check_something_is_mapped(const YamlNode& root) {

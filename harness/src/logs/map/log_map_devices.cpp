@@ -68,12 +68,12 @@ void LogMapReader::read_sensor(const Keys& keys, DeviceSource source, const std:
 
 /// Reads the source of a sensor of numbers, the elements of its kind.
 void LogMapReader::read_numbers_source(const YamlNode& node, const LogInput& input) {
-  const Keys keys(findings_, node, number_source_form(input));
+  const BoundForm<DeviceSource>& form = bound_number_source_form(input);
+  const Keys keys(findings_, node, form);
   if (!keys.is_map()) return;
   DeviceSource source;
   source.input = &input;
-  read_source(&keys, source, max_age_of_numbers);
-  if (input.can_interpolate) read_sampling(keys, source);
+  read_source(form, &keys, source, max_age_of_numbers);
   Needs needs;
   for (const std::string& field : fields_of(input)) needs.emplace_back(field, number);
   read_sensor(keys, std::move(source), {needs});
@@ -95,7 +95,7 @@ void LogMapReader::read_ranges(const YamlNode& node, const LogInput& input) {
   if (!keys.is_map()) return;
   DeviceSource source;
   source.input = &input;
-  read_source(&keys, source, max_age_of_pictures);
+  read_source(bound_range_source_form(), &keys, source, max_age_of_pictures);
   const Needs scan{{"ranges/*", number}, {"range_min", number}, {"range_max", number}};
   const Needs cloud{{"fields/*/name", text}, {"fields/*/offset", number}, {"point_step", number}, {"row_step", number},
                     {"width", number},       {"height", number},          {"data", bytes}};
@@ -109,7 +109,7 @@ void LogMapReader::read_camera(const YamlNode& node) {
   if (!picture && !depth)
     findings_.error(node, "a camera has neither 'topic' nor 'depth'", "expected topic: the name of one with pictures");
   DeviceSource common;
-  read_source(&keys, common, max_age_of_pictures);
+  read_source(bound_camera_source_form(), &keys, common, max_age_of_pictures);
   const LogInput &of_picture = input_of(LogInput::Content::picture), &of_depth = input_of(LogInput::Content::depth);
   common.devices = read_devices(keys, depth ? of_depth : of_picture);
   const Needs raw{{"encoding", text}, {"width", number}, {"height", number}, {"step", number}, {"data", bytes}};

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "bound_map_forms.h"
 #include "core/kinds/kinds.h"
-#include "core/scenario/scenario_values.h"
 #include "log_map.h"
 
 namespace rehearse {
@@ -40,8 +40,6 @@ class LogMapReader {
   // log_map.cpp
   bool check_version(const YamlNode& root);
   void read_body(const Keys& keys, const YamlNode& root);
-  void read_clock(const Keys& keys);
-  static void read_clock_name(const Keys& keys, LogClock& clock);
   void read_tick(const YamlNode& node);
   void read_start(const Keys& keys);
   void read_missing(const Keys& keys);
@@ -65,11 +63,18 @@ class LogMapReader {
                              std::string_view what, LogSource& source);
   /// The keys of a source; none if the source is a topic alone.
   std::optional<Keys> keys_of(const YamlNode& node, const Form& form);
-  /// The settings that all sources have: clock, clock_offset and, unless its default is nullopt, max_age. A setting
-  /// that the source lacks is the map's. Null keys: the source is a topic alone.
-  void read_source(const Keys* keys, LogSource& source, std::optional<double> max_age);
+  /// The bound keys of a source. A clock that the source lacks is the map's, and so is its max_age, unless its default
+  /// is nullopt. Null keys: the source is a topic alone.
+  template <class Source>
+  void read_source(const BoundForm<Source>& form, const Keys* keys, Source& source, std::optional<double> max_age) {
+    source.clock = clock_;
+    if (max_age) source.max_age = max_age_ ? max_age_ : max_age;
+    if (keys == nullptr) return;
+    form.read(*keys, source);
+    if (const YamlNode* offset = keys->find("clock_offset"); offset && source.clock == LogClock::log_time)
+      findings_.error(*offset, "'clock_offset' without stamps", "expected clock: header.stamp, too");
+  }
   void check_clock(const YamlNode& node, const LogTopic& topic, const LogSource& source);
-  static void read_sampling(const Keys& keys, LogSource& source);
   void read_names(const YamlNode& node, std::map<std::string, JointRename>& names);
   std::optional<int> read_joint(const YamlNode& node);
   void read_joints(const YamlNode& node);

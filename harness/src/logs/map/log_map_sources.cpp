@@ -90,23 +90,6 @@ std::optional<Keys> LogMapReader::keys_of(const YamlNode& node, const Form& form
   return std::optional<Keys>(std::in_place, findings_, node, form);
 }
 
-void LogMapReader::read_source(const Keys* keys, LogSource& source, std::optional<double> max_age) {
-  source.clock = clock_;
-  if (max_age) source.max_age = max_age_ ? max_age_ : max_age;
-  if (keys == nullptr) return;
-  read_clock_name(*keys, source.clock);
-  keys->number("max_age", source.max_age);
-  keys->number("clock_offset", source.clock_offset);
-  if (const YamlNode* offset = keys->find("clock_offset"); offset && source.clock == LogClock::log_time)
-    findings_.error(*offset, "'clock_offset' without stamps", "expected clock: header.stamp, too");
-}
-
-/// For sources of numbers.
-void LogMapReader::read_sampling(const Keys& keys, LogSource& source) {
-  keys.word("sampling", "hold (the latest message) or interpolate (between two)",
-            {{"hold", Sampling::hold}, {"interpolate", Sampling::interpolate}}, source.sampling);
-}
-
 std::optional<int> LogMapReader::read_joint(const YamlNode& node) {
   const auto name = read_text(findings_, node, "a joint", "the name of a joint of the model");
   if (!name) return std::nullopt;
@@ -132,7 +115,7 @@ void LogMapReader::read_names(const YamlNode& node, std::map<std::string, JointR
     std::optional<int> joint;
     if (entry.value->kind == YamlNode::Kind::map) {
       const Keys keys(findings_, *entry.value, joint_rename_form());
-      keys.number("scale", rename.scale);
+      bound_joint_rename_form().read(keys, rename);
       if (const YamlNode* scale = keys.find("scale"); scale != nullptr && rename.scale == 0.0)
         findings_.error(*scale, "scale is 0", "expected the model's displacement per unit of the log's, as -1");
       if (const YamlNode* offset = keys.find("offset"))
@@ -157,12 +140,9 @@ void LogMapReader::read_joints(const YamlNode& node) {
   const std::optional<Keys> keys = keys_of(node, joint_source_form());
   if (keys && !keys->is_map()) return;
   JointSource source;
-  read_source(keys ? &*keys : nullptr, source, max_age_of_numbers);
+  read_source(bound_joint_source_form(), keys ? &*keys : nullptr, source, max_age_of_numbers);
   if (keys) {
-    read_sampling(*keys, source);
     if (const YamlNode* names = keys->find("names")) read_names(*names, source.names);
-    keys->word("velocity", "message (the velocity in it) or differentiate (from two positions)",
-               {{"message", false}, {"differentiate", true}}, source.differentiate);
   }
   const YamlNode* topic = keys ? keys->require("topic", name_of_topic) : &node;
   if (topic == nullptr) return;
@@ -181,8 +161,7 @@ void LogMapReader::read_root(const YamlNode& node) {
   const std::optional<Keys> keys = keys_of(node, root_source_form());
   if (keys && !keys->is_map()) return;
   RootSource source;
-  read_source(keys ? &*keys : nullptr, source, max_age_of_numbers);
-  if (keys) read_sampling(*keys, source);
+  read_source(bound_root_source_form(), keys ? &*keys : nullptr, source, max_age_of_numbers);
   const auto pose_at = [](const std::string& path) {
     Needs needs;
     for (const char* axis : {"x", "y", "z"}) needs.emplace_back(path + "/position/" + axis, number);
@@ -222,8 +201,7 @@ void LogMapReader::read_axes(const YamlNode& node, JoySource& source) {
     const YamlNode* index = entry.value;
     if (entry.value->kind == YamlNode::Kind::map) {
       const Keys keys(findings_, *entry.value, axis_source_form());
-      keys.flag("invert", source.axes[*axis].invert);
-      keys.number("scale", source.axes[*axis].scale);
+      bound_axis_source_form().read(keys, source.axes[*axis]);
       index = keys.require("index", "its number in the message");
     }
     if (index != nullptr)
@@ -260,7 +238,7 @@ void LogMapReader::read_joystick(const YamlNode& node) {
   JoySource source;
   for (std::size_t i = 0; i < source.axes.size(); ++i) source.axes[i].index = static_cast<int>(i);
   for (std::size_t i = 0; i < source.buttons.size(); ++i) source.buttons[i] = static_cast<int>(i);
-  read_source(keys ? &*keys : nullptr, source, std::nullopt);
+  read_source(bound_joystick_source_form(), keys ? &*keys : nullptr, source, std::nullopt);
   if (keys) {
     if (const YamlNode* axes = keys->find("axes")) read_axes(*axes, source);
     if (const YamlNode* buttons = keys->find("buttons")) read_buttons(*buttons, source);
@@ -288,8 +266,9 @@ void LogMapReader::read_array_commands(const Keys& keys, CommandSource& source) 
   }
   using enum CommandSource::Quantity;
   keys.require("quantity", "position, velocity or effort");
-  keys.word("quantity", "position, velocity or effort",
-            {{"position", position}, {"velocity", velocity}, {"effort", effort}}, source.quantity);
+  keys.read("quantity",
+            {"position, velocity or effort", {{"position", position}, {"velocity", velocity}, {"effort", effort}}},
+            source.quantity);
 }
 
 /// The state that a controller takes back by rehearse_state().
@@ -301,7 +280,7 @@ void LogMapReader::read_state(const YamlNode& node) {
   }
   if (!keys->is_map()) return;
   StateSource source;
-  read_source(&*keys, source, std::nullopt);
+  read_source(bound_state_source_form(), &*keys, source, std::nullopt);
   std::set<std::string> taken;
   if (const YamlNode* names = keys->require("names", "the name of each number in rehearse_state(); ~ for none")) {
     for (const YamlNodePtr& item :
@@ -325,9 +304,8 @@ void LogMapReader::read_commands(const YamlNode& node) {
   const std::optional<Keys> keys = keys_of(node, command_source_form());
   if (keys && !keys->is_map()) return;
   CommandSource source;
-  read_source(keys ? &*keys : nullptr, source, std::nullopt);
+  read_source(bound_command_source_form(), keys ? &*keys : nullptr, source, std::nullopt);
   if (keys) {
-    keys->integer("shift", source.shift);
     if (const YamlNode* names = keys->find("names")) read_names(*names, source.names);
   }
   const YamlNode* topic = keys ? keys->require("topic", name_of_topic) : &node;

@@ -14,9 +14,9 @@
 #include <utility>
 #include <vector>
 
+#include "bound_map_forms.h"
 #include "core/kinds/kinds.h"
 #include "core/scenario/scenario_forms.h"
-#include "core/scenario/scenario_values.h"
 
 namespace rehearse {
 namespace {
@@ -25,6 +25,12 @@ constexpr Range some_age{0.0, Scenario::max_duration, "[s]", true};
 constexpr Range any_factor{-1e6, 1e6};
 constexpr Range moment_of_log{0.0, Scenario::max_duration, "[s]"};
 
+constexpr const char* clock_text = "the time of a message: when it was written, or measured";
+constexpr const char* age_text =
+    "an older message at a tick is a gap; of the map: for all sources without their own; default: 0.1, cameras and "
+    "scans "
+    "1, a joystick never [s]";
+
 ValueType topic() { return types::text(); }
 /// A topic, or a map with it.
 ValueType source(std::function<const Form&()> form) { return types::either({topic(), types::of(std::move(form))}); }
@@ -32,16 +38,28 @@ ValueType source(std::function<const Form&()> form) { return types::either({topi
 ValueType one_or_more(const ValueType& type) { return types::either({type, types::list(type, 1)}); }
 
 FormKey topic_key() { return {"topic", topic(), "the topic of its messages", required}; }
-FormKey clock_key() {
-  return {"clock", types::word({"log_time", "header.stamp"}),
-          "the time of a message: when it was written, or measured"};
+/// The clock of a source. Its default is the clock of the map.
+template <class Source>
+BoundKey<Source> clock_key() {
+  BoundKey<Source> key{"clock", &Source::clock, clock_words(), clock_text};
+  key.row.fallback.clear();
+  return key;
 }
-FormKey offset_key() {
-  return {"clock_offset", types::number({-1e10, 1e10, "[s]"}), "of the stamps' clock from the log's [s]"};
+template <class Source>
+BoundKey<Source> offset_key() {
+  return {"clock_offset", &Source::clock_offset, {-1e10, 1e10, "[s]"}, "of the stamps' clock from the log's [s]"};
 }
-FormKey age_key() { return {"max_age", types::number(some_age), "older messages aren't used [s]"}; }
-FormKey sampling_key() {
-  return {"sampling", types::word({"hold", "interpolate"}), "the latest message, or between two", "hold"};
+template <class Source>
+BoundKey<Source> age_key() {
+  return {"max_age", &Source::max_age, some_age, age_text};
+}
+template <class Source>
+BoundKey<Source> sampling_key() {
+  return {"sampling",
+          &Source::sampling,
+          {"hold (the latest message) or interpolate (between two)",
+           {{"hold", Sampling::hold}, {"interpolate", Sampling::interpolate}}},
+          "the latest message, or between two"};
 }
 FormKey device_key() {
   return {"device", types::either({types::text(), types::list(types::text(), 1)}),
@@ -59,156 +77,163 @@ ValueType names_in_order() { return types::list(types::either({types::text(), ty
 
 }  // namespace
 
-const Form& map_tick_form() {
-  static const Form form{
+const Words<LogClock>& clock_words() {
+  static const Words<LogClock> words{
+      "log_time (when a message was written into the log) or header.stamp (when it was measured)",
+      {{"log_time", LogClock::log_time}, {"header.stamp", LogClock::header_stamp}}};
+  return words;
+}
+
+const BoundForm<TickSource>& bound_tick_form() {
+  static const BoundForm<TickSource> form{
       "tick",
       "the tick",
       {topic_key(),
-       {"grid", types::flag(), "ticks are evenly spaced", "false"},
-       {"latency",
-        types::either({types::number({0.0, Scenario::max_time_step, "[s], or measured"}), types::word({"measured"})}),
-        "from a tick to its commands [s], or measured"},
-       clock_key(),
-       offset_key()}};
+       {"grid", &TickSource::grid, "ticks are evenly spaced"},
+       FormKey{"latency",
+               types::either(
+                   {types::number({0.0, Scenario::max_time_step, "[s], or measured"}), types::word({"measured"})}),
+               "from a tick to its commands [s], or measured"},
+       clock_key<TickSource>(),
+       offset_key<TickSource>()}};
   return form;
 }
 
-const Form& map_controller_form() {
-  static const Form form{"controller",
-                         "the controller",
-                         {{"name", types::name(), "names its channels"},
-                          {"options", types::text(), "its option string"},
-                          {"delay", types::flag(), "its outputs act one tick later"}}};
+const BoundForm<MappedController>& bound_map_controller_form() {
+  static const BoundForm<MappedController> form{
+      "controller",
+      "the controller",
+      {FormKey{"name", types::name(), "names its channels"},
+       {"options", &MappedController::options, "its option string"},
+       {"delay", &MappedController::delay, "its outputs act one tick later"}}};
   return form;
 }
 
-const Form& joint_rename_form() {
-  static const Form form{
+const BoundForm<JointRename>& bound_joint_rename_form() {
+  static const BoundForm<JointRename> form{
       "joint_rename",
       "a joint",
-      {{"joint", types::text(), "the joint of the model", required},
-       {"scale", types::number(any_factor), "the model's displacement per unit of the log's, as -1", "1"},
-       {"offset", types::quantity(angle_units, any_angle), "is added to the displacement [rad]", "0"}}};
+      {FormKey{"joint", types::text(), "the joint of the model", required},
+       {"scale", &JointRename::scale, any_factor, "the model's displacement per unit of the log's, as -1"},
+       FormKey{"offset", types::quantity(angle_units, any_angle), "is added to the displacement [rad]", "0"}}};
   return form;
 }
 
-const Form& joint_source_form() {
-  static const Form form{
+const BoundForm<JointSource>& bound_joint_source_form() {
+  static const BoundForm<JointSource> form{
       "joint_source",
       "a source of joints",
       {topic_key(),
-       {"names", types::map(types::either({types::text(), types::of(joint_rename_form)})),
-        "from the log's names to the model's"},
-       {"velocity", types::word({"message", "differentiate"}), "that in the message, or from two positions", "message"},
-       sampling_key(),
-       age_key(),
-       clock_key(),
-       offset_key()}};
+       FormKey{"names", types::map(types::either({types::text(), types::of(joint_rename_form)})),
+               "from the log's names to the model's"},
+       {"velocity",
+        &JointSource::differentiate,
+        {"message (the velocity in it) or differentiate (from two positions)",
+         {{"message", false}, {"differentiate", true}}},
+        "that in the message, or from two positions"},
+       sampling_key<JointSource>(),
+       age_key<JointSource>(),
+       clock_key<JointSource>(),
+       offset_key<JointSource>()}};
   return form;
 }
 
-const Form& number_source_form(const LogInput& input) {
-  static std::map<std::string_view, Form> made;  // by key of the map
-  const auto [place, is_new] = made.try_emplace(input.key);
-  if (is_new) {
-    place->second = {input.form, input.owner, {topic_key(), device_key()}};
-    if (input.can_interpolate) place->second.keys.push_back(sampling_key());
-    for (const FormKey& key : {age_key(), clock_key(), offset_key()}) place->second.keys.push_back(key);
-  }
-  return place->second;
+const BoundForm<DeviceSource>& bound_number_source_form(const LogInput& input) {
+  static std::map<std::string_view, BoundForm<DeviceSource>> made;  // by key of the map
+  if (const auto known = made.find(input.key); known != made.end()) return known->second;
+  std::vector<BoundKey<DeviceSource>> keys{topic_key(), device_key()};
+  if (input.can_interpolate) keys.push_back(sampling_key<DeviceSource>());
+  keys.insert(keys.end(), {age_key<DeviceSource>(), clock_key<DeviceSource>(), offset_key<DeviceSource>()});
+  return made.emplace(input.key, BoundForm<DeviceSource>(input.form, input.owner, std::move(keys))).first->second;
 }
 
-const Form& camera_source_form() {
-  static const Form form{"camera_source",
-                         "a camera",
-                         {{"topic", topic(), "the topic of its pictures"},
-                          {"depth", topic(), "the topic of its distances"},
-                          {"info", topic(), "the topic of its CameraInfo"},
-                          device_key(),
-                          age_key(),
-                          clock_key(),
-                          offset_key()},
-                         {{"topic", "depth"}}};
+const BoundForm<DeviceSource>& bound_camera_source_form() {
+  static const BoundForm<DeviceSource> form{
+      "camera_source",
+      "a camera",
+      {FormKey{"topic", topic(), "the topic of its pictures"}, FormKey{"depth", topic(), "the topic of its distances"},
+       FormKey{"info", topic(), "the topic of its CameraInfo"}, device_key(), age_key<DeviceSource>(),
+       clock_key<DeviceSource>(), offset_key<DeviceSource>()},
+      {{"topic", "depth"}}};
   return form;
 }
 
-const Form& range_source_form() {
-  static const Form form{
-      "range_source", "a range sensor", {topic_key(), device_key(), age_key(), clock_key(), offset_key()}};
+const BoundForm<DeviceSource>& bound_range_source_form() {
+  static const BoundForm<DeviceSource> form{
+      "range_source",
+      "a range sensor",
+      {topic_key(), device_key(), age_key<DeviceSource>(), clock_key<DeviceSource>(), offset_key<DeviceSource>()}};
   return form;
 }
 
-const Form& axis_source_form() {
-  static const Form form{"axis_source",
-                         "an axis",
-                         {{"index", types::whole(0, 255), "its number in the message", required},
-                          {"invert", types::flag(), "the sign is changed", "false"},
-                          {"scale", types::number(any_factor), "factor of the position", "1"}}};
+const BoundForm<JoyAxis>& bound_axis_source_form() {
+  static const BoundForm<JoyAxis> form{"axis_source",
+                                       "an axis",
+                                       {FormKey{"index", types::whole(0, 255), "its number in the message", required},
+                                        {"invert", &JoyAxis::invert, "the sign is changed"},
+                                        {"scale", &JoyAxis::scale, any_factor, "factor of the position"}}};
   return form;
 }
 
-const Form& joystick_source_form() {
-  static const Form form{"joystick_source",
-                         "the joystick",
-                         {topic_key(),
-                          {"axes",
-                           types::map(types::either({types::whole(0, 255), types::of(axis_source_form)}),
-                                      names_and_numbers(joystick_axes)),
-                           "from names to numbers in the message"},
-                          {"buttons", types::map(types::whole(0, 255), names_and_numbers(joystick_buttons)),
-                           "from names to numbers in the message"},
-                          age_key(),
-                          clock_key(),
-                          offset_key()}};
+const BoundForm<JoySource>& bound_joystick_source_form() {
+  static const BoundForm<JoySource> form{
+      "joystick_source",
+      "the joystick",
+      {topic_key(),
+       FormKey{"axes",
+               types::map(types::either({types::whole(0, 255), types::of(axis_source_form)}),
+                          names_and_numbers(joystick_axes)),
+               "from names to numbers in the message"},
+       FormKey{"buttons", types::map(types::whole(0, 255), names_and_numbers(joystick_buttons)),
+               "from names to numbers in the message"},
+       age_key<JoySource>(), clock_key<JoySource>(), offset_key<JoySource>()}};
   return form;
 }
 
-const Form& root_source_form() {
-  static const Form form{"root_source",
-                         "the root",
-                         {topic_key(),
-                          {"frame", types::text(), "of a TFMessage: the child frame of the transform"},
-                          sampling_key(),
-                          age_key(),
-                          clock_key(),
-                          offset_key()}};
+const BoundForm<RootSource>& bound_root_source_form() {
+  static const BoundForm<RootSource> form{
+      "root_source",
+      "the root",
+      {topic_key(), FormKey{"frame", types::text(), "of a TFMessage: the child frame of the transform"},
+       sampling_key<RootSource>(), age_key<RootSource>(), clock_key<RootSource>(), offset_key<RootSource>()}};
   return form;
 }
 
-const Form& command_source_form() {
-  static const Form form{"command_source",
-                         "a source of commands",
-                         {topic_key(),
-                          {"names", types::map(types::either({types::text(), types::of(joint_rename_form)})),
-                           "from the log's names to the model's"},
-                          {"joints", names_in_order(), "of an array: the joint of each number; ~ for none"},
-                          {"quantity", types::word({"position", "velocity", "effort"}), "of an array"},
-                          {"shift", types::whole(-1000, 1000), "ticks by which commands are later", "0"},
-                          clock_key(),
-                          offset_key()}};
+const BoundForm<CommandSource>& bound_command_source_form() {
+  static const BoundForm<CommandSource> form{
+      "command_source",
+      "a source of commands",
+      {topic_key(),
+       FormKey{"names", types::map(types::either({types::text(), types::of(joint_rename_form)})),
+               "from the log's names to the model's"},
+       FormKey{"joints", names_in_order(), "of an array: the joint of each number; ~ for none"},
+       FormKey{"quantity", types::word({"position", "velocity", "effort"}), "of an array"},
+       {"shift", &CommandSource::shift, {-1000, 1000}, "ticks by which commands are later"},
+       clock_key<CommandSource>(),
+       offset_key<CommandSource>()}};
   return form;
 }
 
-const Form& state_source_form() {
-  static const Form form{
+const BoundForm<StateSource>& bound_state_source_form() {
+  static const BoundForm<StateSource> form{
       "state_source",
       "a source of states",
       {topic_key(),
-       {"names", names_in_order(), "the name of each number in rehearse_state(); ~ for none", required},
-       clock_key(),
-       offset_key()}};
+       FormKey{"names", names_in_order(), "the name of each number in rehearse_state(); ~ for none", required},
+       clock_key<StateSource>(), offset_key<StateSource>()}};
   return form;
 }
 
+namespace {
+
+/// The form of a source that is the value of the input's key.
 const Form& source_form(const LogInput& input) {
   switch (input.content) {
     case LogInput::Content::ranges: return range_source_form();
     case LogInput::Content::picture: return camera_source_form();
-    default: return number_source_form(input);
+    default: return bound_number_source_form(input);
   }
 }
-
-namespace {
 
 /// The keys of a map for devices: one for each kind of device that measures.
 std::vector<FormKey> device_keys() {
@@ -217,46 +242,78 @@ std::vector<FormKey> device_keys() {
   for (const LogInput* input : log_inputs()) {
     if (std::ranges::find(keys, input->key, &FormKey::name) != keys.end()) continue;
     keys.push_back({input->key, one_or_more(types::of([input]() -> const Form& { return source_form(*input); })),
-                    texts.emplace_back(fmt::format("the topics of {}", input->devices))});
+                    texts.emplace_back(fmt::format("{}, for {}", input->messages, input->devices))});
   }
   return keys;
 }
 
-Form make_map_form() {
+BoundForm<LogMap> make_map_form() {
   const Range steps{Scenario::min_time_step, Scenario::max_time_step, "[s]"};
-  Form form{"map",
-            "the map",
-            {{"rehearse_map", types::whole(1, 1), "version of the form", required},
-             {"body", types::name(), "names channels; default: the model's name"},
-             {"time_step", types::number(steps), "the controller's tick [s]", required},
-             {"tick", source(map_tick_form), "a topic of which each message is a tick"},
-             clock_key(),
-             {"start", types::text(), "all, first, a topic of this map, or a time [s]", "all"},
-             {"restart", one_or_more(types::number(moment_of_log)), "times at which the controller restarts [s]"},
-             {"begins", types::word({"run", "controller"}), "the log may begin in a run, or begins with the controller",
-              "run"},
-             {"missing", types::word({"hold", "skip"}), "at a missing tick: old inputs, or no call", "hold"},
-             {"renamed", types::map(topic()), "from a topic of this map to its later name"},
-             age_key(),
-             {"controller", types::of(map_controller_form), "the controller that is fed"},
-             {"joints", one_or_more(source(joint_source_form)), "the topics of the joints' states"},
-             {"joystick", source(joystick_source_form), "the topic of the joystick"},
-             {"root", source(root_source_form), "the topic of the root link's pose"},
-             {"commands", source(command_source_form), "the topic of the commands to compare with"},
-             {"state", types::of(state_source_form), "the topic of the state that a controller takes back"},
-             {"tolerances", types::list(types::of(tolerance_form)), "allowed differences from the log's commands"}},
-            {{"joints", "joystick", "root"}}};
-  const std::vector<FormKey> of_devices = device_keys();
-  for (const FormKey& key : of_devices) form.needed[0].insert(form.needed[0].end() - 2, key.name);
-  form.keys.insert(std::ranges::find(form.keys, "joystick", &FormKey::name), of_devices.begin(), of_devices.end());
-  return form;
+  std::vector<BoundKey<LogMap>> keys{
+      FormKey{"rehearse_map", types::whole(1, 1), "version of the form", required},
+      FormKey{"body", types::name(), "name of the robot in the recording; default: the model's name"},
+      {"time_step", &LogMap::time_step, steps, "the controller's tick [s]", {"the controller's tick [s]"}},
+      FormKey{"tick", source(map_tick_form),
+              "a topic of which each message is a tick of the controller; default: a grid of time_step, from the "
+              "first tick "
+              "on"},
+      FormKey{"clock", types::word(clock_words().names()), clock_text},
+      FormKey{"start", types::text(), "the first tick: all, first, a topic of this map, or a time [s]", "all"},
+      FormKey{"restart", one_or_more(types::number(moment_of_log)),
+              "a fresh controller starts at this time, or at each of a list, see below [s]"},
+      {"begins",
+       &LogMap::begins_with_controller,
+       {"run (the log may begin in the middle of a run) or controller (with the controller's start)",
+        {{"run", false}, {"controller", true}}},
+       "controller: the controller starts at the first tick; run: the log may begin in the middle of a run"},
+      {"missing",
+       &LogMap::skips_missing,
+       {"hold (the controller is called on old inputs) or skip (it isn't called)", {{"hold", false}, {"skip", true}}},
+       "where messages of tick are missing: hold, the controller is called on old inputs; skip, it isn't called"},
+      FormKey{"renamed", types::map(topic()), "{/old: /new}: the topic /old of the map is named /new later in the log"},
+      FormKey{"max_age", types::number(some_age), age_text},
+      FormKey{"controller", types::of(map_controller_form),
+              "the controller that is fed; default: the library's name, no options, with delay"},
+      FormKey{"joints", one_or_more(source(joint_source_form)),
+              "a JointState: position, velocity and effort are q, dq and u; a topic, a source, or a list of them"}};
+  std::vector<std::string_view> inputs{"joints"};
+  for (FormKey& key : device_keys()) {
+    inputs.push_back(key.name);
+    keys.emplace_back(std::move(key));
+  }
+  inputs.insert(inputs.end(), {"joystick", "root"});
+  const std::vector<BoundKey<LogMap>> others{
+      FormKey{"joystick", source(joystick_source_form),
+              "a Joy: a topic, or {topic, axes: {L_STICK_V: {index: 1, invert: true}}, buttons: {A: 0}}"},
+      FormKey{"root", source(root_source_form),
+              "the pose of the root link: a PoseStamped, an Odometry, or {topic: /tf, frame: base_link}"},
+      FormKey{"commands", source(command_source_form),
+              "the commands of the robot's controller, for comparison: a JointState, or another type"},
+      FormKey{"state", types::of(state_source_form), "the state that the robot's controller published"},
+      FormKey{"tolerances", types::list(types::of(tolerance_form)),
+              "of these commands, as in a scenario; default: by their range"}};
+  keys.insert(keys.end(), others.begin(), others.end());
+  return {"map", "the map", std::move(keys), {std::move(inputs)}};
 }
 
 }  // namespace
 
-const Form& map_form() {
-  static const Form form = make_map_form();
+const BoundForm<LogMap>& bound_map_form() {
+  static const BoundForm<LogMap> form = make_map_form();
   return form;
 }
+
+const Form& map_tick_form() { return bound_tick_form(); }
+const Form& map_controller_form() { return bound_map_controller_form(); }
+const Form& joint_rename_form() { return bound_joint_rename_form(); }
+const Form& joint_source_form() { return bound_joint_source_form(); }
+const Form& camera_source_form() { return bound_camera_source_form(); }
+const Form& range_source_form() { return bound_range_source_form(); }
+const Form& axis_source_form() { return bound_axis_source_form(); }
+const Form& joystick_source_form() { return bound_joystick_source_form(); }
+const Form& root_source_form() { return bound_root_source_form(); }
+const Form& command_source_form() { return bound_command_source_form(); }
+const Form& state_source_form() { return bound_state_source_form(); }
+const Form& map_form() { return bound_map_form(); }
 
 }  // namespace rehearse
