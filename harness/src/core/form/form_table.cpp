@@ -59,7 +59,7 @@ std::string values_of(const ValueType& type) {
       for (const std::string& word : type.words) parts.push_back(fmt::format("`{}`", word));
       return alternatives(parts);
     case Kind::quantity:
-      for (const Unit& unit : type.units) parts.emplace_back(unit.name);
+      for (const Spelling& unit : type.units) parts.emplace_back(unit.text);
       return fmt::format("number{}, or with {}", limits_of(type.range), alternatives(parts));
     case Kind::list: return list_of(type);
     case Kind::map: return "map of names to: " + values_of(type.parts[0]);

@@ -326,7 +326,7 @@ void ReportMaker::write_happenings(ReportJson& object, BlobWriter& blobs) {
           {{"run", index}, {"tick", change.tick}, {"a", change.link}, {"b", change.other}, {"begins", change.begins}});
     ++index;
   }
-  std::ranges::stable_sort(contacts, [](const ReportJson& a, const ReportJson& b) {
+  std::stable_sort(contacts.begin(), contacts.end(), [](const ReportJson& a, const ReportJson& b) {
     return a["tick"].get<std::int64_t>() < b["tick"].get<std::int64_t>();
   });
   object["contacts"] = std::move(contacts);
