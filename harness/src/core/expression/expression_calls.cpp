@@ -1,52 +1,63 @@
 // Parses the calls of functions in an expression.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "expression_parser.h"
 #include "unit.h"
 
 namespace rehearse {
-namespace {
+/// A function of expressions, with the parser of its arguments.
+struct ExpressionParser::Function {
+  std::string_view name;
+  Made (*parse)(ExpressionParser& parser, const ExpressionToken& word);
+};
 
-constexpr std::string_view functions =
-    "abs, min, max, sqrt, sin, cos, nan, prev, delta, changed, step, at, q, dq, u, q_target, dq_target, u_target, "
-    "limit, "
-    "recorded, replayed, contact, message, event";
-
-}  // namespace
+const std::vector<ExpressionParser::Function>& ExpressionParser::functions() {
+  using Parser = ExpressionParser;
+  using Word = const ExpressionToken;
+  static const std::vector<Function> rows{
+      {"abs", [](Parser& parser, Word& word) { return parser.arithmetic_call(word, Op::absolute, 1); }},
+      {"min", [](Parser& parser, Word& word) { return parser.arithmetic_call(word, Op::least, 2); }},
+      {"max", [](Parser& parser, Word& word) { return parser.arithmetic_call(word, Op::most, 2); }},
+      {"sqrt", [](Parser& parser, Word& word) { return parser.arithmetic_call(word, Op::square_root, 1); }},
+      {"sin", [](Parser& parser, Word& word) { return parser.arithmetic_call(word, Op::sine, 1); }},
+      {"cos", [](Parser& parser, Word& word) { return parser.arithmetic_call(word, Op::cosine, 1); }},
+      {"nan", [](Parser& parser, Word& word) { return parser.arithmetic_call(word, Op::is_nan, 1); }},
+      {"prev", [](Parser& parser, Word& word) { return parser.shift_call(word, Op::previous); }},
+      {"delta", [](Parser& parser, Word& word) { return parser.shift_call(word, Op::delta); }},
+      {"changed", [](Parser& parser, Word& word) { return parser.shift_call(word, Op::changed); }},
+      {"step", [](Parser& parser, Word& word) { return parser.step_call(word); }},
+      {"at", [](Parser& parser, Word& word) { return parser.value_at_call(word); }},
+      {"q", [](Parser& parser, Word& word) { return parser.joint_call(word); }},
+      {"dq", [](Parser& parser, Word& word) { return parser.joint_call(word); }},
+      {"u", [](Parser& parser, Word& word) { return parser.joint_call(word); }},
+      {"q_target", [](Parser& parser, Word& word) { return parser.joint_call(word); }},
+      {"dq_target", [](Parser& parser, Word& word) { return parser.joint_call(word); }},
+      {"u_target", [](Parser& parser, Word& word) { return parser.joint_call(word); }},
+      {"limit", [](Parser& parser, Word& word) { return parser.limit_call(word); }},
+      {"recorded", [](Parser& parser, Word& word) { return parser.side_call(word, CommandSide::recorded); }},
+      {"replayed", [](Parser& parser, Word& word) { return parser.side_call(word, CommandSide::replayed); }},
+      {"contact", [](Parser& parser, Word& word) { return parser.contact_call(word); }},
+      {"message", [](Parser& parser, Word& word) { return parser.message_call(word, Op::message); }},
+      {"event", [](Parser& parser, Word& word) { return parser.message_call(word, Op::event); }},
+  };
+  return rows;
+}
 
 ExpressionParser::Made ExpressionParser::call(const ExpressionToken& word) {
-  struct Arithmetic {
-    std::string_view name;
-    Op op;
-    std::size_t arguments;
-  };
-  static constexpr std::array<Arithmetic, 7> arithmetic{{{"abs", Op::absolute, 1},
-                                                         {"min", Op::least, 2},
-                                                         {"max", Op::most, 2},
-                                                         {"sqrt", Op::square_root, 1},
-                                                         {"sin", Op::sine, 1},
-                                                         {"cos", Op::cosine, 1},
-                                                         {"nan", Op::is_nan, 1}}};
   if (!advance()) return std::nullopt;  // skips the parenthesis
-  for (const Arithmetic& function : arithmetic)
-    if (word.text == function.name) return arithmetic_call(word, function.op, function.arguments);
-  if (word.text == "prev") return shift_call(word, Op::previous);
-  if (word.text == "delta") return shift_call(word, Op::delta);
-  if (word.text == "changed") return shift_call(word, Op::changed);
-  if (word.text == "recorded") return side_call(word, CommandSide::recorded);
-  if (word.text == "replayed") return side_call(word, CommandSide::replayed);
-  if (word.text == "contact") return contact_call(word);
-  if (word.text == "message") return message_call(word, Op::message);
-  if (word.text == "event") return message_call(word, Op::event);
-  if (word.text == "step") return step_call(word);
-  if (word.text == "at") return value_at_call(word);
-  if (word.text == "limit") return limit_call(word);
-  for (const std::string_view quantity : {"q", "dq", "u", "q_target", "dq_target", "u_target"})
-    if (word.text == quantity) return joint_call(word);
-  return fail(word.begin, fmt::format("there is no function '{}'", word.text), fmt::format("known: {}", functions));
+  const auto found = std::ranges::find(functions(), word.text, &Function::name);
+  if (found != functions().end()) return found->parse(*this, word);
+  std::vector<std::string_view> names;
+  for (const Function& function : functions()) names.push_back(function.name);
+  return fail(word.begin, fmt::format("there is no function '{}'", word.text),
+              fmt::format("known: {}", fmt::join(names, ", ")));
 }
 
 ExpressionParser::Made ExpressionParser::arithmetic_call(const ExpressionToken& word, Op op, std::size_t arguments) {

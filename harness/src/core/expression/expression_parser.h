@@ -113,6 +113,8 @@ class ExpressionParser {
   Made unary();
   Made primary();
   Made name(const ExpressionToken& word);
+  struct Function;
+  static const std::vector<Function>& functions();
   Made call(const ExpressionToken& word);
   Made arithmetic_call(const ExpressionToken& word, Op op, std::size_t arguments);
   Made shift_call(const ExpressionToken& word, Op op);
