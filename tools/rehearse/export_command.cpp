@@ -31,7 +31,7 @@ struct ExportSettings {
   ExportOptions options;
 };
 
-Result<ExportReport> write(const ExportSettings& settings, const std::filesystem::path& output) {
+Result<ExportReport> write_export(const ExportSettings& settings, const std::filesystem::path& output) {
   StoppableProgress progress("exporting");
   ExportOptions options = settings.options;
   options.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
@@ -115,7 +115,7 @@ Exit run_export(const ExportSettings& settings) {
   if (!output) return refuse(output.errors());
   if (output->path() != settings.output && !settings.joined)
     return refuse(error("-o - is for one table: --joined", "name a folder"));
-  auto report = write(settings, output->path());
+  auto report = write_export(settings, output->path());
   if (!report) return refuse(report.errors());
   if (settings.joined)
     for (ExportedTopic& table : report->written) table.file = settings.output;

@@ -155,7 +155,7 @@ Result<void> prepare(const fs::path& folder) {
   return {};
 }
 
-Result<void> write(const fs::path& file, const std::string& text) {
+Result<void> write_in_folder(const fs::path& file, const std::string& text) {
   std::error_code ignored;
   fs::create_directories(file.parent_path(), ignored);
   return write_text(file, text);
@@ -180,7 +180,7 @@ Exit add_workflow(const fs::path& folder, const Replacements& replacements) {
     return refuse(error_in(target.string(), "there is a workflow", "remove it to have it written anew"));
   for (const ProjectFile& file : new_project_files())
     if (file.path == workflow_file)
-      if (const auto written = write(target, filled_in(file.text, replacements)); !written)
+      if (const auto written = write_in_folder(target, filled_in(file.text, replacements)); !written)
         return refuse(written.errors());
   fmt::print("{}: {}runs its tests on GitHub, with Rehearse from {}\n", target.string(),
              replacements.language.is_built ? "builds the project and " : "", replacements.origin);
@@ -200,7 +200,7 @@ Exit run_new(const NewSettings& settings) {
     if (file.path == workflow_file && !has_workflow) continue;
     const bool is_of_all = file.language.empty() || (file.language == "built" && language.is_built);
     if (!is_of_all && file.language != language.folder) continue;
-    if (const auto written = write(folder / file.path, filled_in(file.text, replacements)); !written)
+    if (const auto written = write_in_folder(folder / file.path, filled_in(file.text, replacements)); !written)
       return refuse(written.errors());
   }
 

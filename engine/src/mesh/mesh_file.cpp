@@ -20,8 +20,8 @@ Diagnostics at(const std::filesystem::path& file, Diagnostics found) {
   return found;
 }
 
-Result<MeshReading> read(MeshFormat format, MeshInput& input, const Eigen::Vector3d& scale,
-                         const MeshSelection& selection) {
+Result<MeshReading> read_in_format(MeshFormat format, MeshInput& input, const Eigen::Vector3d& scale,
+                                   const MeshSelection& selection) {
   const bool is_whole = selection.node.empty() && selection.without.empty();
   const bool is_plain_stl = format == MeshFormat::stl && is_whole && is_binary_stl(input.bytes());
   if (format != MeshFormat::vrml && !is_plain_stl) return read_by_assimp(format, input, scale, selection);
@@ -51,7 +51,7 @@ Result<MeshReading> read_mesh(const std::filesystem::path& file, const Eigen::Ve
   try {
     MeshInput input(file, std::move(bytes));
     if (auto checked = check_mesh_bytes(*format, input.bytes()); !checked) return at(file, checked.errors());
-    Result<MeshReading> reading = read(*format, input, scale, selection);
+    Result<MeshReading> reading = read_in_format(*format, input, scale, selection);
     if (!reading) return at(file, reading.errors());
     std::error_code ignored;
     reading->data.file = std::filesystem::weakly_canonical(file, ignored).string();

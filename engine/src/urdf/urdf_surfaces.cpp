@@ -143,13 +143,13 @@ void read_block(const XMLElement& block, Draft& draft, Findings& findings) {
 }
 
 template <class Value>
-void take(const std::optional<Value>& from, std::optional<Value>& to) {
+void take_value(const std::optional<Value>& from, std::optional<Value>& to) {
   if (from) to = from;
 }
 
 void apply_to(const SurfaceDraft& draft, Link& link) {
-  for (const Figure& figure : gazebo_figures()) take(draft.surface.*figure.place, link.surface.*figure.place);
-  take(draft.surface.friction_direction, link.surface.friction_direction);
+  for (const Figure& figure : gazebo_figures()) take_value(draft.surface.*figure.place, link.surface.*figure.place);
+  take_value(draft.surface.friction_direction, link.surface.friction_direction);
   link.has_weight = draft.has_weight.value_or(link.has_weight);
   link.collides_with_own = draft.collides_with_own.value_or(link.collides_with_own);
 }

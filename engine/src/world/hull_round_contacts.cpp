@@ -69,7 +69,7 @@ std::vector<TouchPoint> touch_face(const Polytope& hull, int face, double radius
 }
 
 /// Keeps the direction with the larger separation.
-void take(Axis& best, const Vector3d& direction, double separation) {
+void take_axis(Axis& best, const Vector3d& direction, double separation) {
   if (separation > best.separation) best = {direction, separation};
 }
 
@@ -87,10 +87,11 @@ Vector3d common_normal(const Polytope& hull, const PolytopeEdge& edge, const Vec
 /// The direction in which a segment overlaps the hull least, or has the largest distance from a face or edge.
 Axis segment_axis(const Polytope& hull, const Vector3d& from, const Vector3d& to) {
   Axis best;
-  for (const Plane& plane : hull.planes()) take(best, plane.normal, std::min(plane.distance(from), plane.distance(to)));
+  for (const Plane& plane : hull.planes())
+    take_axis(best, plane.normal, std::min(plane.distance(from), plane.distance(to)));
   for (const PolytopeEdge& edge : hull.edges()) {
     const Vector3d normal = common_normal(hull, edge, to - from);
-    if (!normal.isZero(0.0)) take(best, normal, normal.dot(from - hull.vertices()[edge.from]));
+    if (!normal.isZero(0.0)) take_axis(best, normal, normal.dot(from - hull.vertices()[edge.from]));
   }
   return best;
 }
@@ -158,7 +159,7 @@ void take_rim(const Polytope& hull, const PolytopeEdge& edge, const CylinderSupp
     else
       high = b;
   }
-  take(best, direction_at(0.5 * (low + high)), separation_at(0.5 * (low + high)));
+  take_axis(best, direction_at(0.5 * (low + high)), separation_at(0.5 * (low + high)));
 }
 
 /// The direction in which a cylinder overlaps the hull least: the best of the faces, and the best of all.
@@ -175,13 +176,13 @@ CylinderAxes cylinder_axes(const Polytope& hull, const Round& cylinder) {
     const Plane& plane = hull.planes()[i];
     const double separation = support.lowest(plane.normal) - plane.offset;
     if (separation > axes.face.separation) axes.best_face = static_cast<int>(i);
-    take(axes.face, plane.normal, separation);
+    take_axis(axes.face, plane.normal, separation);
   }
   axes.any = axes.face;
   if (axes.any.separation > 0.0) return axes;
   const auto take_checked = [&](const Vector3d& direction) {
     const Vector3d& highest = hull.vertices()[farthest_along(hull.vertices(), direction)];
-    take(axes.any, direction, support.lowest(direction) - direction.dot(highest));
+    take_axis(axes.any, direction, support.lowest(direction) - direction.dot(highest));
   };
   take_checked(axis);
   take_checked(-axis);
@@ -198,7 +199,8 @@ CylinderAxes cylinder_axes(const Polytope& hull, const Round& cylinder) {
   if (nearest > least) take_checked(from_vertex / nearest);
   for (const PolytopeEdge& edge : hull.edges()) {
     const Vector3d normal = common_normal(hull, edge, axis);
-    if (!normal.isZero(0.0)) take(axes.any, normal, support.lowest(normal) - normal.dot(hull.vertices()[edge.from]));
+    if (!normal.isZero(0.0))
+      take_axis(axes.any, normal, support.lowest(normal) - normal.dot(hull.vertices()[edge.from]));
     if (axes.any.separation > 0.0) return axes;
   }
   return axes;

@@ -75,7 +75,7 @@ std::string text_of(const KeptInstructions& counts) {
   return text + "\n  }\n}\n";
 }
 
-Result<KeptInstructions> read(const fs::path& file) {
+Result<KeptInstructions> read_instructions(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) return error_in(file.string(), fmt::format("it can't be read: {}", std::strerror(errno)));
   const auto wrong = [&](const std::string& problem) {
@@ -199,7 +199,7 @@ Result<void> keep_instructions(const AuditReport& report, const fs::path& golden
 }
 
 Result<InstructionJudgement> judge_instructions(const AuditReport& report, const fs::path& golden) {
-  const auto kept = REHEARSE_TRY(read(instructions_file_of(golden)));
+  const auto kept = REHEARSE_TRY(read_instructions(instructions_file_of(golden)));
   const KeptInstructions present = counts_of(report, golden);
   InstructionJudgement judgement;
   for (const ControllerAudit& controller : report.controllers) {

@@ -109,7 +109,7 @@ bool is_ours(const std::string& name, const std::string& prefix) {
   return name.starts_with(prefix) && (name.ends_with(".image.png") || name.ends_with(".depth.png"));
 }
 
-Result<void> write(const fs::path& file, const Image& image) {
+Result<void> write_picture(const fs::path& file, const Image& image) {
   const std::vector<std::uint8_t> bytes = encode_png(image);
   std::ofstream stream(file, std::ios::binary);
   stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
@@ -138,7 +138,7 @@ Result<std::vector<fs::path>> write_picture_differences(const Trace& golden, con
     if (!expected || !other || !expected->same_size(*other)) continue;
     const Tolerance tolerance = picture_tolerance(*of_golden, rules);
     const fs::path file = beside.parent_path() / file_name(beside, channel.channel);
-    REHEARSE_TRY(write(file, side_by_side(*expected, *other, tolerance)));
+    REHEARSE_TRY(write_picture(file, side_by_side(*expected, *other, tolerance)));
     written.push_back(file);
   }
   return written;

@@ -24,7 +24,7 @@ namespace {
 
 /// Reads the rest of a message.
 template <class Call>
-bool read(Bytes rest, Call& call) {
+bool read_call(Bytes rest, Call& call) {
   CdrReader reader(rest);
   return msg::decode(reader, call);
 }
@@ -67,7 +67,7 @@ struct TraceKeeper::Kept {
 
 Result<void> TraceKeeper::Kept::create(Bytes rest) {
   trace_call::Create call;
-  if (!read(rest, call)) return error("the call can't be read");
+  if (!read_call(rest, call)) return error("the call can't be read");
   file = call.file;
   name = call.name;
   auto created = REHEARSE_TRY(mcap::Writer::create(file, trace_call::form_of_recordings()));
@@ -77,7 +77,7 @@ Result<void> TraceKeeper::Kept::create(Bytes rest) {
 
 bool TraceKeeper::Kept::add_channel(Bytes rest) {
   trace_call::AddChannel call;
-  if (!read(rest, call) || call.schema > schemas) return false;
+  if (!read_call(rest, call) || call.schema > schemas) return false;
   const std::uint16_t id =
       writer->add_channel(call.schema, call.topic, call.encoding, trace_call::map_of(call.metadata),
                           {call.group, static_cast<mcap::Compression>(call.compression)});
@@ -118,7 +118,7 @@ bool TraceKeeper::Kept::call(const Head& head, Bytes rest, Result<void>& result)
   switch (head.kind) {
     case Kind::add_schema: {
       trace_call::AddSchema call;
-      if (!read(rest, call)) return false;
+      if (!read_call(rest, call)) return false;
       schemas = std::max<std::size_t>(schemas, writer->add_schema(call.name, call.encoding, call.data));
       return true;
     }
@@ -144,7 +144,7 @@ bool TraceKeeper::Kept::call(const Head& head, Bytes rest, Result<void>& result)
     case Kind::copy_chunk: return copy_chunk(rest, result);
     case Kind::add_attachment: {
       trace_call::AddAttachment call;
-      if (!read(rest, call)) return false;
+      if (!read_call(rest, call)) return false;
       result = writer->add_attachment(call.name, call.media_type, std::as_bytes(std::span(call.data)), call.log_time,
                                       call.create_time);
       return true;
@@ -152,7 +152,7 @@ bool TraceKeeper::Kept::call(const Head& head, Bytes rest, Result<void>& result)
     case Kind::add_metadata:
     case Kind::add_at_failure: {
       trace_call::AddMetadata call;
-      if (!read(rest, call)) return false;
+      if (!read_call(rest, call)) return false;
       if (head.kind == Kind::add_metadata)
         result = writer->add_metadata(call.name, trace_call::map_of(call.values));
       else

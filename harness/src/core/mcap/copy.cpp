@@ -78,7 +78,7 @@ std::vector<Group> summary_of(Bytes bytes, const Cut& cut, std::size_t added) {
   return groups;
 }
 
-Result<void> write(const std::filesystem::path& file, std::initializer_list<Bytes> parts) {
+Result<void> write_file(const std::filesystem::path& file, std::initializer_list<Bytes> parts) {
   std::ofstream stream(file, std::ios::binary | std::ios::trunc);
   for (const Bytes part : parts)
     stream.write(reinterpret_cast<const char*>(part.data()), static_cast<std::streamsize>(part.size()));
@@ -115,7 +115,7 @@ Result<void> copy_with_metadata(const std::filesystem::path& source, const std::
                           [&](Bytes more) { end.insert(end.end(), more.begin(), more.end()); });
   for (const Group& group : groups) summary.add_group(group.opcode, group.records);
   summary.finish();
-  return write(target, {kept, records, end});
+  return write_file(target, {kept, records, end});
 }
 
 }  // namespace rehearse::mcap

@@ -30,8 +30,8 @@ mcap::StringMap facts_of(const Scenario& scenario, const ControllerHost& host, c
   return stated;
 }
 
-Result<void> write(mcap::Reader& reader, const Scenario& scenario, const std::string& source, const fs::path& trace,
-                   const ReplayOptions& options) {
+Result<void> write_trace(mcap::Reader& reader, const Scenario& scenario, const std::string& source,
+                         const fs::path& trace, const ReplayOptions& options) {
   auto host = REHEARSE_TRY(ControllerHost::create(scenario, options));
   auto altered = REHEARSE_TRY(AlteredInputs::parse(options.set, scenario));
   Command at_rest = host->initialize(initial_observation(scenario));
@@ -76,7 +76,7 @@ Result<void> write_replay(const fs::path& recording, const fs::path& trace, cons
   if (!reader->damage().empty()) return mcap::with_recover_hint(reader->damage());
   const auto scenario = REHEARSE_TRY(scenario_of(*reader));
   const auto source = REHEARSE_TRY(name_and_hash(recording));
-  return write(*reader, scenario, source, trace, options);
+  return write_trace(*reader, scenario, source, trace, options);
 }
 
 }  // namespace rehearse

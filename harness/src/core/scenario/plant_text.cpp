@@ -41,7 +41,7 @@ Inside item_of(Inside list) {
   return list == Inside::controllers ? Inside::controller : Inside::other;
 }
 
-void write(const YamlNode& node, Inside inside, int depth, std::string& text) {
+void write_node(const YamlNode& node, Inside inside, int depth, std::string& text) {
   const std::string indent(static_cast<std::size_t>(depth), ' ');
   switch (node.kind) {
     case YamlNode::Kind::empty: text += indent + "~\n"; return;
@@ -50,15 +50,15 @@ void write(const YamlNode& node, Inside inside, int depth, std::string& text) {
       return;
     case YamlNode::Kind::list:
       text += fmt::format("{}[{}\n", indent, node.items.size());
-      for (const YamlNodePtr& item : node.items) write(*item, item_of(inside), depth + 1, text);
+      for (const YamlNodePtr& item : node.items) write_node(*item, item_of(inside), depth + 1, text);
       return;
     case YamlNode::Kind::map:
       text += indent + "{\n";
       for (std::size_t i = 0; i < node.keys.size(); ++i) {
         const std::string& key = node.keys[i]->text;
         if (is_left_out(inside, key)) continue;
-        write(*node.keys[i], Inside::other, depth + 1, text);
-        write(*node.items[i], below(inside, key), depth + 2, text);
+        write_node(*node.keys[i], Inside::other, depth + 1, text);
+        write_node(*node.items[i], below(inside, key), depth + 2, text);
       }
       text += indent + "}\n";
       return;
@@ -72,7 +72,7 @@ bool only_judges(std::string_view key) { return key != "options" && is_one_of(ke
 Result<std::string> plant_text(const Scenario& scenario) {
   const YamlNodePtr root = REHEARSE_TRY(parse_yaml(scenario.text, scenario.file));
   std::string text;
-  write(*root, Inside::scenario, 0, text);
+  write_node(*root, Inside::scenario, 0, text);
   return text;
 }
 

@@ -57,7 +57,8 @@ namespace {
 /// The temporary name of a file until it is complete.
 std::filesystem::path draft_of(const std::filesystem::path& file) { return file.string() + ".part"; }
 
-Result<void> write(const std::filesystem::path& file, const char* bytes, std::size_t size, std::ios::openmode mode) {
+Result<void> write_bytes(const std::filesystem::path& file, const char* bytes, std::size_t size,
+                         std::ios::openmode mode) {
   std::ofstream out(file, std::ios::binary | mode);
   out.write(bytes, static_cast<std::streamsize>(size));
   out.close();
@@ -80,7 +81,7 @@ Result<void> put_in_place(const std::filesystem::path& file) {
 
 Result<void> write_file(const std::filesystem::path& file, std::span<const std::uint8_t> bytes) {
   const auto written =
-      write(draft_of(file), reinterpret_cast<const char*>(bytes.data()), bytes.size(), std::ios::trunc);
+      write_bytes(draft_of(file), reinterpret_cast<const char*>(bytes.data()), bytes.size(), std::ios::trunc);
   if (written) return put_in_place(file);
   std::error_code ignored;
   std::filesystem::remove(draft_of(file), ignored);
@@ -94,7 +95,7 @@ LineFiles::~LineFiles() {
 
 Result<void> LineFiles::begin(const std::filesystem::path& file, std::string_view line) {
   held_[file].clear();
-  REHEARSE_TRY(write(draft_of(file), nullptr, 0, std::ios::trunc));
+  REHEARSE_TRY(write_bytes(draft_of(file), nullptr, 0, std::ios::trunc));
   return append(file, line);
 }
 
@@ -116,7 +117,7 @@ Result<void> LineFiles::finish() {
 Result<void> LineFiles::flush() {
   for (auto& [file, lines] : held_) {
     if (lines.empty()) continue;
-    REHEARSE_TRY(write(draft_of(file), lines.data(), lines.size(), std::ios::app));
+    REHEARSE_TRY(write_bytes(draft_of(file), lines.data(), lines.size(), std::ios::app));
     lines.clear();
   }
   size_ = 0;
