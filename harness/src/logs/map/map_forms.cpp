@@ -224,9 +224,6 @@ const BoundForm<StateSource>& bound_state_source_form() {
   return form;
 }
 
-namespace {
-
-/// The form of a source that is the value of the input's key.
 const Form& source_form(const LogInput& input) {
   switch (input.content) {
     case LogInput::Content::ranges: return range_source_form();
@@ -234,6 +231,8 @@ const Form& source_form(const LogInput& input) {
     default: return bound_number_source_form(input);
   }
 }
+
+namespace {
 
 /// The keys of a map for devices: one for each kind of device that measures.
 std::vector<FormKey> device_keys() {
