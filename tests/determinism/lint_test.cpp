@@ -32,7 +32,7 @@ const Rule rules[] = {
     {"hash", R"(\bstd::hash\b|\bhash_value\()", "it may be another number with another library; see hashing.h"},
     {"unstable sort", R"(\b(std::|ranges::)(sort|partial_sort|nth_element)\()",
      "what compares equal comes out in any order: take std::stable_sort, or order completely and say so here",
-     R"(\.end\(\)\);)"},  // by operator<, which is a complete order for what we sort so
+     R"(\.end\(\)\);|ranges::sort\([^,]*\);)"},  // by operator<, which is a complete order for what we sort so
     {"clock",
      R"(\b(steady|system|high_resolution|utc|file)_clock\b|\b(clock_gettime|gettimeofday|std::time|std::clock|localtime|gmtime)\()",
      "no run may depend on when it is made or how long it takes"},
@@ -245,6 +245,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Sample{"std::set<Link *> seen;", "pointer order"}, Sample{"std::map<int, Body*> by_id;", nullptr},
                       Sample{"seed = std::hash<std::string>()(name);", "hash"},
                       Sample{"std::ranges::sort(a, by_depth);", "unstable sort"},
+                      Sample{"std::nth_element(a.begin(), middle, a.end(), by_depth);", "unstable sort"},
+                      Sample{"std::nth_element(a.begin(), middle, a.end());", nullptr},
                       Sample{"std::ranges::sort(a, [](int x, int y) {", "unstable sort"},
                       Sample{"std::ranges::sort(a);", nullptr},
                       Sample{"std::ranges::stable_sort(a, by_depth);", nullptr},

@@ -76,7 +76,7 @@ TEST(FormTable, HasARowForEachKeyWithItsValuesAndItsDefault) {
   EXPECT_EQ(table_text(leaf_form()),
             "| key | what | values | default |\n"
             "| --- | --- | --- | --- |\n"
-            "| `length` | its length [m] | number above 0 and at most 2 [m], or with m or mm | `1` |\n"
+            "| `length` | its length [m] | number above 0 and at most 2 [m], or with m, mm or cm | `1` |\n"
             "| `color` | its colour | `green` or `red` | `green` |\n"
             "| `name` | its name | text | required |\n"
             "| `vein` | it has one | `true` or `false` |  |\n"

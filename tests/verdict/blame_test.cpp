@@ -6,6 +6,7 @@
 
 #include <filesystem>
 
+#include "core/guard/own_process.h"
 #include "core/kinds/channel_name.h"
 #include "core/scenario/key_changes.h"
 #include "core/scenario/structure_change.h"
@@ -94,7 +95,8 @@ TEST_F(Blamed, WordsThatDifferEarlierComeFirst) {
                  "tick 500"));
 }
 
-/// The third run of a process is the replay of a check, after the golden's run and the closed loop.
+/// The third run of a process is the replay of a check, after the golden's run and the closed loop. With a supervisor the
+/// two of the check have processes of their own, so that neither is the third.
 TEST_F(Blamed, NoLibraryForDataOfAnEarlierRun) {
   CheckOptions options;
   options.run.keep_libraries = true;
@@ -103,6 +105,10 @@ TEST_F(Blamed, NoLibraryForDataOfAnEarlierRun) {
   original.libraries["Stand"] = "StandWith_earlier_runs";
   robot_.record_golden(original);
   const CheckReport report = checked_with("StandWith_earlier_runs", options);
+  if (has_own_processes()) {
+    EXPECT_TRUE(report.equal()) << report.verdict.text();
+    return;
+  }
   EXPECT_THAT(report.verdict.text(), StartsWith("an earlier run left data behind"));
   EXPECT_THAT(report.verdict.text(), HasSubstr("`rehearse audit`"));
 }

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -84,10 +84,11 @@ std::string default_of(const FormKey& key) {
   return fmt::format("`{}`", key.fallback);
 }
 
-const Form* find_form(const ValueType& type, std::string_view name, std::set<const Form*>& known) {
+const Form* find_form(const ValueType& type, std::string_view name, std::vector<const Form*>& known) {
   for (const ValueType& part : type.parts)
     if (const Form* found = find_form(part, name, known)) return found;
-  if (!type.form || !known.insert(&type.form()).second) return nullptr;
+  if (!type.form || std::ranges::find(known, &type.form()) != known.end()) return nullptr;
+  known.push_back(&type.form());
   if (type.form().name == name) return &type.form();
   for (const FormKey& key : type.form().keys)
     if (const Form* found = find_form(key.type, name, known)) return found;
@@ -105,7 +106,7 @@ std::string table_text(const Form& form) {
 }
 
 const Form* find_form(const ValueType& type, std::string_view name) {
-  std::set<const Form*> known;
+  std::vector<const Form*> known;
   return find_form(type, name, known);
 }
 
