@@ -34,8 +34,7 @@ Result<void> read_selection(FilterSettings& settings) {
   selection.from = settings.span.from;
   selection.until = settings.span.until;
   if (!settings.ticks.empty()) {
-    const auto ticks = REHEARSE_TRY(mcap::parse_tick_span(settings.ticks));
-    selection.ticks = ticks;
+    selection.ticks = REHEARSE_TRY(mcap::parse_tick_span(settings.ticks));
   }
   if (settings.compression == "zstd") settings.options.compression = mcap::Compression::zstd;
   if (settings.compression == "lz4") settings.options.compression = mcap::Compression::lz4;

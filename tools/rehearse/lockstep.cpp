@@ -86,14 +86,12 @@ Result<Pair> pair_of(const fs::path& trace, const Scenario& scenario, const std:
   const auto present = find_controller_library(controller.controller->library, folder_of(scenario));
   const auto given =
       std::ranges::find_if(host.libraries, [&](const auto& entry) { return controller.is_called(entry.first); });
-  const auto library = REHEARSE_TRY(
+  pair.new_library = REHEARSE_TRY(
       given == host.libraries.end() ? present : find_controller_library(given->second, fs::current_path()));
-  pair.new_library = library;
   REHEARSE_TRY(check_language(pair.new_library));
   if (pair.old_name == "recorded") {
     if (!present) return present.errors();
-    const auto recorded = REHEARSE_TRY(recorded_library(trace, controller, *present));
-    pair.old_library = recorded;
+    pair.old_library = REHEARSE_TRY(recorded_library(trace, controller, *present));
     return pair;
   }
   const auto old = find_controller_library(pair.old_name, fs::current_path());
@@ -108,11 +106,9 @@ Result<Pair> pair_of(const fs::path& trace, const Scenario& scenario, const std:
     return problem;
   }
   pair.built.emplace(ScratchFolder::temporary());
-  const auto built = REHEARSE_TRY(build_of_commit(pair.old_name, pair.new_library, pair.built->path()));
-  pair.old_library = built;
+  pair.old_library = REHEARSE_TRY(build_of_commit(pair.old_name, pair.new_library, pair.built->path()));
   if (given != host.libraries.end()) return pair;
-  const auto present_build = REHEARSE_TRY(build_of_sources(pair.new_library, pair.built->path()));
-  pair.new_library = present_build;
+  pair.new_library = REHEARSE_TRY(build_of_sources(pair.new_library, pair.built->path()));
   return pair;
 }
 

@@ -131,12 +131,10 @@ Result<SecondsSpan> seconds_in(const TimeSpan& span, const std::string& recordin
   if (span.is_all()) return seconds;
   auto reader = REHEARSE_TRY(mcap::Reader::open(recording));
   if (span.from) {
-    const auto from = REHEARSE_TRY(mcap::seconds_in(*span.from, *reader));
-    seconds.from = from;
+    seconds.from = REHEARSE_TRY(mcap::seconds_in(*span.from, *reader));
   }
   if (span.until) {
-    const auto until = REHEARSE_TRY(mcap::seconds_in(*span.until, *reader));
-    seconds.until = until;
+    seconds.until = REHEARSE_TRY(mcap::seconds_in(*span.until, *reader));
   }
   const auto times = mcap::log_times(*reader);
   const bool is_after = times && seconds.from && *seconds.from > static_cast<double>(times->second) * 1e-9;

@@ -158,12 +158,11 @@ Result<ReplayProcesses::Child> ReplayProcesses::start(const ReplaySettings& sett
   fs::create_directories(elsewhere, failed);
   if (failed) return error(fmt::format("the folder {} can't be made: {}", elsewhere.string(), failed.message()));
   const auto variables = REHEARSE_TRY(environment(settings));
-  const auto process = REHEARSE_TRY(rehearse::start({.words = command_line(settings),
-                                                     .environment = variables,
-                                                     .output = child.folder / "output.txt",
-                                                     .folder = settings.other_folder ? elsewhere : fs::path(),
-                                                     .fixed_addresses = !settings.other_addresses}));
-  child.process = process;
+  child.process = REHEARSE_TRY(rehearse::start({.words = command_line(settings),
+                                                .environment = variables,
+                                                .output = child.folder / "output.txt",
+                                                .folder = settings.other_folder ? elsewhere : fs::path(),
+                                                .fixed_addresses = !settings.other_addresses}));
   return child;
 }
 

@@ -162,9 +162,8 @@ Result<Campaign> CampaignFolder::begin(Scenario scenario, const fs::path& folder
   campaign.options_ = options;
   if (campaign.scenario_.variations.empty())
     return error_in(campaign.scenario_.file, "the scenario varies nothing", "expected vary: with some parameters");
-  auto values = REHEARSE_TRY(
+  campaign.values_ = REHEARSE_TRY(
       CaseValues::make(campaign.scenario_, options.seed, options.cases, {options.steered, options.own_share}));
-  campaign.values_ = std::move(values);
   const auto round = REHEARSE_TRY(campaign.values_->round());
   if (options.cases == 0 && round == 1)
     return error_in(campaign.scenario_.file, "the number of cases isn't stated", "expected --cases N");

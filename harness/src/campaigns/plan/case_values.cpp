@@ -134,8 +134,7 @@ Result<void> CaseValues::make_points(std::int64_t cases) {
                       "expected plan: random or latin_hypercube, or fewer parameters that are drawn"));
   }
   if (cases == 0) {
-    const auto all = REHEARSE_TRY(round());
-    cases = all;
+    cases = REHEARSE_TRY(round());
   }
   if (kind == PlanKind::latin_hypercube && cases > PlanPoints::most_latin_cases)
     return error_in(scenario_.file,

@@ -219,8 +219,7 @@ Result<CaseRun> run_alone(const fs::path& campaign, const CampaignOptions& optio
   REHEARSE_TRY(pool.give(0));
   std::optional<WorkerPool::Answer> answer;
   while (!answer && interruption() == 0) {
-    auto next = REHEARSE_TRY(pool.wait());
-    answer = std::move(next);
+    answer = REHEARSE_TRY(pool.wait());
   }
   if (!answer) return interrupted();
   if (answer->text && answer->text->starts_with(hindrance))

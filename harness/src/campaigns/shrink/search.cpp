@@ -241,8 +241,7 @@ Result<SearchResult> search(const fs::path& scenario, const fs::path& folder, co
     made.rounds.push_back(std::move(round));
   }
   if (search.estimate == 0) return made;
-  auto probability = REHEARSE_TRY(rounds.estimate(folder / "estimate"));
-  made.probability = std::move(probability);
+  made.probability = REHEARSE_TRY(rounds.estimate(folder / "estimate"));
   return made;
 }
 

@@ -47,7 +47,8 @@ std::string why_no_world(const Trace& golden) {
 Result<Scenario> with_pushes_of(const std::optional<BranchOrigin>& origin, Scenario scenario) {
   if (!origin) return scenario;
   for (const std::string& text : origin->push) {
-    scenario.pushes.push_back(REHEARSE_TRY(parse_push(text, scenario)));
+    Push push = REHEARSE_TRY(parse_push(text, scenario));
+    scenario.pushes.push_back(std::move(push));
   }
   return scenario;
 }

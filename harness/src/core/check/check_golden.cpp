@@ -22,8 +22,7 @@ Result<CheckReport> check_by_expectations(const Scenario& scenario, const fs::pa
   auto run = REHEARSE_TRY(make_run(scenario, actual, options.run, simulation));
   report.run = std::move(run);
   if (scenario.expectations.empty()) return report;
-  auto judged = REHEARSE_TRY(judge_expectations(scenario.expectations, actual));
-  report.expectations = std::move(judged);
+  report.expectations = REHEARSE_TRY(judge_expectations(scenario.expectations, actual));
   if (auto known = refuse_unknown_series(scenario, report, {actual}); !known) {
     std::error_code ignored;
     fs::remove(actual, ignored);

@@ -99,7 +99,7 @@ class AnswerReader {
       value = std::string(form_.get_string());
     } else if constexpr (detail::is_optional<Value>) {
       value.reset();
-      if (form_.get<bool>()) (*this)(value.emplace());
+      if (form_.get<bool>()) (*this)(value.emplace(typename Value::value_type{}));
     } else if constexpr (detail::is_vector<Value>) {
       value.clear();
       for (auto left = form_.get<std::uint64_t>(); left > 0 && form_.ok(); --left) (*this)(value.emplace_back());

@@ -70,8 +70,7 @@ Result<void> TraceKeeper::Kept::create(Bytes rest) {
   if (!read_call(rest, call)) return error("the call can't be read");
   file = call.file;
   name = call.name;
-  auto created = REHEARSE_TRY(mcap::Writer::create(file, trace_call::form_of_recordings()));
-  writer = std::move(created);
+  writer = REHEARSE_TRY(mcap::Writer::create(file, trace_call::form_of_recordings()));
   return {};
 }
 

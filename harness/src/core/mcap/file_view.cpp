@@ -175,8 +175,7 @@ Result<FileView> FileView::open(const std::filesystem::path& file) {
   auto input = REHEARSE_TRY(Input::open(file));
   auto kept = std::shared_ptr<const TemporaryFile>();
   if (input.mappable_size() == 0) {
-    auto stored = REHEARSE_TRY(keep_for_all(input));
-    kept = stored;
+    kept = REHEARSE_TRY(keep_for_all(input));
   }
   auto view = kept ? map(kept->descriptor(), kept->size(), input.name())
                    : map(input.descriptor(), input.mappable_size(), input.name());

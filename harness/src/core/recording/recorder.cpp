@@ -37,8 +37,7 @@ int Recorder::descriptor() const { return impl_->writer->descriptor(); }
 Result<std::unique_ptr<Recorder>> Recorder::create(const std::filesystem::path& file, const Scenario& scenario,
                                                    const mcap::StringMap& provenance) {
   auto impl = std::make_unique<Impl>(scenario);
-  auto writer = REHEARSE_TRY(create_recording(file));
-  impl->writer = std::move(writer);
+  impl->writer = REHEARSE_TRY(create_recording(file));
   REHEARSE_TRY(impl->attach_sources());
   REHEARSE_TRY(impl->writer->add_metadata(records::provenance, provenance));
   return std::unique_ptr<Recorder>(new Recorder(std::move(impl)));

@@ -70,8 +70,7 @@ Result<ReplayReport> replay_into(mcap::Reader& recording, const Scenario& scenar
   AlteredInputs altered;
   RecordingSource source(scenario, recording, host, altered);
   REHEARSE_TRY(check_inputs(recording, scenario, host, source));
-  auto parsed = REHEARSE_TRY(AlteredInputs::parse(options.set, scenario));
-  altered = std::move(parsed);
+  altered = REHEARSE_TRY(AlteredInputs::parse(options.set, scenario));
   REHEARSE_TRY(altered.check_read_by(host));
   if (options.until) source.end_before(static_cast<std::uint64_t>(std::llround(std::max(0.0, *options.until) * 1e9)));
 

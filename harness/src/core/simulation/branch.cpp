@@ -155,15 +155,13 @@ Result<void> Branch::replay_before(const std::vector<std::string>& altered) {
   replaying.on_message = nullptr;  // the lines come again
   replaying.until = origin_.time;
   replaying.set = altered;
-  auto report = REHEARSE_TRY(replay_recording(*source_->reader, *scenario_, replaying));
-  summary_.before = std::move(report);
+  summary_.before = REHEARSE_TRY(replay_recording(*source_->reader, *scenario_, replaying));
   if (!summary_.before.failure) return {};
   return error_in(file_, "before the moment, " + summary_.before.failure->message);
 }
 
 Result<void> Branch::create(ClosedLoop& loop) {
-  auto altered = REHEARSE_TRY(AlteredInputs::parse(options_.set, *scenario_));
-  loop.altered = std::move(altered);
+  loop.altered = REHEARSE_TRY(AlteredInputs::parse(options_.set, *scenario_));
   REHEARSE_TRY(loop.create(trace_, options_));
   origin_.set = options_.set;
   const RunFacts source = RunFacts::of(source_->recording);
@@ -250,8 +248,7 @@ Result<BranchSummary> Branch::make() {
   REHEARSE_TRY(set_end());
   REHEARSE_TRY(add_pushes());
   REHEARSE_TRY(choose_checkpoint());
-  auto hash = REHEARSE_TRY(name_and_hash(from_.trace));
-  origin_.source = std::move(hash);
+  origin_.source = REHEARSE_TRY(name_and_hash(from_.trace));
   const auto altered = REHEARSE_TRY(altered_before());
   if (altered.empty())
     if (auto run = go_on_as_recorded()) return *std::move(run);

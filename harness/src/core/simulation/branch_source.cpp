@@ -81,13 +81,10 @@ Result<void> check_simulated(const BranchSource& source) {
 
 Result<BranchSource> BranchSource::open(const std::filesystem::path& file, const std::filesystem::path& scenario_file) {
   BranchSource source;
-  auto reader = REHEARSE_TRY(mcap::Reader::open(file));
-  source.reader = std::move(reader);
-  auto scenario = REHEARSE_TRY(scenario_of(*source.reader));
-  source.scenario = std::move(scenario);
+  source.reader = REHEARSE_TRY(mcap::Reader::open(file));
+  source.scenario = REHEARSE_TRY(scenario_of(*source.reader));
   REHEARSE_TRY(take_meshes(source, scenario_file));
-  auto recording = REHEARSE_TRY(load_without_messages(*source.reader, file));
-  source.recording = std::move(recording);
+  source.recording = REHEARSE_TRY(load_without_messages(*source.reader, file));
   source.origin = RunFacts::of(*source.reader).branch;
   REHEARSE_TRY(check_simulated(source));
   const bool has_pictures = std::ranges::any_of(source.recording.channels(), [](const TraceChannel& channel) {

@@ -12,10 +12,8 @@
 namespace rehearse {
 
 Result<void> ClosedLoop::create(const std::filesystem::path& trace, const HostOptions& options) {
-  auto made = REHEARSE_TRY(Plant::create(scenario));
-  plant = std::move(made);
-  auto hosting = REHEARSE_TRY(ControllerHost::create(scenario, options));
-  host = std::move(hosting);
+  plant = REHEARSE_TRY(Plant::create(scenario));
+  host = REHEARSE_TRY(ControllerHost::create(scenario, options));
   auto recording = REHEARSE_TRY(Recorder::create(
       trace, scenario, provenance(scenario, host.get(), World::engine_description(), plant->renderer_description())));
   recorder = std::move(recording);

@@ -60,11 +60,9 @@ std::vector<WorldBody> world_bodies(const Scenario& scenario) {
 
 Result<std::unique_ptr<Plant>> Plant::create(const Scenario& scenario, const Scenario* noise_of) {
   std::unique_ptr<Plant> plant(new Plant(scenario, noise_of ? *noise_of : scenario));
-  auto world = REHEARSE_TRY(World::create(scenario, world_bodies(scenario)));
-  plant->world_ = std::move(world);
+  plant->world_ = REHEARSE_TRY(World::create(scenario, world_bodies(scenario)));
   plant->scanner_ = std::make_unique<Scanner>(*plant->world_, scenario.time_step, models_of(scenario));
-  auto vision = REHEARSE_TRY(make_vision(scenario));
-  plant->vision_ = std::move(vision);
+  plant->vision_ = REHEARSE_TRY(make_vision(scenario));
   return plant;
 }
 

@@ -87,8 +87,7 @@ Result<PlantSummary> run_plant(const Scenario& scenario, const Trace& recording,
   recorder->declare(nullptr);
   PlantSummary summary;
   RecordedCheckpoints checkpoints(recording, scenario);
-  auto objection = REHEARSE_TRY(checkpoints.objection());
-  summary.from_the_start = std::move(objection);
+  summary.from_the_start = REHEARSE_TRY(checkpoints.objection());
 
   const std::int64_t end = last_tick_of(recording, scenario.time_step);
   const std::int64_t last = std::min(end, options.until.value_or(end));

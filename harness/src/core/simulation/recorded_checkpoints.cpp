@@ -74,8 +74,7 @@ Result<void> RecordedCheckpoints::make_recorded_world() {
     for (Link& link : model.links) link.collisions.clear();
     body.model = std::make_shared<const Model>(std::move(model));
   }
-  auto world = REHEARSE_TRY(World::create(recorded, std::move(bodies)));
-  recorded_world_ = std::move(world);
+  recorded_world_ = REHEARSE_TRY(World::create(recorded, std::move(bodies)));
   return {};
 }
 

@@ -20,8 +20,7 @@ namespace rehearse {
 class WorldSource : public ObservationSource {
  public:
   /// Remarks on the steps become events (WorldRemarks). Both must outlive this.
-  WorldSource(const Scenario& scenario, Plant& plant)
-      : scenario_(scenario), plant_(plant), remarks_(scenario), trial_(scenario) {}
+  WorldSource(const Scenario& scenario, Plant& plant) : plant_(plant), remarks_(scenario), trial_(scenario) {}
 
   /// WorldRemarks::add_idle_camera().
   void add_idle_camera(const std::string& controller, int body, int device) {
@@ -40,7 +39,6 @@ class WorldSource : public ObservationSource {
  private:
   void apply_alterations(TickData& now);
 
-  const Scenario& scenario_;
   Plant& plant_;
   WorldRemarks remarks_;
   AlteredInputs* altered_ = nullptr;

@@ -176,12 +176,10 @@ Result<void> Selector::find_span(Reader& reader) {
   const auto times = log_times(reader);
   if (!times) return {};
   if (selection_.from) {
-    const auto moment = REHEARSE_TRY(moment_in(*selection_.from, reader));
-    begin_ = moment;
+    begin_ = REHEARSE_TRY(moment_in(*selection_.from, reader));
   }
   if (selection_.until) {
-    const auto moment = REHEARSE_TRY(moment_in(*selection_.until, reader));
-    end_ = moment;
+    end_ = REHEARSE_TRY(moment_in(*selection_.until, reader));
   }
   if (begin_ <= times->second && (!end_ || (*end_ > times->first && *end_ > begin_))) return {};
   return mcap::refusal_of_empty(reader);

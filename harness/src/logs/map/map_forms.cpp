@@ -253,9 +253,8 @@ BoundForm<LogMap> make_map_form() {
       FormKey{"body", types::name(), "name of the robot in the recording; default: the model's name"},
       {"time_step", &LogMap::time_step, steps, "the controller's tick [s]", {"the controller's tick [s]"}},
       FormKey{"tick", source(map_tick_form),
-              "a topic of which each message is a tick of the controller; default: a grid of time_step, from the "
-              "first tick "
-              "on"},
+              "a topic of which each message is a tick of the controller; default: a grid of time_step, from the first "
+              "tick on"},
       FormKey{"clock", types::word(clock_words().names()), clock_text},
       FormKey{"start", types::text(), "the first tick: all, first, a topic of this map, or a time [s]", "all"},
       FormKey{"restart", one_or_more(types::number(moment_of_log)),

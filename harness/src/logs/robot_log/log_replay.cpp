@@ -292,8 +292,7 @@ Result<LogReplayReport> replay_log(const fs::path& log, const fs::path& trace, c
   if (fs::equivalent(log, trace, ignored))
     return error_in(trace.string(), "that is the log itself", "name another file for the recording");
   LogReplayOptions options = stated;
-  auto span = REHEARSE_TRY(span_of(stated, *reader));
-  options.span = span;
+  options.span = REHEARSE_TRY(span_of(stated, *reader));
   const auto before = state_of(log);
   auto hash = REHEARSE_TRY(hash_of(log));
   auto report = replay_parts({*reader, topics, std::make_shared<const Model>(std::move(model)), std::move(hash)},

@@ -197,8 +197,7 @@ Result<void> LogReplayer::begin() {
   const BodyObservation& seen = observations_->look_first();
   if (Diagnostics unreadable = observations_->unreadable_sources(); !unreadable.empty()) return unreadable;
   for (Diagnostic& remark : observations_->take_remarks()) report_.remarks.push_back(std::move(remark));
-  auto scenario = REHEARSE_TRY(make_scenario(seen));
-  scenario_ = std::move(scenario);
+  scenario_ = REHEARSE_TRY(make_scenario(seen));
   first_seen_.joints = seen.joints;
   first_seen_.links = {seen.links[0]};
   observations_->complete_posture(scenario_->bodies[0].joints);
@@ -232,8 +231,7 @@ Result<void> LogReplayer::host_controller() {
     if (!comparable) return comparable;
   }
   REHEARSE_TRY(state_tolerances());
-  auto recorder = REHEARSE_TRY(Recorder::create(trace_, *scenario_, provenance_of_log()));
-  recorder_ = std::move(recorder);
+  recorder_ = REHEARSE_TRY(Recorder::create(trace_, *scenario_, provenance_of_log()));
   descriptor_.emplace(recorder_->descriptor(), "the recording");
   REHEARSE_TRY(recorder_->attach("map.yaml", "application/yaml", map_.text));
   recorder_->declare(host_.get());
@@ -297,8 +295,7 @@ Result<void> LogReplayer::start_again(std::map<std::string, double> state) {
   if (host_->failure()) return {};
   commands_.reset();
   host_.reset();
-  auto host = REHEARSE_TRY(ControllerHost::create(*scenario_, options_));
-  host_ = std::move(host);
+  host_ = REHEARSE_TRY(ControllerHost::create(*scenario_, options_));
   const GivenState given(std::move(state));
   Observation begin = initial_observation(*scenario_);
   for (std::size_t id = 0; id < begin.bodies[0].joints.size(); ++id)

@@ -369,8 +369,7 @@ void ReportMaker::omit_damage() {
 
 /// Judges the run, and makes all of the report's object except its series, pictures and messages.
 Result<ReportJson> ReportMaker::head(const fs::path& actual_file, const fs::path& golden_file) {
-  auto coverage = REHEARSE_TRY(coverage_with_sources(options_.coverage));
-  coverage_ = std::move(coverage);
+  coverage_ = REHEARSE_TRY(coverage_with_sources(options_.coverage));
   omit_damage();
   const auto read_scenario = [&](const ReportedRun& run, std::optional<Scenario>& scenario) {
     auto read = recorded_scenario(run.trace);
@@ -480,8 +479,7 @@ Result<ReportSummary> write_report(const fs::path& trace, const std::optional<fs
   if (golden) {
     golden_file.emplace(SourceFile::make(*golden, report.string() + ".golden.part", options));
     if (!*golden_file) return golden_file->errors();
-    auto run = REHEARSE_TRY(read_run(**golden_file, *golden));
-    expected = std::move(run);
+    expected = REHEARSE_TRY(read_run(**golden_file, *golden));
   }
   ReportMaker maker(options, open, std::move(actual), std::move(expected));
   return maker.make(trace, golden ? *golden : fs::path());
