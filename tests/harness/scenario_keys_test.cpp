@@ -124,7 +124,7 @@ TEST(ScenarioForms, ReadEachKeyOnce) {
       for (const Diagnostic& error : scenario.errors())
         EXPECT_TRUE(errors.emplace(error.line, error.column, error.message).second) << "twice: " << to_string(error);
       const bool is_read =
-          std::ranges::any_of(scenario.errors(), [&](const Diagnostic& one) { return one.line == line; });
+          std::ranges::any_of(scenario.errors(), [wanted = line](const Diagnostic& one) { return one.line == wanted; });
       EXPECT_TRUE(is_read) << to_string(scenario.errors()) << text;
       ++count;
     }
