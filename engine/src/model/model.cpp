@@ -131,7 +131,8 @@ std::optional<DeviceKind> device_kind_of_body(std::string_view type) {
 
 std::vector<MeasuredQuantity> quantities_of(const Device& device) {
   std::vector<MeasuredQuantity> quantities;
-  for (const MeasuredQuantity& quantity : form_of(device.kind).quantities.all())
+  const DeviceForm form = form_of(device.kind);
+  for (const MeasuredQuantity& quantity : form.quantities.all())
     if (!quantity.name.empty()) quantities.push_back(quantity);
   return quantities;
 }
