@@ -65,7 +65,7 @@ const struct = (name, given) =>
 /** What the recipe's files become: each a function of the text so far. */
 const steps = {
   'engine/include/rehearse/units.h': (text) => insertBefore(text, '    {"B", exact},', '    {"lx", {1e-3, 0.0}, {{{"lx"}}}},\n'),
-  'engine/include/rehearse/model.h': (text) =>
+  'engine/include/rehearse/devices.h': (text) =>
     insertBefore(text, 'using DeviceKind = std::variant<', struct('Photometer', members)).replace('Magnetometer>;', 'Magnetometer, Photometer>;'),
   'engine/src/world/link_sensor.h': (text) =>
     insertBefore(text, '  void operator()(const Magnetometer&)', '  void operator()(const Photometer&) const { values_.assign({1e5 * to_sensor_(2, 2)}); }\n'),
@@ -137,7 +137,7 @@ assert.equal(configured(), '');
 
 const forgotten = {
   'engine/include/rehearse/units.h': [() => errorsOf(...units[0]), /rehearse\/units\.h has no row/],
-  'engine/include/rehearse/model.h': [() => errorsOf(...units[2]), /Photometer/],
+  'engine/include/rehearse/devices.h': [() => errorsOf(...units[2]), /Photometer/],
   'engine/src/world/link_sensor.h': [() => errorsOf(...units[1]), /link_sensor\.h/],
   [`${kinds}/NAME.cpp`]: [configured, /illuminance\.cpp/],
   [`${kinds}/kinds.inl`]: [() => errorsOf(...units[2]), /kinds\/kinds\.inl/],
@@ -155,7 +155,7 @@ const probe = 'engine/src/model/incomplete_rows.cpp';
 mkdirSync(dirname(join(scratch, probe)), { recursive: true });
 const required = Object.keys(members).filter((member) => member !== 'type');
 const without = (member) => struct(`Without_${member}`, Object.fromEntries(Object.entries(members).filter(([name]) => name !== member)));
-writeFileSync(join(scratch, probe), `#include <rehearse/model.h>\nnamespace rehearse {\n${struct('Whole', members)}${required.map(without).join('')}}\n`);
+writeFileSync(join(scratch, probe), `#include <rehearse/devices.h>\nnamespace rehearse {\n${struct('Whole', members)}${required.map(without).join('')}}\n`);
 const incomplete = errorsOf(probe, 'model');
 assert.doesNotMatch(incomplete, /Whole/);
 for (const member of required) assert.match(incomplete, new RegExp(`Without_${member}`), `a row without ${member} compiles`);

@@ -117,7 +117,7 @@ class [[nodiscard]] Result<void> {
 };
 
 /// The value of a Result. If there is none, the function that contains this expression returns the diagnostics.
-/// A statement of its own, or the initialiser of a variable:
+/// It is a statement of its own, or the initial or new value of a variable:
 ///     const Trace trace = REHEARSE_TRY(Trace::load(file));
 #define REHEARSE_TRY(...)                                           \
   __extension__({                                                   \
