@@ -133,6 +133,9 @@ enum class DensityPer {
 /// The spellings of a unit's density: each of the unit's own, divided by a root.
 std::span<const Spelling> density_spellings(UnitName unit, DensityPer per);
 
+/// The factor of one of these spellings; nullopt: the text is none of them.
+std::optional<double> factor_in(std::span<const Spelling> spellings, std::string_view text);
+
 /// The factor of a spelling of any unit or density; nullopt: there is no such spelling.
 std::optional<double> factor_of_spelling(std::string_view text);
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <deque>
 #include <iterator>
 #include <vector>
@@ -36,12 +37,6 @@ bool is_of_a_word(char c) {
          static_cast<unsigned char>(c) >= 0x80;
 }
 
-std::optional<double> factor_in(std::span<const Spelling> spellings, std::string_view text) {
-  for (const Spelling& spelling : spellings)
-    if (spelling.text == text) return spelling.factor;
-  return std::nullopt;
-}
-
 /// Calls `use` with each spelling that expressions accept, and its unit.
 template <class Use>
 void each_in_expressions(Use&& use) {
@@ -54,6 +49,11 @@ void each_in_expressions(Use&& use) {
 
 std::span<const Spelling> density_spellings(UnitName unit, DensityPer per) {
   return densities().spellings[&unit.row() - units::rows][static_cast<std::size_t>(per)];
+}
+
+std::optional<double> factor_in(std::span<const Spelling> spellings, std::string_view text) {
+  const auto known = std::ranges::find(spellings, text, &Spelling::text);
+  return known == spellings.end() ? std::nullopt : std::optional(known->factor);
 }
 
 std::optional<double> factor_of_spelling(std::string_view text) {

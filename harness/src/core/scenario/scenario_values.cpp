@@ -42,11 +42,6 @@ std::optional<double> number_with_unit(const YamlNode& node, std::string_view& u
   return number && unit.empty() && node.quoted ? std::nullopt : number;
 }
 
-std::optional<double> factor_in(std::span<const Spelling> units, std::string_view text) {
-  const auto known = std::ranges::find(units, text, &Spelling::text);
-  return known == units.end() ? std::nullopt : std::optional(known->factor);
-}
-
 std::optional<Measure> number_or_angle(const YamlNode& node) {
   std::string_view unit;
   const auto number = number_with_unit(node, unit);
