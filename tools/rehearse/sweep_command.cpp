@@ -72,7 +72,7 @@ void tell_faults(const CampaignSummary& summary) {
   std::vector<TableRow> rows{{"fault", "cases"}};
   for (std::size_t i = 0; i < columns.size(); ++i) rows[0].push_back(fmt::format("({})", i + 1));
   for (const FaultRow& fault : summary.faults) {
-    TableRow& row = rows.emplace_back(TableRow{plain_text(fault.fault), fmt::format("{}", fault.cases)});
+    TableRow& row = rows.emplace_back(TableRow{plain_text(to_string(fault.fault)), fmt::format("{}", fault.cases)});
     for (const FaultCell& cell : fault.cells) row.push_back(plain_text(to_string(cell)));
   }
   print_table(rows);

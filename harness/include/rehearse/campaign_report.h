@@ -4,6 +4,7 @@
 #include <rehearse/campaign.h>
 
 #include <array>
+#include <compare>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -119,22 +120,44 @@ double first_order_index(const std::vector<double>& inputs, const std::vector<do
 
 // Reports.
 
+/// The range of a varied number of a fault in the cases that violate an expectation.
+struct ViolatingRange {
+  std::string key;              // of the fault: "effort"
+  double from = 0.0, to = 0.0;  // in the unit of the key
+};
+
+/// "effort 0.2 to 0.31", "effort 0.2" if both ends are equal.
+std::string to_string(const ViolatingRange& range);
+
 /// How an expectation did in the cases with one fault.
 struct FaultCell {
-  std::string expectation;             // as text
-  std::int64_t holds = 0;              // cases
-  std::int64_t violated = 0;           // cases
-  std::int64_t unjudged = 0;           // cases that ended before, or whose verdict is about something else
-  std::optional<double> least_margin;  // in the unit of the expectation; none: it has no margin
-  /// The ranges of the fault's varied numbers in the cases that violate it, as "effort 0.2 to 0.31"; empty: none vary.
-  std::vector<std::string> violated_with;
+  std::string expectation;                    // as text
+  std::int64_t holds = 0;                     // cases
+  std::int64_t violated = 0;                  // cases
+  std::int64_t unjudged = 0;                  // cases that ended before, or whose verdict is about something else
+  std::optional<double> least_margin;         // in the unit of the expectation; none: it has no margin
+  std::vector<ViolatingRange> violated_with;  // of the fault's varied numbers; empty: none vary, or no case violates it
 
   bool survives() const { return holds > 0 && violated == 0 && unjudged == 0; }
 };
 
-/// A fault of a campaign that varies `faults`: an entry of the list, with one choice of its words.
+/// An entry of `faults` with one choice of its varied words.
+struct CaseFault {
+  std::string owner;       // the kind of its part: sensor, encoder, actuator, link or controller
+  std::string body, part;  // names
+  std::string fault;       // its kind: "weak"
+  std::vector<std::pair<std::string, std::string>> words =
+      {};  // other varied words that this kind reads, by their keys
+
+  friend auto operator<=>(const CaseFault&, const CaseFault&) = default;
+};
+
+/// "actuator Dog/RL_KNEE weak".
+std::string to_string(const CaseFault& fault);
+
+/// The cases of a campaign with one fault.
 struct FaultRow {
-  std::string fault;  // "actuator Dog/RL_KNEE weak"
+  CaseFault fault;
   std::int64_t cases = 0;
   std::vector<FaultCell> cells;  // by expectation
 };

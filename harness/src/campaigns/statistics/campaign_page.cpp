@@ -185,7 +185,7 @@ ReportTable fault_table(const CampaignFindings& findings) {
                     {}};
   const std::vector<FaultRow>& faults = findings.summary.faults;
   for (const FaultRow& fault : faults) {
-    Row row{fault.fault, text_of(fault.cases)};
+    Row row{to_string(fault.fault), text_of(fault.cases)};
     for (const FaultCell& cell : fault.cells) row.push_back(to_string(cell));
     table.rows.push_back(std::move(row));
   }

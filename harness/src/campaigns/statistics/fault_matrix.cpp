@@ -1,7 +1,6 @@
 #include "fault_matrix.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -46,10 +45,7 @@ class FaultEntry {
   void add_rows(std::vector<FaultRow>& rows) const;
 
  private:
-  struct Named {
-    std::string text, kind;
-  };
-  Named named(std::size_t number) const;
+  CaseFault fault_of(std::size_t number) const;
   FaultCell cell_of(const std::vector<std::size_t>& cases, std::size_t expectation, std::string_view kind) const;
 
   const Campaign& campaign_;
@@ -58,21 +54,21 @@ class FaultEntry {
   std::vector<std::size_t> words_, numbers_;  // parameters
 };
 
-/// The fault of a case in words.
-FaultEntry::Named FaultEntry::named(std::size_t number) const {
-  std::string part = stated_.part, fault = stated_.fault, rest;
+CaseFault FaultEntry::fault_of(std::size_t number) const {
+  CaseFault made{stated_.owner, stated_.body, stated_.part, stated_.fault};
   for (const std::size_t parameter : words_) {
     const Variation& variation = campaign_.scenario().variations[parameter];
     const std::string& word = table_.words[parameter][static_cast<std::size_t>(table_.values[parameter][number])];
     const std::string_view key = key_of(variation);
     if (key == stated_.owner)
-      part = word;
+      made.part = word;
     else if (key == "fault")
-      fault = word;
-    else if (fault_reads(fault, key))
-      rest += fmt::format(", {} {}", key, word);
+      made.fault = word;
+    else
+      made.words.emplace_back(key, word);
   }
-  return {fmt::format("{} {}/{} {}{}", stated_.owner, stated_.body, part, fault, rest), fault};
+  std::erase_if(made.words, [&](const auto& word) { return !fault_reads(made.fault, word.first); });
+  return made;
 }
 
 FaultCell FaultEntry::cell_of(const std::vector<std::size_t>& cases, std::size_t expectation,
@@ -99,31 +95,20 @@ FaultCell FaultEntry::cell_of(const std::vector<std::size_t>& cases, std::size_t
     const auto [low, high] = std::minmax_element(violating.begin(), violating.end(), [&](std::size_t a, std::size_t b) {
       return table_.values[parameter][a] < table_.values[parameter][b];
     });
-    const double from = table_.values[parameter][*low], to = table_.values[parameter][*high];
-    cell.violated_with.push_back(from == to ? fmt::format("{} {:.4g}", key, from)
-                                            : fmt::format("{} {:.4g} to {:.4g}", key, from, to));
+    cell.violated_with.push_back({std::string(key), table_.values[parameter][*low], table_.values[parameter][*high]});
   }
   return cell;
 }
 
 void FaultEntry::add_rows(std::vector<FaultRow>& rows) const {
-  struct Cases {
-    std::string kind;
-    std::vector<std::size_t> numbers;
-  };
-  std::map<std::string, Cases> by_fault;
-  for (std::size_t number = 0; number < table_.size(); ++number) {
-    if (!table_.has(number)) continue;
-    Named name = named(number);
-    Cases& cases = by_fault[std::move(name.text)];
-    cases.kind = std::move(name.kind);
-    cases.numbers.push_back(number);
-  }
+  std::map<CaseFault, std::vector<std::size_t>> by_fault;
+  for (std::size_t number = 0; number < table_.size(); ++number)
+    if (table_.has(number)) by_fault[fault_of(number)].push_back(number);
   for (const auto& [fault, cases] : by_fault) {
     FaultRow& row = rows.emplace_back();
     row.fault = fault;
-    row.cases = static_cast<std::int64_t>(cases.numbers.size());
-    for (std::size_t e = 0; e < table_.margins.size(); ++e) row.cells.push_back(cell_of(cases.numbers, e, cases.kind));
+    row.cases = static_cast<std::int64_t>(cases.size());
+    for (std::size_t e = 0; e < table_.margins.size(); ++e) row.cells.push_back(cell_of(cases, e, fault.fault));
   }
 }
 
@@ -137,12 +122,25 @@ std::vector<FaultRow> fault_matrix(const Campaign& campaign, const CaseTable& ta
   return rows;
 }
 
+std::string to_string(const CaseFault& fault) {
+  std::string text = fmt::format("{} {}/{} {}", fault.owner, fault.body, fault.part, fault.fault);
+  for (const auto& [key, word] : fault.words) text += fmt::format(", {} {}", key, word);
+  return text;
+}
+
+std::string to_string(const ViolatingRange& range) {
+  return range.from == range.to ? fmt::format("{} {:.4g}", range.key, range.from)
+                                : fmt::format("{} {:.4g} to {:.4g}", range.key, range.from, range.to);
+}
+
 std::string to_string(const FaultCell& cell) {
   const std::int64_t judged = cell.holds + cell.violated;
   if (judged == 0) return "not judged";
   std::string text = cell.violated == 0 ? fmt::format("holds in {}", judged)
                                         : fmt::format("violated in {} of {}", cell.violated, judged);
-  if (!cell.violated_with.empty()) text += fmt::format(": {}", fmt::join(cell.violated_with, ", "));
+  std::string_view separator = ": ";
+  for (const ViolatingRange& range : cell.violated_with)
+    text += fmt::format("{}{}", std::exchange(separator, ", "), to_string(range));
   return cell.unjudged > 0 ? fmt::format("{}; {} not judged", text, cell.unjudged) : text;
 }
 

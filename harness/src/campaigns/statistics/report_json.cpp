@@ -17,6 +17,12 @@ Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : 
 
 Json json_of(const Interval& interval) { return Json::array({interval.low, interval.high}); }
 
+Json texts_of(const std::vector<ViolatingRange>& ranges) {
+  Json texts = Json::array();
+  for (const ViolatingRange& range : ranges) texts.push_back(to_string(range));
+  return texts;
+}
+
 Json json_of_faults(const std::vector<FaultRow>& rows) {
   Json list = Json::array();
   for (const FaultRow& row : rows) {
@@ -28,9 +34,9 @@ Json json_of_faults(const std::vector<FaultRow>& rows) {
                        {"violated", cell.violated},
                        {"unjudged", cell.unjudged},
                        {"least_margin", cell.least_margin ? Json(*cell.least_margin) : Json(nullptr)},
-                       {"violated_with", cell.violated_with},
+                       {"violated_with", texts_of(cell.violated_with)},
                        {"text", to_string(cell)}});
-    list.push_back({{"fault", row.fault}, {"cases", row.cases}, {"expectations", std::move(cells)}});
+    list.push_back({{"fault", to_string(row.fault)}, {"cases", row.cases}, {"expectations", std::move(cells)}});
   }
   return list;
 }
