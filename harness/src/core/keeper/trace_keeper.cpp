@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <optional>
 #include <utility>
 
 #include "base/quiet_thread.h"
@@ -43,7 +44,7 @@ struct TraceKeeper::Kept {
   std::string file, name;  // an absolute path, and the name in diagnostics
   Diagnostics errors;      // of calls that have no answer
   std::size_t schemas = 0, channels = 0;
-  std::uint16_t event_channel = 0, tick_channel = 0;  // 0: none so far
+  std::optional<std::uint16_t> event_channel, tick_channel;  // once they are added
   std::int64_t ticks = 0;
   std::uint64_t last_time = 0;  // log time of the last message [ns]
   struct Pending {
@@ -246,7 +247,7 @@ std::vector<std::string> TraceKeeper::close_failed(const Failure& failure) {
     // calls outside of the run have no time of their own
     const auto now = std::max(static_cast<std::uint64_t>(std::llround(failure.time * 1e9)), kept->last_time);
     const msg::Event event{msg::Time::from_ns(now), failure.tick, "error", failure.source, failure.sentence};
-    if (kept->event_channel) static_cast<void>(writer.write(kept->event_channel, now, now, encoded(event)));
+    if (kept->event_channel) static_cast<void>(writer.write(*kept->event_channel, now, now, encoded(event)));
     for (const auto& [name, values] : kept->at_failure) static_cast<void>(writer.add_metadata(name, values));
     const RunOutcome outcome{.ticks = kept->ticks, .complete = false, .failure = failure.sentence};
     static_cast<void>(writer.add_metadata(records::outcome, outcome.metadata()));

@@ -78,7 +78,7 @@ Result<void> CopiedRecording::write_measured_joints(std::int64_t tick, int body,
                                                     const std::vector<JointReading>& joints) {
   BodyChannels& channels = recorder_.bodies[static_cast<std::size_t>(body)];
   REHEARSE_ASSERT(channels.measured_joints, "Recorder::measure_joints() was called before declare()");
-  return recorder_.write_joints(tick, channels, channels.measured_joints, joints);
+  return recorder_.write_joints(tick, channels, *channels.measured_joints, joints);
 }
 
 Result<void> CopiedRecording::write_reading(std::int64_t tick, int body, int device, const DeviceReading& reading) {

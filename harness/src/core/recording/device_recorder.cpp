@@ -58,7 +58,7 @@ void DeviceRecorder::declare_truth(TraceOutput& output, const ScenarioBody& body
 Result<void> DeviceRecorder::write_truth(TraceOutput& output, std::int64_t tick,
                                          const std::vector<double>& values) const {
   if (!truth_) return {};
-  return output.write(truth_, tick, msg::DeviceState{{output.stamp(tick), frame_}, values});
+  return output.write(*truth_, tick, msg::DeviceState{{output.stamp(tick), frame_}, values});
 }
 
 Result<void> DeviceRecorder::write(TraceOutput& output, std::int64_t tick, const DeviceReading& reading) {

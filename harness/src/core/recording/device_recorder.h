@@ -36,7 +36,7 @@ class DeviceRecorder {
   const Device* device_;
   std::string frame_;
   std::vector<Channel> channels_;
-  std::uint16_t truth_ = 0;  // 0: none
+  std::optional<std::uint16_t> truth_;  // channel
 };
 
 }  // namespace rehearse

@@ -94,14 +94,14 @@ Result<void> Recorder::Impl::write_actuators(std::int64_t tick, BodyChannels& ch
     message.set(3 * i + 1, reading.dq);
     message.set(3 * i + 2, reading.effort);
   }
-  return write(channels.actuators, tick, message);
+  return write(*channels.actuators, tick, message);
 }
 
 Result<void> Recorder::Impl::write_body(std::int64_t tick, std::size_t index, const BodyObservation& seen,
                                         const std::vector<JointReading>& read) {
   BodyChannels& channels = bodies[index];
-  if (channels.joints) REHEARSE_TRY(write_joints(tick, channels, channels.joints, seen.joints));
-  if (channels.measured_joints) REHEARSE_TRY(write_joints(tick, channels, channels.measured_joints, read));
+  if (channels.joints) REHEARSE_TRY(write_joints(tick, channels, *channels.joints, seen.joints));
+  if (channels.measured_joints) REHEARSE_TRY(write_joints(tick, channels, *channels.measured_joints, read));
   if (channels.actuators) REHEARSE_TRY(write_actuators(tick, channels, seen.actuators));
   for (const BodyChannels::FreeLink& free : channels.free_links) {
     const LinkReading& link = seen.links[free.link];
@@ -153,7 +153,7 @@ Result<void> Recorder::Impl::write_joystick(std::int64_t tick, const JoystickRea
   joystick_message.header.stamp = stamp(tick);
   joystick_message.axes.assign(reading.axes.begin(), reading.axes.end());
   joystick_message.buttons.assign(reading.buttons.begin(), reading.buttons.end());
-  return write(joystick_channel, tick, joystick_message);
+  return write(*joystick_channel, tick, joystick_message);
 }
 
 Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host, const TickHashes& hashes) {
@@ -170,7 +170,7 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
     REHEARSE_TRY(impl.write_delay(tick, hosted, channels));
     for (const DeviceOutput& output : hosted.tick.device_outputs) {
       const Model& model = *impl.scenario.bodies[hosted.body].model;
-      std::uint16_t& channel = channels.devices[output.device];
+      std::optional<std::uint16_t>& channel = channels.devices[output.device];
       if (!channel)  // most controllers command no device: the channel is added with the first command
         channel = impl.channel<msg::DeviceState>(
             ChannelName::of_controller(hosted.label, ChannelSide::output, ChannelKind::device_state,
@@ -180,7 +180,7 @@ Result<void> Recorder::record_tick(std::int64_t tick, const ControllerHost* host
       state.header = {impl.stamp(tick),
                       impl.scenario.bodies[hosted.body].name + "/" + model.devices[output.device].name};
       state.values = output.values;
-      REHEARSE_TRY(impl.write(channel, tick, state));
+      REHEARSE_TRY(impl.write(*channel, tick, state));
     }
     REHEARSE_TRY(impl.write_variables(tick, hosted, channels.variables));
     if (host->counts_costs() && hosted.tick.has_output) REHEARSE_TRY(impl.write_cost(tick, hosted, channels.cost));
@@ -230,29 +230,30 @@ Result<void> Recorder::Impl::write_delay(std::int64_t tick, const HostedControll
   if (!channels.delay)
     channels.delay =
         channel<msg::Float64>(ChannelName::of_controller(hosted.label, ChannelSide::output, ChannelKind::delay));
-  return write(channels.delay, tick, msg::Float64{hosted.tick.delayed ? 1.0 : 0.0});
+  return write(*channels.delay, tick, msg::Float64{hosted.tick.delayed ? 1.0 : 0.0});
 }
 
 /// Writes a message for each variable that was set in this tick. Its channel is added with the first message.
 Result<void> Recorder::Impl::write_variables(std::int64_t tick, const HostedController& hosted,
-                                             std::vector<std::uint16_t>& channels) {
+                                             std::vector<std::optional<std::uint16_t>>& channels) {
   const std::vector<ControllerVariables::Variable>& variables = hosted.variables.all();
-  channels.resize(variables.size(), 0);
+  channels.resize(variables.size());
   for (std::size_t i = 0; i < channels.size(); ++i) {
     if (!variables[i].is_set) continue;
     if (!channels[i]) channels[i] = channel<msg::Float64>(ChannelName::of_variable(hosted.label, variables[i].name));
-    REHEARSE_TRY(write(channels[i], tick, msg::Float64{variables[i].value}));
+    REHEARSE_TRY(write(*channels[i], tick, msg::Float64{variables[i].value}));
   }
   return {};
 }
 
 /// Writes the costs of the call in this tick. The channel is added with the first message.
-Result<void> Recorder::Impl::write_cost(std::int64_t tick, const HostedController& hosted, std::uint16_t& cost) {
+Result<void> Recorder::Impl::write_cost(std::int64_t tick, const HostedController& hosted,
+                                        std::optional<std::uint16_t>& cost) {
   if (!cost)
     cost = channel<msg::ControlCost>(ChannelName::of_controller(hosted.label, ChannelSide::none, ChannelKind::cost));
   msg::ControlCost message = hosted.tick.cost;
   message.stamp = stamp(tick);
-  return write(cost, tick, message);
+  return write(*cost, tick, message);
 }
 
 void Recorder::measure_joints(int body) { impl_->measured_bodies.insert(body); }

@@ -87,7 +87,7 @@ void Recorder::Impl::declare_controllers(const ControllerHost& host) {
     SideRecorder output(*this, hosted.label, ChannelSide::output, model, hosted.io->outputs(),
                         {{"delay", hosted.delayed ? "true" : "false"}});
     controllers.push_back({std::move(input), std::move(output), std::move(contacts),
-                           std::vector<std::uint16_t>(model.devices.size(), 0)});
+                           std::vector<std::optional<std::uint16_t>>(model.devices.size())});
   }
 }
 

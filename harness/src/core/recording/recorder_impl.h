@@ -17,11 +17,11 @@ namespace rehearse {
 
 struct ControllerChannels {
   SideRecorder input, output;
-  std::vector<std::uint16_t> contacts;        // channels by the controller's contact links
-  std::vector<std::uint16_t> devices;         // channels by device index; 0: none
-  std::uint16_t delay = 0;                    // 0: none yet
-  std::vector<std::uint16_t> variables = {};  // channels of its variables; 0: none yet
-  std::uint16_t cost = 0;                     // 0: none yet
+  std::vector<std::uint16_t> contacts;                       // channels by the controller's contact links
+  std::vector<std::optional<std::uint16_t>> devices;         // channels by device index
+  std::optional<std::uint16_t> delay = {};                   // from the first command that acts at another time on
+  std::vector<std::optional<std::uint16_t>> variables = {};  // channels of its variables, from their first value on
+  std::optional<std::uint16_t> cost = {};                    // from the first call on
 };
 
 struct BodyChannels {
@@ -31,10 +31,10 @@ struct BodyChannels {
     std::uint16_t pose = 0, twist = 0;
   };
 
-  std::uint16_t joints = 0, measured_joints = 0;  // 0: none
+  std::optional<std::uint16_t> joints, measured_joints;
   std::vector<FreeLink> free_links;
-  std::uint16_t actuators = 0;  // 0: none
-  std::vector<int> actuated;    // ids of the joints with an actuator
+  std::optional<std::uint16_t> actuators;
+  std::vector<int> actuated;  // ids of the joints with an actuator
   FixedMessage joint_message, actuator_message, pose_message, twist_message;
   std::vector<DeviceRecorder> devices;
 };
@@ -46,7 +46,7 @@ struct Recorder::Impl : TraceOutput {
   mcap::StringMap devices_read;  // labels of the controllers that read a device, by BODY/DEVICE
   std::optional<ContactRecorder> contact_recorder;
   std::uint16_t tick_channel = 0, transform_channel = 0, checkpoint_channel = 0, event_channel = 0;
-  std::uint16_t joystick_channel = 0;   // 0: none
+  std::optional<std::uint16_t> joystick_channel;
   std::set<int> measured_bodies;        // bodies whose joint readings differ from the truth
   std::int64_t transform_interval = 1;  // [ticks]
   bool inputs_are_written = false;      // of the present tick
@@ -70,8 +70,9 @@ struct Recorder::Impl : TraceOutput {
   Result<void> write_inputs(std::int64_t tick, const HostedController& hosted, ControllerChannels& channels);
   Result<void> close_tick(std::int64_t tick, const TickHashes& hashes);
   Result<void> write_delay(std::int64_t tick, const HostedController& hosted, ControllerChannels& channels);
-  Result<void> write_variables(std::int64_t tick, const HostedController& hosted, std::vector<std::uint16_t>& channels);
-  Result<void> write_cost(std::int64_t tick, const HostedController& hosted, std::uint16_t& channel);
+  Result<void> write_variables(std::int64_t tick, const HostedController& hosted,
+                               std::vector<std::optional<std::uint16_t>>& channels);
+  Result<void> write_cost(std::int64_t tick, const HostedController& hosted, std::optional<std::uint16_t>& channel);
 };
 
 }  // namespace rehearse

@@ -103,12 +103,12 @@ Result<void> SideRecorder::write(TraceOutput& output, std::int64_t tick, const s
 Result<void> SideRecorder::write_joints(TraceOutput& output, std::int64_t tick, const std::vector<double>& values) {
   if (joints_) {
     for (std::size_t i = 0; i < joint_offsets_.size(); ++i) joint_message_.set(i, values[joint_offsets_[i]]);
-    REHEARSE_TRY(output.write(joints_, tick, joint_message_));
+    REHEARSE_TRY(output.write(*joints_, tick, joint_message_));
   }
   if (!accelerations_) return {};
   for (std::size_t i = 0; i < acceleration_offsets_.size(); ++i)
     acceleration_message_.set(i, values[acceleration_offsets_[i]]);
-  return output.write(accelerations_, tick, acceleration_message_);
+  return output.write(*accelerations_, tick, acceleration_message_);
 }
 
 }  // namespace rehearse

@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,7 +43,7 @@ class SideRecorder {
   Result<void> write_joints(TraceOutput& output, std::int64_t tick, const std::vector<double>& values);
 
   mcap::StringMap metadata_;
-  std::uint16_t joints_ = 0, accelerations_ = 0;  // channels; 0: none
+  std::optional<std::uint16_t> joints_, accelerations_;  // channels
   FixedMessage joint_message_, acceleration_message_;
   std::vector<int> joint_offsets_, acceleration_offsets_;  // by number of the message: its offset in the layout
   std::vector<LinkChannel> links_;
