@@ -34,6 +34,7 @@ rehearse_add_test(session_tests LABEL sim SHARDS 6
     session/noise_test.cpp
     session/one_judge_test.cpp
     session/opened_files_test.cpp
+    session/other_physics_test.cpp
     session/other_processor_test.cpp
     session/partial_acceptance_test.cpp
     session/plant_test.cpp

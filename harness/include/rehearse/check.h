@@ -6,6 +6,9 @@
 // closed: the whole run is repeated and compared within the scenario's tolerances and up to its horizon. The scenario's
 // expectations are judged on the whole run. A run that is within tolerance but not equal must be reproducible.
 //
+// If the golden states another physics engine or an earlier solver, and the world differs, the last two levels are not
+// compared: the change is the engine's.
+//
 // On the first two levels no difference grows for longer than from one checkpoint to the next. So these levels show
 // which part has changed: the controller, the physics, the sensors or the renderer. This library does not simulate: the
 // caller passes a Simulation, which has the functions that make runs.
@@ -188,6 +191,9 @@ struct CheckReport {
   std::optional<std::int64_t> plant_until;
   std::string controller_problem;  // why the controllers couldn't be fed; empty: they could
   std::string plant_problem;       // why the world couldn't be moved by the golden's commands; empty: it could
+  /// The golden's physics engine and the present one, if they differ and so does the world. Then the levels plant and
+  /// closed are not compared, and the check counts as different. A sentence; empty: the engine is the golden's.
+  std::string other_physics;
   /// Remarks on the tolerances from the measured noise (`rehearse golden noise`). Sentences; they fail nothing.
   std::vector<std::string> remarks;
   bool golden_written = false;

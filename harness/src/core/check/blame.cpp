@@ -21,6 +21,7 @@
 #include "core/scenario/structure_change.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/trace/run_facts.h"
+#include "other_physics.h"
 #include "other_processor.h"
 #include "own_run.h"
 
@@ -366,7 +367,13 @@ Blame guilty_part(const Suspects& suspects, const CheckReport& report) {
     const bool plant_first = plant.place && (!controller.place || comes_before(*plant.place, *controller.place));
     return {std::move(both), plant_first ? plant.place : controller.place, plant_first ? plant.bit : controller.bit};
   }
-  if (controller_differs) return blame_controller(suspects, report);
+  if (controller_differs) {
+    Blame controller = blame_controller(suspects, report);
+    if (!report.other_physics.empty()) controller.verdict.add(verdict_on_physics(report, ""));
+    return controller;
+  }
+  if (!report.other_physics.empty())
+    return {verdict_on_physics(report, nothing_differs(suspects, report)), std::nullopt};
   if (plant_differs) return blame_plant(suspects, report);
   if (report.closed == LevelState::differs) {
     Blame loop = blame_loop(suspects, report);
@@ -391,14 +398,15 @@ Blame guilty_part_here(const Suspects& suspects, const CheckReport& report) {
 }  // namespace
 
 void compare_other_levels(const Suspects& with, CheckReport& report) {
-  if (report.closed != LevelState::differs || report.comparison->first->stage == Stage::costs) return;
+  const bool closed_differs = report.closed == LevelState::differs && report.comparison->first->stage != Stage::costs;
+  if (!closed_differs && report.other_physics.empty()) return;
   if (report.controller == LevelState::not_compared) {
     if (auto replayed = replay_golden(with.scenario, with.golden, with.host)) {
       report.controller = replayed->state;
       report.replay = std::move(replayed->replay);
     }
   }
-  if (report.plant == LevelState::not_compared) {
+  if (closed_differs && report.plant == LevelState::not_compared) {
     PlantOptions options;
     options.until = report.comparison->first->tick;
     report.plant_comparison = plant_again(with, with.scenario, options);

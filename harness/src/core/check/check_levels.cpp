@@ -18,12 +18,19 @@
 #include "core/replay/plant_level.h"
 #include "core/trace/run_facts.h"
 #include "expectation_judge.h"
+#include "other_physics.h"
 #include "unmatched_rules.h"
 
 namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
+
+void remove_run(const fs::path& file) {
+  std::error_code ignored;
+  fs::remove(file, ignored);
+  remove_picture_differences(file);
+}
 
 LevelState state_of(const Comparison& comparison) {
   if (comparison.equal) return LevelState::equal;
@@ -105,12 +112,15 @@ Result<void> Check::check_plant() {
     return {};
   }
   report.plant = state_of(level->comparison);
+  if (report.plant == LevelState::differs && is_of_other_physics(level->trace, level->comparison)) {
+    report.plant = LevelState::not_compared;
+    remove_run(file);
+    return {};
+  }
   if (report.plant == LevelState::differs) {
     tell_files(level->trace, level->comparison, file, "the golden's commands in this world");
   } else {
-    std::error_code ignored;
-    fs::remove(file, ignored);
-    remove_picture_differences(file);
+    remove_run(file);
   }
   report.plant_run = std::move(level->run);
   report.plant_comparison = std::move(level->comparison);
@@ -146,8 +156,14 @@ Result<void> Check::check_closed() {
   report.expectations =
       REHEARSE_TRY(compares_samples || judge.needs_order() ? judge_expectations(scenario.expectations, actual)
                                                            : judge.finish(fresh));
-  if (report.closed == LevelState::differs || first_violation(report.expectations))
+  const bool is_moved = report.closed == LevelState::differs && report.comparison->first->stage != Stage::costs;
+  if (is_moved && is_of_other_physics(fresh, *report.comparison)) {
+    report.closed = LevelState::not_compared;
+    report.comparison.reset();
+    report.message = fmt::format("this run: {}", actual.string());
+  } else if (report.closed == LevelState::differs || first_violation(report.expectations)) {
     tell_files(fresh, *report.comparison, actual, "this run");
+  }
   blame(*this);
   REHEARSE_TRY(test_reproduction(*this));
   if (report.not_reproduced) tell_files(fresh, *report.comparison, actual, "this run");
@@ -169,6 +185,11 @@ Result<void> Check::simulate() {
   }
   noise.judge_tolerances(scenario, report);
   return {};
+}
+
+bool Check::is_of_other_physics(const Trace& fresh, const Comparison& comparison) {
+  report.other_physics = other_physics(scenario, golden, fresh, comparison.changed_files);
+  return !report.other_physics.empty();
 }
 
 void Check::tell_files(const Trace& fresh, const Comparison& comparison, const fs::path& file, const char* what) {

@@ -43,6 +43,8 @@ struct Check {
   Result<void> check_plant();
   Result<void> make_closed_loop();
   Result<void> check_closed();
+  /// True, with the reason in the report, if another physics engine moved the golden's world.
+  bool is_of_other_physics(const Trace& fresh, const Comparison& comparison);
 };
 
 }  // namespace rehearse

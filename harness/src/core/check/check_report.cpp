@@ -30,7 +30,7 @@ namespace {
 /// The run of level closed is wrong, whatever the expectations demand.
 bool is_wrong_without_expectations(const CheckReport& report) {
   return report.closed == LevelState::differs || report.closed == LevelState::no_golden || report.not_reproduced ||
-         report.other_duration || report.proof_was_wrong;
+         report.other_duration || report.proof_was_wrong || !report.other_physics.empty();
 }
 
 }  // namespace

@@ -61,7 +61,7 @@ void tell_duration(Check& check, const Divergence& change, const Trace& fresh) {
   CheckReport& report = check.report;
   std::string sentence =
       fmt::format("the scenario's duration changed: it is {} s, and the golden's {} s", change.actual, change.expected);
-  const bool is_alone = !any_level_differs(report) && !report.not_reproduced;
+  const bool is_alone = !any_level_differs(report) && !report.not_reproduced && report.other_physics.empty();
   if (!is_alone) return report.verdict.add(VerdictCode::duration_changed, "besides, " + sentence);
   report.verdict.lead(VerdictCode::duration_changed, std::move(sentence));
   report.first = change;
