@@ -19,6 +19,7 @@ namespace {
 using internal::MatchOptions;
 using internal::TestVerdict;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// A box that falls for 50 ms, and a golden of it; each in folders of the test's own.
 class GoldenAssertion : public ::testing::Test {
@@ -233,6 +234,20 @@ TEST_F(GoldenAssertion, StandsInTheReportThatCiReads) {
   EXPECT_THAT(text, HasSubstr("<failure message="));
   EXPECT_THAT(text, HasSubstr("Box/Box/position/z is beyond ±1e-09 m from tick 0 (0 s) on"));
   EXPECT_THAT(text, HasSubstr("look at it: rehearse golden review Box.Falls"));
+}
+
+/// The exceptions of a misspelt name stand at the line of the test, and not in an unknown file.
+TEST_F(GoldenAssertion, PlacesExceptionsAtTheLineOfTheTest) {
+  write_fall(1.0, "");
+  const std::string line =
+      "cd '" + folder_.path().string() + "' && '" FAILING_ASSERTION "' --gtest_filter=Misread.* > out.txt 2>&1";
+  EXPECT_NE(std::system(line.c_str()), 0);
+  const std::string text = test::read_file(folder_ / "out.txt");
+  EXPECT_THAT(text, Not(HasSubstr("unknown file")));
+  EXPECT_THAT(text, HasSubstr("failing_assertion.cpp:11: Failure"));
+  EXPECT_THAT(text, HasSubstr("has no series \"Box/Box/positon/z\"; the nearest are Box/Box/position/z"));
+  EXPECT_THAT(text, HasSubstr("failing_assertion.cpp:14: Failure"));
+  EXPECT_THAT(text, HasSubstr("failing_assertion.cpp:16: Failure"));
 }
 
 }  // namespace

@@ -9,10 +9,11 @@
 //
 // A value that a test doesn't set stays constant. Joints, links and sensors are at rest at the pose of the options;
 // commands move nothing. The controller sees only quantities that it enabled in initialize(), which runs in the
-// constructor. C++17. Functions throw std::out_of_range for a name that the model doesn't have; the message lists
-// similar names.
+// constructor. C++17. Functions throw std::out_of_range for a name that the model doesn't have; the message
+// begins with the line of the call, and lists similar names.
 #pragma once
 
+#include <rehearse/call_place.h>
 #include <rehearse/faults.h>
 #include <rehearse/io.h>
 
@@ -90,22 +91,25 @@ class ControllerBench {
   /// `library`: a controller's name or path, `model`: a URDF or .body file; paths are relative to the test's fixtures.
   /// Runs configure(), initialize() and start(). Throws std::runtime_error if something can't be loaded, or if the
   /// controller refuses or fails.
-  ControllerBench(const std::string& library, const std::string& model, const BenchOptions& options = {});
+  ControllerBench(const std::string& library, const std::string& model, const BenchOptions& options = {},
+                  const CallPlace& from = CallPlace::here());
   ~ControllerBench();
   ControllerBench(const ControllerBench&) = delete;
   ControllerBench& operator=(const ControllerBench&) = delete;
 
   /// Inputs and commands of a joint. Throws std::out_of_range if the robot has none of this name.
-  BenchJoint& joint(std::string_view name);
+  BenchJoint& joint(std::string_view name, const CallPlace& from = CallPlace::here());
   /// Inputs and commands of a link; throws likewise.
-  BenchLink& link(std::string_view name);
+  BenchLink& link(std::string_view name, const CallPlace& from = CallPlace::here());
   /// The reading of a device; throws likewise.
-  BenchDevice& device(std::string_view name);
+  BenchDevice& device(std::string_view name, const CallPlace& from = CallPlace::here());
 
   // The joystick, by the names (or the numbers) that a scenario uses. A value stays until it is set again. They throw
   // std::logic_error if BenchOptions::joystick is false.
-  double& axis(std::string_view name);  // -1 to 1, up and left negative; triggers 0 to 1; rounded to single precision
-  bool& button(std::string_view name);  // pressed
+  double& axis(std::string_view name,
+               const CallPlace& from =
+                   CallPlace::here());  // -1 to 1, up and left negative; triggers 0 to 1; rounded to single precision
+  bool& button(std::string_view name, const CallPlace& from = CallPlace::here());  // pressed
 
   /// Computes the poses of all links, at rest, from the root link's pose and the joints' q. Their contacts do not
   /// change.
@@ -115,19 +119,19 @@ class ControllerBench {
   /// Throws std::runtime_error if the controller throws, crashes or hangs; with REHEARSE_REALTIME=1 in the environment
   /// also if a tick after the first one isn't real-time safe. Throws std::invalid_argument if a sensor has
   /// a wrong number of values, or if an axis is out of its range.
-  bool tick();
+  bool tick(const CallPlace& from = CallPlace::here());
 
   /// Time that the controller sees in the next tick [s].
   double time() const;
   std::int64_t ticks() const;  // number of ticks so far
 
   /// The last value that the controller set for a variable (rehearse_variable.h). std::out_of_range if it never set it.
-  double variable(std::string_view name) const;
+  double variable(std::string_view name, const CallPlace& from = CallPlace::here()) const;
 
   /// What the last tick's control() cost: "allocations", "allocated_bytes", "releases", "locks", "system_calls",
   /// "exceptions" or "message_bytes". Throws std::out_of_range for another name, std::runtime_error if costs can't be
   /// counted here.
-  std::uint64_t cost(std::string_view name) const;
+  std::uint64_t cost(std::string_view name, const CallPlace& from = CallPlace::here()) const;
   /// Why control() isn't real-time safe after the first tick, with the counts; empty: it is. EXPECT_REALTIME (gtest.h)
   /// tests it.
   std::string realtime_problem() const;

@@ -25,6 +25,7 @@
 #include <cstdint>
 #include <initializer_list>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -127,6 +128,13 @@ inline void take(MatchOptions& options, Exact) { options.exact = true; }
 inline void take(MatchOptions& options, const Near& near) { options.near.push_back(near); }
 inline void take(MatchOptions& options, Until until) { options.until = until.time; }
 inline void take(MatchOptions& options, const Levels& levels) { options.levels = levels.levels; }
+template <class Other>
+void take(MatchOptions&, const Other&) {
+  static_assert(
+      sizeof(Other) == 0,
+      "EXPECT_MATCHES_GOLDEN takes Exact, Near, Until or Levels after the recording. The test names the golden: "
+      "golden/Suite.Test.mcap");
+}
 
 // `test` is Suite.Test.
 Trace record_for_test(const std::string& scenario, const std::string& test);
@@ -138,6 +146,16 @@ TestVerdict judge_pass_rate(const SweepResult& result, double rate);
 TestVerdict judge_claims(const SweepResult& result);
 TestVerdict judge_realtime(const Trace& trace);
 TestVerdict judge_realtime(const ControllerBench& bench);
+
+/// The result of a call; its std::runtime_error begins with the place of the call.
+template <class Call>
+auto called_from(const CallPlace& from, const Call& call) {
+  try {
+    return call();
+  } catch (const std::runtime_error& failure) {
+    throw std::runtime_error(message_at(from, failure.what()));
+  }
+}
 
 /// Suite.Test of the running test; the slashes of parameterised and typed tests become dashes.
 inline std::string current_test() {
@@ -209,8 +227,8 @@ inline const bool folders_are_set =
 /// can't begin, or if a controller refused, threw, crashed or hung in it. The text is the message of `rehearse record`.
 /// If the run is proved to be golden/Suite.Test.mcap, bit for bit, the controllers run on its inputs and nothing is
 /// simulated. The recording is then a copy of the golden (check.h: Proof). REHEARSE_PROOF=off simulates always.
-inline Trace record(const std::string& scenario) {
-  return internal::record_for_test(scenario, internal::current_test());
+inline Trace record(const std::string& scenario, const CallPlace& from = CallPlace::here()) {
+  return internal::called_from(from, [&] { return internal::record_for_test(scenario, internal::current_test()); });
 }
 
 /// Runs variations of a scenario (`vary:`, campaign.h) in processes of their own, and judges each by the scenario's
@@ -218,8 +236,10 @@ inline Trace record(const std::string& scenario) {
 /// std::runtime_error, which fails the test, if the campaign can't run. The failures that the project keeps run first.
 /// A case of one simulated second of a humanoid takes about 0.15 s: state `cases` so that the test ends within the time
 /// of ctest.
-inline SweepResult sweep(const std::string& scenario, const SweepCases& cases = {}) {
-  return internal::sweep_for_test(scenario, cases, internal::current_test());
+inline SweepResult sweep(const std::string& scenario, const SweepCases& cases = {},
+                         const CallPlace& from = CallPlace::here()) {
+  return internal::called_from(from,
+                               [&] { return internal::sweep_for_test(scenario, cases, internal::current_test()); });
 }
 
 }  // namespace rehearse

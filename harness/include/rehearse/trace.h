@@ -25,6 +25,7 @@
 // messages.h too (C++20).
 #pragma once
 
+#include <rehearse/call_place.h>
 #include <rehearse/diagnostic.h>
 #include <rehearse/mcap_types.h>
 #include <rehearse/trace_table.h>
@@ -109,21 +110,21 @@ class Trace {
   std::string nearest_series(std::string_view name) const;
 
   // For tests. If a series is unknown, or has no sample where one is needed, they throw std::out_of_range; the message
-  // lists similar names. If one of the samples is NaN, so are min, max and mean, so that no comparison passes by
-  // accident.
-  double first(std::string_view series) const;
-  double last(std::string_view series) const;
-  double min(std::string_view series) const;
-  double max(std::string_view series) const;
+  // begins with the line of the call, and lists similar names. If one of the samples is NaN, so are min, max and mean,
+  // so that no comparison passes by accident.
+  double first(std::string_view series, const CallPlace& from = CallPlace::here()) const;
+  double last(std::string_view series, const CallPlace& from = CallPlace::here()) const;
+  double min(std::string_view series, const CallPlace& from = CallPlace::here()) const;
+  double max(std::string_view series, const CallPlace& from = CallPlace::here()) const;
   /// Mean of the samples with from_s <= t < until_s [s].
-  double mean(std::string_view series, double from_s, double until_s) const;
+  double mean(std::string_view series, double from_s, double until_s, const CallPlace& from = CallPlace::here()) const;
   /// The latest sample at or before time_s [s].
-  double at(std::string_view series, double time_s) const;
-  std::vector<double> values(std::string_view series) const;
-  std::vector<double> times(std::string_view series) const;  // [s]
+  double at(std::string_view series, double time_s, const CallPlace& from = CallPlace::here()) const;
+  std::vector<double> values(std::string_view series, const CallPlace& from = CallPlace::here()) const;
+  std::vector<double> times(std::string_view series, const CallPlace& from = CallPlace::here()) const;  // [s]
   /// The exact values of an integer series, signed values in two's complement; std::invalid_argument for a
   /// floating series.
-  std::vector<std::uint64_t> integers(std::string_view series) const;
+  std::vector<std::uint64_t> integers(std::string_view series, const CallPlace& from = CallPlace::here()) const;
 
   /// The bytes (CDR) of a message of a channel that has locations, read again from the file.
   Result<std::vector<std::byte>> payload(const TraceChannel& channel, std::size_t index) const;
@@ -138,7 +139,7 @@ class Trace {
   friend class TraceWindows;
   struct Samples;  // the samples of the named series
   struct Rests;    // index of the rests of each channel; made at the first request
-  Samples samples(std::string_view name) const;
+  Samples samples(std::string_view name, const CallPlace& from) const;
 
   std::string file_;
   std::shared_ptr<mcap::Reader> reader_;            // keeps the file mapped

@@ -19,6 +19,9 @@ namespace py = pybind11;
 namespace rehearse::python {
 namespace {
 
+/// Exceptions name no line of C++: Python adds the line of the caller.
+constexpr CallPlace in_python{};
+
 /// The result of `body`; its exceptions are thrown as a Failure.
 template <class Body>
 decltype(auto) told(Body body) {
@@ -42,7 +45,7 @@ std::unique_ptr<ControllerBench> make(const std::string& library, const std::str
   settings.joints = joints;
   settings.position = position;
   settings.joystick = joystick;
-  return told([&] { return std::make_unique<ControllerBench>(library, model, settings); });
+  return told([&] { return std::make_unique<ControllerBench>(library, model, settings, in_python); });
 }
 
 Eigen::Vector4d rotation(const BenchLink& link) { return link.rotation.coeffs(); }
@@ -87,25 +90,31 @@ PYBIND11_MODULE(_bench, module) {
       .def(py::init(&make))
       .def(
           "joint",
-          [](ControllerBench& bench, const std::string& name) { return told([&] { return &bench.joint(name); }); },
+          [](ControllerBench& bench, const std::string& name) {
+            return told([&] { return &bench.joint(name, in_python); });
+          },
           inside)
       .def(
           "link",
-          [](ControllerBench& bench, const std::string& name) { return told([&] { return &bench.link(name); }); },
+          [](ControllerBench& bench, const std::string& name) {
+            return told([&] { return &bench.link(name, in_python); });
+          },
           inside)
       .def(
           "device",
-          [](ControllerBench& bench, const std::string& name) { return told([&] { return &bench.device(name); }); },
+          [](ControllerBench& bench, const std::string& name) {
+            return told([&] { return &bench.device(name, in_python); });
+          },
           inside)
       .def("set_axis", [](ControllerBench& bench, const std::string& name,
-                          double value) { told([&] { bench.axis(name) = value; }); })
+                          double value) { told([&] { bench.axis(name, in_python) = value; }); })
       .def("set_button", [](ControllerBench& bench, const std::string& name,
-                            bool pressed) { told([&] { bench.button(name) = pressed; }); })
+                            bool pressed) { told([&] { bench.button(name, in_python) = pressed; }); })
       .def("update_links", [](ControllerBench& bench) { told([&] { bench.update_links(); }); })
-      .def("tick", [](ControllerBench& bench) { return told([&] { return bench.tick(); }); })
+      .def("tick", [](ControllerBench& bench) { return told([&] { return bench.tick(in_python); }); })
       .def_property_readonly("time", &ControllerBench::time)
       .def_property_readonly("ticks", &ControllerBench::ticks)
       .def("variable", [](const ControllerBench& bench,
-                          const std::string& name) { return told([&] { return bench.variable(name); }); })
+                          const std::string& name) { return told([&] { return bench.variable(name, in_python); }); })
       .def_property_readonly("messages", &ControllerBench::messages);
 }

@@ -78,25 +78,26 @@ std::string Trace::nearest_series(std::string_view name) const {
   return text;
 }
 
-Trace::Samples Trace::samples(std::string_view name) const {
+Trace::Samples Trace::samples(std::string_view name, const CallPlace& from) const {
   const auto place = find_series(name);
   if (!place) {
-    throw std::out_of_range(series_.empty() ? fmt::format("{} has no series at all, so it lacks \"{}\"", file_, name)
-                                            : fmt::format("{} has no series \"{}\"; the nearest are {}", file_, name,
-                                                          nearest_series(name)));
+    throw std::out_of_range(message_at(
+        from, series_.empty()
+                  ? fmt::format("{} has no series at all, so it lacks \"{}\"", file_, name)
+                  : fmt::format("{} has no series \"{}\"; the nearest are {}", file_, name, nearest_series(name))));
   }
   return {channels_[place->channel], place->column};
 }
 
-double Trace::first(std::string_view series) const { return samples(series)[0]; }
+double Trace::first(std::string_view series, const CallPlace& from) const { return samples(series, from)[0]; }
 
-double Trace::last(std::string_view series) const {
-  const Samples all = samples(series);
+double Trace::last(std::string_view series, const CallPlace& from) const {
+  const Samples all = samples(series, from);
   return all[all.count() - 1];
 }
 
-double Trace::min(std::string_view series) const {
-  const Samples all = samples(series);
+double Trace::min(std::string_view series, const CallPlace& from) const {
+  const Samples all = samples(series, from);
   double least = all[0];
   for (std::size_t i = 1; i < all.count(); ++i) {
     if (all[i] < least || std::isnan(all[i])) least = all[i];
@@ -104,8 +105,8 @@ double Trace::min(std::string_view series) const {
   return least;
 }
 
-double Trace::max(std::string_view series) const {
-  const Samples all = samples(series);
+double Trace::max(std::string_view series, const CallPlace& from) const {
+  const Samples all = samples(series, from);
   double most = all[0];
   for (std::size_t i = 1; i < all.count(); ++i) {
     if (all[i] > most || std::isnan(all[i])) most = all[i];
@@ -113,51 +114,53 @@ double Trace::max(std::string_view series) const {
   return most;
 }
 
-double Trace::mean(std::string_view series, double from_s, double until_s) const {
-  const Samples all = samples(series);
-  const std::uint64_t from = to_ns(from_s), until = to_ns(until_s);
+double Trace::mean(std::string_view series, double from_s, double until_s, const CallPlace& from) const {
+  const Samples all = samples(series, from);
+  const std::uint64_t begin = to_ns(from_s), end = to_ns(until_s);
   double sum = 0.0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < all.count(); ++i) {
-    if (all.channel.times[i] < from || all.channel.times[i] >= until) continue;
+    if (all.channel.times[i] < begin || all.channel.times[i] >= end) continue;
     sum += all[i];
     ++count;
   }
   if (count == 0)
-    throw std::out_of_range(fmt::format("\"{}\" has no sample from {} s until {} s", series, from_s, until_s));
+    throw std::out_of_range(
+        message_at(from, fmt::format("\"{}\" has no sample from {} s until {} s", series, from_s, until_s)));
   return sum / static_cast<double>(count);
 }
 
-double Trace::at(std::string_view series, double time_s) const {
-  const Samples all = samples(series);
+double Trace::at(std::string_view series, double time_s, const CallPlace& from) const {
+  const Samples all = samples(series, from);
   const std::uint64_t time = to_ns(time_s);
   std::optional<std::size_t> latest;
   for (std::size_t i = 0; i < all.count(); ++i) {
     const std::uint64_t t = all.channel.times[i];
     if (t <= time && (!latest || all.channel.times[*latest] <= t)) latest = i;
   }
-  if (!latest) throw std::out_of_range(fmt::format("\"{}\" has no sample at {} s or before", series, time_s));
+  if (!latest)
+    throw std::out_of_range(message_at(from, fmt::format("\"{}\" has no sample at {} s or before", series, time_s)));
   return all[*latest];
 }
 
-std::vector<double> Trace::values(std::string_view series) const {
-  const Samples all = samples(series);
+std::vector<double> Trace::values(std::string_view series, const CallPlace& from) const {
+  const Samples all = samples(series, from);
   std::vector<double> values(all.count());
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = all[i];
   return values;
 }
 
-std::vector<double> Trace::times(std::string_view series) const {
-  const Samples all = samples(series);
+std::vector<double> Trace::times(std::string_view series, const CallPlace& from) const {
+  const Samples all = samples(series, from);
   std::vector<double> times(all.count());
   for (std::size_t i = 0; i < times.size(); ++i) times[i] = all.time(i);
   return times;
 }
 
-std::vector<std::uint64_t> Trace::integers(std::string_view series) const {
-  const Samples all = samples(series);
+std::vector<std::uint64_t> Trace::integers(std::string_view series, const CallPlace& from) const {
+  const Samples all = samples(series, from);
   if (all.channel.columns[all.column].kind == CellKind::floating) {
-    throw std::invalid_argument(fmt::format("\"{}\" isn't a series of integers", series));
+    throw std::invalid_argument(message_at(from, fmt::format("\"{}\" isn't a series of integers", series)));
   }
   std::vector<std::uint64_t> values(all.count());
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = all.channel.bits(i, all.column);

@@ -24,8 +24,8 @@ namespace rehearse {
 namespace {
 
 template <class T>
-T value_or_throw(Result<T> result) {
-  if (!result) throw std::runtime_error(to_string(result.errors()));
+T value_or_throw(Result<T> result, const CallPlace& from) {
+  if (!result) throw std::runtime_error(message_at(from, to_string(result.errors())));
   return std::move(*result);
 }
 
@@ -37,9 +37,11 @@ std::size_t numbers_of(const Device& device) {
 
 /// There are few names here, so messages list all of them.
 template <class Names>
-[[noreturn]] void unknown(std::string_view owner, std::string_view what, std::string_view name, const Names& names) {
-  throw std::out_of_range(fmt::format("the {} has no {} \"{}\"; it has {}", owner, what, name,
-                                      names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+[[noreturn]] void unknown(const CallPlace& from, std::string_view owner, std::string_view what, std::string_view name,
+                          const Names& names) {
+  throw std::out_of_range(
+      message_at(from, fmt::format("the {} has no {} \"{}\"; it has {}", owner, what, name,
+                                   names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")))));
 }
 
 }  // namespace
@@ -59,6 +61,7 @@ struct ControllerBench::Impl final : ObservationSource, Sink {
   std::vector<std::string> messages;
   std::optional<HostedCommands> commands;
   std::optional<Run> run;
+  CallPlace called_from;  // the constructor or the tick that is under way
 
   const Model& model() const { return *scenario.bodies[0].model; }
   void set_up(const std::string& library, const std::string& model_file, const BenchOptions& options);
@@ -67,14 +70,16 @@ struct ControllerBench::Impl final : ObservationSource, Sink {
   Result<bool> advance(TickData&, Commander&) override { return true; }  // nothing moves by itself
   void observe_device(std::size_t index, std::int64_t tick);
   void observe_joystick();
-  void require_joystick(std::string_view what) const;
+  void require_joystick(std::string_view what, const CallPlace& from) const;
   void read_outputs();
   void apply_faults(double time);
   void check();
 };
 
-ControllerBench::ControllerBench(const std::string& library, const std::string& model, const BenchOptions& options)
+ControllerBench::ControllerBench(const std::string& library, const std::string& model, const BenchOptions& options,
+                                 const CallPlace& from)
     : impl_(std::make_unique<Impl>()) {
+  impl_->called_from = from;
   impl_->set_up(library, model, options);
 }
 
@@ -90,7 +95,7 @@ void ControllerBench::Impl::set_up(const std::string& library, const std::string
   scenario.time_step = options.time_step;
   ScenarioBody& body = scenario.bodies.emplace_back();
   body.model_file = fixture_path(model_file);
-  body.model = std::make_shared<const Model>(value_or_throw(load_model(body.model_file)));
+  body.model = std::make_shared<const Model>(value_or_throw(load_model(body.model_file), called_from));
   body.name = model().name;
   body.fixed = model().links[0].joint.type == JointType::fixed;
   body.position = options.position;
@@ -98,7 +103,7 @@ void ControllerBench::Impl::set_up(const std::string& library, const std::string
   for (const auto& [name, q] : options.joints) {
     const int link = model().find_joint(name);
     if (link < 0 || model().links[link].joint.id < 0)
-      throw std::out_of_range(fmt::format("the model has no joint \"{}\"", name));
+      throw std::out_of_range(message_at(called_from, fmt::format("the model has no joint \"{}\"", name)));
     body.joints[model().links[link].joint.id] = q;
   }
   ScenarioController& controller = body.controllers.emplace_back();
@@ -107,7 +112,7 @@ void ControllerBench::Impl::set_up(const std::string& library, const std::string
   controller.place.file = "ControllerBench";
   if (options.joystick) scenario.joystick.emplace();
   if (const auto added = add_faults(body, options.faults.entries()); !added)
-    throw std::invalid_argument(to_string(added.errors()));
+    throw std::invalid_argument(message_at(called_from, to_string(added.errors())));
   if (!body.errors.devices.empty() || !body.errors.joints.empty()) errors.emplace(scenario);
 
   seen = initial_observation(scenario);
@@ -121,7 +126,7 @@ void ControllerBench::Impl::set_up(const std::string& library, const std::string
   delivered.resize(model().devices.size());
   HostOptions counting;
   counting.counts_costs = can_count_costs();
-  host = value_or_throw(ControllerHost::create(scenario, counting));
+  host = value_or_throw(ControllerHost::create(scenario, counting), called_from);
   host->initialize(seen);
   host->start();
   check();
@@ -136,8 +141,8 @@ void ControllerBench::Impl::check() {
     messages.push_back(event.text);
     if (event.severity == to_string(Severity::error)) last_error = event.source + ": " + event.text;
   }
-  if (host->failure()) throw std::runtime_error(host->failure()->message);
-  if (host->any_refused()) throw std::runtime_error(last_error);
+  if (host->failure()) throw std::runtime_error(message_at(called_from, host->failure()->message));
+  if (host->any_refused()) throw std::runtime_error(message_at(called_from, last_error));
 }
 
 Result<bool> ControllerBench::Impl::observe(TickData& now) {
@@ -167,16 +172,17 @@ Result<bool> ControllerBench::Impl::observe(TickData& now) {
 void ControllerBench::Impl::observe_joystick() {
   for (std::size_t i = 0; i < axes.size(); ++i) {
     if (!(axes[i] >= lowest_position(i) && axes[i] <= 1.0))
-      throw std::invalid_argument(
-          fmt::format("axis \"{}\" is at {}, but it goes from {} to 1", joystick_axes[i], axes[i], lowest_position(i)));
+      throw std::invalid_argument(message_at(called_from, fmt::format("axis \"{}\" is at {}, but it goes from {} to 1",
+                                                                      joystick_axes[i], axes[i], lowest_position(i))));
     seen.joystick->axes[i] = static_cast<float>(axes[i]);
   }
   seen.joystick->buttons = buttons;
 }
 
-void ControllerBench::Impl::require_joystick(std::string_view what) const {
+void ControllerBench::Impl::require_joystick(std::string_view what, const CallPlace& from) const {
   if (!seen.joystick)
-    throw std::logic_error(fmt::format("there is no {}: the options of the bench exclude a joystick", what));
+    throw std::logic_error(
+        message_at(from, fmt::format("there is no {}: the options of the bench exclude a joystick", what)));
 }
 
 void ControllerBench::Impl::observe_device(std::size_t index, std::int64_t tick) {
@@ -185,8 +191,9 @@ void ControllerBench::Impl::observe_device(std::size_t index, std::int64_t tick)
   DeviceReading& reading = seen.bodies[0].devices[index];
   const std::size_t wanted = numbers_of(described);
   if (!device.values.empty() && device.values.size() != wanted)
-    throw std::invalid_argument(fmt::format("device \"{}\" has {} values, but a {} has {}", described.name,
-                                            device.values.size(), type_name(described), wanted));
+    throw std::invalid_argument(
+        message_at(called_from, fmt::format("device \"{}\" has {} values, but a {} has {}", described.name,
+                                            device.values.size(), type_name(described), wanted)));
   reading.values.clear();
   reading.ranges = nullptr;
   if (!std::holds_alternative<RangeSensor>(described.kind))
@@ -251,61 +258,62 @@ Result<void> ControllerBench::Impl::emit(const TickData& now) {
   return {};
 }
 
-bool ControllerBench::tick() {
-  value_or_throw(impl_->run->step());
-  if (impl_->run->interruption()) throw std::runtime_error(impl_->run->interruption()->message);
+bool ControllerBench::tick(const CallPlace& from) {
+  impl_->called_from = from;
+  value_or_throw(impl_->run->step(), from);
+  if (impl_->run->interruption()) throw std::runtime_error(message_at(from, impl_->run->interruption()->message));
   impl_->check();  // the controller may have failed in an earlier tick
   if (internal::wants_realtime())
     if (const auto verdict = internal::judge_realtime(*this); !verdict.passed)
-      throw std::runtime_error(verdict.message);
+      throw std::runtime_error(message_at(from, verdict.message));
   return impl_->host->controllers()[0].tick.result;
 }
 
-BenchJoint& ControllerBench::joint(std::string_view name) {
+BenchJoint& ControllerBench::joint(std::string_view name, const CallPlace& from) {
   const Model& model = impl_->model();
   const int link = model.find_joint(name);
   if (link >= 0 && model.links[link].joint.id >= 0) return impl_->joints[model.links[link].joint.id];
   std::vector<std::string> names;
   for (const int moved : model.joints) names.push_back(model.links[moved].joint.name);
-  unknown("model", "joint", name, names);
+  unknown(from, "model", "joint", name, names);
 }
 
-BenchLink& ControllerBench::link(std::string_view name) {
+BenchLink& ControllerBench::link(std::string_view name, const CallPlace& from) {
   const Model& model = impl_->model();
   const int link = model.find_link(name);
   if (link >= 0) return impl_->links[link];
   std::vector<std::string> names;
   for (const Link& other : model.links) names.push_back(other.name);
-  unknown("model", "link", name, names);
+  unknown(from, "model", "link", name, names);
 }
 
-BenchDevice& ControllerBench::device(std::string_view name) {
+BenchDevice& ControllerBench::device(std::string_view name, const CallPlace& from) {
   const Model& model = impl_->model();
   const int device = model.find_device(name);
   if (device >= 0) return impl_->devices[device];
   std::vector<std::string> names;
   for (const Device& other : model.devices) names.push_back(other.name);
-  unknown("model", "device", name, names);
+  unknown(from, "model", "device", name, names);
 }
 
-double ControllerBench::variable(std::string_view name) const {
+double ControllerBench::variable(std::string_view name, const CallPlace& from) const {
   const ControllerVariables& variables = impl_->host->controllers()[0].variables;
   if (const ControllerVariables::Variable* found = variables.find(name)) return found->value;
   std::vector<std::string> names;
   for (const ControllerVariables::Variable& other : variables.all()) names.push_back(other.name);
-  unknown("controller", "variable", name, names);
+  unknown(from, "controller", "variable", name, names);
 }
 
-double& ControllerBench::axis(std::string_view name) {
-  impl_->require_joystick("axis");
+double& ControllerBench::axis(std::string_view name, const CallPlace& from) {
+  impl_->require_joystick("axis", from);
   if (const auto axis = find_control(joystick_axes, name)) return impl_->axes[*axis];
-  unknown("joystick", "axis", name, joystick_axes);
+  unknown(from, "joystick", "axis", name, joystick_axes);
 }
 
-bool& ControllerBench::button(std::string_view name) {
-  impl_->require_joystick("button");
+bool& ControllerBench::button(std::string_view name, const CallPlace& from) {
+  impl_->require_joystick("button", from);
   if (const auto button = find_control(joystick_buttons, name)) return impl_->buttons[*button];
-  unknown("joystick", "button", name, joystick_buttons);
+  unknown(from, "joystick", "button", name, joystick_buttons);
 }
 
 void ControllerBench::update_links() {
@@ -324,14 +332,15 @@ void ControllerBench::update_links() {
   }
 }
 
-std::uint64_t ControllerBench::cost(std::string_view name) const {
-  if (!impl_->host->counts_costs()) throw std::runtime_error("the costs of control() can't be counted here");
+std::uint64_t ControllerBench::cost(std::string_view name, const CallPlace& from) const {
+  if (!impl_->host->counts_costs())
+    throw std::runtime_error(message_at(from, "the costs of control() can't be counted here"));
   std::vector<std::string_view> names;
   for (const CostField& field : cost_fields) {
     if (field.name == name) return impl_->host->controllers()[0].tick.cost.*field.count;
     names.push_back(field.name);
   }
-  unknown("tick", "cost", name, names);
+  unknown(from, "tick", "cost", name, names);
 }
 
 std::string ControllerBench::realtime_problem() const {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/guard/supervise.h"
+#include "placed_failures.h"
 #include "test_process.h"
 
 namespace {
@@ -21,6 +22,9 @@ class Tasks : public testing::EmptyTestEventListener {
 int main(int argc, char** argv) {
   rehearse::internal::begin_test_process(argv);
   ::testing::InitGoogleTest(&argc, argv);
-  ::testing::UnitTest::GetInstance()->listeners().Append(new Tasks);
+  ::testing::TestEventListeners& listeners = ::testing::UnitTest::GetInstance()->listeners();
+  if (auto* const printer = listeners.Release(listeners.default_result_printer()))
+    listeners.Append(new rehearse::internal::PlacedFailures(printer));
+  listeners.Append(new Tasks);
   return RUN_ALL_TESTS();
 }
