@@ -254,6 +254,15 @@ TEST_F(Export, KeepsTheValuesOfEveryEncoding) {
   }
 }
 
+TEST_F(Export, MakesNoFolderWithTheNameOfATable) {
+  const Outcome outcome = rehearse({"export", "run.mcap", "-o", "all.csv"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(outcome.err,
+            "error: -o all.csv is the name of one table, and each topic has its own (one table of all: --joined; a "
+            "table for each topic: name a folder)\n");
+  EXPECT_FALSE(exists("all.csv"));
+}
+
 TEST_F(Export, ReplacesItsOwnKindOnly) {
   fs::create_directory(folder() / "tables");
   write("tables/events.csv", "mine,not yours\n");

@@ -280,9 +280,27 @@ TEST_F(New, OverwritesNothing) {
   std::ofstream(folder() / "mine" / "notes.txt") << "keep";
   const Outcome outcome = run(command, {"new", "mine"});
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_EQ(outcome.err, "error: mine is not empty (name a new folder, or an empty one)\n");
+  EXPECT_EQ(outcome.err, "error: mine is not empty (name a new folder, an empty one, or a repository without files)\n");
   EXPECT_FALSE(fs::exists(folder() / "mine" / "CMakeLists.txt"));
   EXPECT_EQ(read_file(folder() / "mine" / "notes.txt"), "keep");
+}
+
+TEST_F(New, GoesIntoARepositoryWithoutFiles) {
+  fs::create_directories(folder() / "mine/.git");
+  EXPECT_EQ(run(command, {"new", "mine", "--language", "cpp"}).status, 0) << "as C++ is often spelt";
+  EXPECT_TRUE(fs::exists(folder() / "mine/hold.cpp"));
+}
+
+TEST_F(New, LeavesNothingOnAFullDisk) {
+  fs::create_directories(folder() / "mine/.git");
+  for (const char* name : {"new", "mine"}) {
+    const Outcome outcome = rehearse({"new", name}, "trap '' XFSZ; ulimit -f 1;");
+    EXPECT_EQ(outcome.status, 2) << outcome.out;
+    EXPECT_THAT(outcome.err, HasSubstr("can't"));
+  }
+  EXPECT_FALSE(fs::exists(folder() / "new"));
+  EXPECT_TRUE(fs::exists(folder() / "mine/.git"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder() / "mine"), {}), 1);
 }
 
 TEST_F(New, NeedsAFolder) {

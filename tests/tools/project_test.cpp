@@ -56,6 +56,64 @@ TEST_F(Project, OfTwoBuildsTheNewerLibraryIsTaken) {
   EXPECT_EQ(rehearse({"record", "scenarios/swing.yaml"}).status, 0);
 }
 
+TEST_F(Project, ABuildOfAnyNameIsFoundByItsCache) {
+  for (const char* name : {"out", "cmake-build-debug", "out/build/release"}) {
+    build(name, MISBEHAVING);
+    write(std::string(name) + "/CMakeCache.txt", "");
+    EXPECT_EQ(rehearse({"record", "scenarios/swing.yaml"}).status, 0) << name;
+    fs::remove_all(folder() / name);
+  }
+  build("notes", MISBEHAVING);
+  EXPECT_EQ(rehearse({"record", "scenarios/swing.yaml"}).status, 2) << "a folder without a cache";
+}
+
+TEST_F(Project, AScenarioIsFoundByItsNameItsGoldenAndItsFolder) {
+  build("build", MISBEHAVING);
+  EXPECT_EQ(rehearse({"check"}, "REHEARSE_GOLDEN=new").status, 0);
+  for (const char* word : {"swing", "swing.yaml", "Swing.Swings", "scenarios", ".", "scenarios/swing.yaml"})
+    EXPECT_EQ(done({"check", "--json", word}).json()["file"], "scenarios/swing.yaml") << word;
+  EXPECT_EQ(rehearse({"check", "--json", "swing"}, "cd scenarios &&").json()["scenario"], "swing");
+  EXPECT_EQ(rehearse({"record", "swing"}).status, 0);
+  const Outcome misspelt = rehearse({"check", "swin"});
+  EXPECT_EQ(misspelt.status, 2);
+  EXPECT_EQ(misspelt.err, "error: there is no file, scenario or golden 'swin' (did you mean 'swing'?)\n");
+  write("swing.cpp", "");
+  EXPECT_THAT(rehearse({"check", "swing.cpp"}).err, HasSubstr("not a scenario (its scenario: scenarios/swing.yaml)"));
+  fs::create_directories(folder() / "models");
+  EXPECT_THAT(rehearse({"check", "models"}).err, HasSubstr("no *.yaml below models names a golden"));
+}
+
+TEST_F(Project, ACheckTakesAnotherValueOfTheScenario) {
+  build("build", MISBEHAVING);
+  EXPECT_EQ(rehearse({"check"}, "REHEARSE_GOLDEN=new").status, 0);
+  const Outcome changed = rehearse({"check", "swing", "--with", "gravity=[0, 0, -9.0]"});
+  EXPECT_EQ(changed.status, 1) << changed.err;
+  EXPECT_THAT(changed.out, HasSubstr("(gravity is [0, 0, -9.0]"));
+  EXPECT_EQ(rehearse({"golden", "accept", "--all"}).status, 2) << "the scenario doesn't make this run";
+  const Outcome accepting = rehearse({"check", "swing", "--with", "gravity=[0, 0, -9.0]"}, "REHEARSE_GOLDEN=accept");
+  EXPECT_EQ(accepting.status, 2);
+  EXPECT_THAT(accepting.err, HasSubstr("--with changes the scenario, so no run of it becomes a golden"));
+  EXPECT_EQ(done({"check"}).status, 0);
+  const Outcome set = rehearse({"record", "swing", "--set", "gravity=[0, 0, -9.0]"});
+  EXPECT_EQ(set.status, 2);
+  EXPECT_THAT(set.err, HasSubstr("another value in the scenario: --with gravity=[0, 0, -9.0]"));
+}
+
+TEST_F(Project, OfTheScenarioKeepsItsRunsFromWhereverItIsChecked) {
+  build("build", MISBEHAVING);
+  fs::create_directories(folder() / "elsewhere");
+  fs::create_directories(folder() / "mine");
+  for (const char* part : {"CMakeLists.txt", "scenarios", "build"})
+    fs::rename(folder() / part, folder() / "mine" / part);
+  const Outcome outcome = rehearse({"check", "../mine/scenarios/swing.yaml"}, "cd elsewhere &&");
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_TRUE(fs::exists(folder() / "mine/rehearse-pending/Swing.Swings.mcap"));
+  EXPECT_TRUE(fs::is_empty(folder() / "elsewhere"));
+  EXPECT_THAT(outcome.out, HasSubstr("if it is right: cd ../mine && rehearse golden accept Swing.Swings\n"));
+  EXPECT_EQ(rehearse({"golden", "accept", "Swing.Swings"}, "cd elsewhere && cd ../mine &&").status, 0);
+  EXPECT_EQ(rehearse({"check", "../mine/scenarios/swing.yaml"}, "cd elsewhere &&").status, 0);
+}
+
 TEST_F(Project, AForgottenBuildIsAdvised) {
   const Outcome outcome = rehearse({"record", "scenarios/swing.yaml"});
   EXPECT_EQ(outcome.status, 2);

@@ -74,6 +74,16 @@ function(rehearse_add_controller_test name)
     message(FATAL_ERROR "rehearse_add_controller_test(${name}): SOURCES are missing, or these words mean nothing "
                         "here: '${arg_UNPARSED_ARGUMENTS}'")
   endif()
+  foreach(word ${arg_SOURCES} ${arg_CONTROLLERS})
+    if(word MATCHES "^[A-Z]+$" AND NOT TARGET ${word})
+      message(FATAL_ERROR "rehearse_add_controller_test(${name}): '${word}' is neither a keyword nor a target: expected "
+                          "SOURCES, CONTROLLERS, FIXTURES, GOLDEN, LABEL or TIMEOUT")
+    endif()
+  endforeach()
+  if(arg_FIXTURES AND NOT IS_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/${arg_FIXTURES} AND NOT IS_DIRECTORY "${arg_FIXTURES}")
+    message(FATAL_ERROR "rehearse_add_controller_test(${name}): FIXTURES: there is no folder '${arg_FIXTURES}' in "
+                        "${CMAKE_CURRENT_SOURCE_DIR}")
+  endif()
   foreach(default "FIXTURES=fixtures" "GOLDEN=golden" "LABEL=golden" "TIMEOUT=300")
     string(REGEX MATCH "^([A-Z]+)=(.*)$" matched ${default})
     if(NOT arg_${CMAKE_MATCH_1})

@@ -37,6 +37,7 @@
 #include "output.h"
 #include "progress.h"
 #include "scenario_text.h"
+#include "scenario_words.h"
 #include "side_by_side.h"
 #include "viewing/report/call_stack.h"
 #include "viewing/report/report_index.h"
@@ -59,6 +60,8 @@ struct CheckSettings {
   bool coverage = false;      // instead, list the lines that no golden executes
   bool instructions = false;  // instead, compare the instructions of control() with those kept beside goldens
   CoverageFiles coverage_files;
+  StatedValues values;
+  fs::path pending;                // where runs wait: in the project of the first scenario
   bool simulate = false;           // nothing is proved
   bool strict = false;             // goldens without an owner fail, too
   bool verbose = false;            // the first differences are also printed in full
@@ -72,50 +75,28 @@ struct CheckSettings {
 
 bool can_be_checked(const Scenario& scenario) { return !scenario.golden.empty() || !scenario.expectations.empty(); }
 
-/// The files of the project that may name a golden or have expectations: the failures that it keeps, then its
-/// scenarios, each by path.
-Result<std::vector<std::string>> files_of_project() {
-  const auto project = find_project("./");
-  if (!project)
-    return error(
-        "this folder is of no project: no folder above it has a folder 'golden', a CMakeLists.txt, a pyproject.toml or "
-        "a pytest.ini",
-        "name a scenario, or go to a project's folder");
-  std::vector<std::string> files;
-  std::map<fs::path, fs::path> seen;  // folders, relative to this one
-  std::error_code ignored;
-  for (const auto& some : {failure_files(*project), scenario_files(*project)})
-    for (const fs::path& file : some) {
-      if (!may_be_checked(file)) continue;
-      const auto [folder, is_new] = seen.try_emplace(file.parent_path());
-      if (is_new) folder->second = fs::proximate(folder->first, ignored);
-      files.push_back(fs::is_symlink(file, ignored) ? fs::proximate(file, ignored).string()
-                                                    : (folder->second / file.filename()).lexically_normal().string());
-    }
-  return files;
+/// The golden that the scenario names; empty: none, or not known yet.
+fs::path golden_in_store(const Scenario& scenario) {
+  const auto folder = find_golden_folder(scenario.file);
+  if (scenario.golden.empty() || !folder) return {};
+  const GoldenStore store(*folder);
+  return store.has(scenario.golden) ? store.trace_file(scenario.golden) : fs::path();
 }
 
-Diagnostic nothing_to_check() {
-  return error(
-      fmt::format("no scenario below scenarios or fixtures/scenarios of {} names a golden or expects something",
-                  find_project("./").value_or(".").string()),
-      "name a scenario");
-}
-
-/// The trace that the user named: --golden, or the log's recording from which the scenario was read; empty: none.
+/// The trace that replaces the store's golden: --golden, or the log's recording from which the scenario was read;
+/// empty: none. With --with it is the store's own: such a run can't become a golden, because the scenario doesn't make
+/// it.
 fs::path named_golden(const CheckSettings& settings, const Scenario& scenario) {
   if (!settings.golden.empty()) return settings.golden;
+  if (!settings.values.empty()) return golden_in_store(scenario);
   const fs::path within = fs::path(scenario.file).parent_path();  // scenario_of() names it RECORDING/scenario.yaml
   return within.extension() == ".mcap" ? within : fs::path();
 }
 
 /// The trace with which the scenario will be compared; empty: none, or not known yet.
 fs::path golden_of(const CheckSettings& settings, const Scenario& scenario) {
-  if (fs::path named = named_golden(settings, scenario); !named.empty()) return named;
-  const auto folder = find_golden_folder(scenario.file);
-  if (scenario.golden.empty() || !folder) return {};
-  const GoldenStore store(*folder);
-  return store.has(scenario.golden) ? store.trace_file(scenario.golden) : fs::path();
+  fs::path named = named_golden(settings, scenario);
+  return named.empty() ? golden_in_store(scenario) : named;
 }
 
 /// A golden whose controllers had simulated time and seeded random numbers is checked with them, which requires a
@@ -152,7 +133,7 @@ Result<CheckReport> check(const CheckSettings& settings, const Scenario& scenari
                     settings.check.controller + settings.check.plant + settings.check.closed);
   CheckOptions options = settings.check;
   const auto proving = REHEARSE_TRY(proof_mode());
-  if (proving.on && !settings.simulate) options.certificates = pending_folder() / "proofs";
+  if (proving.on && !settings.simulate) options.certificates = settings.pending / "proofs";
   options.sampled = proving.sampled;
   options.run.progress = [&](std::int64_t done, std::int64_t all) { progress.show(done, all); };
   if (is_interposed()) options.run.watch = &watch;
@@ -183,7 +164,7 @@ void add_page(const CheckSettings& settings, const Scenario& scenario, const fs:
       return;
     }
     const auto allowed =
-        check_replaceable(pending_folder() / actual.filename().replace_extension(".html"), report_magic, "report");
+        check_replaceable(settings.pending / actual.filename().replace_extension(".html"), report_magic, "report");
     const fs::path golden = golden_of(settings, scenario);
     ReportOptions options;
     options.notes = checked.notes;
@@ -213,7 +194,7 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
   const std::string name = name_of(settings, scenario);
   const Stopwatch stopwatch;
   // of this process, which makes one run at a time: most are proved, and write nothing there
-  static const auto own_folder = RunFolder::make(pending_folder());
+  static const auto own_folder = RunFolder::make(settings.pending);
   if (!own_folder) return own_folder.errors();
   WaitingRun waiting(*own_folder, name);
   auto report = check(settings, scenario, waiting.folder());
@@ -234,7 +215,7 @@ Result<Checked> check_beside_others(const CheckSettings& settings, const Scenari
   add_page(settings, scenario, waiting.folder() / (name + ".mcap"), checked);
   const auto told = REHEARSE_TRY(waiting.publish(checked.report.message));
   if (!told.empty()) checked.report.remarks.push_back(told);
-  if (checked.page) checked.page->file = pending_folder() / checked.page->file.lexically_relative(waiting.folder());
+  if (checked.page) checked.page->file = settings.pending / checked.page->file.lexically_relative(waiting.folder());
   return checked;
 }
 
@@ -253,7 +234,7 @@ Result<CheckOutcome> check_one(const CheckSettings& settings, const Scenario& sc
 /// Reads one of several scenarios and checks it. One that can't be judged doesn't end the others. None: the project's
 /// file has nothing to check. `tells`: prints notes on old libraries.
 Result<std::optional<CheckOutcome>> check_file(const CheckSettings& settings, const std::string& file, bool tells) {
-  const auto scenario = read_scenario(file);
+  const auto scenario = read_scenario(file, settings.values);
   if (!scenario) {
     std::fputs(to_string(scenario.errors()).c_str(), stderr);
     const std::string name = fs::path(file).stem().string();
@@ -298,7 +279,7 @@ Exit check_side_by_side(const CheckSettings& settings, const std::vector<std::st
   const Exit ended = work_side_by_side(files.size(), jobs, make, take);
   if (ended == Exit::done || interruption() != 0 || done == files.size()) return ended;
   // a controller ended its process, which could pass no notes on
-  if (const auto scenario = read_scenario(files[done]))
+  if (const auto scenario = read_scenario(files[done], settings.values))
     tell_old_libraries(notes_on_old_libraries(*scenario, settings.check.run));
   return ended;
 }
@@ -371,7 +352,7 @@ Exit audit_goldens(std::string_view mode, const CheckSettings& settings, const s
                    const CLI::App& options, const std::vector<std::string>& more = {}) {
   std::vector<fs::path> goldens;
   for (const std::string& file : files) {
-    const auto scenario = read_scenario(file);
+    const auto scenario = read_scenario(file, settings.values);
     if (!scenario) return refuse(scenario.errors());
     if (fs::path golden = golden_of(settings, *scenario); !golden.empty()) goldens.push_back(std::move(golden));
   }
@@ -381,9 +362,14 @@ Exit audit_goldens(std::string_view mode, const CheckSettings& settings, const s
 }
 
 Exit run_check(CheckSettings& settings, const CLI::App& options) {
-  const auto files = settings.scenarios.empty() ? files_of_project() : settings.scenarios;
+  const auto files = settings.scenarios.empty() ? files_of_project() : files_named(settings.scenarios);
   if (!files) return refuse(files.errors());
   if (files->empty()) return refuse(nothing_to_check());
+  settings.pending = pending_folder(settings.scenarios.empty() ? "./" : files->front());
+  if (!settings.values.empty())
+    if (const auto mode = golden_mode(); mode && *mode != GoldenMode::check)
+      return refuse(error("--with changes the scenario, so no run of it becomes a golden",
+                          "change the file, or leave REHEARSE_GOLDEN out"));
   if (settings.coverage) return audit_goldens("--coverage", settings, *files, options);
   if (settings.instructions) return audit_goldens("--instructions", settings, *files, options, {"--judge"});
   const bool alone = files->size() == 1;
@@ -392,7 +378,7 @@ Exit run_check(CheckSettings& settings, const CLI::App& options) {
   if (!settings.golden.empty() && !alone) return refuse(error("--golden compares one scenario", "name that scenario"));
   std::optional<Scenario> only;
   if (alone) {
-    auto scenario = read_scenario(files->front());
+    auto scenario = read_scenario(files->front(), settings.values);
     if (!scenario) return refuse(scenario.errors());
     if (settings.scenarios.empty() && !can_be_checked(*scenario)) return refuse(nothing_to_check());
     if (settings.debugger.is_wanted()) return run_in_gdb(settings, *scenario, options);
@@ -413,7 +399,7 @@ Exit run_check(CheckSettings& settings, const CLI::App& options) {
   for (const CheckOutcome& outcome : all) worst = worse(worst, outcome.exit);
   if (settings.json) print(all.size() == 1 ? all[0].json : json_of_checks(all));
   const bool is_one_failed = all.size() == 1 && all[0].exit == Exit::controller_failed;
-  if (!settings.no_report) keep_index(all, !settings.json && !is_one_failed);
+  if (!settings.no_report) keep_index(all, settings.pending, !settings.json && !is_one_failed);
   tell_unjudged(all);
   if (settings.stamp)
     if (const auto appended = append_outcomes(settings.history, all); !appended) return refuse(appended.errors());
@@ -445,11 +431,13 @@ std::function<Exit()> declare_check(CLI::App& options) {
   const auto settings = std::make_shared<CheckSettings>();
   options
       .add_option("SCENARIO", settings->scenarios,
-                  "YAML files, or recordings of robots' logs; without one, all of the project that name a golden or "
-                  "expect something. A project is the nearest folder above this one that has a folder golden, else a "
-                  "CMakeLists.txt, a pyproject.toml or a pytest.ini; its scenarios are below scenarios and "
-                  "fixtures/scenarios, its controllers in the newest of the folders build*")
+                  "YAML files, folders of them, names of the project's scenarios or goldens, or recordings of robots' "
+                  "logs; without one, all of the project that name a golden or expect something. A project is the "
+                  "nearest folder above this one that has a folder golden, else a CMakeLists.txt, a pyproject.toml or "
+                  "a pytest.ini; its scenarios are below scenarios and fixtures/scenarios, its controllers in the "
+                  "newest of its builds: a folder build*, or another with a CMakeCache.txt")
       ->type_name("");
+  add_value_option(options, settings->values);
   options.add_option("--golden", settings->golden, "compare with this trace instead of the scenario's golden")
       ->type_name("TRACE");
   options

@@ -19,6 +19,7 @@
 #include "core/compare/divergence_text.h"
 #include "core/golden/run_folder.h"
 #include "core/guard/answer.h"
+#include "core/scenario/scenario_variations.h"
 #include "core/scenario/trace_scenario.h"
 #include "core/simulation/recorded_view.h"
 #include "core/trace/run_facts.h"
@@ -180,8 +181,9 @@ void each_member(Passed<CheckOutcome> auto& outcome, auto& each) {
   each(outcome.seconds), each(outcome.notes), each(outcome.details), each(outcome.history);
 }
 
-Result<Scenario> read_scenario(const std::string& file) {
-  if (!file.ends_with(".mcap")) return Scenario::load(file);
+Result<Scenario> read_scenario(const std::string& file, const StatedValues& values) {
+  if (!file.ends_with(".mcap")) return values.empty() ? Scenario::load(file) : load_with(file, values);
+  if (!values.empty()) return error_in(file, "--with changes a scenario, and this is a recording");
   const auto trace = REHEARSE_TRY(mcap::Reader::open(file));
   if (RunFacts::of(*trace).is_of_log) return scenario_of(*trace);
   return error_in(file, "it isn't a recording of a robot's log", "check the scenario, with --golden and this trace");
@@ -334,14 +336,14 @@ void tell_unjudged(const std::vector<CheckOutcome>& all) {
              names.size() == 1 ? "wasn't" : "weren't", fmt::join(names, ", "));
 }
 
-void keep_index(const std::vector<CheckOutcome>& all, bool tells) {
+void keep_index(const std::vector<CheckOutcome>& all, const fs::path& folder, bool tells) {
   if constexpr (has_viewing) {
     std::error_code ignored;
     const bool all_passed = std::ranges::all_of(all, &CheckOutcome::within);
-    if (all_passed && !fs::exists(pending_folder() / "index.html", ignored)) return;
-    const FolderLock alone(pending_folder());
-    for (const CheckOutcome& outcome : all) keep_result(pending_folder(), result_of(outcome));
-    const auto index = refresh_index(pending_folder());
+    if (all_passed && !fs::exists(folder / "index.html", ignored)) return;
+    const FolderLock alone(folder);
+    for (const CheckOutcome& outcome : all) keep_result(folder, result_of(outcome));
+    const auto index = refresh_index(folder);
     if (!index || all_passed || !tells) return;
     fmt::print("all reports: {}\n", is_ci() ? index->string() : report_link(*index));
   }

@@ -14,11 +14,12 @@
 
 #include "command.h"
 #include "output.h"
+#include "scenario_words.h"
 
 namespace rehearse::tool {
 
 /// The scenario of a file, or of the recording of a robot's log, from which it is read.
-Result<Scenario> read_scenario(const std::string& file);
+Result<Scenario> read_scenario(const std::string& file, const StatedValues& values = {});
 
 /// The result of one scenario.
 struct Checked {
@@ -78,7 +79,7 @@ void tell_unjudged(const std::vector<CheckOutcome>& all);
 
 /// Lists the results beside the reports, and prints the address of the list. Without a failure an existing list is
 /// renewed, and no new one is made.
-void keep_index(const std::vector<CheckOutcome>& all, bool tells);
+void keep_index(const std::vector<CheckOutcome>& all, const std::filesystem::path& folder, bool tells);
 
 /// Writes JUnit's XML, in the form of Jenkins' published schema: a test case for each scenario, whose failure has the
 /// verdict as its message. Fails if the file can't be written.

@@ -111,6 +111,9 @@ Exit run_export(const ExportSettings& settings) {
         error("-o is for tables, pictures and videos", "--viewer, --layout and --robot name what they write"));
   }
   if (settings.output.empty()) return refuse(error("no output is named", "-o PATH; or --viewer, --layout or --robot"));
+  if (settings.output.ends_with(".csv") && !settings.joined && !std::filesystem::is_directory(settings.output))
+    return refuse(error(fmt::format("-o {} is the name of one table, and each topic has its own", settings.output),
+                        "one table of all: --joined; a table for each topic: name a folder"));
   auto output = OutputFile::open(settings.output, settings.json);
   if (!output) return refuse(output.errors());
   if (output->path() != settings.output && !settings.joined)

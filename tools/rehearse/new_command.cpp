@@ -141,12 +141,21 @@ Replacements replacements_of(const NewSettings& settings) {
           scenario_schema()};
 }
 
+/// True for an empty folder, and for one that has only the data of git.
+bool holds_no_files(const fs::path& folder) {
+  std::error_code problem;
+  for (fs::directory_iterator entry(folder, problem), end; !problem && entry != end; entry.increment(problem))
+    if (entry->path().filename() != ".git") return false;
+  return !problem;
+}
+
 Result<void> prepare(const fs::path& folder) {
   std::error_code problem;
   if (fs::exists(folder, problem)) {
     if (!fs::is_directory(folder, problem)) return error(fmt::format("{} is not a folder", folder.string()));
-    if (!fs::is_empty(folder, problem) || problem)
-      return error(fmt::format("{} is not empty", folder.string()), "name a new folder, or an empty one");
+    if (!holds_no_files(folder))
+      return error(fmt::format("{} is not empty", folder.string()),
+                   "name a new folder, an empty one, or a repository without files");
     return {};
   }
   if (!fs::create_directories(folder, problem))
@@ -187,6 +196,35 @@ Exit add_workflow(const fs::path& folder, const Replacements& replacements) {
   return Exit::done;
 }
 
+/// Removes what an interrupted write_project() has made, but for the data of git.
+void remove_project(const fs::path& folder, bool is_new) {
+  std::error_code ignored;
+  if (is_new) {
+    fs::remove_all(folder, ignored);
+    return;
+  }
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().filename() != ".git") fs::remove_all(entry.path(), ignored);
+}
+
+/// Writes all files, or none.
+Result<void> write_project(const fs::path& folder, const Replacements& replacements, bool has_workflow) {
+  const Language& language = replacements.language;
+  std::error_code ignored;
+  const bool is_new = !fs::exists(folder, ignored);
+  REHEARSE_TRY(prepare(folder));
+  for (const ProjectFile& file : new_project_files()) {
+    if (file.path == workflow_file && !has_workflow) continue;
+    const bool is_of_all = file.language.empty() || (file.language == "built" && language.is_built);
+    if (!is_of_all && file.language != language.folder) continue;
+    auto written = write_in_folder(folder / file.path, filled_in(file.text, replacements));
+    if (written) continue;
+    remove_project(folder, is_new);
+    return written;
+  }
+  return {};
+}
+
 Exit run_new(const NewSettings& settings) {
   const fs::path folder = settings.folder;
   if (!settings.origin.empty())
@@ -194,15 +232,8 @@ Exit run_new(const NewSettings& settings) {
   const Replacements replacements = replacements_of(settings);
   const Language& language = replacements.language;
   if (settings.workflow_only) return add_workflow(folder, replacements);
-  if (const auto prepared = prepare(folder); !prepared) return refuse(prepared.errors());
   const bool has_workflow = !replacements.origin.empty();
-  for (const ProjectFile& file : new_project_files()) {
-    if (file.path == workflow_file && !has_workflow) continue;
-    const bool is_of_all = file.language.empty() || (file.language == "built" && language.is_built);
-    if (!is_of_all && file.language != language.folder) continue;
-    if (const auto written = write_in_folder(folder / file.path, filled_in(file.text, replacements)); !written)
-      return refuse(written.errors());
-  }
+  if (const auto written = write_project(folder, replacements, has_workflow); !written) return refuse(written.errors());
 
   const std::string where = prefix();
   fmt::print("{}: a controller, its robot, its scenario and its tests. To {}make its golden:\n\n", folder.string(),
@@ -234,6 +265,7 @@ std::function<Exit()> declare_new(CLI::App& options) {
   for (const Language& language : languages) names.emplace_back(language.name);
   options
       .add_option("--language", settings->language, "of the controller: " + fmt::format("{}", fmt::join(names, ", ")))
+      ->transform([](std::string name) { return name == "cpp" || name == "cxx" ? std::string("c++") : name; })
       ->check(CLI::IsMember(names))
       ->type_name("NAME");
   options

@@ -10,6 +10,7 @@
 
 #include "command.h"
 #include "log_library.h"
+#include "new_project.h"
 #include "output.h"
 
 namespace rehearse::tool {
@@ -33,7 +34,8 @@ Exit run(int argc, char** argv) {
     return after_output(Exit::done);
   }
   if (word == "--version") {
-    std::puts("rehearse " REHEARSE_VERSION);
+    const std::string_view commit = built_from().commit;
+    fmt::print("rehearse {}{}{}\n", REHEARSE_VERSION, commit.empty() ? "" : ", commit ", commit);
     return after_output(Exit::done);
   }
   if (word.empty()) return refuse(error("no verb given", "rehearse --help lists all verbs"));

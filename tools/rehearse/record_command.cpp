@@ -33,6 +33,7 @@
 #include "output.h"
 #include "progress.h"
 #include "scenario_text.h"
+#include "scenario_words.h"
 
 namespace rehearse::tool {
 namespace {
@@ -54,8 +55,8 @@ struct RecordSettings {
   bool json = false;
   std::string trace;  // empty: named like the scenario, in the working directory
   std::optional<std::uint32_t> seed;
-  std::optional<double> duration;                           // [s]
-  std::vector<std::pair<std::string, std::string>> values;  // of the scenario, by path
+  std::optional<double> duration;  // [s]
+  StatedValues values;
   bool no_frames = false;
   bool verify = false;
   std::optional<double> checkpoints;  // [s]
@@ -75,6 +76,15 @@ void set_duration(Scenario& scenario, double duration) {
     return last > duration || (expectation.at_end && duration < scenario.duration);
   });
   scenario.duration = duration;
+}
+
+/// Replaces the name of a scenario by its file.
+Result<void> name_scenario(RecordSettings& settings) {
+  if (!settings.model.model.empty()) return {};
+  const auto files = REHEARSE_TRY(files_named(settings.scenario));
+  if (files.size() != 1) return error(fmt::format("{} has {} scenarios", settings.scenario, files.size()), "name one");
+  settings.scenario = files[0];
+  return {};
 }
 
 /// The scenario with all options applied.
@@ -338,18 +348,23 @@ Exit record_scenario(RecordSettings& settings, const Scenario& scenario, const s
   return mistakes.empty() ? exit : Exit::bad_input;
 }
 
-/// True if an option was given that has a meaning only with --from-checkpoint.
+/// True if an option was given that has a meaning only with --from-checkpoint, besides --set.
 bool is_about_a_branch(const BranchSettings& settings) {
-  return settings.options.until || !settings.options.set.empty() || !settings.options.push.empty();
+  return settings.options.until || !settings.options.push.empty();
 }
 
 Exit run_record(RecordSettings& settings, const CLI::App& options) {
   if (!settings.branch.from.empty()) return run_branch(settings);
   if (const auto whole = check_model_options(settings); !whole) return refuse(whole.errors());
-  if (is_about_a_branch(settings.branch))
+  if (!settings.branch.options.set.empty())
     return refuse(
-        error("--until, --set and --push are for branches", "expected --from-checkpoint TRACE@MOMENT as well"));
+        error("--set changes the inputs of a branch",
+              fmt::format("another value in the scenario: --with {}; a branch: --from-checkpoint TRACE@MOMENT",
+                          settings.branch.options.set[0])));
+  if (is_about_a_branch(settings.branch))
+    return refuse(error("--until and --push are for branches", "expected --from-checkpoint TRACE@MOMENT as well"));
   if (const auto ready = prepare_model(settings); !ready) return refuse(ready.errors());
+  if (const auto named = name_scenario(settings); !named) return refuse(named.errors());
   if (settings.checkpoints) settings.record.checkpoint_period = *settings.checkpoints;
   const Result<Scenario> scenario = load(settings);
   if (!scenario) return refuse(scenario.errors());
@@ -363,14 +378,6 @@ Exit run_record(RecordSettings& settings, const CLI::App& options) {
   if (settings.verify) begin_own_processes();  // for the replay
   end_runs_on_signals();
   return record_scenario(settings, *scenario, trace);
-}
-
-/// The parts of PATH=VALUE.
-std::pair<std::string, std::string> value_at_path(const std::string& text) {
-  const std::size_t sign = text.find('=');
-  if (sign == std::string::npos || sign == 0 || sign + 1 == text.size())
-    throw CLI::ValidationError("--with", fmt::format("'{}' is not PATH=VALUE", text));
-  return {text.substr(0, sign), text.substr(sign + 1)};
 }
 
 /// Declares --from-checkpoint, --until, --set and --push.
@@ -416,15 +423,7 @@ std::function<Exit()> declare_record(CLI::App& options) {
               [=](std::int64_t seed) { settings->seed = static_cast<std::uint32_t>(seed); });
   add_number(options, "--duration", "simulated time [s], instead of the scenario's", 0.0, Scenario::max_duration,
              [=](double duration) { settings->duration = duration; });
-  options
-      .add_option_function<std::vector<std::string>>(
-          "--with",
-          [=](const std::vector<std::string>& texts) {
-            for (const std::string& text : texts) settings->values.push_back(value_at_path(text));
-          },
-          "another value in the scenario, as bodies.Box.mass=2.5, by a path as in `vary:`; repeatable")
-      ->type_name("PATH=VALUE")
-      ->allow_extra_args(false);
+  add_value_option(options, settings->values);
   add_number(options, "--checkpoints", "simulated time from one checkpoint to the next [s], 0: none (0.1)", 0.0,
              Scenario::max_duration, [=](double period) { settings->checkpoints = period; });
   options.add_flag("--verify", settings->verify,

@@ -126,14 +126,18 @@ enum class GoldenMode {
 bool is_ci();
 
 /// The steps for a run that differs from its golden but may be right, a line each: to inspect it and to accept it.
-/// Under CI the steps name the machine to do this on.
-std::string acceptance_advice(const std::string& name);
+/// Under CI the steps name the machine to do this on. `goldens`: their folder; the steps begin with a change to its
+/// project if this folder isn't in it. Empty: they don't.
+std::string acceptance_advice(const std::string& name, const std::filesystem::path& goldens = {});
+
+/// The command that restores damaged files: "git checkout -- golden/A.B.mcap brings back what was committed".
+std::string way_back(const std::string& files);
 
 /// The mode of REHEARSE_GOLDEN. Any other word is an error; so is any mode but check under CI=true.
 Result<GoldenMode> golden_mode();
 
-/// The folder of REHEARSE_PENDING or its default.
-std::filesystem::path pending_folder();
+/// The folder of REHEARSE_PENDING; its default is in the project of a file, of this folder if none is named.
+std::filesystem::path pending_folder(const std::filesystem::path& inside = "./");
 
 /// The folder of REHEARSE_GOLDEN_DIR. Otherwise it is `golden` in the project of the scenario: the nearest folder above
 /// it that has a folder `golden`, else the nearest that has a CMakeLists.txt, a pyproject.toml or a pytest.ini. In the

@@ -75,7 +75,8 @@ Result<CheckReport> first_golden(const Scenario& scenario, GoldenStore& store, G
     report->verdict.lead(VerdictCode::golden_missing,
                          fmt::format("there is no golden {}", store.trace_file(scenario.golden).string()));
     if (!violated)
-      report->message = fmt::format("this run: {}\n{}", actual.string(), acceptance_advice(scenario.golden));
+      report->message =
+          fmt::format("this run: {}\n{}", actual.string(), acceptance_advice(scenario.golden, store.folder()));
     return report;
   }
   auto certified = REHEARSE_TRY(certify_candidate(scenario, actual, options.run, simulation, *report));
@@ -112,7 +113,9 @@ Result<void> settle_pending(const Scenario& scenario, GoldenStore& store, Golden
     report.golden_written = true;
     report.message = fmt::format("replaced {}", store.trace_file(name).string());
   } else {
-    report.message += '\n' + acceptance_advice(name);
+    report.message += '\n' + acceptance_advice(name, store.folder());
+    if (!report.other_physics.empty() && !report.expectations.empty())
+      report.message += "\nits expectations hold: rehearse golden accept --all makes every run that waits a golden";
   }
   return {};
 }
@@ -132,6 +135,13 @@ Result<void> check_digest(const Scenario& scenario, const GoldenStore& store,
   return {};
 }
 
+/// The errors, of which those of the golden's file name the way back.
+Diagnostics with_way_back(Diagnostics errors, const fs::path& golden) {
+  for (Diagnostic& problem : errors)
+    if (problem.file == golden.string() && problem.hint.empty()) problem.hint = way_back(golden.string());
+  return errors;
+}
+
 }  // namespace
 
 Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, GoldenMode mode,
@@ -145,7 +155,7 @@ Result<CheckReport> check_golden(const Scenario& scenario, GoldenStore& store, G
   if (!store.has(name)) return first_golden(scenario, store, mode, options, simulation);
   const fs::path actual = store.pending_file(name);
   auto report = check_scenario(scenario, store.trace_file(name), actual, options, simulation);
-  if (!report) return report;
+  if (!report) return with_way_back(report.errors(), store.trace_file(name));
   if (options.closed && !report->within()) {
     REHEARSE_TRY(store.keep_pending_verdict(name, report->verdict.text()));
     REHEARSE_TRY(settle_pending(scenario, store, mode, options.run, simulation, *report));

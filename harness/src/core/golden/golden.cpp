@@ -59,15 +59,29 @@ bool claim(const fs::path& golden, std::uint64_t content) {
   return claims.emplace(golden.lexically_normal(), content).first->second == content;
 }
 
+/// "cd DIR && " if the project of these goldens isn't this folder's.
+std::string step_to_project(const fs::path& goldens) {
+  if (goldens.empty() || !environment("REHEARSE_PENDING").empty()) return {};
+  std::error_code ignored;
+  const auto project = find_project(goldens / "");
+  if (!project || fs::equivalent(*project, find_project("./").value_or("/"), ignored)) return {};
+  return fmt::format("cd {} && ", fs::proximate(*project, ignored).string());
+}
+
 }  // namespace
 
 bool is_ci() { return environment("CI") == "true"; }
 
-std::string acceptance_advice(const std::string& name) {
+std::string acceptance_advice(const std::string& name, const fs::path& goldens) {
   if (is_ci())
     return fmt::format("if it is right: make this run on a machine of yours, accept it there, and commit the golden {}",
                        name);
-  return fmt::format("if it is right: rehearse golden accept {0}\nlook at it: rehearse golden review {0}", name);
+  return fmt::format("if it is right: {1}rehearse golden accept {0}\nlook at it: {1}rehearse golden review {0}", name,
+                     step_to_project(goldens));
+}
+
+std::string way_back(const std::string& files) {
+  return fmt::format("git checkout -- {} brings back what was committed", files);
 }
 
 Result<GoldenMode> golden_mode() {
@@ -81,11 +95,11 @@ Result<GoldenMode> golden_mode() {
   return word == "new" ? GoldenMode::create : GoldenMode::accept;
 }
 
-fs::path pending_folder() {
+fs::path pending_folder(const fs::path& inside) {
   const std::string stated = environment("REHEARSE_PENDING");
   if (!stated.empty()) return stated;
   std::error_code ignored;
-  const fs::path project = find_project("./").value_or(fs::current_path(ignored));
+  const fs::path project = find_project(inside).value_or(fs::current_path(ignored));
   const bool has_build = fs::is_regular_file(project / "build/CMakeCache.txt", ignored);
   const fs::path folder = project / (has_build ? "build/goldens/pending" : "rehearse-pending");
   return folder.lexically_proximate(fs::current_path(ignored));
@@ -133,7 +147,7 @@ Result<void> GoldenStore::check_digest(const std::string& name) const {
                   stated ? fmt::format("the digest doesn't describe {}", trace_file(name).string())
                          : fmt::format("the digest of {} is missing", trace_file(name).string()),
                   interrupted ? "an acceptance was interrupted: accept the run again"
-                              : "both files are written together: commit both, edit neither");
+                              : way_back(digest_file(name).string() + " " + trace_file(name).string()));
 }
 
 Result<void> GoldenStore::keep_pending(const std::string& name, const Trace& actual) const {
@@ -194,7 +208,9 @@ GoldenResult GoldenStore::settle(const std::string& name, const Trace& actual, c
   if (!golden) {
     if (mode == GoldenMode::accept && !wrong)
       return write(fmt::format("replaced {}, which could not be read", trace_file(name).string()));
-    return fail_and_keep(name, actual, "the golden can't be used: " + text_of(golden.errors()));
+    return fail_and_keep(
+        name, actual,
+        "the golden can't be used: " + text_of(golden.errors()) + "; " + way_back(trace_file(name).string()));
   }
   Comparison comparison = compare(*golden, actual, rules, options.compare);
   const auto digest = check_digest(name);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "scenario_values.h"
 #include "yaml/yaml_tree.h"
 
 namespace rehearse {
@@ -33,6 +34,21 @@ std::vector<fs::path> yaml_files(const fs::path& project, const std::string& nam
   return files;
 }
 
+/// Presets of CMake build in folders as `out/build/release`, each with a cache of its own.
+void add_builds_below(const fs::path& folder, int depth, std::vector<fs::path>& builds) {
+  constexpr int deepest = 2;
+  std::error_code missing;
+  for (fs::directory_iterator entry(folder, missing), end; !missing && entry != end; entry.increment(missing)) {
+    std::error_code ignored;
+    const std::string name = entry->path().filename().string();
+    if (!entry->is_directory(ignored)) continue;
+    const bool has_cache = fs::is_regular_file(entry->path() / "CMakeCache.txt", ignored);
+    if (has_cache || (depth == 0 && name.starts_with("build"))) builds.push_back(entry->path());
+    const bool is_parent = !has_cache && (depth > 0 || name == "out" || name.starts_with("build"));
+    if (is_parent && depth < deepest) add_builds_below(entry->path(), depth + 1, builds);
+  }
+}
+
 }  // namespace
 
 std::optional<fs::path> find_project(const fs::path& inside) {
@@ -58,14 +74,17 @@ bool may_be_checked(const fs::path& file) {
   return !text || text->find("golden") != std::string::npos || text->find("expect") != std::string::npos;
 }
 
+std::string golden_in(const fs::path& file) {
+  auto text = read_yaml_file(file, "a scenario");
+  if (!text || text->find("golden") == std::string::npos) return {};
+  const auto root = parse_yaml(*std::move(text), file.string());
+  const YamlNode* golden = root ? find_key(**root, "golden") : nullptr;
+  return golden ? golden->text : std::string();
+}
+
 std::vector<fs::path> build_folders(const fs::path& project) {
   std::vector<fs::path> folders;
-  std::error_code missing;
-  for (fs::directory_iterator entry(project, missing), end; !missing && entry != end; entry.increment(missing)) {
-    std::error_code ignored;
-    if (entry->path().filename().string().starts_with("build") && entry->is_directory(ignored))
-      folders.push_back(entry->path());
-  }
+  add_builds_below(project, 0, folders);
   std::ranges::sort(folders);
   return folders;
 }

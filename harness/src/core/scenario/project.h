@@ -4,11 +4,13 @@
 // above it that has a folder `golden`, else the nearest that has a CMakeLists.txt, a pyproject.toml or a pytest.ini.
 // Its scenarios are the *.yaml below `scenarios` and `fixtures/scenarios`, its goldens are in `golden`. The failures
 // that it keeps are the *.yaml below `failures` and `fixtures/failures`. Its controllers are in
-// `lib/rehearse/controllers` of its builds, which are the folders `build*`.
+// `lib/rehearse/controllers` of its builds: the folders `build*`, others with a CMakeCache.txt, and those of presets,
+// as `out/build/release`.
 #pragma once
 
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace rehearse {
@@ -26,6 +28,9 @@ std::vector<std::filesystem::path> failure_files(const std::filesystem::path& pr
 /// False if the text of the file has neither the word of `golden:` nor that of `expect:`. A file that can't be read may
 /// be a scenario with a mistake.
 bool may_be_checked(const std::filesystem::path& file);
+
+/// The golden that a file of a scenario names; empty: none, or the file can't be read.
+std::string golden_in(const std::filesystem::path& file);
 
 /// The folders of a project's builds, by name.
 std::vector<std::filesystem::path> build_folders(const std::filesystem::path& project);
