@@ -11,7 +11,6 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::ElementsAreArray;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 /// A wheel of 0.5 kg·m² whose joint has limits.
 constexpr const char* wheel_urdf = R"(<?xml version="1.0"?>
@@ -63,8 +62,8 @@ TEST_F(ChoreonoidItems, AistClampsEffortsAndOdeDoesNot) {
 }
 
 TEST_F(ChoreonoidItems, NeitherLimitsDrivesOfVelocity) {
-  EXPECT_NEAR(speed(aist, "drive velocity 3"), 3.0, 1e-9);
-  EXPECT_NEAR(speed(ode, "drive velocity 3"), 3.0, 1e-9);
+  EXPECT_NEAR(speed(aist, "drive velocity 3"), 3.0, 1e-6);
+  EXPECT_NEAR(speed(ode, "drive velocity 3"), 3.0, 1e-6);
   EXPECT_NEAR(speed("", "drive velocity 3"), 0.002, 1e-9);
 }
 
@@ -72,7 +71,7 @@ TEST_F(ChoreonoidItems, DrivesOfDisplacementReachTheirCommandInTheStep) {
   const std::string command = behaviour("C", "drive displacement 0.3", ", delay: false");
   EXPECT_NEAR(record_run(wheel(aist, command)).values("Rig/SHOULDER/q").at(1), 0.3, 1e-6);
   EXPECT_LT(record_run(wheel("", command)).last("Rig/SHOULDER/q"), 0.001);
-  EXPECT_THAT(said(record_run(wheel(aist, command))), IsEmpty()) << "nothing is at its largest effort";
+  EXPECT_THAT(said(record_run(wheel(aist, command))), ElementsAre("Rig/C: mode 1")) << "no effort is the largest";
 }
 
 TEST_F(ChoreonoidItems, DriveLimitsOfAKinematicBodyDoNothing) {
@@ -123,7 +122,9 @@ TEST_F(ChoreonoidItems, CommandsOfInitializeActInTheFirstStepIfTheScenarioSaysSo
 TEST_F(ChoreonoidItems, CommandsOfInitializeAreReadBackInTheFirstCall) {
   const std::string both = behaviour("B", "echo effort 1") + ", " + behaviour("A", "early");
   const auto first = [&](const std::string& head) {
-    return said_by_controllers(record_run(rig(both, "cameras: none\n" + head, "0.002"))).at(0);
+    for (const std::string& line : said_by_controllers(record_run(rig(both, "cameras: none\n" + head, "0.002"))))
+      if (line.starts_with("Rig/B: ")) return line;
+    return std::string();
   };
   EXPECT_EQ(first("initial_commands: true\n"), "Rig/B: 5");
   EXPECT_EQ(first(""), "Rig/B: 0");
