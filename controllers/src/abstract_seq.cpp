@@ -21,6 +21,10 @@ int AbstractSeq::getFrameOfTime(double time) const {
   return static_cast<int>((time - getOffsetTime()) * getFrameRate());
 }
 
+int AbstractSeq::getOffsetTimeFrame() const { return static_cast<int>(getOffsetTime() * getFrameRate()); }
+
+void AbstractSeq::setOffsetTimeFrame(int frame) { setOffsetTime(getFrameRate() > 0.0 ? frame / getFrameRate() : 0.0); }
+
 double AbstractSeq::getTimeLength() const { return getFrameRate() > 0.0 ? getNumFrames() / getFrameRate() : 0.0; }
 
 bool AbstractSeq::readSeq(const Mapping* archive, std::ostream& os) { return readSeqOf("", archive, os); }

@@ -71,6 +71,17 @@ Link* Body::joint(const std::string& name) const {
   return byJointName ? byJointName : link(name);
 }
 
+Link* Body::lastSerialLink() const {
+  Link* link = rootLink_;
+  while (link->child() && !link->child()->sibling()) link = link->child();
+  return link;
+}
+
+Link* Body::findUniqueEndLink() const {
+  Link* link = lastSerialLink();
+  return link->child() || link->isRoot() ? nullptr : link;
+}
+
 ExtraJoint* Body::extraJoint(int index) const {
   return index >= 0 && index < numExtraJoints() ? extraJoints_[static_cast<std::size_t>(index)].get() : nullptr;
 }

@@ -56,9 +56,60 @@ int Joystick::numAxes() const { return ext_ ? ext_->numAxes() : 0; }
 
 int Joystick::numButtons() const { return ext_ ? ext_->numButtons() : 0; }
 
-bool Joystick::readCurrentState() { return ext_ && ext_->readCurrentState(); }
+bool Joystick::readCurrentState() {
+  if (!ext_ || !ext_->readCurrentState()) return false;
+  buttons_.resize(static_cast<std::size_t>(numButtons()));
+  for (int i = 0; i < numButtons(); ++i) {
+    Button& button = buttons_[static_cast<std::size_t>(i)];
+    button.wasPressed = button.isPressed;
+    button.isPressed = ext_->getButtonState(i);
+    if (!button.isPressed || button.wasPressed) continue;
+    button.since = ext_->currentTime();
+    button.isHoldTold = false;
+  }
+  return true;
+}
 
-double Joystick::getPosition(int axis) const { return axis >= 0 && axis < numAxes() ? ext_->getPosition(axis) : 0.0; }
+double Joystick::getPosition(int axis) const {
+  const bool isOff =
+      axis >= 0 && axis < static_cast<int>(isAxisOff_.size()) && isAxisOff_[static_cast<std::size_t>(axis)];
+  return axis >= 0 && axis < numAxes() && !isOff ? ext_->getPosition(axis) : 0.0;
+}
+
+void Joystick::setAxisEnabled(int axis, bool on) {
+  if (axis < 0) return;
+  const auto index = static_cast<std::size_t>(axis);
+  if (index >= isAxisOff_.size()) isAxisOff_.resize(index + 1, false);
+  isAxisOff_[index] = !on;
+}
+
+const Joystick::Button* Joystick::button(int number) const {
+  return ext_ && number >= 0 && number < static_cast<int>(buttons_.size()) ? &buttons_[static_cast<std::size_t>(number)]
+                                                                           : nullptr;
+}
+
+bool Joystick::getButtonDown(int number) const {
+  const Button* state = button(number);
+  return state && state->isPressed && !state->wasPressed;
+}
+
+bool Joystick::getButtonUp(int number) const {
+  const Button* state = button(number);
+  return state && !state->isPressed && state->wasPressed;
+}
+
+bool Joystick::getButtonHoldOn(int number, int duration) const {
+  const Button* state = button(number);
+  if (!state || !state->isPressed) return false;
+  constexpr double rounding = 1e-6;  // [ms]
+  return (ext_->currentTime() - state->since) * 1000.0 > duration + rounding;
+}
+
+bool Joystick::getButtonHold(int number, int duration) const {
+  if (!getButtonHoldOn(number, duration) || button(number)->isHoldTold) return false;
+  button(number)->isHoldTold = true;
+  return true;
+}
 
 bool Joystick::getButtonState(int button) const {
   return button >= 0 && button < numButtons() && ext_->getButtonState(button);

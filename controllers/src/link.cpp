@@ -1,6 +1,7 @@
 #include <cnoid/Link>
 
 #include <cnoid/Body>
+#include <cstdint>
 
 namespace cnoid {
 
@@ -109,6 +110,35 @@ const char* Link::jointTypeSymbol() const {
   return "unknown";
 }
 
+std::string Link::getStateModeString(short mode) {
+  struct Name {
+    int flag;
+    const char* text;
+  };
+  constexpr Name names[] = {{JointDisplacement, "Joint Displacement"},
+                            {JointVelocity, "Joint Velocity"},
+                            {JointAcceleration, "Joint Acceleration"},
+                            {JointEffort, "Joint Effort"},
+                            {LinkPosition, "Link Position"},
+                            {LinkTwist, "Link Twist"},
+                            {LinkAcceleration, ""},  // Choreonoid has no names for these two
+                            {LinkExtWrench, "Link External Wrench"},
+                            {LinkContactState, "Link Contact State"},
+                            {HighGainActuation, ""},
+                            {DeprecatedJointSurfaceVelocity, "Joint Surface Velocity"}};
+  std::string text;
+  for (const Name& name : names)
+    if (mode & name.flag) text += (text.empty() ? "" : " + ") + std::string(name.text);
+  return mode == StateNone ? "None" : text;
+}
+
+int Link::materialId() const {
+  if (material_ == "Default") return 0;
+  std::uint32_t hash = 2166136261U;  // FNV-1a
+  for (const char letter : material_) hash = (hash ^ static_cast<unsigned char>(letter)) * 16777619U;
+  return static_cast<int>(hash >> 1 | 1U);
+}
+
 void Link::initializeState() {
   dq_ = 0.0;
   ddq_ = 0.0;
@@ -123,14 +153,14 @@ void Link::initializeState() {
 }
 
 bool Link::hasJointDisplacementLimits() const {
-  return !isUnlimitedRangeValue(q_lower_) || !isUnlimitedRangeValue(q_upper_);
+  return !isUnlimitedRangeValue(q_lower_) && !isUnlimitedRangeValue(q_upper_);
 }
 
 bool Link::hasJointVelocityLimits() const {
-  return !isUnlimitedRangeValue(dq_lower_) || !isUnlimitedRangeValue(dq_upper_);
+  return !isUnlimitedRangeValue(dq_lower_) && !isUnlimitedRangeValue(dq_upper_);
 }
 
-bool Link::hasJointEffortLimits() const { return !isUnlimitedRangeValue(u_lower_) || !isUnlimitedRangeValue(u_upper_); }
+bool Link::hasJointEffortLimits() const { return !isUnlimitedRangeValue(u_lower_) && !isUnlimitedRangeValue(u_upper_); }
 
 void Link::setUnlimitedJointDisplacementRange() {
   setJointRange(std::numeric_limits<double>::lowest(), std::numeric_limits<double>::max());

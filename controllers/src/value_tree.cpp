@@ -1,3 +1,4 @@
+#include <cnoid/MathUtil>
 #include <cnoid/ValueTree>
 
 #include "numbers.h"
@@ -66,6 +67,7 @@ const std::string& ValueNode::toString() const {
 int ValueNode::toInt() const { return valueOf<int>(*this, "whole number"); }
 double ValueNode::toDouble() const { return valueOf<double>(*this, "number"); }
 float ValueNode::toFloat() const { return valueOf<float>(*this, "number"); }
+double ValueNode::toAngle() const { return isForcedRadianMode_ ? toDouble() : radian(toDouble()); }
 bool ValueNode::toBool() const { return valueOf<bool>(*this, "truth value (true or false)"); }
 
 const Mapping* ValueNode::toMapping() const {
@@ -259,6 +261,31 @@ Mapping* Listing::newMapping() {
   auto* mapping = new Mapping;
   append(mapping);
   return mapping;
+}
+
+bool Mapping::readAngle(const std::string& key, double& angle, const ValueNode* unitNode) const {
+  if (!read(key, angle)) return false;
+  if (!(unitNode ? unitNode : this)->isForcedRadianMode()) angle = radian(angle);
+  return true;
+}
+
+bool Mapping::readAngle(const std::string& key, float& angle, const ValueNode* unitNode) const {
+  double read = 0.0;
+  if (!readAngle(key, read, unitNode)) return false;
+  angle = static_cast<float>(read);
+  return true;
+}
+
+bool Mapping::readAngle(std::initializer_list<const char*> keys, double& angle, const ValueNode* unitNode) const {
+  for (const char* key : keys)
+    if (readAngle(std::string(key), angle, unitNode)) return true;
+  return false;
+}
+
+bool Mapping::readAngle(std::initializer_list<const char*> keys, float& angle, const ValueNode* unitNode) const {
+  for (const char* key : keys)
+    if (readAngle(std::string(key), angle, unitNode)) return true;
+  return false;
 }
 
 }  // namespace cnoid

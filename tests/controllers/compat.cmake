@@ -29,6 +29,30 @@ add_compile_test(ChoreonoidsOwnControllersCompileUnmodified "${REHEARSE_CHOREONO
 # Those of others that need no library which Rehearse does not offer.
 add_compile_test(ControllersOfOthersCompileUnmodified "${REHEARSE_OUTSIDE_PROJECTS}" "*+*" 43 outside)
 
+# The commit that the pages are about, and what a checkout has changed since; its public names that are missing here.
+set(choreonoid_commit 25994f3eda49a83e700db62f3501613c5acfc0b7)
+set(reference ${PROJECT_SOURCE_DIR}/tools/site/pages/reference)
+find_package(Python3 COMPONENTS Interpreter)
+# rehearse_page_test(NAME LABEL NEEDS arguments of python...): skipped if NEEDS is empty or there is no python.
+function(rehearse_page_test name label needs)
+  if(Python3_FOUND AND needs)
+    add_test(NAME ${name} COMMAND ${Python3_EXECUTABLE} ${ARGN})
+  else()
+    add_test(NAME ${name} COMMAND ${CMAKE_COMMAND} -E echo "skipped: there is no checkout of Choreonoid, or no python3")
+    set_tests_properties(${name} PROPERTIES SKIP_REGULAR_EXPRESSION "^skipped:")
+  endif()
+  set_tests_properties(${name} PROPERTIES LABELS ${label} TIMEOUT 60)
+endfunction()
+set(here ${CMAKE_CURRENT_SOURCE_DIR})
+rehearse_page_test(CnoidCompatibility.ThePagesStateTheCommit compat "${REHEARSE_CHOREONOID_SOURCE}"
+  ${here}/choreonoid_commit.py ${REHEARSE_CHOREONOID_SOURCE} ${choreonoid_commit} ${reference}/cnoid_differences.md)
+rehearse_page_test(CnoidCompatibility.EachMissingNameHasItsReason compat "${REHEARSE_CHOREONOID_SOURCE}"
+  ${here}/public_names.py ${REHEARSE_CHOREONOID_SOURCE} ${PROJECT_SOURCE_DIR}/controllers/include/cnoid
+  ${here}/missing_names.txt ${reference}/cnoid_names.md)
+rehearse_page_test(CnoidPages.EachMemberThatWorksIsCalledByATest unit ON
+  ${here}/api_page.py ${PROJECT_SOURCE_DIR}/tests ${reference}/cnoid.md ${reference}/cnoid_devices.md
+  ${reference}/cnoid_motions.md)
+
 # Its sample projects, imported and run.
 string(JOIN " " project_compiler ${launcher} "${REHEARSE_GXX}" ${user_flags} -O1 -w -fPIC -shared -ffp-contract=off)
 rehearse_add_test(projects_checkout_test LABEL compat TIMEOUT 900 SOURCES projects_checkout_test.cpp

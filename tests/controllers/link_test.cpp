@@ -136,15 +136,17 @@ TEST(Link, InitializesItsStateWhereItStands) {
   EXPECT_TRUE(link->F_ext().isZero(0.0));
 }
 
-TEST(Link, HasLimitsAsSoonAsOneSideIsLimited) {
+TEST(Link, HasLimitsIfBothSidesAreLimited) {
   const LinkPtr link = new Link;
   link->setJointRange(std::numeric_limits<double>::lowest(), 1.0);
+  EXPECT_FALSE(link->hasJointDisplacementLimits());
+  EXPECT_TRUE(Link::isUnlimitedRangeValue(link->q_lower()));
+  link->setJointRange(-1.0, 1.0);
   link->setJointVelocityRange(-2.0, 2.0);
   link->setJointEffortRange(-3.0, 3.0);
   EXPECT_TRUE(link->hasJointDisplacementLimits());
   EXPECT_TRUE(link->hasJointVelocityLimits());
   EXPECT_TRUE(link->hasJointEffortLimits());
-  EXPECT_TRUE(Link::isUnlimitedRangeValue(link->q_lower()));
   link->setUnlimitedJointDisplacementRange();
   EXPECT_FALSE(link->hasJointDisplacementLimits());
 }

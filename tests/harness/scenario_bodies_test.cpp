@@ -426,11 +426,11 @@ TEST(ScenarioBodies, SayHowTheyAreTouched) {
     EXPECT_TRUE(scenario.ok()) << to_string(scenario.errors());
     return scenario->bodies[0];
   };
-  EXPECT_EQ(body("").contact, MeshContact::automatic);
+  EXPECT_EQ(body("").contact.meshes, MeshContact::automatic);
   EXPECT_FALSE(body("").self_collision);
-  EXPECT_EQ(body(", collision: hull").contact, MeshContact::hull);
-  EXPECT_EQ(body(", collision: parts").contact, MeshContact::parts);
-  EXPECT_EQ(body(", fixed: true, collision: triangles").contact, MeshContact::triangles);
+  EXPECT_EQ(body(", collision: hull").contact.meshes, MeshContact::hull);
+  EXPECT_EQ(body(", collision: parts").contact.meshes, MeshContact::parts);
+  EXPECT_EQ(body(", fixed: true, collision: triangles").contact.meshes, MeshContact::triangles);
   EXPECT_TRUE(body(", self_collision: true").self_collision);
 }
 

@@ -18,6 +18,7 @@ rehearse_add_test(session_tests LABEL sim SHARDS 6
     session/actuators_test.cpp
     session/body_loading_test.cpp
     session/branch_test.cpp
+    session/choreonoid_items_test.cpp
     session/code_hashes_test.cpp
     session/contacts_test.cpp
     session/control_times_test.cpp

@@ -161,8 +161,19 @@ TEST_F(Export, JoinsAllSeriesByTick) {
             "0.002000000,-Infinity,5e-324,2,18446744073709551615,0,0,0\n");
 }
 
-TEST_F(Export, JoinsNothingWithoutTicks) {
-  const Outcome outcome = rehearse({"export", "run.mcap", "-o", "all.csv", "--joined", "--topics", "/Robot/joints"});
+TEST_F(Export, JoinsSelectedTopicsByTheTicksOfTheRecording) {
+  done({"export", "run.mcap", "-o", "all.csv", "--joined", "--topics", "/Robot/joints", "--ticks", "1.."});
+  EXPECT_EQ(read_file(folder() / "all.csv"),
+            "time [s],Robot/KNEE/q [rad],Robot/KNEE/u\n"
+            "0.001000000,NaN,5e-324\n"
+            "0.002000000,-Infinity,5e-324\n");
+}
+
+TEST_F(Export, JoinsNothingOfALogWithoutTicks) {
+  auto writer = std::move(*mcap::Writer::create(folder() / "log.mcap"));
+  TopicWriter(*writer, "/fast", "cdr", add_schema<msg::JointState>(*writer)).put(0, msg::JointState());
+  ASSERT_TRUE(writer->close());
+  const Outcome outcome = rehearse({"export", "log.mcap", "-o", "all.csv", "--joined"});
   EXPECT_EQ(outcome.status, 2);
   EXPECT_THAT(outcome.err, HasSubstr("no selected message is a tick"));
   EXPECT_FALSE(exists("all.csv"));

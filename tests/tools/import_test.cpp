@@ -50,6 +50,21 @@ TEST_F(ImportCommand, OverwritesNothing) {
   EXPECT_EQ(read_file(folder() / "wagon/wagon.yaml"), "mine");
 }
 
+TEST_F(ImportCommand, ReplacesAnEarlierImportIfItIsForced) {
+  ASSERT_EQ(run(command, {"import", project_, "-o", "wagon"}).status, 0);
+  std::ofstream(folder() / "wagon/wagon.yaml") << "mine";
+  EXPECT_EQ(run(command, {"import", project_, "-o", "wagon", "--force"}).status, 0);
+  EXPECT_THAT(read_file(folder() / "wagon/wagon.yaml"), HasSubstr("# Imported from wagon.cnoid"));
+  EXPECT_FALSE(exists("wagon/wagon.yaml.earlier"));
+}
+
+TEST_F(ImportCommand, ReadsSeveralFilesAsOneProject) {
+  write("views.cnoid", "items: {name: Root, class: RootItem}\nviews: []\n");
+  const Outcome outcome = run(command, {"import", "views.cnoid", project_, "-o", "wagon"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(exists("wagon/wagon.yaml"));
+}
+
 TEST_F(ImportCommand, WritesNothingForAMistake) {
   const Outcome outcome =
       run(command, {"import", (fixtures / "broken/project_model_absent.cnoid").string(), "-o", "wagon"});
@@ -101,6 +116,11 @@ TEST_F(ImportOfChanged, TakesTheOptionsOfAModel) {
         "    elements:\n      - {type: Resource, uri: \"package://bits/bracket.glb\"}\n");
   const std::string changed = project(floor, "file: \"loose.body\"");
   EXPECT_EQ(run(command, {"import", changed, "-o", "out"}).status, 2);
+  fs::create_directory(folder() / "out");
+  std::ofstream(folder() / "out/changed.yaml") << "mine";
+  EXPECT_EQ(run(command, {"import", changed, "-o", "out", "--force"}).status, 2);
+  EXPECT_EQ(read_file(folder() / "out/changed.yaml"), "mine") << "a scenario with mistakes replaces nothing";
+  fs::remove(folder() / "out/changed.yaml");
   const Outcome outcome =
       run(command, {"import", changed, "-o", "out", "--package", "bits=parts", "--default-mass", "2"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;

@@ -23,40 +23,56 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ImportSettings {
-  std::string project;
+  std::vector<std::string> projects;  // files of one
   std::string folder;
   std::string share;
   std::vector<std::string> search;
   ImportOptions options;
   bool json = false;
+  bool force = false;
 };
 
-/// Files that are written, and their folder. Removed again when this goes out of scope, unless they are kept.
+/// Files that are written, and their folder. Removed again when this goes out of scope, unless they are kept; files
+/// that were replaced then have their text again.
 class WrittenFiles {
  public:
-  explicit WrittenFiles(fs::path folder) : folder_(std::move(folder)) {}
+  WrittenFiles(fs::path folder, bool replaces) : folder_(std::move(folder)), replaces_(replaces) {}
   ~WrittenFiles() {
     std::error_code ignored;
+    for (const auto& [path, earlier] : replaced_) fs::rename(earlier, path, ignored);
     for (auto path = made_.rbegin(); path != made_.rend(); ++path) fs::remove(*path, ignored);  // only empty folders
   }
   WrittenFiles(const WrittenFiles&) = delete;
   WrittenFiles& operator=(const WrittenFiles&) = delete;
 
-  /// Files that are there may have been changed by hand: then nothing is written.
+  /// Files that are there may have been changed by hand: then nothing is written, unless they are to be replaced.
   Result<void> write(const std::map<std::string, std::string>& files) {
     std::error_code problem;
     for (const auto& [name, text] : files)
-      if (fs::exists(folder_ / name, problem))
+      if (!replaces_ && fs::exists(folder_ / name, problem))
         return error_in((folder_ / name).string(), "it exists, and may have been changed by hand",
-                        "name another folder, or remove it");
+                        "name another folder, remove it, or replace it with --force");
     REHEARSE_TRY(make_folder(fs::absolute(folder_, problem).lexically_normal()));
     for (const auto& [name, text] : files) {
-      made_.push_back(fs::absolute(folder_ / name, problem));
+      const fs::path path = fs::absolute(folder_ / name, problem);
+      if (fs::exists(path, problem)) {
+        const fs::path earlier = path.string() + ".earlier";
+        fs::rename(path, earlier, problem);
+        if (problem) return error_in(path.string(), "it can't be replaced: " + problem.message());
+        replaced_.emplace_back(path, earlier);
+      } else {
+        made_.push_back(path);
+      }
       REHEARSE_TRY(write_text(folder_ / name, text));
     }
     return {};
   }
-  void keep() { made_.clear(); }
+  void keep() {
+    std::error_code ignored;
+    for (const auto& [path, earlier] : replaced_) fs::remove(earlier, ignored);
+    replaced_.clear();
+    made_.clear();
+  }
 
  private:
   Result<void> make_folder(const fs::path& folder) {
@@ -70,7 +86,9 @@ class WrittenFiles {
   }
 
   fs::path folder_;
-  std::vector<fs::path> made_;  // in order, folders before their content
+  bool replaces_;
+  std::vector<fs::path> made_;                              // in order, folders before their content
+  std::vector<std::pair<fs::path, fs::path>> replaced_;  // and where the earlier ones are meanwhile
 };
 
 /// Items of one class with one outcome share a row.
@@ -114,15 +132,15 @@ Exit run_import(ImportSettings& settings) {
     if (!fs::is_directory(folder, ignored)) return refuse(error_in(folder, "the folder of --search isn't there"));
     settings.options.search.emplace_back(folder);
   }
-  auto imported = import_project(settings.project, settings.options);
+  auto imported = import_projects({settings.projects.begin(), settings.projects.end()}, settings.options);
   if (!imported) return refuse(imported.errors());
   const std::string file = (fs::path(settings.folder) / (imported->name + ".yaml")).string();
   std::map<std::string, std::string> files = imported->files;
   files[imported->name + ".yaml"] = imported->scenario;
-  WrittenFiles written(settings.folder);
+  WrittenFiles written(settings.folder, settings.force);
   if (const auto done = written.write(files); !done) return refuse(done.errors());
   const auto scenario = Scenario::load(file);
-  if (!scenario) return refuse(why_unusable(settings.project, file, scenario.errors()));
+  if (!scenario) return refuse(why_unusable(settings.projects.front(), file, scenario.errors()));
   written.keep();
   const UrdfOptions& model = settings.options.model;
   if (model.allow_missing_meshes || model.allow_unknown_devices)  // which ones are left out
@@ -144,7 +162,11 @@ Exit run_import(ImportSettings& settings) {
 
 std::function<Exit()> declare_import(CLI::App& options) {
   const auto settings = std::make_shared<ImportSettings>();
-  options.add_option("PROJECT", settings->project, "a project of Choreonoid, *.cnoid")->required()->type_name("");
+  options
+      .add_option("PROJECT", settings->projects,
+                  "a project of Choreonoid, *.cnoid; or its files, of which one has the world")
+      ->required()
+      ->type_name("");
   options.add_option("-o,--output", settings->folder, "the folder for the scenario, PROJECT.yaml (this one)")
       ->type_name("DIR")
       ->default_val(".");
@@ -164,6 +186,7 @@ std::function<Exit()> declare_import(CLI::App& options) {
       ->type_name("DIR")
       ->allow_extra_args(false);
   add_model_options(options, settings->options.model);
+  options.add_flag("--force", settings->force, "replace the files of an earlier import");
   add_json_flag(options, settings->json);
   return [settings] { return run_import(*settings); };
 }

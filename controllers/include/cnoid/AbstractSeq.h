@@ -32,9 +32,15 @@ class CNOID_GENERAL_EXPORT AbstractSeq {
   /// Time of frame 0 [s].
   virtual double getOffsetTime() const = 0;
   virtual void setOffsetTime(double time) = 0;
+  /// The same in frames, rounded down.
+  int getOffsetTimeFrame() const;
+  void setOffsetTimeFrame(int frame);
   double getTimeOfFrame(int frame) const;
   int getFrameOfTime(double time) const;
   double getTimeLength() const;
+  void setTimeLength(double length, bool fillNewElements = false) {
+    setNumFrames(static_cast<int>(length * getFrameRate()), fillNewElements);
+  }
 
   virtual int getNumFrames() const = 0;
   /// With fillNewElements: new frames are copies of the last one, or default values if there is none.

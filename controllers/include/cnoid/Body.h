@@ -49,6 +49,10 @@ class CNOID_GENERAL_EXPORT Body : public ClonableReferenced {
   const std::vector<LinkPtr>& links() const { return linkTraverse_.links(); }
   const LinkTraverse& linkTraverse() const { return linkTraverse_; }
   Link* rootLink() const { return rootLink_; }
+  /// The end of a body whose links have one child each; null if a link has several, or the root has none.
+  Link* findUniqueEndLink() const;
+  /// The last link before the first that has several children.
+  Link* lastSerialLink() const;
 
   // --- Joints: by joint id
 
@@ -82,6 +86,9 @@ class CNOID_GENERAL_EXPORT Body : public ClonableReferenced {
   // --- Joints that close loops
 
   int numExtraJoints() const { return static_cast<int>(extraJoints_.size()); }
+  /// Null: bodies that are attached to others in Choreonoid are connected by a joint of the scenario here.
+  Body* parentBody() const { return nullptr; }
+  Link* parentBodyLink() const { return nullptr; }
   /// Null if the index is out of range.
   ExtraJoint* extraJoint(int index) const;
   void addExtraJoint(ExtraJoint* joint) { extraJoints_.push_back(joint); }

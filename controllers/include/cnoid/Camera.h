@@ -44,6 +44,10 @@ class CNOID_GENERAL_EXPORT Camera : public VisionSensor {
 
   double nearClipDistance() const { return nearClipDistance_; }  // [m]
   void setNearClipDistance(double distance) { nearClipDistance_ = distance; }
+  double nearDistance() const { return nearClipDistance_; }  // old names
+  void setNearDistance(double distance) { nearClipDistance_ = distance; }
+  double farDistance() const { return farClipDistance_; }
+  void setFarDistance(double distance) { farClipDistance_ = distance; }
   double farClipDistance() const { return farClipDistance_; }  // [m]
   void setFarClipDistance(double distance) { farClipDistance_ = distance; }
 

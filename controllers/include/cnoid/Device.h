@@ -103,6 +103,10 @@ class CNOID_GENERAL_EXPORT Device : public DeviceState {
   /// clear.
   virtual void clearState();
 
+  /// Emitted by notifyTimeChange() alone: a run passes no times of devices.
+  SignalProxy<void(double time)> sigTimeChanged() { return sigTimeChanged_; }
+  void notifyTimeChange(double time) { sigTimeChanged_(time); }
+
   SignalProxy<void()> sigStateChanged() { return sigStateChanged_; }
   /// Marks the state as changed. On a controller's device: the whole state is sent to the simulation after control().
   void notifyStateChange() { sigStateChanged_(); }
@@ -143,6 +147,7 @@ class CNOID_GENERAL_EXPORT Device : public DeviceState {
   Isometry3 T_local_;
   MappingPtr info_;
   Signal<void()> sigStateChanged_;
+  Signal<void(double time)> sigTimeChanged_;
   Signal<void()> sigInfoChanged_;
 };
 

@@ -35,6 +35,8 @@ class CNOID_GENERAL_EXPORT ExtJoystick {
   virtual bool getButtonState(int button) const = 0;
   /// True if the joystick is in use.
   virtual bool isActive() const = 0;
+  /// The time of the state that readCurrentState() has read, from any beginning [s].
+  virtual double currentTime() const { return 0.0; }
   virtual SignalProxy<void(int id, double position)> sigAxis() = 0;
   virtual SignalProxy<void(int id, bool isPressed)> sigButton() = 0;
 

@@ -10,6 +10,7 @@
 #include "Signal.h"
 
 #include <string>
+#include <vector>
 
 namespace cnoid {
 
@@ -70,15 +71,36 @@ class CNOID_GENERAL_EXPORT Joystick : public JoystickInterface {
   /// False if the device doesn't have this button.
   bool getButtonState(int button) const override;
   bool isActive() const;
+  /// A disabled axis reads 0.
+  void setAxisEnabled(int axis, bool on);
+
+  /// True if the button is pressed, and wasn't at the readCurrentState() before the last.
+  bool getButtonDown(int button) const;
+  /// True if the button isn't pressed, and was at the readCurrentState() before the last.
+  bool getButtonUp(int button) const;
+  /// True if the button has been pressed for longer than the duration [ms] of simulated time.
+  bool getButtonHoldOn(int button, int duration) const;
+  /// Likewise, but true once for each press.
+  bool getButtonHold(int button, int duration) const;
 
   /// The signal of the device; without a device it is never emitted.
   SignalProxy<void(int id, bool isPressed)> sigButton();
   SignalProxy<void(int id, double position)> sigAxis();
 
  private:
+  struct Button {
+    bool isPressed = false, wasPressed = false;  // at the last readCurrentState(), and at the one before
+    double since = 0.0;                          // [s]
+    mutable bool isHoldTold = false;             // of this press
+  };
+  /// Null if there was no reading of this button.
+  const Button* button(int number) const;
+
   std::string device_;
   ExtJoystick* ext_ = nullptr;
   ScopedConnection untilDestroyed_;
+  std::vector<bool> isAxisOff_;
+  std::vector<Button> buttons_;
 };
 
 }  // namespace cnoid

@@ -73,6 +73,9 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
     PSEUDO_CONTINUOUS_TRACK [[deprecated("Use PseudoContinuousTrackJoint.")]] = PseudoContinuousTrackJoint
   };
 
+  [[deprecated("Use PseudoContinuousTrackJoint.")]] static constexpr int PseudoContinousTrack =
+      PseudoContinuousTrackJoint;
+
   JointType jointType() const { return jointType_; }
   /// "revolute", "prismatic", "free", "fixed" or "pseudo continuous track".
   const char* jointTypeLabel() const;
@@ -85,6 +88,10 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   bool isFixedJoint() const { return jointType_ >= FixedJoint; }
   /// True for revolute and prismatic joints.
   bool hasActualJoint() const { return jointType_ <= PrismaticJoint; }
+  [[deprecated("Use jointTypeLabel or jointTypeSymbol.")]] const char* jointTypeString(
+      bool useUnderscore = false) const {
+    return useUnderscore ? jointTypeSymbol() : jointTypeLabel();
+  }
   [[deprecated("Use isRevoluteJoint.")]] bool isRotationalJoint() const { return isRevoluteJoint(); }
   [[deprecated("Use isPrismaticJoint.")]] bool isSlideJoint() const { return isPrismaticJoint(); }
   [[deprecated("Use hasActualJoint.")]] bool hasJoint() const { return hasActualJoint(); }
@@ -142,6 +149,12 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   };
   [[deprecated("Use JointVelocity on a PseudoContinuousTrackJoint.")]] static constexpr int JOINT_SURFACE_VELOCITY =
       DeprecatedJointSurfaceVelocity;
+  /// Choreonoid's mode for contact forces alone, which no item drives here.
+  static constexpr short AllStateHighGainActuationMode =
+      LinkPosition | LinkTwist | LinkExtWrench | JointDisplacement | JointVelocity | JointEffort | HighGainActuation;
+  /// "Joint Displacement + Joint Velocity", or "None".
+  static std::string getStateModeString(short mode);
+
   using ActuationMode [[deprecated("Use StateFlag, or int for several flags.")]] = StateFlag;
 
   /// The quantities that drive the joint: StateFlags, usually one. They determine the effect of enableInput(link) and
@@ -184,8 +197,14 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   double u_upper() const { return u_upper_; }
   double u_lower() const { return u_lower_; }
 
+  [[deprecated("Use q_upper.")]] const double& ulimit() const { return q_upper_; }
+  [[deprecated("Use q_lower.")]] const double& llimit() const { return q_lower_; }
+  [[deprecated("Use dq_upper.")]] const double& uvlimit() const { return dq_upper_; }
+  [[deprecated("Use dq_lower.")]] const double& lvlimit() const { return dq_lower_; }
+
   /// "No limit" is plus or minus the largest double.
   static bool isUnlimitedRangeValue(double value) { return std::abs(value) >= std::numeric_limits<double>::max(); }
+  /// True if there is a limit in both directions.
   bool hasJointDisplacementLimits() const;
   bool hasJointVelocityLimits() const;
   bool hasJointEffortLimits() const;
@@ -242,6 +261,7 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
   // Names of earlier releases, in which a link's axes could differ from those of its model
 
   [[deprecated("Use T.")]] Isometry3 Ta() const { return T_; }
+  [[deprecated("It is the identity.")]] Matrix3 Rs() const { return Matrix3::Identity(); }
   [[deprecated("Use R.")]] Matrix3 attitude() const { return R(); }
   [[deprecated("Use setRotation.")]] void setAttitude(const Matrix3& newRotation) { R() = newRotation; }
   [[deprecated("Use the matrix itself.")]] Matrix3 calcRfromAttitude(const Matrix3& rotation) const { return rotation; }
@@ -306,6 +326,9 @@ class CNOID_GENERAL_EXPORT Link : public ClonableReferenced {
 
   /// Of the link's surface, as the model names it: "Default" if it names none.
   const std::string& materialName() const { return material_; }
+  /// The same for two links whose materials have one name, whatever their bodies; 0 for "Default". Not Choreonoid's
+  /// number, which depends on what was loaded before.
+  int materialId() const;
 
   /// A point where a different object touches this link; everything in world axes.
   class ContactPoint {

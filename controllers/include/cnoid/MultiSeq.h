@@ -57,6 +57,7 @@ class MultiSeq : public AbstractMultiSeq {
   double frameRate() const { return frameRate_; }
   double timeStep() const { return getTimeStep(); }
   double offsetTime() const { return offsetTime_; }
+  int offsetTimeFrame() const { return getOffsetTimeFrame(); }
   int numFrames() const { return numFrames_; }
   int numParts() const { return numParts_; }
   bool empty() const { return values_.empty(); }

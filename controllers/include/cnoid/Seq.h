@@ -17,6 +17,7 @@ class Seq : public AbstractSeq {
   double frameRate() const { return frameRate_; }
   double timeStep() const { return getTimeStep(); }
   double offsetTime() const { return offsetTime_; }
+  int offsetTimeFrame() const { return getOffsetTimeFrame(); }
   int numFrames() const { return static_cast<int>(frames_.size()); }
   bool empty() const { return frames_.empty(); }
   double timeLength() const { return getTimeLength(); }

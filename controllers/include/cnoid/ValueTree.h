@@ -49,6 +49,8 @@ class CNOID_GENERAL_EXPORT ValueNode : public ClonableReferenced {
   double toDouble() const;
   float toFloat() const;
   bool toBool() const;
+  /// A number of degrees as radians, unless the node is in the mode of radians.
+  [[deprecated("Check isForcedRadianMode() of the top node.")]] double toAngle() const;
   const std::string& toString() const;
   operator const std::string&() const { return toString(); }
   template <typename T>
@@ -57,6 +59,9 @@ class CNOID_GENERAL_EXPORT ValueNode : public ClonableReferenced {
   Mapping* toMapping();
   const Listing* toListing() const;
   Listing* toListing();
+  bool isSequence() const { return isListing(); }  // old names
+  const Listing* toSequence() const { return toListing(); }
+  Listing* toSequence() { return toListing(); }
 
   /// The same without exceptions: returns false and leaves `out` unchanged if the value can't be read.
   bool read(int& out) const;
@@ -64,6 +69,12 @@ class CNOID_GENERAL_EXPORT ValueNode : public ClonableReferenced {
   bool read(float& out) const;
   bool read(bool& out) const;
   bool read(std::string& out) const;
+
+  /// Angles are in degrees unless somebody sets this mode. A copy of the node has the same.
+  bool isForcedRadianMode() const { return isForcedRadianMode_; }
+  void setForcedRadianMode(bool on = true) { isForcedRadianMode_ = on; }
+  [[deprecated("Use isForcedRadianMode.")]] bool isDegreeMode() const { return !isForcedRadianMode_; }
+  [[deprecated("Use setForcedRadianMode.")]] void setDegreeMode() { isForcedRadianMode_ = false; }
 
   /// True if the node was read from a text; then line() and column() count from 1.
   bool hasLineInfo() const { return line_ > 0; }
@@ -116,6 +127,7 @@ class CNOID_GENERAL_EXPORT ValueNode : public ClonableReferenced {
   NodeType type_ = INVALID_NODE;
   int line_ = 0;
   int column_ = 0;
+  bool isForcedRadianMode_ = false;
 };
 
 template <>
@@ -207,6 +219,9 @@ class CNOID_GENERAL_EXPORT Mapping : public ValueNode {
   Mapping* createMapping(const std::string& key);
   Listing* openListing(const std::string& key);
   Listing* createListing(const std::string& key);
+  Listing* findSequence(const std::string& key) const { return findListing(key); }  // old names
+  Listing* openSequence(const std::string& key) { return openListing(key); }
+  Listing* createSequence(const std::string& key) { return createListing(key); }
 
   void write(const std::string& key, const std::string& value);
   void write(const std::string& key, const char* value);
@@ -225,6 +240,13 @@ class CNOID_GENERAL_EXPORT Mapping : public ValueNode {
   bool read(std::initializer_list<const char*> keys, T& out) const {
     return find(keys)->read(out);
   }
+
+  /// Likewise an angle, in radians. The text's is in degrees, unless this node, or the given one, is in the mode of
+  /// radians.
+  bool readAngle(const std::string& key, double& angle, const ValueNode* unitNode = nullptr) const;
+  bool readAngle(const std::string& key, float& angle, const ValueNode* unitNode = nullptr) const;
+  bool readAngle(std::initializer_list<const char*> keys, double& angle, const ValueNode* unitNode = nullptr) const;
+  bool readAngle(std::initializer_list<const char*> keys, float& angle, const ValueNode* unitNode = nullptr) const;
 
   /// The value; throws KeyNotFoundException if it can't be read.
   template <typename T>
@@ -323,5 +345,16 @@ class CNOID_GENERAL_EXPORT Listing : public ValueNode {
 };
 
 using ListingPtr = ref_ptr<Listing>;
+
+// Names of earlier releases
+using YamlNode = ValueNode;
+using YamlNodePtr = ValueNodePtr;
+using YamlScalar = ScalarNode;
+using YamlMapping = Mapping;
+using YamlMappingPtr = MappingPtr;
+using YamlSequence = Listing;
+using YamlSequencePtr = ListingPtr;
+using Sequence = Listing;
+using SequencePtr = ListingPtr;
 
 }  // namespace cnoid

@@ -154,12 +154,19 @@ struct ActuatorReading {
   double thermal_limit = std::numeric_limits<double>::infinity();  // of efforts, while it is hot
 };
 
+/// Force and torque, the torque about the world's origin.
+struct Wrench {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();   // [N]
+  Eigen::Vector3d torque = Eigen::Vector3d::Zero();  // [N·m]
+};
+
 struct BodyObservation {
   std::vector<JointReading> joints;                   // by joint id
   std::vector<LinkReading> links;                     // by link index
   std::vector<DeviceReading> devices;                 // by device index
   std::vector<std::vector<ContactReading>> contacts;  // by link index; empty if no link is watched (World::watch)
   std::vector<ActuatorReading> actuators = {};        // by joint id; empty: the body has none
+  std::vector<Wrench> external = {};                  // as controllers read it, by link index; empty: none
 };
 
 /// The state at the beginning of a tick.
@@ -181,12 +188,6 @@ struct JointCommand {
   double q = 0.0;   // wanted displacement [rad] or [m]
   double dq = 0.0;  // wanted velocity [rad/s] or [m/s]
   double u = 0.0;   // effort [N·m] or [N]
-};
-
-/// Force and torque, the torque about the world's origin.
-struct Wrench {
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();   // [N]
-  Eigen::Vector3d torque = Eigen::Vector3d::Zero();  // [N·m]
 };
 
 /// A controller's command to a device. It has an effect only if it is fresh.

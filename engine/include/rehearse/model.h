@@ -189,6 +189,9 @@ struct Joint {
   double rotor_inertia = 0.0;     // of the rotor itself, before the gear; 0: the file has only `armature` [kg·m²]
   double gear_ratio = 1.0;        // turns of the rotor for a turn of the joint
   std::optional<Mimic> mimic;
+  /// Of a file that states different limits of velocity for the two directions, as {-1, 2}; `velocity` is then the
+  /// smaller magnitude, to which drives keep [rad/s] or [m/s].
+  std::optional<std::array<double, 2>> velocity_range;
   int line = 0;  // of the model's file; 0: the file doesn't contain this joint
 };
 

@@ -41,6 +41,8 @@ struct WorldBody {
   bool kinematic = false;                                        // the body moves as commanded, without dynamics
   bool joint_limits = false;                                     // joints stop at their limits
   bool effort_limits = false;                                    // commanded efforts are clamped to their limits
+  bool drive_limits = true;     // drives of displacement and velocity keep to the limits of effort and velocity
+  bool touches = true;          // its shapes have contacts
   bool self_collision = false;  // all links of the body touch each other, not only those with collides_with_own
   Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();   // of the root link's origin, world [m/s]
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();  // of the root link, world [rad/s]
@@ -65,7 +67,7 @@ struct Residual {
   JointPlace missed;   // the joint that misses the velocity of its drive most; none: all reach it
   double velocity =
       0.0;             // by which it misses it, or drifts while it is held; at an effort limit it may [rad/s] or [m/s]
-  int iterations = 0;  // of the solver in that step; 0: the exact solver made it
+  int iterations = 0;  // of the quick solver in that step; 0: it moved no body
 };
 
 /// The parts of a step that the direct solver didn't solve to the end.
@@ -116,10 +118,11 @@ class World {
   /// solver with 1000 iterations instead. Not part of the state.
   const std::string& solver_message() const;
 
-  /// The residual of the last step. Parts that a joint connects have different velocities at its anchor, by more than
-  /// the joint's correction of its error; the missing force is what would stop the lighter of both parts within the
-  /// step, the other one free to move (reduced mass). That force is small where a part is light; the velocity that a
-  /// drive misses isn't. Not part of the state: after restore() it is empty until the next step.
+  /// The residual of the last step, of the bodies that the quick solver moved. Parts that a joint connects have
+  /// different velocities at its anchor, by more than the joint's correction of its error; the missing force is what
+  /// would stop the lighter of both parts within the step, the other one free to move (reduced mass). That force is
+  /// small where a part is light; the velocity that a drive misses isn't. Not part of the state: after restore() it is
+  /// empty until the next step.
   const Residual& residual() const;
 
   /// Of the last step. Not part of the state.

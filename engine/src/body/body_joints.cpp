@@ -96,6 +96,14 @@ std::optional<Range> read_range(const YamlNode& node, std::string_view label, Do
   return Range{*lower, *upper};
 }
 
+/// A file in radians is taken at its word, as Choreonoid does.
+void tell_of_degrees(const YamlNode& node, const char* what, double angle, Mapping& keys) {
+  constexpr double many_turns = 20.0;  // [rad]
+  if (keys.document().degrees || !std::isfinite(angle) || std::abs(angle) <= many_turns) return;
+  keys.document().warning(node, fmt::format("the {} {:.6g} rad of a joint looks like degrees", what, angle),
+                          "the file states angleUnit: radian");
+}
+
 void read_displacement_range(Mapping& keys, Joint& joint) {
   const YamlNode* node = keys.find({"joint_range", "jointRange"});
   const auto range = node == nullptr ? std::nullopt : read_range(*node, "joint_range", keys.document());
@@ -105,10 +113,9 @@ void read_displacement_range(Mapping& keys, Joint& joint) {
   const bool turns = joint.type == JointType::revolute;
   joint.lower = turns ? keys.radians(range->lower) : range->lower;
   joint.upper = turns ? keys.radians(range->upper) : range->upper;
-  constexpr double many_turns = 20.0;  // [rad]
-  if (turns && !keys.document().degrees && std::isfinite(joint.upper) && std::abs(joint.upper) > many_turns)
-    keys.document().warning(*node, fmt::format("the limit {:.6g} rad of a joint looks like degrees", joint.upper),
-                            "the file states angleUnit: radian");
+  const double upper = std::isfinite(joint.upper) ? std::abs(joint.upper) : 0.0;
+  const double lower = std::isfinite(joint.lower) ? std::abs(joint.lower) : 0.0;
+  if (turns) tell_of_degrees(*node, "limit", upper >= lower ? joint.upper : joint.lower, keys);
 }
 
 void read_velocity_range(Mapping& keys, Joint& joint) {
@@ -118,10 +125,14 @@ void read_velocity_range(Mapping& keys, Joint& joint) {
   const auto range = node == nullptr ? std::nullopt : read_range(*node, "the range of velocity", keys.document());
   if (!range) return;
   const double slower = std::min(std::abs(range->lower), std::abs(range->upper));
-  if (std::abs(range->lower) != std::abs(range->upper))
-    keys.document().warning(*node, fmt::format("the range of velocity is {} to {}; {} is taken for both directions",
-                                               range->lower, range->upper, slower));
-  joint.velocity = joint.type == JointType::revolute ? keys.radians(slower) : slower;
+  const auto in_si = [&](double limit) { return joint.type == JointType::revolute ? keys.radians(limit) : limit; };
+  joint.velocity = in_si(slower);
+  if (range->lower == -range->upper) return;
+  joint.velocity_range = {in_si(range->lower), in_si(range->upper)};
+  keys.document().warning(*node,
+                          fmt::format("the range of velocity is {} to {}: controllers see both limits, drives keep "
+                                      "to {} in both directions",
+                                      range->lower, range->upper, slower));
 }
 
 void read_start(Mapping& keys, Joint& joint) {
@@ -129,6 +140,7 @@ void read_start(Mapping& keys, Joint& joint) {
   const auto displacement = keys.number({"joint_displacement", "jointDisplacement"});
   if (displacement) joint.start = joint.type == JointType::revolute ? keys.radians(*displacement) : *displacement;
   if (!is_movable(joint.type)) joint.start = 0.0;
+  if (joint.type == JointType::revolute) tell_of_degrees(keys.node(), "displacement", joint.start, keys);
 }
 
 void read_rotor(Mapping& keys, Joint& joint) {
@@ -150,6 +162,7 @@ void read_joint(Mapping& keys, bool of_sub_body, Joint& joint) {
     joint.lower = -unlimited;
     joint.upper = unlimited;
     joint.velocity = unlimited;
+    joint.velocity_range.reset();
   }
   read_type(keys, joint);
   if (const auto id = keys.number({"joint_id", "jointId"})) {

@@ -151,10 +151,11 @@ void find_contacts(const std::vector<std::unique_ptr<SimulatedBody>>& bodies, co
     collide(pair, {*bodies[i], a}, {*bodies[j], b}, found, touches, friction);
   };
   for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (!bodies[i]->description().touches) continue;
     for (const auto& [a, b] : bodies[i]->own_pairs())
       if (overlap(bounds.of(i, a), bounds.of(i, b))) meet(i, a, i, b);
     for (std::size_t j = i + 1; j < bodies.size(); ++j) {
-      if (!overlap(bounds.of(i), bounds.of(j))) continue;
+      if (!bodies[j]->description().touches || !overlap(bounds.of(i), bounds.of(j))) continue;
       for (std::size_t a = 0; a < bodies[i]->shapes().size(); ++a) {
         if (!overlap(bounds.of(i, a), bounds.of(j))) continue;
         for (std::size_t b = 0; b < bodies[j]->shapes().size(); ++b)

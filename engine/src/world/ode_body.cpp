@@ -141,6 +141,7 @@ void OdeBody::create_joints(dWorldID world, const std::vector<Isometry3d>& zero_
     joints_.emplace_back(world, link.joint, child.body, group_of(link.parent).body, zero_posture[index],
                          KeptLimits{description().joint_limits && !link.joint.mimic, description().effort_limits},
                          actuator_of(link.joint.id));
+    if (!description().drive_limits && !link.joint.mimic) joints_.back().limit_drive(unlimited, unlimited);
     has_resistance_ |= joints_.back().resists();
   }
   stages_.resize(description().actuators.size());
@@ -350,6 +351,7 @@ JointErrors OdeBody::residual() const {
   for (const int index : model().joints) {
     const Joint& joint = model().links[index].joint;
     if (slots_[joint.id].is_track) continue;
+    if (!dBodyIsEnabled(group_of(index).body)) continue;  // another solver moves it
     const OdeJoint& connected = joints_[slots_[joint.id].index];
     if (const double velocity = connected.missed_velocity(); velocity > worst.velocity) {
       worst.missed = index;

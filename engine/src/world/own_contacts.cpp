@@ -34,6 +34,7 @@ std::vector<int> free_links(const std::vector<Link>& links) {
 }  // namespace
 
 void SimulatedBody::pair_own_shapes() {
+  if (!description_.touches) return;
   const std::vector<Link>& links = model().links;
   const std::set<Pair> joined = joined_groups(links, groups_);
   const auto may_touch = [&](int a, int b) {

@@ -23,13 +23,18 @@ Eigen::Vector3d Belt::along(const Eigen::Vector3d& normal) const {
 
 namespace {
 
-/// The body whose joints have the limits, rotors and friction of their actuators.
+/// The body whose joints have the limits, rotors and friction of their actuators. Without drive_limits a drive of a
+/// joint without an actuator has any velocity.
 WorldBody as_built(WorldBody body) {
-  if (body.actuators.empty()) return body;
+  if (body.actuators.empty() && body.drive_limits) return body;
   Model model = *body.model;
   for (std::size_t id = 0; id < model.joints.size(); ++id) {
     Joint& joint = model.links[model.joints[id]].joint;
-    if (body.actuators[id]) joint = joint_with(*body.actuators[id], joint);
+    const Actuator* actuator = body.actuators.empty() || !body.actuators[id] ? nullptr : &*body.actuators[id];
+    if (actuator)
+      joint = joint_with(*actuator, joint);
+    else if (!body.drive_limits)
+      joint.velocity = unlimited;
   }
   body.model = std::make_shared<const Model>(std::move(model));
   return body;

@@ -261,6 +261,7 @@ std::vector<dBodyID> World::Impl::ode_bodies() const {
   return all;
 }
 
+/// Of the bodies that the quick solver has moved: the others are hidden from it.
 void World::Impl::measure_residual(int iterations) {
   residual = {};
   residual.iterations = iterations;
@@ -289,8 +290,8 @@ void World::Impl::step_directly() {
   direct->hide_from_ode(true);
   exploded = !step_ode(world, settings.time_step, true);
   if (exploded) return;
-  direct->hide_from_ode(false);
   measure_residual(settings.solver.iterations);
+  direct->hide_from_ode(false);
 }
 
 /// ODE's exact solver fails on many degenerate sets of contacts: it reports "LCP internal error" and drops all
@@ -308,7 +309,8 @@ void World::Impl::step_bodies() {
   exploded = !step_ode(world, settings.time_step, false);
   const std::vector<std::string> messages = take_ode_messages();
   if (exploded) return;
-  if (messages.empty()) return measure_residual(0);
+  residual = {};
+  if (messages.empty()) return;
   solver_message = messages.front();
   before.restore();
   exploded = !step_ode(world, settings.time_step, true);

@@ -87,7 +87,8 @@ struct ScenarioController {
   std::string options;                       // the controller's own option string
   bool delay = true;                         // commands act one tick late
   bool optional = false;                     // the run continues without it if it refuses to take part
-  std::vector<ScenarioController> children;  // they use their parent's body; one level only
+  bool is_called = true;                     // false: a child of a child, which is started and stopped only
+  std::vector<ScenarioController> children;  // they use their parent's body; those of a child follow it
   std::vector<Spell> lost;                   // faults: its commands of these times don't arrive
   Place place;                               // of its library
 
@@ -95,8 +96,16 @@ struct ScenarioController {
   bool loses(double time, double time_step) const;
 };
 
+/// `collision:` of a body: its meshes in contacts, or no contacts at all.
+struct BodyContact {
+  MeshContact meshes = MeshContact::automatic;
+  bool touches = true;  // false: its shapes pass through those of all bodies
+  bool operator==(const BodyContact&) const = default;
+};
+
 struct ScenarioBody {
   std::string name;                             // unique; names the channels
+  std::string title;                            // name for controllers; empty: `name`
   std::string model_file;                       // a URDF or a heightmap, as written; empty for an inline shape
   std::map<std::string, std::string> packages;  // directories of the model's meshes by package, as written
   std::shared_ptr<const Model> model;           // never null in a loaded scenario
@@ -107,7 +116,8 @@ struct ScenarioBody {
   /// Joints stop at their limits unless this is false. If the scenario states it, recordings contain the limits.
   std::optional<bool> joint_limits;
   bool effort_limits = false;                                  // commanded efforts are clamped to their limits
-  MeshContact contact = MeshContact::automatic;                // of the model's meshes
+  bool drive_limits = true;                                    // drives keep to the limits of effort and velocity
+  BodyContact contact;                                         // of its shapes
   bool self_collision = false;                                 // all links of the body can collide with each other
   std::vector<double> joints;                                  // initial displacement by joint id [rad] or [m]
   Eigen::Vector3d linear_velocity = Eigen::Vector3d::Zero();   // initial, of the root link's origin, world [m/s]
@@ -238,10 +248,11 @@ struct Scenario : WorldSettings {
   std::string golden;  // `golden:` Suite.Test, or empty
   /// `golden: {state: 100 Hz}`: rate at which the golden keeps the state of the world [Hz]; nullopt: every tick.
   std::optional<double> golden_state_rate;
-  double duration = 0.0;        // [s]
-  bool ends_when_done = false;  // the run ends after the step in which every control() returned false
-  bool planar = false;          // root links that aren't fixed stay in the plane of x and z in which they begin
-  std::string options;          // option string of the simulator, before each controller's option string
+  double duration = 0.0;          // [s]
+  bool ends_when_done = false;    // the run ends after the step in which every control() returned false
+  bool initial_commands = false;  // what initialize() writes into commands acts in the first step
+  bool planar = false;            // root links that aren't fixed stay in the plane of x and z in which they begin
+  std::string options;            // option string of the simulator, before each controller's option string
   std::vector<ScenarioBody> bodies;
   std::vector<Push> pushes;
   std::optional<JoystickScript> joystick;  // nullopt: the scenario has none

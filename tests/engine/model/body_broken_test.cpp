@@ -98,6 +98,8 @@ const std::vector<Mistake> warnings = {
     {"box_flat", 9, "a Box is flat; it gets a thickness of 0.001 m"},
     {"camera_fisheye", 8, "Camera 'EYE' is left out: it has a FISHEYE lens, and only NORMAL is drawn"},
     {"camera_without_format", 8, "Camera 'EYE' has no format; it is left out, as in Choreonoid"},
+    {"degrees_at_the_start_of_a_radian_file", 7, "the displacement 90 rad of a joint looks like degrees"},
+    {"degrees_below_in_radian_file", 7, "the limit -90 rad of a joint looks like degrees"},
     {"degrees_in_radian_file", 7, "the limit 90 rad of a joint looks like degrees"},
     {"inertia_not_symmetric", 7, "the inertia isn't symmetric; the mean of both sides is taken"},
     {"joint_id_gap", 0, "the jointIds have gaps: 1 ids up to 1; controllers see joints without effect"},
@@ -109,7 +111,7 @@ const std::vector<Mistake> warnings = {
     {"plugin_device", 8, "AGXWireDevice needs AGX Dynamics; it is left out"},
     {"rotation_in_degrees", 6, "a rotation by 90 rad looks like degrees"},
     {"two_devices_of_one_name", 9, "a second device has the name 'FORCE'; it gets 'FORCE_2'"},
-    {"velocity_range_uneven", 7, "the range of velocity is -90 to 180; 90 is taken for both directions"},
+    {"velocity_range_uneven", 7, "the range of velocity is -90 to 180: controllers see both limits, drives keep to 90"},
 };
 
 std::string path_of(const Mistake& mistake) { return folder + "body_" + mistake.name + ".body"; }

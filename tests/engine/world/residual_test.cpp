@@ -69,6 +69,24 @@ TEST(TheResidual, OfTheExactSolverIsThatOfRounding) {
   EXPECT_LT(residual.share, 1e-6);
 }
 
+/// The crate is left to the quick solver, and the arm isn't.
+TEST(TheResidual, IsNotMeasuredWhereTheDirectSolverSolved) {
+  WorldSettings settings;
+  settings.solver.method = SolverSettings::Method::direct;
+  const auto world = make_world(settings, {body_of(loaded_arm()), floor_body(),
+                                           free_box("Crate", Vector3d::Constant(0.2), 1.0, {5.0, 0.0, 0.1})});
+  run(*world, 10);
+  EXPECT_EQ(world->residual().iterations, settings.solver.iterations);
+  EXPECT_EQ(world->residual().joint.body, -1);
+  EXPECT_EQ(world->residual().missed.body, -1);
+}
+
+TEST(TheResidual, IsNotMeasuredWhereTheExactSolverSolved) {
+  SolverSettings exact;
+  exact.method = SolverSettings::Method::exact;
+  EXPECT_EQ(held_arm(exact, 20)->residual().joint.body, -1);
+}
+
 TEST(TheResidual, IsThatOfNoBodyWithoutJoints) {
   const auto world = make_world({}, {floor_body(), free_box("Box", Vector3d::Constant(0.2), 1.0, {0.0, 0.0, 0.1})});
   run(*world, 10);

@@ -18,6 +18,8 @@ int flag_of(const std::string& word) {
   if (word == "wrench") return Link::LinkExtWrench;
   if (word == "twist") return Link::LinkTwist;
   if (word == "acceleration") return Link::JointAcceleration;
+  if (word == "high_gain") return Link::HighGainActuation | Link::JointDisplacement;
+  if (word == "link_acceleration") return Link::LinkAcceleration;
   if (word == "surface") return Link::DeprecatedJointSurfaceVelocity;
   return Link::StateNone;
 }
@@ -231,6 +233,90 @@ class Stepper : public Pusher {
   int from_;
 };
 const Add<Stepper> stepper("step");
+
+/// echo FLAG FIRST [nodelay]: reads and commands one quantity of joint SHOULDER, or of the root link without that
+/// joint: in the calls of control() the numbers FIRST, FIRST + 1, and so on. Writes what it reads.
+class Echo : public cnoid::SimpleController {
+ public:
+  explicit Echo(const Words& words)
+      : flag_(flag_of(words.at(0))), next_(std::stod(words.at(1))), no_delay_(words.size() > 2) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    os_ = &io->os();
+    if (no_delay_) io->setNoDelayMode(true);
+    link_ = io->body()->joint("SHOULDER");
+    if (!link_) link_ = io->body()->rootLink();
+    io->enableInput(link_, flag_);
+    io->enableOutput(link_, flag_);
+    return true;
+  }
+  bool control() override {
+    *os_ << *read() << "\n";
+    *written() = next_++;
+    return true;
+  }
+
+ private:
+  double* read() {
+    switch (flag_) {
+      case Link::JointDisplacement: return &link_->q();
+      case Link::JointVelocity: return &link_->dq();
+      default: return written();
+    }
+  }
+  double* written() {
+    switch (flag_) {
+      case Link::JointDisplacement: return &link_->q_target();
+      case Link::JointVelocity: return &link_->dq_target();
+      case Link::JointAcceleration: return &link_->ddq();
+      case Link::JointEffort: return &link_->u();
+      case Link::LinkPosition: return &link_->p().x();
+      case Link::LinkTwist: return &link_->v().x();
+      case Link::LinkAcceleration: return &link_->dv().x();
+      default: return &link_->F_ext()[0];
+    }
+  }
+
+  int flag_;
+  double next_;
+  bool no_delay_;
+  std::ostream* os_ = nullptr;
+  Link* link_ = nullptr;
+};
+const Add<Echo> echo("echo");
+
+/// body_name: writes the name of its body.
+class Namer : public cnoid::SimpleController {
+ public:
+  explicit Namer(const Words&) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    io->os() << io->body()->name() << "\n";
+    return true;
+  }
+  bool control() override { return true; }
+};
+const Add<Namer> namer("body_name");
+
+/// calls WORD: writes its word with the name of each function that is called.
+class Caller : public cnoid::SimpleController {
+ public:
+  explicit Caller(const Words& words) : word_(words.at(0)) {}
+  bool initialize(cnoid::SimpleControllerIO* io) override {
+    io_ = io;
+    return say("initialize");
+  }
+  bool start() override { return say("start"); }
+  bool control() override { return say("control"); }
+  void stop() override { say("stop"); }
+
+ private:
+  bool say(const char* function) {
+    io_->os() << word_ << " " << function << "\n";
+    return true;
+  }
+  std::string word_;
+  cnoid::SimpleControllerIO* io_ = nullptr;
+};
+const Add<Caller> caller("calls");
 
 /// teleport [LINK]: drives the link, or the root link, by its position: 1 mm along x in each step.
 class Teleporter : public cnoid::SimpleController {

@@ -157,6 +157,53 @@ Result<ImportedProject> ProjectReader::read() {
 }  // namespace rehearse::import
 
 namespace rehearse {
+namespace {
+
+using import::ProjectFile;
+using import::ProjectItem;
+
+/// A file of several that are one project.
+struct LoadedFile {
+  std::filesystem::path path;
+  std::unique_ptr<ProjectFile> file;
+};
+
+bool has(const ProjectFile& file, const auto& test) {
+  return std::ranges::any_of(file.all(), [&](const ProjectItem* item) { return test(*item); });
+}
+
+bool has_world(const ProjectFile& file) {
+  return has(file, [](const ProjectItem& item) { return item.type == "WorldItem"; });
+}
+
+/// Index of the file with the world; 0 if none has one.
+std::size_t find_world(const std::vector<LoadedFile>& files, const std::string& simulator) {
+  const auto runs = [&](const LoadedFile& loaded) {
+    return has_world(*loaded.file) && (simulator.empty() || has(*loaded.file, [&](const ProjectItem& item) {
+                                         return item.is_simulator() && item.name == simulator;
+                                       }));
+  };
+  auto found = std::ranges::find_if(files, runs);
+  if (found == files.end()) found = std::ranges::find_if(files, [](const auto& each) { return has_world(*each.file); });
+  return found == files.end() ? 0 : static_cast<std::size_t>(found - files.begin());
+}
+
+/// The items of a file that has no part in the run.
+void add_outside(const LoadedFile& outside, const std::string& world, ImportedProject& imported) {
+  const std::string name = outside.path.filename().string();
+  ProjectFile& file = *outside.file;
+  for (const auto& item : file.root.children) {
+    imported.items.push_back({item->type, item->name, false,
+                              fmt::format("of {}, outside of the world of {}", name, world), item->node->line});
+    if (item->type == "WorldItem" || item->type == "BodyItem")
+      file.document.warning(*item->node, fmt::format("{} {} is outside of the world of {}, so it isn't simulated",
+                                                     item->type, in_quotes(item->name), world));
+  }
+  const Diagnostics remarks = file.document.findings().report();
+  imported.remarks.insert(imported.remarks.end(), remarks.begin(), remarks.end());
+}
+
+}  // namespace
 
 Result<ImportedProject> import_project_text(const std::string& text, const std::filesystem::path& project,
                                             const ImportOptions& options) {
@@ -165,9 +212,24 @@ Result<ImportedProject> import_project_text(const std::string& text, const std::
   return import::ProjectReader(*file, project, options).read();
 }
 
+Result<ImportedProject> import_projects(const std::vector<std::filesystem::path>& projects,
+                                        const ImportOptions& options) {
+  std::vector<LoadedFile> files;
+  for (const std::filesystem::path& project : projects) {
+    const std::string text = REHEARSE_TRY(read_yaml_file(project, "a Choreonoid project"));
+    files.push_back({project, import::read_project_file(text, project.string())});
+    if (files.back().file->document.findings().has_error()) return files.back().file->document.findings().errors();
+  }
+  const std::size_t world = find_world(files, options.simulator);
+  for (const LoadedFile& loaded : files) files[world].file->take_time_bar(*loaded.file);
+  auto imported = REHEARSE_TRY(import::ProjectReader(*files[world].file, files[world].path, options).read());
+  for (std::size_t i = 0; i < files.size(); ++i)
+    if (i != world) add_outside(files[i], files[world].path.filename().string(), imported);
+  return imported;
+}
+
 Result<ImportedProject> import_project(const std::filesystem::path& project, const ImportOptions& options) {
-  const std::string text = REHEARSE_TRY(read_yaml_file(project, "a Choreonoid project"));
-  return import_project_text(text, project, options);
+  return import_projects({project}, options);
 }
 
 }  // namespace rehearse

@@ -44,6 +44,12 @@ struct ImportedProject {
   Diagnostics remarks;                       // warnings and notes, in document order
 };
 
+/// Reads the files as one project: as Choreonoid, which adds the items of each to one tree, and takes the time bar of
+/// the last one that has it. The world is that of the first file that has one, with the simulator item that is asked
+/// for; all else of the other files is outside of it.
+Result<ImportedProject> import_projects(const std::vector<std::filesystem::path>& projects,
+                                        const ImportOptions& options);
+
 /// Reads the project, and the models and tables of materials that it names. On failure: its mistakes, each with its
 /// place; a model that can't be used is one of them, followed by the model's own mistakes.
 Result<ImportedProject> import_project(const std::filesystem::path& project, const ImportOptions& options);

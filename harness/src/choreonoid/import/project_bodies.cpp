@@ -45,11 +45,24 @@ std::string value_text(const Joint& joint, double value, bool in_degrees) {
   return in_degrees ? fmt::format("{} deg", value) : fmt::format("{}", value);
 }
 
-bool has_limits(const Model& model) {
-  return std::ranges::any_of(model.links, [](const Link& link) {
-    return is_movable(link.joint.type) && (std::isfinite(link.joint.lower) || std::isfinite(link.joint.upper));
-  });
+template <class Test>
+bool any_joint(const Model& model, const Test& test) {
+  return std::ranges::any_of(model.links,
+                             [&](const Link& link) { return is_movable(link.joint.type) && test(link.joint); });
 }
+
+bool is_limited(const Joint& joint) { return std::isfinite(joint.lower) || std::isfinite(joint.upper); }
+bool has_effort_limit(const Joint& joint) { return std::isfinite(joint.effort); }
+bool has_drive_limit(const Joint& joint) { return has_effort_limit(joint) || std::isfinite(joint.velocity); }
+
+/// Of a body item: for the display and for editing. The first two count for some simulator items.
+const std::vector<std::string_view> body_keys_without_effect{"collision_detection", "collisionDetection",
+                                                             "current_base_link",   "currentBaseLink",
+                                                             "enable_joint_limits", "isSceneBodyDraggable",
+                                                             "lock_location",       "location_editable",
+                                                             "isEditable",          "scene_sensitive",
+                                                             "transparency",        "visible_link_selection_mode",
+                                                             "link_kinematics",     "zmp"};
 
 }  // namespace
 
@@ -64,8 +77,9 @@ void ProjectReader::read_body(const ProjectItem& item) {
   body.item = &item;
   body.name = unique_name(item.name, body_names_);
   if (body.name != item.name)
-    document().warning(*item.node, fmt::format("the body {} is {} in the scenario: names are unique, without blanks",
-                                               in_quotes(item.name), in_quotes(body.name)));
+    document().note(*item.node, fmt::format("the body {} is {} in the scenario, whose names are unique and without "
+                                            "blanks; controllers read its own name",
+                                            in_quotes(item.name), in_quotes(body.name)));
   body.self_collision = keys.flag({"self_collision_detection", "selfCollisionDetection"}).value_or(false);
   read_model(keys, body);
   if (body.model.links.empty()) return;  // reported
@@ -74,8 +88,16 @@ void ProjectReader::read_body(const ProjectItem& item) {
   read_root(keys, body);
   attach(item, keys, body);
   keys.find({"format"});
-  keys.finish({"collision_detection", "collisionDetection", "current_base_link", "currentBaseLink", "lock_location",
-               "location_editable", "isEditable", "scene_sensitive", "link_kinematics", "zmp"});
+  if (settings_.obeys_collision_switch)
+    body.touches = keys.flag({"collision_detection", "collisionDetection"}).value_or(true);
+  if (const YamlNode* states = keys.find({"device_states"}))
+    document().warning(*states, fmt::format("the states of devices that the project keeps for {} aren't read: its "
+                                            "devices begin as its model states",
+                                            in_quotes(item.name)));
+  if (const YamlNode* handlers = keys.find({"extra_body_handlers"}))
+    document().warning(*handlers, fmt::format("body handlers of {} are code of Choreonoid's; they are left out",
+                                              in_quotes(item.name)));
+  keys.finish(body_keys_without_effect);
   std::set<std::string> names;
   read_controllers(item, names, body.controllers);
   const std::size_t links = body.model.links.size(), joints = body.model.joints.size();
@@ -179,7 +201,9 @@ void ProjectReader::read_posture(Mapping& keys, ProjectBody& body) {
 
 void ProjectReader::read_root(Mapping& keys, ProjectBody& body) {
   const Model& model = body.model;
-  body.has_limits = has_limits(model);
+  body.has_limits = any_joint(model, is_limited);
+  body.has_effort_limits = any_joint(model, has_effort_limit);
+  body.has_drive_limits = any_joint(model, has_drive_limit);
   body.is_fixed_by_model = model.links.front().joint.type == JointType::fixed;
   const auto stated = keys.flag({"fix_root"});
   const auto is_static = keys.flag({"staticModel", "static_model"});

@@ -38,14 +38,20 @@ std::string ProjectReader::library_of(const ProjectItem& item, const std::string
   const fs::path stem = fs::path(path).replace_extension();
   if (is_placed(path)) {
     std::error_code ignored;
-    if (fs::path file = stem.string() + ".so"; fs::exists(file, ignored)) return file.string();
+    if (const auto file = expanded(stem.string() + ".so"); file && fs::exists(*file, ignored))
+      return path.starts_with('/') ? file->string() : seen_as_library(*file);
     document().note(*item.node,
                     fmt::format("the library {} of the controller {} isn't there; it is searched by its name",
                                 in_quotes(written, 200), in_quotes(item.name)));
     return stem.filename().string();
   }
   if (base != "Project directory") return stem.filename().string();
-  const std::string seen = seen_from_folder(project_.parent_path() / (stem.string() + ".so"));
+  return seen_as_library(project_.parent_path() / (stem.string() + ".so"));
+}
+
+/// The path from the scenario's folder; it has a slash, for a name without one is searched.
+std::string ProjectReader::seen_as_library(const fs::path& file) const {
+  const std::string seen = seen_from_folder(file);
   return seen.find('/') == std::string::npos ? "./" + seen : seen;
 }
 
@@ -71,11 +77,12 @@ std::optional<ProjectController> ProjectReader::read_controller(const ProjectIte
                                    "here targets are q_target and dq_target",
                                    in_quotes(item.name)));
   keys.finish();
-  for (const auto& child : item.children)
-    if (child->type == "SimpleControllerItem" && item.parent->type == "SimpleControllerItem")
-      document().error(*child->node, fmt::format("the controller {} is a child of a child", in_quotes(child->name)),
-                       "a scenario's controllers have children, but these have none");
-  if (item.parent->type != "SimpleControllerItem") read_controllers(item, names, controller.children);
+  read_controllers(item, names, controller.children);
+  if (item.parent->type == "SimpleControllerItem" && !controller.children.empty())
+    document().warning(*item.node,
+                       fmt::format("the controller {} is a child, and has children itself: these are started and "
+                                   "stopped, but never called, as in Choreonoid",
+                                   in_quotes(item.name)));
   taken(item,
         fmt::format("controller {}: {}{}", controller.name, controller.library,
                     controller.options.empty() ? "" : fmt::format(", options {}", in_quotes(controller.options))));

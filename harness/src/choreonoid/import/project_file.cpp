@@ -41,6 +41,7 @@ void read_time_bar(const YamlNode& toolbars, ProjectFile& file) {
   Mapping bars(toolbars, "the toolbars", file.document);
   const YamlNode* bar = bars.find({"TimeBar"});
   if (bar == nullptr) return;
+  file.has_time_bar = true;
   Mapping keys(*bar, "the time bar", file.document);
   const double rate = keys.number({"frame_rate", "frameRate"}).value_or(file.frame_rate);
   const double length = keys.number({"max_time", "maxTime"}).value_or(file.max_time);
@@ -63,6 +64,13 @@ const ProjectItem* ProjectItem::above(std::string_view wanted) const {
   const ProjectItem* item = parent;
   while (item != nullptr && item->type != wanted) item = item->parent;
   return item;
+}
+
+void ProjectFile::take_time_bar(const ProjectFile& other) {
+  if (!other.has_time_bar || other.wrong_time_bar != nullptr) return;
+  frame_rate = other.frame_rate;
+  max_time = other.max_time;
+  wrong_time_bar = nullptr;
 }
 
 std::vector<const ProjectItem*> ProjectFile::all() const {

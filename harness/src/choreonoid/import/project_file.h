@@ -31,10 +31,13 @@ struct ProjectFile {
 
   body::Document document;
   ProjectItem root;
-  double frame_rate = 1000.0;                // of the time bar [Hz]
-  double max_time = 30.0;                    // likewise [s]
+  double frame_rate = 1000.0;  // of the time bar [Hz]
+  double max_time = 30.0;      // likewise [s]
+  bool has_time_bar = false;
   const YamlNode* wrong_time_bar = nullptr;  // without a positive rate and length: an error if the run needs it
 
+  /// Takes the time bar of another file, which Choreonoid has loaded later.
+  void take_time_bar(const ProjectFile& other);
   /// All items but the root, in document order.
   std::vector<const ProjectItem*> all() const;
 };

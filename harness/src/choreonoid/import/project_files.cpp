@@ -56,7 +56,14 @@ std::vector<fs::path> ends_of(const std::string& path) {
 
 }  // namespace
 
+std::optional<fs::path> ProjectReader::expanded(const std::string& written) const {
+  const auto [variable, rest] = split_variable(written);
+  const auto folder = folder_of(variable);
+  return folder ? std::optional(*folder / rest) : std::nullopt;
+}
+
 std::optional<fs::path> ProjectReader::folder_of(const std::string& variable) const {
+  if (variable.empty()) return project_.parent_path();
   if (const auto given = options_.model.packages.find(variable); given != options_.model.packages.end())
     return given->second;
   if (variable == "PROJECT_DIR") return project_.parent_path();
@@ -83,9 +90,9 @@ std::optional<fs::path> ProjectReader::find_similar(const std::string& written) 
 
 std::optional<fs::path> ProjectReader::find_file(const std::string& written, const YamlNode& at) {
   const auto [variable, rest] = split_variable(written);
-  const auto folder = variable.empty() ? std::optional(project_.parent_path()) : folder_of(variable);
+  const auto folder = folder_of(variable);
   std::error_code ignored;
-  if (folder && fs::exists(*folder / rest, ignored)) return *folder / rest;
+  if (const auto file = expanded(written); file && fs::exists(*file, ignored)) return file;
   if (folder && variable == "SHARE")  // installation moves samples there
     if (const fs::path sample = folder->parent_path() / "sample" / rest; fs::exists(sample, ignored)) return sample;
   if (const auto similar = find_similar(written)) {

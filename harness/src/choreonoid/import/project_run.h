@@ -41,7 +41,10 @@ struct ProjectBody {
   bool fixed = false;
   bool is_fixed_by_model = false;
   bool self_collision = false;
-  bool has_limits = false;  // a joint of it has a limit of its displacement
+  bool touches = true;             // the project's switch; counts for some simulator items
+  bool has_effort_limits = false;  // a joint of it has a limit of its effort
+  bool has_drive_limits = false;   // a joint of it has a limit of its effort or velocity
+  bool has_limits = false;         // a joint of it has a limit of its displacement
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   std::vector<Posture> posture;
   std::vector<ProjectController> controllers;
@@ -51,6 +54,12 @@ struct ProjectBody {
 struct Attachment {
   std::string parent;  // "Stand/LINK" or "Stand"
   std::string child;   // name of a body
+};
+
+/// The limits of joints that a simulator item applies.
+struct ItemLimits {
+  bool efforts = false;  // commanded efforts are clamped
+  bool drives = true;    // drives of displacement and velocity keep to the limits of effort and velocity
 };
 
 /// The settings of the simulator item, or of the time bar.
@@ -69,7 +78,11 @@ struct ProjectSettings {
   bool joint_limits = false;
   bool is_planar = false;
   bool is_kinematic = false;
-  std::optional<std::vector<std::string>> cameras;  // patterns of names in a GLVisionSimulatorItem
+  ItemLimits limits;
+  bool obeys_collision_switch = false;  // of body items
+  bool initial_commands = false;        // what controllers write in initialize() acts in the first step
+  std::optional<std::pair<double, double>> friction_range;  // to which the item clamps friction
+  std::optional<std::vector<std::string>> cameras;          // patterns of names in a GLVisionSimulatorItem
   bool has_vision = false;
 };
 
@@ -87,6 +100,8 @@ class ProjectReader {
   void read_time_range(body::Mapping& keys);
   double length_of_time_bar();
   void read_ode(body::Mapping& keys);
+  void read_aist(body::Mapping& keys);
+  void tell_item(const ProjectItem& item);
   void read_vision();
   void note_unknown_targets(const ProjectItem& item, const std::vector<std::string>& bodies,
                             const std::vector<std::string>& sensors);
@@ -108,8 +123,12 @@ class ProjectReader {
                         std::vector<ProjectController>& controllers);
   std::optional<ProjectController> read_controller(const ProjectItem& item, std::set<std::string>& names);
   std::string library_of(const ProjectItem& item, const std::string& written, const std::string& base);
+  std::string seen_as_library(const std::filesystem::path& file) const;
 
   // project_files.cpp
+  /// A path as the project writes it, with the value of the variable at its beginning; relative ones are in the
+  /// project's folder. None: the variable is unknown.
+  std::optional<std::filesystem::path> expanded(const std::string& written) const;
   /// The file that the project names. A missing one is taken from a similar place in the project's folders, with a
   /// warning; an unknown variable in its path is reported.
   std::optional<std::filesystem::path> find_file(const std::string& written, const YamlNode& at);

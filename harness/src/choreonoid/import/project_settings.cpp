@@ -1,5 +1,6 @@
 // The simulator item's settings, the cameras that a vision simulator runs, and the tables of materials.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -13,8 +14,31 @@ namespace {
 using body::Mapping;
 
 constexpr const char* ode = "ODESimulatorItem";
+constexpr const char* aist = "AISTSimulatorItem";
+constexpr const char* agx = "AGXSimulatorItem";
+constexpr const char* kinematic = "KinematicSimulatorItem";
 constexpr double longest_until_done = 60.0;  // [s], where a project leaves the end to its controllers
 constexpr double endless = 10.0;             // [s], where a project runs until somebody stops it
+
+/// Of every simulator item: for the display, for the recording and for speed.
+const std::vector<std::string_view> item_keys_without_effect{"realtime_sync",
+                                                             "realtime_sync_mode",
+                                                             "realtimeSync",
+                                                             "recording",
+                                                             "recordingMode",
+                                                             "record_collision_data",
+                                                             "recordCollisionData",
+                                                             "output_all_link_positions",
+                                                             "allLinkPositionOutputMode",
+                                                             "output_device_states",
+                                                             "deviceStateOutput",
+                                                             "use_controller_threads",
+                                                             "controllerThreads",
+                                                             "block_scene_view_edit_mode",
+                                                             "scene_view_edit_mode_blocking",
+                                                             "num_collision_detection_threads",
+                                                             "time_sync_items",
+                                                             "collisionSeqItem"};
 
 bool is_below(const ProjectItem& item, const ProjectItem& other) {
   for (const ProjectItem* above = item.parent; above != nullptr; above = above->parent)
@@ -79,17 +103,23 @@ void ProjectReader::read_settings() {
   const auto gravity = keys.vector({"gravity", "Gravity"});
   if (gravity && !gravity->isApprox(Eigen::Vector3d(0.0, 0.0, -9.80665), 1e-12)) settings_.gravity = gravity;
   settings_.is_planar = keys.flag({"use_2d_mode", "2Dmode"}).value_or(false);
-  settings_.is_kinematic = item.type == "KinematicSimulatorItem";
-  if (item.type == ode)
-    read_ode(keys);
-  else if (!settings_.is_kinematic)
+  settings_.is_kinematic = item.type == kinematic;
+  settings_.obeys_collision_switch = item.type == aist || item.type == agx;
+  settings_.initial_commands = item.type != ode;  // which sets commands back
+  if (item.type == ode) read_ode(keys);
+  if (item.type == aist) read_aist(keys);
+  tell_item(item);
+  keys.finish(item_keys_without_effect);
+  taken(item, fmt::format("time step {} s, {}", settings_.time_step,
+                          item.type == ode ? "gravity, solver, options" : "gravity, options"));
+}
+
+void ProjectReader::tell_item(const ProjectItem& item) {
+  if (item.type != ode && !settings_.is_kinematic)
     document().warning(
         *item.node,
         fmt::format("{} {} is simulated with ODE's contacts and the direct solver here: forces differ from its own",
                     item.type, in_quotes(item.name)));
-  keys.finish({"realtime_sync", "recording", "record_collision_data"});
-  taken(item, fmt::format("time step {} s, {}", settings_.time_step,
-                          item.type == ode ? "gravity, solver, options" : "gravity, options"));
 }
 
 double ProjectReader::length_of_time_bar() {
@@ -129,6 +159,7 @@ void ProjectReader::read_time_range(Mapping& keys) {
 /// The method of the ODE item, and its keys whose values differ from the defaults, which scenarios share. A project of
 /// another item has the default method: Choreonoid's own engine solves joints directly, too.
 void ProjectReader::read_ode(Mapping& keys) {
+  settings_.limits = {.efforts = false, .drives = false};
   const auto state = [this](const char* key, const std::optional<double>& value, double otherwise) {
     if (value && *value != otherwise) settings_.solver.emplace_back(key, fmt::format("{}", *value));
   };
@@ -146,9 +177,42 @@ void ProjectReader::read_ode(Mapping& keys) {
   const bool has_rotors = keys.flag({"add_joint_axis_inertia_to_link_inertia"}).value_or(false);
   if (has_rotors)
     document().note(keys.node(), "rotors resist the acceleration of their joints; their inertia isn't added to links");
-  if (keys.flag({"use_world_collision_detector", "useWorldCollisionDetector"}).value_or(false))
+  if (keys.flag({"use_world_collision_detector", "useWorldCollisionDetector", "UseWorldItem'sCollisionDetector"})
+          .value_or(false))
     document().warning(keys.node(), "contacts are found by ODE, not by the world's collision detector");
   settings_.belt_depth = keys.number({"surface_drive_culling_depth"}).value_or(settings_.belt_depth);
+}
+
+/// The keys of the AIST item. It drives joints to their commands in the step, and clamps commanded efforts. Those of
+/// its solver have no counterpart, and change forces only if they aren't the usual ones.
+void ProjectReader::read_aist(Mapping& keys) {
+  settings_.limits = {.efforts = true, .drives = false};
+  settings_.is_kinematic = keys.text({"dynamics_mode", "dynamicsMode"}).value_or("") == "Kinematics";
+  const double least = keys.number({"min_friction_coefficient"}).value_or(0.0);
+  const double most = keys.number({"max_friction_coefficient"}).value_or(100.0);
+  settings_.friction_range = {std::min(least, most), most};
+  std::vector<std::string> without;
+  const auto compare = [&without](const char* name, const std::optional<double>& value, double usual) {
+    if (value.value_or(usual) != usual) without.emplace_back(name);
+  };
+  compare("contact_culling_distance", keys.number({"contact_culling_distance", "cullingThresh"}), 0.005);
+  compare("contact_culling_depth", keys.number({"contact_culling_depth", "contactCullingDepth"}), 0.05);
+  compare("error_criterion", keys.number({"error_criterion", "errorCriterion"}), 1e-3);
+  compare("max_num_iterations", keys.number({"max_num_iterations", "maxNumIterations"}), 10.0);
+  compare("max_num_contact_points", keys.number({"max_num_contact_points"}), 4.0);
+  compare("contact_correction_depth", keys.number({"contact_correction_depth", "contactCorrectionDepth"}), 0.00025);
+  compare("contact_correction_velocity_ratio",
+          keys.number({"contact_correction_velocity_ratio", "contactCorrectionVelocityRatio"}), 5.0);
+  if (keys.text({"integration_mode", "integrationMode"}).value_or("").starts_with("runge"))
+    without.emplace_back("integration_mode");
+  if (keys.flag({"enable_kinematic_walking", "kinematicWalking"}).value_or(false))
+    without.emplace_back("enable_kinematic_walking");
+  if (keys.flag({"use_old_accel_sensor_mode", "oldAccelSensorMode"}).value_or(false))
+    without.emplace_back("use_old_accel_sensor_mode");
+  if (!without.empty())
+    document().warning(keys.node(),
+                       fmt::format("{} {} no counterpart here, and Choreonoid's run uses {}", fmt::join(without, ", "),
+                                   without.size() == 1 ? "has" : "have", without.size() == 1 ? "it" : "them"));
 }
 
 /// Notes the names of a vision simulator that no body or camera has.

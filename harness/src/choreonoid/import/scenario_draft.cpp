@@ -60,9 +60,15 @@ class ScenarioDraft {
   }
   ContactProperties between(const std::string& a, const std::string& b) const {
     if (a == belt || b == belt) return {settings_.friction, 0.0};
-    return materials_.between(a, b);
+    ContactProperties properties = materials_.between(a, b);
+    if (const auto& range = settings_.friction_range)
+      properties.friction = std::clamp(properties.friction, range->first, range->second);
+    return properties;
   }
   std::set<std::string> used() const;
+  bool has_controllers() const {
+    return std::ranges::any_of(bodies_, [](const ProjectBody& body) { return !body.controllers.empty(); });
+  }
 
   const ProjectSettings& settings_;
   const ContactMaterials& materials_;
@@ -89,6 +95,8 @@ void ScenarioDraft::write_run(const std::string& name, const std::string& projec
   if (settings_.ends_when_done) line("ends_when_done: true    # in the step in which every control() returns false");
   if (settings_.gravity) line(fmt::format("gravity: {}", vector_text(*settings_.gravity)));
   if (settings_.is_planar) line("planar: true    # root links stay in the plane of x and z");
+  if (settings_.initial_commands && has_controllers())
+    line("initial_commands: true    # what initialize() writes acts in the first step");
   if (!settings_.options.empty())
     line(fmt::format("options: {}    # for every controller", yaml_text(settings_.options)));
   const auto measures_acceleration = [](const ProjectBody& body) {
@@ -122,6 +130,7 @@ void ScenarioDraft::write_controller(const ProjectController& controller, const 
 void ScenarioDraft::write_body(const ProjectBody& body) {
   line("");
   line(fmt::format("  - name: {}", yaml_text(body.name)));
+  if (body.name != body.item->name) line(fmt::format("    title: {}", yaml_text(body.item->name)));
   line(fmt::format("    model: {}", yaml_text(body.model_file)));
   for (const std::string& option : settings_.model_options) line("    " + option);
   if (body.fixed && !body.is_fixed_by_model) line("    fixed: true");
@@ -138,7 +147,12 @@ void ScenarioDraft::write_body(const ProjectBody& body) {
     joints.push_back(fmt::format("{}: {}", yaml_text(posture.joint), posture.value));
   if (!joints.empty()) text_ += wrapped("    joints: ", joints);
   if (body.has_limits && !settings_.joint_limits) line("    joint_limits: false");
-  if (body.self_collision && !settings_.is_kinematic) line("    self_collision: true");
+  if (!body.touches) line("    collision: none");
+  if (!settings_.is_kinematic) {
+    if (body.self_collision && body.touches) line("    self_collision: true");
+    if (settings_.limits.efforts && body.has_effort_limits) line("    effort_limits: true");
+    if (!settings_.limits.drives && body.has_drive_limits) line("    drive_limits: false");
+  }
   if (body.controllers.empty()) return;
   line("    controllers:");
   for (const ProjectController& controller : body.controllers) write_controller(controller, "      ");
@@ -204,9 +218,7 @@ std::string ScenarioDraft::write(const std::string& name, const std::string& pro
     line("\ncameras: none    # the project has no vision simulator");
   else if (has_cameras && settings_.cameras)
     line(fmt::format("\ncameras: [{}]", fmt::join(*settings_.cameras, ", ")));
-  const auto has_controllers = [](const ProjectBody& body) { return !body.controllers.empty(); };
-  if (std::ranges::any_of(bodies_, has_controllers))
-    line("\njoystick: []    # at rest; a project contains no moves of it");
+  if (has_controllers()) line("\njoystick: []    # at rest; a project contains no moves of it");
   return std::move(text_);
 }
 

@@ -39,8 +39,10 @@ cnoid::LinkPtr make_link(const Link& link, bool fixed) {
   made->setJointType(joint_type(joint, fixed));
   made->setJointAxis(joint.axis);
   made->setOffsetPosition(joint.origin);
+  made->setInitialJointDisplacement(joint.start);
   made->setJointRange(limit(joint.lower), limit(joint.upper));
-  made->setJointVelocityRange(limit(-joint.velocity), limit(joint.velocity));
+  const auto [slowest, fastest] = joint.velocity_range.value_or(std::array<double, 2>{-joint.velocity, joint.velocity});
+  made->setJointVelocityRange(limit(slowest), limit(fastest));
   made->setJointEffortRange(limit(-joint.effort), limit(joint.effort));
   made->setMass(link.inertial.mass);
   made->setCenterOfMass(link.inertial.center);
@@ -118,8 +120,9 @@ cnoid::BodyPtr make_cnoid_body(const Model& model, const std::string& name, bool
   body->setRootLink(links[0]);
   for (const Device& device : model.devices) body->addDevice(make_device(device), links[device.link]);
   read_body_info(model, *body->info());
-  body->initializePosition();
+  if (!model.loops.empty()) body->calcForwardKinematics();  // the frames of loops follow from the zero posture
   for (const LoopJoint& loop : model.loops) body->addExtraJoint(make_extra_joint(*body, loop));
+  body->initializePosition();
   return body;
 }
 

@@ -203,7 +203,7 @@ void ControllerHost::show_joystick(const Observation& seen) {
   if (!scenario_->joystick) return;
   REHEARSE_ASSERT(seen.joystick.has_value(), "a run with a joystick observes it");
   for (HostedController& hosted : controllers_)
-    if (hosted.joystick) hosted.joystick->show(*seen.joystick);
+    if (hosted.joystick) hosted.joystick->show(*seen.joystick, time_of(tick_, scenario_->time_step));
 }
 
 bool ControllerHost::input(std::int64_t tick, const Observation& seen) {
@@ -226,8 +226,10 @@ bool ControllerHost::input(std::int64_t tick, const Observation& seen) {
             HowOften::in_ticks))
       return false;
     hosted.io->set_time(now);
-    hosted.tick.has_input = hosted.running;
-    if (hosted.running) hosted.io->input(body);
+    hosted.tick.has_input = hosted.is_called();
+    if (!hosted.is_called()) continue;
+    hosted.io->input(body);
+    read_backs_.give(static_cast<std::size_t>(&hosted - controllers_.data()), *hosted.io);
   }
   return true;
 }
@@ -235,7 +237,7 @@ bool ControllerHost::input(std::int64_t tick, const Observation& seen) {
 bool ControllerHost::control() {
   bool alive = true;
   for (HostedController& hosted : controllers_) {
-    if (!hosted.running) continue;
+    if (!hosted.is_called()) continue;
     const auto control = [&] {
       stop_for_debugger();
       const WatchedControl watched(options_.watch);
@@ -291,11 +293,13 @@ bool ControllerHost::pass_infos() {
 }
 
 void ControllerHost::output(Timing timing, Command& command) {
-  for (HostedController& hosted : controllers_) {
+  if (timing == Timing::next_step) read_backs_.begin_late_outputs();
+  for (std::size_t i = 0; i < controllers_.size(); ++i) {
+    const HostedController& hosted = controllers_[i];
     const Timing own = hosted.tick.delayed ? Timing::next_step : Timing::same_step;
     if (own != timing) continue;
     const bool is_lost = hosted.specification->loses(time_of(tick_, scenario_->time_step), scenario_->time_step);
-    if (!is_lost) apply(hosted, command);
+    if (!is_lost) apply(i, timing, command);
   }
 }
 
@@ -322,10 +326,11 @@ void ControllerHost::apply_device_output(const HostedController& hosted, const D
   command.bodies[hosted.body].devices[output.device] = {true, output.on, output.values};
 }
 
-void ControllerHost::apply(HostedController& hosted, Command& command) {
+void ControllerHost::apply(std::size_t index, Timing timing, Command& command) {
+  HostedController& hosted = controllers_[index];
   BodyCommand& body = command.bodies[hosted.body];
   for (const DeviceOutput& output : hosted.tick.device_outputs) apply_device_output(hosted, output, command);
-  if (!hosted.running) return;
+  if (!hosted.is_called()) return;
   const std::vector<double>& values = hosted.io->output_values();
   for (const IoField& field : hosted.io->outputs().fields) {
     const double* value = values.data() + field.offset;
@@ -341,6 +346,7 @@ void ControllerHost::apply(HostedController& hosted, Command& command) {
       hosted.reported.odd_outputs[field.offset] = true;
       continue;
     }
+    read_backs_.take(index, field, {value, end}, timing);
     switch (field.quantity) {
       case Quantity::q: body.joints[field.joint].q = *value; break;
       case Quantity::dq: body.joints[field.joint].dq = *value; break;

@@ -29,6 +29,7 @@
 #include "core/guard/guarded_call.h"
 #include "core/guard/process_guard.h"
 #include "host_joystick.h"
+#include "read_backs.h"
 #include "timing.h"
 #include "variables.h"
 
@@ -51,7 +52,9 @@ struct HostedController {
   std::shared_ptr<IoBody> io_body;
 
   bool configured = false;
-  bool running = false;                      // it takes part: it was initialised and started
+  bool running = false;  // it takes part: it was initialised and started
+  /// True if control() is called in each tick: it takes part, and is no child of a child.
+  bool is_called() const { return running && specification->is_called; }
   bool delayed = true;                       // after initialize(): its commands act one tick late
   std::vector<DeviceOutput> early_outputs;   // of its body, from initialize()
   std::map<std::string, std::string> files;  // files that it opened to read: content by name (opened_files.h)
@@ -97,9 +100,12 @@ class ControllerHost {
   ControllerHost& operator=(const ControllerHost&) = delete;
 
   /// Calls configure() and initialize() of all, bodies in scenario order, parents before their children; then the
-  /// tables of inputs and outputs are fixed. Returns the command at rest: drives set, targets at the initial posture,
-  /// no effort (Choreonoid's ODE item resets the values that initialize() wrote).
+  /// tables of inputs and outputs are fixed. Returns the command of the first step: drives set, targets at the initial
+  /// posture, no effort; with the scenario's `initial_commands` what initialize() wrote, as in Choreonoid's AIST item
+  /// (its ODE item resets it).
   Command initialize(const Observation& initial);
+  /// From now on controllers read what they command (ReadBacks): a world moves by it.
+  void read_back() { read_backs_.begin(); }
   /// Calls start() of all initialised controllers.
   void start();
   /// Begins a tick: copies the inputs of all, and calls their slots for changed devices. False if one failed.
@@ -163,13 +169,14 @@ class ControllerHost {
   void collect_messages(HostedController& hosted, CallEnd end);
   void configure(HostedController& hosted);
   void initialize(HostedController& hosted, const Observation& initial);
+  void output_of_initialize(Command& command);
   void set_drives(std::size_t index, Command& command);
   void tell_shared_joints(std::size_t index);
   void tell_shared_joint(const HostedController& before, const HostedController& hosted, const IoField& field);
   bool pass_infos();
   void take_device_outputs(HostedController& hosted);
   void apply_device_output(const HostedController& hosted, const DeviceOutput& output, Command& command);
-  void apply(HostedController& hosted, Command& command);
+  void apply(std::size_t index, Timing timing, Command& command);
 
   RunEnvironment environment_;  // declared first: libraries that are closed may still change it
   const Scenario* scenario_ = nullptr;
@@ -178,6 +185,7 @@ class ControllerHost {
   std::vector<std::shared_ptr<ControllerLibrary>> libraries_;
   std::vector<cnoid::BodyPtr> bodies_before_;  // by scenario body: the bodies for configure()
   std::vector<HostedController> controllers_;  // in order of their calls
+  ReadBacks read_backs_;
   std::map<std::string, std::string> input_copies_;
   std::vector<msg::Event> events_;
   std::optional<Diagnostic> failure_;

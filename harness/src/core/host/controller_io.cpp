@@ -62,7 +62,8 @@ void put(double* target, const cnoid::Vector3& v) { std::copy(v.data(), v.data()
 cnoid::Vector3 vector(const double* source) { return {source[0], source[1], source[2]}; }
 
 /// Reads one observed quantity of a link as numbers.
-void gather(Quantity quantity, const LinkReading& link, double* values) {
+void gather(Quantity quantity, const BodyObservation& seen, std::size_t index, double* values) {
+  const LinkReading& link = seen.links[index];
   switch (quantity) {
     case Quantity::pose:
       put(values, link.position);
@@ -76,7 +77,12 @@ void gather(Quantity quantity, const LinkReading& link, double* values) {
       put(values, link.acceleration);
       put(values + 3, link.angular_acceleration);
       break;
-    case Quantity::wrench: std::fill(values, values + 6, 0.0); break;  // each step sets the simulated wrench to zero
+    case Quantity::wrench: {  // each step sets the simulated wrench to zero
+      const Wrench wrench = seen.external.empty() ? Wrench() : seen.external[index];
+      put(values, wrench.force);
+      put(values + 3, wrench.torque);
+      break;
+    }
     default: break;
   }
 }
@@ -262,7 +268,7 @@ void ControllerIo::input(const BodyObservation& seen) {
     *input.value = *input.of_link = seen.joints[input.joint].*input.observed;
   for (const IoField& field : link_inputs_) {
     double* values = input_values_.data() + field.offset;
-    gather(field.quantity, seen.links[field.link], values);
+    gather(field.quantity, seen, static_cast<std::size_t>(field.link), values);
     scatter(field.quantity, values, *body_->link(field.link));
   }
   for (std::size_t i = 0; i < contact_links_.size(); ++i) {
@@ -276,6 +282,16 @@ void ControllerIo::input(const BodyObservation& seen) {
     for (const ContactReading& contact : input_contacts_[i])
       points.emplace_back(contact.position, contact.normal, contact.force, contact.velocity, contact.depth);
   }
+}
+
+void ControllerIo::replace_input(const IoField& field, std::span<const double> numbers) {
+  double* values = input_values_.data() + field.offset;
+  std::copy_n(numbers.begin(), width_of(field.quantity), values);
+  CnoidLink& link = *body_->link(field.link);
+  if (field.quantity <= Quantity::u)
+    (link.*joint_quantity_of(field.quantity).input)() = *values;
+  else
+    scatter(field.quantity, values, link);
 }
 
 void ControllerIo::output() {

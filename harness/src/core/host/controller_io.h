@@ -9,6 +9,7 @@
 #include <cnoid/SimpleController>
 
 #include <cstdint>
+#include <span>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -96,6 +97,8 @@ class ControllerIo final : public cnoid::SimulationSimpleControllerIO {
 
   /// Observation -> input_values(), input_contacts() -> the controller's body.
   void input(const BodyObservation& seen);
+  /// Other numbers for a field of inputs() -> input_values() -> the controller's body; after input().
+  void replace_input(const IoField& field, std::span<const double> numbers);
   /// The controller's body -> output_values().
   void output();
   const std::vector<double>& input_values() const { return input_values_; }

@@ -61,7 +61,8 @@ Result<std::unique_ptr<ControllerHost>> ControllerHost::create(const Scenario& s
   Diagnostics findings;
   for (std::size_t b = 0; b < scenario.bodies.size(); ++b) {
     const ScenarioBody& body = scenario.bodies[b];
-    host->bodies_before_.push_back(make_cnoid_body(*body.model, body.name, body.fixed));
+    host->bodies_before_.push_back(
+        make_cnoid_body(*body.model, body.title.empty() ? body.name : body.title, body.fixed));
     for (const ScenarioController& specification : body.controllers) {
       const Result<void> added = host->add(specification, static_cast<int>(b), -1);
       findings.insert(findings.end(), added.errors().begin(), added.errors().end());
@@ -160,6 +161,9 @@ void ControllerHost::initialize(HostedController& hosted, const Observation& ini
   bool accepted = false;
   if (!call(hosted, "initialize", [&] { accepted = hosted.controller->initialize(hosted.io.get()); })) return;
   hosted.running = accepted;
+  if (accepted && !hosted.specification->is_called)
+    event(Severity::warning, hosted.label,
+          "is a child of a child: it is started and stopped, and control() is never called, as in Choreonoid");
   if (accepted) return;
   refuse(hosted, "initialize");
   if (hosted.parent < 0) hosted.io_body->take_device_outputs();  // the host ignores them
@@ -183,6 +187,7 @@ Command ControllerHost::initialize(const Observation& initial) {
   for (HostedController& hosted : controllers_) {
     hosted.delayed = is_delayed(hosted);
     if (!hosted.running) continue;
+    if (!hosted.is_called()) continue;
     for (const std::string& finding : hosted.io->freeze()) event(Severity::warning, hosted.label, finding);
     hosted.reported.odd_outputs.assign(hosted.io->outputs().size, false);
   }
@@ -198,7 +203,19 @@ Command ControllerHost::initialize(const Observation& initial) {
       leader.early_outputs.push_back(std::move(output));
     }
   }
+  read_backs_.find(*scenario_, controllers_);
+  if (scenario_->initial_commands) output_of_initialize(command);
   return command;
+}
+
+/// As Choreonoid's item of a controller: once, in their order, whatever their delay.
+void ControllerHost::output_of_initialize(Command& command) {
+  read_backs_.begin_late_outputs();
+  for (std::size_t i = 0; i < controllers_.size(); ++i) {
+    if (!controllers_[i].running) continue;
+    controllers_[i].io->output();
+    apply(i, Timing::next_step, command);
+  }
 }
 
 /// The last controller that commands a joint determines its drive.
@@ -221,7 +238,7 @@ void ControllerHost::tell_shared_joints(std::size_t index) {
 
 void ControllerHost::tell_shared_joint(const HostedController& before, const HostedController& hosted,
                                        const IoField& field) {
-  if (!before.running || before.body != hosted.body || !before.io->commands_joint(field.joint)) return;
+  if (!before.is_called() || before.body != hosted.body || !before.io->commands_joint(field.joint)) return;
   const std::string& joint = scenario_->bodies[hosted.body].model->links[field.link].joint.name;
   const int mode = hosted.io->mode_of(field.link), mode_before = before.io->mode_of(field.link);
   const bool is_same_number = before.io_body == hosted.io_body;  // of one body, which a child shares with its parent
@@ -243,7 +260,7 @@ void ControllerHost::start() {
     if (call(hosted, "start", [&] { accepted = hosted.controller->start(); }) && !accepted) refuse(hosted, "start");
   }
   for (std::size_t i = 0; i < controllers_.size(); ++i)
-    if (controllers_[i].running) tell_shared_joints(i);
+    if (controllers_[i].is_called()) tell_shared_joints(i);
 }
 
 }  // namespace rehearse

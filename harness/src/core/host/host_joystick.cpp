@@ -16,6 +16,7 @@ constexpr const char* any_name = "";
 
 bool HostJoystick::readCurrentState() {
   const JoystickReading before = std::exchange(read_, shown_);
+  read_at_ = shown_at_;
   for (std::size_t i = 0; i < read_.axes.size(); ++i)
     if (read_.axes[i] != before.axes[i]) axis_moved_(static_cast<int>(i), read_.axes[i]);
   for (std::size_t i = 0; i < read_.buttons.size(); ++i)

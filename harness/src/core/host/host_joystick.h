@@ -14,8 +14,11 @@ namespace rehearse {
 
 class HostJoystick final : public cnoid::ExtJoystick {
  public:
-  /// Sets the reading that readCurrentState() gives from now on.
-  void show(const JoystickReading& reading) { shown_ = reading; }
+  /// Sets the reading that readCurrentState() gives from now on, and its time [s].
+  void show(const JoystickReading& reading, double time) {
+    shown_ = reading;
+    shown_at_ = time;
+  }
 
   int numAxes() const override { return static_cast<int>(read_.axes.size()); }
   int numButtons() const override { return static_cast<int>(read_.buttons.size()); }
@@ -25,12 +28,14 @@ class HostJoystick final : public cnoid::ExtJoystick {
   bool getButtonState(int button) const override { return read_.buttons.at(static_cast<std::size_t>(button)); }
   /// True if any axis is moved or any button is pressed.
   bool isActive() const override { return read_ != JoystickReading(); }
+  double currentTime() const override { return read_at_; }
   cnoid::SignalProxy<void(int, double)> sigAxis() override { return axis_moved_; }
   cnoid::SignalProxy<void(int, bool)> sigButton() override { return button_changed_; }
 
  private:
   JoystickReading shown_;
   JoystickReading read_;
+  double shown_at_ = 0.0, read_at_ = 0.0;  // [s]
   cnoid::Signal<void(int, double)> axis_moved_;
   cnoid::Signal<void(int, bool)> button_changed_;
 };

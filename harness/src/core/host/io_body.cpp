@@ -25,7 +25,8 @@ std::string text_of(const cnoid::ValueNode* node) {
 
 IoBody::IoBody(const ScenarioBody& description, const BodyObservation& initial)
     : description_(description),
-      body_(make_cnoid_body(model(), description.name, description.fixed)),
+      body_(make_cnoid_body(model(), description.title.empty() ? description.name : description.title,
+                            description.fixed)),
       enabled_(model().devices.size(), false),
       notified_(model().devices.size(), false),
       new_info_(model().devices.size(), false),

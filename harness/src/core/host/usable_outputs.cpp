@@ -19,6 +19,10 @@ class Judge {
       : body_(body), link_(body.model->links[link]), is_root_(link == 0), mode_(mode) {}
 
   std::vector<std::string> judge() {
+    if (wants(CnoidLink::HighGainActuation))
+      say("HighGainActuation has no effect on link '{}': the other flags of its mode drive it; Choreonoid's AIST item "
+          "warns of it, and drives the link by nothing",
+          link_.name);
     judge_joint();
     judge_link();
     return std::move(findings_);

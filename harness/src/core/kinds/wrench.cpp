@@ -2,6 +2,7 @@
 #include <cnoid/ForceSensor>
 
 #include "number_message.h"
+#include "vector_messages.h"
 
 namespace rehearse {
 namespace {
@@ -33,6 +34,16 @@ const ChannelForm wrench_kind{.level = ChannelForm::Level::owner,
                               .of_link = ChannelForm::OfLink::on_sides,
                               .make_rows = number_rows<msg::WrenchStamped, places_of_wrench, ChannelKind::wrench>,
                               .numbers = &number_message<msg::WrenchStamped, places_of_wrench>,
+                              .read_link =
+                                  [](mcap::Bytes bytes, int link, BodyObservation& body) {
+                                    msg::WrenchStamped message;
+                                    CdrReader reader(bytes);
+                                    if (!msg::decode(reader, message)) return false;
+                                    body.external.resize(body.links.size());
+                                    body.external[static_cast<std::size_t>(link)] = {
+                                        eigen_vector(message.wrench.force), eigen_vector(message.wrench.torque)};
+                                    return true;
+                                  },
                               .measurement = &wrench_measurement};
 
 }  // namespace rehearse

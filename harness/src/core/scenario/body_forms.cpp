@@ -145,6 +145,8 @@ const BoundForm<ScenarioBody>& bound_body_form() {
       "a body",
       {FormKey{"name", types::name(),
                "unique in the scenario; names its channels; at most 100 bytes, no blanks, no / * ? [ ]", required},
+       {"title", &ScenarioBody::title,
+        "Body::name() for its controllers, any text of one line; default: name"},
        FormKey{"model", types::text(), "a URDF or .body file, relative to the scenario"},
        FormKey{"packages", types::map(types::some_text()),
                "NAME: DIRECTORY, that of package://NAME or ${NAME} in the model, relative to the scenario; the same "
@@ -169,17 +171,22 @@ const BoundForm<ScenarioBody>& bound_body_form() {
         "joints stop at the limits of the model; false, as in Choreonoid: they don't; default: they do"},
        {"collision",
         &ScenarioBody::contact,
-        {"automatic, hull (meshes are touched as their convex hulls), parts (as convex parts) or triangles (as they "
-         "are)",
-         {{"automatic", MeshContact::automatic},
-          {"hull", MeshContact::hull},
-          {"parts", MeshContact::parts},
-          {"triangles", MeshContact::triangles}}},
-        "what contacts take the model's meshes for, see below; triangles only if the body is fixed"},
+        {"automatic, hull (meshes are touched as their convex hulls), parts (as convex parts), triangles (as they "
+         "are) or none (it touches nothing)",
+         {{"automatic", {MeshContact::automatic}},
+          {"hull", {MeshContact::hull}},
+          {"parts", {MeshContact::parts}},
+          {"triangles", {MeshContact::triangles}},
+          {"none", {MeshContact::automatic, false}}}},
+        "what contacts take the model's meshes for, see below; triangles only if the body is fixed; none: it touches "
+        "no body, and none of its links another"},
        {"self_collision", &ScenarioBody::self_collision,
         "its links can collide with each other, see below; default: only links that the model states"},
        {"effort_limits", &ScenarioBody::effort_limits,
         "commanded efforts are clamped to the effort limits of the joints"},
+       {"drive_limits", &ScenarioBody::drive_limits,
+        "drives of displacement and velocity keep to the limits of effort and velocity of the joints; false, as in "
+        "Choreonoid: they reach their command in the step"},
        *shape_surface_keys().find("friction"),
        *shape_surface_keys().find("mu2"),
        FormKey{"fdir1", types::vector3({-1e6, 1e6}),

@@ -52,6 +52,9 @@ const BoundForm<Scenario>& bound_scenario_form() {
        {"seed", &Scenario::seed, {0, most_seed}, "seed of the physics engine's generator"},
        {"gravity", &Scenario::gravity, any_acceleration, "[x, y, z] [m/s²]"},
        {"options", &Scenario::options, "option string for every controller, before its own"},
+       {"initial_commands", &Scenario::initial_commands,
+        "what controllers write in initialize() acts in the first step, as with Choreonoid's AIST item; false, as with "
+        "its ODE item: that step has no commands"},
        FormKey{"solver", types::of(solver_form), "settings of the physics engine"},
        {"lever_arms", &Scenario::lever_arms,
         "accelerometers and IMUs measure at their own place; false: at their link's origin, as in Choreonoid"},

@@ -75,6 +75,9 @@ void BodyReader::read(const YamlNode& node) {
   if (const YamlNode* limits = keys.find("effort_limits"); limits != nullptr && body.effort_limits && body.kinematic)
     findings_.warning(*limits, "effort_limits does nothing: the body is kinematic",
                       "a kinematic body takes no efforts");
+  if (const YamlNode* limits = keys.find("drive_limits"); limits != nullptr && !body.drive_limits && body.kinematic)
+    findings_.warning(*limits, "drive_limits does nothing: the body is kinematic",
+                      "a kinematic body reaches its commands in the step");
   if (const YamlNode* packages = keys.find("packages")) read_packages(*packages, body);
   read_model(keys, body);
   if (body.model != nullptr) place_as_model(body);
@@ -128,13 +131,16 @@ void BodyReader::read_packages(const YamlNode& node, ScenarioBody& body) {
 
 // Called after check_root(), because the model may fix the body.
 void BodyReader::check_contact(const Keys& keys, const ScenarioBody& body) {
-  if (body.contact == MeshContact::triangles && !body.fixed)
+  if (body.contact.meshes == MeshContact::triangles && !body.fixed)
     findings_.error(*keys.find("collision"),
                     fmt::format("only a fixed body can be touched as triangles, but {} moves", body.name),
                     "expected fixed: true, or collision: parts");
   if (body.self_collision && body.kinematic)
     findings_.warning(*keys.find("self_collision"), "self_collision does nothing: the body is kinematic",
                       "nothing pushes a kinematic body");
+  else if (body.self_collision && !body.contact.touches)
+    findings_.warning(*keys.find("self_collision"), "self_collision does nothing: the body has no contacts",
+                      "collision: none");
 }
 
 void BodyReader::read_model(const Keys& keys, ScenarioBody& body) {
@@ -179,7 +185,7 @@ void BodyReader::read_model_file(const Keys& keys, const YamlNode& node, Scenari
     UrdfOptions options;
     options.fixed_root = body.fixed;
     options.kinematic = body.kinematic;
-    options.contact = body.contact;
+    options.contact = body.contact.meshes;
     model_file_keys().read(keys, options);
     options.packages.insert(body.packages.begin(), body.packages.end());
     body.model_file = *file;

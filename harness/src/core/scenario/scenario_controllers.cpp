@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <map>
+#include <utility>
 
 namespace rehearse {
 namespace {
@@ -24,7 +25,8 @@ const BoundForm<ScenarioController>& bound_controller_form() {
        {"delay", &ScenarioController::delay, "its outputs act one tick later"},
        {"optional", &ScenarioController::optional, "the run goes on without it if it refuses to take part, see below"},
        FormKey{"children", types::list(types::of(controller_form)),
-               "controllers that this one calls; they nest one level deep"}}};
+               "controllers that share its body and are called after it; a child's own children are started and "
+               "stopped, but never called, as in Choreonoid"}}};
   return form;
 }
 
@@ -35,16 +37,16 @@ class ControllerReader {
   ControllerReader(Findings& findings, const ScenarioBody& body, const std::string& file)
       : findings_(findings), body_(body), file_(file) {}
 
-  std::vector<ScenarioController> read_list(const YamlNode& node, std::string_view label, bool are_children) {
+  std::vector<ScenarioController> read_list(const YamlNode& node, std::string_view label) {
     std::vector<ScenarioController> controllers;
     const char* const what = "a list of controllers, each with its library";
     for (const YamlNodePtr& item : rehearse::read_list(findings_, node, label, what))
-      controllers.push_back(read(*item, are_children));
+      controllers.push_back(read(*item));
     return controllers;
   }
 
  private:
-  ScenarioController read(const YamlNode& node, bool is_child) {
+  ScenarioController read(const YamlNode& node) {
     const Keys keys(findings_, node, controller_form());
     ScenarioController controller;
     controller.place = {file_, node.line, node.column};
@@ -58,14 +60,18 @@ class ControllerReader {
     }
     read_name(keys, library, controller);
     bound_controller_form().read(keys, controller);
-    if (const YamlNode* children = keys.find("children")) {
-      if (is_child) {
-        findings_.error(*children, "a child controller has children", "they nest one level deep");
-      } else {
-        controller.children = read_list(*children, "children", true);
-      }
-    }
+    if (const YamlNode* children = keys.find("children"))
+      for (ScenarioController& child : read_list(*children, "children")) add_child(std::move(child), controller);
     return controller;
+  }
+
+  static void add_child(ScenarioController child, ScenarioController& parent) {
+    std::vector<ScenarioController> below = std::exchange(child.children, {});
+    parent.children.push_back(std::move(child));
+    for (ScenarioController& grandchild : below) {
+      grandchild.is_called = false;
+      parent.children.push_back(std::move(grandchild));
+    }
   }
 
   void read_name(const Keys& keys, const YamlNode* library, ScenarioController& controller) {
@@ -99,7 +105,7 @@ std::string name_of_library(const std::string& library) {
 }
 
 void read_controllers(Findings& findings, const YamlNode& node, ScenarioBody& body, const std::string& file) {
-  body.controllers = ControllerReader(findings, body, file).read_list(node, "controllers", false);
+  body.controllers = ControllerReader(findings, body, file).read_list(node, "controllers");
 }
 
 }  // namespace rehearse

@@ -173,6 +173,8 @@ Result<void> Branch::create(ClosedLoop& loop) {
   else if (source_->origin && source_->origin->acted_until)
     origin_.acted_until = std::min(*source_->origin->acted_until, origin_.tick);
   REHEARSE_TRY(loop.recorder->add_metadata(records::branch, origin_.metadata()));
+  if (const mcap::StringMap* written = source_->recording.find_metadata(records::initial_commands))
+    REHEARSE_TRY(loop.recorder->add_metadata(records::initial_commands, *written));
   for (std::size_t body = 0; body < scenario_->bodies.size(); ++body)
     if (loop.altered.alters_joints(static_cast<int>(body))) loop.recorder->measure_joints(static_cast<int>(body));
   loop.initialize();

@@ -120,6 +120,7 @@ Result<RunSummary> ClosedLoop::go_on(Command led, std::int64_t interval, Run::Pr
     for (std::size_t joint = 0; joint < led.bodies[body].joints.size(); ++joint)
       led.bodies[body].joints[joint].drive = run->command.bodies[body].joints[joint].drive;
   run->command = std::move(led);
+  host->read_back();
   world->save_checkpoints(interval);
   world->alter(altered);
   run->change(*world, *sink, scenario.ticks());

@@ -46,9 +46,9 @@ std::vector<WorldBody> world_bodies(const Scenario& scenario) {
   std::vector<WorldBody> bodies;
   for (const ScenarioBody& body : scenario.bodies) {
     bodies.push_back({body.name, body.model, body.fixed, body.position, body.rotation, body.joints, body.kinematic,
-                      body.joint_limits.value_or(true), body.effort_limits, body.self_collision, body.linear_velocity,
-                      body.angular_velocity, body.joint_velocities, body.materials, scenario.planar, body.actuators,
-                      body.mass_faults});
+                      body.joint_limits.value_or(true), body.effort_limits, body.drive_limits, body.contact.touches,
+                      body.self_collision, body.linear_velocity, body.angular_velocity, body.joint_velocities,
+                      body.materials, scenario.planar, body.actuators, body.mass_faults});
     std::vector<std::optional<Actuator>>& actuators = bodies.back().actuators;
     for (std::size_t id = 0; id < actuators.size(); ++id) {
       const Joint& joint = body.model->links[static_cast<std::size_t>(body.model->joints[id])].joint;

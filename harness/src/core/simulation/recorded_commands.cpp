@@ -8,6 +8,7 @@
 
 #include "base/clock.h"
 #include "core/trace/run_facts.h"
+#include "initial_commands.h"
 
 namespace rehearse {
 namespace {
@@ -226,6 +227,8 @@ Command RecordedCommands::initial() const {
     at_rest.devices.resize(body.model->devices.size());
   }
   set_drives(0, command);
+  if (const mcap::StringMap* written = trace_.find_metadata(records::initial_commands))
+    take_initial_commands(*written, scenario_, command);
   for (const Source& source : sources_)
     if (source.before_the_run && is_used(source, 0)) put_row(source, 0, command);
   return command;

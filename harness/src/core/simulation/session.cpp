@@ -6,6 +6,8 @@
 
 #include "closed_loop.h"
 #include "core/guard/float_mode.h"
+#include "core/trace/run_facts.h"
+#include "initial_commands.h"
 
 namespace rehearse {
 namespace {
@@ -43,6 +45,10 @@ Result<std::unique_ptr<Session>> Session::create(const Scenario& scenario, const
   loop->run->report_progress(options.progress, scenario.ticks());
   loop->initialize();
   loop->plant->obey(-1, loop->run->command);
+  loop->host->read_back();
+  if (scenario.initial_commands)
+    REHEARSE_TRY(loop->recorder->add_metadata(records::initial_commands,
+                                              metadata_of_initial_commands(scenario, loop->run->command)));
   loop->start();
   REHEARSE_TRY(record_remarks(*loop));
   REHEARSE_TRY(loop->sink->record_events(loop->host->take_events()));

@@ -190,7 +190,7 @@ void WorldRemarks::check_drive(std::int64_t tick, const ScenarioBody& body, cons
     if (std::exchange(reported, true)) return;
     add(tick, severity, fmt::format("joint '{}' of '{}' {}", joint.name, body.name, text), events);
   };
-  if (tick > 0 && std::isfinite(joint.effort) && std::abs(now.u) >= nearly * joint.effort)
+  if (tick > 0 && body.drive_limits && std::isfinite(joint.effort) && std::abs(now.u) >= nearly * joint.effort)
     report(known.at_full_effort, Severity::note,
            fmt::format("was driven with its largest effort, {:.4g} {}", joint.effort, slides ? "N" : "N·m"));
   if (wanted.drive & drive_displacement) return;

@@ -36,6 +36,7 @@ namespace records {
 inline constexpr const char* provenance = "rehearse";
 inline constexpr const char* outcome = "rehearse.outcome";
 inline constexpr const char* branch = "rehearse.branch";
+inline constexpr const char* initial_commands = "rehearse.initial_commands";  // of the first step, from initialize()
 inline constexpr const char* state_rate = "rehearse.state_rate";  // in a golden that keeps only samples of the state
 inline constexpr const char* devices_read = "rehearse.devices_read";  // BODY/DEVICE: the controllers that read it
 inline constexpr const char* files = "rehearse.files";     // files that controllers read: ControllerHost::files_read

@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "core/trace/run_facts.h"
+
 namespace rehearse {
 
 Result<ExportSource> ExportSource::open(const std::filesystem::path& trace, const ExportOptions& options) {
@@ -20,6 +24,11 @@ std::vector<const mcap::Channel*> ExportSource::channels() const {
   for (const auto& [id, channel] : reader_->channels())
     if (selector_.takes_topic(channel.topic)) chosen.push_back(&channel);
   return chosen;
+}
+
+bool ExportSource::has_ticks() const {
+  return std::ranges::any_of(reader_->channels(),
+                             [](const auto& channel) { return channel.second.topic == run_topics::tick; });
 }
 
 Result<void> ExportSource::pass(const std::function<Result<void>(const mcap::Message&)>& callback) {

@@ -19,6 +19,8 @@ class ExportSource {
 
   /// Selected channels, in the order of their ids.
   std::vector<const mcap::Channel*> channels() const;
+  /// True for a recording of Rehearse, also if its ticks aren't selected.
+  bool has_ticks() const;
   const mcap::Schema* schema_of(const mcap::Channel& channel) const { return reader_->schema_of(channel); }
 
   /// Delivers the selected messages in order of log time. If the callback fails, the pass ends with its error. Damage

@@ -118,6 +118,9 @@ Result<JoinedTable> JoinedTable::learn(ExportSource& source, const std::string& 
       joined.parts_.push_back({std::move(*table), 0, is_clock, false});
     }
   }
+  const bool has_clock = std::ranges::any_of(joined.parts_, [](const Part& part) { return part.is_clock; });
+  if (clock.empty() && !has_clock && source.has_ticks())  // its messages have the times of ticks
+    for (Part& part : joined.parts_) part.is_clock = true;
   REHEARSE_TRY(source.pass([&](const mcap::Message& message) -> Result<void> {
     const auto part = joined.by_channel_.find(message.channel->id);
     if (part == joined.by_channel_.end()) return {};

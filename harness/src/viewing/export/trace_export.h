@@ -63,7 +63,8 @@ struct ExportReport {
 Result<ExportReport> export_tables(const std::filesystem::path& trace, const std::filesystem::path& folder,
                                    const ExportOptions& options);
 
-/// Writes one table of all series. A row per tick has all messages with the log time of a /tick. With a clock, a row
+/// Writes one table of all series. A row per tick has all messages with the log time of a /tick; if /tick isn't
+/// selected, a row per tick that has any selected message. With a clock, a row
 /// per message of that topic has the last values of all series up to its log time; cells before the first are empty.
 Result<ExportReport> export_joined(const std::filesystem::path& trace, const std::filesystem::path& file,
                                    const ExportOptions& options);

@@ -1,0 +1,103 @@
+#include "initial_commands.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+#include <span>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/text.h"
+
+namespace rehearse {
+namespace {
+
+constexpr std::pair<const char*, double JointCommand::*> of_joints[] = {
+    {"q", &JointCommand::q}, {"dq", &JointCommand::dq}, {"u", &JointCommand::u}};
+
+std::string metadata_key(const ScenarioBody& body, const std::string& owner, const char* quantity) {
+  return fmt::format("{}/{} {}", body.name, owner, quantity);
+}
+
+std::string command_text(const Eigen::Vector3d& a, std::span<const double> b) {
+  return fmt::format("{} {} {} {}", a.x(), a.y(), a.z(), fmt::join(b, " "));
+}
+
+/// The finite numbers of a text, if it has that many.
+std::vector<double> command_numbers(const std::string* text, std::size_t count) {
+  std::vector<double> numbers;
+  std::istringstream words(text == nullptr ? std::string() : *text);
+  for (std::string word; words >> word;)
+    if (const auto number = number_in<double>(word); number && std::isfinite(*number)) numbers.push_back(*number);
+  return numbers.size() == count ? numbers : std::vector<double>();
+}
+
+Eigen::Vector3d vector_of(const std::vector<double>& numbers, std::size_t at) {
+  return {numbers[at], numbers[at + 1], numbers[at + 2]};
+}
+
+}  // namespace
+
+mcap::StringMap metadata_of_initial_commands(const Scenario& scenario, const Command& command) {
+  mcap::StringMap metadata;
+  for (std::size_t b = 0; b < scenario.bodies.size(); ++b) {
+    const ScenarioBody& body = scenario.bodies[b];
+    const BodyCommand& of_body = command.bodies[b];
+    const std::vector<Link>& links = body.model->links;
+    for (std::size_t id = 0; id < of_body.joints.size(); ++id) {
+      const JointCommand at_rest{drive_none, body.joints[id], 0.0, 0.0};
+      const std::string& joint = links[static_cast<std::size_t>(body.model->joints[id])].joint.name;
+      for (const auto& [quantity, number] : of_joints)
+        if (of_body.joints[id].*number != at_rest.*number)
+          metadata[metadata_key(body, joint, quantity)] = fmt::format("{}", of_body.joints[id].*number);
+    }
+    for (std::size_t i = 0; i < of_body.external.size(); ++i) {
+      const Wrench& wrench = of_body.external[i];
+      if (!wrench.force.isZero(0.0) || !wrench.torque.isZero(0.0))
+        metadata[metadata_key(body, links[i].name, "wrench")] = command_text(wrench.force, {wrench.torque.data(), 3});
+    }
+    for (const auto& [link, motion] : of_body.given) {
+      const std::string& name = links[static_cast<std::size_t>(link)].name;
+      if (motion.place)
+        metadata[metadata_key(body, name, "pose")] =
+            command_text(motion.place->position, {motion.place->rotation.coeffs().data(), 4});
+      if (motion.twist)
+        metadata[metadata_key(body, name, "twist")] =
+            command_text(motion.twist->velocity, {motion.twist->angular_velocity.data(), 3});
+    }
+  }
+  return metadata;
+}
+
+void take_initial_commands(const mcap::StringMap& metadata, const Scenario& scenario, Command& command) {
+  const auto stated = [&](const ScenarioBody& body, const std::string& owner, const char* quantity) {
+    const auto found = metadata.find(metadata_key(body, owner, quantity));
+    return found == metadata.end() ? nullptr : &found->second;
+  };
+  for (std::size_t b = 0; b < scenario.bodies.size(); ++b) {
+    const ScenarioBody& body = scenario.bodies[b];
+    BodyCommand& of_body = command.bodies[b];
+    const std::vector<Link>& links = body.model->links;
+    for (std::size_t id = 0; id < of_body.joints.size(); ++id)
+      for (const auto& [quantity, number] : of_joints) {
+        const std::string& joint = links[static_cast<std::size_t>(body.model->joints[id])].joint.name;
+        if (const auto numbers = command_numbers(stated(body, joint, quantity), 1); !numbers.empty())
+          of_body.joints[id].*number = numbers[0];
+      }
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      const std::string& name = links[i].name;
+      if (const auto numbers = command_numbers(stated(body, name, "wrench"), 6); !numbers.empty())
+        of_body.external[i] = {vector_of(numbers, 0), vector_of(numbers, 3)};
+      if (const auto numbers = command_numbers(stated(body, name, "pose"), 7); !numbers.empty())
+        of_body.given[static_cast<int>(i)].place =
+            LinkPlace{vector_of(numbers, 0), {numbers[6], numbers[3], numbers[4], numbers[5]}};
+      if (const auto numbers = command_numbers(stated(body, name, "twist"), 6); !numbers.empty())
+        of_body.given[static_cast<int>(i)].twist = LinkTwist{vector_of(numbers, 0), vector_of(numbers, 3)};
+    }
+  }
+}
+
+}  // namespace rehearse

@@ -1,0 +1,17 @@
+// The commands that controllers write in initialize(), as metadata of a recording: "BODY/JOINT u": "0.5".
+#pragma once
+
+#include <rehearse/io.h>
+#include <rehearse/mcap.h>
+#include <rehearse/scenario.h>
+
+namespace rehearse {
+
+/// The numbers of the command of the first step that differ from those of a command at rest; devices aside, whose
+/// commands are messages of the recording.
+mcap::StringMap metadata_of_initial_commands(const Scenario& scenario, const Command& command);
+
+/// Writes them into a command at rest. What the scenario lacks, and what isn't a list of numbers, is left out.
+void take_initial_commands(const mcap::StringMap& metadata, const Scenario& scenario, Command& command);
+
+}  // namespace rehearse
