@@ -306,23 +306,23 @@ const Form& covered_line_form() {
 }
 
 const Form& covered_file_form() {
-  static const Form form{
-      "covered_file",
-      "a source file",
-      {member("file", types::string()), member("lines", types::array(types::of(covered_line_form)))}};
+  static const Form form{"covered_file",
+                         "a source file",
+                         {member("file", types::string()), member("lines", types::array(types::of(covered_line_form))),
+                          member("unknown", types::array(types::count()))}};
   return form;
 }
 
 const Form& coverage_form() {
-  static const Form form =
-      with_version({"coverage",
-                    "audit --coverage --json",
-                    {member("verdict", types::string()), member("lines", types::count()),
-                     member("lines_executed", types::count()), member("ways", types::count()),
-                     member("ways_executed", types::count()), member("recordings", types::array(types::string())),
-                     member("files", types::array(types::of(covered_file_form))),
-                     member("failure", types::nullable(types::string())),
-                     member("remarks", types::array(types::of(audit_remark_form)))}});
+  static const Form form = with_version(
+      {"coverage",
+       "audit --coverage --json",
+       {member("verdict", types::string()), member("lines", types::count()), member("lines_executed", types::count()),
+        member("lines_unknown", types::count()), member("ways", types::count()),
+        member("ways_executed", types::count()), member("recordings", types::array(types::string())),
+        member("files", types::array(types::of(covered_file_form))),
+        member("failure", types::nullable(types::string())),
+        member("remarks", types::array(types::of(audit_remark_form)))}});
   return form;
 }
 
