@@ -250,7 +250,7 @@ const Form& audited_controller_form() {
        member("reason", types::nullable(types::string())), member("depends_on", types::nullable(types::string())),
        member("first", difference_type()), member("factors", types::array(types::of(factor_form))),
        member("calls", types::array(types::of(call_form))), member("rests_on", types::array(types::string())),
-       member("costs", types::array(types::of(cost_form))),
+       member("costs", types::array(types::of(cost_form))), member("page_faults", types::of(cost_count_form)),
        member("instructions", types::nullable(types::of(instructions_form))),
        member("library", types::of(library_form))}};
   return form;
