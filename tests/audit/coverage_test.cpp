@@ -6,9 +6,11 @@
 #include <gmock/gmock.h>
 
 #include <chrono>
+#include <cstdio>
 #include <fstream>
 #include <map>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -171,6 +173,41 @@ TEST_F(Coverage, HasTheLinesOfGcov) {
   for (std::string line; std::getline(stream, line); ++number) {
     if (!watched.contains(number)) continue;
     EXPECT_THAT(line, ContainsRegex("^ *}|^class |^const double scale|^CNOID_IMPLEMENT")) << "line " << number;
+  }
+}
+
+/// The optimiser keeps no code for some lines, and moves that of others.
+TEST_F(Coverage, CallsNoLineOfAnOptimisedLibraryNeverExecutedThatIs) {
+  const auto report_of = [this](const std::string& level) {
+    const std::string compile = fmt::format(
+        "{} -std=c++17 {} -g -fPIC -shared -DEIGEN_MAX_ALIGN_BYTES=16 {} {} -o partly.so -L{} -lrehearse_cnoid",
+        quoted(CXX_COMPILER), level, CNOID_INCLUDES, quoted(source.string()), quoted(LIBRARIES));
+    EXPECT_EQ(run("/bin/sh", {"-c", compile}).status, 0);
+    done({"record", scenario("partly").string(), "--controller", "Zoo=./partly.so", "-o", "near.mcap"});
+    return done({"audit", "near.mcap", "--coverage", "--json", "--controller", "Zoo=./partly.so"}).json();
+  };
+  std::set<int> executed;
+  const json plain = report_of("-O0");
+  EXPECT_EQ(plain["lines_unknown"], 0);
+  EXPECT_TRUE(plain["remarks"].empty()) << plain["remarks"];
+  for (const json& line : lines_of(plain))
+    if (!line["first"].is_null()) executed.insert(line["line"].get<int>());
+  for (const char* level : {"-O1", "-O2", "-O3"}) {
+    const json report = report_of(level);
+    ASSERT_EQ(report["remarks"].size(), 1u) << report["remarks"];
+    EXPECT_THAT(std::string(report["remarks"][0]["message"]), StartsWith("partly.so is optimised: "));
+    int wrong = 0;
+    for (const json& line : lines_of(report)) {
+      if (!line["first"].is_null() || !executed.contains(line["line"])) continue;
+      ++wrong;
+      ADD_FAILURE() << level << ": line " << line["line"] << " is executed";
+    }
+    std::printf("| %s | %d lines | %d not known | %d wrongly never executed |\n", level, report["lines"].get<int>(),
+                report["lines_unknown"].get<int>(), wrong);
+    EXPECT_GT(report["lines_executed"], 10) << level;
+    std::size_t unknown = 0;
+    for (const json& file : report["files"]) unknown += file["unknown"].size();
+    EXPECT_EQ(report["lines_unknown"], unknown);
   }
 }
 
@@ -431,7 +468,8 @@ TEST_F(Coverage, ChangesNothing) {
   for (const char* name : {"good_thread_pool", "good_own_generator", "good_joined_thread", "lengthy"}) {
     done({"record", scenario(name, "many_sines").string(), "-o", "run.mcap"});
     const json report = coverage({"run.mcap"});
-    EXPECT_TRUE(report["remarks"].empty()) << name << ": " << report["remarks"];
+    ASSERT_EQ(report["remarks"].size(), 1u) << name << ": " << report["remarks"];
+    EXPECT_THAT(std::string(report["remarks"][0]["message"]), HasSubstr(" is optimised: ")) << name;
     EXPECT_GT(report["lines_executed"], 5) << name;
   }
 }

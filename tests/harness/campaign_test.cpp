@@ -134,27 +134,26 @@ TEST(CaseValues, AreCheckedAtTheirBounds) {
 }
 
 // R. G. Newcombe, Two-sided confidence intervals for the single proportion: comparison of seven methods, Statistics in
-// Medicine 17 (1998), table I, method 3.
-TEST(Statistics, WilsonsIntervalIsAsPublished) {
+// Medicine 17 (1998), table I, method 5.
+TEST(Statistics, TheExactIntervalIsAsPublished) {
   const struct {
     std::int64_t passed, all;
     double low, high;
-  } published[] = {{81, 263, 0.2553, 0.3662}, {15, 148, 0.0624, 0.1605}, {0, 20, 0.0, 0.1611}, {1, 29, 0.0061, 0.1718}};
+  } published[] = {{81, 263, 0.2527, 0.3676}, {15, 148, 0.0578, 0.1617}, {0, 20, 0.0, 0.1684}, {1, 29, 0.0009, 0.1776}};
   for (const auto& row : published) {
-    const Interval interval = wilson_interval(row.passed, row.all);
+    const Interval interval = exact_interval(row.passed, row.all);
     EXPECT_NEAR(interval.low, row.low, 5e-5) << row.passed << "/" << row.all;
     EXPECT_NEAR(interval.high, row.high, 5e-5) << row.passed << "/" << row.all;
   }
-  EXPECT_EQ(wilson_interval(20, 20).high, 1.0);
-  EXPECT_EQ(wilson_interval(0, 0).low, 0.0);
-  EXPECT_EQ(wilson_interval(0, 0).high, 1.0);
+  EXPECT_EQ(exact_interval(20, 20).high, 1.0);
+  EXPECT_EQ(exact_interval(0, 0).low, 0.0);
+  EXPECT_EQ(exact_interval(0, 0).high, 1.0);
 }
 
-/// For 99 % z is 2.5758293: Wilson's formula by hand for 45 of 50.
-TEST(Statistics, WilsonsIntervalHasTheWantedConfidence) {
-  const Interval interval = wilson_interval(45, 50, 0.99);
-  EXPECT_NEAR(interval.low, (0.9 + 0.0663490 - 2.5758293 * std::sqrt(0.0018 + 0.00066349)) / 1.1326980, 1e-5);
-  EXPECT_NEAR(interval.high, (0.9 + 0.0663490 + 2.5758293 * std::sqrt(0.0018 + 0.00066349)) / 1.1326980, 1e-5);
+/// Without a failure its lower end is the root of the tail, by hand.
+TEST(Statistics, TheExactIntervalHasTheWantedConfidence) {
+  EXPECT_NEAR(exact_interval(50, 50, 0.99).low, std::pow(0.005, 1.0 / 50.0), 1e-12);
+  EXPECT_NEAR(exact_interval(0, 50, 0.9).high, 1.0 - std::pow(0.05, 1.0 / 50.0), 1e-12);
 }
 
 TEST(PassRate, HasThreeAnswers) {
@@ -166,37 +165,46 @@ TEST(PassRate, HasThreeAnswers) {
   EXPECT_EQ(answer_of(claim, {0.8, 0.89}), ClaimAnswer::fails);
 }
 
-/// By hand: n = z^2 p (1 - p) / (share - p)^2, with z^2 = 3.8415.
+/// By hand: 0.95^n is 0.0262 with 71 cases, and 0.0249 with 72.
 TEST(PassRate, IsDecidedByTheFewestCases) {
   const ClaimedRate claim{0.95, 0.95};
-  EXPECT_EQ(deciding_cases(claim, 1.0), 73);     // 72.99
-  EXPECT_EQ(deciding_cases(claim, 0.975), 292);  // 291.95
-  EXPECT_EQ(deciding_cases(claim, 0.925), 292);
+  EXPECT_EQ(deciding_cases(claim, 1.0), 72);
+  EXPECT_EQ(deciding_cases(claim, 0.975), 295);
+  EXPECT_EQ(deciding_cases(claim, 0.925), 360);
   EXPECT_EQ(deciding_cases(claim, 0.95), std::nullopt);
   EXPECT_EQ(deciding_cases(claim, std::nan("")), std::nullopt);
 }
 
-/// The number and Wilson's interval agree, for shares that occur with the number.
-TEST(PassRate, IsDecidedWhereWilsonsIntervalLeavesTheBound) {
+/// One failure of 17 has the probability 15.7 % at 0.99.
+TEST(PassRate, IsNotFalseBecauseOfOneFailureInAFewCases) {
+  CampaignSummary summary;
+  summary.claim = ClaimedRate{0.99, 0.95};
+  summary.cases = 17;
+  summary.verdicts = {16, 1};
+  EXPECT_EQ(summary.answer(), ClaimAnswer::undecided) << claim_sentence(summary);
+}
+
+/// The number and the interval agree, for shares that occur with the number.
+TEST(PassRate, IsDecidedWhereTheIntervalLeavesTheBound) {
   for (const double bound : {0.5, 0.9, 0.99}) {
     for (const double confidence : {0.8, 0.95, 0.999}) {
       const ClaimedRate claim{bound, confidence};
       const std::int64_t least = *deciding_cases(claim, 1.0);
-      EXPECT_EQ(answer_of(claim, wilson_interval(least, least, confidence)), ClaimAnswer::passes);
-      EXPECT_EQ(answer_of(claim, wilson_interval(least - 1, least - 1, confidence)), ClaimAnswer::undecided);
+      EXPECT_EQ(answer_of(claim, exact_interval(least, least, confidence)), ClaimAnswer::passes);
+      EXPECT_EQ(answer_of(claim, exact_interval(least - 1, least - 1, confidence)), ClaimAnswer::undecided);
       const std::int64_t none = *deciding_cases(claim, 0.0);
-      EXPECT_EQ(answer_of(claim, wilson_interval(0, none, confidence)), ClaimAnswer::fails) << bound;
+      EXPECT_EQ(answer_of(claim, exact_interval(0, none, confidence)), ClaimAnswer::fails) << bound;
       if (none > 1) {
-        EXPECT_EQ(answer_of(claim, wilson_interval(0, none - 1, confidence)), ClaimAnswer::undecided) << bound;
+        EXPECT_EQ(answer_of(claim, exact_interval(0, none - 1, confidence)), ClaimAnswer::undecided) << bound;
       }
     }
   }
 }
 
 TEST(PassRate, OfAPlanSaysWhatItNeeds) {
-  EXPECT_EQ(plan_sentence({0.95, 0.95}, 73),
-            "that at least 95 % pass, with 95 % confidence, needs 73 cases if all pass, and 292 if 97.5 % pass");
-  EXPECT_THAT(plan_sentence({0.95, 0.95}, 72), ::testing::EndsWith("; this plan has 72, which can't show it"));
+  EXPECT_EQ(plan_sentence({0.95, 0.95}, 72),
+            "that at least 95 % pass, with 95 % confidence, needs 72 cases if all pass, and 295 if 97.5 % pass");
+  EXPECT_THAT(plan_sentence({0.95, 0.95}, 71), ::testing::EndsWith("; this plan has 71, which can't show it"));
 }
 
 TEST(PassRate, AsksForMoreCasesIfItIsUndecided) {
@@ -205,9 +213,9 @@ TEST(PassRate, AsksForMoreCasesIfItIsUndecided) {
   summary.cases = 200;
   summary.verdicts = {194, 6};
   EXPECT_EQ(summary.answer(), ClaimAnswer::undecided);
-  EXPECT_EQ(summary.more_cases(), 257);  // 3.8415 0.0475 / 0.02^2 = 456.2
+  EXPECT_EQ(summary.more_cases(), 261);
   EXPECT_EQ(claim_sentence(summary),
-            "it is undecided whether at least 95 % pass, with 95 % confidence: 257 more cases "
+            "it is undecided whether at least 95 % pass, with 95 % confidence: 261 more cases "
             "would decide it if the rate stays");
   summary.verdicts = {190, 10};
   EXPECT_THAT(claim_sentence(summary), HasSubstr("no number of cases decides it if the rate stays"));

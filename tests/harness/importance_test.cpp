@@ -9,9 +9,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <numbers>
 #include <string>
 #include <vector>
+
+#include "support/made_up.h"
 
 namespace rehearse {
 namespace {
@@ -21,6 +24,10 @@ std::vector<double> random_column(const std::string& name, std::int64_t n, doubl
   std::vector<double> column;
   for (std::int64_t i = 0; i < n; ++i) column.push_back(low + (high - low) * uniform_number(11, i, name));
   return column;
+}
+
+double share_of(const std::vector<double>& inputs, const std::vector<double>& outputs) {
+  return first_order_index(inputs, outputs).value().share;
 }
 
 // T. Ishigami, T. Homma (1990): sin x + 7 sin² y + 0.1 z⁴ sin x, from -pi to pi. With a = 7 and b = 0.1 the variance is
@@ -35,9 +42,9 @@ TEST(Importance, IsThatOfTheIshigamiFunction) {
                       0.1 * std::pow(z[i], 4) * std::sin(x[i]));
   const double b = 0.1 * std::pow(pi, 4) / 5.0;
   const double all = 49.0 / 8.0 + b + 0.01 * std::pow(pi, 8) / 18.0 + 0.5;
-  EXPECT_NEAR(first_order_index(x, outputs), 0.5 * (1.0 + b) * (1.0 + b) / all, 0.02);  // 0.3139
-  EXPECT_NEAR(first_order_index(y, outputs), 49.0 / 8.0 / all, 0.02);                   // 0.4424
-  EXPECT_NEAR(first_order_index(z, outputs), 0.0, 0.02);
+  EXPECT_NEAR(share_of(x, outputs), 0.5 * (1.0 + b) * (1.0 + b) / all, 0.02);  // 0.3139
+  EXPECT_NEAR(share_of(y, outputs), 49.0 / 8.0 / all, 0.02);                   // 0.4424
+  EXPECT_NEAR(share_of(z, outputs), 0.0, 0.02);
 }
 
 TEST(Importance, IsTheShareOfASum) {
@@ -45,9 +52,9 @@ TEST(Importance, IsTheShareOfASum) {
   const auto x = random_column("x", n, 0, 1), y = random_column("y", n, 0, 1), z = random_column("z", n, 0, 1);
   std::vector<double> outputs;
   for (std::size_t i = 0; i < x.size(); ++i) outputs.push_back(3.0 * x[i] - 2.0 * y[i] + z[i]);
-  EXPECT_NEAR(first_order_index(x, outputs), 9.0 / 14.0, 0.02);
-  EXPECT_NEAR(first_order_index(y, outputs), 4.0 / 14.0, 0.03);
-  EXPECT_NEAR(first_order_index(z, outputs), 1.0 / 14.0, 0.03);
+  EXPECT_NEAR(share_of(x, outputs), 9.0 / 14.0, 0.02);
+  EXPECT_NEAR(share_of(y, outputs), 4.0 / 14.0, 0.03);
+  EXPECT_NEAR(share_of(z, outputs), 1.0 / 14.0, 0.03);
 }
 
 // a half passes if both are above or both below: neither matters alone
@@ -56,8 +63,8 @@ TEST(Importance, IsNoneOfParametersThatMatterOnlyTogether) {
   const auto x = random_column("x", n, -1, 1), y = random_column("y", n, -1, 1);
   std::vector<double> passing;
   for (std::size_t i = 0; i < x.size(); ++i) passing.push_back(x[i] * y[i] > 0.0 ? 1.0 : 0.0);
-  EXPECT_LT(first_order_index(x, passing), 0.02);
-  EXPECT_LT(first_order_index(y, passing), 0.02);
+  EXPECT_LT(share_of(x, passing), 0.02);
+  EXPECT_LT(share_of(y, passing), 0.02);
 }
 
 // A sum of a parameter and noise: the parameter explains 1/2. Six parts leave 1/36 of it within them. Without a
@@ -70,7 +77,7 @@ TEST(Importance, HasNoBiasInFewCases) {
     const auto noise = random_column("noise" + std::to_string(campaign), n, 0, 1);
     std::vector<double> outputs;
     for (std::size_t i = 0; i < x.size(); ++i) outputs.push_back(x[i] + noise[i]);
-    mean += first_order_index(x, outputs) / campaigns;
+    mean += share_of(x, outputs) / campaigns;
   }
   EXPECT_NEAR(mean, 0.5 * (1.0 - 1.0 / 36.0), 0.02);
 }
@@ -82,13 +89,52 @@ TEST(Importance, OfWordsIsThatOfTheirMeans) {
     words.push_back(i % 2);
     outputs.push_back((i % 2 == 0 ? 1.0 : 3.0) + (i / 2 % 2 == 0 ? 1.0 : -1.0));
   }
-  EXPECT_NEAR(first_order_index(words, outputs), 0.5, 0.002);
+  EXPECT_NEAR(share_of(words, outputs), 0.5, 0.002);
 }
 
 TEST(Importance, IsUnknownWithoutVariance) {
-  EXPECT_TRUE(std::isnan(first_order_index({1, 2, 3, 4}, {5, 5, 5, 5})));
-  EXPECT_TRUE(std::isnan(first_order_index({}, {})));
-  EXPECT_TRUE(std::isnan(first_order_index({1}, {2})));
+  EXPECT_FALSE(first_order_index({1, 2, 3, 4}, {5, 5, 5, 5}));
+  EXPECT_FALSE(first_order_index({}, {}));
+  EXPECT_FALSE(first_order_index({1}, {2}));
+}
+
+/// Below the threshold all fail and above it all pass, so the parameter decides alone. Parts of the inputs lie on both
+/// sides of it, so that the share is below 1.
+TEST(Importance, OfAThresholdHasOneHundredPercentInItsInterval) {
+  int within = 0;
+  double least = 1.0;
+  constexpr int campaigns = 200;
+  for (int campaign = 0; campaign < campaigns; ++campaign) {
+    const auto x = random_column("x" + std::to_string(campaign), 60, 0, 1);
+    std::vector<double> passing;
+    for (const double value : x) passing.push_back(value > 0.3 ? 1.0 : 0.0);
+    const auto found = first_order_index(x, passing);
+    ASSERT_TRUE(found);
+    within += found->interval.high >= 0.999;
+    least = std::min(least, found->share);
+  }
+  std::printf("| a threshold, 60 cases | 100 %% is within %d of %d intervals; the least share is %.0f %% |\n", within,
+              campaigns, 100.0 * least);
+  EXPECT_LT(least, 0.85);
+  EXPECT_GT(test::binomial_at_least(campaigns - within, campaigns, 0.05), 0.001);
+}
+
+TEST(Importance, IsWithinItsIntervalAsOftenAsItSays) {
+  constexpr int campaigns = 400;
+  for (const std::int64_t n : {40, 100, 400}) {
+    int missed = 0;
+    for (int campaign = 0; campaign < campaigns; ++campaign) {
+      const auto x = random_column("x" + std::to_string(campaign), n, 0, 1);
+      const auto noise = random_column("noise" + std::to_string(campaign), n, 0, 1);
+      std::vector<double> outputs;
+      for (std::size_t i = 0; i < x.size(); ++i) outputs.push_back(x[i] + noise[i]);
+      const Interval interval = first_order_index(x, outputs)->interval;
+      missed += interval.low > 0.5 || interval.high < 0.5;
+    }
+    std::printf("| a parameter and noise, %d cases | 50 %% is outside %d of %d intervals |\n", static_cast<int>(n),
+                missed, campaigns);
+    EXPECT_GT(test::binomial_at_least(missed, campaigns, 0.05), 0.001) << n << " cases: " << missed;
+  }
 }
 
 Variation variation(Distribution distribution, double low, double high, double mean = 0.0, double stddev = 1.0) {
@@ -157,7 +203,8 @@ void compare_with(double probability, const std::vector<Variation>& own, const s
     within += found.interval.low <= probability && probability <= found.interval.high ? 1 : 0;
   }
   EXPECT_NEAR(mean / probability, 1.0, 0.05);
-  EXPECT_GE(within, 180) << "of 200 intervals with 95 % confidence";
+  EXPECT_GT(test::binomial_at_least(campaigns - within, campaigns, 0.05), 0.001)
+      << within << " of 200 intervals with 95 % confidence";
 }
 
 TEST(FailureProbability, OfACornerIsItsArea) {

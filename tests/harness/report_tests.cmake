@@ -9,5 +9,6 @@ rehearse_add_test(report_test LABEL unit SHARDS 2
     report/report_test.cpp
   LIBRARIES Rehearse::viewing Rehearse::simulation Rehearse::harness nlohmann_json::nlohmann_json PkgConfig::LIBDEFLATE)
 rehearse_add_test(history_test LABEL unit
-  SOURCES history/history_test.cpp history/trends_test.cpp
+  SOURCES history/chance_of_fall_test.cpp history/history_test.cpp history/trends_test.cpp
   LIBRARIES Rehearse::viewing nlohmann_json::nlohmann_json)
+target_compile_definitions(history_test PRIVATE HISTORIES=$<IF:$<BOOL:${REHEARSE_NIGHTLY}>,400,100>)

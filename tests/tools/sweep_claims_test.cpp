@@ -38,14 +38,14 @@ TEST_F(Sweep, AnswersAClaimOnThePassRateInThreeWays) {
 TEST_F(Sweep, ReportsStateTheConfidenceOfTheirClaim) {
   box("pass_rate: {at_least: 0.5, confidence: 0.9}\n");
   rehearse({"sweep", "box.yaml", "--cases", "20", "-o", "run"});
-  EXPECT_THAT(read_file(folder() / "run/report.md"), HasSubstr(" with 90 % confidence (Wilson's interval)"));
+  EXPECT_THAT(read_file(folder() / "run/report.md"), HasSubstr(" with 90 % confidence (the exact interval)"));
 }
 
 TEST_F(Sweep, PlansSayHowManyCasesAClaimNeeds) {
   box("pass_rate: {at_least: 0.95, confidence: 0.95}\n");
   EXPECT_THAT(
       rehearse({"sweep", "box.yaml", "--cases", "40", "-o", "plan", "--plan"}).out,
-      HasSubstr("plan: 40 cases\nthat at least 95 % pass, with 95 % confidence, needs 73 cases if all pass, and 292 "
+      HasSubstr("plan: 40 cases\nthat at least 95 % pass, with 95 % confidence, needs 72 cases if all pass, and 295 "
                 "if 97.5 % pass; this plan has 40, which can't show it\n"));
 }
 
@@ -95,7 +95,23 @@ TEST_F(Sweep, ReportsTheImportanceOfParameters) {
   EXPECT_GT(parameters[0]["importance"]["margin"]["share"], 0.95) << "the height is all of it";
   EXPECT_LT(parameters[1]["importance"]["margin"]["share"], 0.3) << "the mass has no say";
   EXPECT_GT(parameters[0]["importance"]["passing"], 0.5);
+  EXPECT_GT(parameters[0]["importance"]["passing_interval"][1], 0.95) << "a threshold of the height decides";
+  EXPECT_LE(parameters[0]["importance"]["margin"]["interval"][0], parameters[0]["importance"]["margin"]["share"]);
   EXPECT_THAT(read_file(folder() / "run/report.md"), HasSubstr("## Importance"));
+}
+
+TEST_F(Sweep, ReportsBeginWithTheirFailures) {
+  box();
+  const Outcome outcome = rehearse({"sweep", "box.yaml", "--cases", "60", "-o", "run"});
+  EXPECT_THAT(outcome.out, ::testing::ContainsRegex("\n  violated  [0-9]+: Box/Box/position/z above 0.3 m\n"));
+  const std::string text = read_file(folder() / "run/report.md");
+  EXPECT_LT(text.find("## Failures"), text.find("## Verdicts"));
+  EXPECT_THAT(text, HasSubstr("| passed | "));
+  EXPECT_EQ(text.find("| crashed |"), std::string::npos) << "no case did";
+  const std::string page = read_file(folder() / "run/report.html");
+  EXPECT_LT(page.find("<h2>Failures</h2>"), page.find("<h2>Verdicts</h2>"));
+  EXPECT_THAT(page, HasSubstr("text-anchor=\"middle\">height</text>"));
+  EXPECT_THAT(page, HasSubstr("text-anchor=\"middle\">share of cases</text>"));
 }
 
 TEST_F(Sweep, ShowsTheCaseOfADotInItsPage) {

@@ -15,6 +15,7 @@
 #include "base/replaceable.h"
 #include "base/write_hint.h"
 #include "command.h"
+#include "control_times.h"
 #include "core/golden/stale_report.h"
 #include "core/guard/interruption.h"
 #include "coverage_text.h"
@@ -107,6 +108,7 @@ void tell_realtime(const AuditSettings& settings, const AuditReport& report) {
   fmt::print("{}\n", report.verdict);
   for (const ControllerAudit& controller : report.controllers) {
     if (report.controllers.size() > 1) fmt::print("{}\n", controller.controller);
+    tell_page_faults(controller.page_faults);
     tell_costs(controller, false, settings.verbose);
     tell_costs(controller, true, settings.verbose);
   }

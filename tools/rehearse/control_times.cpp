@@ -38,6 +38,13 @@ void add_timing_options(CLI::App& options, std::optional<double>& deadline, Host
                    "count and record allocations, locks, system calls and exceptions of control()");
 }
 
+void tell_page_faults(const ControlCosts::Count& faults) {
+  if (faults.total > 0)
+    fmt::print("  on this machine, {} in {}, first at tick {}\n",
+               count_text(static_cast<std::int64_t>(faults.total), "page fault"), count_text(faults.ticks, "tick"),
+               faults.first_tick);
+}
+
 void tell_control_times(const std::vector<ControlTimes>& all) {
   for (const ControlTimes& times : all) {
     fmt::print("control() of {}: median {}, 99.9 % within {}, longest {} at tick {}: {:.3g} % of the period\n",
@@ -45,11 +52,7 @@ void tell_control_times(const std::vector<ControlTimes>& all) {
                times.longest_tick, 100.0 * times.longest / times.period);
     if (!times.costs) continue;
     fmt::print("{}\n", plain_text(realtime_sentence(times)));
-    const ControlCosts::Count& faults = times.costs->page_faults;
-    if (faults.total > 0)
-      fmt::print("  on this machine, {} in {}, first at tick {}\n",
-                 count_text(static_cast<std::int64_t>(faults.total), "page fault"), count_text(faults.ticks, "tick"),
-                 faults.first_tick);
+    tell_page_faults(times.costs->page_faults);
   }
 }
 

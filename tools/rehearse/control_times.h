@@ -18,6 +18,9 @@ void add_timing_options(CLI::App& options, std::optional<double>& deadline, Host
 /// Declares --deadline; `deadline` becomes the number of seconds.
 void add_deadline_option(CLI::App& options, std::optional<double>& deadline);
 
+/// A line on the page faults of control(); none if there are none.
+void tell_page_faults(const ControlCosts::Count& faults);
+
 /// Prints a line for each controller, and its costs if they were counted.
 void tell_control_times(const std::vector<ControlTimes>& all);
 

@@ -58,7 +58,7 @@ std::function<Exit()> declare_history(CLI::App& options) {
   options.add_option("--html", settings->html, "write one page for a browser, too")->type_name("FILE");
   add_integer(options, "--last", "judge the margins of so many commits, the newest (20)", 2, 1'000'000,
               [=](std::int64_t last) { settings->trends.last = static_cast<std::size_t>(last); });
-  add_number(options, "--significance", "the probability that a history without drift is said to drift (0.01)", 1e-12,
+  add_number(options, "--significance", "the probability that a history without drift is said to drift (0.05)", 1e-12,
              0.5, [=](double significance) { settings->trends.significance = significance; });
   add_number(options, "--least-change", "changes of a margin below this share of it are no drift and no jump (0.01)",
              0.0, 1e6, [=](double share) { settings->trends.least_change = share; });

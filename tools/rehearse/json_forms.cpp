@@ -9,6 +9,14 @@
 #include <vector>
 
 namespace rehearse::tool {
+const Form& cost_count_form() {
+  static const Form form{"cost_count",
+                         "a count of costs",
+                         {member("total", types::count()), member("ticks", types::count()),
+                          member("first_tick", types::nullable(types::count()))}};
+  return form;
+}
+
 namespace {
 
 const Form& first_difference_form() {
@@ -63,14 +71,6 @@ const Form& judged_expectation_form() {
        member("first", types::nullable(types::of(violation_form))), member("undecided", types::flag()),
        member("not_judged", types::array(types::string())), member("formula", types::string()),
        member("margin", types::nullable(types::real())), member("closest", types::nullable(types::of(closest_form)))}};
-  return form;
-}
-
-const Form& cost_count_form() {
-  static const Form form{"cost_count",
-                         "a count of costs",
-                         {member("total", types::count()), member("ticks", types::count()),
-                          member("first_tick", types::nullable(types::count()))}};
   return form;
 }
 

@@ -46,6 +46,7 @@ ValueType control_times_type();  // a list of the controllers' times
 ValueType interval_type();       // [low, high]
 const Form& comparison_form();
 const Form& errors_form();  // of a verb that fails
+const Form& cost_count_form();
 ValueType word_of_codes();
 std::vector<FormKey> comparison_members();
 

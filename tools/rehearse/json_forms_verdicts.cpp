@@ -250,7 +250,7 @@ const Form& audited_controller_form() {
        member("reason", types::nullable(types::string())), member("depends_on", types::nullable(types::string())),
        member("first", difference_type()), member("factors", types::array(types::of(factor_form))),
        member("calls", types::array(types::of(call_form))), member("rests_on", types::array(types::string())),
-       member("costs", types::array(types::of(cost_form))),
+       member("costs", types::array(types::of(cost_form))), member("page_faults", types::of(cost_count_form)),
        member("instructions", types::nullable(types::of(instructions_form))),
        member("library", types::of(library_form))}};
   return form;
@@ -306,23 +306,23 @@ const Form& covered_line_form() {
 }
 
 const Form& covered_file_form() {
-  static const Form form{
-      "covered_file",
-      "a source file",
-      {member("file", types::string()), member("lines", types::array(types::of(covered_line_form)))}};
+  static const Form form{"covered_file",
+                         "a source file",
+                         {member("file", types::string()), member("lines", types::array(types::of(covered_line_form))),
+                          member("unknown", types::array(types::count()))}};
   return form;
 }
 
 const Form& coverage_form() {
-  static const Form form =
-      with_version({"coverage",
-                    "audit --coverage --json",
-                    {member("verdict", types::string()), member("lines", types::count()),
-                     member("lines_executed", types::count()), member("ways", types::count()),
-                     member("ways_executed", types::count()), member("recordings", types::array(types::string())),
-                     member("files", types::array(types::of(covered_file_form))),
-                     member("failure", types::nullable(types::string())),
-                     member("remarks", types::array(types::of(audit_remark_form)))}});
+  static const Form form = with_version(
+      {"coverage",
+       "audit --coverage --json",
+       {member("verdict", types::string()), member("lines", types::count()), member("lines_executed", types::count()),
+        member("lines_unknown", types::count()), member("ways", types::count()),
+        member("ways_executed", types::count()), member("recordings", types::array(types::string())),
+        member("files", types::array(types::of(covered_file_form))),
+        member("failure", types::nullable(types::string())),
+        member("remarks", types::array(types::of(audit_remark_form)))}});
   return form;
 }
 

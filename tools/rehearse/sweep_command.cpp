@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/text.h"
 #include "campaigns/slurm/slurm.h"
 #include "command.h"
 #include "core/guard/interruption.h"
@@ -58,9 +59,14 @@ Exit exit_of(const CampaignSummary& summary) {
 
 void tell_verdicts(const CampaignSummary& summary) {
   std::vector<TableRow> rows{{"verdict", "cases"}};
-  for (std::size_t i = 0; i < case_verdict_count; ++i)
-    if (summary.verdicts[i] > 0)
-      rows.push_back({std::string(to_string(static_cast<CaseVerdict>(i))), fmt::format("{}", summary.verdicts[i])});
+  for (std::size_t i = 0; i < case_verdict_count; ++i) {
+    if (summary.verdicts[i] == 0) continue;
+    const auto& [reason, count] = summary.reasons[i];
+    std::string cases = fmt::format("{}", summary.verdicts[i]);
+    if (count > 0) cases += ": " + plain_text(reason);
+    if (count > 1) cases += fmt::format(", and {}", count_text(count - 1, "other reason"));
+    rows.push_back({std::string(to_string(static_cast<CaseVerdict>(i))), cases});
+  }
   if (summary.missing > 0) rows.push_back({"missing", fmt::format("{}", summary.missing)});
   print_table(rows);
 }

@@ -139,7 +139,9 @@ struct ControllerAudit {
   std::vector<FactorResult> factors;  // in the order of Factor
   std::vector<AuditedCall> calls;     // in order of their first occurrence
   std::vector<AuditedCode> code;
-  std::vector<AuditedCost> costs;                 // with AuditOptions::realtime, in order of their first occurrence
+  std::vector<AuditedCost> costs;  // with AuditOptions::realtime, in order of their first occurrence
+  /// Likewise, those of control() after tick 0 on this machine; they differ from run to run.
+  ControlCosts::Count page_faults = {"page_faults"};
   std::optional<InstructionCounts> instructions;  // with AuditOptions::instructions
   std::optional<ExecutedCode> executed;           // with AuditOptions::coverage; none: the library can't be watched
   /// Calls whose answer was equal in all replays and may have reached a command: "fopen(gains.txt) called in

@@ -21,11 +21,11 @@ struct Interval {
   double low = 0.0, high = 1.0;
 };
 
-/// The two-sided interval of a share, by default with 95 % confidence: E. B. Wilson, Probable Inference, the Law of
-/// Succession, and Statistical Inference, Journal of the American Statistical Association 22 (1927), pp. 209-212. L. D.
-/// Brown, T. T. Cai, A. DasGupta, Interval Estimation for a Binomial Proportion, Statistical Science 16 (2001)
-/// recommend it.
-Interval wilson_interval(std::int64_t passed, std::int64_t all, double confidence = 0.95);
+/// The two-sided exact interval of a share, by default with 95 % confidence: C. J. Clopper, E. S. Pearson, The Use of
+/// Confidence or Fiducial Limits Illustrated in the Case of the Binomial, Biometrika 26 (1934), pp. 404-413. Each of
+/// its ends is on the wrong side of the true share with a probability of 2.5 % at most, for every number of cases and
+/// every share, if the cases are independent and each passes with the same probability. Cases of `plan: random` are.
+Interval exact_interval(std::int64_t passed, std::int64_t all, double confidence = 0.95);
 
 /// The two-sided interval of the share that passes, by default with 95 % confidence, if the work ended with a failure
 /// (--until-failures): the exact one of inverse sampling, from the binomial distribution. `failed`: at least 1, of
@@ -49,12 +49,12 @@ std::string_view to_string(ClaimAnswer answer);
 
 ClaimAnswer answer_of(const ClaimedRate& claim, const Interval& interval);
 
-/// The least number of cases whose Wilson interval decides the claim, in either direction, if this share of them
-/// passes. None: no number does, because the share is the bound itself, or too close to it for 10^12 cases.
+/// The least number of cases whose exact interval decides the claim, in either direction, if this share of them
+/// passes. None: no number does, because the share is the bound itself, or too close to it for 10^9 cases.
 std::optional<std::int64_t> deciding_cases(const ClaimedRate& claim, double share);
 
 /// A sentence, without a full stop, on the cases that a claim needs, for a plan of `cases`: "at least 95 % pass, with
-/// 95 % confidence: this needs 73 cases if all pass, 381 if 97.5 % pass".
+/// 95 % confidence, needs 72 cases if all pass, and 317 if 97.5 % pass".
 std::string plan_sentence(const ClaimedRate& claim, std::int64_t cases);
 
 /// The cases that have a result in two campaigns with the same plan, before and after a change.
@@ -108,15 +108,27 @@ double rank_correlation(const std::vector<double>& a, const std::vector<double>&
 /// Methods of Statistics (1946), section 21.9. NaN if cases are in one row or in one column only.
 double cramers_v(const std::vector<std::vector<std::int64_t>>& counts);
 
-/// The share of the variance of the outputs that an input explains alone, 0 to 1: Sobol's first-order index, the
-/// variance of the mean output at each input, over the variance of the outputs. I. M. Sobol', Sensitivity estimates for
-/// nonlinear mathematical models, Mathematical Modelling and Computational Experiment 1 (1993). It is estimated from
-/// pairs, as by E. Plischke, E. Borgonovo, C. L. Smith, Global sensitivity measures from given data, European Journal
-/// of Operational Research 226 (2013): from the means within parts of the inputs, as many as the root of the number of
-/// pairs, or a part for each value if there are fewer. T. L. Kelley's correction, An Unbiased Correlation Ratio
-/// Measure, Proceedings of the National Academy of Sciences 21 (1935), removes its bias; below 0 it is 0. NaN if the
-/// outputs are all equal, or with fewer than two pairs for each part.
-double first_order_index(const std::vector<double>& inputs, const std::vector<double>& outputs);
+/// An estimated share of a variance.
+struct FirstOrderIndex {
+  double share = 0.0;  // 0 to 1
+  Interval interval;   // with 95 % confidence
+};
+
+/// The share of the variance of the outputs that an input explains alone: Sobol's first-order index, the variance of
+/// the mean output at each input, over the variance of the outputs. I. M. Sobol', Sensitivity estimates for nonlinear
+/// mathematical models, Mathematical Modelling and Computational Experiment 1 (1993). It is estimated from pairs, as by
+/// E. Plischke, E. Borgonovo, C. L. Smith, Global sensitivity measures from given data, European Journal of Operational
+/// Research 226 (2013): from the means within parts of the inputs, as many as the root of the number of pairs, or a
+/// part for each value if there are fewer. T. L. Kelley's correction, An Unbiased Correlation Ratio Measure,
+/// Proceedings of the National Academy of Sciences 21 (1935), removes its bias; below 0 it is 0.
+///
+/// Within a part the input has an effect, too, as that of a threshold. So the upper end of the interval begins with the
+/// variance between neighbours within parts (J. von Neumann, Distribution of the Ratio of the Mean Square Successive
+/// Difference to the Variance, The Annals of Mathematical Statistics 12 (1941)), if it is smaller. Both ends are
+/// extended by the standard error of a ratio, 1.96 times, which assumes independent pairs.
+///
+/// None if the outputs are all equal, or with fewer than two pairs for each part.
+std::optional<FirstOrderIndex> first_order_index(const std::vector<double>& inputs, const std::vector<double>& outputs);
 
 // Reports.
 
@@ -169,6 +181,8 @@ std::string to_string(const FaultCell& cell);
 struct CampaignSummary {
   std::int64_t cases = 0;  // of the plan
   std::array<std::int64_t, case_verdict_count> verdicts{};
+  /// By verdict, the most frequent reason (CaseResult::reason), and the number of reasons.
+  std::array<std::pair<std::string, std::size_t>, case_verdict_count> reasons{};
   std::int64_t missing = 0;               // cases without a result
   std::int64_t repeated = 0;              // cases that ran twice
   std::vector<std::int64_t> unrepeated;   // cases whose second run differed; at most 100 of them

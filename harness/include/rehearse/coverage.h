@@ -1,8 +1,9 @@
 // Coverage: the lines and branches of controllers that the replays of recordings execute.
 //
 // It needs no special build: the lines are those of the library's debug information (-g), and breakpoints find out when
-// each is reached first. In an optimised library several lines may share an instruction, and a line may have none; then
-// it isn't listed. A library that is compiled with -O0 or -Og has the lines of its source.
+// each is reached first. In an optimised library several lines may share an instruction, and a line may have none. Such
+// a library is named in the remarks, and its lines without code of their own aren't known unless they are executed. A
+// library that is compiled with -O0 or -Og has the lines of its source.
 #pragma once
 
 #include <rehearse/diagnostic.h>
@@ -53,6 +54,9 @@ struct CoveredLine {
 struct CoveredFile {
   std::filesystem::path file;  // absolute, unless the compiler left out its folder
   std::vector<CoveredLine> lines;
+  /// Of optimised libraries, the lines that may have been executed or not: no statement of them was reached, and they
+  /// have no code of their own, or a part of their code was executed among other lines. They aren't in `lines`.
+  std::vector<int> unknown;
 };
 
 struct CoverageReport {

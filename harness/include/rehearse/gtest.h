@@ -95,7 +95,7 @@ struct SweepCases {
 struct SweepResult {
   std::int64_t cases = 0;   // cases with a result
   std::int64_t passed = 0;  // cases that passed
-  double low = 0.0;         // lower bound of the share that passes: Wilson's interval with 95 % confidence
+  double low = 0.0;         // lower bound of the share that passes: the exact interval with 95 % confidence
   double high = 1.0;        // its upper bound
   std::string verdict;      // a sentence: "197 of 200 cases pass: ..."
   std::string failures;     // the kinds of failures, a line each, with the command that makes the first case again
@@ -245,7 +245,7 @@ inline SweepResult sweep(const std::string& scenario, const SweepCases& cases = 
 }  // namespace rehearse
 
 /// Passes unless the share of cases that pass is below `rate`, 0 to 1, with 95 % confidence. It fails if even the upper
-/// bound of Wilson's interval is below the rate, if a case that ran twice gave different bits, if a failure that the
+/// bound of the exact interval is below the rate, if a case that ran twice gave different bits, if a failure that the
 /// project keeps fails again, or if no case reached a
 /// state of the scenario's `sometimes`. So a few failures in a few cases don't fail it by chance. The message states
 /// the interval and the failing cases. A `pass_rate` of the scenario isn't asked: EXPECT_SWEEP_PASSES.

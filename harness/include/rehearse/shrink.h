@@ -47,18 +47,20 @@ struct SearchResult {
 };
 
 /// Runs rounds, each a campaign in `folder`/round-1 and so on. After a round parameters are steered towards the tenth
-/// of its cases with the smallest margins. Their new mean and deviation are 0.9 times those of these cases plus 0.1
-/// times those of the round. This is the cross-entropy method: R. Rubinstein, The Cross-Entropy Method for
-/// Combinatorial and Continuous Optimization, Methodology and Computing in Applied Probability 1 (1999). The round is a
-/// part of the seed. Called again with the same arguments it continues. Shares of failures refer to the steered
-/// distributions.
+/// of its cases with the smallest margins: their new mean is 0.9 times that of these cases plus 0.1 times that of the
+/// round, and their deviation, likewise, that of these cases from the mean of the round. This is a cross-entropy method
+/// (R. Rubinstein, The Cross-Entropy Method for Combinatorial and Continuous Optimization, Methodology and Computing in
+/// Applied Probability 1 (1999)) with the deviation of an evolution strategy, which doesn't shrink on the way. The
+/// round is a part of the seed. Called again with the same arguments it continues. Shares of failures refer to the
+/// steered distributions.
 ///
 /// The probability of a violation is estimated after the search by a campaign in `folder`/estimate, with the
 /// distributions of the next round for four in five values of each parameter, and the scenario's own for the others, so
 /// that a parameter which was steered without need keeps its range. The cases are weighted by their likelihood ratios
 /// (importance sampling with defensive mixtures: T. Hesterberg, Weighted Average Importance Sampling and Defensive
-/// Mixture Distributions, Technometrics 37 (1995)). A case without a margin of the expectation, as after a crash,
-/// doesn't count as a violation.
+/// Mixture Distributions, Technometrics 37 (1995)). The interval holds for the part of the failures to which the search
+/// led: of a failure in two directions, as beyond either end of a range, it may lack one. A case without a margin of
+/// the expectation, as after a crash, doesn't count as a violation.
 Result<SearchResult> search(const std::filesystem::path& scenario, const std::filesystem::path& folder,
                             const CampaignOptions& options, const SearchOptions& search, const SweepOptions& sweep,
                             const Simulation& simulation);

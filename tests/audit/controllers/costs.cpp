@@ -87,6 +87,8 @@ class Costs : public ZooController {
         {"good_snprintf", &Costs::good_snprintf},
         {"good_atomic", &Costs::good_atomic},
         {"good_null_release", &Costs::good_null_release},
+        {"good_try_lock", &Costs::good_try_lock},
+        {"good_pages", &Costs::good_pages},
     };
     const auto found = ways.find(options());
     if (found == ways.end()) return false;
@@ -313,6 +315,18 @@ class Costs : public ZooController {
   APART double good_null_release() {
     std::free(nothing_);
     return 0.0;
+  }
+
+  APART double good_try_lock() {
+    if (own_.try_lock()) own_.unlock();
+    return 0.0;
+  }
+  /// It makes no call, and the kernel maps each page at its first access.
+  APART double good_pages() {
+    static std::array<char, std::size_t{16} << 20> untouched;
+    if (tick_ == 100)
+      for (std::size_t at = 0; at < untouched.size(); at += 4096) untouched[at] = 1;
+    return untouched[0];
   }
 
   struct Node {

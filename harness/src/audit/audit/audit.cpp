@@ -309,8 +309,11 @@ Result<void> Audit::run_realtime() {
   const ReplayOutcome& outcome = outcomes[0];
   take_first(outcome.passes[0]);
   report_.replays = 1;
-  for (ControllerAudit& controller : report_.controllers)
+  for (ControllerAudit& controller : report_.controllers) {
     controller.costs = costs_in(outcome.log, controller.controller);
+    const auto faults = outcome.passes[0].page_faults.find(controller.controller);
+    if (faults != outcome.passes[0].page_faults.end()) controller.page_faults = faults->second;
+  }
   if (report_.failure) {
     report_.verdict = "failed: " + report_.failure->message;
   } else if (!outcome.passes[0].counted_costs) {

@@ -74,6 +74,11 @@ AuditJson object_of(const ControllerAudit& controller) {
           {"calls", json_array(controller.calls)},
           {"rests_on", controller.rests_on},
           {"costs", json_array(controller.costs)},
+          {"page_faults",
+           {{"total", controller.page_faults.total},
+            {"ticks", controller.page_faults.ticks},
+            {"first_tick", controller.page_faults.first_tick < 0 ? AuditJson(nullptr)
+                                                                 : AuditJson(controller.page_faults.first_tick)}}},
           {"instructions", controller.instructions ? object_of(*controller.instructions) : AuditJson(nullptr)},
           {"library", {{"file", controller.library.string()}, {"findings", json_array(controller.code)}}}};
 }

@@ -121,9 +121,15 @@ Json pass(const AuditedReplay& work, OutputsWriter& outputs) {
     outputs.add(tick, row);
   };
   const auto report = replay(work.trace, options);
-  Json result{
-      {"problem", nullptr}, {"failure", nullptr},     {"refused", false},     {"differs_from_recording", nullptr},
-      {"beyond", nullptr},  {"counted_costs", false}, {"undefined", nullptr}, {"remarks", Json::array()}};
+  Json result{{"problem", nullptr},
+              {"failure", nullptr},
+              {"refused", false},
+              {"differs_from_recording", nullptr},
+              {"beyond", nullptr},
+              {"counted_costs", false},
+              {"undefined", nullptr},
+              {"remarks", Json::array()},
+              {"page_faults", Json::object()}};
   if (!report) {
     result["problem"] = report.errors()[0];
     return result;
@@ -133,6 +139,11 @@ Json pass(const AuditedReplay& work, OutputsWriter& outputs) {
   result["refused"] = report->controller_refused;
   result["counted_costs"] =
       std::ranges::any_of(report->control_times, [](const ControlTimes& times) { return times.costs.has_value(); });
+  for (const ControlTimes& times : report->control_times)
+    if (times.costs) {
+      const ControlCosts::Count& faults = times.costs->page_faults;
+      result["page_faults"][times.controller] = {faults.total, faults.ticks, faults.first_tick};
+    }
   result["differs_from_recording"] = json_of_place(report->first);
   result["beyond"] = json_of_place(report->beyond);
   result["remarks"] = json_of_texts(report->remarks);

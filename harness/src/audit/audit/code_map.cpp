@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <optional>
+#include <sstream>
+#include <string>
 #include <string_view>
 
 #include "elf_library.h"
@@ -72,12 +74,27 @@ bool is_of_conversion(const CodeSection& section, const CodeMap::Jump& jump) {
   return jump.condition == sign && converts_half(section, jump.target);
 }
 
+/// True if the last option of one of the compilers that sets a level isn't -O0 or -Og.
+bool is_optimised(const std::string& compilers) {
+  std::istringstream units(compilers);
+  for (std::string unit; std::getline(units, unit, ';');) {
+    std::istringstream words(unit);
+    std::string level = "-O0";
+    for (std::string word; words >> word;)
+      if (word.starts_with("-O")) level = word;
+    if (level != "-O0" && level != "-Og") return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 Result<CodeMap> map_code(const fs::path& file) {
   const auto library = REHEARSE_TRY(read_library(file));
-  LineTable table = Symbols(file).lines();
+  const Symbols symbols(file);
+  LineTable table = symbols.lines();
   CodeMap map;
+  map.is_optimised = is_optimised(symbols.compilers());
   map.files = std::move(table.files);
   std::vector<bool> is_own;
   for (const std::string& path : map.files) is_own.push_back(!is_systems_source(path) && !is_of_api(path));
@@ -87,9 +104,11 @@ Result<CodeMap> map_code(const fs::path& file) {
     const CodeSection* const section = section_with(library, row->address);
     // The linker leaves rows of removed functions, at addresses outside of the code.
     if (!section || row->line == 0 || !is_own[static_cast<std::size_t>(row->file)]) continue;
-    if (row->is_statement) map.statements.push_back({row->address, row->file, row->line});
     const auto next = row + 1;
-    if (next == table.rows.end() || next->address == row->address) continue;
+    const bool has_code = next != table.rows.end() && next->address != row->address;
+    if (row->is_statement || (map.is_optimised && has_code))
+      map.statements.push_back({row->address, row->file, row->line, row->is_statement, has_code});
+    if (!has_code) continue;
     // Each row begins at an instruction, so that data between functions can't be taken for one.
     disassembler.each(*section, row->address, [&](const cs_insn& instruction) {
       if (instruction.address >= next->address) return false;

@@ -18,6 +18,8 @@ struct CodeMap {
     std::uint64_t address = 0;  // virtual
     int file = 0;               // index in `files`
     int line = 0;
+    bool begins = true;    // false, in an optimised library: the rest of a statement
+    bool has_code = true;  // false: another line has the instruction at the address
   };
   struct Jump {
     std::uint64_t address = 0, next = 0, target = 0;  // virtual; `next` follows the jump
@@ -25,6 +27,7 @@ struct CodeMap {
     int file = 0;
     int line = 0;
   };
+  bool is_optimised = false;  // by the options of the compiler, which debug information of gcc has
   std::vector<std::string> files;
   std::vector<Statement> statements;  // by address, then in the order of the table of lines
   std::vector<Jump> jumps;            // by address

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/clock.h"
+#include "base/text.h"
 #include "code_map.h"
 #include "core/compare/report_json.h"
 #include "core/host/hosted_language.h"
@@ -53,6 +54,7 @@ class CoverageSum {
 
   std::vector<CoveredFile> files();
   bool is_empty() const { return maps_.empty(); }
+  bool is_optimised(const fs::path& library) const { return maps_.at(library).is_optimised; }
   std::vector<fs::path> libraries() const {
     std::vector<fs::path> files;
     for (const auto& [library, map] : maps_) files.push_back(library);
@@ -65,6 +67,8 @@ class CoverageSum {
   std::map<fs::path, CodeMap> maps_;  // by library
   std::map<fs::path, std::vector<Execution>> executions_;
   std::map<std::string, std::map<int, CoveredLine>> lines_;  // by file and line
+  /// Of optimised libraries, by file and line: true if the line has code of its own, and no part of it was executed.
+  std::map<std::string, std::map<int, bool>> is_skipped_;
 };
 
 void note(std::optional<FirstExecution>& first, const Execution& execution, std::optional<std::int64_t> tick) {
@@ -83,12 +87,17 @@ void CoverageSum::add_lines(const fs::path& library, const CodeMap& map) {
     if (covered.function.empty()) covered.function = symbols.find(address).function;
     return covered;
   };
+  std::map<std::pair<int, int>, std::pair<bool, bool>> pieces;  // likewise: it has code; a part of it was executed
   for (const CodeMap::Statement& statement : map.statements) {
-    CoveredLine& line = line_at(statement.file, statement.line, statement.address);
+    auto& [has_code, is_executed] = pieces[{statement.file, statement.line}];
+    has_code = has_code || (statement.begins && statement.has_code);
+    CoveredLine* const line = statement.begins ? &line_at(statement.file, statement.line, statement.address) : nullptr;
     for (const Execution& execution : executions) {
       const auto found = execution.code.statements.find(statement.address);
       if (found == execution.code.statements.end()) continue;
-      note(line.first, execution, found->second);
+      is_executed = is_executed || statement.has_code;
+      if (!line) continue;
+      note(line->first, execution, found->second);
       recordings[{statement.file, statement.line}].insert(execution.recording);
     }
   }
@@ -105,6 +114,12 @@ void CoverageSum::add_lines(const fs::path& library, const CodeMap& map) {
     if (is_added(symbols.find(jump.address).function)) continue;
     line.ways.insert(line.ways.end(), {taken, passed});
   }
+  if (map.is_optimised)
+    for (const auto& [place, piece] : pieces) {
+      const std::string& file = map.files[static_cast<std::size_t>(place.first)];
+      bool& is_skipped = is_skipped_[file].try_emplace(place.second, true).first->second;
+      is_skipped = is_skipped && piece.first && !piece.second;
+    }
   for (const auto& [place, executing] : recordings) {
     CoveredLine& line = lines_[map.files[static_cast<std::size_t>(place.first)]][place.second];
     line.recordings = std::max(line.recordings, static_cast<std::int64_t>(executing.size()));
@@ -117,18 +132,26 @@ std::vector<CoveredFile> CoverageSum::files() {
   for (auto& [path, lines] : lines_) {
     CoveredFile& file = files.emplace_back();
     file.file = path;
-    for (auto& [number, line] : lines) file.lines.push_back(std::move(line));
+    const std::map<int, bool>& is_skipped = is_skipped_[path];
+    for (auto& [number, line] : lines) {
+      const auto found = is_skipped.find(number);
+      if (!line.first && found != is_skipped.end() && !found->second)
+        file.unknown.push_back(number);
+      else
+        file.lines.push_back(std::move(line));
+    }
   }
   return files;
 }
 
 struct Counts {
-  int lines = 0, executed = 0, ways = 0, executed_ways = 0;
+  int lines = 0, executed = 0, ways = 0, executed_ways = 0, unknown = 0;
 };
 
 Counts counts_of(const CoverageReport& report) {
   Counts counts;
-  for (const CoveredFile& file : report.files)
+  for (const CoveredFile& file : report.files) {
+    counts.unknown += static_cast<int>(file.unknown.size());
     for (const CoveredLine& line : file.lines) {
       ++counts.lines;
       counts.executed += line.first ? 1 : 0;
@@ -138,6 +161,7 @@ Counts counts_of(const CoverageReport& report) {
         counts.executed_ways += way.first ? 1 : 0;
       }
     }
+  }
   return counts;
 }
 
@@ -147,6 +171,9 @@ std::string verdict_of(const CoverageReport& report) {
   std::string text = fmt::format("{} of {} lines", counts.executed, counts.lines);
   if (counts.ways > 0) text += fmt::format(" and {} of {} ways of branches", counts.executed_ways, counts.ways);
   text += recordings == 1 ? " are executed by 1 recording" : fmt::format(" are executed by {} recordings", recordings);
+  if (counts.unknown > 0)
+    text += fmt::format("; {} {} known", count_text(static_cast<std::size_t>(counts.unknown), "line"),
+                        counts.unknown == 1 ? "isn't" : "aren't");
   const int missing = counts.lines - counts.executed;
   for (const CoveredFile& file : report.files)
     for (const CoveredLine& line : file.lines)
@@ -201,8 +228,14 @@ Result<CoverageReport> coverage(const std::vector<fs::path>& recordings, const A
     if (sum.is_empty()) return why;
     report.remarks.push_back(warning(why.message + ": its lines aren't known", why.hint));
   }
-  for (const fs::path& library : sum.libraries())
+  for (const fs::path& library : sum.libraries()) {
+    if (sum.is_optimised(library))
+      report.remarks.push_back(warning(fmt::format("{} is optimised: lines without code of their own aren't known, and "
+                                                   "an executed line may stand for its neighbours",
+                                                   library.filename().string()),
+                                       "compile it with -O0 or -Og; COVERAGE in CMake does"));
     for (std::string& sentence : notes_on_old_library(library)) report.remarks.push_back(warning(std::move(sentence)));
+  }
   report.files = sum.files();
   report.verdict = verdict_of(report);
   return report;
@@ -210,11 +243,9 @@ Result<CoverageReport> coverage(const std::vector<fs::path>& recordings, const A
 
 std::string to_json(const CoverageReport& report) {
   const Counts counts = counts_of(report);
-  CoverageJson object{{"verdict", report.verdict},
-                      {"lines", counts.lines},
-                      {"lines_executed", counts.executed},
-                      {"ways", counts.ways},
-                      {"ways_executed", counts.executed_ways}};
+  CoverageJson object{
+      {"verdict", report.verdict},       {"lines", counts.lines}, {"lines_executed", counts.executed},
+      {"lines_unknown", counts.unknown}, {"ways", counts.ways},   {"ways_executed", counts.executed_ways}};
   for (const fs::path& recording : report.recordings) object["recordings"].push_back(recording.string());
   object["files"] = CoverageJson::array();
   for (const CoveredFile& file : report.files) {
@@ -229,7 +260,7 @@ std::string to_json(const CoverageReport& report) {
                        {"first", object_of(line.first)},
                        {"ways", ways}});
     }
-    object["files"].push_back({{"file", file.file.string()}, {"lines", lines}});
+    object["files"].push_back({{"file", file.file.string()}, {"lines", lines}, {"unknown", file.unknown}});
   }
   object["failure"] = report.failure ? CoverageJson(report.failure->message) : CoverageJson(nullptr);
   object["remarks"] = CoverageJson::array();

@@ -73,9 +73,11 @@ std::string realtime_verdict(const AuditReport& report, bool complete) {
                                                  : fmt::format("; and at {} more places", places - 1)));
   }
   if (!not_safe.empty()) return fmt::format("{}", fmt::join(not_safe, "; "));
-  return fmt::format("{} {} real-time safe in {} ticks: no allocation, lock, system call or exception after tick 0{}",
-                     fmt::join(safe, ", "), safe.size() == 1 ? "is" : "are", report.ticks,
-                     complete ? "" : ", as far as the log of the calls reaches");
+  return fmt::format(
+      "{} {} real-time safe in {} ticks, as to calls: no allocation, lock, system call or exception "
+      "after tick 0{}; not measured: duration",
+      fmt::join(safe, ", "), safe.size() == 1 ? "is" : "are", report.ticks,
+      complete ? "" : ", as far as the log of the calls reaches");
 }
 
 }  // namespace rehearse

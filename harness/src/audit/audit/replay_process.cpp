@@ -243,6 +243,8 @@ Result<ReplayPass> ReplayProcesses::read_pass(const Child& child, int number) co
     if (!report.at("failure").is_null()) pass.failure = report.at("failure").get<std::string>();
     pass.refused = report.at("refused");
     pass.counted_costs = report.at("counted_costs");
+    for (const auto& [controller, faults] : report.at("page_faults").items())
+      pass.page_faults[controller] = {"page_faults", faults.at(0), faults.at(1), faults.at(2)};
     pass.differs_from_recording = place_of_json(report.at("differs_from_recording"));
     pass.beyond = place_of_json(report.at("beyond"));
     if (!report.at("undefined").is_null()) pass.undefined = report.at("undefined");

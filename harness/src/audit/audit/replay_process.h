@@ -45,9 +45,10 @@ struct ReplayPass {
   std::optional<std::string> failure;  // a controller threw, crashed or hung; or the process ended in it
   bool refused = false;
   bool counted_costs = false;
-  std::optional<Divergence> differs_from_recording;  // the first command that differs from the recorded one
-  std::optional<Divergence> beyond;                  // the first command beyond its tolerance
-  std::string undefined;                             // under valgrind: the first number that was never set
+  std::map<std::string, ControlCosts::Count> page_faults;  // by controller; empty: costs weren't counted
+  std::optional<Divergence> differs_from_recording;        // the first command that differs from the recorded one
+  std::optional<Divergence> beyond;                        // the first command beyond its tolerance
+  std::string undefined;                                   // under valgrind: the first number that was never set
   Diagnostics remarks;
   std::map<std::filesystem::path, ExecutedCode> executed;  // by library, with ReplaySettings::coverage
 };

@@ -1,12 +1,18 @@
 #include "likelihood_ratio.h"
 
 #include <algorithm>
+#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <cstddef>
 
-#include "core/scenario/normal_quantile.h"
-
 namespace rehearse {
+
+namespace {
+
+/// The largest weight that is taken into account, over the largest that occurred: few cases don't show it.
+constexpr double larger_than_seen = 3.0;
+
+}  // namespace
 
 double likelihood_ratio(const std::vector<Variation>& own, const std::vector<SteeredVariation>& steered,
                         const std::vector<double>& values, double own_share) {
@@ -34,11 +40,38 @@ FailureProbability failure_probability(const std::vector<double>& ratios, std::i
     sum += ratio;
     squares += ratio * ratio;
   }
+  const double largest = larger_than_seen * *std::ranges::max_element(ratios);
+  const auto quantile = [n](double sum, double squares, double share) {
+    return boost::math::gamma_p_inv(sum * sum / squares, share) * squares / sum / n;
+  };
   found.estimate = sum / n;
-  const double variance = std::max(0.0, squares / n - found.estimate * found.estimate) / n;
-  const double reach = std::exp(normal_quantile(1.0 - tail) * std::sqrt(variance) / found.estimate);
-  found.interval = {found.estimate / reach, std::min(1.0, found.estimate * reach)};
+  found.interval = {quantile(sum, squares, tail),
+                    std::min(1.0, quantile(sum + largest, squares + largest * largest, 1.0 - tail))};
   return found;
+}
+
+FailureProbability failure_probability(const std::vector<Variation>& variations, const Steering& steering,
+                                       const std::vector<std::vector<double>>& values,
+                                       const std::vector<double>& margins) {
+  std::vector<Variation> own;
+  std::vector<SteeredVariation> steered;
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < variations.size(); ++i) {
+    const auto found = std::ranges::find(steering.steered, variations[i].name, &SteeredParameter::name);
+    if (found == steering.steered.end()) continue;
+    indices.push_back(i);
+    own.push_back(variations[i]);
+    steered.push_back(steer(variations[i], *found));
+  }
+  std::vector<double> ratios;
+  for (std::size_t number = 0; number < margins.size(); ++number) {
+    if (!(margins[number] < 0.0)) continue;
+    std::vector<double> of_case;
+    for (const std::size_t i : indices) of_case.push_back(values[i][number]);
+    ratios.push_back(likelihood_ratio(own, steered, of_case, steering.own_share));
+  }
+  const double least_share_of_density = std::pow(steering.own_share, static_cast<double>(own.size()));
+  return failure_probability(ratios, static_cast<std::int64_t>(margins.size()), least_share_of_density);
 }
 
 }  // namespace rehearse

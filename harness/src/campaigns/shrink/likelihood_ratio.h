@@ -18,9 +18,21 @@ double likelihood_ratio(const std::vector<Variation>& own, const std::vector<Ste
                         const std::vector<double>& values, double own_share);
 
 /// The probability of a violation: the mean over all cases of the likelihood ratio of those that violate, and 0 of the
-/// others. Its interval, with 95 % confidence, is the normal one of the logarithm; without a violation it goes from 0
-/// to the largest probability of which so many cases show none in one of 40 campaigns. `ratios`: of the cases that
-/// violate, each at most 1 / `least_share`.
+/// others. Its interval, with 95 % confidence, is that of a sum of weighted Poisson counts: M. P. Fay, E. J. Feuer,
+/// Confidence Intervals for Directly Standardized Rates: a Method Based on the Gamma Distribution, Statistics in
+/// Medicine 16 (1997), pp. 791-801, with three times the largest ratio of a violation as the largest weight, because a
+/// larger one may not have occurred. Without a violation it
+/// goes from 0 to the largest probability of which so many cases show none in one of 40 campaigns. `ratios`: of the
+/// cases that violate, each at most 1 / `least_share`.
+///
+/// The interval holds for the failures that the steered distributions reach. If a failure has another part, which no
+/// case shows, the estimate lacks its probability.
 FailureProbability failure_probability(const std::vector<double>& ratios, std::int64_t cases, double least_share);
+
+/// Likewise, of cases whose steered values are drawn from `steering`. `values`: by variation, by case; `margins`: of
+/// the expectation, by case; below 0: violated; NaN: none.
+FailureProbability failure_probability(const std::vector<Variation>& variations, const Steering& steering,
+                                       const std::vector<std::vector<double>>& values,
+                                       const std::vector<double>& margins);
 
 }  // namespace rehearse

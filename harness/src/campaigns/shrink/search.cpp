@@ -11,53 +11,14 @@
 #include "campaigns/statistics/case_table.h"
 #include "core/guard/interruption.h"
 #include "likelihood_ratio.h"
+#include "steering.h"
 
 namespace rehearse {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double elite_share = 0.1;
-constexpr std::size_t least_elite = 4;
-constexpr double weight = 0.9;                 // of the elite's distribution; the rest is that of the round
-constexpr double least_share_of_range = 1e-3;  // of the deviation
-constexpr double own_share = 0.2;              // of the values of each parameter, for the estimate of a probability
-
-bool is_logarithmic(const Variation& variation) { return variation.distribution == Distribution::log_uniform; }
-
-bool can_be_steered(const Variation& variation) {
-  return variation.distribution <= Distribution::normal && !variation.integer;
-}
-
-struct Moments {
-  double mean = 0.0, stddev = 0.0;
-};
-
-Moments moments_of(const std::vector<double>& values) {
-  Moments moments;
-  for (const double value : values) moments.mean += value / static_cast<double>(values.size());
-  for (const double value : values)
-    moments.stddev += (value - moments.mean) * (value - moments.mean) / static_cast<double>(values.size());
-  moments.stddev = std::sqrt(moments.stddev);
-  return moments;
-}
-
-/// The distribution to which the options steer a parameter; null: its own.
-const SteeredParameter* find_steered(const CampaignOptions& options, const std::string& name) {
-  const auto found = std::ranges::find(options.steered, name, &SteeredParameter::name);
-  return found == options.steered.end() ? nullptr : &*found;
-}
-
-/// The moments of the round's distribution, before truncation.
-Moments moments_of(const Variation& variation, const CampaignOptions& round) {
-  if (const SteeredParameter* parameter = find_steered(round, variation.name))
-    return {parameter->mean, parameter->stddev};
-  if (variation.distribution == Distribution::normal) return {variation.mean, variation.stddev};
-  const bool logarithmic = is_logarithmic(variation);
-  const double low = logarithmic ? std::log(variation.low) : variation.low;
-  const double high = logarithmic ? std::log(variation.high) : variation.high;
-  return {0.5 * (low + high), (high - low) / std::sqrt(12.0)};
-}
+constexpr double own_share = 0.2;  // of the values of each parameter, for the estimate of a probability
 
 /// The indices of the parameters that are steered.
 Result<std::vector<std::size_t>> steered_variations(const Scenario& scenario, const std::vector<std::string>& over) {
@@ -89,29 +50,6 @@ Result<std::size_t> find_expectation(const Campaign& campaign, const std::string
   return error_in(campaign.scenario().file,
                   fmt::format("{} has '{}'", found.empty() ? "no expectation" : "more than one expectation", text),
                   name_hint(text, campaign.expectations(), "expectations"));
-}
-
-/// The cases with the smallest margins. If more violate the expectation, all that do: the parameters aren't steered
-/// past the boundary of the failure, where most of its probability is.
-std::vector<std::size_t> elite_of(const std::vector<double>& margins) {
-  std::vector<std::size_t> cases;
-  for (std::size_t i = 0; i < margins.size(); ++i)
-    if (!std::isnan(margins[i])) cases.push_back(i);
-  std::ranges::stable_sort(cases, [&](std::size_t a, std::size_t b) { return margins[a] < margins[b]; });
-  const auto share = static_cast<std::size_t>(elite_share * static_cast<double>(cases.size()));
-  const auto violating =
-      static_cast<std::size_t>(std::ranges::count_if(cases, [&](std::size_t number) { return margins[number] < 0.0; }));
-  cases.resize(std::min(cases.size(), std::max({share, least_elite, violating})));
-  return cases;
-}
-
-SteeredParameter steered(const Variation& variation, const CampaignOptions& round, const std::vector<double>& elite) {
-  const Moments now = moments_of(elite), before = moments_of(variation, round);
-  const bool logarithmic = is_logarithmic(variation);
-  const double range = logarithmic ? std::log(variation.high / variation.low) : variation.high - variation.low;
-  const double stddev = weight * now.stddev + (1.0 - weight) * before.stddev;
-  return {variation.name, weight * now.mean + (1.0 - weight) * before.mean,
-          std::max(stddev, least_share_of_range * range)};
 }
 
 class Search {
@@ -165,11 +103,9 @@ Result<void> Search::steer_by(const Campaign& campaign, std::size_t expectation,
   round.least_margin = margins[elite.front()];
   options_.steered.clear();
   for (const std::size_t i : indices) {
-    const Variation& variation = campaign.scenario().variations[i];
     std::vector<double> values;
-    for (const std::size_t number : elite)
-      values.push_back(is_logarithmic(variation) ? std::log(table.values[i][number]) : table.values[i][number]);
-    options_.steered.push_back(steered(variation, campaign.options(), values));
+    for (const std::size_t number : elite) values.push_back(table.values[i][number]);
+    options_.steered.push_back(steered_by(campaign.scenario().variations[i], campaign.options().steered, values));
   }
   ++options_.seed;
   return {};
@@ -200,27 +136,9 @@ Result<FailureProbability> Search::estimate(const fs::path& folder) {
   const auto campaign = REHEARSE_TRY(run_campaign(folder));
   REHEARSE_TRY(write_campaign_report(campaign));
   const auto table = REHEARSE_TRY(CaseTable::of(campaign));
-  const std::vector<Variation>& variations = campaign.scenario().variations;
-  std::vector<Variation> own;
-  std::vector<SteeredVariation> steered;
-  std::vector<std::size_t> indices;
-  for (std::size_t i = 0; i < variations.size(); ++i) {
-    const SteeredParameter* parameter = find_steered(options_, variations[i].name);
-    if (parameter == nullptr) continue;
-    indices.push_back(i);
-    own.push_back(variations[i]);
-    steered.push_back(steer(variations[i], *parameter));
-  }
-  const std::vector<double>& margins = table.margins[*find_expectation(campaign, search_.expectation)];
-  std::vector<double> ratios;
-  for (std::size_t number = 0; number < table.size(); ++number) {
-    if (!(margins[number] < 0.0)) continue;
-    std::vector<double> values;
-    for (const std::size_t i : indices) values.push_back(table.values[i][number]);
-    ratios.push_back(likelihood_ratio(own, steered, values, own_share));
-  }
-  const double least_share_of_density = std::pow(own_share, static_cast<double>(own.size()));
-  FailureProbability found = failure_probability(ratios, search_.estimate, least_share_of_density);
+  FailureProbability found =
+      failure_probability(campaign.scenario().variations, {options_.steered, own_share}, table.values,
+                          table.margins[*find_expectation(campaign, search_.expectation)]);
   found.folder = folder;
   return found;
 }

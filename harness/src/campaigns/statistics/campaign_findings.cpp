@@ -6,7 +6,7 @@
 #include <map>
 #include <numeric>
 
-#include "campaign_page.h"
+#include "axis.h"
 #include "campaigns/plan/result_lines.h"
 #include "importance.h"
 
@@ -25,23 +25,6 @@ double median(std::vector<double> values) {
 std::vector<std::int64_t> first_cases(std::vector<std::int64_t> cases) {
   cases.resize(std::min(cases.size(), listed_cases));
   return cases;
-}
-
-std::vector<FailureKind> failures_of(const CaseTable& table) {
-  std::vector<std::vector<std::int64_t>> cases(table.reason_texts.size());
-  for (std::size_t i = 0; i < table.size(); ++i)
-    if (table.has(i) && !table.passed(i)) cases[table.reasons[i]].push_back(static_cast<std::int64_t>(i));
-  std::vector<std::size_t> order(cases.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::erase_if(order, [&](std::size_t reason) { return cases[reason].empty(); });
-  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
-    return cases[a].size() != cases[b].size() ? cases[a].size() > cases[b].size() : cases[a][0] < cases[b][0];
-  });
-  std::vector<FailureKind> failures;
-  for (const std::size_t reason : order)
-    failures.push_back({table.reason_texts[reason], *table.verdicts[static_cast<std::size_t>(cases[reason][0])],
-                        cases[reason].size(), table.reason_examples[reason], first_cases(cases[reason])});
-  return failures;
 }
 
 std::vector<ErrorKind> errors_of(const CaseTable& table) {
@@ -95,7 +78,7 @@ void add_words(const CaseTable& table, std::size_t index, ParameterFindings& par
   for (std::size_t word = 0; word < words.size(); ++word) {
     const std::int64_t passed = counts[word][0], all = passed + counts[word][1];
     const auto share = all == 0 ? std::nullopt : std::optional(static_cast<double>(passed) / static_cast<double>(all));
-    parameter.words.push_back({words[word], all, passed, share, wilson_interval(passed, all)});
+    parameter.words.push_back({words[word], all, passed, share, exact_interval(passed, all)});
   }
 }
 
@@ -155,6 +138,23 @@ UnvisitedCells unvisited_cells(const Campaign& campaign, const CaseTable& table,
 }
 
 }  // namespace
+
+std::vector<FailureKind> failures_of(const CaseTable& table) {
+  std::vector<std::vector<std::int64_t>> cases(table.reason_texts.size());
+  for (std::size_t i = 0; i < table.size(); ++i)
+    if (table.has(i) && !table.passed(i)) cases[table.reasons[i]].push_back(static_cast<std::int64_t>(i));
+  std::vector<std::size_t> order(cases.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::erase_if(order, [&](std::size_t reason) { return cases[reason].empty(); });
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+    return cases[a].size() != cases[b].size() ? cases[a].size() > cases[b].size() : cases[a][0] < cases[b][0];
+  });
+  std::vector<FailureKind> failures;
+  for (const std::size_t reason : order)
+    failures.push_back({table.reason_texts[reason], *table.verdicts[static_cast<std::size_t>(cases[reason][0])],
+                        cases[reason].size(), table.reason_examples[reason], first_cases(cases[reason])});
+  return failures;
+}
 
 double ParameterFindings::largest_effect() const {
   const auto& passing = has_words ? association_with_passing : correlation_with_passing;

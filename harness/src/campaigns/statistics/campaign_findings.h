@@ -23,6 +23,9 @@ struct FailureKind {
   std::vector<std::int64_t> cases = {};  // the first of them
 };
 
+/// The most frequent first.
+std::vector<FailureKind> failures_of(const CaseTable& table);
+
 /// Cases whose controllers wrote one kind of error.
 struct ErrorKind {
   std::string error;  // without its numbers
@@ -46,13 +49,18 @@ struct OfMargin {
   double number = 0.0;
 };
 
+struct IndexOfMargin {
+  std::string expectation;
+  FirstOrderIndex index;
+};
+
 /// The effects of a varied parameter. None: unknown, or not of this kind of parameter.
 struct ParameterFindings {
   std::string name, path, nominal;
   std::optional<double> correlation_with_passing = {};   // rank correlation
   std::optional<OfMargin> correlation_with_margin = {};  // the largest one
-  std::optional<double> importance_of_passing = {};      // first-order index
-  std::optional<OfMargin> importance_of_margin = {};     // the largest one
+  std::optional<FirstOrderIndex> importance_of_passing = {};
+  std::optional<IndexOfMargin> importance_of_margin = {};  // the largest one
   std::optional<double> median_of_passed = {}, median_of_failed = {};
   // of a parameter with words, which have no order
   bool has_words = false;

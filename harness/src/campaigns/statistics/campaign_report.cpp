@@ -32,6 +32,10 @@ CampaignSummary summary_of(const Campaign& campaign, const CaseTable& table) {
     else
       ++summary.missing;
   }
+  for (const FailureKind& failure : failures_of(table)) {  // the most frequent first
+    auto& [reason, count] = summary.reasons[static_cast<std::size_t>(failure.verdict)];
+    if (count++ == 0) reason = failure.reason;
+  }
   const CampaignClaims claims = claims_of(campaign.scenario());
   if (claims.pass_rate) summary.claim = ClaimedRate{claims.pass_rate->at_least, claims.pass_rate->confidence};
   for (std::size_t i = 0; i < claims.sometimes.size(); ++i)

@@ -31,6 +31,8 @@ void read_values(const Campaign& campaign, CaseTable& table) {
   const std::size_t count = campaign.scenario().variations.size();
   table.values.assign(count, std::vector<double>(table.size()));
   table.words.resize(count);
+  for (const Variation& variation : campaign.scenario().variations)
+    table.logarithmic.push_back(variation.distribution == Distribution::log_uniform);
   std::vector<bool> has_words(count);
   for (std::size_t number = 0; number < table.size(); ++number) {
     const std::vector<std::string> values = campaign.values_of(static_cast<std::int64_t>(number));

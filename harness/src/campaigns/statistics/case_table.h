@@ -30,6 +30,7 @@ struct CaseTable {
   std::vector<std::vector<double>> margins;     // by expectation, by case; NaN: none
   std::vector<std::vector<double>> values;      // by variation, by case; of words their place in `words`
   std::vector<std::vector<std::string>> words;  // by variation; empty: its values are numbers
+  std::vector<bool> logarithmic;                // by variation: its distribution is log_uniform
   std::vector<std::string> reason_texts, reason_examples;
 
   std::map<std::int64_t, std::string> first_errors;  // by case with errors

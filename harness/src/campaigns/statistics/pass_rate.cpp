@@ -6,18 +6,17 @@
 #include <cmath>
 
 #include "base/text.h"
-#include "core/scenario/normal_quantile.h"
+#include "binomial.h"
 
 namespace rehearse {
 namespace {
 
-/// True if the Wilson interval of n cases, of which this share passes, doesn't contain the bound. The bound is outside
-/// if the share is farther from it than z deviations of a binomial share at the bound, which is how Wilson's interval
-/// is defined.
+/// True if the exact interval of n cases, of which this share passes, doesn't contain the bound: so many passing cases,
+/// or so few, are at most as probable at the bound as the interval leaves beyond an end.
 bool decides(const ClaimedRate& claim, double share, double n) {
-  const double z = normal_quantile(0.5 + 0.5 * claim.confidence);
-  const double distance = share - claim.at_least;
-  return n * distance * distance >= z * z * claim.at_least * (1.0 - claim.at_least);
+  const double tail = 0.5 - 0.5 * claim.confidence, passed = share * n;
+  if (share > claim.at_least) return binomial_at_least(passed, n, claim.at_least) <= tail;
+  return share < claim.at_least && binomial_at_most(passed, n, claim.at_least) < tail;
 }
 
 }  // namespace
@@ -37,7 +36,7 @@ ClaimAnswer answer_of(const ClaimedRate& claim, const Interval& interval) {
 }
 
 std::optional<std::int64_t> deciding_cases(const ClaimedRate& claim, double share) {
-  constexpr std::int64_t most = 1'000'000'000'000;
+  constexpr std::int64_t most = 1'000'000'000;
   if (std::isnan(share) || !decides(claim, share, static_cast<double>(most))) return std::nullopt;
   std::int64_t low = 0, high = most;  // low doesn't decide
   while (high - low > 1) {

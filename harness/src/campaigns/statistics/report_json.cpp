@@ -101,9 +101,16 @@ Json json_of(const ErrorKind& error) {
           {"cases", error.cases}};
 }
 
-Json json_of(const std::optional<OfMargin>& margin, const char* number) {
+Json json_of(const std::optional<OfMargin>& margin) {
   if (!margin) return nullptr;
-  return {{"expectation", margin->expectation}, {number, margin->number}};
+  return {{"expectation", margin->expectation}, {"correlation", margin->number}};
+}
+
+Json json_of(const std::optional<IndexOfMargin>& margin) {
+  if (!margin) return nullptr;
+  return {{"expectation", margin->expectation},
+          {"share", margin->index.share},
+          {"interval", json_of(margin->index.interval)}};
 }
 
 Json json_of(const WordShare& word) {
@@ -115,14 +122,16 @@ Json json_of(const WordShare& word) {
 }
 
 Json json_of(const ParameterFindings& parameter) {
+  const auto& of_passing = parameter.importance_of_passing;
   Json object{{"name", parameter.name},
               {"path", parameter.path},
               {"nominal", parameter.nominal},
               {"correlation_with_passing", or_null(parameter.correlation_with_passing)},
-              {"correlation_with_margin", json_of(parameter.correlation_with_margin, "correlation")},
+              {"correlation_with_margin", json_of(parameter.correlation_with_margin)},
               {"importance",
-               {{"passing", or_null(parameter.importance_of_passing)},
-                {"margin", json_of(parameter.importance_of_margin, "share")}}},
+               {{"passing", of_passing ? Json(of_passing->share) : Json(nullptr)},
+                {"passing_interval", of_passing ? json_of(of_passing->interval) : Json(nullptr)},
+                {"margin", json_of(parameter.importance_of_margin)}}},
               {"median_of_passed", or_null(parameter.median_of_passed)},
               {"median_of_failed", or_null(parameter.median_of_failed)}};
   if (!parameter.has_words) return object;

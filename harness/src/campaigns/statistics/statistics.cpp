@@ -5,10 +5,13 @@
 #include <limits>
 #include <numeric>
 
-#include "core/scenario/normal_quantile.h"
+#include "binomial.h"
 
 namespace rehearse {
 namespace {
+
+/// The probability beyond each end of a two-sided interval.
+double tail_of(double confidence) { return confidence == 0.95 ? 0.025 : 0.5 - 0.5 * confidence; }
 
 /// The indices of values in ascending order.
 std::vector<std::size_t> order_of(const std::vector<double>& values) {
@@ -16,22 +19,6 @@ std::vector<std::size_t> order_of(const std::vector<double>& values) {
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
   return order;
-}
-
-/// The ends of parts of the sorted values: a part for each value, or as many as the root of their number, of about
-/// equal size. Equal values are in one part.
-std::vector<std::size_t> parts_of(const std::vector<double>& values) {
-  std::vector<double> sorted = values;
-  std::ranges::sort(sorted);
-  std::vector<std::size_t> ends;  // of the runs of equal values
-  for (std::size_t i = 1; i <= sorted.size(); ++i)
-    if (i == sorted.size() || sorted[i] != sorted[i - 1]) ends.push_back(i);
-  const auto most = static_cast<std::size_t>(std::sqrt(static_cast<double>(sorted.size())));
-  if (ends.size() <= most) return ends;
-  std::vector<std::size_t> parts;
-  for (const std::size_t end : ends)
-    if (end == sorted.size() || end * most >= (parts.size() + 1) * sorted.size()) parts.push_back(end);
-  return parts;
 }
 
 /// Ranks from 1 on; equal values have the mean of their ranks.
@@ -45,50 +32,21 @@ std::vector<double> ranks_of(const std::vector<double>& values) {
   return ranks;
 }
 
-/// The probability of at most `most` successes in n attempts.
-double binomial_at_most(std::int64_t most, std::int64_t n, double probability) {
-  const double size = static_cast<double>(n), yes = std::log(probability), no = std::log1p(-probability);
-  double sum = 0.0;
-  for (std::int64_t k = 0; k <= std::min(most, n); ++k) {
-    const double some = static_cast<double>(k), rest = size - some;
-    // 0 attempts have no logarithm of 0 in their product
-    sum += std::exp(std::lgamma(size + 1.0) - std::lgamma(some + 1.0) - std::lgamma(rest + 1.0) +
-                    (some > 0.0 ? some * yes : 0.0) + (rest > 0.0 ? rest * no : 0.0));
-  }
-  return std::min(1.0, sum);
-}
-
-/// The probability of a success at which at most `most` successes in n attempts have this probability; 1: none is so
-/// large.
-double binomial_bound(std::int64_t most, std::int64_t n, double at_most) {
-  double low = 0.0, high = 1.0;
-  constexpr int halvings = 60;
-  for (int i = 0; i < halvings; ++i) {
-    const double middle = 0.5 * (low + high);
-    (binomial_at_most(most, n, middle) > at_most ? low : high) = middle;
-  }
-  return high;
-}
-
 }  // namespace
 
-Interval wilson_interval(std::int64_t passed, std::int64_t all, double confidence) {
+Interval exact_interval(std::int64_t passed, std::int64_t all, double confidence) {
   if (all == 0) return {};
-  constexpr double usual = 1.959963984540054;  // the normal quantile of 0.975
-  const double z = confidence == 0.95 ? usual : normal_quantile(0.5 + 0.5 * confidence);
-  const double n = static_cast<double>(all), share = static_cast<double>(passed) / n;
-  const double middle = share + z * z / (2.0 * n);
-  const double reach = z * std::sqrt(share * (1.0 - share) / n + z * z / (4.0 * n * n));
-  const double scale = 1.0 / (1.0 + z * z / n);
-  return {passed == 0 ? 0.0 : (middle - reach) * scale, passed == all ? 1.0 : (middle + reach) * scale};
+  const double tail = tail_of(confidence), some = static_cast<double>(passed), n = static_cast<double>(all);
+  return {passed == 0 ? 0.0 : binomial_lower_bound(some, n, tail),
+          passed == all ? 1.0 : binomial_upper_bound(some, n, tail)};
 }
 
 Interval inverse_interval(std::int64_t failed, std::int64_t all, double confidence) {
   REHEARSE_ASSERT(failed >= 1 && failed <= all, "the work ended with a failure");
-  const double tail = confidence == 0.95 ? 0.025 : 0.5 - 0.5 * confidence;
+  const double tail = tail_of(confidence), some = static_cast<double>(failed), n = static_cast<double>(all);
   // more cases were needed with a smaller probability of a failure, and fewer with a larger one
-  const double least = binomial_bound(failed - 1, all, 1.0 - tail);
-  const double most = failed == all ? 1.0 : binomial_bound(failed - 1, all - 1, tail);
+  const double least = binomial_lower_bound(some, n, tail);
+  const double most = failed == all ? 1.0 : binomial_upper_bound(some - 1.0, n - 1.0, tail);
   return {1.0 - most, 1.0 - least};
 }
 
@@ -100,7 +58,8 @@ double quantile_of_sorted(const std::vector<double>& sorted, double share) {
 }
 
 double mcnemar_exact(std::int64_t one_way, std::int64_t other_way) {
-  return std::min(1.0, 2.0 * binomial_at_most(std::min(one_way, other_way), one_way + other_way, 0.5));
+  const double fewer = static_cast<double>(std::min(one_way, other_way));
+  return std::min(1.0, 2.0 * binomial_at_most(fewer, static_cast<double>(one_way + other_way), 0.5));
 }
 
 double CampaignSummary::share() const {
@@ -114,7 +73,7 @@ double CampaignSummary::confidence() const { return claim ? claim->confidence : 
 
 Interval CampaignSummary::interval() const {
   return until_failures > 0 ? inverse_interval(failed(), judged(), confidence())
-                            : wilson_interval(passed(), judged(), confidence());
+                            : exact_interval(passed(), judged(), confidence());
 }
 
 double rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
@@ -128,27 +87,6 @@ double rank_correlation(const std::vector<double>& a, const std::vector<double>&
     yy += (y[i] - mean) * (y[i] - mean);
   }
   return xy / std::sqrt(xx * yy);
-}
-
-double first_order_index(const std::vector<double>& inputs, const std::vector<double>& outputs) {
-  REHEARSE_ASSERT(inputs.size() == outputs.size(), "both lists have the same length");
-  const std::vector<std::size_t> parts = parts_of(inputs);
-  const double n = static_cast<double>(inputs.size()), count = static_cast<double>(parts.size());
-  if (n < 2.0 * std::max(count, 1.0)) return std::numeric_limits<double>::quiet_NaN();
-  const std::vector<std::size_t> order = order_of(inputs);
-  const double mean = std::accumulate(outputs.begin(), outputs.end(), 0.0) / n;
-  double within = 0.0, all = 0.0;
-  for (std::size_t part = 0; part < parts.size(); ++part) {
-    const std::size_t begin = part == 0 ? 0 : parts[part - 1], end = parts[part];
-    double of_part = 0.0;
-    for (std::size_t i = begin; i < end; ++i) of_part += outputs[order[i]] / static_cast<double>(end - begin);
-    for (std::size_t i = begin; i < end; ++i) {
-      within += (outputs[order[i]] - of_part) * (outputs[order[i]] - of_part);
-      all += (outputs[order[i]] - mean) * (outputs[order[i]] - mean);
-    }
-  }
-  if (!(all > 0.0)) return std::numeric_limits<double>::quiet_NaN();
-  return std::max(0.0, 1.0 - (n - 1.0) / (n - count) * within / all);
 }
 
 double cramers_v(const std::vector<std::vector<std::int64_t>>& counts) {

@@ -242,7 +242,6 @@
   ROW(__cxa_rethrow, none, counted, exception) \
   ROW(pthread_join, none, counted, lock) \
   ROW(pthread_mutex_lock, none, counted, lock) \
-  ROW(pthread_mutex_trylock, none, counted, lock) \
   ROW(pthread_rwlock_rdlock, none, counted, lock) \
   ROW(pthread_rwlock_wrlock, none, counted, lock) \
   ROW(pthread_spin_lock, none, counted, lock) \

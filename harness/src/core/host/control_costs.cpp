@@ -57,7 +57,8 @@ std::string realtime_sentence(const ControlTimes& control) {
   if (control.calls <= 1) return fmt::format("control() of {} ran in no tick after tick 0", control.controller);
   if (control.costs->is_realtime_safe())
     return fmt::format(
-        "control() of {} is real-time safe in {} ticks: no allocation, lock, system call or exception after tick 0",
+        "control() of {} is real-time safe in {} ticks, as to calls: no allocation, lock, system call or exception "
+        "after tick 0",
         control.controller, control.calls);
   std::vector<std::string> texts;
   for (const ControlCosts::Count& count : control.costs->counts)

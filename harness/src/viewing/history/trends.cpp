@@ -3,56 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
-#include <numeric>
-#include <tuple>
 #include <utility>
+
+#include "chance_of_fall.h"
 
 namespace rehearse {
 namespace {
 
-constexpr std::size_t most_exact = 60;  // values whose distribution is computed
 constexpr double jump_factor = 12.0;    // times the median of the other steps
 constexpr std::size_t least_steps = 4;  // that measure the noise of a margin
-
-/// Pairs of values that fall, and those that rise.
-std::pair<std::int64_t, std::int64_t> count_pairs(const std::vector<double>& values) {
-  std::int64_t falling = 0, rising = 0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    for (std::size_t k = i + 1; k < values.size(); ++k) {
-      falling += values[k] < values[i];
-      rising += values[k] > values[i];
-    }
-  }
-  return {falling, rising};
-}
-
-/// The share of the orders of n different values in which at least `falling` pairs fall. The number of such pairs is a
-/// sum of independent numbers, of which the one of value i is 0 to i with equal probability.
-double exact_chance(std::size_t n, std::int64_t falling) {
-  std::vector<double> probability{1.0};
-  for (std::size_t i = 1; i < n; ++i) {
-    std::vector<double> next(probability.size() + i, 0.0);
-    for (std::size_t pairs = 0; pairs < probability.size(); ++pairs)
-      for (std::size_t more = 0; more <= i; ++more)
-        next[pairs + more] += probability[pairs] / static_cast<double>(i + 1);
-    probability = std::move(next);
-  }
-  // from the smallest on
-  return std::accumulate(probability.rbegin(), probability.rend() - falling, 0.0);
-}
-
-/// The sum over groups of equal values in the variance of the pairs.
-double variance_of_ties(std::vector<double> values) {
-  std::ranges::stable_sort(values);
-  double sum = 0.0;
-  for (std::size_t begin = 0, end = 0; begin < values.size(); begin = end) {
-    while (end < values.size() && values[end] == values[begin]) ++end;
-    const auto size = static_cast<double>(end - begin);
-    sum += size * (size - 1.0) * (2.0 * size + 5.0);
-  }
-  return sum;
-}
 
 double median_of(std::vector<double> values) {
   std::ranges::stable_sort(values);
@@ -88,14 +47,12 @@ void judge(MarginTrend& trend, const TrendOptions& options, std::size_t tested) 
   for (std::size_t i = 1; i < values.size(); ++i) trend.shrank += values[i] < values[i - 1];
   if (values.front() != 0.0) trend.change = (values.back() - values.front()) / std::abs(values.front());
   trend.jump = jump_in(values, options.least_change);
-  if (trend.jump) {
-    const double step = values[*trend.jump] - values[*trend.jump - 1];
-    for (std::size_t i = *trend.jump; i < values.size(); ++i) values[i] -= step;
-  }
   trend.chance = chance_of_fall(values);
   const double fall = values.front() - values.back();
-  trend.drifts = trend.chance * static_cast<double>(tested) <= options.significance && fall > 0.0 &&
-                 fall >= options.least_change * std::abs(values.front());
+  const double largest_step = trend.jump ? values[*trend.jump - 1] - values[*trend.jump] : 0.0;
+  const double without_jump = std::min(fall, fall - largest_step);
+  trend.drifts = trend.chance * static_cast<double>(tested) <= options.significance && without_jump > 0.0 &&
+                 without_jump >= options.least_change * std::abs(values.front());
 }
 
 /// Lines in the order of their dates, if all have one. Equal dates keep the order of the lines.
@@ -147,18 +104,6 @@ void add_flaky(const std::vector<const HistoryLine*>& lines, Trends& trends) {
 }
 
 }  // namespace
-
-double chance_of_fall(const std::vector<double>& values) {
-  const auto [falling, rising] = count_pairs(values);
-  const auto n = static_cast<double>(values.size());
-  const double ties = variance_of_ties(values);
-  if (ties == 0.0 && values.size() <= most_exact) return values.size() < 2 ? 1.0 : exact_chance(values.size(), falling);
-  const double variance = (n * (n - 1.0) * (2.0 * n + 5.0) - ties) / 18.0;
-  if (!(variance > 0.0)) return 1.0;
-  const auto fall = static_cast<double>(falling - rising);
-  const double corrected = fall > 0.0 ? fall - 1.0 : fall < 0.0 ? fall + 1.0 : 0.0;
-  return 0.5 * std::erfc(corrected / std::sqrt(variance) / std::numbers::sqrt2);
-}
 
 bool Trends::drifts() const { return std::ranges::any_of(margins, &MarginTrend::drifts); }
 

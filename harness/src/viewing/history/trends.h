@@ -12,15 +12,9 @@
 
 namespace rehearse {
 
-/// The probability that values without a trend fall as much as these, or more: H. B. Mann, Nonparametric tests against
-/// trend, Econometrica 13 (1945), pp. 245-259, and M. G. Kendall, Rank Correlation Methods (1975), one-sided. Exact for
-/// values that all differ; with ties, and beyond 60 values, the normal approximation with the variance of ties and the
-/// correction for continuity. 1 for fewer than two values, or if all are equal.
-double chance_of_fall(const std::vector<double>& values);
-
 struct TrendOptions {
   std::size_t last = 20;       // commits that are judged, the newest ones
-  double significance = 0.01;  // probability that a whole history without drift is said to drift
+  double significance = 0.05;  // largest probability that a whole history without drift is said to drift
   double least_change = 0.01;  // relative change below which nothing drifts or jumps
 };
 
@@ -37,8 +31,9 @@ struct MarginTrend {
   std::vector<MarginPoint> points;  // the judged ones, the oldest first
   std::size_t shrank = 0;           // steps from one point to the next in which the margin shrank
   std::optional<double> change;     // from the first to the last point, as a share of the first; none: that is 0
-  double chance = 1.0;              // chance_of_fall(), without the step of a jump
-  bool drifts = false;              // it shrinks more than chance explains
+  double chance = 1.0;              // chance_of_fall()
+  /// It shrank, by the least change also without the step of a jump, and the chance over all margins is small.
+  bool drifts = false;
   /// The point before which the margin changed by far more than in the other steps.
   std::optional<std::size_t> jump;
 
