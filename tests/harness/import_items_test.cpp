@@ -153,6 +153,10 @@ TEST_F(ImportItems, SeveralFilesAreOneProject) {
   EXPECT_THAT(whole->scenario, HasSubstr("time_step: 0.002"));
   EXPECT_THAT(to_string(whole->remarks), HasSubstr("part.cnoid:5: warning: BodyItem 'Loose' is outside of the world"));
   EXPECT_EQ(whole->items.back().outcome, "of part.cnoid, outside of the world of world.cnoid");
+  write("later.cnoid", project(aist, "", "", controller) + "toolbars: {TimeBar: {frameRate: 250, maxTime: 7}}\n");
+  const auto late = import_projects({folder_ / "bar.cnoid", folder_ / "later.cnoid"}, options_);
+  ASSERT_TRUE(late.ok()) << to_string(late.errors());
+  EXPECT_THAT(late->scenario, HasSubstr("time_step: 0.004")) << "the bar of the last file that has one";
   const auto parts = import_projects({folder_ / "bar.cnoid", folder_ / "part.cnoid"}, options_);
   ASSERT_FALSE(parts.ok());
   EXPECT_THAT(to_string(parts.errors().front()), HasSubstr("no WorldItem"));

@@ -87,7 +87,7 @@ class WrittenFiles {
 
   fs::path folder_;
   bool replaces_;
-  std::vector<fs::path> made_;                              // in order, folders before their content
+  std::vector<fs::path> made_;                           // in order, folders before their content
   std::vector<std::pair<fs::path, fs::path>> replaced_;  // and where the earlier ones are meanwhile
 };
 

@@ -86,7 +86,7 @@ class CNOID_GENERAL_EXPORT SimpleController {
 
 /// This number changes with the memory layout of these classes. A library that was compiled with a different number, or
 /// with the headers of Choreonoid itself, would read and write at wrong places; it is refused.
-#define REHEARSE_CNOID_ABI 2
+#define REHEARSE_CNOID_ABI 3
 
 /// The exported symbols of a controller's library: its factory, and the number it was compiled with.
 extern "C" CNOID_SIMPLE_CONTROLLER_EXPORT cnoid::SimpleController* createSimpleController();

@@ -145,8 +145,7 @@ const BoundForm<ScenarioBody>& bound_body_form() {
       "a body",
       {FormKey{"name", types::name(),
                "unique in the scenario; names its channels; at most 100 bytes, no blanks, no / * ? [ ]", required},
-       {"title", &ScenarioBody::title,
-        "Body::name() for its controllers, any text of one line; default: name"},
+       {"title", &ScenarioBody::title, "Body::name() for its controllers, any text of one line; default: name"},
        FormKey{"model", types::text(), "a URDF or .body file, relative to the scenario"},
        FormKey{"packages", types::map(types::some_text()),
                "NAME: DIRECTORY, that of package://NAME or ${NAME} in the model, relative to the scenario; the same "
