@@ -104,6 +104,12 @@ class FailingController : public Command {
   }
 };
 
+TEST_F(FailingController, ThatRefusesHasRecordedNothing) {
+  const Outcome outcome = record("refuse");
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_EQ(outcome.out, "pendulum didn't run: a controller refused to take part; pendulum.mcap has no tick\n");
+}
+
 TEST_F(FailingController, ThatThrowsEndsTheRun) {
   expect_failure("throw", "threw std::runtime_error: no gait for this slope");
 }

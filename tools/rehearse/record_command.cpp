@@ -102,6 +102,10 @@ Result<Scenario> load(const RecordSettings& settings) {
 }
 
 void tell_recording(const Scenario& scenario, const std::string& trace, const RunSummary& summary, double seconds) {
+  if (summary.controller_refused && summary.ticks == 0) {
+    fmt::print("{} didn't run: a controller refused to take part; {} has no tick\n", scenario.name, trace);
+    return;
+  }
   const double simulated = time_of(summary.ticks, scenario.time_step);
   fmt::print("recorded {}: {}\n", scenario.name, cast_of(scenario));
   fmt::print("{}, {:g} s of simulation, in {:.2f} s: {:.3g} times real time, {:.0f} ticks/s\n",
