@@ -76,7 +76,8 @@ std::string* too_long = nullptr;  // "did not return within 10 s"
 /// Called in exit(), before the handlers and destructors that were registered earlier.
 extern "C" void guard_rest(int status, void*) {
   const Guests& known = guests();
-  if (ending == getpid() || (known.left().empty() && !known.in_fork)) return;
+  const bool had_controllers = *known.controllers != '\0';  // a fork that only moves a world has none
+  if (ending == getpid() || !had_controllers || (known.left().empty() && !known.in_fork)) return;
   end_status = status;
   const std::string names = known.controllers;
   const double limit = interruption() == 0 ? known.limit : std::min(known.limit, limit_after_signal);
