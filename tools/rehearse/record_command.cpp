@@ -80,7 +80,8 @@ void set_duration(Scenario& scenario, double duration) {
 
 /// Replaces the name of a scenario by its file.
 Result<void> name_scenario(RecordSettings& settings) {
-  if (!settings.model.model.empty()) return {};
+  std::error_code ignored;
+  if (!settings.model.model.empty() || std::filesystem::is_directory(settings.scenario, ignored)) return {};
   const auto files = REHEARSE_TRY(files_named(settings.scenario));
   if (files.size() != 1) return error(fmt::format("{} has {} scenarios", settings.scenario, files.size()), "name one");
   settings.scenario = files[0];

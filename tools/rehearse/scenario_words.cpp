@@ -97,7 +97,9 @@ Result<std::vector<std::string>> files_named(const std::string& word) {
   if (source)
     return error_in(word, "it is a source of a controller or a test, not a scenario",
                     found.empty() ? name_hint(wanted, names, "scenarios") : "its scenario: " + found[0]);
-  return error(fmt::format("there is no file, scenario or golden '{}'", word), name_hint(wanted, names, "scenarios"));
+  const std::string hint = names.empty() ? "" : name_hint(wanted, names, "scenarios");
+  if (path.extension() == ".yaml" || path.extension() == ".mcap") return error_in(word, "there is no such file", hint);
+  return error(fmt::format("there is no file, scenario or golden '{}'", word), hint);
 }
 
 Result<std::vector<std::string>> files_named(const std::vector<std::string>& words) {

@@ -102,7 +102,8 @@ fs::path pending_folder(const fs::path& inside) {
   const fs::path project = find_project(inside).value_or(fs::current_path(ignored));
   const bool has_build = fs::is_regular_file(project / "build/CMakeCache.txt", ignored);
   const fs::path folder = project / (has_build ? "build/goldens/pending" : "rehearse-pending");
-  return folder.lexically_proximate(fs::current_path(ignored));
+  fs::path from_here = folder.lexically_proximate(fs::current_path(ignored));
+  return from_here.string().size() < folder.string().size() ? from_here : folder;
 }
 
 Result<fs::path> find_golden_folder(const fs::path& scenario) {
