@@ -58,7 +58,7 @@ const reading = [
   ['cat', 'run.mcap'],
   ['diff', 'run.mcap', 'copy.mcap'],
   ['doctor', 'run.mcap'],
-  ['export', 'run.mcap', '-o', 'table.csv'],
+  ['export', 'run.mcap', '-o', 'tables'],
   ['filter', 'run.mcap', '-o', 'part.mcap'],
   ['merge', 'run.mcap', 'copy.mcap', '-o', 'both.mcap'],
   ['recover', 'run.mcap', '-o', 'whole.mcap'],
