@@ -2,6 +2,7 @@
 #pragma once
 
 #include <rehearse/body.h>
+#include <rehearse/scenario.h>
 
 #include "bound_form.h"
 #include "mesh/heightmap_file.h"

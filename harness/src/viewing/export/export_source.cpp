@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/kinds/channel_name.h"
 #include "core/trace/run_facts.h"
 
 namespace rehearse {
