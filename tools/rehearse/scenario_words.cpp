@@ -54,7 +54,7 @@ Result<std::vector<std::string>> files_below(const fs::path& folder) {
   return files;
 }
 
-/// A folder of a project with scenarios stands for the project's own.
+/// True for a project's folder, which stands for all that the project checks.
 bool has_scenarios(const fs::path& folder) {
   std::error_code ignored;
   return fs::is_directory(folder / "scenarios", ignored) || fs::is_directory(folder / "fixtures/scenarios", ignored);

@@ -13,7 +13,7 @@ namespace rehearse::tool {
 /// The files that a word names: a file, the scenarios below a folder that may be checked, or the scenario of this
 /// folder's project with that name or golden. Fails with the nearest names.
 Result<std::vector<std::string>> files_named(const std::string& word);
-/// The same of several words, in their order.
+/// The files of several words, in their order.
 Result<std::vector<std::string>> files_named(const std::vector<std::string>& words);
 
 /// The files of this folder's project that may name a golden or have expectations: the failures that it keeps, then its

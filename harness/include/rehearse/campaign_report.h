@@ -158,8 +158,8 @@ struct CaseFault {
   std::string owner;       // the kind of its part: sensor, encoder, actuator, link or controller
   std::string body, part;  // names
   std::string fault;       // its kind: "weak"
-  std::vector<std::pair<std::string, std::string>> words =
-      {};  // other varied words that this kind reads, by their keys
+  /// Other varied words that this kind reads, by their keys.
+  std::vector<std::pair<std::string, std::string>> words = {};
 
   friend auto operator<=>(const CaseFault&, const CaseFault&) = default;
 };

@@ -186,7 +186,6 @@ Command ControllerHost::initialize(const Observation& initial) {
   }
   for (HostedController& hosted : controllers_) {
     hosted.delayed = is_delayed(hosted);
-    if (!hosted.running) continue;
     if (!hosted.is_called()) continue;
     for (const std::string& finding : hosted.io->freeze()) event(Severity::warning, hosted.label, finding);
     hosted.reported.odd_outputs.assign(hosted.io->outputs().size, false);
