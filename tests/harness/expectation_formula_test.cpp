@@ -77,6 +77,14 @@ TEST_F(Formulas, HoldWithTheirClosestPlace) {
   EXPECT_NEAR(*result.closest->share, 0.5, 1e-12);
 }
 
+TEST_F(Formulas, HaveTheMarginZeroWithoutASign) {
+  const ExpectationResult result = always("Robot/Foot/force/z == 0.65 kN");
+  EXPECT_THAT(closest_text(result), ::testing::EndsWith(", margin 0 %"));
+  ASSERT_TRUE(result.margin);
+  EXPECT_FALSE(std::signbit(*result.margin));
+  EXPECT_FALSE(std::signbit(result.closest->margin));
+}
+
 TEST_F(Formulas, TellTheFirstAndTheWorstTickThatViolates) {
   const ExpectationResult result = always("BASE/z > 0.55 m");
   EXPECT_EQ(result.sentence,

@@ -71,16 +71,17 @@ std::optional<Diagnostic> mistake_in(const Expectation& expectation, const Trace
 void set_closest(const Judgement& judgement, const std::string& unit, bool degrees, const TickClock& clock,
                  ExpectationResult& result) {
   if (!std::isfinite(judgement.margin) || judgement.comparison == Judgement::nothing) return;
-  result.margin = judgement.margin;
+  const double margin = judgement.margin + 0.0;  // == has the margin -0.0 where it holds, which is 0 in texts
+  result.margin = margin;
   ClosestPlace& closest = result.closest.emplace();
-  closest.margin = judgement.margin;
+  closest.margin = margin;
   closest.value = judgement.value;
   closest.bound = judgement.bound;
   closest.unit = unit;
   closest.text = quantities_text(judgement.value, judgement.bound, unit, degrees);
   closest.tick = clock.tick_at(judgement.time);
   closest.time = static_cast<double>(judgement.time) / 1e9;
-  if (judgement.bound != 0.0) closest.share = judgement.margin / std::abs(judgement.bound);
+  if (judgement.bound != 0.0) closest.share = margin / std::abs(judgement.bound);
 }
 
 FormulaRun::FormulaRun(const std::vector<Expectation>& expectations, const Trace* names)
