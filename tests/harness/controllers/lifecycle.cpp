@@ -187,16 +187,22 @@ class Adder : public Pusher {
 };
 const Add<Adder> adder("add");
 
-/// Writes an effort in initialize() and start() only.
+/// Writes an effort in initialize() only: 5, or 4 with the run's option "softer". "once": control() resets it.
 class EarlyPusher : public Pusher {
  public:
-  explicit EarlyPusher(const Words&) : Pusher(0.0) {}
+  explicit EarlyPusher(const Words& words) : Pusher(0.0), acts_once_(!words.empty()) {}
   bool initialize(cnoid::SimpleControllerIO* io) override {
     Pusher::initialize(io);
-    shoulder_->u() = 5.0;
+    shoulder_->u() = io->optionString().find("softer") == std::string::npos ? 5.0 : 4.0;
     return true;
   }
-  bool control() override { return true; }
+  bool control() override {
+    if (acts_once_) shoulder_->u() = 0.0;
+    return true;
+  }
+
+ private:
+  bool acts_once_;
 };
 const Add<EarlyPusher> early_pusher("early");
 

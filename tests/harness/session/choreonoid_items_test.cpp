@@ -119,6 +119,35 @@ TEST_F(ChoreonoidItems, CommandsOfInitializeActInTheFirstStepIfTheScenarioSaysSo
   expect_equal_replay();
 }
 
+/// Of a controller whose other commands are equal.
+TEST_F(ChoreonoidItems, AReplayComparesTheCommandsOfInitializeThatAct) {
+  ReplayOptions options;
+  options.run_options = "softer";
+  const auto replayed = [&](const char* keys) {
+    record_run(rig(behaviour("C", "early once"), std::string("cameras: none\n") + keys));
+    return replay_run(options);
+  };
+  const auto report = replayed("initial_commands: true\n");
+  ASSERT_TRUE(report.ok()) << to_string(report.errors());
+  ASSERT_TRUE(report->first);
+  EXPECT_EQ(report->values_different, 1);
+  EXPECT_EQ(report->first->tick, 0);
+  EXPECT_EQ(report->first->channel, "/Rig/C/output/joints");
+  EXPECT_EQ(report->first->element, "initialize/SHOULDER/u");
+  EXPECT_EQ(report->first->expected, 5.0);
+  EXPECT_EQ(report->first->actual, 4.0);
+  EXPECT_FALSE(report->commands_hold);
+  EXPECT_FALSE(report->repeats_the_run);
+  ASSERT_TRUE(write_replay(path("run.mcap"), path("again.mcap"), options).ok());
+  const auto again = Trace::load(path("again.mcap"));
+  ASSERT_TRUE(again.ok());
+  ASSERT_TRUE(again->find_metadata("rehearse.initial_commands"));
+  EXPECT_EQ(again->find_metadata("rehearse.initial_commands")->at("Rig/SHOULDER u"), "4");
+  const auto without = replayed("");
+  ASSERT_TRUE(without.ok()) << to_string(without.errors());
+  EXPECT_FALSE(without->first) << "what initialize() writes has no effect there";
+}
+
 TEST_F(ChoreonoidItems, CommandsOfInitializeAreReadBackInTheFirstCall) {
   const std::string both = behaviour("B", "echo effort 1") + ", " + behaviour("A", "early");
   const auto first = [&](const std::string& head) {

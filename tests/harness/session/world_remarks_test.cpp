@@ -75,6 +75,29 @@ joints:
   EXPECT_TRUE(summary_.remarks.empty());
 }
 
+/// A crate has no joint: the quick solver moves it beside an arm that the direct one moves.
+TEST_F(WorldRemarks, ASwingingArmWithACrateElsewhereIsNoReasonToBlameASolverThatDoesNotMoveIt) {
+  write("swing.urdf", R"(<robot name="Swing"><link name="world"/>
+  <joint name="J1" type="continuous"><parent link="world"/><child link="UPPER"/><origin xyz="0 0 2"/>
+    <axis xyz="0 1 0"/></joint>
+  <link name="UPPER"><inertial><origin xyz="0.25 0 0"/><mass value="2"/>
+    <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.05" iyz="0" izz="0.05"/></inertial></link>
+  <joint name="J2" type="continuous"><parent link="UPPER"/><child link="LOWER"/><origin xyz="0.5 0 0"/>
+    <axis xyz="0 1 0"/></joint>
+  <link name="LOWER"><inertial><origin xyz="0.25 0 0"/><mass value="8"/>
+    <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link></robot>)");
+  for (const std::string method : {"direct", "exact"}) {
+    const Trace trace = record_run("rehearse: 1\nduration: 1\nsolver: {method: " + method + R"(}
+bodies:
+  - {name: Swing, model: swing.urdf}
+  - {name: Floor, box: {size: [1, 1, 0.1]}, fixed: true, position: [0, 4, 0]}
+  - {name: Crate, box: {size: [0.4, 0.4, 0.4]}, mass: 5, position: [0, 4, 0.3]}
+)");
+    EXPECT_GT(trace.max("Swing/J1/dq"), 3.0) << method;
+    EXPECT_THAT(said(trace), Not(Contains(HasSubstr("iterations leave")))) << method;
+  }
+}
+
 TEST_F(WorldRemarks, AJointThatMissesItsDrivesVelocityIsAWarning) {
   write("rig.urdf", R"(<robot name="Rig"><link name="world"/>
   <joint name="ANKLE_P" type="continuous"><parent link="world"/><child link="CROSS"/><axis xyz="0 1 0"/></joint>

@@ -65,7 +65,7 @@ Result<ReplayReport> replay_into(mcap::Reader& recording, const Scenario& scenar
   append_as_warnings(other_clock_than(recording), report.remarks);
   const std::vector<ToleranceRule>& rules = options.tolerances ? *options.tolerances : scenario.tolerances;
   SeriesScales scales = scales_of(recording.name(), rules);  // before a controller can change the working folder
-  host.initialize(initial_observation(scenario));
+  const Command first = host.initialize(initial_observation(scenario));
   host.start();
   AlteredInputs altered;
   RecordingSource source(scenario, recording, host, altered);
@@ -81,6 +81,7 @@ Result<ReplayReport> replay_into(mcap::Reader& recording, const Scenario& scenar
   run.report_progress(options.progress, scenario.ticks());
   const bool same_channels = has_channels_of(recording, scenario, host);
   comparison.take_events();
+  comparison.compare_initial(first);
   if (!host.failure()) REHEARSE_TRY(replay_ticks(run, source, comparison, scenario, options, damage, report));
   if (source.was_cut_short()) comparison.end_lines();  // the recorded controllers were not stopped there
   host.stop(report.ticks);

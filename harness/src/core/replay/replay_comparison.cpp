@@ -13,6 +13,7 @@
 #include "base/clock.h"
 #include "core/compare/compare_variables.h"
 #include "core/kinds/channel_name.h"
+#include "core/trace/run_facts.h"
 
 namespace rehearse {
 
@@ -98,6 +99,35 @@ void ReplayComparison::compare(const TickData& now, const std::vector<std::uint6
   results_.take(now.tick, row, source_.recorded().controller_results);
   report_.values += std::ssize(source_.recorded().controller_results);
   compare_variables(now.tick);
+}
+
+/// The channel of a controller that commands it, or of one that commands the body's joints; without any, the body.
+TraceChannel ReplayComparison::channel_of_initial(const InitialNumber& number) const {
+  TraceChannel channel;
+  channel.topic = "/" + number.body;
+  bool is_commanded = false;
+  for (const OutputField& field : record_.fields()) {
+    const ChannelName name = ChannelName::parse(field.channel);
+    if (body_of_name(field.controller) != number.body || name.side != ChannelSide::output) continue;
+    const bool commands_it = name.owner.empty() && field.element == number.element;
+    if (commands_it || (!is_commanded && name.owner.empty())) channel.topic = field.channel;
+    is_commanded = is_commanded || commands_it;
+  }
+  return channel;
+}
+
+void ReplayComparison::compare_initial(const Command& command) {
+  const auto recorded = std::ranges::find(recording_.metadata(), records::initial_commands, &mcap::Metadata::name);
+  if (!scenario_.initial_commands || recorded == recording_.metadata().end() || !is_compared(0)) return;
+  const mcap::StringMap now = metadata_of_initial_commands(scenario_, command);
+  for (const InitialNumber& number : initial_numbers(recorded->values, now, scenario_)) {
+    const std::size_t judged = judge_.add_channel(channel_of_initial(number));
+    judge_.set_columns(judged, {{"initialize/" + number.element, {}, CellKind::floating}});
+    const auto expected = std::bit_cast<std::uint64_t>(number.recorded);
+    const auto actual = std::bit_cast<std::uint64_t>(number.now);
+    judge_.add(judged, 0, std::span(&expected, 1), std::span(&actual, 1));
+    ++report_.values;
+  }
 }
 
 /// Compares the hashes of the inputs. A controller that reads more or fewer values than the recorded controller has

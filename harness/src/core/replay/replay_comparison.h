@@ -14,6 +14,7 @@
 #include "core/compare/row_judge.h"
 #include "core/compare/series_scale.h"
 #include "core/host/controller_host.h"
+#include "core/recording/initial_commands.h"
 #include "core/run/run.h"
 #include "output_record.h"
 #include "recorded_delays.h"
@@ -35,6 +36,8 @@ class ReplayComparison final : public Sink {
 
   /// The channels that are compared.
   const std::vector<std::uint16_t>& channels() const { return channels_; }
+  /// Compares what initialize() wrote into the command of the first step, if it acts in the first step.
+  void compare_initial(const Command& command);
   /// Takes a message of the tick that is emitted next; ignores messages of channels that aren't compared.
   Result<void> take(const mcap::Message& message);
   Result<void> emit(const TickData& now) override;
@@ -51,6 +54,7 @@ class ReplayComparison final : public Sink {
  private:
   bool is_compared(std::int64_t tick) const;
   void compare(const TickData& now, const std::vector<std::uint64_t>& row);
+  TraceChannel channel_of_initial(const InitialNumber& number) const;
   void compare_inputs(const TickData& now);
   void end_where_inputs_are_lost(std::int64_t tick);
   void compare_variables(std::int64_t tick);

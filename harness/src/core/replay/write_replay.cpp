@@ -10,6 +10,7 @@
 #include "core/guard/process_guard.h"
 #include "core/host/controller_host.h"
 #include "core/mcap/whole_input.h"
+#include "core/recording/initial_commands.h"
 #include "core/recording/provenance.h"
 #include "core/recording/recorder.h"
 #include "core/run/hosted_commands.h"
@@ -45,6 +46,8 @@ Result<void> write_trace(mcap::Reader& reader, const Scenario& scenario, const s
   for (const auto& [name, library] : options.libraries)
     origin.controllers.push_back(name + "=" + fs::path(library).filename().string());
   REHEARSE_TRY(recorder->add_metadata(records::branch, origin.metadata()));
+  if (scenario.initial_commands)
+    REHEARSE_TRY(recorder->add_metadata(records::initial_commands, metadata_of_initial_commands(scenario, at_rest)));
   for (std::size_t body = 0; body < scenario.bodies.size(); ++body)
     if (altered.alters_joints(static_cast<int>(body))) recorder->measure_joints(static_cast<int>(body));
   recorder->declare(host.get());

@@ -1,4 +1,5 @@
 #include "recorded_commands.h"
+#include "core/recording/initial_commands.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +9,6 @@
 
 #include "base/clock.h"
 #include "core/trace/run_facts.h"
-#include "initial_commands.h"
 
 namespace rehearse {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "closed_loop.h"
 #include "core/guard/float_mode.h"
+#include "core/recording/initial_commands.h"
 #include "core/trace/run_facts.h"
-#include "initial_commands.h"
 
 namespace rehearse {
 namespace {

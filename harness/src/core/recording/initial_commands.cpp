@@ -3,10 +3,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <set>
 #include <span>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -26,13 +30,30 @@ std::string command_text(const Eigen::Vector3d& a, std::span<const double> b) {
   return fmt::format("{} {} {} {}", a.x(), a.y(), a.z(), fmt::join(b, " "));
 }
 
-/// The finite numbers of a text, if it has that many.
-std::vector<double> command_numbers(const std::string* text, std::size_t count) {
+/// The finite numbers of a text.
+std::vector<double> command_numbers(const std::string* text) {
   std::vector<double> numbers;
   std::istringstream words(text == nullptr ? std::string() : *text);
   for (std::string word; words >> word;)
     if (const auto number = number_in<double>(word); number && std::isfinite(*number)) numbers.push_back(*number);
+  return numbers;
+}
+
+/// The finite numbers of a text, if it has that many.
+std::vector<double> command_numbers(const std::string* text, std::size_t count) {
+  std::vector<double> numbers = command_numbers(text);
   return numbers.size() == count ? numbers : std::vector<double>();
+}
+
+/// A number that the metadata leave out.
+double number_at_rest(const ScenarioBody& body, std::string_view owner, std::string_view quantity) {
+  if (quantity == "pose") return std::numeric_limits<double>::quiet_NaN();
+  if (quantity != "q") return 0.0;
+  for (const double& posture : body.joints)
+    if (const auto id = static_cast<std::size_t>(&posture - body.joints.data());
+        body.model->links[static_cast<std::size_t>(body.model->joints[id])].joint.name == owner)
+      return posture;
+  return 0.0;
 }
 
 Eigen::Vector3d vector_of(const std::vector<double>& numbers, std::size_t at) {
@@ -98,6 +119,33 @@ void take_initial_commands(const mcap::StringMap& metadata, const Scenario& scen
         of_body.given[static_cast<int>(i)].twist = LinkTwist{vector_of(numbers, 0), vector_of(numbers, 3)};
     }
   }
+}
+
+std::vector<InitialNumber> initial_numbers(const mcap::StringMap& recorded, const mcap::StringMap& now,
+                                           const Scenario& scenario) {
+  std::set<std::string> keys;
+  for (const mcap::StringMap* stated : {&recorded, &now})
+    for (const auto& [key, numbers] : *stated) keys.insert(key);
+  const auto text_in = [](const mcap::StringMap& stated, const std::string& key) {
+    const auto found = stated.find(key);
+    return found == stated.end() ? nullptr : &found->second;
+  };
+  std::vector<InitialNumber> all;
+  for (const std::string& key : keys) {
+    const std::size_t slash = key.find('/'), space = key.rfind(' ');
+    if (slash == std::string::npos || space == std::string::npos || space < slash) continue;
+    const auto body = std::ranges::find(scenario.bodies, key.substr(0, slash), &ScenarioBody::name);
+    if (body == scenario.bodies.end()) continue;
+    const std::string owner = key.substr(slash + 1, space - slash - 1), quantity = key.substr(space + 1);
+    std::vector<double> before = command_numbers(text_in(recorded, key)), after = command_numbers(text_in(now, key));
+    const std::size_t count = std::max(before.size(), after.size());
+    for (std::vector<double>* numbers : {&before, &after})
+      numbers->resize(count, number_at_rest(*body, owner, quantity));
+    for (std::size_t i = 0; i < count; ++i)
+      all.push_back({body->name, fmt::format("{}/{}{}", owner, quantity, count > 1 ? fmt::format("/{}", i) : ""),
+                     before[i], after[i]});
+  }
+  return all;
 }
 
 }  // namespace rehearse

@@ -5,6 +5,9 @@
 #include <rehearse/mcap.h>
 #include <rehearse/scenario.h>
 
+#include <string>
+#include <vector>
+
 namespace rehearse {
 
 /// The numbers of the command of the first step that differ from those of a command at rest; devices aside, whose
@@ -13,5 +16,16 @@ mcap::StringMap metadata_of_initial_commands(const Scenario& scenario, const Com
 
 /// Writes them into a command at rest. What the scenario lacks, and what isn't a list of numbers, is left out.
 void take_initial_commands(const mcap::StringMap& metadata, const Scenario& scenario, Command& command);
+
+/// A number of these commands, in a recording and in another run of it. Of a pose that one of them lacks: NaN.
+struct InitialNumber {
+  std::string body;
+  std::string element;  // "SHOULDER/u", "TIP/wrench/2"
+  double recorded, now;
+};
+
+/// The numbers that either of them states.
+std::vector<InitialNumber> initial_numbers(const mcap::StringMap& recorded, const mcap::StringMap& now,
+                                           const Scenario& scenario);
 
 }  // namespace rehearse
