@@ -68,7 +68,8 @@ INSTANTIATE_TEST_SUITE_P(Faults, LockstepOfFault,
                                            Fault{6, "100 (0.1 s)", ": swing is 0.25"},
                                            Fault{7, "100 (0.1 s)", ": is_rising is true, not false"},
                                            Fault{8, "101 (0.101 s)", ": cycles is 0.452, not 0.202"},
-                                           Fault{9, "92 (0.092 s)", ": is_saturated_ is true, not false"}),
+                                           Fault{9, "92 (0.092 s)", ": is_saturated_ is true, not false"},
+                                           Fault{11, "0 (0 s)", ": effort is 10, not 85.96"}),
                          [](const auto& info) { return "Number" + std::to_string(std::get<0>(info.param)); });
 
 TEST_F(Lockstep, NamesMembersThatDifferBeforeTheRun) {

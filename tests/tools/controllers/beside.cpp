@@ -1,4 +1,4 @@
-// A controller of the quadruped with ten faults to choose from: FAULT is the number of one, or 0. The comment
+// A controller of the quadruped with eleven faults to choose from: FAULT is the number of one, or 0. The comment
 // "fault N" marks the line that --beside is to name.
 #include <cnoid/Imu>
 #include <cnoid/SimpleController>
@@ -95,6 +95,26 @@ class Beside : public cnoid::SimpleController {
     return is_saturated_ ? std::clamp(effort, -0.5 * limit, 0.5 * limit) : effort;
   }
 
+  /// Two variables have one name, and fault 11 moves both in the frame: each has a number of its memory at first.
+  double halved_twice(double effort) const {
+#if FAULT == 11
+    const double most = 10.0;
+#endif
+    if (effort > 0.0) {
+      const double part = 0.5 * effort;
+      effort = 2.0 * part;
+    }
+    if (std::abs(effort) > 0.0) {
+      const double half = 0.5;
+      const double part = half * effort;
+      effort = 2.0 * part;
+    }
+#if FAULT == 11
+    effort = std::min(effort, most);  // fault 11: a limit
+#endif
+    return effort;
+  }
+
   void hold(Leg& leg, double phase, double pitch_rate) {
     const std::array<double, 4> gains{30.0, 35.0, 40.0, 45.0};
 #if FAULT == 4
@@ -121,7 +141,7 @@ class Beside : public cnoid::SimpleController {
 #endif
       const double speed = smooth(leg, leg.joints[i]->dq());
       const double effort = gain * (wanted - leg.joints[i]->q()) - speed - 0.1 * (lean_ + pitch_rate);
-      leg.joints[i]->u() = limited(effort);
+      leg.joints[i]->u() = limited(halved_twice(effort));
     }
   }
 

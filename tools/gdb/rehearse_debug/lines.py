@@ -1,6 +1,6 @@
 """The lines that one call of control() executes in the controller's own sources, with the numbers after each."""
 
-from typing import Dict, Iterator, List, NamedTuple, Optional, Set, Tuple
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Set, Tuple
 
 import gdb
 
@@ -21,7 +21,7 @@ class Line(NamedTuple):
     line: int
     is_begun: bool  # a part of the line has been executed: a function that it calls has returned
     call: int  # number of the function's call in the tick
-    locals: Dict[str, str]  # the variables of the function
+    locals: Dict[str, str]  # the variables of the function whose declarations have been executed
     is_set: Set[str]  # of these, those that are set
     changed: Dict[str, Optional[str]]  # members and commands that the line before has changed
 
@@ -83,16 +83,23 @@ def _is_own(frame: gdb.Frame, library: str) -> bool:
     return not any(folder in symtab.fullname() for folder in travel.FOLDERS_OF_LIBRARIES)
 
 
-def _locals_of(frame: gdb.Frame, known: Layout) -> Tuple[Dict[str, str], Set[str]]:
-    """The numbers in the variables of the function, but for those which refer to known objects; and the names of those
-    that are set, because they are arguments, or static."""
+class _Locals(NamedTuple):
+    """The numbers in the variables of a function, but for those which refer to known objects."""
+
+    declared: Dict[str, str]
+    always: Set[str]  # of these, those that are set, because they are arguments, or static
+    early: Dict[str, str]  # of variables whose declaration hasn't been executed: what their memory had before
+
+
+def _locals_of(frame: gdb.Frame, known: Layout, is_declared: Callable[[int], bool]) -> _Locals:
+    """`is_declared`: whether the line of a variable's declaration has been executed."""
     # a pointer may be behind the end of an array
-    layout, always = (Layout(_MOST_LOCALS, apart_from=known, follows_pointers=False) for _ in range(2))
+    declared, always, early = (Layout(_MOST_LOCALS, apart_from=known, follows_pointers=False) for _ in range(3))
     names: Set[str] = {"this"}
     try:
         block: Optional[gdb.Block] = frame.block()
     except RuntimeError:
-        return {}, set()
+        return _Locals({}, set(), {})
     while block is not None and not block.is_static and not block.is_global:
         for symbol in block:
             is_compilers = symbol.name.startswith("__")  # as the end of a range
@@ -100,26 +107,38 @@ def _locals_of(frame: gdb.Frame, known: Layout) -> Tuple[Dict[str, str], Set[str
                 continue
             names.add(symbol.name)
             is_set = symbol.is_argument or symbol.addr_class == gdb.SYMBOL_LOC_STATIC
+            layout = always if is_set else declared if is_declared(symbol.line) else early
             try:
-                (always if is_set else layout).add(symbol.name, symbol.value(frame))
+                layout.add(symbol.name, symbol.value(frame))
             except (gdb.error, ValueError):
                 pass
         if block.function is not None:
             break
         block = block.superblock
     set_ = always.read()
-    return {**layout.read(), **set_}, set(set_)
+    return _Locals({**declared.read(), **set_}, set(set_), early.read())
 
 
 class _Call:
-    """A call of a function that has begun. A variable of it isn't set before its number changes."""
+    """A call of a function that has begun. A variable of it isn't set before its number changes: a constructor may leave
+    its members as their memory was."""
 
     def __init__(self, number: int, function: str) -> None:
         self.number = number
         self.function = function
         self.line = 0  # the last that it executed
+        self._left: Set[int] = set()  # lines that it has executed to their ends
         self.is_set: Set[str] = set()
         self._first: Dict[str, str] = {}
+
+    def reach(self, line: int) -> None:
+        if line != self.line:
+            self._left.add(self.line)
+        self.line = line
+
+    def has_executed(self, line: int, statements: List[int]) -> bool:
+        """Of a line without code, as "int count;": the call is behind it."""
+        return line in self._left or (line not in statements and line < self.line)
 
     def update(self, texts: Dict[str, str], always: Set[str]) -> None:
         self.is_set |= always
@@ -248,19 +267,30 @@ class Walk:
         found = frame.find_sal()
         changed = self._numbers.changes()
         function, depth = frame.name() or "", _depth_of(frame)
-        variables, always = _locals_of(frame, self._numbers.layout)
+        statements = self._statements_of(frame, found.symtab.fullname(), function)
         call = self._calls.at(depth, function)
-        call.update(variables, always)
         has_returned = bool(self.lines) and self.lines[-1].call > call.number
         is_begun = found.pc != frame.pc() or (has_returned and call.line == found.line)
-        call.line = found.line
+        call.reach(found.line)
+        variables = _locals_of(frame, self._numbers.layout, lambda line: call.has_executed(line, statements))
+        call.update({**variables.early, **variables.declared}, variables.always)
         step = Line(
-            function, found.symtab.fullname(), found.line, is_begun, call.number, variables, set(call.is_set), changed
+            function,
+            found.symtab.fullname(),
+            found.line,
+            is_begun,
+            call.number,
+            variables.declared,
+            set(call.is_set),
+            changed,
         )
         self.is_optimised = self.is_optimised or _is_optimised(found.symtab)
         self.lines.append(step)
-        if (step.file, step.function) not in self.statements:
-            self.statements[step.file, step.function] = _statements(frame, step)
+
+    def _statements_of(self, frame: gdb.Frame, file: str, function: str) -> List[int]:
+        if (file, function) not in self.statements:
+            self.statements[file, function] = _statements(frame)
+        return self.statements[file, function]
 
 
 def _is_optimised(symtab: gdb.Symtab) -> bool:
@@ -274,9 +304,9 @@ def _has_own_caller(frame: gdb.Frame) -> bool:
     return older is not None and not stack.is_of_the_host(older)
 
 
-def _statements(frame: gdb.Frame, step: Line) -> List[int]:
+def _statements(frame: gdb.Frame) -> List[int]:
     block = travel.block_of(frame.pc())
     if block is None:
-        return [step.line]
+        return [frame.find_sal().line]
     rows = frame.find_sal().symtab.linetable() or []
     return sorted({row.line for row in rows if block.start <= row.pc < block.end and row.line > 0})
